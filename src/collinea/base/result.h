@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <source_location>
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace collinea {
+
+enum class Errc { kBadInput, kNotFound, kBadFormat, kUnsupported, kIllPosed, kNotConverged, kCancelled };
+
+/// What went wrong in the world outside our code, in words a user can act on.
+struct Error {
+  Errc code;
+  std::string message;
+
+  /// Adds the caller's view of the failure in front: "reading block.json: camera 3: no such model".
+  [[nodiscard]] Error within(std::string_view doing) && {
+    message.insert(0, std::string(doing) + ": ");
+    return std::move(*this);
+  }
+};
+
+/// The value, or why there is none. Becomes std::expected when the project moves to C++23.
+template <class T = void>
+using Result = tl::expected<T, Error>;
+
+[[nodiscard]] inline tl::unexpected<Error> fail(Errc code, std::string message) {
+  return tl::unexpected(Error{code, std::move(message)});
+}
+
+/// A broken promise between two pieces of our own code: always a bug, never a user's mistake.
+[[noreturn]] void bug(std::string_view what, std::source_location at = std::source_location::current());
+
+}  // namespace collinea
+
+#define COLLINEA_CHECK(condition) \
+  do { \
+    if (!(condition)) [[unlikely]] ::collinea::bug(#condition); \
+  } while (false)
+
+#define COLLINEA_CONCAT_(a, b) a##b
+#define COLLINEA_CONCAT(a, b) COLLINEA_CONCAT_(a, b)
+
+/// COLLINEA_TRY(const Block block, read_block(path));  -- takes the value or returns the error to our caller.
+#define COLLINEA_TRY(declaration, expression)                                        \
+  auto COLLINEA_CONCAT(collinea_try_, __LINE__) = (expression);                            \
+  if (!COLLINEA_CONCAT(collinea_try_, __LINE__))                                           \
+    return tl::unexpected(std::move(COLLINEA_CONCAT(collinea_try_, __LINE__)).error());    \
+  declaration = *std::move(COLLINEA_CONCAT(collinea_try_, __LINE__))

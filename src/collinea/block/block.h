@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/base/id.h"
+#include "collinea/camera/camera.h"
+#include "collinea/geometry/rigid3.h"
+
+namespace collinea {
+
+/// How the world frame of a block (local, metric, right-handed, z up) lies on the Earth: x east, y north, z up on the
+/// WGS84 ellipsoid at the origin; maps and control are in `crs`. geodesy::LocalFrame converts.
+struct Georeference {
+  std::string crs;  ///< what PROJ understands: "EPSG:32633", "EPSG:32633+5773", WKT
+  double origin_latitude_deg = 0, origin_longitude_deg = 0, origin_height_m = 0;  ///< ellipsoidal
+};
+
+/// Where a camera says it was (GNSS), with standard deviations along x, y, z of the world frame.
+struct PositionPrior {
+  Eigen::Vector3d position_in_world;  ///< [m]
+  Eigen::Vector3d sigma_m;
+  double latitude_deg = 0, longitude_deg = 0, height_m = 0;  ///< as written by the device
+};
+
+/// How a camera says it was turned: Tait-Bryan angles of the optical axis as drones write them. Heading clockwise from
+/// north, pitch -90 = straight down, roll about the optical axis.
+struct AttitudePrior {
+  double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
+};
+
+/// One exposure. Where it was taken is in Block::cam_from_world, and only there.
+struct Image {
+  std::string file;  ///< relative to the photo folder
+  CameraId camera;
+  std::string taken;  ///< EXIF date and time with sub-seconds as it sorts; empty when unknown
+  std::optional<PositionPrior> position;
+  std::optional<AttitudePrior> attitude;
+  int orientation = 1;  ///< EXIF orientation tag: for display only, pixels are used as stored
+};
+
+/// A tie point: one point of the object seen in two or more images.
+struct TiePoint {
+  Eigen::Vector3d position_in_world;  ///< [m]
+  std::array<std::uint8_t, 3> colour{};  ///< red, green, blue
+};
+
+/// One measured image point of one tie point.
+struct Observation {
+  ImageId image;
+  PointId point;
+  std::uint32_t feature = 0;  ///< its index in the image's Features
+  Eigen::Vector2d pixel;      ///< [px]
+  double sigma_px = 1;        ///< standard deviation of each coordinate
+};
+
+enum class ControlRole { kControl, kCheck };
+
+/// A surveyed point. Heights-only or plan-only control has an infinite sigma on the other axes.
+struct ControlPoint {
+  std::string name;
+  ControlRole role = ControlRole::kControl;
+  Eigen::Vector3d position_in_map;    ///< easting, northing, height in Georeference::crs [m]
+  Eigen::Vector3d position_in_world;  ///< [m]
+  Eigen::Vector3d sigma_m;            ///< east, north, height
+};
+
+struct ControlObservation {
+  ControlId point;
+  ImageId image;
+  Eigen::Vector2d pixel;
+  double sigma_px = 1;
+};
+
+/// All that is known of a set of overlapping images. Plain data: no pointers, no files, no hidden caches.
+struct Block {
+  std::optional<Georeference> georeference;  ///< nothing: the world frame is a gauge without place or scale on Earth
+  std::map<CameraId, Camera> cameras;
+  std::map<ImageId, Image> images;
+  std::map<ImageId, Rigid3> cam_from_world;  ///< oriented images only
+  std::map<PointId, TiePoint> points;
+  std::vector<Observation> observations;  ///< of tie points; sorted by (point, image)
+  std::map<ControlId, ControlPoint> control;
+  std::vector<ControlObservation> control_observations;
+
+  [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras.at(images.at(image).camera); }
+};
+
+}  // namespace collinea

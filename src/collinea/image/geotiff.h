@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "collinea/base/result.h"
+#include "collinea/image/raster.h"
+
+namespace collinea {
+
+/// Where the cells of a north-up raster lie on the map: the outer corner of the upper-left cell and the cell size.
+struct MapGrid {
+  double west_m = 0, north_m = 0;  ///< outer corner of the upper-left cell
+  double cell_m = 1;
+  int width = 0, height = 0;       ///< cells
+  std::string wkt;                 ///< of the CRS; empty: a local frame
+
+  [[nodiscard]] double east_of(double column) const { return west_m + column * cell_m; }    ///< continuous column; +0.5 = centre
+  [[nodiscard]] double north_of(double row) const { return north_m - row * cell_m; }
+};
+
+/// Writes a raster on disk block by block (tiled GeoTIFF, DEFLATE, floating-point or byte samples); the file appears
+/// under its name only after finish(). By GDAL.
+template <class T>
+class GeoTiffWriter {
+ public:
+  /// `channels` bands; nodata as stated; with `alpha` the last band is an alpha band. cloud_optimised: written as COG with overviews.
+  struct Options {
+    std::optional<double> nodata;
+    bool alpha = false;
+    bool cloud_optimised = false;
+    std::string description;  ///< TIFF ImageDescription: what and in which unit
+  };
+  static Result<GeoTiffWriter> create(const std::filesystem::path& path, const MapGrid& grid, int channels, const Options& options);
+  /// Writes a window; its raster may be smaller at the right and bottom edge. Not thread-safe.
+  Result<> write(int column, int row, const Raster<T>& window);
+  Result<> finish();
+
+  GeoTiffWriter(GeoTiffWriter&&) noexcept;
+  GeoTiffWriter& operator=(GeoTiffWriter&&) noexcept;
+  ~GeoTiffWriter();
+
+ private:
+  GeoTiffWriter();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+extern template class GeoTiffWriter<float>;
+extern template class GeoTiffWriter<std::uint8_t>;
+extern template class GeoTiffWriter<std::uint16_t>;
+
+/// A raster file opened for reading by windows. Not thread-safe.
+class GeoTiffReader {
+ public:
+  static Result<GeoTiffReader> open(const std::filesystem::path& path);
+  [[nodiscard]] const MapGrid& grid() const;
+  [[nodiscard]] int channels() const;
+  [[nodiscard]] std::optional<double> nodata() const;
+  /// Reads a window of all channels, converted to T, optionally resampled (average) to out_width x out_height.
+  Result<Raster<float>> read_float(int column, int row, int width, int height, int out_width = 0, int out_height = 0) const;
+  Result<Raster<std::uint8_t>> read_byte(int column, int row, int width, int height, int out_width = 0, int out_height = 0) const;
+
+  GeoTiffReader(GeoTiffReader&&) noexcept;
+  GeoTiffReader& operator=(GeoTiffReader&&) noexcept;
+  ~GeoTiffReader();
+
+ private:
+  GeoTiffReader();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A float raster without georeference (depth maps), tiled and compressed losslessly, written atomically; and back.
+[[nodiscard]] Result<> write_float_tiff(const std::filesystem::path& path, const FloatImage& raster);
+[[nodiscard]] Result<FloatImage> read_float_tiff(const std::filesystem::path& path);
+
+}  // namespace collinea

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/block.h"
+#include "collinea/block/features.h"
+
+namespace collinea {
+
+/// How a step ended: what it was made from and what it cost.
+struct StepRecord {
+  std::string name;         ///< "detect", ...
+  std::string inputs_hash;  ///< fingerprint of everything it read: options, earlier steps' outputs
+  std::string output_hash;  ///< fingerprint of what it left behind
+  double seconds = 0, cpu_seconds = 0, peak_memory_bytes = 0;
+  std::string report_json;  ///< figures for the report; a JSON object
+};
+
+/// block.db of a project folder: SQLite in WAL mode, every call one transaction. May be used from several threads
+/// at once (calls are serialised inside). A killed program loses at most the call in work.
+class ProjectStore {
+ public:
+  /// Opens PROJECT/block.db, created when missing. Errors: folder cannot be made, not a collinea database, newer schema.
+  static Result<ProjectStore> open(const std::filesystem::path& project);
+
+  [[nodiscard]] const std::filesystem::path& folder() const;  ///< PROJECT
+
+  /// Georeference, cameras, images and control: what is known before orientation. Replaces all of it.
+  Result<> write_setup(const Block& block);
+  /// Cameras (as adjusted), poses, tie points, observations, control observations. Replaces all of it.
+  Result<> write_orientation(const Block& block);
+  /// Everything in one block. Before orientation there are no poses and cameras are as set up.
+  Result<Block> read_block() const;
+  /// As read_block, but as it was set up: no poses, no points, cameras before adjustment.
+  Result<Block> read_setup() const;
+
+  Result<> write_features(ImageId image, const Features& features, const std::string& inputs_hash);
+  Result<Features> read_features(ImageId image) const;
+  Result<std::vector<Keypoint>> read_keypoints(ImageId image) const;
+  /// The inputs_hash stored with the features of each image that has some.
+  Result<std::map<ImageId, std::string>> features_done() const;
+  Result<> erase_features(ImageId image);
+
+  /// Also pairs that failed are written (geometry kNone, no matches), so that they are not tried again.
+  Result<> write_pairs(const std::vector<ImagePair>& pairs, const std::string& inputs_hash);
+  Result<std::vector<ImagePair>> read_pairs() const;  ///< sorted by (first, second)
+  Result<std::vector<std::pair<ImageId, ImageId>>> pairs_done(const std::string& inputs_hash) const;
+  Result<> erase_pairs_except(const std::string& inputs_hash);
+
+  Result<> write_step(const StepRecord& step);
+  Result<> erase_step(const std::string& name);
+  Result<std::optional<StepRecord>> read_step(const std::string& name) const;
+  Result<std::vector<StepRecord>> read_steps() const;
+
+  ProjectStore(ProjectStore&&) noexcept;
+  ProjectStore& operator=(ProjectStore&&) noexcept;
+  ~ProjectStore();
+
+ private:
+  ProjectStore();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace collinea
