@@ -30,13 +30,15 @@ class GeoTiffWriter {
  public:
   /// `channels` bands; nodata as stated; with `alpha` the last band is an alpha band. cloud_optimised: written as COG with overviews.
   struct Options {
-    std::optional<double> nodata;
+    std::optional<double> nodata = {};
     bool alpha = false;
     bool cloud_optimised = false;
-    std::string description;  ///< TIFF ImageDescription: what and in which unit
+    std::string description = {};  ///< TIFF ImageDescription: what and in which unit
+    int threads = 1;               ///< that compress a cloud-optimised file; its bytes do not depend on it
   };
   static Result<GeoTiffWriter> create(const std::filesystem::path& path, const MapGrid& grid, int channels, const Options& options);
-  /// Writes a window; its raster may be smaller at the right and bottom edge. Not thread-safe.
+  /// Writes a window inside the grid. Not thread-safe. Windows on multiples of 512 cells (or ending at the grid's edge)
+  /// are written at once; the same ones in the same order make the same bytes. Others work, but slower and larger.
   Result<> write(int column, int row, const Raster<T>& window);
   Result<> finish();
 
@@ -53,14 +55,16 @@ extern template class GeoTiffWriter<float>;
 extern template class GeoTiffWriter<std::uint8_t>;
 extern template class GeoTiffWriter<std::uint16_t>;
 
-/// A raster file opened for reading by windows. Not thread-safe.
+/// A raster file opened for reading by windows. Not thread-safe. A file without georeference has cells of 1 and its
+/// lower-left corner at (0, 0).
 class GeoTiffReader {
  public:
   static Result<GeoTiffReader> open(const std::filesystem::path& path);
   [[nodiscard]] const MapGrid& grid() const;
   [[nodiscard]] int channels() const;
   [[nodiscard]] std::optional<double> nodata() const;
-  /// Reads a window of all channels, converted to T, optionally resampled (average) to out_width x out_height.
+  /// Reads a window of all channels, converted to T, optionally resampled (average, nodata left out) to out_width x
+  /// out_height. Errors: a window outside the raster, damaged data.
   Result<Raster<float>> read_float(int column, int row, int width, int height, int out_width = 0, int out_height = 0) const;
   Result<Raster<std::uint8_t>> read_byte(int column, int row, int width, int height, int out_width = 0, int out_height = 0) const;
 
@@ -74,7 +78,8 @@ class GeoTiffReader {
   std::unique_ptr<State> state_;
 };
 
-/// A float raster without georeference (depth maps), tiled and compressed losslessly, written atomically; and back.
+/// A float raster without georeference (depth maps), any channels, compressed losslessly in strips, written atomically;
+/// and back. From several threads at once on different files.
 [[nodiscard]] Result<> write_float_tiff(const std::filesystem::path& path, const FloatImage& raster);
 [[nodiscard]] Result<FloatImage> read_float_tiff(const std::filesystem::path& path);
 

@@ -18,7 +18,7 @@ struct PhotoHeader {
   std::optional<double> pixel_pitch_mm;  ///< from FocalPlaneXResolution and its unit, when plausible
   std::string taken;                     ///< "YYYY:MM:DD hh:mm:ss.sss"
   int orientation = 1;
-  std::optional<double> latitude_deg, longitude_deg, height_m;         ///< GPS; XMP's finer values win where present
+  std::optional<double> latitude_deg, longitude_deg, height_m;         ///< GPS; XMP's finer values where they agree
   std::optional<double> sigma_east_m, sigma_north_m, sigma_height_m;   ///< XMP RTK (drone-dji:RtkStdLon/Lat/Hgt), GPSHPositioningError
   std::optional<double> relative_height_m;                             ///< above take-off (drone-dji:RelativeAltitude)
   std::optional<double> heading_deg, pitch_deg, roll_deg;              ///< gimbal (drone-dji:Gimbal*Degree, Camera:*)

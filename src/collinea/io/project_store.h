@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,13 +32,14 @@ class ProjectStore {
 
   [[nodiscard]] const std::filesystem::path& folder() const;  ///< PROJECT
 
-  /// Georeference, cameras, images and control: what is known before orientation. Replaces all of it.
+  /// Georeference, cameras, images and control with its observations: what is known before orientation. Replaces all
+  /// of it. An orientation of images or control points that are no longer there is erased; another one stays.
   Result<> write_setup(const Block& block);
   /// Cameras (as adjusted), poses, tie points, observations, control observations. Replaces all of it.
   Result<> write_orientation(const Block& block);
-  /// Everything in one block. Before orientation there are no poses and cameras are as set up.
+  /// Everything in one block. Before orientation there are no poses; cameras and control observations are as set up.
   Result<Block> read_block() const;
-  /// As read_block, but as it was set up: no poses, no points, cameras before adjustment.
+  /// As read_block, but as it was set up: no poses, no points, cameras and control observations before adjustment.
   Result<Block> read_setup() const;
 
   Result<> write_features(ImageId image, const Features& features, const std::string& inputs_hash);
@@ -57,7 +58,7 @@ class ProjectStore {
   Result<> write_step(const StepRecord& step);
   Result<> erase_step(const std::string& name);
   Result<std::optional<StepRecord>> read_step(const std::string& name) const;
-  Result<std::vector<StepRecord>> read_steps() const;
+  Result<std::vector<StepRecord>> read_steps() const;  ///< in the order they were written
 
   ProjectStore(ProjectStore&&) noexcept;
   ProjectStore& operator=(ProjectStore&&) noexcept;

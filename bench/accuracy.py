@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Accuracy of the main job on blocks with known truth, as one table.
+
+usage: bench/accuracy.py [--data DIR] [--out DIR] [--only NAME,...] [--collinea PROGRAM]
+  --data  folder of the real blocks (default ../shared/data); blocks that are not there are skipped, saying so
+  --out   where the projects go (default build/bench-accuracy); projects found there are continued
+Needs python3-numpy.
+"""
+import argparse
+import glob
+import json
+import os
+import subprocess
+import sys
+import time
+
+import numpy as np
+
+parser = argparse.ArgumentParser()
+root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+parser.add_argument("--data", default=os.path.join(os.path.dirname(root), "shared", "data"))
+parser.add_argument("--out", default=os.path.join(root, "build", "bench-accuracy"))
+parser.add_argument("--only", default="")
+parser.add_argument("--collinea", default=os.path.join(root, "build", "release", "bin", "collinea"))
+args = parser.parse_args()
+
+STRECHA = {"fountain-P11": "2759.48,2764.16,1521.19,1007.31", "Herz-Jesus-P8": "1379.74,1382.08,760.595,503.655",
+           "entry-P10": "1379.74,1382.08,760.595,503.655", "castle-P19": "1379.74,1382.08,760.595,503.655"}
+
+
+def collinea(*words):
+    """Runs the program; its own messages go to our stderr. Returns (stdout, seconds)."""
+    start = time.time()
+    done = subprocess.run([args.collinea, *map(str, words)], stdout=subprocess.PIPE, text=True)
+    if done.returncode:
+        print(f"FAILED ({done.returncode}): collinea {' '.join(map(str, words))}", flush=True)
+    return done.stdout, time.time() - start
+
+
+def info(project):
+    out, _ = collinea("info", project, "--json")
+    return json.loads(out) if out else {}
+
+
+def similarity(a, b):
+    """Umeyama (1991): scale, rotation, translation with b = s R a + t."""
+    ma, mb = a.mean(0), b.mean(0)
+    u, d, vt = np.linalg.svd((b - mb).T @ (a - ma))
+    s = np.diag([1, 1, np.sign(np.linalg.det(u) * np.linalg.det(vt))])
+    r = u @ s @ vt
+    scale = (d * np.diag(s)).sum() / ((a - ma) ** 2).sum()
+    return scale, r, mb - scale * r @ ma
+
+
+def centres_of_model(folder):
+    centres = {}
+    lines = [l for l in open(os.path.join(folder, "images.txt")) if not l.startswith("#")]
+    for line in lines[0::2]:
+        p = line.split()
+        if len(p) < 10:
+            continue
+        w, x, y, z = map(float, p[1:5])
+        r = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                      [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+        centres[os.path.splitext(os.path.basename(p[9]))[0]] = -r.T @ np.array(list(map(float, p[5:8])))
+    return centres
+
+
+def strecha_centres(folder):
+    centres = {}
+    for f in glob.glob(os.path.join(folder, "gt_dense_cameras", "*.camera")):
+        rows = [list(map(float, l.split())) for l in open(f) if l.strip()]
+        centres[os.path.basename(f).split(".")[0]] = np.array(rows[7])
+    return centres
+
+
+def centre_errors(project, truth):
+    folder = os.path.join(project, "colmap")
+    collinea("export", project, folder, "--format", "colmap")
+    found = centres_of_model(folder)
+    names = sorted(set(found) & set(truth))
+    if len(names) < 3:
+        return None
+    a, b = np.array([found[n] for n in names]), np.array([truth[n] for n in names])
+    s, r, t = similarity(a, b)
+    return np.linalg.norm(b - (s * a @ r.T + t), axis=1)
+
+
+def row(*cells):
+    print("| " + " | ".join(str(c) for c in cells) + " |", flush=True)
+
+
+def oriented(i):
+    return f"{i.get('oriented', 0)}/{i.get('images', 0)}"
+
+
+def axes(v):
+    return "-" if not v else "/".join("-" if x is None else f"{x:.3f}" for x in v)
+
+
+def cost(i):
+    return f"{sum(s['seconds'] for s in i['steps']):.0f} s, {max(s['peak_memory_bytes'] for s in i['steps']) / 1e6:.0f} MB"
+
+
+def demo(out):
+    block, project = os.path.join(out, "block"), os.path.join(out, "project")
+    if not os.path.exists(os.path.join(block, "truth")):
+        collinea("simulate", block)
+    collinea("run", os.path.join(block, "images"), "-o", project, "--control", os.path.join(block, "control.csv"))
+    i = info(project)
+    assessed, _ = collinea("assess", project, os.path.join(block, "truth"))
+    row("demo", oriented(i), f"check RMSE {axes(i.get('check_rmse_m'))} m, GSD {i.get('gsd_m', 0):.3f} m", cost(i))
+    print("\n".join("    " + l for l in assessed.splitlines()))
+
+
+def strecha(name):
+    def bench(out):
+        data = os.path.join(args.data, "strecha2008", name)
+        truth = strecha_centres(data)
+        for kind, extra in (("known camera", ["--camera-params", STRECHA[name]]), ("self-calibrated", [])):
+            project = os.path.join(out, kind.split()[0])
+            collinea("run", os.path.join(data, "images"), "-o", project, "--until", "orient", *extra)
+            i, e = info(project), centre_errors(project, truth)
+            text = "none" if e is None else f"centres mean {1000 * e.mean():.2f} mm, max {1000 * e.max():.2f} mm"
+            row(name + ", " + kind, oriented(i), text, cost(i))
+    return bench
+
+
+def real(folder, until, extra, text):
+    def bench(out):
+        data = os.path.join(args.data, folder)
+        words = [w.replace("DATA", data) for w in extra]
+        collinea("run", os.path.join(data, "images"), "-o", out, "--until", until, *words)
+        i = info(out)
+        row(folder, oriented(i), text(i), cost(i))
+        for finding in i.get("findings", []):
+            print("    note: " + finding)
+    return bench
+
+
+def points(i):
+    return f"{i['tie_points']} points, mean {i['mean_reprojection_px']:.3f} px"
+
+
+BLOCKS = {
+    "demo": demo,
+    **{name: strecha(name) for name in STRECHA},
+    "sceaux_castle": real("sceaux_castle", "orient", [], points),
+    "brighton_beach": real("brighton_beach", "report", [],
+                           lambda i: points(i) + f", GPS RMS {axes(i.get('position_rms_m'))} m"),
+    "sheffield_cross": real("sheffield_cross", "report", ["--control", "DATA/gcp_list.txt", "--check", "gcp2,gcp4"],
+                            lambda i: points(i) + f", control {axes(i.get('control_rmse_m'))}, check {axes(i.get('check_rmse_m'))} m"),
+    "odm_copr": real("odm_copr", "report", ["--control", "DATA/gcp_list.txt"],
+                     lambda i: points(i) + f", control {axes(i.get('control_rmse_m'))} m"),
+}
+
+row("block", "oriented", "result", "cost")
+row("---", "---", "---", "---")
+for name, bench in BLOCKS.items():
+    if args.only and name not in args.only.split(","):
+        continue
+    folder = "strecha2008/" + name if name in STRECHA else name
+    if name != "demo" and not os.path.isdir(os.path.join(args.data, folder)):
+        print(f"{name}: skipped, no {os.path.join(args.data, folder)}")
+        continue
+    out = os.path.join(args.out, name)
+    os.makedirs(out, exist_ok=True)
+    bench(out)
+sys.exit(0)

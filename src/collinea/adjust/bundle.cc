@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/bundle.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/adjust/normals.h"
+#include "collinea/adjust/outcome.h"
+
+namespace collinea {
+namespace {
+
+using bundle::Normals;
+using bundle::Problem;
+using bundle::State;
+using bundle::Step;
+
+constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-12, kMostDamping = 1e12;
+
+struct Search {
+  State state;
+  double initial_cost = 0, cost = 0;
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Levenberg-Marquardt with the gain ratio of Madsen, Nielsen, Tingleff (2004); a step that the linear model foretold
+/// well lowers the damping tenfold.
+class LevenbergMarquardt {
+ public:
+  LevenbergMarquardt(const Problem& problem, const AdjustOptions& options, const Run& run)
+      : problem_(problem), options_(options), run_(run), normals_(problem) {}
+
+  Search search(State start) {
+    Search at{std::move(start)};
+    for (; at.iterations < options_.max_iterations && !at.converged && !run_.stopped(); ++at.iterations) {
+      at.cost = normals_.accumulate(at.state, damping_, run_);
+      if (at.iterations == 0) at.initial_cost = at.cost;
+      if (at.cost < 1e-20 * static_cast<double>(problem_.observation_count)) at.converged = true;
+      if (at.converged || !normals_.solve(run_, step_)) {
+        if (!at.converged && !damp_more()) break;
+        continue;
+      }
+      State next = bundle::moved(problem_, at.state, damping_, step_, run_);
+      judge(at, std::move(next));
+    }
+    return at;
+  }
+
+ private:
+  bool damp_more() {
+    damping_ *= growth_;
+    growth_ *= 2;
+    return damping_ < kMostDamping;
+  }
+
+  void judge(Search& at, State next) {
+    const double tolerance = options_.relative_cost_change * at.cost;
+    const bool small = step_.largest_turn_rad < options_.parameter_change &&
+                       step_.largest_move_m < options_.parameter_change * problem_.extent_m;
+    if (std::isfinite(step_.cost) && step_.cost < at.cost) {
+      const double decrease = at.cost - step_.cost, gain = decrease / step_.promised;
+      const double bend = 2 * gain - 1;
+      damping_ *= gain > 0.9 ? 0.1 : std::max(1.0 / 3, 1 - bend * bend * bend);
+      damping_ = std::max(damping_, kLeastDamping);
+      growth_ = 2;
+      at.state = std::move(next);
+      at.cost = step_.cost;
+      at.converged = small || decrease <= tolerance;
+    } else {
+      at.converged = small || step_.promised <= tolerance * 1e-3 || !damp_more();
+    }
+  }
+
+  const Problem& problem_;
+  const AdjustOptions& options_;
+  const Run& run_;
+  Normals normals_;
+  Step step_;
+  double damping_ = kFirstDamping, growth_ = 2;
+};
+
+}  // namespace
+
+Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options, const Run& run) {
+  if (Result<> valid = validate(options); !valid) return tl::unexpected(std::move(valid).error().within("adjustment"));
+  COLLINEA_TRY(bundle::ProblemAndStart gathered, bundle::gather(block, scope, options));
+  const Problem& problem = gathered.problem;
+  const long redundancy = problem.observation_count - problem.unknown_count + problem.rank_defect;
+  if (redundancy < 0)
+    return fail(Errc::kIllPosed, std::to_string(problem.unknown_count) + " unknowns but only " +
+                                     std::to_string(problem.observation_count) + " observations: the block cannot be adjusted");
+  Search found = LevenbergMarquardt(problem, options, run).search(std::move(gathered.start));
+  if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
+
+  Adjusted adjusted;
+  adjusted.redundancy = redundancy;
+  adjusted.initial_cost = found.initial_cost;
+  adjusted.final_cost = found.cost;
+  adjusted.iterations = found.iterations;
+  adjusted.converged = found.converged;
+  bundle::describe_outcome(block, scope, problem, found.state, adjusted);
+  if (options.covariances || options.point_covariances) {
+    bundle::add_covariances(block, problem, found.state, options.point_covariances, run, adjusted);
+    if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
+  }
+  return adjusted;
+}
+
+void apply(const Adjusted& adjusted, Block& block) {
+  for (const auto& [id, pose] : adjusted.cam_from_world) block.cam_from_world[id] = pose;
+  for (const auto& [id, camera] : adjusted.cameras) block.cameras[id] = camera;
+  auto known = block.points.begin();
+  for (const auto& [id, position] : adjusted.points) {
+    if (known != block.points.end() && known->first < id) ++known;
+    if (known == block.points.end() || known->first != id) known = block.points.lower_bound(id);
+    if (known != block.points.end() && known->first == id) known->second.position_in_world = position;
+  }
+}
+
+}  // namespace collinea

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/bundle.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "collinea/adjust/linearise.h"
+#include "collinea/adjust/test_block.h"
+#include "collinea/geometry/similarity3.h"
+
+namespace collinea {
+namespace {
+
+using testing::disturbed;
+using testing::normal3;
+using testing::test_block;
+
+const Run kRun;
+
+AdjustOptions plain(std::string calibration = "none") {
+  AdjustOptions options;
+  options.calibration = std::move(calibration);
+  options.loss = options.position_loss = "none";
+  options.relative_cost_change = 1e-12;
+  options.parameter_change = 1e-13;
+  return options;
+}
+
+double largest_centre_error(const Adjusted& adjusted, const Block& truth) {
+  double largest = 0;
+  for (const auto& [id, pose] : adjusted.cam_from_world)
+    largest = std::max(largest, (centre_of(pose) - centre_of(truth.cam_from_world.at(id))).norm());
+  return largest;
+}
+
+TEST(Lens, AgreesWithTheCameraModel) {
+  Camera camera = testing::test_camera();
+  camera.params[Camera::kB1] = 3;
+  camera.params[Camera::kB2] = -2;
+  const bundle::Lens lens = bundle::lens_of(camera.params.data());
+  Random random(4);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d point = normal3(random).cwiseProduct(Eigen::Vector3d(0.8, 0.6, 0)) + Eigen::Vector3d(0, 0, 1.7);
+    Matrix23 by_point;
+    Matrix2P by_params;
+    const auto pixel = project(camera, point, &by_point, &by_params);
+    bundle::Projected at;
+    if (bundle::project(lens, point.data(), &at) != pixel.has_value()) continue;  // at the very edge of the field of view
+    if (!pixel) continue;
+    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> mine;
+    Eigen::Matrix<double, 2, Camera::kParams, Eigen::RowMajor> mine_params;
+    bundle::derive_by_point(lens, at, point.z(), mine.data());
+    bundle::derive_by_params(lens, at, mine_params.data());
+    EXPECT_LT((*pixel - Eigen::Vector2d(at.pixel[0], at.pixel[1])).norm(), 1e-9);
+    EXPECT_LT((by_point - mine).norm(), 1e-10 * by_point.norm());
+    EXPECT_LT((by_params - mine_params).norm(), 1e-10 * by_params.norm());
+  }
+  bundle::Projected at;
+  const double behind[3] = {0, 0, -1};
+  EXPECT_FALSE(bundle::project(lens, behind, &at));
+}
+
+TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
+  const Block block = test_block({.tilt_rad = 0.4});
+  const Camera& camera = block.cameras.begin()->second;
+  const bundle::Lens lens = bundle::lens_of(camera.params.data());
+  const Observation& observation = block.observations.front();
+  const Rigid3 pose = block.cam_from_world.at(observation.image);
+  const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
+  const bundle::Ray ray{{observation.pixel.x() + 1, observation.pixel.y() - 2}, 0.5, 0, 0};
+  const auto residual = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& move, const Eigen::Vector3d& shift) {
+    bundle::LinearRay out;
+    const Eigen::Vector3d moved_centre = centre + move, moved_point = point + shift;
+    linearise(ray, bundle::frame_of(rotation_by(turn) * pose.rotation, moved_centre.data()), lens, moved_point.data(), Loss{}, &out);
+    return out;
+  };
+  const bundle::LinearRay at = residual({0, 0, 0}, {0, 0, 0}, {0, 0, 0});
+  EXPECT_NEAR(at.residual[0], 0.5, 1e-9);
+  EXPECT_NEAR(at.residual[1], -1, 1e-9);
+  for (int c = 0; c < 3; ++c) {
+    const double h = 1e-5;
+    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(c), zero = Eigen::Vector3d::Zero();
+    const auto turned = residual(e, zero, zero), back = residual(-e, zero, zero);
+    const auto shifted = residual(zero, zero, e), shifted_back = residual(zero, zero, -e);
+    const auto moved = residual(zero, e, zero), moved_back = residual(zero, -e, zero);
+    for (int row = 0; row < 2; ++row) {
+      EXPECT_NEAR(at.by_rotation[3 * row + c], -(turned.residual[row] - back.residual[row]) / (2 * h), 1e-4);
+      EXPECT_NEAR(at.by_point[3 * row + c], -(shifted.residual[row] - shifted_back.residual[row]) / (2 * h), 1e-5);
+      EXPECT_NEAR(-at.by_point[3 * row + c], -(moved.residual[row] - moved_back.residual[row]) / (2 * h), 1e-5);
+    }
+  }
+}
+
+// Without noise the only error is rounding: 1e-16 of 60 m, times the condition of the block.
+TEST(Adjust, ExactTruthComesBackFromADisturbedStart) {
+  const Block truth = test_block({.position_sigma_m = 0, .control = 9});
+  const auto adjusted = adjust(disturbed(truth, 0.02, 1.0), {}, plain(), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_TRUE(adjusted->converged);
+  EXPECT_EQ(adjusted->rank_defect, 0);
+  EXPECT_EQ(adjusted->datum, "control points");
+  EXPECT_LT(largest_centre_error(*adjusted, truth), 1e-8 * 60);
+  for (const auto& [id, position] : adjusted->points)
+    EXPECT_LT((position - truth.points.at(id).position_in_world).norm(), 1e-8 * 60);
+  EXPECT_GT(adjusted->points.size(), 190u);
+  int checks = 0;
+  for (const ControlDifference& control : adjusted->control) {
+    EXPECT_LT(control.difference_m.norm(), 1e-6);
+    checks += !control.used;
+  }
+  EXPECT_EQ(checks, 3);
+  for (const Eigen::Vector2d& residual : adjusted->control_residuals_px) EXPECT_LT(residual.norm(), 1e-5);
+}
+
+TEST(Adjust, SelfCalibrationFindsTheCamera) {
+  Block truth = test_block({.points = 400, .control = 12, .tilt_rad = 0.35});
+  Camera& camera = truth.cameras.begin()->second;
+  camera.params[Camera::kB1] = 0;
+  Block start = disturbed(truth, 0.005, 0.3);
+  Camera first = ideal_camera(1540, 2000, 1500);
+  first.sigma_f_px = 1e6;
+  start.cameras.begin()->second = first;
+  for (auto& observation : start.observations) observation.sigma_px = 1e-4;  // the weak observations shall not count
+  for (auto& observation : start.control_observations) observation.sigma_px = 1e-4;
+  for (auto& [id, point] : start.control) point.sigma_m.setConstant(1e-6);
+  const auto adjusted = adjust(start, {}, plain("brown"), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  const Camera& found = adjusted->cameras.at(CameraId{1});
+  for (int k = 0; k < Camera::kParams; ++k)
+    EXPECT_NEAR(found.params[k], camera.params[k], 1e-4 * std::max(1e-3, std::abs(camera.params[k]))) << Camera::kParamNames[k];
+  EXPECT_LT(largest_centre_error(*adjusted, truth), 1e-3);
+}
+
+// sigma0^2 r is chi-squared with r degrees of freedom: sigma0 is 1 +- 1/sqrt(2 r). Four of those.
+TEST(Adjust, Sigma0IsOneWhenTheSigmasAreTrue) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Block block = test_block({.sigma_px = 0.7, .position_sigma_m = 0.1, .control = 6, .seed = seed});
+    const auto adjusted = adjust(block, {}, plain("focal_radial"), kRun);
+    ASSERT_TRUE(adjusted);
+    EXPECT_NEAR(adjusted->sigma0, 1, 4 / std::sqrt(2.0 * double(adjusted->redundancy)));
+    EXPECT_EQ(adjusted->datum, "control points, camera positions");
+  }
+}
+
+// e' C^-1 e is chi-squared with 6 (3) degrees of freedom: mean 6 (3). Blocks are independent, the images of one are
+// not, so the bound takes the spread between blocks: sd of one block's mean below sqrt(2*6), n = 40 blocks.
+TEST(Adjust, CovarianceMatchesTheRealErrors) {
+  AdjustOptions options = plain("focal");
+  options.point_covariances = true;
+  constexpr int kBlocks = 40;
+  double poses = 0, points = 0, focal = 0;
+  for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+    const Block truth = test_block({.rows = 2, .columns = 3, .points = 60, .seed = seed});
+    const Block block = test_block({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .position_sigma_m = 0.2, .seed = seed});
+    Block start = block;
+    Random random(seed, 77);
+    const auto noise2 = [&] { const double x = random.normal(), y = random.normal(); return Eigen::Vector2d(x, y); };
+    start.points = truth.points;  // the same world, new noise
+    start.cam_from_world = truth.cam_from_world;
+    start.observations = truth.observations;
+    for (auto& observation : start.observations) {
+      observation.pixel += 0.5 * noise2();
+      observation.sigma_px = 0.5;
+    }
+    for (auto& [id, image] : start.images)
+      image.position = PositionPrior{centre_of(truth.cam_from_world.at(id)) + 0.2 * normal3(random), Eigen::Vector3d::Constant(0.2)};
+    AdjustScope scope;
+    scope.first_cameras[CameraId{1}] = truth.cameras.at(CameraId{1});
+    scope.first_cameras[CameraId{1}].params[Camera::kF] += 50 * random.normal();
+    const auto adjusted = adjust(start, scope, options, kRun);
+    ASSERT_TRUE(adjusted) << adjusted.error().message;
+    ASSERT_EQ(adjusted->undetermined, "");
+    for (const auto& [id, pose] : adjusted->cam_from_world) {
+      const Rigid3& exact = truth.cam_from_world.at(id);
+      Eigen::Matrix<double, 6, 1> error;
+      error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
+      poses += error.dot(adjusted->pose_covariance.at(id).inverse() * error) / double(adjusted->cam_from_world.size());
+    }
+    for (std::size_t i = 0; i < adjusted->points.size(); ++i) {
+      const Eigen::Vector3d error = adjusted->points[i].second - truth.points.at(adjusted->points[i].first).position_in_world;
+      points += error.dot(adjusted->point_covariance[i].inverse() * error) / double(adjusted->points.size());
+    }
+    const double error = adjusted->cameras.at(CameraId{1}).params[Camera::kF] - truth.cameras.at(CameraId{1}).params[Camera::kF];
+    focal += error * error / adjusted->camera_covariance.at(CameraId{1})(Camera::kF, Camera::kF);
+  }
+  EXPECT_NEAR(poses / kBlocks, 6, 4 * std::sqrt(12.0 / kBlocks));
+  EXPECT_NEAR(points / kBlocks, 3, 4 * std::sqrt(6.0 / kBlocks));
+  EXPECT_NEAR(focal / kBlocks, 1, 4 * std::sqrt(2.0 / kBlocks));
+}
+
+TEST(Adjust, RobustLossKeepsOutliersFromDoingHarm) {
+  const Block truth = test_block({.sigma_px = 0.5, .control = 9, .seed = 3});
+  Block block = truth;
+  Random random(8);
+  for (auto& observation : block.observations)
+    if (random.uniform() < 0.05) observation.pixel += 60 * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
+  const auto clean = adjust(truth, {}, plain(), kRun);
+  AdjustOptions options = plain();
+  const auto spoiled = adjust(block, {}, options, kRun);
+  options.loss = "cauchy";
+  const auto robust = adjust(block, {}, options, kRun);
+  ASSERT_TRUE(clean && spoiled && robust);
+  const double best = largest_centre_error(*clean, truth);
+  EXPECT_LT(largest_centre_error(*robust, truth), 2 * best + 0.01);
+  EXPECT_GT(largest_centre_error(*spoiled, truth), 3 * largest_centre_error(*robust, truth));
+}
+
+TEST(Adjust, FreeNetworkHasSevenDefectsAndResidualsThatDoNotDependOnTheFrame) {
+  const Block block = test_block({.rows = 2, .points = 80, .sigma_px = 0.5});
+  const Similarity3 moved_from_world{0.37, rotation_by({0.5, -1, 0.3}), {40, 8, -11}};
+  Block other = block;
+  for (auto& [id, pose] : other.cam_from_world) pose = moved(pose, moved_from_world);
+  for (auto& [id, point] : other.points) point.position_in_world = moved_from_world * point.position_in_world;
+  AdjustOptions options = plain();
+  options.covariances = true;
+  const auto a = adjust(block, {}, options, kRun), b = adjust(other, {}, options, kRun);
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->rank_defect, 7);
+  EXPECT_EQ(a->undetermined, "");
+  EXPECT_EQ(a->pose_covariance.size(), block.images.size());
+  EXPECT_NE(a->datum.find("free network"), std::string::npos);
+  ASSERT_EQ(a->residuals_px.size(), block.observations.size());
+  for (std::size_t i = 0; i < a->residuals_px.size(); ++i)
+    EXPECT_LT((a->residuals_px[i] - b->residuals_px[i]).norm(), 1e-5);
+  EXPECT_NEAR(a->sigma0, 1, 4 / std::sqrt(2.0 * double(a->redundancy)));
+}
+
+TEST(Adjust, TwoUnconnectedPartsHaveFourteenDefects) {
+  Block block = test_block({.rows = 1, .columns = 3, .points = 60});
+  const Block second = test_block({.rows = 1, .columns = 3, .points = 60, .seed = 5});
+  for (const auto& [id, image] : second.images) {
+    block.images[{id.value + 50}] = image;
+    block.cam_from_world[{id.value + 50}] = second.cam_from_world.at(id);
+  }
+  for (const auto& [id, point] : second.points) block.points[{id.value + 5000}] = point;
+  for (Observation observation : second.observations) {
+    observation.image.value += 50;
+    observation.point.value += 5000;
+    block.observations.push_back(observation);
+  }
+  const auto adjusted = adjust(disturbed(block, 0.002, 0.05), {}, plain(), kRun);
+  ASSERT_TRUE(adjusted);
+  EXPECT_EQ(adjusted->rank_defect, 14);
+  EXPECT_LT(adjusted->final_cost, 1e-12);
+}
+
+TEST(Adjust, ThreadsDoNotChangeABit) {
+  const Block block = disturbed(test_block({.rows = 5, .columns = 6, .points = 1500, .sigma_px = 0.5, .position_sigma_m = 0.5}), 0.01, 0.3);
+  ASSERT_GT(block.observations.size(), 9000u);  // three batches: otherwise threads are not used at all
+  AdjustOptions options;
+  options.calibration = "brown";
+  collinea::Run one, three;
+  three.threads = 3;
+  const auto a = adjust(block, {}, options, one), b = adjust(block, {}, options, three);
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->final_cost, b->final_cost);
+  for (std::size_t i = 0; i < a->points.size(); ++i) ASSERT_EQ(a->points[i].second, b->points[i].second);
+  for (const auto& [id, pose] : a->cam_from_world) EXPECT_EQ(pose.translation, b->cam_from_world.at(id).translation);
+}
+
+TEST(Adjust, LocalAdjustmentMovesOnlyWhatIsFree) {
+  const Block truth = test_block({.rows = 3, .columns = 5});
+  Block start = truth;
+  AdjustScope scope;
+  scope.free_images.emplace();
+  Random random(2);
+  for (const std::uint32_t id : {12u, 13u}) {
+    scope.free_images->insert({id});
+    Rigid3& pose = start.cam_from_world.at({id});
+    const Eigen::Vector3d centre = centre_of(pose) + 0.5 * normal3(random);
+    pose.translation = -(pose.rotation * centre);
+  }
+  const auto adjusted = adjust(start, scope, plain(), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_EQ(adjusted->cam_from_world.size(), 2u);
+  EXPECT_EQ(adjusted->rank_defect, 0);
+  EXPECT_LT(largest_centre_error(*adjusted, truth), 1e-6);
+  EXPECT_LT(adjusted->points.size(), truth.points.size());
+  std::set<PointId> seen;
+  for (const Observation& observation : start.observations)
+    if (scope.free_images->contains(observation.image)) seen.insert(observation.point);
+  for (const auto& [id, position] : adjusted->points) EXPECT_TRUE(seen.contains(id));
+  apply(*adjusted, start);
+  EXPECT_EQ(start.cam_from_world.at({10}).translation, truth.cam_from_world.at({10}).translation);
+}
+
+TEST(Adjust, HeldPointsOrientImages) {  // resection
+  const Block truth = test_block();
+  AdjustScope scope;
+  for (const auto& [id, point] : truth.points) scope.fixed_points.insert(id);
+  const Block start = disturbed(truth, 0.01, 0.5);
+  Block exact_points = start;
+  exact_points.points = truth.points;
+  const auto adjusted = adjust(exact_points, scope, plain("focal"), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_TRUE(adjusted->points.empty());
+  EXPECT_EQ(adjusted->rank_defect, 0);
+  EXPECT_LT(largest_centre_error(*adjusted, truth), 1e-6);
+}
+
+TEST(Adjust, HeightOnlyControlFixesOnlyHeights) {
+  Block block = test_block({.control = 9});
+  for (auto& [id, control] : block.control) control.sigma_m.head<2>().setConstant(std::numeric_limits<double>::infinity());
+  const auto adjusted = adjust(block, {}, plain(), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_EQ(adjusted->rank_defect, 3);  // two shifts and the turn about the vertical; relief fixes the scale
+}
+
+TEST(Adjust, SaysWhatIsIllPosed) {
+  const auto code = [](const auto& result) { return result ? std::optional<Errc>() : result.error().code; };
+  EXPECT_EQ(code(adjust(Block{}, {}, {}, kRun)), Errc::kIllPosed);
+  Block no_observations = test_block();
+  no_observations.observations.clear();
+  EXPECT_EQ(code(adjust(no_observations, {}, {}, kRun)), Errc::kIllPosed);
+  Block four_points = test_block({.rows = 1, .columns = 2});
+  std::erase_if(four_points.observations, [](const Observation& o) { return o.point.value > 106; });
+  EXPECT_EQ(code(adjust(four_points, {}, plain("brown"), kRun)), Errc::kIllPosed);
+  Block no_sigma = test_block();
+  no_sigma.observations[3].sigma_px = 0;
+  EXPECT_EQ(code(adjust(no_sigma, {}, {}, kRun)), Errc::kBadInput);
+  AdjustOptions wrong;
+  wrong.loss = "tukey";
+  EXPECT_EQ(code(adjust(test_block(), {}, wrong, kRun)), Errc::kBadInput);
+  std::stop_source stop;
+  stop.request_stop();
+  collinea::Run stopped;
+  stopped.stop = stop.get_token();
+  EXPECT_EQ(code(adjust(test_block(), {}, {}, stopped)), Errc::kCancelled);
+}
+
+TEST(Adjust, LonelyRaysAndImagesAreLeftOut) {
+  Block block = test_block({.control = 6});
+  const ImageId lonely{10};
+  std::erase_if(block.observations, [&](const Observation& o) { return o.image == lonely; });
+  std::erase_if(block.control_observations, [&](const ControlObservation& o) { return o.image == lonely; });
+  block.points[{999999}].position_in_world = {1, 2, 3};
+  block.observations.push_back({{12}, {999999}, 0, {100, 100}, 1});
+  const auto adjusted = adjust(block, {}, plain(), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  ASSERT_EQ(adjusted->images_left_out, std::vector<ImageId>{lonely});
+  EXPECT_FALSE(adjusted->cam_from_world.contains(lonely));
+  for (const auto& [id, position] : adjusted->points) EXPECT_NE(id, PointId{999999});
+  std::map<PointId, int> rays;
+  for (const Observation& observation : block.observations) ++rays[observation.point];
+  std::size_t expected = 0;
+  for (const auto& [id, count] : rays) expected += count >= 2 ? count : 0;
+  EXPECT_EQ(adjusted->observations.size(), expected);
+}
+
+}  // namespace
+}  // namespace collinea

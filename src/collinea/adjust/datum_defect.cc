@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <numeric>
+
+#include "collinea/adjust/problem.h"
+
+namespace collinea::bundle {
+namespace {
+
+using Matrix37 = Eigen::Matrix<double, 3, 7>;
+using Matrix7 = Eigen::Matrix<double, 7, 7>;
+
+constexpr std::size_t kDatumImages = 8;
+constexpr double kSeen = 1e-9;  // of the largest eigenvalue: 3e-5 in angle or relative scale
+
+// How a point moves when its world is shifted, turned and scaled about `centre`: [shift / size, angles, log scale].
+Matrix37 motion_of(const Eigen::Vector3d& point, const Eigen::Vector3d& centre, double size) {
+  const Eigen::Vector3d d = (point - centre) / size;
+  Matrix37 g = Matrix37::Zero();
+  g.leftCols<3>().setIdentity();
+  g.block<3, 3>(0, 3) << 0, d.z(), -d.y(), -d.z(), 0, d.x(), d.y(), -d.x(), 0;
+  g.col(6) = d;
+  return g;
+}
+
+Eigen::Vector3d centre_in(const State& state, std::size_t image) {
+  return Eigen::Map<const Eigen::Vector3d>(state.frames[image].data() + 9);
+}
+
+// Images connected by points, as numbers of parts; held images belong to every part and join nothing.
+std::vector<int> parts_of(const Problem& problem, std::vector<int>& part_of_point, int& parts) {
+  std::vector<int> root(problem.poses);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (std::size_t p = 0; p < problem.point_count(); ++p) {
+    if (problem.point(p).held) continue;
+    const std::uint32_t first = problem.point(p).first_free;
+    for (std::uint32_t r = first; r < problem.end_ray(p); ++r) {
+      const int a = find(problem.rays[first].image), b = find(problem.rays[r].image);
+      root[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<int> part(problem.poses, -1);
+  parts = 0;
+  for (int i = 0; i < problem.poses; ++i) part[i] = find(i) == i ? parts++ : part[find(i)];
+  part_of_point.assign(problem.point_count(), -1);
+  for (std::size_t p = 0; p < problem.point_count(); ++p)
+    if (problem.point(p).first_free < problem.end_ray(p))
+      part_of_point[p] = part[problem.rays[problem.point(p).first_free].image];
+  return part;
+}
+
+struct Part {
+  std::vector<int> poses;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double size = 1;
+  Matrix7 seen = Matrix7::Zero();  // which motions something observes
+  bool held = false, positions = false, control = false;
+
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& axes = Eigen::Vector3d::Ones()) {
+    const Matrix37 g = axes.asDiagonal() * motion_of(point, centre, size);
+    seen += g.transpose() * g;
+  }
+};
+
+// The size is that of the part's bases or, when there are none to speak of, the distance of its points.
+void measure(std::vector<Part>& parts, const Problem& problem, const State& state, const std::vector<int>& part) {
+  std::vector<std::vector<double>> distances(parts.size());
+  for (Part& one : parts)
+    for (const int pose : one.poses) one.centre += centre_in(state, pose) / double(one.poses.size());
+  for (std::size_t p = 0; p < problem.point_count(); ++p)
+    if (const std::uint32_t ray = problem.point(p).first_free; ray < problem.end_ray(p)) {
+      const int its = part[problem.rays[ray].image];
+      distances[its].push_back((Eigen::Vector3d(&state.points[3 * p]) - parts[its].centre).norm());
+    }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    double squared = 0, distance = 1;
+    for (const int pose : parts[i].poses) squared += (centre_in(state, pose) - parts[i].centre).squaredNorm();
+    if (auto& all = distances[i]; !all.empty()) {
+      std::nth_element(all.begin(), all.begin() + all.size() / 2, all.end());
+      distance = all[all.size() / 2];
+    }
+    parts[i].size = std::sqrt(squared / double(parts[i].poses.size()));
+    if (!(parts[i].size > 1e-3 * distance)) parts[i].size = distance > 0 ? distance : 1;
+  }
+}
+
+void gather_observed_motions(const Problem& problem, const State& state, const std::vector<int>& part,
+                             const std::vector<int>& part_of_point, std::vector<Part>& parts) {
+  for (const GivenPosition& position : problem.positions) {
+    Part& its = parts[part[position.image]];
+    its.add(centre_in(state, position.image), (position.inverse_sigma.array() > 0).cast<double>());
+    its.positions = true;
+  }
+  for (std::size_t p = 0; p < problem.point_count(); ++p) {
+    if (part_of_point[p] < 0) continue;
+    Part& its = parts[part_of_point[p]];
+    const ProblemPoint& point = problem.point(p);
+    const Eigen::Vector3d place = Eigen::Map<const Eigen::Vector3d>(&state.points[3 * p]);
+    if (point.held) {
+      for (std::uint32_t r = point.first_free; r < problem.end_ray(p); ++r) {
+        Part& seeing = parts[part[problem.rays[r].image]];
+        seeing.add(place);
+        seeing.held = true;
+      }
+    } else if (point.control >= 0) {
+      const double* inverse_sigma = problem.control[point.control].inverse_sigma;
+      its.add(place, (Eigen::Map<const Eigen::Array3d>(inverse_sigma) > 0).cast<double>());
+      its.control = true;
+    }
+    if (point.first_ray < point.first_free && !point.held) {  // seen by held images: their rays fix the point's direction
+      for (std::uint32_t r = point.first_ray; r < point.first_free; ++r) {
+        const Eigen::Vector3d ray = (place - centre_in(state, problem.rays[r].image)).normalized();
+        const Matrix37 g = (Eigen::Matrix3d::Identity() - ray * ray.transpose()) * motion_of(place, its.centre, its.size);
+        its.seen += g.transpose() * g;
+      }
+      its.held = true;
+    }
+  }
+}
+
+// Up to kDatumImages poses of the part, each as far as possible from those before.
+std::vector<int> spread_poses(const Part& part, const State& state) {
+  std::vector<double> distance(part.poses.size());
+  for (std::size_t i = 0; i < distance.size(); ++i) distance[i] = (centre_in(state, part.poses[i]) - part.centre).norm();
+  std::vector<int> chosen;
+  while (chosen.size() < std::min(kDatumImages, part.poses.size())) {
+    const auto far = std::max_element(distance.begin(), distance.end()) - distance.begin();
+    chosen.push_back(part.poses[far]);
+    for (std::size_t i = 0; i < distance.size(); ++i)
+      distance[i] = std::min(distance[i], (centre_in(state, part.poses[i]) - centre_in(state, part.poses[far])).norm());
+    distance[far] = -1;
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+// The motion `unseen` of the whole part as a motion of single poses; inner product in units of angle and size.
+DatumConstraint constraint(const Part& part, const State& state, const std::vector<int>& poses,
+                           const Eigen::Matrix<double, 7, 1>& unseen) {
+  DatumConstraint result{poses, {}};
+  double squared = 0;
+  for (const int pose : poses) {
+    // A world turned by w turns cam_from_world by -R w in the camera frame.
+    const Eigen::Vector3d turn = -(state.rotations[pose] * unseen.segment<3>(3));
+    const Eigen::Vector3d shift = motion_of(centre_in(state, pose), part.centre, part.size) * unseen / part.size;
+    result.direction.push_back({turn.x(), turn.y(), turn.z(), shift.x(), shift.y(), shift.z()});
+    squared += turn.squaredNorm() + shift.squaredNorm() * part.size * part.size;
+  }
+  for (auto& direction : result.direction)
+    for (double& value : direction) value /= std::sqrt(squared);
+  return result;
+}
+
+std::string describe_datum(const std::vector<Part>& parts, int defect) {
+  bool held = false, positions = false, control = false;
+  for (const Part& part : parts) held |= part.held, positions |= part.positions, control |= part.control;
+  std::string text;
+  const auto name = [&](bool there, const char* what) {
+    if (there) text += (text.empty() ? "" : ", ") + std::string(what);
+  };
+  name(control, "control points");
+  name(positions, "camera positions");
+  name(held, "held images or points");
+  if (defect == 0) return text.empty() ? "nothing to be fixed" : text;
+  text = text.empty() ? "free network" : "partly " + text;
+  text += " (" + std::to_string(defect) + " degrees of freedom kept by inner constraints";
+  if (parts.size() > 1) text += ", " + std::to_string(parts.size()) + " unconnected parts";
+  return text + ")";
+}
+
+}  // namespace
+
+void find_datum(Problem& problem, const State& start) {
+  int count = 0;
+  std::vector<int> part_of_point;
+  const std::vector<int> part = parts_of(problem, part_of_point, count);
+  std::vector<Part> parts(count);
+  for (int i = 0; i < problem.poses; ++i) parts[part[i]].poses.push_back(i);
+  measure(parts, problem, start, part);
+  gather_observed_motions(problem, start, part, part_of_point, parts);
+  for (const Part& one : parts) {
+    problem.extent_m = std::max(problem.extent_m, one.size);
+    const Eigen::SelfAdjointEigenSolver<Matrix7> eigen(one.seen);
+    const double largest = std::max(eigen.eigenvalues()[6], 1e-300);
+    const std::vector<int> poses = spread_poses(one, start);
+    for (int k = 0; k < 7 && eigen.eigenvalues()[k] <= kSeen * largest; ++k) {
+      problem.datum.push_back(constraint(one, start, poses, eigen.eigenvectors().col(k)));
+      for (const int pose : poses) problem.first_pose[pose] = std::min(problem.first_pose[pose], poses.front());
+      ++problem.rank_defect;
+    }
+  }
+  problem.datum_text = describe_datum(parts, problem.rank_defect);
+}
+
+}  // namespace collinea::bundle

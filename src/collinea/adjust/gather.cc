@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "collinea/adjust/intersect.h"
+#include "collinea/adjust/problem.h"
+
+namespace collinea::bundle {
+namespace {
+
+constexpr int kLeastRaysOfImage = 3;
+constexpr std::uint32_t kNobody = ~std::uint32_t{0};
+
+std::optional<std::vector<int>> free_params(const std::string& calibration) {
+  using C = Camera;
+  if (calibration == "none") return std::vector<int>{};
+  if (calibration == "focal") return std::vector<int>{C::kF};
+  if (calibration == "focal_radial") return std::vector<int>{C::kF, C::kK1, C::kK2};
+  std::vector<int> brown{C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kP1, C::kP2};
+  if (calibration == "brown") return brown;
+  brown.insert(brown.end(), {C::kB1, C::kB2});
+  if (calibration == "brown_affinity") return brown;
+  return std::nullopt;
+}
+
+// Standard deviations of the weak observations of calibration.
+double weak_sigma(const Camera& camera, int param) {
+  switch (param) {
+    case Camera::kF: return camera.sigma_f_px;
+    case Camera::kCx:
+    case Camera::kCy: return 0.03 * camera.width_px;
+    case Camera::kK1: return 0.2;
+    case Camera::kK2:
+    case Camera::kK3: return 0.5;
+    case Camera::kP1:
+    case Camera::kP2: return 0.01;
+    default: return 0.005 * camera.focal_px();
+  }
+}
+
+/// Gathers in four passes: images, points with their rays, what is too weak to take part, order.
+class Gatherer {
+ public:
+  Gatherer(const Block& block, const AdjustScope& scope, const AdjustOptions& options)
+      : block_(block), scope_(scope), options_(options) {}
+
+  Result<ProblemAndStart> gather() {
+    COLLINEA_TRY(const auto free, camera_freedom());
+    number_images();
+    if (Result<> taken = take_tie_points(); !taken) return tl::unexpected(taken.error());
+    if (Result<> taken = take_control(); !taken) return tl::unexpected(taken.error());
+    drop_weak();
+    if (Result<> enough = check_there_is_something(); !enough) return tl::unexpected(enough.error());
+    order_images();
+    order_points();
+    lay_out_images();
+    lay_out_cameras(free);
+    if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
+    find_envelope();
+    count();
+    return std::move(out_);
+  }
+
+ private:
+  struct Candidate {
+    ImageId id;
+    bool free = false;
+    int rays = 0;
+    bool out = false;
+  };
+  struct CandidatePoint {
+    std::uint32_t id = 0, first_ray = 0, end_ray = 0;
+    int control = -1;
+    bool held = false, out = false;
+    int least_rays = 2;
+    double position[3] = {};
+  };
+
+  Result<std::vector<int>> camera_freedom() const {
+    auto free = free_params(options_.calibration);
+    if (!free) return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
+    return *std::move(free);
+  }
+
+  void number_images() {
+    if (!block_.cam_from_world.empty()) number_of_id_.assign(block_.cam_from_world.rbegin()->first.value + 1, kNobody);
+    for (const auto& [id, pose] : block_.cam_from_world) {
+      const bool free = (!scope_.free_images || scope_.free_images->contains(id)) && !scope_.fixed_images.contains(id);
+      number_of_id_[id.value] = static_cast<std::uint32_t>(candidates_.size());
+      candidates_.push_back({id, free});
+    }
+  }
+
+  [[nodiscard]] std::uint32_t number_of(ImageId id) const {
+    return id.value < number_of_id_.size() ? number_of_id_[id.value] : kNobody;
+  }
+
+  template <class Observed>
+  Result<> add_ray(const Observed& observed, std::size_t source) {
+    const std::uint32_t image = number_of(observed.image);
+    if (image == kNobody) return {};
+    if (!(observed.sigma_px > 0) || !std::isfinite(observed.sigma_px) || !observed.pixel.allFinite())
+      return fail(Errc::kBadInput, "an observation in " + block_.images.at(observed.image).file +
+                                       " has no finite coordinates with a positive standard deviation");
+    rays_.push_back({{observed.pixel.x(), observed.pixel.y()}, 1 / observed.sigma_px, image,
+                     static_cast<std::uint32_t>(source)});
+    return {};
+  }
+
+  // Rays of the point from first_ray on: one for each image, none when no free image is among them (local adjustment).
+  bool close_point(CandidatePoint& point) {
+    const auto begin = rays_.begin() + point.first_ray;
+    const auto by_image = [](const Ray& a, const Ray& b) { return a.image < b.image; };
+    if (!std::is_sorted(begin, rays_.end(), by_image)) std::stable_sort(begin, rays_.end(), by_image);
+    rays_.erase(std::unique(begin, rays_.end(), [](const Ray& a, const Ray& b) { return a.image == b.image; }), rays_.end());
+    bool wanted = !scope_.free_images;
+    for (auto ray = begin; ray != rays_.end() && !wanted; ++ray) wanted = candidates_[ray->image].free;
+    if (begin == rays_.end() || !wanted) {
+      rays_.resize(point.first_ray);
+      return false;
+    }
+    point.end_ray = static_cast<std::uint32_t>(rays_.size());
+    points_.push_back(point);
+    return true;
+  }
+
+  Result<> take_tie_points() {
+    const auto& observations = block_.observations;
+    if (!scope_.free_images) {
+      rays_.reserve(observations.size());
+      points_.reserve(block_.points.size());
+    }
+    auto known = block_.points.begin();
+    for (std::size_t i = 0, end = 0; i < observations.size(); i = end) {
+      const PointId id = observations[i].point;
+      bool wanted = !scope_.free_images;
+      for (end = i; end < observations.size() && observations[end].point == id; ++end) {
+        const std::uint32_t image = wanted ? kNobody : number_of(observations[end].image);
+        wanted |= image != kNobody && candidates_[image].free;
+      }
+      COLLINEA_CHECK(end == observations.size() || id < observations[end].point);
+      if (!wanted) continue;
+      if (known != block_.points.end() && known->first < id) ++known;
+      if (known == block_.points.end() || known->first != id) known = block_.points.lower_bound(id);
+      if (known == block_.points.end() || known->first != id) continue;
+      CandidatePoint point;
+      point.id = id.value;
+      point.first_ray = static_cast<std::uint32_t>(rays_.size());
+      for (std::size_t k = i; k < end; ++k)
+        if (Result<> added = add_ray(observations[k], k); !added) return added;
+      point.held = scope_.fixed_points.contains(id);
+      if (point.held) point.least_rays = 1;
+      Eigen::Map<Eigen::Vector3d>(point.position) = known->second.position_in_world;
+      close_point(point);
+    }
+    return {};
+  }
+
+  Result<> take_control() {
+    if (!scope_.use_control) return {};
+    std::map<ControlId, std::vector<std::size_t>> places;
+    for (std::size_t i = 0; i < block_.control_observations.size(); ++i)
+      places[block_.control_observations[i].point].push_back(i);
+    for (const auto& [id, control] : block_.control) {
+      if (control.role != ControlRole::kControl || !places.contains(id)) continue;
+      CandidatePoint point;
+      point.id = id.value;
+      point.first_ray = static_cast<std::uint32_t>(rays_.size());
+      ControlCoordinates coordinates;
+      int given = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!(control.sigma_m[axis] > 0))
+          return fail(Errc::kBadInput, "control point " + control.name + " has no positive standard deviation");
+        coordinates.given[axis] = control.position_in_world[axis];
+        coordinates.inverse_sigma[axis] = 1 / control.sigma_m[axis];
+        given += std::isfinite(control.sigma_m[axis]);
+      }
+      if (given == 3) point.least_rays = 1;
+      for (const std::size_t place : places[id])
+        if (Result<> added = add_ray(block_.control_observations[place], place); !added) return added;
+      point.control = static_cast<int>(out_.problem.control.size());
+      const auto met = intersect(sight_lines(block_, id));
+      Eigen::Map<Eigen::Vector3d>(point.position) = met ? met->point_in_world : control.position_in_world;
+      if (close_point(point)) out_.problem.control.push_back(coordinates);
+    }
+    return {};
+  }
+
+  // Points with too few rays and images with too few points go, until all that remain have enough.
+  void drop_weak() {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (Candidate& image : candidates_) image.rays = 0;
+      for (CandidatePoint& point : points_) {
+        if (point.out) continue;
+        int rays = 0;
+        for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) rays += !candidates_[rays_[r].image].out;
+        point.out = rays < point.least_rays;
+        if (point.out) continue;
+        for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) ++candidates_[rays_[r].image].rays;
+      }
+      for (Candidate& image : candidates_)
+        if (image.free && !image.out && image.rays < kLeastRaysOfImage) changed = image.out = true;
+    }
+    for (Candidate& image : candidates_) {
+      if (image.free && image.out) out_.problem.images_left_out.push_back(image.id);
+      image.out |= image.rays == 0;
+    }
+  }
+
+  [[nodiscard]] Result<> check_there_is_something() const {
+    const auto takes_part = [](const auto& one) { return !one.out; };
+    if (block_.cam_from_world.empty()) return fail(Errc::kIllPosed, "no image is oriented: there is nothing to adjust");
+    if (std::none_of(points_.begin(), points_.end(), takes_part))
+      return fail(Errc::kIllPosed, "no point is measured in two images that take part: there is nothing to adjust");
+    if (std::none_of(candidates_.begin(), candidates_.end(), [](const Candidate& c) { return c.free && !c.out; }) &&
+        options_.calibration == "none" && std::all_of(points_.begin(), points_.end(), [](auto& p) { return p.held; }))
+      return fail(Errc::kIllPosed, "every image, camera and point is held: there is nothing to adjust");
+    return {};
+  }
+
+  // Free images are numbered in the order of elimination, held ones after them.
+  void order_images() {
+    std::vector<int> free_number(candidates_.size(), -1), compact;
+    int free = 0;
+    for (std::size_t i = 0; i < candidates_.size(); ++i)
+      if (candidates_[i].free && !candidates_[i].out) free_number[i] = free++;
+    std::vector<std::uint32_t> first{0};
+    for (const CandidatePoint& point : points_) {
+      if (point.out || point.held) continue;
+      for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r)
+        if (free_number[rays_[r].image] >= 0) compact.push_back(free_number[rays_[r].image]);
+      first.push_back(static_cast<std::uint32_t>(compact.size()));
+    }
+    const std::vector<int> order = elimination_order(free, first, compact);
+    new_number_.assign(candidates_.size(), kNobody);
+    std::uint32_t held = static_cast<std::uint32_t>(free);
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (candidates_[i].out) continue;
+      new_number_[i] = free_number[i] >= 0 ? static_cast<std::uint32_t>(order[free_number[i]]) : held++;
+    }
+    out_.problem.poses = free;
+    out_.problem.images.resize(held);
+  }
+
+  // Rays within a point: held images first. Points: by their first free image, so that neighbours are near in memory.
+  void order_points() {
+    Problem& problem = out_.problem;
+    const auto poses = static_cast<std::uint32_t>(problem.poses);
+    std::vector<std::uint32_t> key(points_.size(), kNobody), order;
+    std::vector<Ray> kept;
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      if (points_[p].out) continue;
+      order.push_back(static_cast<std::uint32_t>(p));
+      for (std::uint32_t r = points_[p].first_ray; r < points_[p].end_ray; ++r) {
+        const std::uint32_t image = rays_[r].image = new_number_[rays_[r].image];
+        if (image < poses) key[p] = std::min(key[p], image);
+      }
+    }
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return key[a] < key[b]; });
+    kept.reserve(rays_.size());
+    const auto rank = [&](const Ray& ray) { return ray.image < poses ? ray.image + problem.images.size() : ray.image; };
+    for (const std::uint32_t p : order) {
+      const CandidatePoint& point = points_[p];
+      const auto begin = static_cast<std::uint32_t>(kept.size());
+      for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r)
+        if (rays_[r].image != kNobody) kept.push_back(rays_[r]);
+      std::sort(kept.begin() + begin, kept.end(), [&](const Ray& a, const Ray& b) { return rank(a) < rank(b); });
+      std::uint32_t first_free = begin;
+      while (first_free < kept.size() && kept[first_free].image >= poses) ++first_free;
+      problem.points.push_back({point.id, begin, first_free, point.control, point.held});
+      out_.start.points.insert(out_.start.points.end(), point.position, point.position + 3);
+    }
+    const auto end = static_cast<std::uint32_t>(kept.size());
+    problem.points.push_back({kNobody, end, end});
+    problem.rays = std::move(kept);
+  }
+
+  void lay_out_images() {
+    std::map<CameraId, int> camera_number;
+    Problem& problem = out_.problem;
+    State& start = out_.start;
+    start.rotations.resize(problem.images.size());
+    start.frames.resize(problem.images.size());
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (new_number_[i] == kNobody) continue;
+      const ImageId id = candidates_[i].id;
+      const CameraId camera = block_.images.at(id).camera;
+      const auto [its, is_new] = camera_number.try_emplace(camera, static_cast<int>(problem.cameras.size()));
+      if (is_new) problem.cameras.emplace_back().id = camera;
+      problem.images[new_number_[i]] = {id, its->second};
+      const Rigid3& pose = block_.cam_from_world.at(id);
+      const Eigen::Vector3d centre = centre_of(pose);
+      start.rotations[new_number_[i]] = pose.rotation.normalized();
+      start.frames[new_number_[i]] = frame_of(pose.rotation.normalized(), centre.data());
+    }
+  }
+
+  void lay_out_cameras(const std::vector<int>& free) {
+    Problem& problem = out_.problem;
+    for (ProblemCamera& unknowns : problem.cameras) {
+      const Camera& camera = block_.cameras.at(unknowns.id);
+      const auto first = scope_.first_cameras.find(unknowns.id);
+      const Camera& given = first == scope_.first_cameras.end() ? camera : first->second;
+      unknowns.border = problem.border;
+      unknowns.given = given.params;
+      for (const int param : free) {
+        const double sigma = weak_sigma(given, param);
+        if (!camera.calibrate || scope_.fixed_cameras.contains(unknowns.id) || !(sigma > 0)) continue;
+        unknowns.free.push_back(param);
+        unknowns.inverse_sigma[param] = 1 / sigma;
+      }
+      problem.border += static_cast<int>(unknowns.free.size());
+      out_.start.cameras.push_back(camera.params);
+      out_.start.lenses.push_back(lens_of(camera.params.data()));
+    }
+  }
+
+  Result<> take_positions() {
+    if (!scope_.use_positions) return {};
+    Problem& problem = out_.problem;
+    for (int i = 0; i < problem.poses; ++i) {
+      const Image& image = block_.images.at(problem.images[i].id);
+      if (!image.position) continue;
+      if (!(image.position->sigma_m.minCoeff() > 0))
+        return fail(Errc::kBadInput, "the position of " + image.file + " has no positive standard deviation");
+      problem.positions.push_back({static_cast<std::uint32_t>(i), image.position->position_in_world,
+                                   image.position->sigma_m.cwiseInverse()});
+    }
+    return {};
+  }
+
+  void find_envelope() {
+    Problem& problem = out_.problem;
+    problem.first_pose.resize(problem.poses);
+    std::iota(problem.first_pose.begin(), problem.first_pose.end(), 0);
+    for (std::size_t p = 0; p < problem.point_count(); ++p) {
+      if (problem.point(p).held) continue;
+      const std::uint32_t first = problem.point(p).first_free;
+      for (std::uint32_t r = first; r < problem.end_ray(p); ++r) {
+        int& pose = problem.first_pose[problem.rays[r].image];
+        pose = std::min(pose, static_cast<int>(problem.rays[first].image));
+      }
+    }
+  }
+
+  void count() {
+    Problem& problem = out_.problem;
+    problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.border;
+    for (const GivenPosition& position : problem.positions)
+      problem.observation_count += (position.inverse_sigma.array() > 0).count();
+    problem.unknown_count = 6L * problem.poses + problem.border;
+    for (std::size_t p = 0; p < problem.point_count(); ++p) {
+      problem.unknown_count += problem.point(p).held ? 0 : 3;
+      if (const int control = problem.point(p).control; control >= 0)
+        for (const double inverse_sigma : problem.control[control].inverse_sigma)
+          problem.observation_count += inverse_sigma > 0;
+    }
+  }
+
+  const Block& block_;
+  const AdjustScope& scope_;
+  const AdjustOptions& options_;
+  std::vector<std::uint32_t> number_of_id_, new_number_;
+  std::vector<Candidate> candidates_;
+  std::vector<CandidatePoint> points_;
+  std::vector<Ray> rays_;
+  ProblemAndStart out_;
+};
+
+}  // namespace
+
+Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre) {
+  const Eigen::Matrix3d r = rotation.toRotationMatrix();
+  return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2), centre[0], centre[1], centre[2]};
+}
+
+Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, const AdjustOptions& options) {
+  const auto tie_loss = loss_named(options.loss, options.loss_scale_sigmas);
+  const auto position_loss = loss_named(options.position_loss, options.position_loss_scale_sigmas);
+  if (!tie_loss || !position_loss)
+    return fail(Errc::kBadInput, "loss = \"" + (tie_loss ? options.position_loss : options.loss) + "\": there is no such loss");
+  COLLINEA_TRY(ProblemAndStart gathered, Gatherer(block, scope, options).gather());
+  gathered.problem.tie_loss = *tie_loss;
+  gathered.problem.position_loss = *position_loss;
+  find_datum(gathered.problem, gathered.start);
+  return gathered;
+}
+
+}  // namespace collinea::bundle

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "collinea/adjust/problem.h"
+
+namespace collinea::bundle {
+
+/// A residual beyond any hope, given to observations whose point is not seen by its image [px].
+inline constexpr double kLost_px = 100;
+
+/// One observation at the current unknowns, everything times weight^1/2: residual = observed - computed, derivatives of the
+/// computed pixel. The centre's derivative is minus by_point. The rotation is by e in the camera frame:
+/// new cam_from_world = rotation_by(e) * cam_from_world.
+struct LinearRay {
+  double residual[2];
+  double by_rotation[6];  // 2 x 3 by rows
+  double by_point[6];     // 2 x 3 by rows
+  double root_weight;
+  double z;
+  Projected at;
+};
+
+inline void to_camera(const Frame& frame, const double* point, double* in_cam) {
+  const double x = point[0] - frame[9], y = point[1] - frame[10], z = point[2] - frame[11];
+  in_cam[0] = frame[0] * x + frame[1] * y + frame[2] * z;
+  in_cam[1] = frame[3] * x + frame[4] * y + frame[5] * z;
+  in_cam[2] = frame[6] * x + frame[7] * y + frame[8] * z;
+}
+
+inline double lost_cost(const Ray& ray, const Loss& loss) {
+  const double s = kLost_px * ray.inverse_sigma;
+  return loss.cost(s * s);
+}
+
+/// The cost of an observation.
+inline double cost_of(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss) {
+  double in_cam[3];
+  Projected at;
+  to_camera(frame, point, in_cam);
+  if (!project(lens, in_cam, &at)) return lost_cost(ray, loss);
+  const double u = (ray.pixel[0] - at.pixel[0]) * ray.inverse_sigma, v = (ray.pixel[1] - at.pixel[1]) * ray.inverse_sigma;
+  return loss.cost(u * u + v * v);
+}
+
+/// The same with derivatives. An observation that is not seen has a cost but all zero derivatives and residual.
+inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
+                        LinearRay* out) {
+  double p[3];
+  to_camera(frame, point, p);
+  if (!project(lens, p, &out->at)) [[unlikely]] {
+    *out = LinearRay{};
+    return lost_cost(ray, loss);
+  }
+  double u = (ray.pixel[0] - out->at.pixel[0]) * ray.inverse_sigma;
+  double v = (ray.pixel[1] - out->at.pixel[1]) * ray.inverse_sigma;
+  const double s = u * u + v * v;
+  const double root_rho = loss.kind == Loss::kNone ? 1 : std::sqrt(loss.weight(s));
+  const double w = ray.inverse_sigma * root_rho;
+  out->residual[0] = u * root_rho;
+  out->residual[1] = v * root_rho;
+  out->root_weight = w;
+  out->z = p[2];
+  double d[6];
+  derive_by_point(lens, out->at, p[2], d);
+  for (double& value : d) value *= w;
+  for (int row = 0; row < 2; ++row) {
+    const double* a = d + 3 * row;
+    double* turn = out->by_rotation + 3 * row;  // -d [p]x
+    turn[0] = a[2] * p[1] - a[1] * p[2];
+    turn[1] = a[0] * p[2] - a[2] * p[0];
+    turn[2] = a[1] * p[0] - a[0] * p[1];
+    double* move = out->by_point + 3 * row;
+    for (int c = 0; c < 3; ++c) move[c] = a[0] * frame[c] + a[1] * frame[3 + c] + a[2] * frame[6 + c];
+  }
+  return loss.cost(s);
+}
+
+/// Derivatives by the free parameters of the camera, times weight^1/2: 2 x free.size(), by rows.
+inline void linearise_camera(const LinearRay& ray, const Lens& lens, const std::vector<int>& free, double* by_camera) {
+  const std::size_t count = free.size();
+  if (ray.root_weight == 0) {
+    for (std::size_t k = 0; k < 2 * count; ++k) by_camera[k] = 0;
+    return;
+  }
+  double all[2 * Camera::kParams];
+  derive_by_params(lens, ray.at, all);
+  for (std::size_t k = 0; k < count; ++k) {
+    by_camera[k] = all[free[k]] * ray.root_weight;
+    by_camera[count + k] = all[Camera::kParams + free[k]] * ray.root_weight;
+  }
+}
+
+/// The symmetric 3 x 3 normal matrix of a point (xx xy xz yy yz zz), its right side, and its damped Cholesky factor.
+struct PointNormals {
+  double v[6] = {};
+  double right[3] = {};
+  double l[6] = {};  // l00 l10 l11 l20 l21 l22
+
+  void add(const LinearRay& ray) {
+    const double *a = ray.by_point, *b = ray.by_point + 3, *r = ray.residual;
+    v[0] += a[0] * a[0] + b[0] * b[0];
+    v[1] += a[0] * a[1] + b[0] * b[1];
+    v[2] += a[0] * a[2] + b[0] * b[2];
+    v[3] += a[1] * a[1] + b[1] * b[1];
+    v[4] += a[1] * a[2] + b[1] * b[2];
+    v[5] += a[2] * a[2] + b[2] * b[2];
+    for (int c = 0; c < 3; ++c) right[c] += a[c] * r[0] + b[c] * r[1];
+  }
+  /// The weighted coordinates of a control point; answers their cost.
+  double add(const ControlCoordinates& control, const double* point) {
+    constexpr int kDiagonal[3] = {0, 3, 5};
+    double cost = 0;
+    for (int c = 0; c < 3; ++c) {
+      if (!(control.inverse_sigma[c] > 0)) continue;
+      const double w = control.inverse_sigma[c], r = (control.given[c] - point[c]) * w;
+      v[kDiagonal[c]] += w * w;
+      right[c] += w * r;
+      cost += r * r;
+    }
+    return cost;
+  }
+  /// Factors v + lambda diag(v). Directions that nothing fixes are held by a minute weight.
+  void factor(double lambda) {
+    const double floor = 1e-12 * (v[0] + v[3] + v[5]) + 1e-300;
+    const double d0 = v[0] * (1 + lambda) + floor, d1 = v[3] * (1 + lambda) + floor, d2 = v[5] * (1 + lambda) + floor;
+    l[0] = std::sqrt(d0);
+    l[1] = v[1] / l[0];
+    l[3] = v[2] / l[0];
+    l[2] = std::sqrt(std::max(d1 - l[1] * l[1], floor));
+    l[4] = (v[4] - l[1] * l[3]) / l[2];
+    l[5] = std::sqrt(std::max(d2 - l[3] * l[3] - l[4] * l[4], floor));
+  }
+  /// x := L^-1 x for three numbers `stride` apart.
+  void forward(double* x, int stride = 1) const {
+    x[0] /= l[0];
+    x[stride] = (x[stride] - l[1] * x[0]) / l[2];
+    x[2 * stride] = (x[2 * stride] - l[3] * x[0] - l[4] * x[stride]) / l[5];
+  }
+  /// x := L^-T x
+  void backward(double* x) const {
+    x[2] /= l[5];
+    x[1] = (x[1] - l[4] * x[2]) / l[2];
+    x[0] = (x[0] - l[1] * x[1] - l[3] * x[2]) / l[0];
+  }
+};
+
+}  // namespace collinea::bundle

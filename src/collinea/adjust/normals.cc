@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/normals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/base/parallel.h"
+
+namespace collinea::bundle {
+namespace {
+
+constexpr std::size_t kRaysInBatch = 4096;
+constexpr std::size_t kMostChunks = 16;  // of a batch
+constexpr int kMostBorderForChunks = 160;
+
+std::vector<int> envelope(const Problem& problem) {
+  const int size = 6 * problem.poses + problem.border, rows = (size + kTile - 1) / kTile;
+  std::vector<int> first(rows);
+  for (int i = 0; i < rows; ++i) first[i] = i;
+  for (int pose = 0; pose < problem.poses; ++pose) {
+    const int column = 6 * problem.first_pose[pose] / kTile;
+    int& row = first[6 * pose / kTile];
+    row = std::min(row, column);
+  }
+  if (problem.border > 0)
+    for (int i = 6 * problem.poses / kTile; i < rows; ++i) first[i] = 0;
+  return first;
+}
+
+}  // namespace
+
+Normals::Normals(const Problem& problem)
+    : problem_(problem), matrix_(6 * problem.poses + problem.border, envelope(problem)) {
+  right_.resize(static_cast<std::size_t>(matrix_.tile_rows()) * kTile);
+  diagonal_.resize(right_.size());
+  pose_camera_.resize(6ul * static_cast<std::size_t>(problem.poses) * static_cast<std::size_t>(problem.border));
+  for (const ProblemCamera& camera : problem.cameras)
+    widest_camera_ = std::max(widest_camera_, static_cast<int>(camera.free.size()));
+  cut_batches();
+  index_rows();
+  const auto border = static_cast<std::size_t>(problem.border);
+  chunks_.resize(problem.border > kMostBorderForChunks ? 1 : kMostChunks);
+  for (BorderSums& sums : chunks_) {
+    sums.matrix.resize(border * border);
+    sums.right.resize(border);
+    sums.diagonal.resize(border);
+  }
+}
+
+void Normals::cut_batches() {
+  std::size_t largest = 0, most_cameras = 0;
+  const std::size_t points = problem_.point_count();
+  camera_begin_.push_back(0);
+  for (std::size_t p = 0; p < points; ++p) {
+    const auto begin = cameras_of_point_.end() - cameras_of_point_.begin();
+    for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
+      const int camera = problem_.images[problem_.rays[r].image].camera;
+      if (!problem_.cameras[camera].free.empty() &&
+          std::find(cameras_of_point_.begin() + begin, cameras_of_point_.end(), camera) == cameras_of_point_.end())
+        cameras_of_point_.push_back(camera);
+    }
+    camera_begin_.push_back(static_cast<std::uint32_t>(cameras_of_point_.size()));
+  }
+  for (std::size_t p = 0; p < points;) {
+    const std::size_t first = p;
+    while (p < points && problem_.end_ray(p) - problem_.point(first).first_ray <= kRaysInBatch) ++p;
+    p = std::max(p, first + 1);
+    batches_.push_back({first, p});
+    largest = std::max<std::size_t>(largest, problem_.point(p).first_ray - problem_.point(first).first_ray);
+    most_cameras = std::max<std::size_t>(most_cameras, camera_begin_[p] - camera_begin_[first]);
+  }
+  pose_rays_.resize(largest);
+  camera_rays_.resize(2ul * largest * static_cast<std::size_t>(widest_camera_));
+  camera_points_.resize(3ul * most_cameras * static_cast<std::size_t>(widest_camera_));
+}
+
+void Normals::index_rows() {
+  const auto rows = static_cast<std::size_t>(matrix_.tile_rows());
+  const auto poses = static_cast<std::uint32_t>(problem_.poses);
+  first_of_ray_.resize(problem_.rays.size());
+  point_of_ray_.resize(problem_.rays.size());
+  row_begin_.assign(batches_.size() * rows + 1, 0);
+  for (int fill = 0; fill < 2; ++fill) {
+    std::vector<std::uint32_t> next(row_begin_.begin(), row_begin_.end() - 1);
+    for (std::size_t b = 0; b < batches_.size(); ++b)
+      for (std::size_t p = batches_[b].first_point; p < batches_[b].end_point; ++p)
+        for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
+          first_of_ray_[r] = problem_.point(p).held ? r + 1 : problem_.point(p).first_free;  // held: no partners
+          point_of_ray_[r] = static_cast<std::uint32_t>(p);
+          if (problem_.rays[r].image >= poses) continue;
+          const std::size_t slot = b * rows + 6ul * problem_.rays[r].image / kTile;
+          if (fill == 0)
+            ++row_begin_[slot + 1];
+          else
+            row_rays_[next[slot]++] = r;
+        }
+    if (fill == 0) {
+      for (std::size_t i = 1; i < row_begin_.size(); ++i) row_begin_[i] += row_begin_[i - 1];
+      row_rays_.resize(row_begin_.back());
+    }
+  }
+}
+
+double Normals::accumulate(const State& state, double lambda, const Run& run, double datum_stiffness) {
+  matrix_.clear();
+  std::fill(right_.begin(), right_.end(), 0.0);
+  std::fill(diagonal_.begin(), diagonal_.end(), 0.0);
+  std::fill(pose_camera_.begin(), pose_camera_.end(), 0.0);
+  for (BorderSums& sums : chunks_) {
+    std::fill(sums.matrix.begin(), sums.matrix.end(), 0.0);
+    std::fill(sums.right.begin(), sums.right.end(), 0.0);
+    std::fill(sums.diagonal.begin(), sums.diagonal.end(), 0.0);
+    sums.cost = 0;
+  }
+  Run serial;
+  const Run& threads = problem_.rays.size() >= kRaysWorthThreads ? run : serial;
+  for (std::size_t b = 0; b < batches_.size() && !run.stopped(); ++b) {
+    parallel_for(threads, chunks_.size(), [&](std::size_t chunk) { linearise_points(state, lambda, batches_[b], chunk); });
+    parallel_for(threads, static_cast<std::size_t>(matrix_.tile_rows()),
+                 [&](std::size_t row) { add_row(batches_[b], b, row); });
+  }
+  border_ = chunks_[0];
+  for (std::size_t c = 1; c < chunks_.size(); ++c) {
+    for (std::size_t i = 0; i < border_.matrix.size(); ++i) border_.matrix[i] += chunks_[c].matrix[i];
+    for (std::size_t i = 0; i < border_.right.size(); ++i) border_.right[i] += chunks_[c].right[i];
+    for (std::size_t i = 0; i < border_.right.size(); ++i) border_.diagonal[i] += chunks_[c].diagonal[i];
+    border_.cost += chunks_[c].cost;
+  }
+  const double cost = border_.cost + add_positions(state) + add_weak_cameras(state);
+  add_datum(datum_stiffness);
+  assemble(lambda);
+  return cost;
+}
+
+void Normals::linearise_points(const State& state, double lambda, const Batch& batch, std::size_t chunk) {
+  const std::size_t count = batch.end_point - batch.first_point;
+  const std::size_t first = batch.first_point + count * chunk / chunks_.size();
+  const std::size_t end = batch.first_point + count * (chunk + 1) / chunks_.size();
+  for (std::size_t p = first; p < end; ++p) linearise_point(state, lambda, batch, p, chunks_[chunk]);
+}
+
+void Normals::linearise_point(const State& state, double lambda, const Batch& batch, std::size_t p, BorderSums& sums) {
+  const ProblemPoint& point = problem_.point(p);
+  const Loss loss = problem_.loss_of(point);
+  const std::uint32_t base = problem_.point(batch.first_point).first_ray;
+  const double* position = &state.points[3 * p];
+  const auto poses = static_cast<std::uint32_t>(problem_.poses);
+  PointNormals normals;
+  double* zc = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * static_cast<std::size_t>(widest_camera_);
+  const std::size_t cameras = camera_begin_[p + 1] - camera_begin_[p];
+  std::fill(zc, zc + 3 * cameras * static_cast<std::size_t>(widest_camera_), 0.0);
+
+  for (std::uint32_t r = point.first_ray; r < problem_.end_ray(p); ++r) {
+    const Ray& ray = problem_.rays[r];
+    const int camera = problem_.images[ray.image].camera;
+    LinearRay linear;
+    sums.cost += linearise(ray, state.frames[ray.image], state.lenses[camera], position, loss, &linear);
+    if (!point.held) normals.add(linear);
+    if (ray.image < poses) {
+      PoseRay& out = pose_rays_[r - base];
+      for (int row = 0; row < 2; ++row)
+        for (int c = 0; c < 3; ++c) {
+          out.j[6 * row + c] = linear.by_rotation[3 * row + c];
+          out.j[6 * row + 3 + c] = -linear.by_point[3 * row + c];
+        }
+      out.residual[0] = linear.residual[0];
+      out.residual[1] = linear.residual[1];
+    }
+    const ProblemCamera& unknowns = problem_.cameras[camera];
+    if (unknowns.free.empty()) continue;
+    const std::size_t count = unknowns.free.size(), border = static_cast<std::size_t>(problem_.border);
+    double* b = camera_rays_.data() + 2ul * (r - base) * static_cast<std::size_t>(widest_camera_);
+    linearise_camera(linear, state.lenses[camera], unknowns.free, b);
+    double* z = zc;
+    for (const int* its = &cameras_of_point_[camera_begin_[p]]; *its != camera; ++its) z += 3 * widest_camera_;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double b0 = b[i], b1 = b[count + i];
+      if (!point.held)
+        for (int c = 0; c < 3; ++c) z[3 * i + c] += b0 * linear.by_point[c] + b1 * linear.by_point[3 + c];
+      const std::size_t row = static_cast<std::size_t>(unknowns.border) + i;
+      sums.right[row] += b0 * linear.residual[0] + b1 * linear.residual[1];
+      sums.diagonal[row] += b0 * b0 + b1 * b1;
+      double* out = &sums.matrix[row * border + static_cast<std::size_t>(unknowns.border)];
+      for (std::size_t k = 0; k <= i; ++k) out[k] += b0 * b[k] + b1 * b[count + k];
+    }
+  }
+  if (point.held) {
+    for (std::uint32_t r = point.first_free; r < problem_.end_ray(p); ++r)
+      std::fill(std::begin(pose_rays_[r - base].z), std::end(pose_rays_[r - base].z), 0.0);
+    return;
+  }
+  if (point.control >= 0) sums.cost += normals.add(problem_.control[point.control], position);
+  normals.factor(lambda);
+  double y[3] = {normals.right[0], normals.right[1], normals.right[2]};
+  normals.forward(y);
+  for (std::uint32_t r = point.first_free; r < problem_.end_ray(p); ++r) {
+    PoseRay& out = pose_rays_[r - base];
+    double a[6];  // A L^-T, by rows: every row solved forward
+    for (int row = 0; row < 2; ++row) {
+      double* at = a + 3 * row;
+      for (int c = 0; c < 3; ++c) at[c] = -out.j[6 * row + 3 + c];
+      normals.forward(at);
+      out.residual[row] -= at[0] * y[0] + at[1] * y[1] + at[2] * y[2];
+    }
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < 6; ++i) out.z[6 * k + i] = out.j[i] * a[k] + out.j[6 + i] * a[3 + k];
+  }
+  if (cameras > 0) reduce_cameras(p, normals, y, batch, sums);
+}
+
+// Eliminates the point from the equations of the cameras: Zc = Wc L^-T; matrix -= Zc Zc'^T, right -= Zc y.
+void Normals::reduce_cameras(std::size_t p, const PointNormals& normals, const double* y, const Batch& batch, BorderSums& sums) {
+  const auto border = static_cast<std::size_t>(problem_.border), width = static_cast<std::size_t>(widest_camera_);
+  double* zc = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
+  const int* cameras = &cameras_of_point_[camera_begin_[p]];
+  const std::size_t count = camera_begin_[p + 1] - camera_begin_[p];
+  for (std::size_t a = 0; a < count; ++a) {
+    const ProblemCamera& one = problem_.cameras[cameras[a]];
+    for (std::size_t i = 0; i < one.free.size(); ++i) {
+      double* z = zc + 3 * (a * width + i);
+      normals.forward(z);
+      sums.right[static_cast<std::size_t>(one.border) + i] -= z[0] * y[0] + z[1] * y[1] + z[2] * y[2];
+    }
+  }
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < count; ++b) {
+      const ProblemCamera &one = problem_.cameras[cameras[a]], &other = problem_.cameras[cameras[b]];
+      if (other.border > one.border) continue;
+      for (std::size_t i = 0; i < one.free.size(); ++i) {
+        const double* z = zc + 3 * (a * width + i);
+        double* out = &sums.matrix[(static_cast<std::size_t>(one.border) + i) * border + static_cast<std::size_t>(other.border)];
+        const std::size_t end = a == b ? i + 1 : other.free.size();
+        for (std::size_t k = 0; k < end; ++k) {
+          const double* q = zc + 3 * (b * width + k);
+          out[k] -= z[0] * q[0] + z[1] * q[1] + z[2] * q[2];
+        }
+      }
+    }
+}
+
+void Normals::add_row(const Batch& batch, std::size_t batch_number, std::size_t tile_row) {
+  const std::size_t slot = batch_number * static_cast<std::size_t>(matrix_.tile_rows()) + tile_row;
+  std::vector<double*> blocks;
+  for (std::uint32_t s = row_begin_[slot]; s < row_begin_[slot + 1]; ++s) {
+    add_pose_ray(batch, row_rays_[s], blocks);
+    if (problem_.border > 0) add_pose_cameras(batch, row_rays_[s]);
+  }
+}
+
+void Normals::add_pose_ray(const Batch& batch, std::uint32_t r, std::vector<double*>& blocks) {
+  const std::uint32_t base = problem_.point(batch.first_point).first_ray;
+  const PoseRay& ray = pose_rays_[r - base];
+  const auto pose = static_cast<int>(problem_.rays[r].image);
+  double* diagonal = &diagonal_[6ul * static_cast<std::size_t>(pose)];
+  double* right = &right_[6ul * static_cast<std::size_t>(pose)];
+  double* block = &matrix_.at(6 * pose, 6 * pose);
+  const double *j = ray.j, *k = ray.j + 6;
+  for (int i = 0; i < 6; ++i) {
+    right[i] += j[i] * ray.residual[0] + k[i] * ray.residual[1];
+    diagonal[i] += j[i] * j[i] + k[i] * k[i];
+  }
+  for (int c = 0; c < 6; ++c)
+    for (int i = 0; i < 6; ++i) block[c * kTile + i] += j[i] * j[c] + k[i] * k[c];
+  const std::uint32_t first = first_of_ray_[r];
+  if (first > r) return;
+  blocks.clear();
+  for (std::uint32_t other = first; other <= r; ++other)
+    blocks.push_back(&matrix_.at(6 * pose, 6 * static_cast<int>(problem_.rays[other].image)));
+  subtract_outer(blocks.data(), ray.z, &pose_rays_[first - base], static_cast<int>(blocks.size()));
+}
+
+void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
+  const std::uint32_t base = problem_.point(batch.first_point).first_ray;
+  const PoseRay& ray = pose_rays_[r - base];
+  const std::uint32_t image = problem_.rays[r].image, p = point_of_ray_[r];
+  const auto width = static_cast<std::size_t>(widest_camera_);
+  double* out = &pose_camera_[6ul * image * static_cast<std::size_t>(problem_.border)];
+  const ProblemCamera& own = problem_.cameras[problem_.images[image].camera];
+  const double* b = camera_rays_.data() + 2ul * (r - base) * width;
+  const std::size_t count = own.free.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    double* column = out + 6 * (static_cast<std::size_t>(own.border) + i);
+    for (int c = 0; c < 6; ++c) column[c] += b[i] * ray.j[c] + b[count + i] * ray.j[6 + c];
+  }
+  if (problem_.point(p).held) return;
+  const double* z = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
+  for (std::uint32_t its = camera_begin_[p]; its < camera_begin_[p + 1]; ++its, z += 3 * width) {
+    const ProblemCamera& camera = problem_.cameras[cameras_of_point_[its]];
+    for (std::size_t i = 0; i < camera.free.size(); ++i) {
+      double* column = out + 6 * (static_cast<std::size_t>(camera.border) + i);
+      const double z0 = z[3 * i], z1 = z[3 * i + 1], z2 = z[3 * i + 2];
+      for (int c = 0; c < 6; ++c) column[c] -= z0 * ray.z[c] + z1 * ray.z[6 + c] + z2 * ray.z[12 + c];
+    }
+  }
+}
+
+double Normals::add_positions(const State& state) {
+  double cost = 0;
+  for (const GivenPosition& position : problem_.positions) {
+    const Eigen::Vector3d centre(state.frames[position.image].data() + 9);
+    const Eigen::Vector3d residual = (position.given - centre).cwiseProduct(position.inverse_sigma);
+    const double s = residual.squaredNorm(), weight = problem_.position_loss.weight(s);
+    cost += problem_.position_loss.cost(s);
+    for (int c = 0; c < 3; ++c) {
+      const int row = 6 * static_cast<int>(position.image) + 3 + c;
+      const double w = position.inverse_sigma[c];
+      matrix_.at(row, row) += weight * w * w;
+      diagonal_[static_cast<std::size_t>(row)] += weight * w * w;
+      right_[static_cast<std::size_t>(row)] += weight * w * residual[c];
+    }
+  }
+  return cost;
+}
+
+double Normals::add_weak_cameras(const State& state) {
+  double cost = 0;
+  for (std::size_t i = 0; i < problem_.cameras.size(); ++i) {
+    const ProblemCamera& camera = problem_.cameras[i];
+    for (std::size_t k = 0; k < camera.free.size(); ++k) {
+      const int param = camera.free[k];
+      const double w = camera.inverse_sigma[param], residual = (camera.given[param] - state.cameras[i][param]) * w;
+      const std::size_t row = static_cast<std::size_t>(camera.border) + k;
+      border_.matrix[row * static_cast<std::size_t>(problem_.border) + row] += w * w;
+      border_.diagonal[row] += w * w;
+      border_.right[row] += w * residual;
+      cost += residual * residual;
+    }
+  }
+  return cost;
+}
+
+// A heavy weight on motions that no observation sees: it changes which of many equal solutions is taken, not the residuals.
+void Normals::add_datum(double stiffness) {
+  for (const DatumConstraint& datum : problem_.datum) {
+    double known = 0;
+    for (const int pose : datum.poses)
+      for (int c = 0; c < 3; ++c) known += diagonal_[6ul * static_cast<std::size_t>(pose) + c];
+    const double weight = stiffness * known / (3 * double(datum.poses.size()));
+    for (std::size_t a = 0; a < datum.poses.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        double* block = &matrix_.at(6 * datum.poses[a], 6 * datum.poses[b]);
+        for (int c = 0; c < 6; ++c)
+          for (int i = 0; i < 6; ++i) block[c * kTile + i] += weight * datum.direction[a][i] * datum.direction[b][c];
+      }
+  }
+}
+
+void Normals::assemble(double lambda) {
+  const int first = 6 * problem_.poses, border = problem_.border;
+  for (int k = 0; k < border; ++k) {
+    const int row = first + k;
+    for (int pose = 0; pose < problem_.poses; ++pose)
+      for (int c = 0; c < 6; ++c)
+        matrix_.at(row, 6 * pose + c) = pose_camera_[6ul * (static_cast<std::size_t>(pose) * border + k) + c];
+    for (int i = 0; i <= k; ++i) matrix_.at(row, first + i) = border_.matrix[static_cast<std::size_t>(k) * border + i];
+    right_[static_cast<std::size_t>(row)] = border_.right[k];
+    diagonal_[static_cast<std::size_t>(row)] = border_.diagonal[k];
+  }
+  for (int i = 0; i < matrix_.size(); ++i) matrix_.at(i, i) += lambda * diagonal_[static_cast<std::size_t>(i)];
+}
+
+bool Normals::solve(const Run& run, Step& step) {
+  if (!matrix_.factor(run)) return false;
+  step.reduced = right_;
+  matrix_.solve(step.reduced.data());
+  return std::all_of(step.reduced.begin(), step.reduced.end(), [](double x) { return std::isfinite(x); });
+}
+
+}  // namespace collinea::bundle

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "collinea/adjust/linearise.h"
+#include "collinea/adjust/step.h"
+#include "collinea/adjust/tile_cholesky.h"
+
+namespace collinea::bundle {
+
+/// Below this a problem is done before threads have started.
+inline constexpr std::size_t kRaysWorthThreads = 3000;
+
+/// The reduced normal equations of poses and cameras (points eliminated). Work is cut into batches of points that stay in
+/// the cache; within a batch first every point, then every row of tiles is one item, so that sums have one order
+/// whatever the number of threads.
+class Normals {
+ public:
+  explicit Normals(const Problem& problem);
+
+  /// Linearises at `state` with damping `lambda` of every diagonal element; answers the cost. `datum_stiffness`: weight
+  /// of the inner constraints, compared with what the images know of their rotations.
+  double accumulate(const State& state, double lambda, const Run& run, double datum_stiffness = 1);
+  /// Factors and solves for poses and cameras. False when the matrix is not positive definite.
+  [[nodiscard]] bool solve(const Run& run, Step& step);
+  [[nodiscard]] TileCholesky& matrix() { return matrix_; }
+
+ private:
+  struct Batch {
+    std::size_t first_point, end_point;
+  };
+  struct BorderSums {  // of one chunk of points
+    std::vector<double> matrix, right, diagonal;
+    double cost = 0;
+  };
+
+  void cut_batches();
+  void index_rows();
+  void linearise_points(const State& state, double lambda, const Batch& batch, std::size_t chunk);
+  void linearise_point(const State& state, double lambda, const Batch& batch, std::size_t point, BorderSums& sums);
+  void reduce_cameras(std::size_t point, const PointNormals& normals, const double* y, const Batch& batch, BorderSums& sums);
+  void add_row(const Batch& batch, std::size_t batch_number, std::size_t tile_row);
+  void add_pose_ray(const Batch& batch, std::uint32_t ray, std::vector<double*>& blocks);
+  void add_pose_cameras(const Batch& batch, std::uint32_t ray);
+  double add_positions(const State& state);
+  double add_weak_cameras(const State& state);
+  void add_datum(double stiffness);
+  void assemble(double lambda);
+
+  const Problem& problem_;
+  TileCholesky matrix_;
+  std::vector<double> right_, diagonal_;   // of poses and cameras
+  std::vector<double> pose_camera_;        // 6 x border of each pose, by columns of 6
+  std::vector<BorderSums> chunks_;
+  BorderSums border_;
+  std::vector<Batch> batches_;
+  std::vector<std::uint32_t> row_begin_, row_rays_;  // rays of each batch and tile row
+  std::vector<std::uint32_t> first_of_ray_, point_of_ray_;
+  std::vector<std::uint32_t> camera_begin_;          // of each point: the cameras its rays have, in cameras_of_point_
+  std::vector<int> cameras_of_point_;
+  // Of the batch in work:
+  std::vector<PoseRay> pose_rays_;
+  std::vector<double> camera_rays_;    // 2 x P of each ray
+  std::vector<double> camera_points_;  // Zc = Wc L^-T, P x 3 by rows, of each (point, camera)
+  int widest_camera_ = 0;
+};
+
+}  // namespace collinea::bundle

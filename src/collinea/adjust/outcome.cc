@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "collinea/adjust/intersect.h"
+#include "collinea/adjust/linearise.h"
+
+namespace collinea::bundle {
+namespace {
+
+const Eigen::Vector2d kUnknown = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+
+void write_unknowns(const Block& block, const Problem& problem, const State& state, Adjusted& adjusted) {
+  for (int i = 0; i < problem.poses; ++i) {
+    const Eigen::Vector3d centre(state.frames[i].data() + 9);
+    adjusted.cam_from_world[problem.images[i].id] = {state.rotations[i], -(state.rotations[i] * centre)};
+  }
+  for (std::size_t i = 0; i < problem.cameras.size(); ++i) {
+    if (problem.cameras[i].free.empty()) continue;
+    Camera camera = block.cameras.at(problem.cameras[i].id);
+    camera.params = state.cameras[i];
+    adjusted.cameras[problem.cameras[i].id] = camera;
+  }
+  for (std::size_t p = 0; p < problem.point_count(); ++p)
+    if (!problem.point(p).held && problem.point(p).control < 0)
+      adjusted.points.emplace_back(PointId{problem.point(p).id}, Eigen::Vector3d(&state.points[3 * p]));
+  std::sort(adjusted.points.begin(), adjusted.points.end(), [](auto& a, auto& b) { return a.first < b.first; });
+}
+
+// Residuals of the tie points in the order of the block; answers the weighted sum of squares of all rays.
+double write_tie_residuals(const Problem& problem, const State& state, Adjusted& adjusted) {
+  struct Residual {
+    std::uint32_t source;
+    Eigen::Vector2d px;
+  };
+  std::vector<Residual> residuals;
+  residuals.reserve(problem.rays.size());
+  double sum = 0;
+  for (std::size_t p = 0; p < problem.point_count(); ++p) {
+    const Loss loss = problem.loss_of(problem.point(p));
+    for (std::uint32_t r = problem.point(p).first_ray; r < problem.end_ray(p); ++r) {
+      const Ray& ray = problem.rays[r];
+      double in_cam[3];
+      Projected at;
+      to_camera(state.frames[ray.image], &state.points[3 * p], in_cam);
+      Eigen::Vector2d px = kUnknown;
+      if (project(state.lenses[problem.images[ray.image].camera], in_cam, &at)) {
+        px = {ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]};
+        const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
+        sum += loss.weight(s) * s;
+      }
+      if (problem.point(p).control < 0) residuals.push_back({ray.source, px});
+    }
+  }
+  std::sort(residuals.begin(), residuals.end(), [](const Residual& a, const Residual& b) { return a.source < b.source; });
+  for (const Residual& residual : residuals) {
+    adjusted.observations.push_back(residual.source);
+    adjusted.residuals_px.push_back(residual.px);
+  }
+  return sum;
+}
+
+double write_positions(const Problem& problem, const State& state, Adjusted& adjusted) {
+  double sum = 0;
+  for (const GivenPosition& position : problem.positions) {
+    const Eigen::Vector3d difference = Eigen::Vector3d(state.frames[position.image].data() + 9) - position.given;
+    const double s = difference.cwiseProduct(position.inverse_sigma).squaredNorm();
+    const double weight = problem.position_loss.weight(s);
+    sum += weight * s;
+    adjusted.positions.push_back({problem.images[position.image].id, difference, weight});
+  }
+  std::sort(adjusted.positions.begin(), adjusted.positions.end(), [](auto& a, auto& b) { return a.image < b.image; });
+  return sum;
+}
+
+double weak_camera_squares(const Problem& problem, const State& state) {
+  double sum = 0;
+  for (std::size_t i = 0; i < problem.cameras.size(); ++i)
+    for (const int param : problem.cameras[i].free) {
+      const double residual = (state.cameras[i][param] - problem.cameras[i].given[param]) * problem.cameras[i].inverse_sigma[param];
+      sum += residual * residual;
+    }
+  return sum;
+}
+
+// The sight lines of a control point in the adjusted images, with their places in Block::control_observations.
+std::vector<SightLine> adjusted_sight_lines(const Block& block, const Adjusted& adjusted, ControlId point,
+                                            std::vector<std::size_t>& places) {
+  std::vector<SightLine> lines = sight_lines(block, point, &places);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const ImageId image = block.control_observations[places[i]].image;
+    if (const auto pose = adjusted.cam_from_world.find(image); pose != adjusted.cam_from_world.end())
+      lines[i].cam_from_world = pose->second;
+    if (const auto camera = adjusted.cameras.find(block.images.at(image).camera); camera != adjusted.cameras.end())
+      lines[i].camera = &camera->second;
+  }
+  return lines;
+}
+
+// Control and check points; answers the weighted squares of the control coordinates.
+double write_control(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state, Adjusted& adjusted) {
+  std::map<ControlId, Eigen::Vector3d> estimated;
+  double sum = 0;
+  for (std::size_t p = 0; p < problem.point_count(); ++p) {
+    const ProblemPoint& point = problem.point(p);
+    if (point.control < 0) continue;
+    estimated[ControlId{point.id}] = Eigen::Vector3d(&state.points[3 * p]);
+    sum += PointNormals().add(problem.control[point.control], &state.points[3 * p]);
+  }
+  adjusted.control_residuals_px.assign(block.control_observations.size(), kUnknown);
+  for (const auto& [id, control] : block.control) {
+    const auto used = estimated.find(id);
+    if (used == estimated.end() && scope.free_images) continue;  // a local adjustment judges only what it uses
+    std::vector<std::size_t> places;
+    const std::vector<SightLine> lines = adjusted_sight_lines(block, adjusted, id, places);
+    if (lines.empty()) continue;
+    ControlDifference difference;
+    difference.point = id;
+    difference.used = used != estimated.end();
+    difference.rays = static_cast<int>(lines.size());
+    if (difference.used) {
+      difference.position_in_world = used->second;
+    } else if (const auto met = intersect(lines)) {
+      difference.position_in_world = met->point_in_world;
+    }
+    if (difference.position_in_world) {
+      difference.difference_m = *difference.position_in_world - control.position_in_world;
+      for (std::size_t i = 0; i < lines.size(); ++i)
+        if (const auto pixel = collinea::project(*lines[i].camera, lines[i].cam_from_world * *difference.position_in_world))
+          adjusted.control_residuals_px[places[i]] = lines[i].pixel - *pixel;
+    }
+    adjusted.control.push_back(difference);
+  }
+  return sum;
+}
+
+}  // namespace
+
+void describe_outcome(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
+                      Adjusted& adjusted) {
+  write_unknowns(block, problem, state, adjusted);
+  double squares = write_tie_residuals(problem, state, adjusted);
+  squares += write_positions(problem, state, adjusted);
+  squares += weak_camera_squares(problem, state);
+  squares += write_control(block, scope, problem, state, adjusted);
+  adjusted.sigma0 = adjusted.redundancy > 0 ? std::sqrt(squares / static_cast<double>(adjusted.redundancy)) : 0;
+  adjusted.observation_count = problem.observation_count;
+  adjusted.unknown_count = problem.unknown_count;
+  adjusted.rank_defect = problem.rank_defect;
+  adjusted.datum = problem.datum_text;
+  adjusted.images_left_out = problem.images_left_out;
+}
+
+}  // namespace collinea::bundle

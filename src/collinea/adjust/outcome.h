@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "collinea/adjust/problem.h"
+
+namespace collinea::bundle {
+
+/// Fills everything but the course of the iterations and the covariances.
+void describe_outcome(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
+                      Adjusted& adjusted);
+
+/// Fills pose, camera and (when wanted) point covariances, or says what is not determined.
+void add_covariances(const Block& block, const Problem& problem, const State& state, bool of_points, const Run& run,
+                     Adjusted& adjusted);
+
+}  // namespace collinea::bundle

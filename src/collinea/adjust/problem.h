@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "collinea/adjust/bundle.h"
+#include "collinea/adjust/lens.h"
+#include "collinea/adjust/robust.h"
+
+namespace collinea::bundle {
+
+/// One measured image point, whitened when used.
+struct Ray {
+  double pixel[2];
+  double inverse_sigma;
+  std::uint32_t image;   ///< number in Problem::images
+  std::uint32_t source;  ///< place in Block::observations or Block::control_observations
+};
+
+/// An image that takes part. Free images come first, in the order of elimination: image i is then pose i of the unknowns.
+struct ProblemImage {
+  ImageId id;
+  int camera;  ///< number in Problem::cameras
+};
+
+struct ProblemCamera {
+  CameraId id;
+  int border = 0;                ///< where its unknowns begin among all camera unknowns
+  std::vector<int> free;         ///< Camera::Param of each unknown
+  std::array<double, Camera::kParams> given{};           ///< weak observations ...
+  std::array<double, Camera::kParams> inverse_sigma{};   ///< ... and their weights^1/2
+};
+
+/// A tie point or control point with its rays in [first_ray, next point's first_ray): first those of held images, then
+/// from first_free on those of free images in ascending order.
+struct ProblemPoint {
+  std::uint32_t id = 0;  ///< of a PointId or a ControlId
+  std::uint32_t first_ray, first_free;
+  int control = -1;  ///< number in Problem::control, -1 for tie points
+  bool held = false;
+};
+
+struct ControlCoordinates {
+  double given[3], inverse_sigma[3];  ///< 0 = not given
+};
+
+struct GivenPosition {
+  std::uint32_t image;
+  Eigen::Vector3d given, inverse_sigma;
+};
+
+/// Directions in which the poses of some images must not move together, because nothing observes that motion.
+struct DatumConstraint {
+  std::vector<int> poses;
+  std::vector<std::array<double, 6>> direction;  ///< one for each pose: rotation in the camera frame, centre
+};
+
+/// The structure of an adjustment: flat tables of numbers, nothing that changes with the iterations.
+struct Problem {
+  std::vector<ProblemImage> images;
+  int poses = 0;  ///< free images
+  std::vector<ProblemCamera> cameras;
+  int border = 0;  ///< unknowns of all cameras
+  std::vector<ProblemPoint> points;  ///< ordered by their first free image; one more at the end closes the last
+  std::vector<Ray> rays;
+  std::vector<ControlCoordinates> control;
+  std::vector<GivenPosition> positions;
+  std::vector<DatumConstraint> datum;
+  std::vector<int> first_pose;  ///< of each free image: the first one it shares a point or a datum constraint with
+  int rank_defect = 0;
+  std::string datum_text;
+  std::vector<ImageId> images_left_out;
+  double extent_m = 0;  ///< size of the block
+  Loss tie_loss, position_loss;
+  long observation_count = 0, unknown_count = 0;
+
+  [[nodiscard]] Loss loss_of(const ProblemPoint& point) const { return point.control >= 0 ? Loss{} : tie_loss; }
+  [[nodiscard]] std::size_t point_count() const { return points.size() - 1; }
+  [[nodiscard]] const ProblemPoint& point(std::size_t i) const { return points[i]; }
+  [[nodiscard]] std::uint32_t end_ray(std::size_t i) const { return points[i + 1].first_ray; }
+};
+
+/// Rotation cam_from_world by rows, then the projection centre in the world.
+using Frame = std::array<double, 12>;
+
+/// The unknowns and everything derived from them.
+struct State {
+  std::vector<Eigen::Quaterniond> rotations;
+  std::vector<Frame> frames;
+  std::vector<std::array<double, Camera::kParams>> cameras;
+  std::vector<Lens> lenses;
+  std::vector<double> points;  ///< 3 of each point
+};
+
+[[nodiscard]] Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre);
+
+struct ProblemAndStart {
+  Problem problem;
+  State start;
+};
+
+/// Gathers what takes part. Errors as adjust() says.
+[[nodiscard]] Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, const AdjustOptions& options);
+
+/// Orders the free images so that images which share points are close together (reverse Cuthill-McKee), given the images
+/// of every point by CSR; answers the new number of each.
+[[nodiscard]] std::vector<int> elimination_order(int images, const std::vector<std::uint32_t>& first,
+                                                 const std::vector<int>& image_of_ray);
+
+/// Fills datum, rank_defect, datum_text and extends first_pose for it.
+void find_datum(Problem& problem, const State& start);
+
+}  // namespace collinea::bundle

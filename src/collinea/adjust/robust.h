@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+namespace collinea {
+
+/// What an observation costs as a function of s, the squared length of its residual in units of its sigma, and the
+/// weight d(cost)/ds by which least squares imitates it.
+///     none:   s
+///     huber:  s up to k^2, beyond 2 k sqrt(s) - k^2   (Huber 1964)
+///     cauchy: k^2 log(1 + s / k^2)
+struct Loss {
+  enum Kind { kNone, kHuber, kCauchy };
+  Kind kind = kNone;
+  double scale = 1;  ///< k [sigmas]
+
+  [[nodiscard]] double cost(double s) const {
+    const double k2 = scale * scale;
+    if (kind == kNone || (kind == kHuber && s <= k2)) return s;
+    return kind == kHuber ? 2 * scale * std::sqrt(s) - k2 : k2 * std::log1p(s / k2);
+  }
+  [[nodiscard]] double weight(double s) const {
+    const double k2 = scale * scale;
+    if (kind == kNone || (kind == kHuber && s <= k2)) return 1;
+    return kind == kHuber ? scale / std::sqrt(s) : 1 / (1 + s / k2);
+  }
+};
+
+/// The loss of that name; nothing when there is none.
+[[nodiscard]] inline std::optional<Loss> loss_named(std::string_view name, double scale) {
+  if (name == "none") return Loss{Loss::kNone, scale};
+  if (name == "huber") return Loss{Loss::kHuber, scale};
+  if (name == "cauchy") return Loss{Loss::kCauchy, scale};
+  return std::nullopt;
+}
+
+}  // namespace collinea

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/step.h"
+
+#include <algorithm>
+
+#include "collinea/adjust/normals.h"
+#include "collinea/base/parallel.h"
+#include "collinea/geometry/rotation.h"
+
+namespace collinea::bundle {
+namespace {
+
+constexpr std::size_t kPointsInItem = 512;
+
+struct Sums {
+  double cost = 0, promised = 0;
+};
+
+State with_reduced_moved(const Problem& problem, const State& state, Step& step) {
+  State next = state;
+  step.largest_turn_rad = step.largest_move_m = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(problem.poses); ++i) {
+    const double* d = &step.reduced[6 * i];
+    const Eigen::Vector3d turn(d[0], d[1], d[2]), shift(d[3], d[4], d[5]);
+    const Eigen::Vector3d centre = Eigen::Vector3d(state.frames[i].data() + 9) + shift;
+    next.rotations[i] = (rotation_by(turn) * state.rotations[i]).normalized();
+    next.frames[i] = frame_of(next.rotations[i], centre.data());
+    step.largest_turn_rad = std::max(step.largest_turn_rad, turn.norm());
+    step.largest_move_m = std::max(step.largest_move_m, shift.norm());
+  }
+  const double* by_camera = step.reduced.data() + 6 * problem.poses;
+  for (std::size_t i = 0; i < problem.cameras.size(); ++i) {
+    const ProblemCamera& camera = problem.cameras[i];
+    for (std::size_t k = 0; k < camera.free.size(); ++k)
+      next.cameras[i][camera.free[k]] += by_camera[camera.border + static_cast<int>(k)];
+    if (!camera.free.empty()) next.lenses[i] = lens_of(next.cameras[i].data());
+  }
+  return next;
+}
+
+double squared(const double* residual) { return residual[0] * residual[0] + residual[1] * residual[1]; }
+
+// r := r - J d - B dc: the residual after the step of image and camera, by the linear model.
+void take_step_of_image(const Problem& problem, const State& state, const Step& step, const Ray& ray, LinearRay& linear) {
+  if (static_cast<int>(ray.image) < problem.poses) {
+    const double* d = &step.reduced[6ul * ray.image];
+    for (int row = 0; row < 2; ++row) {
+      const double *turn = linear.by_rotation + 3 * row, *shift = linear.by_point + 3 * row;
+      linear.residual[row] -= turn[0] * d[0] + turn[1] * d[1] + turn[2] * d[2];
+      linear.residual[row] += shift[0] * d[3] + shift[1] * d[4] + shift[2] * d[5];
+    }
+  }
+  const int camera = problem.images[ray.image].camera;
+  const ProblemCamera& unknowns = problem.cameras[camera];
+  if (unknowns.free.empty()) return;
+  double b[2 * Camera::kParams];
+  linearise_camera(linear, state.lenses[camera], unknowns.free, b);
+  const double* d = step.reduced.data() + 6 * problem.poses + unknowns.border;
+  const std::size_t count = unknowns.free.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    linear.residual[0] -= b[k] * d[k];
+    linear.residual[1] -= b[count + k] * d[k];
+  }
+}
+
+// V d = A^T (r - J d - B dc) for the point; the promise is |r|^2 - |r - J d - B dc - A dp|^2.
+Sums move_point(const Problem& problem, const State& state, double lambda, const Step& step, std::size_t p, State& next) {
+  const ProblemPoint& point = problem.point(p);
+  const Loss loss = problem.loss_of(point);
+  const double* position = &state.points[3 * p];
+  double* target = &next.points[3 * p];
+  Sums sums;
+  PointNormals normals;
+  for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
+    const Ray& ray = problem.rays[r];
+    LinearRay linear;
+    linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
+    sums.promised += squared(linear.residual);
+    take_step_of_image(problem, state, step, ray, linear);
+    sums.promised -= squared(linear.residual);
+    if (!point.held) normals.add(linear);
+  }
+  if (!point.held) {
+    if (point.control >= 0) normals.add(problem.control[point.control], position);
+    normals.factor(lambda);
+    const double *v = normals.v, *b = normals.right;
+    double d[3] = {b[0], b[1], b[2]};
+    normals.forward(d);
+    normals.backward(d);
+    const double quadratic = v[0] * d[0] * d[0] + v[3] * d[1] * d[1] + v[5] * d[2] * d[2] +
+                             2 * (v[1] * d[0] * d[1] + v[2] * d[0] * d[2] + v[4] * d[1] * d[2]);
+    sums.promised += 2 * (b[0] * d[0] + b[1] * d[1] + b[2] * d[2]) - quadratic;
+    for (int c = 0; c < 3; ++c) target[c] = position[c] + d[c];
+  }
+  if (point.control >= 0) sums.cost += PointNormals().add(problem.control[point.control], target);
+  for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
+    const Ray& ray = problem.rays[r];
+    sums.cost += cost_of(ray, next.frames[ray.image], next.lenses[problem.images[ray.image].camera], target, loss);
+  }
+  return sums;
+}
+
+Sums of_positions(const Problem& problem, const State& state, const State& next, const Step& step) {
+  Sums sums;
+  for (const GivenPosition& position : problem.positions) {
+    const Eigen::Vector3d centre(state.frames[position.image].data() + 9), after(next.frames[position.image].data() + 9);
+    const Eigen::Vector3d residual = (position.given - centre).cwiseProduct(position.inverse_sigma);
+    const Eigen::Vector3d d(&step.reduced[6ul * position.image + 3]);
+    const double s = residual.squaredNorm();
+    sums.cost += problem.position_loss.cost((position.given - after).cwiseProduct(position.inverse_sigma).squaredNorm());
+    sums.promised += problem.position_loss.weight(s) * (s - (residual - d.cwiseProduct(position.inverse_sigma)).squaredNorm());
+  }
+  return sums;
+}
+
+Sums of_weak_cameras(const Problem& problem, const State& state, const State& next) {
+  Sums sums;
+  for (std::size_t i = 0; i < problem.cameras.size(); ++i)
+    for (const int param : problem.cameras[i].free) {
+      const ProblemCamera& camera = problem.cameras[i];
+      const double before = (camera.given[param] - state.cameras[i][param]) * camera.inverse_sigma[param];
+      const double after = (camera.given[param] - next.cameras[i][param]) * camera.inverse_sigma[param];
+      sums.cost += after * after;
+      sums.promised += before * before - after * after;
+    }
+  return sums;
+}
+
+}  // namespace
+
+State moved(const Problem& problem, const State& state, double lambda, Step& step, const Run& run) {
+  State next = with_reduced_moved(problem, state, step);
+  const std::size_t points = problem.point_count(), items = (points + kPointsInItem - 1) / kPointsInItem;
+  std::vector<Sums> sums(items);
+  Run serial;
+  parallel_for(problem.rays.size() >= kRaysWorthThreads ? run : serial, items, [&](std::size_t item) {
+    for (std::size_t p = item * kPointsInItem; p < std::min(points, (item + 1) * kPointsInItem); ++p) {
+      const Sums one = move_point(problem, state, lambda, step, p, next);
+      sums[item].cost += one.cost;
+      sums[item].promised += one.promised;
+    }
+  });
+  sums.push_back(of_positions(problem, state, next, step));
+  sums.push_back(of_weak_cameras(problem, state, next));
+  step.cost = step.promised = 0;
+  for (const Sums& one : sums) {
+    step.cost += one.cost;
+    step.promised += one.promised;
+  }
+  return next;
+}
+
+}  // namespace collinea::bundle

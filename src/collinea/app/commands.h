@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "collinea/app/flags.h"
+
+namespace collinea {
+
+// One function a command, each in a file of its own name.
+Command run_command();
+Command import_command();
+/// detect, match, orient, densify, surface, ortho, report: the same command for every step after import.
+Command step_command(const std::string& step, const std::string& summary);
+Command info_command();
+Command export_command();
+Command simulate_command();
+Command assess_command();
+
+}  // namespace collinea

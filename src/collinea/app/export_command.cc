@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "collinea/app/commands.h"
+#include "collinea/app/console.h"
+#include "collinea/pipeline/export.h"
+
+namespace collinea {
+
+Command export_command() {
+  struct Asked {
+    std::string project, folder, format = "colmap";
+  };
+  auto asked = std::make_shared<Asked>();
+  return {"export", "the oriented block for other programs",
+          [asked](Flags& flags) {
+            flags.positional("project", asked->project, "project folder");
+            flags.positional("folder", asked->folder, "where the files go; made when missing");
+            flags.add("format", asked->format, "", "colmap (text and binary model), opk (omega, phi, kappa) or ply (tie points)");
+          },
+          [asked] {
+            auto project = open_project(asked->project, {});
+            if (!project) return complain(project.error());
+            if (auto done = export_block(*project, asked->folder, asked->format); !done) return complain(done.error());
+            fmt::print("{}\n", asked->folder);
+            return 0;
+          }};
+}
+
+}  // namespace collinea

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <filesystem>
+
+#include "collinea/app/commands.h"
+#include "collinea/app/console.h"
+#include "collinea/pipeline/info.h"
+
+namespace collinea {
+
+Command info_command() {
+  struct Asked {
+    std::string project;
+    bool json = false;
+  };
+  auto asked = std::make_shared<Asked>();
+  return {"info", "what a project holds and how good it is",
+          [asked](Flags& flags) {
+            flags.positional("project", asked->project, "project folder");
+            flags.add("json", asked->json, "", "as JSON, for machines");
+          },
+          [asked] {
+            if (!std::filesystem::exists(std::filesystem::path(asked->project) / "block.db"))
+              return complain({Errc::kNotFound, asked->project + " is not a project: no block.db in it"});
+            const auto store = ProjectStore::open(asked->project);
+            if (!store) return complain(store.error());
+            const auto text = asked->json ? info_json(*store) : info_text(*store);
+            if (!text) return complain(text.error());
+            std::fputs(text->c_str(), stdout);
+            return 0;
+          }};
+}
+
+}  // namespace collinea

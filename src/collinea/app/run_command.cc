@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <fmt/format.h>
+
+#include "collinea/app/commands.h"
+#include "collinea/app/console.h"
+#include "collinea/app/exit_code.h"
+#include "collinea/pipeline/project.h"
+
+namespace collinea {
+namespace {
+
+struct Asked {
+  std::string photos, project, until = "report";
+  Settings settings;
+  ConsoleOptions console;
+};
+
+int run_until(Asked& asked, const std::string& last) {
+  auto console = Console::create(asked.console);
+  if (!console) return complain(console.error());
+  std::error_code error;
+  asked.settings.photos = std::filesystem::absolute(asked.photos, error).lexically_normal().string();
+  asked.settings.seed = asked.console.seed;
+  auto& control = asked.settings.import.control;
+  if (control) control = std::filesystem::absolute(*control, error).lexically_normal().string();
+  auto project = create_project(asked.project, asked.settings, console->run());
+  if (!project) return complain(project.error());
+  console->log_to(project->folder / "log.txt");
+  if (auto done = bring_up_to(*project, last); !done) {
+    console->run().say("error: " + done.error().message);
+    return exit_code(done.error().code);
+  }
+  console->run().say("project in " + asked.project);
+  return 0;
+}
+
+}  // namespace
+
+Command run_command() {
+  auto asked = std::make_shared<Asked>();
+  return {"run", "photographs to oriented images, cloud, surface model, orthophoto and report",
+          [asked](Flags& flags) {
+            flags.positional("photos", asked->photos, "folder of photographs (searched with its subfolders)");
+            flags.required("-o", "project", asked->project, "project folder; made when missing, continued when there");
+            flags.add("until", asked->until, "", "last step to do");
+            flags.add_all(asked->console, "run");
+            Settings::each(asked->settings, [&](const char*, const char* group, auto& options) { flags.add_all(options, group); });
+          },
+          [asked] { return run_until(*asked, asked->until); }};
+}
+
+Command import_command() {
+  auto asked = std::make_shared<Asked>();
+  return {"import", "read headers, cameras, positions and control of a folder of photographs",
+          [asked](Flags& flags) {
+            flags.positional("photos", asked->photos, "folder of photographs (searched with its subfolders)");
+            flags.required("-o", "project", asked->project, "project folder; made when missing");
+            flags.add_all(asked->console, "run");
+            flags.add_all(asked->settings.import, "import");
+          },
+          [asked] { return run_until(*asked, "import"); }};
+}
+
+}  // namespace collinea

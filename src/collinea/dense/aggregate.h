@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "collinea/dense/labels.h"
+
+namespace collinea::dense {
+
+/// A rectangle of whole cells.
+struct CellRange {
+  int column0 = 0, row0 = 0, column1 = 0, row1 = 0;  ///< ends excluded
+};
+
+/// What a change of depth between neighbouring pixels costs, on the scale of cost().
+struct Smoothness {
+  int small = 10;                         ///< by one label
+  std::array<std::uint16_t, 256> large{};  ///< by more, for each difference of grey values
+};
+[[nodiscard]] Smoothness smoothness(int small, int large, double grey_scale);
+
+/// The matching costs of a rectangle of cells; cell offsets as in `offsets`, by rows of the rectangle.
+struct Volume {
+  CellRange range;
+  std::vector<std::size_t> offsets;
+  std::vector<std::uint8_t> costs;
+
+  [[nodiscard]] std::size_t offset(int column, int row) const {
+    return offsets[std::size_t(row - range.row0) * std::size_t(range.column1 - range.column0) +
+                   std::size_t(column - range.column0)];
+  }
+};
+
+/// Room for the costs of the cells in `range`, all 255 (guards stay so).
+[[nodiscard]] Volume volume_for(const Labels& labels, const CellRange& range);
+
+/// Semi-global aggregation (Hirschmueller 2008) along eight directions: the sums of path costs, laid out as the volume.
+/// A path that keeps its label follows the base of the labels, so a sloping base is not penalised; between cells labels
+/// are carried over by inverse depth. `stopped` is asked between rows; when it says yes the result is meaningless.
+[[nodiscard]] std::vector<std::uint16_t> aggregate(const Labels& labels, const Volume& volume, const GreyImage& picture,
+                                                   const Smoothness& smoothness, const std::function<bool()>& stopped);
+
+/// The label with the smallest sum and, between labels, the minimum of the parabola; the runner-up at least two labels
+/// away (the largest possible sum when there is none).
+struct Winner {
+  float label = 0;
+  std::uint16_t sum = 0, runner_up = 0;
+};
+[[nodiscard]] Winner winner(const std::uint16_t* sums_of_pixel, int labels);
+
+}  // namespace collinea::dense

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "collinea/base/run.h"
+#include "collinea/dense/labels.h"
+#include "collinea/dense/match_kernels.h"
+
+namespace collinea::dense {
+
+/// One neighbour as the reference picture of a level sees it.
+struct View {
+  Quads quads;
+  Transfer transfer;
+};
+
+/// A picture and its neighbours at one level of the pyramid.
+struct Level {
+  const GreyImage* picture = nullptr;
+  std::vector<View> views;
+  float step = 0;             ///< inverse depth per label
+  float parallax_px = 1;      ///< of one label, in the neighbours that see most of it
+};
+
+/// A cell of the reference picture and the views that may show it, ready for comparison. Large: keep one per thread.
+struct CellScene {
+  int left = 0, top = 0;
+  alignas(64) std::array<float, kRegion> inverse_depth{};
+  std::vector<int> views;  ///< indices into Level::views
+  std::vector<Carried> carried;
+};
+
+/// Fills in the views that can see the cell somewhere between `low` and `high` beyond scene.inverse_depth.
+void place_views(const Level& level, float low, float high, CellScene& scene);
+
+/// Multi-view matching of the whole picture: census costs (Zabih and Woodfill 1994, opposite pixels compared), the better
+/// half of the views (Kang et al. 2001), semi-global aggregation in tiles, best label. Inverse depth per pixel; NaN where
+/// the picture is empty; everything else gets a value, right or wrong. Result is not to be used when run.stopped().
+[[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, const Run& run);
+
+/// The surface measured again, pixel by pixel, by correlation of windows that follow it (7 x 7).
+struct Refined {
+  FloatImage inverse_depth;  ///< NaN where nothing can be measured
+  FloatImage sigma;          ///< of the inverse depth, from noise and texture
+  FloatImage correlation;    ///< weighted mean over the views that agree
+};
+/// `surface`: inverse depths without NaN. Searched: half a step before and behind when `near`, else a whole one.
+[[nodiscard]] Refined refine(const Level& level, const FloatImage& surface, bool near, const Run& run);
+
+/// Mean over the 5 x 5 pixels whose inverse depth is within `reach` of that in the middle; NaN stay.
+[[nodiscard]] FloatImage smoothed_within(const FloatImage& surface, float reach);
+
+/// Empties connected patches (neighbours differ by at most `reach`) of fewer than `min_pixels`.
+void remove_specks(FloatImage& surface, float reach, int min_pixels);
+
+}  // namespace collinea::dense

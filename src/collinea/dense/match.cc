@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/match.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collinea/dense/level.h"
+
+namespace collinea {
+namespace {
+
+using dense::Labels;
+using dense::Level;
+
+constexpr std::size_t kFewestTiePoints = 8;
+constexpr float kParallaxOfLabelPx = 0.8f;
+constexpr int kMargin = 3;                // labels searched beyond the coarse surface
+constexpr double kCoarsestLabels = 100;   // the coarsest level is the first with no more than these
+constexpr double kPlanePart = 0.5;        // a plane is worth taking when it leaves less than this of the range
+
+Eigen::Matrix3d calibration(const Camera& camera) {
+  Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+  k(0, 0) = k(1, 1) = camera.focal_px();
+  k(0, 2) = camera.params[Camera::kCx];
+  k(1, 2) = camera.params[Camera::kCy];
+  return k;
+}
+
+// A tie point as matching sees it: its place on the working picture and its inverse depth.
+struct Sounding {
+  double x, y, w;
+};
+
+std::vector<Sounding> soundings(const TieView& ties, ImageId image, const Camera& camera) {
+  std::vector<Sounding> result;
+  for (const SeenPoint& seen : ties.seen_by(image)) {
+    const auto pixel = project(camera, seen.point_in_cam);
+    if (pixel && inside(camera, *pixel)) result.push_back({pixel->x(), pixel->y(), 1 / seen.point_in_cam.z()});
+  }
+  return result;
+}
+
+double quantile(std::vector<double> values, double part) {
+  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// w = a x + b y + c around which the inverse depths lie, and how far (all of them but the grossest).
+struct StartSurface {
+  double a = 0, b = 0, c = 0, low = 0, high = 0;
+};
+
+StartSurface spread_around(double a, double b, double c, const std::vector<Sounding>& soundings) {
+  std::vector<double> rest;
+  for (const Sounding& s : soundings) rest.push_back(s.w - a * s.x - b * s.y - c);
+  return {a, b, c, quantile(rest, 0.005), quantile(rest, 0.995)};
+}
+
+StartSurface start_surface(const std::vector<Sounding>& soundings, double margin) {
+  const StartSurface level = spread_around(0, 0, 0, soundings);
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Sounding& s : soundings) {
+    if (s.w < level.low || s.w > level.high) continue;
+    const Eigen::Vector3d row(s.x, s.y, 1);
+    normal += row * row.transpose();
+    right += row * s.w;
+  }
+  const Eigen::Vector3d plane = normal.ldlt().solve(right);
+  StartSurface best = level;
+  if (plane.allFinite()) {
+    const StartSurface tilted = spread_around(plane.x(), plane.y(), plane.z(), soundings);
+    if (tilted.high - tilted.low < kPlanePart * (level.high - level.low)) best = tilted;
+  }
+  const double reach = margin * std::max(level.high - level.low, 0.05 * level.high);
+  best.low -= reach;
+  best.high += reach;
+  return best;
+}
+
+// Pixels in the neighbour per unit of inverse depth, in the middle of the soundings.
+double sensitivity(const Eigen::Matrix3d& h, const Eigen::Vector3d& b, const std::vector<Sounding>& soundings) {
+  std::vector<double> all;
+  for (const Sounding& s : soundings) {
+    const Eigen::Vector3d p = h * Eigen::Vector3d(s.x, s.y, 1) + s.w * b;
+    if (!(p.z() > 0)) continue;
+    const Eigen::Vector2d by_w = (b.head<2>() - p.head<2>() / p.z() * b.z()) / p.z();
+    all.push_back(by_w.norm());
+  }
+  return all.empty() ? 0 : quantile(all, 0.5);
+}
+
+// Everything about the pair that does not depend on the level.
+struct Neighbour {
+  std::shared_ptr<const WorkingPicture> picture;
+  Rigid3 from_reference;  // neighbour_cam_from_reference_cam
+  int level_offset = 0;   // so much coarser its pyramid is used, that pixels on the ground are alike
+};
+
+int level_offset(const Camera& reference, const Camera& camera, const Rigid3& from_reference,
+                 const std::vector<Sounding>& soundings) {
+  std::vector<double> ratio;
+  for (const Sounding& s : soundings) {
+    const Eigen::Vector3d ray((s.x - reference.params[Camera::kCx]) / reference.focal_px(),
+                              (s.y - reference.params[Camera::kCy]) / reference.focal_px(), 1);
+    const double z = (from_reference * (ray / s.w)).z();
+    if (z > 0) ratio.push_back(camera.focal_px() / z / (reference.focal_px() * s.w));
+  }
+  return ratio.empty() ? 0 : int(std::lround(std::log2(quantile(ratio, 0.5))));
+}
+
+class Matching {
+ public:
+  Matching(const DenseOptions& options, const Run& run) : options_(options), run_(run) {}
+
+  Result<> prepare(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures) {
+    const std::string& file = block.images.at(image).file;
+    COLLINEA_TRY(reference_, pictures.picture(image));
+    soundings_ = soundings(ties, image, reference_->camera);
+    if (soundings_.size() < kFewestTiePoints) return fail(Errc::kIllPosed, file + ": too few tie points to match it");
+    const Rigid3& pose = block.cam_from_world.at(image);
+    for (const ImageId id : ties.neighbours(image, options_.neighbours)) {
+      if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
+      Neighbour neighbour;
+      COLLINEA_TRY(neighbour.picture, pictures.picture(id));
+      neighbour.from_reference = block.cam_from_world.at(id) * inverse(pose);
+      neighbour.level_offset =
+          level_offset(reference_->camera, neighbour.picture->camera, neighbour.from_reference, soundings_);
+      neighbours_.push_back(std::move(neighbour));
+    }
+    if (neighbours_.empty()) return fail(Errc::kIllPosed, file + ": no other image sees its tie points");
+    return {};
+  }
+
+  Result<DepthMap> run() {
+    start_ = start_surface(soundings_, options_.depth_margin);
+    const int coarsest = coarsest_level();
+    FloatImage surface;
+    for (int l = coarsest; l >= 0; --l) {
+      const Level level = level_at(l);
+      if (!(level.step > 0)) return fail(Errc::kIllPosed, "the neighbours stand where the image was taken: no parallax");
+      surface = dense::match_level(level, l == coarsest ? start_labels(level, l) : next_labels(surface, level), run_);
+      if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
+      if (l == 0) return measured(level, std::move(surface));
+    }
+    return fail(Errc::kIllPosed, "the picture is too small");
+  }
+
+ private:
+  Level level_at(int l) const {
+    Level level;
+    level.picture = &reference_->levels[std::size_t(l)];
+    const Eigen::Matrix3d back = calibration(camera_of_level(reference_->camera, l)).inverse();
+    const double scale = std::ldexp(1.0, -l);
+    std::vector<Sounding> here = soundings_;
+    for (Sounding& s : here) s.x *= scale, s.y *= scale;
+    std::vector<double> px_per_w;
+    for (const Neighbour& n : neighbours_) {
+      const int nl = std::clamp(l + n.level_offset, 0, int(n.picture->levels.size()) - 1);
+      const Eigen::Matrix3d k = calibration(camera_of_level(n.picture->camera, nl));
+      const Eigen::Matrix3d h = k * n.from_reference.rotation.toRotationMatrix() * back;
+      const Eigen::Vector3d b = k * n.from_reference.translation;
+      dense::View view{dense::quads_of(n.picture->levels[std::size_t(nl)]), {}};
+      for (int i = 0; i < 9; ++i) view.transfer.h[std::size_t(i)] = float(h(i / 3, i % 3));
+      for (int i = 0; i < 3; ++i) view.transfer.b[std::size_t(i)] = float(b[i]);
+      px_per_w.push_back(sensitivity(h, b, here));
+      level.views.push_back(std::move(view));
+    }
+    const double strong = quantile(px_per_w, 0.75);
+    level.step = strong > 0 ? float(kParallaxOfLabelPx / strong) : 0;
+    level.parallax_px = kParallaxOfLabelPx;
+    return level;
+  }
+
+  int coarsest_level() const {
+    const Level finest = level_at(0);
+    double labels = (start_.high - start_.low) / std::max(1e-30, double(finest.step));
+    int l = 0;
+    const int last = int(reference_->levels.size()) - 1;
+    while (l < last && (labels > kCoarsestLabels || reference_->levels[std::size_t(l)].width > 400)) {
+      labels /= 2;
+      ++l;
+    }
+    return l;
+  }
+
+  Labels start_labels(const Level& level, int l) const {
+    const double size = std::ldexp(1.0, l);
+    const double at_corner = start_.c + (start_.a + start_.b) * 0.5 * size;  // at the centre of the first pixel
+    return dense::labels_around_plane(level.picture->width, level.picture->height, level.step, float(at_corner),
+                                      float(start_.a * size), float(start_.b * size), float(start_.low / level.step),
+                                      float(start_.high / level.step));
+  }
+
+  static Labels next_labels(FloatImage coarse, const Level& level) {
+    dense::fill_holes(coarse);
+    return dense::labels_around(dense::median3(coarse), level.picture->width, level.picture->height, level.step, kMargin);
+  }
+
+  Result<DepthMap> measured(const Level& level, FloatImage surface) const {
+    dense::fill_holes(surface);
+    surface = dense::smoothed_within(dense::median3(surface), level.step);
+    dense::Refined first = dense::refine(level, surface, false, run_);
+    for (std::size_t i = 0; i < surface.data.size(); ++i)
+      if (!std::isnan(first.inverse_depth.data[i])) surface.data[i] = first.inverse_depth.data[i];
+    surface = dense::smoothed_within(surface, level.step);
+    dense::Refined refined = dense::refine(level, surface, true, run_);
+    if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
+    return cleaned(level, refined);
+  }
+
+  DepthMap cleaned(const Level& level, dense::Refined& refined) const {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float max_sigma = float(options_.max_sigma_px) / level.parallax_px * level.step;
+    auto& w = refined.inverse_depth.data;
+    for (std::size_t i = 0; i < w.size(); ++i)
+      if (!(refined.correlation.data[i] >= float(options_.min_correlation) && refined.sigma.data[i] <= max_sigma && w[i] > 0))
+        w[i] = nan;
+    dense::remove_specks(refined.inverse_depth, 2 * level.step, kSmallestPatch);
+    DepthMap map{reference_->camera, std::move(refined.inverse_depth), std::move(refined.sigma)};
+    for (std::size_t i = 0; i < map.depth.data.size(); ++i) {
+      const float z = 1 / map.depth.data[i];
+      map.depth.data[i] = z;
+      map.sigma.data[i] = std::isnan(z) ? nan : map.sigma.data[i] * z * z;
+    }
+    return map;
+  }
+
+  static constexpr int kSmallestPatch = 40;  // pixels
+  const DenseOptions& options_;
+  const Run& run_;
+  std::shared_ptr<const WorkingPicture> reference_;
+  std::vector<Sounding> soundings_;
+  std::vector<Neighbour> neighbours_;
+  StartSurface start_;
+};
+
+}  // namespace
+
+Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
+                           const DenseOptions& options, const Run& run) {
+  if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
+  if (!block.cam_from_world.count(image)) return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
+  Matching matching(options, run);
+  if (auto ready = matching.prepare(block, image, ties, pictures); !ready) return tl::unexpected(std::move(ready).error());
+  return matching.run();
+}
+
+Result<DepthMap> depth_map(const Block& block, ImageId image, const PixelSource& pixels, const DenseOptions& options,
+                           const Run& run) {
+  const TieView ties(block);
+  WorkingPictures pictures(block, pixels, options);
+  return depth_map(block, image, ties, pictures, options, run);
+}
+
+}  // namespace collinea

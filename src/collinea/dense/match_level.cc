@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "collinea/base/parallel.h"
+#include "collinea/dense/aggregate.h"
+#include "collinea/dense/level.h"
+
+namespace collinea::dense {
+namespace {
+
+constexpr int kTileCells = 24;    // a tile is aggregated on its own, which bounds memory
+constexpr int kTileOverlap = 2;   // cells around it that take part, so that its border is nobody's border
+constexpr int kSmallChange = 8;   // on the scale of cost(): 6 per bit
+constexpr int kLargeChange = 70;
+constexpr double kGreyScale = 12;  // a step of that many grey values halves the penalty of a large change
+
+void reference_region(const GreyImage& picture, int left, int top, std::int8_t* region) {
+  for (int j = 0; j < kRegionHeight; ++j)
+    for (int i = 0; i < kRegionWidth; ++i) {
+      const int x = left - kRadius + i, y = top - kRadius + j;
+      const bool there = x >= 0 && y >= 0 && x < picture.width && y < picture.height;
+      region[j * kRegionWidth + i] = std::int8_t((there ? picture.at(x, y) : 0) - 128);
+    }
+}
+
+struct CostScratch {
+  CellScene scene;
+  Smallest smallest;
+  alignas(64) std::array<std::int8_t, kRegion> region, sampled;
+  alignas(64) std::array<std::uint8_t, kCensusBits * kCellPixels> planes;
+  alignas(64) std::array<std::uint8_t, kCellPixels> distance, costs;
+};
+
+void cell_costs(const Level& level, const Labels& labels, const Cell& cell, std::uint8_t* volume, CostScratch& scratch) {
+  CellScene& scene = scratch.scene;
+  scene.left = cell.left;
+  scene.top = cell.top;
+  for (int j = 0; j < kRegionHeight; ++j)
+    for (int i = 0; i < kRegionWidth; ++i)
+      scene.inverse_depth[std::size_t(j * kRegionWidth + i)] =
+          labels.base(cell, cell.left - kRadius + i, cell.top - kRadius + j) + cell.first * labels.step;
+  place_views(level, 0, float(cell.labels - 1) * labels.step, scene);
+  reference_region(*level.picture, cell.left, cell.top, scratch.region.data());
+  census(scratch.region.data(), scratch.planes.data());
+  for (int k = 0; k < cell.labels; ++k) {
+    clear(scratch.smallest);
+    for (std::size_t v = 0; v < scene.views.size(); ++v) {
+      const View& view = level.views[std::size_t(scene.views[v])];
+      const auto& b = view.transfer.b;
+      const float w = float(k) * labels.step;
+      sample(view.quads, scene.carried[v], w * b[0], w * b[1], w * b[2], scratch.sampled.data());
+      census_distance(scratch.sampled.data(), scratch.planes.data(), scratch.distance.data());
+      add(scratch.distance.data(), scratch.smallest);
+    }
+    cost(scratch.smallest, scratch.costs.data());
+    std::uint8_t* out = volume + kGuard + k;
+    for (int i = 0; i < kCellPixels; ++i) out[i * cell.stride] = scratch.costs[std::size_t(i)];
+  }
+}
+
+CellRange widened(const CellRange& tile, const Labels& labels) {
+  return {std::max(tile.column0 - kTileOverlap, 0), std::max(tile.row0 - kTileOverlap, 0),
+          std::min(tile.column1 + kTileOverlap, labels.columns), std::min(tile.row1 + kTileOverlap, labels.rows)};
+}
+
+void take_winners(const Level& level, const Labels& labels, const Volume& volume, const std::vector<std::uint16_t>& sums,
+                  const CellRange& tile, FloatImage& result) {
+  for (int row = tile.row0; row < tile.row1; ++row)
+    for (int column = tile.column0; column < tile.column1; ++column) {
+      const Cell& cell = labels.cell(column, row);
+      const std::uint16_t* of_cell = sums.data() + volume.offset(column, row);
+      for (int y = cell.top; y < std::min(cell.top + kCell, labels.height); ++y)
+        for (int x = cell.left; x < std::min(cell.left + kCell, labels.width); ++x) {
+          if (level.picture->at(x, y) == 0) continue;
+          const int pixel = (y - cell.top) * kCell + x - cell.left;
+          const Winner best = winner(of_cell + std::size_t(pixel) * std::size_t(cell.stride), cell.labels);
+          result.at(x, y) = labels.base(cell, x, y) + (cell.first + best.label) * labels.step;
+        }
+    }
+}
+
+void match_tile(const Level& level, const Labels& labels, const CellRange& tile, const Run& run, FloatImage& result) {
+  const CellRange range = widened(tile, labels);
+  Volume volume = volume_for(labels, range);
+  const auto scratch = std::make_unique<CostScratch>();
+  for (int row = range.row0; row < range.row1; ++row)
+    for (int column = range.column0; column < range.column1; ++column) {
+      if (run.stopped()) return;
+      cell_costs(level, labels, labels.cell(column, row), volume.costs.data() + volume.offset(column, row), *scratch);
+    }
+  static const Smoothness kSmoothness = smoothness(kSmallChange, kLargeChange, kGreyScale);
+  const auto sums = aggregate(labels, volume, *level.picture, kSmoothness, [&] { return run.stopped(); });
+  if (!run.stopped()) take_winners(level, labels, volume, sums, tile, result);
+}
+
+}  // namespace
+
+void place_views(const Level& level, float low, float high, CellScene& scene) {
+  scene.views.clear();
+  scene.carried.resize(level.views.size());
+  for (std::size_t v = 0; v < level.views.size(); ++v) {
+    const View& view = level.views[v];
+    const auto& b = view.transfer.b;
+    Carried& carried = scene.carried[scene.views.size()];
+    carry(view.transfer, scene.left - kRadius, scene.top - kRadius, scene.inverse_depth.data(), carried);
+    float x0 = std::numeric_limits<float>::max(), x1 = -x0, y0 = x0, y1 = -x0;
+    bool in_front = true;
+    for (const int corner : {0, kRegionWidth - 1, kRegion - kRegionWidth, kRegion - 1})
+      for (const float w : {low, high}) {
+        const float z = carried.z[corner] + w * b[2];
+        in_front = in_front && z > 1e-6f;
+        const float x = (carried.x[corner] + w * b[0]) / z, y = (carried.y[corner] + w * b[1]) / z;
+        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+      }
+    if (in_front && (x1 < 0 || y1 < 0 || x0 > float(view.quads.width) || y0 > float(view.quads.height))) continue;
+    scene.views.push_back(int(v));
+  }
+}
+
+FloatImage match_level(const Level& level, const Labels& labels, const Run& run) {
+  FloatImage result(labels.width, labels.height, 1, std::numeric_limits<float>::quiet_NaN());
+  const int across = (labels.columns + kTileCells - 1) / kTileCells, down = (labels.rows + kTileCells - 1) / kTileCells;
+  parallel_for(run, std::size_t(across * down), [&](std::size_t i) {
+    const int column = int(i) % across, row = int(i) / across;
+    const CellRange tile{labels.columns * column / across, labels.rows * row / down,
+                         labels.columns * (column + 1) / across, labels.rows * (row + 1) / down};
+    match_tile(level, labels, tile, run, result);
+  });
+  return result;
+}
+
+}  // namespace collinea::dense

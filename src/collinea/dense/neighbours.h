@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "collinea/block/block.h"
+
+namespace collinea {
+
+/// The tie points an image sees, with what matching wants to know of them.
+struct SeenPoint {
+  Eigen::Vector3d point_in_cam;  ///< z > 0
+  PointId point;
+};
+
+/// Which images see which tie points; built once per block, read by every image. The block must outlive it.
+class TieView {
+ public:
+  explicit TieView(const Block& block);
+
+  /// Tie points in front of the image's camera, in the order of their ids.
+  [[nodiscard]] std::vector<SeenPoint> seen_by(ImageId image) const;
+
+  /// Up to `count` images to match `image` with, best first: they see the same tie points, from 5 to 25 degrees aside,
+  /// cover all of the image, and lie on different sides of it. Fewer (or none) when the block has no more.
+  [[nodiscard]] std::vector<ImageId> neighbours(ImageId image, int count) const;
+
+  /// All images that share at least `min_shared` tie points with `image`, most shared first, at most `count`.
+  [[nodiscard]] std::vector<ImageId> overlapping(ImageId image, int min_shared, int count) const;
+
+ private:
+  const Block& block_;
+  std::map<ImageId, std::vector<std::uint32_t>> observations_of_;  ///< indices into block.observations
+};
+
+}  // namespace collinea

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/working_pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace collinea {
+namespace {
+
+constexpr double kDefaultPixels = 3.2e6;
+constexpr int kSmallestSide = 40;  // of the coarsest level kept
+constexpr int kGrid = 8;           // pixels between exact evaluations of the distortion; between them error < 0.003 px
+
+bool is_ideal(const Camera& camera) {
+  return std::all_of(camera.params.begin() + Camera::kK1, camera.params.end(), [](double p) { return p == 0; });
+}
+
+// Weights of the four samples around a position at phase i / 256: Catmull-Rom.
+std::array<std::array<float, 4>, 257> cubic_weights() {
+  std::array<std::array<float, 4>, 257> weights;
+  for (int i = 0; i <= 256; ++i) {
+    const double t = i / 256.0, t2 = t * t, t3 = t2 * t;
+    weights[std::size_t(i)] = {float(-0.5 * t + t2 - 0.5 * t3), float(1 - 2.5 * t2 + 1.5 * t3),
+                               float(0.5 * t + 2 * t2 - 1.5 * t3), float(-0.5 * t2 + 0.5 * t3)};
+  }
+  return weights;
+}
+
+std::uint8_t as_pixel(float value) { return std::uint8_t(std::clamp(int(value + 0.5f), 1, 255)); }
+
+// x, y: position in units of samples (sample centres are whole numbers).
+std::uint8_t cubic(const GreyImage& picture, float x, float y) {
+  static const auto kWeights = cubic_weights();
+  if (!(x >= -0.5f && y >= -0.5f && x <= float(picture.width) - 0.5f && y <= float(picture.height) - 0.5f)) return 0;
+  const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+  const auto& wx = kWeights[std::size_t((x - float(x0)) * 256 + 0.5f)];
+  const auto& wy = kWeights[std::size_t((y - float(y0)) * 256 + 0.5f)];
+  float sum = 0;
+  for (int j = 0; j < 4; ++j) {
+    const std::uint8_t* row = picture.row(std::clamp(y0 - 1 + j, 0, picture.height - 1));
+    float across;
+    if (x0 >= 1 && x0 + 2 < picture.width) {
+      const std::uint8_t* p = row + x0 - 1;
+      across = wx[0] * float(p[0]) + wx[1] * float(p[1]) + wx[2] * float(p[2]) + wx[3] * float(p[3]);
+    } else {
+      across = 0;
+      for (int i = 0; i < 4; ++i) across += wx[std::size_t(i)] * float(row[std::clamp(x0 - 1 + i, 0, picture.width - 1)]);
+    }
+    sum += wy[std::size_t(j)] * across;
+  }
+  return as_pixel(sum);
+}
+
+// Where the pixels of the ideal picture lie on the photograph, at every kGrid-th pixel (sample units); NaN: nowhere.
+std::vector<Eigen::Vector2f> distortion_grid(const Camera& camera, const Camera& ideal, int columns, int rows) {
+  std::vector<Eigen::Vector2f> grid(std::size_t(columns) * std::size_t(rows));
+  const auto& p = ideal.params;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const Eigen::Vector3d ray((i * kGrid + 0.5 - p[Camera::kCx]) / p[Camera::kF],
+                                (j * kGrid + 0.5 - p[Camera::kCy]) / p[Camera::kF], 1);
+      const auto pixel = project(camera, ray);
+      grid[std::size_t(j) * std::size_t(columns) + std::size_t(i)] =
+          pixel ? Eigen::Vector2f((*pixel - Eigen::Vector2d(0.5, 0.5)).cast<float>()) : Eigen::Vector2f(NAN, NAN);
+    }
+  return grid;
+}
+
+}  // namespace
+
+Result<int> working_shrink(const Camera& camera, const DenseOptions& options) {
+  if (options.resolution) {
+    if (*options.resolution == "full") return 1;
+    if (*options.resolution == "half") return 2;
+    if (*options.resolution == "quarter") return 4;
+    return fail(Errc::kBadInput, "resolution = " + *options.resolution + " is none of full, half, quarter");
+  }
+  int shrink = 1;
+  while (shrink < 8 && double(camera.width_px) * camera.height_px / (shrink * shrink) > kDefaultPixels) shrink *= 2;
+  return shrink;
+}
+
+Camera shrunk(const Camera& camera, int shrink) {
+  Camera result = camera;
+  for (const auto i : {Camera::kF, Camera::kCx, Camera::kCy, Camera::kB1, Camera::kB2})
+    result.params[std::size_t(i)] /= shrink;
+  result.width_px = (camera.width_px + shrink - 1) / shrink;
+  result.height_px = (camera.height_px + shrink - 1) / shrink;
+  return result;
+}
+
+Camera without_distortion(const Camera& camera) {
+  Camera result = camera;
+  std::fill(result.params.begin() + Camera::kK1, result.params.end(), 0.0);
+  return result;
+}
+
+Camera camera_of_level(const Camera& camera, int level) {
+  Camera result = camera;
+  const double scale = std::ldexp(1.0, -level);
+  for (const auto i : {Camera::kF, Camera::kCx, Camera::kCy}) result.params[std::size_t(i)] *= scale;
+  result.width_px = camera.width_px >> level;
+  result.height_px = camera.height_px >> level;
+  return result;
+}
+
+GreyImage undistorted(const GreyImage& picture, const Camera& camera) {
+  GreyImage result(picture.width, picture.height);
+  if (is_ideal(camera)) {
+    std::transform(picture.data.begin(), picture.data.end(), result.data.begin(),
+                   [](std::uint8_t v) { return std::max<std::uint8_t>(v, 1); });
+    return result;
+  }
+  const int columns = (picture.width - 1) / kGrid + 2, rows = (picture.height - 1) / kGrid + 2;
+  const auto grid = distortion_grid(camera, without_distortion(camera), columns, rows);
+  for (int y = 0; y < result.height; ++y) {
+    const Eigen::Vector2f* upper = grid.data() + std::size_t(y / kGrid) * std::size_t(columns);
+    const float v = float(y % kGrid) / kGrid;
+    std::uint8_t* out = result.row(y);
+    for (int x = 0; x < result.width; ++x) {
+      const int i = x / kGrid;
+      const float u = float(x % kGrid) / kGrid;
+      const Eigen::Vector2f above = upper[i] + u * (upper[i + 1] - upper[i]);
+      const Eigen::Vector2f below = upper[columns + i] + u * (upper[columns + i + 1] - upper[columns + i]);
+      out[x] = cubic(picture, above.x() + v * (below.x() - above.x()), above.y() + v * (below.y() - above.y()));
+    }
+  }
+  return result;
+}
+
+GreyImage halved(const GreyImage& picture) {
+  GreyImage half(picture.width / 2, picture.height / 2);
+  for (int y = 0; y < half.height; ++y) {
+    const std::uint8_t* a = picture.row(2 * y);
+    const std::uint8_t* b = picture.row(2 * y + 1);
+    std::uint8_t* out = half.row(y);
+    for (int x = 0; x < half.width; ++x) {
+      const int p = a[2 * x], q = a[2 * x + 1], r = b[2 * x], s = b[2 * x + 1];
+      out[x] = p && q && r && s ? std::uint8_t((p + q + r + s + 2) / 4) : std::uint8_t(0);
+    }
+  }
+  return half;
+}
+
+WorkingPictures::WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options)
+    : block_(block), pixels_(std::move(pixels)), options_(options) {}
+
+Result<Camera> WorkingPictures::camera(ImageId image) const {
+  const Camera& original = block_.camera_of(image);
+  COLLINEA_TRY(const int shrink, working_shrink(original, options_));
+  return without_distortion(shrunk(original, shrink));
+}
+
+Result<WorkingPicture> WorkingPictures::make(ImageId image) const {
+  const Camera& original = block_.camera_of(image);
+  COLLINEA_TRY(const int shrink, working_shrink(original, options_));
+  COLLINEA_TRY(const GreyImage photo, pixels_(image, shrink));
+  const Camera camera = shrunk(original, shrink);
+  if (photo.width != camera.width_px || photo.height != camera.height_px)
+    return fail(Errc::kBadInput, block_.images.at(image).file + ": the picture has " + std::to_string(photo.width) + " x " +
+                                     std::to_string(photo.height) + " pixels, its camera " +
+                                     std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
+  WorkingPicture result{without_distortion(camera), {}};
+  result.levels.push_back(undistorted(photo, camera));
+  while (std::min(result.levels.back().width, result.levels.back().height) >= 2 * kSmallestSide)
+    result.levels.push_back(halved(result.levels.back()));
+  return result;
+}
+
+Result<std::shared_ptr<const WorkingPicture>> WorkingPictures::picture(ImageId image) {
+  std::shared_ptr<Entry> entry;
+  {
+    const std::lock_guard lock(mutex_);
+    auto& slot = entries_[image];
+    if (!slot) {
+      slot = std::make_shared<Entry>();
+      by_use_.push_front(image);
+      slot->place = by_use_.begin();
+    } else {
+      by_use_.splice(by_use_.begin(), by_use_, slot->place);
+    }
+    entry = slot;
+  }
+  const std::lock_guard making(entry->making);
+  if (!entry->picture) {
+    COLLINEA_TRY(WorkingPicture made, make(image));
+    entry->picture = std::make_shared<const WorkingPicture>(std::move(made));
+    keep(image, entry);
+  }
+  return entry->picture;
+}
+
+void WorkingPictures::keep(ImageId image, const std::shared_ptr<Entry>& entry) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(image);
+  if (found == entries_.end() || found->second != entry) return;  // pushed out while it was being made
+  for (const GreyImage& level : entry->picture->levels) entry->bytes += level.data.size();
+  bytes_ += entry->bytes;
+  const auto limit = std::size_t(options_.memory_mb * 1e6 / 2);
+  while (bytes_ > limit && by_use_.back() != image) {
+    const auto oldest = entries_.find(by_use_.back());
+    bytes_ -= oldest->second->bytes;
+    entries_.erase(oldest);
+    by_use_.pop_back();
+  }
+}
+
+}  // namespace collinea

@@ -1,0 +1,460 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/epipolar/two_view.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/epipolar/robust.h"
+#include "collinea/epipolar/two_view_problems.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kReferenceSize_px = 3000;       // pictures up to this size share one threshold
+constexpr double kAssumedFocal = 0.1;            // sigma_f / f beyond which a focal length is a guess
+constexpr double kPlaneThreshold = 1.25;         // two degrees of freedom instead of one at the same 95 %
+constexpr double kStationary_px = 1.5;           // a match that stays at its pixel
+constexpr double kMostStationary = 0.9;
+constexpr double kMotionShare = 0.7;             // of the fundamental matrix's inliers that an essential matrix must keep
+constexpr double kLogFalseAlarms = -4.6;         // at most 1 chance pair in 100
+
+// Matches in random order.
+struct Prepared {
+  PointPairs pairs;
+  std::vector<Match> matches;
+  std::vector<Eigen::Vector2d> first_px, second_px;
+};
+
+// What was found for one pair: the relation, who obeys it, and the motion with the coordinates it belongs to.
+struct Finding {
+  PairGeometry geometry = PairGeometry::kNone;
+  std::vector<int> inliers;  // ascending
+  Rigid3 second_from_first;  // translation 0: not known
+  double median_parallax_rad = 0;
+};
+
+PointPairs with_focal_factor(const PointPairs& pairs, double first, double second) {
+  PointPairs result = pairs;
+  result.focal_first_px *= first;
+  result.focal_second_px *= second;
+  for (auto* values : {&result.x1, &result.y1})
+    for (double& value : *values) value /= first;
+  for (auto* values : {&result.x2, &result.y2})
+    for (double& value : *values) value /= second;
+  return result;
+}
+
+std::vector<double> errors_of(const Eigen::Matrix3d& matrix, const PointPairs& pairs, bool is_homography) {
+  std::vector<double> errors(static_cast<std::size_t>(pairs.size()));
+  if (is_homography)
+    squared_errors(matrix, pairs, 0, pairs.size(), errors.data());
+  else
+    squared_epipolar_errors(matrix, pairs, 0, pairs.size(), errors.data());
+  return errors;
+}
+
+std::vector<int> below(const std::vector<double>& squared_px2, double threshold_px) {
+  std::vector<int> items;
+  for (std::size_t i = 0; i < squared_px2.size(); ++i)
+    if (squared_px2[i] < threshold_px * threshold_px) items.push_back(static_cast<int>(i));
+  return items;
+}
+
+double truncated_cost(const std::vector<double>& squared_px2, double threshold_px) {
+  double sum = 0;
+  for (const double e : squared_px2) sum += e < threshold_px * threshold_px ? e : threshold_px * threshold_px;
+  return sum;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Torr's geometric robust information criterion: residuals, dimension of the relation, number of parameters.
+double gric(const std::vector<double>& squared_px2, std::span<const int> items, double sigma_px, int dimension,
+            int parameters) {
+  constexpr double kMeasured = 4;  // coordinates of a pair
+  double sum = 0;
+  for (const int i : items)
+    sum += std::min(squared_px2[static_cast<std::size_t>(i)] / (sigma_px * sigma_px), 2 * (kMeasured - dimension));
+  const auto count = static_cast<double>(items.size());
+  return sum + std::log(kMeasured) * dimension * count + std::log(kMeasured * count) * parameters;
+}
+
+double log_choose(double n, double k) { return std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1); }
+
+// The smaller standard deviation of the points' scatter: 0 for points on a line.
+double breadth_px(const std::vector<Eigen::Vector2d>& points, std::span<const int> items) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const int i : items) mean += points[static_cast<std::size_t>(i)];
+  mean /= static_cast<double>(items.size());
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const int i : items) {
+    const Eigen::Vector2d d = points[static_cast<std::size_t>(i)] - mean;
+    scatter += d * d.transpose();
+  }
+  scatter /= static_cast<double>(items.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
+}
+
+// How far a homography is from a rotation, scale apart.
+double distance_from_rotation(const Eigen::Matrix3d& h) {
+  const double scale = std::cbrt(std::abs(h.determinant()));
+  if (!(scale > 0)) return std::numeric_limits<double>::infinity();
+  return (h.transpose() * h / (scale * scale) - Eigen::Matrix3d::Identity()).norm();
+}
+
+double relative_sigma_f(const Camera& camera) { return camera.sigma_f_px / camera.focal_px(); }
+
+class Verification {
+ public:
+  Verification(const Camera& first, const Camera& second, const VerifyOptions& options, Random& random)
+      : first_(first), second_(second), options_(options), random_(random) {
+    const int size = std::max({first.width_px, first.height_px, second.width_px, second.height_px});
+    threshold_px_ = options.max_error_px * std::max(1.0, size / kReferenceSize_px);
+  }
+
+  [[nodiscard]] Finding find(const Prepared& prepared) {
+    if (prepared.pairs.size() < options_.min_inliers) return {};
+    const bool assumed = relative_sigma_f(first_) > kAssumedFocal || relative_sigma_f(second_) > kAssumedFocal;
+    Relation epipolar = assumed ? by_fundamental(prepared.pairs) : by_essential(prepared.pairs);
+    const std::optional<Plane> plane = by_plane(prepared.pairs, epipolar.inliers.size());
+    if (plane && 4 * epipolar.inliers.size() < 3 * plane->inliers.size()) {
+      // A wrong focal length can break the essential matrix but not the plane.
+      epipolar.inliers = plane->inliers;
+      epipolar.motion.reset();
+    }
+    if (!acceptable(prepared, epipolar.inliers)) return {};
+    Finding finding = judged(epipolar, plane, prepared.pairs);
+    if (!acceptable(prepared, finding.inliers)) return {};
+    return finding;
+  }
+
+  // Nearly all of `inliers` are at the same pixel in both pictures.
+  static bool stationary(const Prepared& prepared, std::span<const int> inliers) {
+    std::size_t still = 0;
+    for (const int i : inliers) still += is_still(prepared, static_cast<std::size_t>(i));
+    return static_cast<double>(still) > kMostStationary * static_cast<double>(inliers.size());
+  }
+
+  static bool is_still(const Prepared& prepared, std::size_t i) {
+    return (prepared.first_px[i] - prepared.second_px[i]).squaredNorm() < kStationary_px * kStationary_px;
+  }
+
+ private:
+  struct Relation {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  // essential or fundamental, of `pairs`
+    PointPairs pairs;                                  // with the focal length the matrix belongs to
+    std::vector<int> inliers;
+    int parameters = 5;
+    std::optional<Rigid3> motion;
+  };
+  struct Plane {
+    Eigen::Matrix3d matrix;  // of the nominal coordinates
+    std::vector<int> inliers;
+    std::vector<double> errors;
+  };
+  struct Turn {
+    Eigen::Quaterniond rotation;
+    std::vector<double> errors;
+    int parameters;
+  };
+
+  [[nodiscard]] RobustOptions search_options(double threshold_px, int size) const {
+    RobustOptions search;
+    search.max_error_px = threshold_px;
+    search.confidence = options_.confidence;
+    search.max_trials = options_.max_trials;
+    search.min_inlier_ratio = static_cast<double>(options_.min_inliers) / size;
+    return search;
+  }
+
+  // Rays nearer to parallel than this say nothing about before and behind.
+  [[nodiscard]] double blind_angle_rad(const PointPairs& pairs) const {
+    return 2 * threshold_px_ / std::min(pairs.focal_first_px, pairs.focal_second_px);
+  }
+
+  Relation by_essential(const PointPairs& pairs) {
+    Relation relation;
+    const auto fit = robust_fit(EssentialProblem{pairs, threshold_px_}, search_options(threshold_px_, pairs.size()), random_);
+    if (!fit) return relation;
+    relation.matrix = fit->model;
+    relation.pairs = pairs;
+    relation.inliers = fit->inliers;
+    relation.motion = in_front(motions(fit->model), pairs, fit->inliers, blind_angle_rad(pairs));
+    return relation;
+  }
+
+  Relation by_fundamental(const PointPairs& pairs) {
+    Relation relation;
+    const auto fit = robust_fit(FundamentalProblem{pairs, threshold_px_}, search_options(threshold_px_, pairs.size()), random_);
+    if (!fit) return relation;
+    relation.matrix = fit->model;
+    relation.pairs = pairs;
+    relation.inliers = fit->inliers;
+    relation.parameters = 7;
+    calibrate(relation);
+    return relation;
+  }
+
+  // The factor of the assumed focal length under which the fundamental matrix comes nearest to an essential one, and its motion.
+  void calibrate(Relation& relation) const {
+    const PointPairs nominal = relation.pairs;
+    const Eigen::Matrix3d fundamental = relation.matrix;
+    std::size_t most = 0;
+    for (const double factor : {1.0, 0.85, 1.18, 0.71, 1.4, 0.6, 1.67, 0.5, 2.0}) {
+      const double k1 = relative_sigma_f(first_) > kAssumedFocal ? factor : 1;
+      const double k2 = relative_sigma_f(second_) > kAssumedFocal ? factor : 1;
+      const PointPairs pairs = with_focal_factor(nominal, k1, k2);
+      const Eigen::Matrix3d nearly_essential =
+          Eigen::DiagonalMatrix<double, 3>(k2, k2, 1) * fundamental * Eigen::DiagonalMatrix<double, 3>(k1, k1, 1);
+      const auto motion = in_front(motions(nearly_essential), pairs, relation.inliers, blind_angle_rad(pairs));
+      if (!motion) continue;
+      const auto fit = refine_relative(*motion, pairs, relation.inliers, threshold_px_);
+      if (!fit) continue;
+      const auto kept = below(errors_of(essential_matrix(fit->second_from_first), pairs, false), threshold_px_);
+      if (kept.size() <= most || static_cast<double>(kept.size()) < kMotionShare * static_cast<double>(relation.inliers.size())) continue;
+      most = kept.size();
+      relation.motion = fit->second_from_first;
+      relation.pairs = pairs;
+    }
+    // The criterion and the inliers stay with the fundamental matrix, in whichever coordinates.
+    const double k1 = relation.pairs.focal_first_px / nominal.focal_first_px;
+    const double k2 = relation.pairs.focal_second_px / nominal.focal_second_px;
+    relation.matrix =
+        Eigen::DiagonalMatrix<double, 3>(k2, k2, 1) * fundamental * Eigen::DiagonalMatrix<double, 3>(k1, k1, 1);
+  }
+
+  // A plane is of interest when it explains at least half as much as the epipolar geometry.
+  std::optional<Plane> by_plane(const PointPairs& pairs, std::size_t epipolar_inliers) {
+    const double threshold_px = kPlaneThreshold * threshold_px_;
+    RobustOptions search = search_options(threshold_px, pairs.size());
+    search.min_inlier_ratio = std::max(search.min_inlier_ratio, 0.5 * static_cast<double>(epipolar_inliers) / pairs.size());
+    search.max_trials = std::min(search.max_trials, 1000);
+    const auto fit = robust_fit(HomographyProblem{pairs, threshold_px}, search, random_);
+    if (!fit || 2 * fit->inliers.size() < epipolar_inliers) return std::nullopt;
+    return Plane{fit->model, fit->inliers, errors_of(fit->model, pairs, true)};
+  }
+
+  // The rotation that comes nearest to the homography, for the given focal length or, if it is uncertain, the best one in its range.
+  [[nodiscard]] std::optional<Turn> by_rotation(const Plane& plane, const PointPairs& pairs) const {
+    const double sigma = std::max(relative_sigma_f(first_), relative_sigma_f(second_));
+    double best_factor = 1, nearest = distance_from_rotation(plane.matrix);
+    constexpr int kSteps = 40;
+    for (int i = 1; sigma > 0 && i < kSteps; ++i) {
+      const double factor = std::exp((i - kSteps / 2) * std::min(3 * sigma, std::log(2.0)) / (kSteps / 2));
+      const double distance = distance_from_rotation(conjugated(plane.matrix, factor));
+      if (distance < nearest) {
+        nearest = distance;
+        best_factor = factor;
+      }
+    }
+    std::optional<Turn> best = turn(plane, pairs, 1);
+    if (best_factor != 1) {
+      const std::optional<Turn> other = turn(plane, with_focal_factor(pairs, best_factor, best_factor), best_factor);
+      const double threshold_px = kPlaneThreshold * threshold_px_;
+      if (other && (!best || truncated_cost(other->errors, threshold_px) < truncated_cost(best->errors, threshold_px)))
+        best = other;
+    }
+    return best;
+  }
+
+  static Eigen::Matrix3d conjugated(const Eigen::Matrix3d& h, double factor) {
+    return Eigen::DiagonalMatrix<double, 3>(1 / factor, 1 / factor, 1) * h *
+           Eigen::DiagonalMatrix<double, 3>(factor, factor, 1);
+  }
+
+  [[nodiscard]] std::optional<Turn> turn(const Plane& plane, const PointPairs& pairs, double factor) const {
+    const auto rotation = refine_rotation(nearest_rotation(conjugated(plane.matrix, factor)), pairs, plane.inliers,
+                                          kPlaneThreshold * threshold_px_);
+    if (!rotation) return std::nullopt;
+    return Turn{*rotation, errors_of(rotation->toRotationMatrix(), pairs, true), factor == 1 ? 3 : 4};
+  }
+
+  // General, planar or rotation, by the information criterion over all pairs that obey either relation.
+  [[nodiscard]] Finding judged(const Relation& epipolar, const std::optional<Plane>& plane, const PointPairs& nominal) const {
+    if (!plane) return general(epipolar);
+    const bool has_epipolar = epipolar.pairs.size() > 0;
+    std::vector<int> either;
+    std::set_union(epipolar.inliers.begin(), epipolar.inliers.end(), plane->inliers.begin(), plane->inliers.end(),
+                   std::back_inserter(either));
+    const std::vector<double> errors =
+        has_epipolar ? errors_of(epipolar.matrix, epipolar.pairs, false)
+                     : std::vector<double>(plane->errors.size(), std::numeric_limits<double>::infinity());
+    const double sigma_px = noise_px(has_epipolar ? errors : plane->errors, epipolar.inliers);
+    const double as_general = gric(errors, either, sigma_px, 3, epipolar.parameters);
+    const double as_plane = gric(plane->errors, either, sigma_px, 2, 8);
+    if (const auto turned = by_rotation(*plane, nominal)) {
+      const double as_rotation = gric(turned->errors, either, sigma_px, 2, turned->parameters);
+      if (as_rotation < as_general && as_rotation <= as_plane) return rotation(*turned, nominal);
+    }
+    if (as_general <= as_plane) return general(epipolar);
+    return planar(epipolar, *plane, nominal);
+  }
+
+  // From the median, which outliers just below the threshold do not move much.
+  [[nodiscard]] double noise_px(const std::vector<double>& squared_px2, std::span<const int> inliers) const {
+    std::vector<double> some;
+    for (const int i : inliers) some.push_back(squared_px2[static_cast<std::size_t>(i)]);
+    return std::clamp(1.4826 * std::sqrt(median(std::move(some))), 0.4, threshold_px_ / 2);
+  }
+
+  [[nodiscard]] Finding general(const Relation& epipolar) const {
+    Finding finding{PairGeometry::kGeneral, epipolar.inliers, {}, 0};
+    if (epipolar.motion) place(*epipolar.motion, epipolar.pairs, finding);
+    return finding;
+  }
+
+  [[nodiscard]] Finding rotation(const Turn& turned, const PointPairs& pairs) const {
+    Finding finding{PairGeometry::kRotation, below(turned.errors, kPlaneThreshold * threshold_px_), {turned.rotation, {0, 0, 0}}, 0};
+    finding.median_parallax_rad = median_parallax(finding.second_from_first, pairs, finding.inliers);
+    return finding;
+  }
+
+  // The motion among those of the plane and that of the essential matrix which fits all pairs best.
+  [[nodiscard]] Finding planar(const Relation& epipolar, const Plane& plane, const PointPairs& pairs) const {
+    std::vector<Rigid3> candidates;
+    if (epipolar.motion && epipolar.parameters == 5) candidates.push_back(*epipolar.motion);
+    for (const PlanarMotion& m : planar_motions(plane.matrix, pairs, plane.inliers)) candidates.push_back(m.second_from_first);
+    Finding finding{PairGeometry::kPlanar, plane.inliers, {}, 0};
+    std::optional<Rigid3> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Rigid3& start : candidates) {
+      const auto fit = refine_relative(start, pairs, plane.inliers, threshold_px_);
+      if (!fit) continue;
+      const auto errors = errors_of(essential_matrix(fit->second_from_first), pairs, false);
+      const double cost = truncated_cost(errors, threshold_px_);
+      if (!(cost < least)) continue;
+      const auto motion = in_front(motions(essential_matrix(fit->second_from_first)), pairs, plane.inliers, blind_angle_rad(pairs));
+      if (!motion) continue;
+      const auto inliers = below(errors, threshold_px_);
+      if (static_cast<double>(inliers.size()) < kMotionShare * static_cast<double>(plane.inliers.size())) continue;
+      least = cost;
+      best = motion;
+      finding.inliers = inliers;
+    }
+    if (best) place(*best, pairs, finding);
+    return finding;
+  }
+
+  // Keeps the inliers in front of both cameras (or too far to tell) and measures their parallax.
+  void place(const Rigid3& motion, const PointPairs& pairs, Finding& finding) const {
+    finding.second_from_first = motion;
+    const double blind = blind_angle_rad(pairs);
+    std::erase_if(finding.inliers, [&](int i) {
+      const RayMeeting at = meeting(motion, pairs.first(i), pairs.second(i));
+      return at.angle_rad > blind && !(at.depth_first > 0 && at.depth_second > 0);
+    });
+    finding.median_parallax_rad = median_parallax(motion, pairs, finding.inliers);
+  }
+
+  static double median_parallax(const Rigid3& motion, const PointPairs& pairs, std::span<const int> inliers) {
+    std::vector<double> angles;
+    for (const int i : inliers) angles.push_back(meeting(motion, pairs.first(i), pairs.second(i)).angle_rad);
+    return median(std::move(angles));
+  }
+
+  [[nodiscard]] bool acceptable(const Prepared& prepared, std::span<const int> inliers) const {
+    if (static_cast<int>(inliers.size()) < options_.min_inliers) return false;
+    const double narrow_px = 2 * threshold_px_;
+    if (breadth_px(prepared.first_px, inliers) < narrow_px || breadth_px(prepared.second_px, inliers) < narrow_px) return false;
+    return beyond_chance(prepared, inliers.size());
+  }
+
+  // The expected number of random point sets of this size that agree on an epipolar geometry as well: lines are hit with a chance of
+  // the area of the band around one, over the area that the points fill.
+  [[nodiscard]] bool beyond_chance(const Prepared& prepared, std::size_t inliers) const {
+    Eigen::Vector2d low = prepared.second_px.front(), high = low;
+    for (const Eigen::Vector2d& p : prepared.second_px) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    const Eigen::Vector2d extent = (high - low).cwiseMax(1.0);
+    const double band = 2 * std::sqrt(2.0) * threshold_px_ * extent.norm() / (extent.x() * extent.y());
+    const double n = prepared.pairs.size(), k = static_cast<double>(inliers);
+    constexpr double kSample = 5, kModels = 10;
+    const double log_alarms = std::log(kModels * n) + log_choose(n, k) + log_choose(k, kSample) +
+                              (k - kSample) * std::log(std::min(band, 0.5));
+    return log_alarms < kLogFalseAlarms;
+  }
+
+  const Camera& first_;
+  const Camera& second_;
+  const VerifyOptions& options_;
+  Random& random_;
+  double threshold_px_;
+};
+
+Eigen::Vector2d pixel_of(std::span<const Keypoint> keypoints, std::uint32_t index) {
+  COLLINEA_CHECK(index < keypoints.size());
+  return {keypoints[index].x, keypoints[index].y};
+}
+
+void append(Prepared& prepared, const Camera& camera_first, const Camera& camera_second, const Match& match,
+            const Eigen::Vector2d& first_px, const Eigen::Vector2d& second_px) {
+  prepared.pairs.add(normalized(camera_first, first_px), normalized(camera_second, second_px));
+  prepared.matches.push_back(match);
+  prepared.first_px.push_back(first_px);
+  prepared.second_px.push_back(second_px);
+}
+
+Prepared without_stationary(const Prepared& all) {
+  Prepared moving;
+  moving.pairs.focal_first_px = all.pairs.focal_first_px;
+  moving.pairs.focal_second_px = all.pairs.focal_second_px;
+  for (std::size_t i = 0; i < all.matches.size(); ++i) {
+    if (Verification::is_still(all, i)) continue;
+    const int k = static_cast<int>(i);
+    moving.pairs.add(all.pairs.first(k), all.pairs.second(k));
+    moving.matches.push_back(all.matches[i]);
+    moving.first_px.push_back(all.first_px[i]);
+    moving.second_px.push_back(all.second_px[i]);
+  }
+  return moving;
+}
+
+}  // namespace
+
+ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
+                 std::span<const Keypoint> second, std::span<const Match> putative, const VerifyOptions& options,
+                 std::uint64_t seed) {
+  ImagePair pair;
+  pair.putative = static_cast<int>(putative.size());
+  if (pair.putative < options.min_inliers) return pair;
+
+  Random random(seed);
+  Prepared prepared;
+  prepared.pairs.focal_first_px = camera_first.focal_px();
+  prepared.pairs.focal_second_px = camera_second.focal_px();
+  prepared.pairs.reserve(putative.size());
+  for (const int i : shuffled(pair.putative, random)) {
+    const Match& match = putative[static_cast<std::size_t>(i)];
+    append(prepared, camera_first, camera_second, match, pixel_of(first, match.first), pixel_of(second, match.second));
+  }
+
+  Verification verification(camera_first, camera_second, options, random);
+  Finding finding = verification.find(prepared);
+  if (finding.geometry != PairGeometry::kNone && Verification::stationary(prepared, finding.inliers)) {
+    prepared = without_stationary(prepared);  // what a watermark drowned
+    finding = verification.find(prepared);
+  }
+  if (finding.geometry == PairGeometry::kNone) return pair;
+  pair.geometry = finding.geometry;
+  pair.second_from_first = finding.second_from_first;
+  pair.median_parallax_rad = finding.median_parallax_rad;
+  for (const int i : finding.inliers) pair.matches.push_back(prepared.matches[static_cast<std::size_t>(i)]);
+  std::sort(pair.matches.begin(), pair.matches.end());
+  return pair;
+}
+
+}  // namespace collinea

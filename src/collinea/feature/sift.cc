@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/feature/sift.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "collinea/feature/describe.h"
+#include "collinea/feature/extrema.h"
+#include "collinea/feature/scale_space.h"
+#include "collinea/feature/spread.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kLeastSize_px = 16;
+constexpr double kUpsampleBelow_px2 = 1.5e6;
+
+// The levels that features are described on; the others are needed for detection only.
+struct DescribingLevels {
+  std::array<Plane, kSteps + 1> planes;  // 1 to kSteps
+  double pixel_px;                       // size of the octave's pixel in pixels of the picture
+  double origin_px;                      // x and y of its first pixel's centre in the picture
+};
+
+struct Candidate {
+  Extremum extremum;
+  std::uint32_t octave;
+};
+
+struct Oriented {
+  std::uint32_t candidate;
+  float angle_rad;
+};
+
+struct Detection {
+  std::vector<DescribingLevels> octaves;
+  std::vector<Candidate> candidates;
+};
+
+Detection detect(const GreyImage& picture, const SiftOptions& options, bool upsample) {
+  Detection detection;
+  Plane level0 = first_level(picture, upsample);
+  for (double pixel_px = upsample ? 0.5 : 1;; pixel_px *= 2) {
+    Octave octave = octave_from(std::move(level0));
+    const auto index = static_cast<std::uint32_t>(detection.octaves.size());
+    for (const Extremum& extremum : find_extrema(octave, options.peak_threshold, options.edge_ratio))
+      detection.candidates.push_back({extremum, index});
+    level0 = next_level0(octave);
+    DescribingLevels& kept = detection.octaves.emplace_back();
+    kept.pixel_px = pixel_px;
+    kept.origin_px = upsample ? 0.25 : 0.5;  // the first pixel of every octave is that of the first octave
+    for (std::size_t level = 1; level <= kSteps; ++level) kept.planes[level] = std::move(octave[level]);
+    if (std::min(level0.width(), level0.height()) < kLeastSize_px) return detection;
+  }
+}
+
+// A candidate with the plane it is described on.
+struct Site {
+  const Candidate& candidate;
+  const DescribingLevels& octave;
+  const Plane& plane;
+  double blur_px;  // in pixels of the octave
+
+  Site(const Detection& detection, std::uint32_t index)
+      : candidate(detection.candidates[index]),
+        octave(detection.octaves[candidate.octave]),
+        plane(octave.planes[static_cast<std::size_t>(
+            std::clamp(static_cast<int>(std::lround(candidate.extremum.level)), 1, kSteps))]),
+        blur_px(blur_of_level(candidate.extremum.level)) {}
+};
+
+Keypoint keypoint(const Site& site, float angle_rad) {
+  const Extremum& extremum = site.candidate.extremum;
+  const double scale = site.octave.pixel_px;
+  return {.x = static_cast<float>(site.octave.origin_px + extremum.x * scale),
+          .y = static_cast<float>(site.octave.origin_px + extremum.y * scale),
+          .scale_px = static_cast<float>(site.blur_px * scale),
+          .angle_rad = angle_rad,
+          .strength = extremum.strength};
+}
+
+// The candidates with their directions, in the order in which they are to be taken, as many features as wanted.
+std::vector<Oriented> choose(const Detection& detection, const GreyImage& picture, const SiftOptions& options) {
+  std::vector<Spot> spots;
+  spots.reserve(detection.candidates.size());
+  for (std::uint32_t i = 0; i < detection.candidates.size(); ++i) {
+    const Keypoint place = keypoint(Site(detection, i), 0);
+    spots.push_back({place.x, place.y, place.strength});
+  }
+  std::vector<std::uint32_t> order =
+      spread_order(spots, picture.width, picture.height, options.max_features, options.even_share);
+  const auto most = static_cast<std::size_t>(std::max(0, options.max_features));
+  if (order.size() > most) order.resize(most);
+
+  // Neighbours are looked at one after the other: their pixels are still in the cache.
+  std::vector<std::uint32_t> by_place = order;
+  std::ranges::sort(by_place);
+  std::vector<MainDirections> directions(detection.candidates.size());
+  for (const std::uint32_t i : by_place) {
+    const Site site(detection, i);
+    directions[i] = main_directions(site.plane.view(), site.candidate.extremum.x, site.candidate.extremum.y, site.blur_px);
+  }
+  std::vector<Oriented> chosen;
+  for (const std::uint32_t i : order)
+    for (std::size_t k = 0; k < directions[i].count && chosen.size() < most; ++k)
+      chosen.push_back({i, directions[i].angle_rad[k]});
+  return chosen;
+}
+
+}  // namespace
+
+Features detect_sift(const GreyImage& image, const SiftOptions& options) {
+  if (std::min(image.width, image.height) < kLeastSize_px) return {};
+  const bool upsample = options.upsample.value_or(double(image.width) * image.height < kUpsampleBelow_px2);
+  const Detection detection = detect(image, options, upsample);
+  std::vector<Oriented> chosen = choose(detection, image, options);
+
+  // The candidates are sorted by octave, level, row and column.
+  std::ranges::stable_sort(chosen, {}, &Oriented::candidate);
+  Features features;
+  features.keypoints.reserve(chosen.size());
+  std::vector<Descriptor> descriptors;
+  descriptors.reserve(chosen.size());
+  for (const Oriented& one : chosen) {
+    const Site site(detection, one.candidate);
+    features.keypoints.push_back(keypoint(site, one.angle_rad));
+    descriptors.push_back(describe_patch(site.plane.view(), site.candidate.extremum.x, site.candidate.extremum.y,
+                                         site.blur_px, one.angle_rad));
+  }
+  std::vector<std::uint32_t> order(chosen.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const std::vector<Keypoint> unsorted = std::move(features.keypoints);
+  std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::uint32_t i) { return unsorted[i].strength; });
+  features.keypoints.clear();
+  features.descriptors.reserve(chosen.size());
+  for (const std::uint32_t i : order) {
+    features.keypoints.push_back(unsorted[i]);
+    features.descriptors.push_back(descriptors[i]);
+  }
+  return features;
+}
+
+}  // namespace collinea

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "collinea/base/options.h"
+#include "collinea/block/features.h"
+#include "collinea/image/raster.h"
+
+namespace collinea {
+
+struct SiftOptions {
+  int max_features = 8192;
+  double peak_threshold = 0.002;
+  double edge_ratio = 10;
+  std::optional<bool> upsample;
+  double even_share = 0.5;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = SiftOptions;
+    visit(Field{"max_features", &O::max_features, "1", "most features kept of one image", 1, 1e6});
+    visit(Field{"peak_threshold", &O::peak_threshold, "1",
+                "least contrast of a feature, as a part of the range from black to white", 0.0, 1.0});
+    visit(Field{"edge_ratio", &O::edge_ratio, "1", "largest ratio of the two principal curvatures", 1.0});
+    visit(Field{"upsample", &O::upsample, "1",
+                "look for features finer than the pixels; by default for images below 1.5 megapixels"});
+    visit(Field{"even_share", &O::even_share, "1",
+                "part of the features given to the image regions that have the fewest; the others are the strongest of all",
+                0.0, 1.0});
+  }
+};
+
+/// Scale-invariant features (Lowe 2004) with RootSIFT descriptors (Arandjelovic and Zisserman 2012), strongest first.
+/// A keypoint's position is good to a few hundredths of a pixel of its octave; a place with two or three distinct
+/// gradient directions gives as many features. A descriptor is the square root of the L1-normalised SIFT descriptor,
+/// times 512, rounded, at most 255; hence its L2 norm is about 512.
+///
+/// Unlike Lowe: the weak peaks are kept at first, and of all of them the strongest are taken, and then others where the
+/// image has had the fewest so far (SiftOptions::even_share).
+///
+/// Single-threaded and without chance: the same image gives the same bits. Memory: about 30 bytes per pixel of the image
+/// (120 when upsampled). An image of less than 16 pixels in width or height has no features.
+[[nodiscard]] Features detect_sift(const GreyImage& image, const SiftOptions& options);
+
+}  // namespace collinea

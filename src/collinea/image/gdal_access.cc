@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/image/gdal_access.h"
+
+#include <cpl_error.h>
+
+#include <mutex>
+
+namespace collinea {
+
+GdalErrors::GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::keep, this); }
+
+GdalErrors::~GdalErrors() {
+  CPLPopErrorHandler();
+  CPLErrorReset();
+}
+
+void GdalErrors::keep(CPLErr level, int, const char* message) {
+  auto* self = static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
+  if (level >= CE_Failure && self->first_.empty()) self->first_ = message && *message ? message : "unknown error";
+}
+
+tl::unexpected<Error> GdalErrors::error(Errc code, const std::string& doing) const {
+  return fail(code, first_.empty() ? doing : doing + ": " + first_);
+}
+
+void set_up_gdal() {
+  static std::once_flag once;
+  std::call_once(once, [] { GDALAllRegister(); });
+}
+
+}  // namespace collinea

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "collinea/base/result.h"
+
+namespace collinea {
+
+/// All bytes of a file. Errors: missing, not readable, larger than `limit_bytes`.
+[[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
+                                            std::uint64_t limit_bytes = std::uint64_t{1} << 32);
+
+/// A file being written under a temporary name beside its place; it takes its own name by finish(), and is removed when
+/// that never comes. Write errors are remembered and told by finish().
+class OutputFile {
+ public:
+  /// Errors: the folder is missing and cannot be made, or is not writable.
+  static Result<OutputFile> create(const std::filesystem::path& path);
+
+  void write(std::string_view bytes);
+  void write_at(std::uint64_t offset, std::string_view bytes);  ///< over what is there; then back to the end
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  Result<> finish();
+
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();
+
+ private:
+  OutputFile() = default;
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::filesystem::path path_, temporary_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::uint64_t size_ = 0;
+  bool failed_ = false;
+};
+
+/// Writes a whole file, atomically.
+[[nodiscard]] Result<> write_file(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace collinea

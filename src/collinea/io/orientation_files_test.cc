@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "collinea/base/random.h"
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/io/colmap.h"
+#include "collinea/io/colmap_model.h"
+#include "collinea/io/file.h"
+#include "collinea/io/opk.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OrientationFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              ("collinea_orientation_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+Camera brown_camera() {
+  Camera camera = ideal_camera(1000, 1200, 800);
+  auto& p = camera.params;
+  p[Camera::kCx] += 3;
+  p[Camera::kK1] = -0.05;
+  p[Camera::kK2] = 0.02;
+  p[Camera::kK3] = -0.004;
+  p[Camera::kP1] = 0.002;
+  p[Camera::kP2] = -0.001;
+  p[Camera::kB1] = 1.5;
+  return camera;
+}
+
+// Nadir images 100 m above ground, with exact observations.
+Block nadir_block() {
+  Block block;
+  block.cameras[{0}] = brown_camera();
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    Image image;
+    image.file = "flight 1/photo" + std::to_string(i) + ".jpg";
+    image.camera = {0};
+    block.images[{i}] = image;
+    const Eigen::Quaterniond rotation = cam_from_world({1.0 + i, -2.0, 30.0 * i});
+    const Eigen::Vector3d centre(20.0 * i, 5, 100);
+    block.cam_from_world[{i}] = {rotation, -(rotation * centre)};
+  }
+  Random random(6);
+  for (std::uint32_t p = 0; p < 200; ++p) {
+    const Eigen::Vector3d ground(random.uniform(-50, 90), random.uniform(-40, 50), random.uniform(0, 5));
+    std::vector<Observation> seen;
+    for (const auto& [id, pose] : block.cam_from_world) {
+      const auto pixel = project(block.cameras[{0}], pose * ground);
+      if (pixel && inside(block.cameras[{0}], *pixel)) {
+        Observation o;
+        o.image = id;
+        o.point = {p};
+        o.pixel = *pixel;
+        seen.push_back(o);
+      }
+    }
+    if (seen.size() < 2) continue;
+    block.points[{p}] = {ground, {std::uint8_t(p), 7, 255}};
+    block.observations.insert(block.observations.end(), seen.begin(), seen.end());
+  }
+  return block;
+}
+
+TEST_F(OrientationFiles, AColmapModelComesBackExactlyFromTextAndFromBinary) {
+  const Block block = nadir_block();
+  ASSERT_GT(block.points.size(), 50u);
+  for (const auto encoding : {ColmapEncoding::kText, ColmapEncoding::kBinary}) {
+    fs::remove_all(folder_);
+    const auto remarks = write_colmap(folder_, block, encoding);
+    ASSERT_TRUE(remarks) << remarks.error().message;
+    EXPECT_TRUE(remarks->empty());
+    const auto back = read_colmap(folder_);
+    ASSERT_TRUE(back) << back.error().message;
+    ASSERT_EQ(back->images.size(), 3u);
+    for (const auto& [id, image] : block.images) {
+      EXPECT_EQ(back->images.at(id).file, image.file);
+      EXPECT_EQ(back->cam_from_world.at(id).rotation.coeffs(), block.cam_from_world.at(id).rotation.coeffs());
+      EXPECT_EQ(back->cam_from_world.at(id).translation, block.cam_from_world.at(id).translation);
+    }
+    for (int i = 0; i < Camera::kParams; ++i)
+      EXPECT_EQ(back->cameras.at({0}).params[i], block.cameras.at({0}).params[i]) << Camera::kParamNames[i];
+    ASSERT_EQ(back->points.size(), block.points.size());
+    for (const auto& [id, point] : block.points) {
+      EXPECT_EQ(back->points.at(id).position_in_world, point.position_in_world);
+      EXPECT_EQ(back->points.at(id).colour, point.colour);
+    }
+    ASSERT_EQ(back->observations.size(), block.observations.size());
+    for (std::size_t i = 0; i < block.observations.size(); ++i) {
+      EXPECT_EQ(back->observations[i].point, block.observations[i].point);
+      EXPECT_EQ(back->observations[i].image, block.observations[i].image);
+      EXPECT_EQ(back->observations[i].pixel, block.observations[i].pixel);
+    }
+  }
+}
+
+// COLMAP's FULL_OPENCV as its own documentation and OpenCV's give it, against our camera.
+TEST_F(OrientationFiles, FullOpencvParametersProjectToTheSamePixels) {
+  const Block block = nadir_block();
+  ASSERT_TRUE(write_colmap(folder_, block, ColmapEncoding::kText));
+  const auto cameras = colmap::parse_cameras_text(*read_file(folder_ / "cameras.txt"));
+  ASSERT_TRUE(cameras);
+  const auto& v = cameras->at(0).params;
+  ASSERT_EQ(v.size(), 12u);
+  for (const double x : {-0.5, 0.1, 0.45})
+    for (const double y : {-0.3, 0.05, 0.35}) {
+      const double r2 = x * x + y * y, radial = 1 + r2 * (v[4] + r2 * (v[5] + r2 * v[8]));
+      const double u = x * radial + 2 * v[6] * x * y + v[7] * (r2 + 2 * x * x);
+      const double w = y * radial + 2 * v[7] * x * y + v[6] * (r2 + 2 * y * y);
+      const Eigen::Vector2d theirs(v[0] * u + v[2], v[1] * w + v[3]);
+      EXPECT_LT((*project(block.cameras.at({0}), {x, y, 1}) - theirs).norm(), 1e-10);
+    }
+}
+
+TEST_F(OrientationFiles, PointsCarryTheirMeanResidual) {
+  Block block = nadir_block();
+  const PointId point = block.observations[0].point;
+  double count = 0;
+  for (const Observation& o : block.observations) count += o.point == point;
+  block.observations[0].pixel += Eigen::Vector2d(3, 4);
+  ASSERT_TRUE(write_colmap(folder_, block, ColmapEncoding::kBinary));
+  const auto points = colmap::parse_points_binary(*read_file(folder_ / "points3D.bin"));
+  ASSERT_TRUE(points);
+  EXPECT_EQ(points->at(0).id, point.value + 1);
+  EXPECT_NEAR(points->at(0).error_px, 5 / count, 1e-9);
+}
+
+TEST_F(OrientationFiles, WhatColmapCannotHoldIsSaid) {
+  Block block = nadir_block();
+  block.cameras[{0}].params[Camera::kB2] = 0.5;
+  block.cam_from_world.erase({2});
+  const auto remarks = write_colmap(folder_, block, ColmapEncoding::kText);
+  ASSERT_TRUE(remarks);
+  ASSERT_EQ(remarks->size(), 2u);
+  EXPECT_NE(remarks->at(0).find("0.200 px"), std::string::npos);  // 0.5 / 1000 * 400
+}
+
+TEST(Colmap, OtherCameraModelsAreTakenOrRefused) {
+  const auto f = [](const std::string& row) { return colmap::parse_cameras_text(row); };
+  EXPECT_EQ(f("1 SIMPLE_RADIAL 100 80 90 50 40 0.1\n")->at(0).params.back(), 0.1);
+  EXPECT_FALSE(f("1 SIMPLE_RADIAL 100 80 90 50 40\n"));
+  EXPECT_FALSE(f("1 NEW_MODEL 100 80 90 50 40 0.1\n"));
+}
+
+TEST_F(OrientationFiles, AModelWithoutPointsHasPosesOnly) {
+  fs::create_directories(folder_);
+  std::ofstream(folder_ / "cameras.txt") << "# c\n7 PINHOLE 100 80 90 91 50 40\n";
+  std::ofstream(folder_ / "images.txt") << "# c\n0 1 0 0 0 1 2 3 7 my photo.jpg\n\n5 2 0 0 0 1 2 3 7 b.jpg\n";
+  const auto block = read_colmap(folder_);
+  ASSERT_TRUE(block) << block.error().message;
+  EXPECT_EQ(block->images.at({0}).file, "my photo.jpg");
+  EXPECT_EQ(block->images.at({5}).camera, CameraId{6});
+  EXPECT_EQ(block->cam_from_world.at({5}).rotation.w(), 1);
+  EXPECT_EQ(block->cameras.at({6}).params[Camera::kB1], -1);
+  std::ofstream(folder_ / "cameras.txt") << "7 OPENCV_FISHEYE 100 80 90 91 50 40 0 0 0 0\n";
+  EXPECT_EQ(read_colmap(folder_).error().code, Errc::kUnsupported);
+}
+
+TEST_F(OrientationFiles, NoBytesCrashTheColmapReaders) {
+  const Block block = nadir_block();
+  for (const auto encoding : {ColmapEncoding::kText, ColmapEncoding::kBinary}) {
+    const std::string end = encoding == ColmapEncoding::kText ? ".txt" : ".bin";
+    fs::remove_all(folder_);
+    ASSERT_TRUE(write_colmap(folder_, block, encoding));
+    int refused = 0;
+    for (std::uint64_t trial = 0; trial < 60; ++trial) {
+      Random random(12, trial);
+      const auto path = folder_ / (std::array{"cameras", "images", "points3D"}[trial % 3] + end);
+      const std::string whole = *read_file(path);
+      std::string bytes = whole;
+      for (int i = 0; i < 4; ++i) bytes[random.below(std::uint32_t(bytes.size()))] = char(random.bits());
+      if (trial % 2) bytes.resize(random.below(std::uint32_t(bytes.size())));
+      ASSERT_TRUE(write_file(path, bytes));
+      refused += !read_colmap(folder_);
+      ASSERT_TRUE(write_file(path, whole));
+    }
+    EXPECT_GT(refused, 15) << end;
+  }
+}
+
+TEST(Opk, WithoutGeoreferenceItIsTheWorldFrame) {
+  const auto rows = exterior_orientations(nadir_block());
+  ASSERT_TRUE(rows);
+  ASSERT_EQ(rows->size(), 3u);
+  EXPECT_LT((rows->at(2).centre_in_map - Eigen::Vector3d(40, 5, 100)).norm(), 1e-9);
+  EXPECT_NEAR(rows->at(2).angles.omega_deg, 3, 1e-9);
+  EXPECT_NEAR(rows->at(2).angles.phi_deg, -2, 1e-9);
+  EXPECT_NEAR(rows->at(2).angles.kappa_deg, 60, 1e-9);
+}
+
+// A nadir photograph with x to the true east: its kappa in the map is the meridian convergence (east of the central
+// meridian grid north lies clockwise of true north, so true east anticlockwise of grid east), which is
+// atan(tan(dlon) sin(lat)) for the transverse Mercator on the sphere; the ellipsoid changes it by less than 0.001 deg.
+TEST(Opk, AnglesReferToTheGridOfTheMap) {
+  const double latitude = 45, longitude = 17.5, radians = std::numbers::pi / 180;
+  Block block = nadir_block();
+  block.georeference = Georeference{"EPSG:32633", latitude, longitude, 100};
+  for (auto& [id, pose] : block.cam_from_world) {
+    pose.rotation = cam_from_world(OmegaPhiKappa{});
+    pose.translation = Eigen::Vector3d(0, 0, 0);
+  }
+  const auto rows = exterior_orientations(block);
+  ASSERT_TRUE(rows) << rows.error().message;
+  const double convergence = std::atan(std::tan(2.5 * radians) * std::sin(latitude * radians)) / radians;
+  EXPECT_NEAR(rows->at(0).angles.kappa_deg, convergence, 1e-3);
+  EXPECT_NEAR(rows->at(0).angles.omega_deg, 0, 1e-5);
+  EXPECT_NEAR(rows->at(0).angles.phi_deg, 0, 1e-5);
+  EXPECT_NEAR(rows->at(0).centre_in_map.z(), 100, 1e-6);
+}
+
+TEST_F(OrientationFiles, TheOpkTableIsReadable) {
+  ASSERT_TRUE(write_opk(folder_ / "opk.txt", nadir_block()));
+  const std::string text = *read_file(folder_ / "opk.txt");
+  EXPECT_NE(text.find("flight 1/photo2.jpg\t40.0000\t5.0000\t100.0000\t3.0000000\t-2.0000000\t60.0000000\n"),
+            std::string::npos)
+      << text;
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: Apache-2.0
+// The block of a ProjectStore: what was set up, and what the orientation made of it.
+#include <algorithm>
+#include <cstdint>
+
+#include "collinea/io/packed.h"
+#include "collinea/io/project_store.h"
+#include "collinea/io/project_store_state.h"
+
+namespace collinea {
+namespace {
+
+using sqlite::Database;
+using sqlite::Statement;
+
+void put(Packer& packer, const Eigen::Vector2d& v) {
+  for (int i = 0; i < 2; ++i) packer.put(v[i]);
+}
+void put(Packer& packer, const Eigen::Vector3d& v) {
+  for (int i = 0; i < 3; ++i) packer.put(v[i]);
+}
+void get(Unpacker& unpacker, Eigen::Vector2d& v) {
+  for (int i = 0; i < 2; ++i) unpacker.get(v[i]);
+}
+void get(Unpacker& unpacker, Eigen::Vector3d& v) {
+  for (int i = 0; i < 3; ++i) unpacker.get(v[i]);
+}
+
+// How one record lies in a blob. kBytes is its exact size.
+struct PointRecord {
+  static constexpr std::size_t kBytes = 4 + 24 + 3;
+  using Value = std::pair<PointId, TiePoint>;
+  static void put_one(Packer& packer, const std::pair<const PointId, TiePoint>& point) {
+    packer.put(point.first.value);
+    put(packer, point.second.position_in_world);
+    for (const std::uint8_t channel : point.second.colour) packer.put(channel);
+  }
+  static Value get_one(Unpacker& unpacker) {
+    Value point;
+    unpacker.get(point.first.value);
+    get(unpacker, point.second.position_in_world);
+    for (std::uint8_t& channel : point.second.colour) unpacker.get(channel);
+    return point;
+  }
+};
+
+struct ObservationRecord {
+  static constexpr std::size_t kBytes = 3 * 4 + 3 * 8;
+  using Value = Observation;
+  static void put_one(Packer& packer, const Observation& o) {
+    packer.put(o.image.value);
+    packer.put(o.point.value);
+    packer.put(o.feature);
+    put(packer, o.pixel);
+    packer.put(o.sigma_px);
+  }
+  static Value get_one(Unpacker& unpacker) {
+    Observation o;
+    unpacker.get(o.image.value);
+    unpacker.get(o.point.value);
+    unpacker.get(o.feature);
+    get(unpacker, o.pixel);
+    unpacker.get(o.sigma_px);
+    return o;
+  }
+};
+
+struct ControlObservationRecord {
+  static constexpr std::size_t kBytes = 2 * 4 + 3 * 8;
+  using Value = ControlObservation;
+  static void put_one(Packer& packer, const ControlObservation& o) {
+    packer.put(o.point.value);
+    packer.put(o.image.value);
+    put(packer, o.pixel);
+    packer.put(o.sigma_px);
+  }
+  static Value get_one(Unpacker& unpacker) {
+    ControlObservation o;
+    unpacker.get(o.point.value);
+    unpacker.get(o.image.value);
+    get(unpacker, o.pixel);
+    unpacker.get(o.sigma_px);
+    return o;
+  }
+};
+
+// Many records a row: far fewer and smaller rows than one each, and no blob grows with the block.
+template <class Record, class Values>
+Result<> write_chunks(Database& db, const std::string& table, const Values& values) {
+  constexpr std::size_t kPerChunk = 16384;
+  if (auto cleared = db.execute("DELETE FROM " + table); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?)"));
+  Packer packer;
+  packer.reserve(std::min(kPerChunk, values.size()) * Record::kBytes);
+  std::int64_t chunk = 0;
+  const auto flush = [&] {
+    auto written = insert.bind(chunk++).bind_blob(packer.bytes()).run();
+    packer.clear();
+    return written;
+  };
+  for (const auto& value : values) {
+    Record::put_one(packer, value);
+    if (packer.size() == kPerChunk * Record::kBytes)
+      if (auto written = flush(); !written) return written;
+  }
+  return packer.size() > 0 ? flush() : Result<>{};
+}
+
+template <class Record, class Take>
+Result<> read_chunks(Database& db, const std::string& table, Take&& take) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT data FROM " + table + " ORDER BY chunk"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    const std::string_view blob = select.blob(0);
+    if (blob.size() % Record::kBytes != 0) return damaged(table);
+    Unpacker unpacker(blob);
+    while (unpacker.left() > 0) take(Record::get_one(unpacker));
+  }
+}
+
+Result<> write_georeference(Database& db, const std::optional<Georeference>& georeference) {
+  if (auto cleared = db.execute("DELETE FROM georeference"); !cleared) return cleared;
+  if (!georeference) return {};
+  Packer origin;
+  origin.put(georeference->origin_latitude_deg);
+  origin.put(georeference->origin_longitude_deg);
+  origin.put(georeference->origin_height_m);
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO georeference VALUES (0, ?, ?)"));
+  return insert.bind_text(georeference->crs).bind_blob(origin.bytes()).run();
+}
+
+Result<> read_georeference(Database& db, std::optional<Georeference>& georeference) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT crs, origin FROM georeference"));
+  COLLINEA_TRY(const bool row, select.next());
+  if (!row) return {};
+  Georeference g{.crs = select.text(0)};
+  Unpacker origin(select.blob(1));
+  origin.get(g.origin_latitude_deg);
+  origin.get(g.origin_longitude_deg);
+  origin.get(g.origin_height_m);
+  if (!origin.done()) return damaged("georeference");
+  georeference = std::move(g);
+  return {};
+}
+
+Result<> write_cameras(Database& db, const std::string& table, const std::map<CameraId, Camera>& cameras) {
+  if (auto cleared = db.execute("DELETE FROM " + table); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?, ?, ?, ?, ?, ?)"));
+  for (const auto& [id, camera] : cameras) {
+    Packer numbers;
+    for (const double value : camera.params) numbers.put(value);
+    numbers.put(camera.sigma_f_px);
+    insert.bind(id.value).bind_text(camera.name).bind_text(camera.source);
+    insert.bind(camera.width_px).bind(camera.height_px).bind(int(camera.calibrate));
+    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+  }
+  return {};
+}
+
+Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId, Camera>& cameras) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT * FROM " + table + " ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    Camera camera;
+    camera.name = select.text(1);
+    camera.source = select.text(2);
+    camera.width_px = int(select.integer(3));
+    camera.height_px = int(select.integer(4));
+    camera.calibrate = select.integer(5) != 0;
+    Unpacker numbers(select.blob(6));
+    for (double& value : camera.params) numbers.get(value);
+    numbers.get(camera.sigma_f_px);
+    if (!numbers.done()) return damaged(table);
+    cameras[{std::uint32_t(select.integer(0))}] = std::move(camera);
+  }
+}
+
+Result<> write_image(Statement& insert, ImageId id, const Image& image) {
+  Packer position, attitude;
+  insert.bind(id.value).bind_text(image.file).bind(image.camera.value).bind_text(image.taken).bind(image.orientation);
+  if (const auto& p = image.position) {
+    put(position, p->position_in_world);
+    put(position, p->sigma_m);
+    for (const double value : {p->latitude_deg, p->longitude_deg, p->height_m}) position.put(value);
+    insert.bind_blob(position.bytes());
+  } else {
+    insert.bind_null();
+  }
+  if (const auto& a = image.attitude) {
+    for (const double value : {a->heading_deg, a->pitch_deg, a->roll_deg}) attitude.put(value);
+    insert.bind_blob(attitude.bytes());
+  } else {
+    insert.bind_null();
+  }
+  return insert.run();
+}
+
+Result<> write_images(Database& db, const std::map<ImageId, Image>& images) {
+  if (auto cleared = db.execute("DELETE FROM images"); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO images VALUES (?, ?, ?, ?, ?, ?, ?)"));
+  for (const auto& [id, image] : images)
+    if (auto written = write_image(insert, id, image); !written) return written;
+  return {};
+}
+
+Result<Image> image_of_row(const Statement& row) {
+  Image image;
+  image.file = row.text(1);
+  image.camera = {std::uint32_t(row.integer(2))};
+  image.taken = row.text(3);
+  image.orientation = int(row.integer(4));
+  if (!row.is_null(5)) {
+    Unpacker unpacker(row.blob(5));
+    PositionPrior& p = image.position.emplace();
+    get(unpacker, p.position_in_world);
+    get(unpacker, p.sigma_m);
+    for (double* value : {&p.latitude_deg, &p.longitude_deg, &p.height_m}) unpacker.get(*value);
+    if (!unpacker.done()) return damaged("position of " + image.file);
+  }
+  if (!row.is_null(6)) {
+    Unpacker unpacker(row.blob(6));
+    AttitudePrior& a = image.attitude.emplace();
+    for (double* value : {&a.heading_deg, &a.pitch_deg, &a.roll_deg}) unpacker.get(*value);
+    if (!unpacker.done()) return damaged("attitude of " + image.file);
+  }
+  return image;
+}
+
+Result<> read_images(Database& db, Block& block) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT * FROM images ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    COLLINEA_TRY(Image image, image_of_row(select));
+    if (!block.cameras.contains(image.camera)) return damaged("no camera of " + image.file);
+    block.images[{std::uint32_t(select.integer(0))}] = std::move(image);
+  }
+}
+
+Result<> write_control(Database& db, const std::map<ControlId, ControlPoint>& control) {
+  if (auto cleared = db.execute("DELETE FROM control"); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO control VALUES (?, ?, ?, ?)"));
+  for (const auto& [id, point] : control) {
+    Packer numbers;
+    for (const auto& v : {point.position_in_map, point.position_in_world, point.sigma_m}) put(numbers, v);
+    insert.bind(id.value).bind_text(point.name).bind_text(point.role == ControlRole::kControl ? "control" : "check");
+    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+  }
+  return {};
+}
+
+Result<> read_control(Database& db, std::map<ControlId, ControlPoint>& control) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT * FROM control ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    ControlPoint point;
+    point.name = select.text(1);
+    const std::string role = select.text(2);
+    if (role != "control" && role != "check") return damaged("role of control point " + point.name);
+    point.role = role == "control" ? ControlRole::kControl : ControlRole::kCheck;
+    Unpacker numbers(select.blob(3));
+    for (auto* v : {&point.position_in_map, &point.position_in_world, &point.sigma_m}) get(numbers, *v);
+    if (!numbers.done()) return damaged("control point " + point.name);
+    control[{std::uint32_t(select.integer(0))}] = std::move(point);
+  }
+}
+
+Result<> read_control_observations(Database& db, const std::string& table, Block& block) {
+  return read_chunks<ControlObservationRecord>(
+      db, table, [&](const ControlObservation& o) { block.control_observations.push_back(o); });
+}
+
+Result<> read_setup_tables(Database& db, Block& block) {
+  if (auto read = read_georeference(db, block.georeference); !read) return read;
+  if (auto read = read_cameras(db, "cameras", block.cameras); !read) return read;
+  if (auto read = read_images(db, block); !read) return read;
+  return read_control(db, block.control);
+}
+
+Result<> write_poses(Database& db, const std::map<ImageId, Rigid3>& cam_from_world) {
+  if (auto cleared = db.execute("DELETE FROM poses"); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO poses VALUES (?, ?)"));
+  for (const auto& [image, pose] : cam_from_world) {
+    Packer packer;
+    for (const double value : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
+      packer.put(value);
+    put(packer, pose.translation);
+    if (auto written = insert.bind(image.value).bind_blob(packer.bytes()).run(); !written) return written;
+  }
+  return {};
+}
+
+Result<> read_poses(Database& db, std::map<ImageId, Rigid3>& cam_from_world) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT image, cam_from_world FROM poses ORDER BY image"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    Unpacker unpacker(select.blob(1));
+    Rigid3 pose;
+    for (double* value : {&pose.rotation.w(), &pose.rotation.x(), &pose.rotation.y(), &pose.rotation.z()})
+      unpacker.get(*value);
+    get(unpacker, pose.translation);
+    if (!unpacker.done()) return damaged("pose of an image");
+    cam_from_world[{std::uint32_t(select.integer(0))}] = pose;
+  }
+}
+
+Result<> read_orientation_tables(Database& db, Block& block) {
+  if (auto read = read_cameras(db, "adjusted_cameras", block.cameras); !read) return read;
+  if (auto read = read_poses(db, block.cam_from_world); !read) return read;
+  auto& points = block.points;
+  const auto take_point = [&](PointRecord::Value&& p) { points.insert_or_assign(points.end(), p.first, p.second); };
+  if (auto read = read_chunks<PointRecord>(db, "points", take_point); !read) return read;
+  const auto take_observation = [&](const Observation& o) { block.observations.push_back(o); };
+  if (auto read = read_chunks<ObservationRecord>(db, "observations", take_observation); !read) return read;
+  return read_control_observations(db, "used_control_observations", block);
+}
+
+Result<> erase_orientation(Database& db) {
+  return db.execute(
+      "DELETE FROM oriented; DELETE FROM adjusted_cameras; DELETE FROM poses; DELETE FROM points; "
+      "DELETE FROM observations; DELETE FROM used_control_observations;");
+}
+
+// Every reference from one table to another is kept.
+bool fits_together(const Block& block) {
+  for (const auto& [image, pose] : block.cam_from_world)
+    if (!block.images.contains(image)) return false;
+  PointId known;  // observations of one point follow each other: look each up once
+  for (const Observation& o : block.observations) {
+    if (!block.images.contains(o.image)) return false;
+    if (o.point != known && !block.points.contains(o.point)) return false;
+    known = o.point;
+  }
+  for (const ControlObservation& o : block.control_observations)
+    if (!block.images.contains(o.image) || !block.control.contains(o.point)) return false;
+  return true;
+}
+
+Result<Block> read_tables(Database& db, bool with_orientation) {
+  Block block;
+  if (auto read = read_setup_tables(db, block); !read) return tl::unexpected(read.error());
+  COLLINEA_TRY(const auto oriented, db.integer("SELECT count(*) FROM oriented"));
+  const bool wanted = with_orientation && oriented > 0;
+  const auto read =
+      wanted ? read_orientation_tables(db, block) : read_control_observations(db, "control_observations", block);
+  if (!read) return tl::unexpected(read.error());
+  if (!fits_together(block)) return damaged("observations or poses of images or points that are not there");
+  return block;
+}
+
+Result<Block> read_consistently(Database& db, bool with_orientation) {
+  COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
+  return read_tables(db, with_orientation);
+}
+
+}  // namespace
+
+Result<> ProjectStore::write_setup(const Block& block) {
+  return state_->write([&](Database& db) -> Result<> {
+    if (auto written = write_georeference(db, block.georeference); !written) return written;
+    if (auto written = write_cameras(db, "cameras", block.cameras); !written) return written;
+    if (auto written = write_images(db, block.images); !written) return written;
+    if (auto written = write_control(db, block.control); !written) return written;
+    if (auto written =
+            write_chunks<ControlObservationRecord>(db, "control_observations", block.control_observations);
+        !written)
+      return written;
+    return read_tables(db, true) ? Result<>{} : erase_orientation(db);  // it was of another setup
+  });
+}
+
+Result<> ProjectStore::write_orientation(const Block& block) {
+  return state_->write([&](Database& db) -> Result<> {
+    if (auto erased = erase_orientation(db); !erased) return erased;
+    if (auto written = write_cameras(db, "adjusted_cameras", block.cameras); !written) return written;
+    if (auto written = write_poses(db, block.cam_from_world); !written) return written;
+    if (auto written = write_chunks<PointRecord>(db, "points", block.points); !written) return written;
+    if (auto written = write_chunks<ObservationRecord>(db, "observations", block.observations); !written)
+      return written;
+    if (auto written =
+            write_chunks<ControlObservationRecord>(db, "used_control_observations", block.control_observations);
+        !written)
+      return written;
+    return db.execute("INSERT INTO oriented VALUES (0)");
+  });
+}
+
+Result<Block> ProjectStore::read_block() const {
+  return state_->read([](Database& db) { return read_consistently(db, true); });
+}
+
+Result<Block> ProjectStore::read_setup() const {
+  return state_->read([](Database& db) { return read_consistently(db, false); });
+}
+
+}  // namespace collinea

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// Squared distances |a|^2 + |b|^2 - 2 a.b of all pairs, tile by tile, each tile reduced at once to the nearest two by row
+// and by column. A tile is kRows descriptors of a times a panel of kVectors vectors of b, one descriptor of b in each lane.
+//
+// The dot products are exact: bytes are widened (to 16 bits, multiplied in pairs); where there are byte dot
+// products (VNNI: unsigned times signed), a - 128 takes the place of a, and a.b = (a - 128).b + 128 sum(b).
+#include "collinea/match/descriptors_kernels.h"
+
+// Arrays of vectors need vectors of known size; the narrowest x86 target is not worth its code.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#define HWY_WANT_AVX3_DL
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collinea/match/descriptors_kernels.cc"
+#include <hwy/foreach_target.h>
+// After foreach_target.
+#include <hwy/aligned_allocator.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace collinea::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::ScalableTag<std::int32_t>;
+using V = hn::Vec<D>;
+
+constexpr D kInts;
+constexpr std::size_t kSize = 128;  // bytes of a descriptor
+constexpr std::size_t kLanes = hn::MaxLanes(kInts);
+constexpr std::size_t kRows = 4;
+constexpr std::size_t kTileRows = 256;           // rows whose running minima stay in the cache
+constexpr std::int32_t kFar = 1 << 29;           // beyond any distance (128 * 255^2 < 2^23): marks padding
+constexpr std::int32_t kUnset = (1 << 30) + kFar;  // not below any value computed, padding included
+#if HWY_TARGET <= HWY_AVX3
+constexpr std::size_t kVectors = 4;
+#else
+constexpr std::size_t kVectors = 2;
+#endif
+constexpr std::size_t kPanel = kVectors * kLanes;
+
+#if HWY_TARGET == HWY_AVX3_DL
+using Element = std::uint8_t;
+constexpr std::int32_t kOffset = 128;
+
+// Highway tests the machine for AVX512-VNNI before it takes this target, but does not tell the compiler: hence no intrinsic.
+HWY_INLINE V multiply_add(V sum, V a, V b) {
+  asm("vpdpbusd %2, %1, %0" : "+v"(sum.raw) : "v"(b.raw), "v"(a.raw));
+  return sum;
+}
+#elif HWY_TARGET == HWY_SCALAR
+using Element = std::int32_t;
+constexpr std::int32_t kOffset = 0;
+
+HWY_INLINE V multiply_add(V sum, V a, V b) { return hn::Add(sum, hn::Mul(a, b)); }
+#else
+using Element = std::int16_t;
+constexpr std::int32_t kOffset = 0;
+
+HWY_INLINE V multiply_add(V sum, V a, V b) {
+  const hn::Repartition<std::int16_t, D> shorts;
+  V unused = hn::Zero(kInts);
+  return hn::ReorderWidenMulAccumulate(kInts, hn::BitCast(shorts, a), hn::BitCast(shorts, b), sum, unused);
+}
+#endif
+
+// Elements of neighbouring dimensions that one lane holds, and lanes that a descriptor fills.
+constexpr std::size_t kGroup = sizeof(std::int32_t) / sizeof(Element);
+constexpr std::size_t kSteps = kSize / kGroup;
+
+HWY_INLINE std::size_t padded(std::size_t count, std::size_t step) { return (count + step - 1) / step * step; }
+
+HWY_INLINE std::int32_t squared_norm(const std::uint8_t* descriptor) {
+  std::int32_t sum = 0;
+  for (std::size_t i = 0; i < kSize; ++i) sum += std::int32_t{descriptor[i]} * descriptor[i];
+  return sum;
+}
+
+HWY_INLINE std::int32_t sum_of(const std::uint8_t* descriptor) {
+  std::int32_t sum = 0;
+  for (std::size_t i = 0; i < kSize; ++i) sum += descriptor[i];
+  return sum;
+}
+
+// Rows of a as they are multiplied, and what each adds to its distances.
+void pack_rows(const std::uint8_t* a, std::size_t count, Element* packed, std::int32_t* constants) {
+  for (std::size_t i = 0; i < padded(count, kRows); ++i) {
+    for (std::size_t k = 0; k < kSize; ++k)
+      packed[i * kSize + k] = static_cast<Element>((i < count ? a[i * kSize + k] : 0) - kOffset);
+    constants[i] = i < count ? squared_norm(a + i * kSize) : kFar;
+  }
+}
+
+// Panels of b: for each group of dimensions the groups of all its descriptors side by side.
+void pack_columns(const std::uint8_t* b, std::size_t count, Element* packed, std::int32_t* constants) {
+  for (std::size_t j = 0; j < padded(count, kPanel); ++j) {
+    Element* column = packed + j / kPanel * kPanel * kSize + j % kPanel * kGroup;
+    for (std::size_t k = 0; k < kSize; ++k)
+      column[k / kGroup * kPanel * kGroup + k % kGroup] = j < count ? b[j * kSize + k] : Element{0};
+    constants[j] = j < count ? squared_norm(b + j * kSize) - 2 * kOffset * sum_of(b + j * kSize) : kFar;
+  }
+}
+
+// The running nearest two of a vector of searches, as it lies in memory: best, second, index.
+struct Running {
+  V best, second, index;
+
+  static HWY_INLINE Running load(const std::int32_t* from) {
+    return {hn::Load(kInts, from), hn::Load(kInts, from + kLanes), hn::Load(kInts, from + 2 * kLanes)};
+  }
+  HWY_INLINE void store(std::int32_t* to) const {
+    hn::Store(best, kInts, to);
+    hn::Store(second, kInts, to + kLanes);
+    hn::Store(index, kInts, to + 2 * kLanes);
+  }
+  HWY_INLINE void add(V distance, V candidate) {
+    index = hn::IfThenElse(hn::Lt(distance, best), candidate, index);
+    second = hn::Min(second, hn::Max(best, distance));
+    best = hn::Min(best, distance);
+  }
+};
+constexpr std::size_t kRunning = 3 * kLanes;
+
+void clear(std::int32_t* running, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    Running{hn::Set(kInts, kUnset), hn::Set(kInts, kUnset), hn::Zero(kInts)}.store(running + i * kRunning);
+}
+
+struct Rows {
+  const Element* packed;
+  const std::int32_t* constants;
+  std::int32_t* running;  // kRunning for each row
+};
+struct Panel {
+  const Element* packed;
+  const std::int32_t* constants;
+  std::int32_t* running;  // kRunning for each vector
+};
+
+HWY_INLINE void match_tile(const Rows& rows, std::int32_t first_row, const Panel& panel, std::int32_t first_column) {
+  V dot[kRows][kVectors];
+  for (std::size_t r = 0; r < kRows; ++r)
+    for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = hn::Zero(kInts);
+  for (std::size_t k = 0; k < kSteps; ++k) {
+    V b[kVectors];
+    for (std::size_t v = 0; v < kVectors; ++v)
+      b[v] = hn::Load(kInts, reinterpret_cast<const std::int32_t*>(panel.packed) + k * kPanel + v * kLanes);
+    for (std::size_t r = 0; r < kRows; ++r) {
+      const V a = hn::Set(kInts, reinterpret_cast<const std::int32_t*>(rows.packed)[r * kSteps + k]);
+      for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = multiply_add(dot[r][v], a, b[v]);
+    }
+  }
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    Running of_column = Running::load(panel.running + v * kRunning);
+    const V constant = hn::Load(kInts, panel.constants + v * kLanes);
+    const V column = hn::Iota(kInts, first_column + static_cast<std::int32_t>(v * kLanes));
+    for (std::size_t r = 0; r < kRows; ++r) {
+      const V distance = hn::Sub(hn::Add(constant, hn::Set(kInts, rows.constants[r])), hn::ShiftLeft<1>(dot[r][v]));
+      of_column.add(distance, hn::Set(kInts, first_row + static_cast<std::int32_t>(r)));
+      Running of_row = Running::load(rows.running + r * kRunning);
+      of_row.add(distance, column);
+      of_row.store(rows.running + r * kRunning);
+    }
+    of_column.store(panel.running + v * kRunning);
+  }
+}
+
+HWY_INLINE std::int32_t none_if_far(std::int32_t distance) { return distance < kFar ? distance : NearestTwo::kNone; }
+
+// One search from the lanes that took part in it.
+NearestTwo gathered(const std::int32_t* running) {
+  std::int32_t best = kUnset, second = kUnset, index = 0;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const std::int32_t lane_best = running[i], lane_index = running[2 * kLanes + i];
+    second = HWY_MIN(second, HWY_MIN(running[kLanes + i], HWY_MAX(best, lane_best)));
+    if (lane_best < best || (lane_best == best && lane_index < index)) index = lane_index;
+    best = HWY_MIN(best, lane_best);
+  }
+  return {static_cast<std::uint32_t>(index), none_if_far(best), none_if_far(second)};
+}
+
+void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
+                 NearestTwo* of_a, NearestTwo* of_b) {
+  const std::size_t rows = padded(count_a, kRows), columns = padded(count_b, kPanel);
+  const auto packed_a = hwy::AllocateAligned<Element>(rows * kSize), packed_b = hwy::AllocateAligned<Element>(columns * kSize);
+  const auto constants_a = hwy::AllocateAligned<std::int32_t>(rows), constants_b = hwy::AllocateAligned<std::int32_t>(columns);
+  const auto running_a = hwy::AllocateAligned<std::int32_t>(kTileRows * kRunning);
+  const auto running_b = hwy::AllocateAligned<std::int32_t>(columns / kLanes * kRunning);
+  pack_rows(a, count_a, packed_a.get(), constants_a.get());
+  pack_columns(b, count_b, packed_b.get(), constants_b.get());
+  clear(running_b.get(), columns / kLanes);
+
+  for (std::size_t tile = 0; tile < rows; tile += kTileRows) {
+    const std::size_t tile_end = HWY_MIN(tile + kTileRows, rows);
+    clear(running_a.get(), kTileRows);
+    for (std::size_t j = 0; j < columns; j += kPanel) {
+      const Panel panel{packed_b.get() + j * kSize, constants_b.get() + j, running_b.get() + j / kLanes * kRunning};
+      for (std::size_t i = tile; i < tile_end; i += kRows)
+        match_tile({packed_a.get() + i * kSize, constants_a.get() + i, running_a.get() + (i - tile) * kRunning},
+                   static_cast<std::int32_t>(i), panel, static_cast<std::int32_t>(j));
+    }
+    for (std::size_t i = tile; i < HWY_MIN(tile_end, count_a); ++i)
+      of_a[i] = gathered(running_a.get() + (i - tile) * kRunning);
+  }
+  for (std::size_t j = 0; j < count_b; ++j) {
+    const std::int32_t* lane = running_b.get() + j / kLanes * kRunning + j % kLanes;
+    of_b[j] = {static_cast<std::uint32_t>(lane[2 * kLanes]), none_if_far(lane[0]), none_if_far(lane[kLanes])};
+  }
+}
+
+}  // namespace collinea::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace collinea {
+HWY_EXPORT(nearest_two);
+
+void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
+                 NearestTwo* of_a, NearestTwo* of_b) {
+  if (count_a == 0 || count_b == 0) {
+    for (std::size_t i = 0; i < count_a; ++i) of_a[i] = {};
+    for (std::size_t j = 0; j < count_b; ++j) of_b[j] = {};
+    return;
+  }
+  HWY_DYNAMIC_DISPATCH(nearest_two)(a, count_a, b, count_b, of_a, of_b);
+}
+}  // namespace collinea
+#endif

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/incremental.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace collinea {
+namespace {
+
+constexpr int kInitialPairsTried = 30;
+constexpr int kMinInitialPoints = 40;
+constexpr double kEnoughParallax_rad = 8 * std::numbers::pi / 180;
+constexpr double kGlobalGrowth = 1.2;  // a global adjustment each time the block has grown by this factor
+constexpr int kMaxFailures = 3;        // resections of one image before it is left for good
+
+// Support counts only as far as it comes with parallax; beyond some degrees more parallax does not help.
+double worth_as_start(const ImagePair& pair) {
+  if (pair.geometry != PairGeometry::kGeneral && pair.geometry != PairGeometry::kPlanar) return 0;
+  const double parallax = std::min(1.0, pair.median_parallax_rad / kEnoughParallax_rad);
+  const double planar = pair.geometry == PairGeometry::kPlanar ? 0.3 : 1.0;  // weak relative orientation
+  return planar * parallax * std::sqrt(static_cast<double>(std::min<std::size_t>(pair.matches.size(), 2000)));
+}
+
+std::vector<const ImagePair*> initial_pairs(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude) {
+  std::vector<const ImagePair*> sorted;
+  for (const ImagePair& pair : pairs)
+    if (worth_as_start(pair) > 0 && !exclude.contains(pair.first) && !exclude.contains(pair.second))
+      sorted.push_back(&pair);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const ImagePair* a, const ImagePair* b) { return worth_as_start(*a) > worth_as_start(*b); });
+  if (sorted.size() > kInitialPairsTried) sorted.resize(kInitialPairsTried);
+  return sorted;
+}
+
+class Grower {
+ public:
+  Grower(Reconstruction& reconstruction, std::span<const ImagePair> pairs, const std::set<ImageId>& exclude,
+         const OrientOptions& options, const Run& run)
+      : block_(reconstruction), pairs_(pairs), exclude_(exclude), options_(options), run_(run) {}
+
+  Result<> grow() {
+    if (!start()) return {};
+    for (;;) {
+      if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
+      if (add_next_image()) {
+        run_.report("orient", double(block_.poses().size()) / double(std::max<std::size_t>(1, total())));
+        const auto due = static_cast<std::size_t>(std::max(images_at_global_ + 1.0, images_at_global_ * kGlobalGrowth));
+        if (block_.poses().size() >= due)
+          if (auto done = global(1); !done) return done;
+        continue;
+      }
+      if (block_.poses().size() == images_at_global_ && stuck_) break;  // nothing new since the last full clean-up
+      stuck_ = true;
+      if (auto done = global(2); !done) return done;
+    }
+    return {};
+  }
+
+ private:
+  [[nodiscard]] std::size_t total() const { return block_.images_with_tracks().size() - exclude_.size(); }
+
+  bool start() {
+    for (const ImagePair* pair : initial_pairs(pairs_, exclude_)) {
+      block_.forget();
+      if (block_.start(pair->first, pair->second, pair->second_from_first) < kMinInitialPoints) continue;
+      const auto adjusted = block_.adjust_all({.calibration = "none"}, {}, run_);
+      if (!adjusted) continue;
+      block_.filter(options_.max_error_px, run_);
+      if (block_.point_count() < kMinInitialPoints) continue;
+      images_at_global_ = 2;
+      return true;
+    }
+    block_.forget();
+    return false;
+  }
+
+  // The image best covered by the points there are; one that fails waits until the block has grown.
+  bool add_next_image() {
+    std::vector<std::pair<double, ImageId>> candidates;
+    for (const ImageId image : block_.images_with_tracks()) {
+      if (block_.oriented(image) || exclude_.contains(image)) continue;
+      const auto failed = failures_.find(image);
+      if (failed != failures_.end() &&
+          (failed->second.times >= kMaxFailures || failed->second.block_size == block_.poses().size()))
+        continue;
+      const auto coverage = block_.coverage(image);
+      if (coverage.points >= options_.min_points) candidates.push_back({coverage.score, image});
+    }
+    std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (const auto& [score, image] : candidates) {
+      if (run_.stopped()) return false;
+      if (block_.orient_image(image, run_.seed)) {
+        block_.extend(image);
+        if (!block_.adjust_around(image, local_options(), run_)) {
+          block_.drop_image(image);
+        } else {
+          stuck_ = false;
+          return true;
+        }
+      }
+      auto& failure = failures_[image];
+      ++failure.times;
+      failure.block_size = block_.poses().size();
+    }
+    return false;
+  }
+
+  Result<> global(int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      const AdjustOptions adjust{.loss = "huber", .calibration = calibration_for(options_, block_.poses().size())};
+      if (auto adjusted = block_.adjust_all(adjust, {.use_positions = false, .use_control = false}, run_); !adjusted)
+        return tl::unexpected(adjusted.error());
+      block_.filter(options_.max_error_px, run_);
+      block_.extend_all(run_);
+    }
+    images_at_global_ = static_cast<double>(block_.poses().size());
+    return {};
+  }
+
+  [[nodiscard]] AdjustOptions local_options() const { return {.loss = "huber", .max_iterations = 8, .calibration = "none"}; }
+
+  struct Failure {
+    int times = 0;
+    std::size_t block_size = 0;
+  };
+  Reconstruction& block_;
+  std::span<const ImagePair> pairs_;
+  const std::set<ImageId>& exclude_;
+  const OrientOptions& options_;
+  const Run& run_;
+  std::map<ImageId, Failure> failures_;
+  double images_at_global_ = 0;
+  bool stuck_ = false;
+};
+
+}  // namespace
+
+std::string calibration_for(const OrientOptions& options, std::size_t images) {
+  if (options.calibration != "auto") return options.calibration;
+  if (images < 3) return "none";
+  if (images < 5) return "focal";
+  if (images < 8) return "focal_radial";
+  return "brown";
+}
+
+Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs, const std::set<ImageId>& exclude,
+              const OrientOptions& options, const Run& run) {
+  return Grower(reconstruction, pairs, exclude, options, run).grow();
+}
+
+Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope, const OrientOptions& options,
+                        const Run& run) {
+  constexpr int kRounds = 5;
+  constexpr double kSettled = 1e-3;  // share of rays that came or went
+  const AdjustOptions adjust{.loss = "huber", .calibration = calibration_for(options, reconstruction.poses().size())};
+  for (int round = 0; round < kRounds; ++round) {
+    COLLINEA_TRY(const Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
+    const int removed = reconstruction.filter(options.max_error_px, run);
+    const int added = reconstruction.extend_all(run);
+    if (removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size())) break;
+  }
+  return reconstruction.adjust_all(adjust, scope, run);  // what is returned belongs to the rays that are left
+}
+
+}  // namespace collinea

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "collinea/base/options.h"
+
+namespace collinea {
+
+struct OrientOptions {
+  std::string calibration = "auto";
+  double max_error_px = 3;
+  double min_angle_deg = 1.5;
+  int min_points = 15;
+  double sigma_px = 0.5;
+  bool use_positions = true;
+  bool use_control = true;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = OrientOptions;
+    visit(Field{"calibration", &O::calibration, "",
+                "camera parameters to find: auto (as many as the block carries), none, focal, focal_radial, brown"});
+    visit(Field{"max_error_px", &O::max_error_px, "px", "largest residual of a tie point's image", 0.1});
+    visit(Field{"min_angle_deg", &O::min_angle_deg, "deg", "smallest angle between two rays that fix a tie point", 0.01, 90});
+    visit(Field{"min_points", &O::min_points, "1", "fewest tie points that orient an image", 6});
+    visit(Field{"sigma_px", &O::sigma_px, "px", "standard deviation of a tie point's image before adjustment", 1e-3});
+    visit(Field{"use_positions", &O::use_positions, "", "use GNSS positions of the images as observations"});
+    visit(Field{"use_control", &O::use_control, "", "use control points as observations"});
+  }
+};
+
+}  // namespace collinea

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "collinea/adjust/bundle.h"
+#include "collinea/base/run.h"
+#include "collinea/block/block.h"
+#include "collinea/block/features.h"
+#include "collinea/orient/options.h"
+
+namespace collinea {
+
+using KeypointSource = std::function<Result<std::vector<Keypoint>>(ImageId)>;
+
+/// A block while it grows: poses of the images oriented so far and the state of every track, a track being a tie point
+/// to be. World frame: whatever the first pair gave until the caller moves it.
+class Reconstruction {
+ public:
+  /// One image of a track. Active: it takes part in the adjustment.
+  struct Ray {
+    ImageId image;
+    std::uint32_t feature = 0;
+    Eigen::Vector2d pixel;
+    bool active = false;
+  };
+  struct TrackState {
+    std::vector<Ray> rays;                  ///< sorted by image
+    std::optional<Eigen::Vector3d> point;   ///< in world
+  };
+  struct RayRef {
+    std::uint32_t track = 0, ray = 0;
+  };
+
+  static Result<Reconstruction> create(const Block& setup, std::span<const ImagePair> pairs,
+                                       const KeypointSource& keypoints, const OrientOptions& options);
+
+  [[nodiscard]] bool oriented(ImageId image) const { return poses_.contains(image); }
+  [[nodiscard]] const std::map<ImageId, Rigid3>& poses() const { return poses_; }
+  [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras_.at(setup_->images.at(image).camera); }
+  [[nodiscard]] std::size_t point_count() const;
+  [[nodiscard]] const std::vector<ImageId>& images_with_tracks() const { return images_; }
+
+  /// Puts two images in place and intersects what they share. Returns the number of points.
+  int start(ImageId first, ImageId second, const Rigid3& second_from_first);
+  /// How well the points found so far cover a new image: grows with their number and spread. And their number.
+  struct Coverage {
+    double score = 0;
+    int points = 0;
+  };
+  [[nodiscard]] Coverage coverage(ImageId image) const;
+  /// Resection of one image on the points it shares with the block, then new rays for those points.
+  bool orient_image(ImageId image, std::uint64_t seed);
+  /// Gives up an image: its rays leave their points.
+  void drop_image(ImageId image);
+
+  /// Intersects tracks without a point and adds rays to points, as far as they agree within the error; over the tracks of one image or all.
+  int extend(ImageId image);
+  int extend_all(const Run& run);
+  /// Switches off rays with large residuals and points with too small an angle. Returns how many rays went.
+  int filter(double max_error_px, const Run& run);
+
+  /// Adjusts `centre` with its closest neighbours; everything else is held.
+  Result<> adjust_around(ImageId centre, const AdjustOptions& options, const Run& run);
+  Result<Adjusted> adjust_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run);
+
+  /// The oriented part as a block; with control observations and the setup's priors.
+  [[nodiscard]] Block block() const;
+  void move_world(const Similarity3& new_from_old);
+  void take(const Adjusted& adjusted);
+  void forget();  ///< back to no pose and no point
+
+ private:
+  [[nodiscard]] const std::vector<RayRef>& rays_of(ImageId image) const;
+  [[nodiscard]] std::optional<double> error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const;
+  bool intersect(TrackState& track) const;
+  bool extend_track(TrackState& track) const;
+  [[nodiscard]] Block block_of(const std::set<ImageId>& images) const;
+  [[nodiscard]] std::vector<ImageId> neighbours_of(ImageId image, std::size_t count) const;
+
+  const Block* setup_ = nullptr;
+  OrientOptions options_;
+  std::vector<ImageId> images_;
+  std::vector<TrackState> tracks_;
+  std::map<ImageId, std::vector<RayRef>> rays_of_;
+  std::map<CameraId, Camera> cameras_;
+  std::map<ImageId, Rigid3> poses_;
+};
+
+}  // namespace collinea

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/base/run.h"
+#include "collinea/image/geotiff.h"
+
+namespace collinea {
+
+/// A surface model that is read by windows. `read` takes windows inside the raster and gives NaN where there is no
+/// height; it may be called from several threads at once.
+struct HeightField {
+  MapGrid grid;
+  std::function<Result<FloatImage>(int column, int row, int width, int height)> read;
+};
+
+/// A surface model in a GeoTIFF (no data value as stated in the file).
+[[nodiscard]] Result<HeightField> open_height_field(const std::filesystem::path& path);
+
+/// A place of the surface, in continuous cells of its raster.
+struct SurfacePlace {
+  double column = 0, row = 0;
+  float height_m = 0;
+};
+
+/// The surface in blocks of kBlock x kBlock cells: between which heights it lies.
+struct HeightOverview {
+  static constexpr int kBlock = 32;
+  FloatImage lowest_m, highest_m;    ///< per block; NaN where no cell has a height
+  std::vector<SurfacePlace> places;  ///< the cell nearest to the middle of each block, block by block
+  double mean_m = 0;                 ///< of the places
+};
+[[nodiscard]] Result<HeightOverview> overview(const HeightField& field, const Run& run);
+
+/// A window of the surface in memory. Positions are continuous cells of the window: the centre of its upper-left cell is (0.5, 0.5).
+class HeightWindow {
+ public:
+  HeightWindow() = default;
+  /// `column`, `row`: of the upper-left cell of `heights_m` in the field.
+  HeightWindow(FloatImage heights_m, int column, int row, double cell_m);
+
+  [[nodiscard]] int column() const { return column_; }
+  [[nodiscard]] int row() const { return row_; }
+  [[nodiscard]] bool empty() const { return heights_m_.empty(); }
+
+  /// The height at a place: bilinear on a smooth surface, of the nearest cell beside steps and holes (a slope between roof
+  /// and ground would be painted with colours that belong to neither). NaN where the place has no height.
+  [[nodiscard]] float at(double x, double y) const;
+
+  /// True when the surface rises above the straight line from the place at height_m (on it or above) towards a camera at
+  /// (camera_x, camera_y, camera_height_m). One cell of height is granted to roughness. Cells without height hide nothing.
+  [[nodiscard]] bool hides(double x, double y, double height_m, double camera_x, double camera_y, double camera_height_m) const;
+
+  /// The highest height of all cells no further than kCeilingReach cells from the place, or a greater one.
+  [[nodiscard]] float ceiling_m(double x, double y) const;
+  static constexpr int kCeilingReach = 16;
+
+ private:
+  FloatImage heights_m_, ceiling_m_;
+  int column_ = 0, row_ = 0;
+  double cell_m_ = 1;
+  float highest_m_ = 0;
+};
+
+}  // namespace collinea

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "collinea/base/random.h"
+#include "collinea/ortho/ortho_tile.h"
+
+namespace collinea {
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+FloatImage flat_with_tower() {
+  FloatImage heights(100, 100, 1, 5);
+  for (int y = 40; y < 60; ++y)
+    for (int x = 40; x < 60; ++x) heights.at(x, y) = 25;
+  return heights;
+}
+
+// A tower of 20 m at 1 m cells, the camera 45 degrees above the horizon far in the west: its shadow is 20 m long.
+TEST(HeightWindow, ATowerHidesWhatLiesBehindIt) {
+  const HeightWindow window(flat_with_tower(), 0, 0, 1);
+  const auto hidden = [&](double x, double y) { return window.hides(x, y, double(window.at(x, y)), x - 1000, y, 1005); };
+  EXPECT_TRUE(hidden(62.5, 50.5));
+  EXPECT_TRUE(hidden(77.5, 50.5));
+  EXPECT_FALSE(hidden(81.5, 50.5));
+  EXPECT_FALSE(hidden(38.5, 50.5));
+  EXPECT_FALSE(hidden(50.5, 50.5));
+  EXPECT_FALSE(hidden(65.5, 30.5));
+  EXPECT_TRUE(window.hides(38.5, 50.5, 5, 1000, 50.5, 900));  // from the other side
+}
+
+TEST(HeightWindow, HeightsAreBilinearOnSlopesAndSharpAtSteps) {
+  FloatImage heights(20, 20);
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 20; ++x) heights.at(x, y) = 0.5f * float(x) + (x >= 10 ? 8.0f : 0.0f);
+  heights.at(3, 3) = kNone;
+  const HeightWindow window(heights, 0, 0, 1);
+  EXPECT_FLOAT_EQ(window.at(6.25, 7.0), 0.5f * 5.75f);
+  EXPECT_FLOAT_EQ(window.at(9.9, 7.5), 4.5f);
+  EXPECT_FLOAT_EQ(window.at(10.1, 7.5), 13.0f);
+  EXPECT_TRUE(std::isnan(window.at(3.5, 3.5)));
+  EXPECT_FLOAT_EQ(window.at(4.1, 3.5), 2.0f);
+  EXPECT_TRUE(std::isnan(window.at(-1, 3)));
+}
+
+TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
+  HeightField field;
+  field.grid = {0, 0, 1, 70, 300, ""};
+  field.read = [](int column, int row, int width, int height) -> Result<FloatImage> {
+    FloatImage heights(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) heights.at(x, y) = column + x >= 64 ? kNone : float(column + x + 1000 * (row + y));
+    return heights;
+  };
+  const auto result = overview(field, collinea::Run{});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->lowest_m.width, 3);
+  EXPECT_EQ(result->lowest_m.height, 10);
+  EXPECT_EQ(result->lowest_m.at(1, 8), 256'032);
+  EXPECT_EQ(result->highest_m.at(1, 8), 287'063);
+  EXPECT_TRUE(std::isnan(result->highest_m.at(2, 0)));
+  ASSERT_EQ(result->places.size(), 20u);
+  EXPECT_EQ(result->places[3].column, 48.5);
+  EXPECT_EQ(result->places[3].row, 48.5);
+}
+
+// Keys' kernel reproduces polynomials of degree 2.
+TEST(Bicubic, ReproducesAParabola) {
+  ColourImage picture(12, 12, 3);
+  const auto value = [](double x, double y, int c) { return 20 + 1.0 * c + (x - 0.5) * (x - 0.5) + (y - 0.5) * (x - 0.5); };
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 12; ++x)
+      for (int c = 0; c < 3; ++c) picture.at(x, y, c) = std::uint8_t(value(x + 0.5, y + 0.5, c));
+  float colour[3];
+  bicubic(picture, 5.8, 4.3, colour);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour[c], value(5.8, 4.3, c), 1e-4);
+}
+
+TEST(PixelCache, DecodesOnceAndForgetsTheOldest) {
+  int decoded = 0;
+  PixelCache cache([&](ImageId, int) -> Result<ColourImage> { return ++decoded, ColourImage(10, 10, 3); }, 700);
+  ASSERT_TRUE(cache.picture(ImageId{1}, 1));
+  ASSERT_TRUE(cache.picture(ImageId{2}, 1));
+  ASSERT_TRUE(cache.picture(ImageId{1}, 1));
+  EXPECT_EQ(decoded, 2);
+  ASSERT_TRUE(cache.picture(ImageId{3}, 1));  // 2 goes
+  ASSERT_TRUE(cache.picture(ImageId{1}, 1));
+  EXPECT_EQ(decoded, 3);
+  ASSERT_TRUE(cache.picture(ImageId{2}, 1));
+  EXPECT_EQ(decoded, 4);
+}
+
+TEST(PixelCache, PassesErrorsOn) {
+  PixelCache cache([](ImageId, int) -> Result<ColourImage> { return fail(Errc::kNotFound, "gone"); }, 700);
+  const auto picture = cache.picture(ImageId{1}, 1);
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().code, Errc::kNotFound);
+}
+
+// A strip of 12 pictures, each overlapping the next two; a fifth of the places shows something else in each picture.
+TEST(Exposures, GainsAndFalloffAreRecoveredDespiteOutliers) {
+  Random random(11);
+  constexpr int kPictures = 12;
+  std::vector<std::vector<ColourSample>> samples(kPictures);
+  std::vector<double> log_gain;
+  for (int i = 0; i < kPictures; ++i) log_gain.push_back(random.uniform(-0.2, 0.2));
+  for (std::uint32_t place = 0; place < 1200; ++place) {
+    const double colour = random.uniform(3.5, 4.5);
+    for (int i = int(place) / 100; i < std::min(kPictures, int(place) / 100 + 3); ++i) {
+      const double r2 = random.uniform(0, 1), wrong = random.uniform() < 0.2 ? random.uniform(-0.5, 0.5) : 0;
+      const float value = float(colour + log_gain[std::size_t(i)] - 0.3 * r2 + wrong + 0.02 * random.normal());
+      samples[std::size_t(i)].push_back({place, float(r2), {value, value, value}});
+    }
+  }
+  const std::vector<CameraId> cameras(kPictures, CameraId{1});
+  const auto exposures = balance_exposures(samples, cameras);
+  EXPECT_NEAR(exposures[0].falloff[0], 0.3, 0.02);
+  for (std::size_t i = 1; i < kPictures; ++i) {
+    const double ratio = std::log(double(exposures[i].gain[2]) / double(exposures[i - 1].gain[2]));
+    EXPECT_NEAR(ratio, log_gain[i - 1] - log_gain[i], 0.02) << i;
+  }
+}
+
+TEST(Exposures, PicturesWithoutCommonPlacesStayAsTheyAre) {
+  std::vector<std::vector<ColourSample>> samples(2);
+  for (std::uint32_t i = 0; i < 50; ++i) samples[i % 2].push_back({i, 0.1f, {4, 4, 4}});
+  const std::vector<CameraId> cameras(2, CameraId{1});
+  for (const Exposure& exposure : balance_exposures(samples, cameras)) EXPECT_EQ(exposure.gain[0], 1);
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/ortho/orthophoto.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "collinea/base/parallel.h"
+#include "collinea/surface/dsm.h"
+
+namespace collinea {
+namespace {
+
+constexpr std::size_t kPictureMemory = std::size_t{512} << 20;
+constexpr double kMostCells = 4e10;
+constexpr std::size_t kMostPlaces = 40'000;
+
+// The grid of the orthophoto covers the surface model; its cell edges lie on multiples of the cell size.
+Result<MapGrid> grid_over(const MapGrid& surface, double cell_m) {
+  MapGrid grid = surface;
+  grid.cell_m = cell_m;
+  constexpr double kRounding = 1e-6;  // cells that only rounding would add
+  const double west = std::floor(surface.west_m / cell_m + kRounding), north = std::ceil(surface.north_m / cell_m - kRounding);
+  const double east = std::ceil(surface.east_of(surface.width) / cell_m - kRounding);
+  const double south = std::floor(surface.north_of(surface.height) / cell_m + kRounding);
+  if ((east - west) * (north - south) > kMostCells || east - west > 1e6 || north - south > 1e6)
+    return fail(Errc::kBadInput, "the orthophoto would have " + std::to_string(std::int64_t(east - west)) + " x " +
+                                     std::to_string(std::int64_t(north - south)) + " cells: choose a larger cell_m");
+  grid.west_m = west * cell_m, grid.north_m = north * cell_m;
+  grid.width = int(east - west), grid.height = int(north - south);
+  return grid;
+}
+
+// The largest reduction at which a pixel of the picture still is no larger than a cell.
+std::vector<int> shrinks(const std::vector<View>& views, double mean_height_m, double cell_m) {
+  std::vector<int> result;
+  for (const View& view : views) {
+    const double pixel_m = std::abs(view.centre_in_map.z() - mean_height_m) / view.camera.focal_px();
+    int shrink = 1;
+    while (shrink < 8 && 2 * shrink * pixel_m <= 1.05 * cell_m) shrink *= 2;
+    result.push_back(shrink);
+  }
+  return result;
+}
+
+std::vector<Eigen::Vector3d> places_in_world(const HeightOverview& overview, const MapGrid& grid, const LocalFrame* frame) {
+  std::vector<Eigen::Vector3d> places;
+  const std::size_t stride = (overview.places.size() + kMostPlaces - 1) / kMostPlaces;
+  for (std::size_t i = 0; i < overview.places.size(); i += stride) {
+    const SurfacePlace& place = overview.places[i];
+    places.emplace_back(grid.east_of(place.column), grid.north_of(place.row), double(place.height_m));
+  }
+  if (frame) frame->local_from_map(places);
+  return places;
+}
+
+struct Piece {
+  int column, row, width, height;
+};
+
+std::vector<Piece> pieces_of(const MapGrid& grid) {
+  std::vector<Piece> pieces;
+  for (int row = 0; row < grid.height; row += kOrthoTile)
+    for (int column = 0; column < grid.width; column += kOrthoTile)
+      pieces.push_back({column, row, std::min(kOrthoTile, grid.width - column), std::min(kOrthoTile, grid.height - row)});
+  return pieces;
+}
+
+void tally(const OrthoTile& tile, OrthoSummary& summary, std::set<std::uint16_t>& used) {
+  std::uint16_t last = 0;
+  for (const std::uint16_t source : tile.source.data) {
+    (source ? summary.painted_cells : summary.empty_cells)++;
+    if (source && source != last) used.insert(last = source);
+  }
+}
+
+// Tiles are made side by side, a few at a time, and handed on in their order.
+Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary& summary, const Run& run) {
+  const std::vector<Piece> pieces = pieces_of(scene.grid);
+  const std::size_t at_once = std::size_t(2 * std::max(1, run.threads));
+  std::set<std::uint16_t> used;
+  for (std::size_t begin = 0; begin < pieces.size(); begin += at_once) {
+    const std::size_t end = std::min(begin + at_once, pieces.size());
+    std::vector<Result<OrthoTile>> tiles(end - begin);
+    parallel_for(run, end - begin, [&](std::size_t i) {
+      const Piece& piece = pieces[begin + i];
+      tiles[i] = make_ortho_tile(scene, piece.column, piece.row, piece.width, piece.height);
+    });
+    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    for (std::size_t i = begin; i < end; ++i) {
+      auto& tile = tiles[i - begin];
+      if (!tile) return tl::unexpected(std::move(tile).error());
+      tally(*tile, summary, used);
+      if (auto taken = sink.take(pieces[i].column, pieces[i].row, *tile); !taken) return taken;
+    }
+    run.report("ortho", double(end) / double(pieces.size()));
+  }
+  summary.photographs_used = used.size();
+  return {};
+}
+
+}  // namespace
+
+Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface, const PixelSource& pixels,
+                                     double gsd_m, const OrthoSink& sink, const OrthoOptions& options, const Run& run) {
+  if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
+  OrthoScene scene;
+  scene.views = views_of(block, frame);
+  if (scene.views.empty()) return fail(Errc::kIllPosed, "no oriented photographs for an orthophoto");
+  if (scene.views.size() > 65'000) return fail(Errc::kUnsupported, "more than 65000 photographs for one orthophoto");
+  if (!options.cell_m && !(gsd_m > 0 && std::isfinite(gsd_m)))
+    return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
+  COLLINEA_TRY(scene.grid, grid_over(surface.grid, options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m)));
+  COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
+  PixelCache pictures(pixels, kPictureMemory);
+  scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame, scene.pictures = &pictures;
+  scene.shrink = shrinks(scene.views, heights.mean_m, scene.grid.cell_m);
+  scene.feather_cells = options.feather_cells;
+  scene.exposures.resize(scene.views.size());
+  if (options.balance) {
+    COLLINEA_TRY(scene.exposures, exposures_of(scene.views, places_in_world(heights, surface.grid, frame), pixels, run));
+  }
+  OrthoSummary summary;
+  summary.grid = scene.grid;
+  summary.exposures = scene.exposures;
+  for (const View& view : scene.views) summary.sources.push_back(view.image);
+  if (auto begun = sink.begin(scene.grid); !begun) return tl::unexpected(std::move(begun).error());
+  if (auto made = make_tiles(scene, sink, summary, run); !made) return tl::unexpected(std::move(made).error());
+  return summary;
+}
+
+}  // namespace collinea

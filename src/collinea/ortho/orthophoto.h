@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "collinea/base/options.h"
+#include "collinea/base/run.h"
+#include "collinea/ortho/exposure.h"
+#include "collinea/ortho/ortho_tile.h"
+
+namespace collinea {
+
+struct OrthoOptions {
+  std::optional<double> cell_m;  ///< nothing: the ground size of a pixel of the photographs
+  int feather_cells = 12;
+  bool balance = true;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = OrthoOptions;
+    visit(Field{"cell_m", &O::cell_m, "m", "cell of the orthophoto; else the ground size of a pixel", 1e-6});
+    visit(Field{"feather_cells", &O::feather_cells, "cells", "width of the zone along seams in which pictures are mixed", 2, 24});
+    visit(Field{"balance", &O::balance, "1", "make the brightness and colour of the photographs alike"});
+  }
+};
+
+struct OrthoFiles {
+  std::filesystem::path picture;  ///< red, green, blue, alpha; Cloud-Optimised GeoTIFF
+  std::filesystem::path source;   ///< 16 bit: 1 + place in OrthoSummary::sources of the leading photograph; 0 none
+};
+
+struct OrthoSummary {
+  MapGrid grid;
+  std::vector<ImageId> sources;     ///< all oriented images, by id
+  std::vector<Exposure> exposures;  ///< of the sources
+  std::uint64_t painted_cells = 0, empty_cells = 0;
+  std::uint64_t photographs_used = 0;
+};
+
+/// Takes the orthophoto piece by piece: windows of one grid, from the upper left, row by row.
+struct OrthoSink {
+  std::function<Result<>(const MapGrid& grid)> begin;
+  std::function<Result<>(int column, int row, const OrthoTile& tile)> take;
+};
+
+/// The true orthophoto: each cell of the map takes the colour of its place on the surface, from the photograph that sees it
+/// most from above and is not hidden by the surface; photographs are mixed in a narrow zone along the seams. Cells that no photograph sees, and
+/// cells without height, stay transparent: nothing is copied from the wrong surface. `frame`: null when the
+/// surface model lies in the plane x, y of the world. `gsd_m`: ground size of a pixel of the photographs. Holds at most about 512 MB
+/// of decoded photographs. Same bits with any number of threads. Errors: a photograph cannot be read, no
+/// oriented images, raster too large, cancelled.
+Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface, const PixelSource& pixels,
+                                     double gsd_m, const OrthoSink& sink, const OrthoOptions& options, const Run& run);
+
+/// The same, written to GeoTIFFs.
+Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface, const PixelSource& pixels,
+                                     double gsd_m, const OrthoFiles& files, const OrthoOptions& options, const Run& run);
+
+}  // namespace collinea

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "collinea/ortho/orthophoto.h"
+
+namespace collinea {
+
+Result<HeightField> open_height_field(const std::filesystem::path& path) {
+  struct Shared {
+    std::mutex mutex;
+    GeoTiffReader reader;
+  };
+  COLLINEA_TRY(GeoTiffReader reader, GeoTiffReader::open(path));
+  const auto shared = std::shared_ptr<Shared>(new Shared{{}, std::move(reader)});
+  HeightField field;
+  field.grid = shared->reader.grid();
+  field.read = [shared](int column, int row, int width, int height) -> Result<FloatImage> {
+    const std::lock_guard lock(shared->mutex);
+    COLLINEA_TRY(FloatImage heights, shared->reader.read_float(column, row, width, height));
+    if (const auto nodata = shared->reader.nodata())
+      for (float& z : heights.data)
+        if (z == float(*nodata)) z = std::numeric_limits<float>::quiet_NaN();
+    return heights;
+  };
+  return field;
+}
+
+Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface, const PixelSource& pixels,
+                                     double gsd_m, const OrthoFiles& files, const OrthoOptions& options, const Run& run) {
+  std::optional<GeoTiffWriter<std::uint8_t>> picture;
+  std::optional<GeoTiffWriter<std::uint16_t>> source;
+  const auto begin = [&](const MapGrid& grid) -> Result<> {
+    GeoTiffWriter<std::uint8_t>::Options as_picture;
+    as_picture.alpha = true, as_picture.cloud_optimised = true;
+    as_picture.description = "orthophoto: red, green, blue, alpha";
+    COLLINEA_TRY(picture, GeoTiffWriter<std::uint8_t>::create(files.picture, grid, 4, as_picture));
+    GeoTiffWriter<std::uint16_t>::Options as_source;
+    as_source.nodata = 0;
+    as_source.description = "number of the leading photograph, 0 none";
+    COLLINEA_TRY(source, GeoTiffWriter<std::uint16_t>::create(files.source, grid, 1, as_source));
+    return {};
+  };
+  const auto take = [&](int column, int row, const OrthoTile& tile) {
+    return picture->write(column, row, tile.rgba).and_then([&] { return source->write(column, row, tile.source); });
+  };
+  COLLINEA_TRY(OrthoSummary summary, make_orthophoto(block, frame, surface, pixels, gsd_m, OrthoSink{begin, take}, options, run));
+  auto finished = source->finish().and_then([&] { return picture->finish(); });
+  if (!finished) return tl::unexpected(std::move(finished).error());
+  return summary;
+}
+
+}  // namespace collinea

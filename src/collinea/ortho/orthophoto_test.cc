@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/ortho/orthophoto.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace collinea {
+namespace {
+
+using Colour = std::array<double, 3>;
+
+// A world to photograph: level ground at height 0 with a soft pattern and one box with a red roof and blue walls.
+struct World {
+  double box_from = 12, box_to = 20, box_height_m = 8;  // in x and in y [m]
+
+  [[nodiscard]] bool on_box(double x, double y) const { return x > box_from && x < box_to && y > box_from && y < box_to; }
+  [[nodiscard]] static Colour ground(double x, double y) {
+    return {90 + 20 * std::sin(0.3 * x), 120 + 25 * std::sin(0.25 * y), 100 + 15 * std::sin(0.2 * (x + y))};
+  }
+  [[nodiscard]] static Colour roof() { return {200, 40, 40}; }
+  [[nodiscard]] Colour colour(double x, double y) const { return on_box(x, y) ? roof() : ground(x, y); }
+
+  // What a ray from above meets first.
+  [[nodiscard]] Colour seen(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {
+    const Eigen::Vector3d roof_point = from + ray * ((box_height_m - from.z()) / ray.z());
+    if (on_box(roof_point.x(), roof_point.y())) return roof();
+    const Eigen::Vector3d ground_point = from - ray * (from.z() / ray.z());
+    // Between roof and ground height the ray passes over the box's footprint: it meets a wall.
+    for (int i = 0; i <= 200; ++i) {
+      const Eigen::Vector3d p = roof_point + (ground_point - roof_point) * (i / 200.0);
+      if (on_box(p.x(), p.y())) return {30, 30, 160};
+    }
+    return ground(ground_point.x(), ground_point.y());
+  }
+};
+
+Camera lens() {
+  Camera camera = ideal_camera(250, 240, 200);
+  camera.params[Camera::kK1] = -0.04;
+  camera.params[Camera::kP1] = 0.002;
+  camera.params[Camera::kCx] += 3;
+  return camera;
+}
+
+Rigid3 looking_down_from(const Eigen::Vector3d& centre, double heading_rad) {
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond rotation = Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitZ()) * down *
+                                      Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitY());
+  return {rotation, -(rotation * centre)};
+}
+
+Block block_of(const std::vector<Eigen::Vector3d>& centres) {
+  Block block;
+  block.cameras[CameraId{1}] = lens();
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    const ImageId id{std::uint32_t(10 + i)};
+    block.images[id] = Image{.file = {}, .camera = CameraId{1}, .taken = {}, .position = {}, .attitude = {}};
+    block.cam_from_world[id] = looking_down_from(centres[i], 0.4 * double(i));
+  }
+  return block;
+}
+
+double gain_of(ImageId image) { return 1 + 0.06 * (double(image.value % 5) - 2); }
+
+ColourImage photograph(const World& world, const Block& block, ImageId image, bool uneven) {
+  const Camera& camera = block.camera_of(image);
+  const Rigid3 world_from_cam = inverse(block.cam_from_world.at(image));
+  ColourImage picture(camera.width_px, camera.height_px, 3);
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
+      const Colour colour = world.seen(world_from_cam.translation, world_from_cam.rotation * ray_in_cam(camera, pixel));
+      const double factor = uneven ? gain_of(image) * std::exp(-0.25 * relative_radius2(camera, pixel)) : 1;
+      for (int c = 0; c < 3; ++c) picture.at(x, y, c) = std::uint8_t(std::lround(std::min(255.0, factor * colour[std::size_t(c)])));
+    }
+  }
+  return picture;
+}
+
+ColourImage shrunk(const ColourImage& picture, int shrink) {
+  ColourImage small((picture.width + shrink - 1) / shrink, (picture.height + shrink - 1) / shrink, 3);
+  for (int y = 0; y < small.height; ++y) {
+    for (int x = 0; x < small.width; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        int sum = 0, count = 0;
+        for (int v = y * shrink; v < std::min(picture.height, (y + 1) * shrink); ++v)
+          for (int u = x * shrink; u < std::min(picture.width, (x + 1) * shrink); ++u) sum += picture.at(u, v, c), ++count;
+        small.at(x, y, c) = std::uint8_t((sum + count / 2) / count);
+      }
+    }
+  }
+  return small;
+}
+
+constexpr double kCell = 0.2;
+constexpr int kSide = 160;  // cells: 32 m
+
+HeightField surface_of(const World& world) {
+  HeightField field;
+  field.grid = {0, kSide * kCell, kCell, kSide, kSide, ""};
+  field.read = [grid = field.grid, world](int column, int row, int width, int height) -> Result<FloatImage> {
+    EXPECT_TRUE(column >= 0 && row >= 0 && column + width <= kSide && row + height <= kSide);
+    FloatImage heights(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        heights.at(x, y) = world.on_box(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5)) ? float(world.box_height_m) : 0;
+    if (column == 0 && row == 0) heights.at(3, 4) = std::numeric_limits<float>::quiet_NaN();
+    return heights;
+  };
+  return field;
+}
+
+struct Product {
+  MapGrid grid;
+  Raster<std::uint8_t> rgba;
+  Raster<std::uint16_t> source;
+  Result<OrthoSummary> summary;
+};
+
+Product make(const World& world, const Block& block, OrthoOptions options, bool uneven = false, int threads = 1) {
+  std::map<ImageId, ColourImage> photographs;
+  for (const auto& [id, image] : block.images) photographs[id] = photograph(world, block, id, uneven);
+  const PixelSource pixels = [&](ImageId image, int shrink) -> Result<ColourImage> { return shrunk(photographs.at(image), shrink); };
+  Product product;
+  const OrthoSink sink{[&](const MapGrid& grid) -> Result<> {
+                         product.grid = grid;
+                         product.rgba = Raster<std::uint8_t>(grid.width, grid.height, 4);
+                         product.source = Raster<std::uint16_t>(grid.width, grid.height);
+                         return {};
+                       },
+                       [&](int column, int row, const OrthoTile& tile) -> Result<> {
+                         for (int y = 0; y < tile.rgba.height; ++y) {
+                           std::copy_n(tile.rgba.row(y), 4 * tile.rgba.width, product.rgba.row(row + y) + 4 * column);
+                           std::copy_n(tile.source.row(y), tile.source.width, product.source.row(row + y) + column);
+                         }
+                         return {};
+                       }};
+  Run run;
+  run.threads = threads;
+  product.summary = make_orthophoto(block, nullptr, surface_of(world), pixels, kCell, sink, options, run);
+  return product;
+}
+
+std::vector<Eigen::Vector3d> nine_centres() {
+  std::vector<Eigen::Vector3d> centres;
+  for (int i = 0; i < 9; ++i) centres.emplace_back(4 + 12 * (i % 3), 4 + 12 * (i / 3), 50);
+  return centres;
+}
+
+bool near_box_edge(const World& world, double x, double y, double distance_m) {
+  const bool around = x > world.box_from - distance_m && x < world.box_to + distance_m && y > world.box_from - distance_m &&
+                      y < world.box_to + distance_m;
+  const bool within = x > world.box_from + distance_m && x < world.box_to - distance_m && y > world.box_from + distance_m &&
+                      y < world.box_to - distance_m;
+  return around && !within;
+}
+
+// The largest difference to the true colour over all painted cells that are not right at the edges of the box.
+double worst_colour(const Product& product, const World& world) {
+  double worst = 0;
+  for (int row = 0; row < product.grid.height; ++row) {
+    for (int column = 0; column < product.grid.width; ++column) {
+      const double x = product.grid.east_of(column + 0.5), y = product.grid.north_of(row + 0.5);
+      if (product.rgba.at(column, row, 3) == 0 || near_box_edge(world, x, y, 3 * kCell)) continue;
+      const Colour truth = world.colour(x, y);
+      for (int c = 0; c < 3; ++c)
+        worst = std::max(worst, std::abs(product.rgba.at(column, row, c) - truth[std::size_t(c)]));
+    }
+  }
+  return worst;
+}
+
+// Pictures and result are rounded to whole levels: 0.5 each, and a little for interpolation.
+TEST(Orthophoto, ColoursAreThoseOfTheGround) {
+  const World world;
+  const Product product = make(world, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false});
+  ASSERT_TRUE(product.summary);
+  EXPECT_LT(worst_colour(product, world), 1.5);
+  EXPECT_GT(product.summary->painted_cells, 0.97 * kSide * kSide);
+  EXPECT_GE(product.summary->photographs_used, 6u);
+  EXPECT_EQ(product.grid.cell_m, kCell);
+  EXPECT_EQ(product.grid.width, kSide);
+}
+
+TEST(Orthophoto, CellsWithoutHeightAreTransparent) {
+  const Product product = make({}, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false});
+  ASSERT_TRUE(product.summary);
+  EXPECT_EQ(product.rgba.at(3, 4, 3), 0);
+  EXPECT_EQ(product.source.at(3, 4), 0);
+  EXPECT_EQ(product.rgba.at(8, 4, 3), 255);
+}
+
+// One camera in the west: ground in the lee of the box, from its wall at x = 20 to 20 + 8 (20 - 4) / (50 - 8) = 23.05, is
+// hidden; the rest is not.
+TEST(Orthophoto, HiddenGroundIsNotPaintedWithTheRoof) {
+  const World world;
+  const Product product = make(world, block_of({{4, 16, 50}}), {.cell_m = {}, .feather_cells = 8, .balance = false});
+  ASSERT_TRUE(product.summary);
+  EXPECT_LT(worst_colour(product, world), 1.5);
+  const int row = kSide - int(16 / kCell);
+  const auto alpha = [&](double x) { return int(product.rgba.at(int(x / kCell), row, 3)); };
+  EXPECT_EQ(alpha(20.5), 0);
+  EXPECT_EQ(alpha(22.5), 0);
+  EXPECT_EQ(alpha(24.5), 255);
+  EXPECT_EQ(alpha(16.0), 255);
+  EXPECT_EQ(alpha(11.0), 255);
+}
+
+// The wall facing the camera must not leave a trace on the ground in front of it.
+TEST(Orthophoto, NoCellShowsAWall) {
+  const World world;
+  const Product product = make(world, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false});
+  ASSERT_TRUE(product.summary);
+  int bluish = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      bluish += product.rgba.at(x, y, 3) != 0 && product.rgba.at(x, y, 2) > 140;
+  EXPECT_LE(bluish, 20);  // at the very edge of the roof interpolation mixes a little
+}
+
+TEST(Orthophoto, UnevenExposuresAreBalanced) {
+  const World world;
+  const Block block = block_of(nine_centres());
+  const Product product = make(world, block, {}, true);
+  ASSERT_TRUE(product.summary);
+  const auto& exposures = product.summary->exposures;
+  ASSERT_EQ(exposures.size(), 9u);
+  for (std::size_t i = 1; i < 9; ++i) {
+    const double truth = gain_of(product.summary->sources[0]) / gain_of(product.summary->sources[i]);
+    EXPECT_NEAR(double(exposures[i].gain[1] / exposures[0].gain[1]), truth, 0.015) << i;
+  }
+  EXPECT_NEAR(exposures[0].falloff[1], 0.25, 0.05);
+}
+
+TEST(Orthophoto, ThreadsDoNotMatter) {
+  const Block block = block_of(nine_centres());
+  const OrthoOptions fine{.cell_m = 0.025, .feather_cells = 12, .balance = true};  // more than one tile
+  const Product one = make({}, block, fine, true), three = make({}, block, fine, true, 3);
+  ASSERT_TRUE(one.summary && three.summary);
+  EXPECT_GT(one.grid.width, kOrthoTile);
+  EXPECT_EQ(one.rgba.data, three.rgba.data);
+  EXPECT_EQ(one.source.data, three.source.data);
+}
+
+TEST(Orthophoto, WithoutOrientedImagesThereIsNone) {
+  const Product product = make({}, Block{}, {});
+  ASSERT_FALSE(product.summary);
+  EXPECT_EQ(product.summary.error().code, Errc::kIllPosed);
+}
+
+TEST(LooksDown, TellsAerialFromFacade) {
+  Block block = block_of(nine_centres());
+  EXPECT_TRUE(looks_down(block));
+  for (auto& [id, pose] : block.cam_from_world)
+    pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX())) * pose.rotation;
+  EXPECT_FALSE(looks_down(block));
+  EXPECT_FALSE(looks_down(Block{}));
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/ortho/seams.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace collinea {
+namespace {
+
+constexpr int kBlock = OrthoPatch::kBlock;
+constexpr std::size_t kBest = 5;       // views worth a look at a node
+constexpr int kMajorityRadius = 5;     // [cells]
+constexpr int kMajorityRounds = 2;
+
+// Costs of all views at the corners of the blocks, and the best few there.
+struct CostLattice {
+  int columns = 0, rows = 0;
+  std::size_t views = 0;
+  std::vector<float> costs;                           // [node][view]
+  std::vector<std::vector<std::int16_t>> best;        // per node, ascending indices
+
+  [[nodiscard]] const float* at(int i, int j) const { return costs.data() + (std::size_t(j) * std::size_t(columns) + std::size_t(i)) * views; }
+};
+
+// The mean height of the blocks around each corner; NaN where there is none. Only what lies around counts, so that
+// neighbouring patches agree.
+FloatImage node_heights(const OrthoPatch& patch) {
+  FloatImage sums(patch.blocks_across() + 1, patch.blocks_down() + 1), counts = sums;
+  for (int by = 0; by < patch.blocks_down(); ++by) {
+    for (int bx = 0; bx < patch.blocks_across(); ++bx) {
+      double sum = 0;
+      int count = 0;
+      for (int y = by * kBlock; y < (by + 1) * kBlock; ++y)
+        for (int x = bx * kBlock; x < (bx + 1) * kBlock; ++x)
+          if (const float z = patch.heights_m.at(x, y); !std::isnan(z)) sum += double(z), ++count;
+      if (count == 0) continue;
+      for (int corner = 0; corner < 4; ++corner) {
+        sums.at(bx + (corner & 1), by + (corner >> 1)) += float(sum / count);
+        counts.at(bx + (corner & 1), by + (corner >> 1)) += 1;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < sums.data.size(); ++i) sums.data[i] /= counts.data[i];  // 0 / 0 is the NaN that is wanted
+  return sums;
+}
+
+CostLattice costs_at_nodes(const OrthoPatch& patch, std::span<const View* const> views) {
+  const FloatImage heights_m = node_heights(patch);
+  CostLattice lattice;
+  lattice.columns = heights_m.width, lattice.rows = heights_m.height, lattice.views = views.size();
+  const std::size_t nodes = heights_m.data.size();
+  lattice.costs.assign(nodes * views.size(), 2 * kUseless);
+  lattice.best.resize(nodes);
+  std::vector<std::int16_t> order(views.size());
+  for (int j = 0; j < lattice.rows; ++j) {
+    for (int i = 0; i < lattice.columns; ++i) {
+      const float z = heights_m.at(i, j);
+      if (std::isnan(z)) continue;
+      const std::size_t node = std::size_t(j) * std::size_t(lattice.columns) + std::size_t(i);
+      float* costs = lattice.costs.data() + node * views.size();
+      const Eigen::Vector3d place = patch.lattice.at(i * kBlock, j * kBlock, double(z));
+      for (std::size_t v = 0; v < views.size(); ++v) {
+        costs[v] = cost_of(*views[v], place, patch.grid.cell_m);
+        order[v] = std::int16_t(v);
+      }
+      const auto kept = std::ptrdiff_t(std::min(kBest, views.size()));
+      std::partial_sort(order.begin(), order.begin() + kept, order.end(), [&](std::int16_t a, std::int16_t b) {
+        return costs[a] != costs[b] ? costs[a] < costs[b] : a < b;
+      });
+      lattice.best[node].assign(order.begin(), order.begin() + kept);
+    }
+  }
+  return lattice;
+}
+
+std::vector<std::int16_t> candidates_of(const CostLattice& lattice, int block_x, int block_y) {
+  std::vector<std::int16_t> candidates;
+  for (int corner = 0; corner < 4; ++corner) {
+    const auto& best = lattice.best[std::size_t(block_y + (corner >> 1)) * std::size_t(lattice.columns) +
+                                    std::size_t(block_x + (corner & 1))];
+    candidates.insert(candidates.end(), best.begin(), best.end());
+  }
+  std::sort(candidates.begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+  return candidates;
+}
+
+void label_block(const OrthoPatch& patch, const CostLattice& lattice, int block_x, int block_y, Visibility& visibility,
+                 Labels& labels) {
+  const std::vector<std::int16_t> candidates = candidates_of(lattice, block_x, block_y);
+  const float *c00 = lattice.at(block_x, block_y), *c10 = lattice.at(block_x + 1, block_y);
+  const float *c01 = lattice.at(block_x, block_y + 1), *c11 = lattice.at(block_x + 1, block_y + 1);
+  std::array<float, 4 * kBest> costs;
+  for (int j = 0; j < kBlock; ++j) {
+    const float b = (float(j) + 0.5f) / kBlock;
+    for (int i = 0; i < kBlock; ++i) {
+      const int x = block_x * kBlock + i, y = block_y * kBlock + j;
+      if (std::isnan(patch.heights_m.at(x, y))) continue;
+      const float a = (float(i) + 0.5f) / kBlock;
+      for (std::size_t k = 0; k < candidates.size(); ++k) {
+        const auto v = candidates[k];
+        costs[k] = (1 - b) * ((1 - a) * c00[v] + a * c10[v]) + b * ((1 - a) * c01[v] + a * c11[v]);
+      }
+      for (std::size_t tries = 0; tries < candidates.size(); ++tries) {
+        const auto cheapest = std::min_element(costs.begin(), costs.begin() + std::ptrdiff_t(candidates.size()));
+        const std::int16_t view = candidates[std::size_t(cheapest - costs.begin())];
+        if (visibility.sees(view, x, y)) {
+          labels.at(x, y) = view;
+          break;
+        }
+        *cheapest = 1e9f;
+      }
+    }
+  }
+}
+
+// True where the labels around a cell are not all the same.
+Raster<std::uint8_t> near_seams(const Labels& labels) {
+  Raster<std::uint8_t> near(labels.width, labels.height);
+  constexpr int r = kMajorityRadius;
+  for (int y = 0; y < labels.height; ++y) {
+    for (int x = 0; x < labels.width; ++x) {
+      const bool seam = (x + 1 < labels.width && labels.at(x, y) != labels.at(x + 1, y)) ||
+                        (y + 1 < labels.height && labels.at(x, y) != labels.at(x, y + 1));
+      if (!seam) continue;
+      for (int v = std::max(0, y - r); v <= std::min(labels.height - 1, y + r + 1); ++v)
+        std::fill(near.row(v) + std::max(0, x - r), near.row(v) + std::min(labels.width, x + r + 2), std::uint8_t{1});
+    }
+  }
+  return near;
+}
+
+std::int16_t majority(const Labels& labels, int x, int y, std::vector<int>& votes, Visibility& visibility) {
+  constexpr int r = kMajorityRadius;
+  std::fill(votes.begin(), votes.end(), 0);
+  for (int v = std::max(0, y - r); v <= std::min(labels.height - 1, y + r); ++v)
+    for (int u = std::max(0, x - r); u <= std::min(labels.width - 1, x + r); ++u)
+      if (const auto label = labels.at(u, v); label != kNoView) ++votes[std::size_t(label)];
+  const std::int16_t own = labels.at(x, y);
+  std::int16_t best = own;
+  for (std::size_t view = 0; view < votes.size(); ++view)
+    if (votes[view] > votes[std::size_t(best)] && visibility.sees(int(view), x, y)) best = std::int16_t(view);
+  return best;
+}
+
+void straighten(Labels& labels, std::size_t views, Visibility& visibility) {
+  std::vector<int> votes(views);
+  for (int round = 0; round < kMajorityRounds; ++round) {
+    const Raster<std::uint8_t> near = near_seams(labels);
+    Labels next = labels;
+    for (int y = 0; y < labels.height; ++y)
+      for (int x = 0; x < labels.width; ++x)
+        if (near.at(x, y) && labels.at(x, y) != kNoView) next.at(x, y) = majority(labels, x, y, votes, visibility);
+    labels = std::move(next);
+  }
+}
+
+// Mean over (2r + 1) cells along rows (or columns); the outside counts as the border cell.
+void box_blur(FloatImage& image, int r, bool along_rows) {
+  const int lines = along_rows ? image.height : image.width, length = along_rows ? image.width : image.height;
+  const std::size_t stride = along_rows ? 1 : std::size_t(image.width);
+  std::vector<float> line(static_cast<std::size_t>(length));
+  for (int k = 0; k < lines; ++k) {
+    float* first = along_rows ? image.row(k) : image.data.data() + k;
+    for (int i = 0; i < length; ++i) line[std::size_t(i)] = first[std::size_t(i) * stride];
+    const auto cell = [&](int i) { return line[std::size_t(std::clamp(i, 0, length - 1))]; };
+    double sum = 0;
+    for (int i = -r; i <= r; ++i) sum += double(cell(i));
+    for (int i = 0; i < length; ++i) {
+      first[std::size_t(i) * stride] = float(sum / (2 * r + 1));
+      sum += double(cell(i + r + 1)) - double(cell(i - r));
+    }
+  }
+}
+
+struct Box {
+  int left, top, right, bottom;
+};
+
+Box box_of(const Labels& labels, std::int16_t view, int margin) {
+  Box box{labels.width, labels.height, -1, -1};
+  for (int y = 0; y < labels.height; ++y) {
+    const auto* row = labels.row(y);
+    for (int x = 0; x < labels.width; ++x) {
+      if (row[x] != view) continue;
+      box.left = std::min(box.left, x), box.right = std::max(box.right, x);
+      box.top = std::min(box.top, y), box.bottom = y;
+    }
+  }
+  if (box.right < 0) return box;
+  return {std::max(0, box.left - margin), std::max(0, box.top - margin), std::min(labels.width - 1, box.right + margin),
+          std::min(labels.height - 1, box.bottom + margin)};
+}
+
+}  // namespace
+
+Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views, Visibility& visibility) {
+  Labels labels(patch.heights_m.width, patch.heights_m.height, 1, kNoView);
+  if (views.empty()) return labels;
+  const CostLattice lattice = costs_at_nodes(patch, views);
+  for (int y = 0; y < patch.blocks_down(); ++y)
+    for (int x = 0; x < patch.blocks_across(); ++x) label_block(patch, lattice, x, y, visibility, labels);
+  straighten(labels, views.size(), visibility);
+  return labels;
+}
+
+ViewWeights weights_of(const Labels& labels, std::int16_t view, int feather_cells, Visibility& visibility) {
+  const Box box = box_of(labels, view, feather_cells);
+  ViewWeights result{box.left, box.top, {}};
+  if (box.right < 0) return result;
+  FloatImage area(box.right - box.left + 1, box.bottom - box.top + 1), seen(area.width, area.height, 1, 1);
+  for (int y = 0; y < area.height; ++y)
+    for (int x = 0; x < area.width; ++x) area.at(x, y) = labels.at(box.left + x, box.top + y) == view;
+  const int half = std::max(1, feather_cells / 2);
+  for (const bool along_rows : {true, false, true, false}) box_blur(area, half, along_rows);
+  for (int y = 0; y < area.height; ++y)
+    for (int x = 0; x < area.width; ++x)
+      if (labels.at(box.left + x, box.top + y) != kNoView && area.at(x, y) > 1e-4f)
+        seen.at(x, y) = visibility.sees(view, box.left + x, box.top + y);
+  FloatImage far_from_hidden = seen;
+  for (const bool along_rows : {true, false}) box_blur(far_from_hidden, half, along_rows);
+  for (int y = 0; y < area.height; ++y) {
+    for (int x = 0; x < area.width; ++x) {
+      const bool own = labels.at(box.left + x, box.top + y) == view;
+      const float weight = area.at(x, y) * std::max(0.0f, 2 * far_from_hidden.at(x, y) - 1);
+      area.at(x, y) = own ? std::max(weight, 1e-3f) : (seen.at(x, y) > 0 && weight > 1e-3f ? weight : 0);
+    }
+  }
+  result.weight = std::move(area);
+  return result;
+}
+
+}  // namespace collinea

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/ortho/view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collinea {
+
+std::vector<View> views_of(const Block& block, const LocalFrame* frame) {
+  std::vector<View> views;
+  for (const auto& [id, cam_from_world] : block.cam_from_world) {
+    View view;
+    view.image = id;
+    view.camera_id = block.images.at(id).camera;
+    view.camera = block.camera_of(id);
+    view.cam_from_world = cam_from_world;
+    view.centre_in_world = centre_of(cam_from_world);
+    view.centre_in_map = frame ? frame->map_from_local(view.centre_in_world) : view.centre_in_world;
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+float cost_of(const View& view, const Eigen::Vector3d& point_in_world, double cell_m) {
+  const Eigen::Vector3d up = view.centre_in_world - point_in_world;
+  const auto pixel = pixel_of(view, point_in_world);
+  if (!pixel || !(up.z() > 0)) return 2 * kUseless;
+  const Camera& camera = view.camera;
+  const double obliquity = (up.x() * up.x() + up.y() * up.y()) / (up.z() * up.z());
+  const double half_width = camera.width_px / 2.0, half_height = camera.height_px / 2.0;
+  const double x = pixel->x() - half_width, y = pixel->y() - half_height;
+  const double off_centre = (x * x + y * y) / (half_width * half_width + half_height * half_height);
+  const double rim = 0.08 * std::min(half_width, half_height);
+  const double to_border = std::min(half_width - std::abs(x), half_height - std::abs(y));
+  const double border = std::max(0.0, 1 - to_border / rim);
+  const double pixel_m = up.norm() / camera.focal_px();
+  const double coarse = std::max(0.0, std::log2(pixel_m / cell_m));
+  return float(std::min(obliquity + 0.1 * off_centre + 2 * border + 0.5 * coarse, double(kUseless)));
+}
+
+bool looks_down(const Block& block) {
+  std::size_t down = 0;
+  for (const auto& [id, cam_from_world] : block.cam_from_world)
+    down += (cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ()).z() < -0.5;
+  return down > 0 && 2 * down >= block.cam_from_world.size();
+}
+
+}  // namespace collinea

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "collinea/block/block.h"
+#include "collinea/geodesy/local_frame.h"
+
+namespace collinea {
+
+/// An oriented image as a source of an orthophoto.
+struct View {
+  ImageId image;
+  CameraId camera_id;
+  Camera camera;
+  Rigid3 cam_from_world;
+  Eigen::Vector3d centre_in_world, centre_in_map;
+};
+
+/// The oriented images in the order of their ids. `frame`: null when the map is the plane x, y of the world.
+[[nodiscard]] std::vector<View> views_of(const Block& block, const LocalFrame* frame);
+
+/// Where a point is seen, also beside the picture; nothing when it cannot be.
+[[nodiscard]] inline std::optional<Eigen::Vector2d> pixel_of(const View& view, const Eigen::Vector3d& point_in_world) {
+  return project(view.camera, view.cam_from_world * point_in_world);
+}
+
+/// True when the pixel and its neighbours lie on the picture.
+[[nodiscard]] inline bool well_inside(const View& view, const Eigen::Vector2d& pixel) {
+  constexpr double kRim = 2.5;  // what an interpolation by 4 x 4 pixels needs, and the JPEG's last row
+  return pixel.x() >= kRim && pixel.y() >= kRim && pixel.x() <= view.camera.width_px - kRim &&
+         pixel.y() <= view.camera.height_px - kRim;
+}
+
+/// How well a view serves for a place: 0 straight from above in the middle of the picture; grows with the square of the tangent of the
+/// nadir distance, towards the border of the picture and with pixels larger than the wanted cell. A smooth function
+/// of the place. Huge where the view shows nothing.
+[[nodiscard]] float cost_of(const View& view, const Eigen::Vector3d& point_in_world, double cell_m);
+constexpr float kUseless = 1000;
+
+/// True when orthophoto and surface model make sense for a block: at least half of its oriented images look down
+/// (optical axis within 60 degrees of straight down). False without oriented images.
+[[nodiscard]] bool looks_down(const Block& block);
+
+}  // namespace collinea

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "collinea/image/geotiff.h"
+#include "collinea/image/raster.h"
+#include "collinea/ortho/height_field.h"
+#include "collinea/ortho/view.h"
+#include "collinea/ortho/world_lattice.h"
+
+namespace collinea {
+
+/// A piece of an orthophoto in the making: heights of its cells and how to get from them to the world and to the surface.
+struct OrthoPatch {
+  static constexpr int kBlock = 16;  ///< the patch starts at a multiple of it and is a whole number of blocks
+
+  MapGrid grid;           ///< of the whole orthophoto
+  int column = 0, row = 0;  ///< of the patch in the grid; may be negative
+  FloatImage heights_m;   ///< NaN: no height
+  WorldLattice lattice;
+  HeightWindow surface;
+  MapGrid surface_grid;
+
+  [[nodiscard]] int blocks_across() const { return heights_m.width / kBlock; }
+  [[nodiscard]] int blocks_down() const { return heights_m.height / kBlock; }
+  /// Continuous cells of the surface window, of a map position.
+  [[nodiscard]] double surface_x(double east_m) const {
+    return (east_m - surface_grid.west_m) / surface_grid.cell_m - surface.column();
+  }
+  [[nodiscard]] double surface_y(double north_m) const {
+    return (surface_grid.north_m - north_m) / surface_grid.cell_m - surface.row();
+  }
+  [[nodiscard]] Eigen::Vector3d world_at(int x, int y) const {
+    return lattice.at(x + 0.5, y + 0.5, double(heights_m.at(x, y)));
+  }
+};
+
+/// Which cells of a patch are on which pictures, and not hidden by the surface. Worked out block by block when asked for;
+/// a block that certainly is seen as a whole costs next to nothing.
+class Visibility {
+ public:
+  /// A cell counts as hidden when any cell within `rim_cells` of it is: the surface model is not exact at the edges of roofs.
+  Visibility(const OrthoPatch& patch, std::vector<const View*> views, int rim_cells);
+
+  /// `view`: index into the views. Cells without height are seen by nobody.
+  [[nodiscard]] bool sees(int view, int x, int y);
+
+ private:
+  enum class State : std::uint8_t { kUnknown, kAll, kMask };
+  struct Layer {
+    std::vector<State> raw, final;  // per block
+    Raster<std::uint8_t> raw_mask, final_mask;
+  };
+
+  [[nodiscard]] bool sees_cell(const View& view, int x, int y) const;
+  [[nodiscard]] bool sees_whole_block(const View& view, int block_x, int block_y) const;
+  [[nodiscard]] bool clear_towards(const View& view, int block_x, int block_y, float low_m, float high_m) const;
+  State raw_state(std::size_t view, int block_x, int block_y);
+  State final_state(std::size_t view, int block_x, int block_y);
+  void make_final_mask(Layer& layer, int block_x, int block_y) const;
+
+  const OrthoPatch& patch_;
+  std::vector<const View*> views_;
+  int rim_cells_;
+  std::vector<Layer> layers_;
+  FloatImage block_low_, block_high_;  // NaN: no heights
+};
+
+}  // namespace collinea

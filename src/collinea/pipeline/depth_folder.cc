@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/pipeline/depth_folder.h"
+
+#include <algorithm>
+
+#include "collinea/image/geotiff.h"
+#include "collinea/io/file.h"
+
+namespace collinea {
+
+namespace fs = std::filesystem;
+
+Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string& inputs_hash, const Block& block,
+                                      const WorkingPictures& pictures) {
+  const fs::path made_from = folder / "inputs.txt";
+  if (read_file(made_from).value_or("") != inputs_hash) {
+    std::error_code error;
+    fs::remove_all(folder, error);
+    fs::create_directories(folder, error);
+    if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
+    if (auto written = write_file(made_from, inputs_hash); !written) return tl::unexpected(written.error());
+  }
+  return DepthFolder(folder, block, pictures);
+}
+
+fs::path DepthFolder::path(ImageId image, const char* what) const {
+  std::string name = block_->images.at(image).file;  // unique, with its subfolder
+  std::replace(name.begin(), name.end(), '/', '_');
+  return folder_ / (name + "." + what + ".tif");
+}
+
+// The depths come last: where they are, the sigmas are too.
+Result<> DepthFolder::write(ImageId image, const DepthMap& map) {
+  if (auto written = write_float_tiff(path(image, "sigma"), map.sigma); !written) return written;
+  return write_float_tiff(path(image, "depth"), map.depth);
+}
+
+Result<DepthMap> DepthFolder::read(ImageId image) {
+  DepthMap map;
+  COLLINEA_TRY(map.camera, pictures_->camera(image));
+  COLLINEA_TRY(map.depth, read_float_tiff(path(image, "depth")));
+  COLLINEA_TRY(map.sigma, read_float_tiff(path(image, "sigma")));
+  if (map.depth.width != map.camera.width_px || map.depth.height != map.camera.height_px ||
+      map.sigma.width != map.depth.width || map.sigma.height != map.depth.height)
+    return fail(Errc::kBadFormat, path(image, "depth").string() + " has the wrong size: remove the folder depth and run again");
+  return map;
+}
+
+bool DepthFolder::has(ImageId image) const { return fs::exists(path(image, "depth")); }
+
+}  // namespace collinea

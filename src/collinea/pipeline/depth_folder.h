@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "collinea/dense/depth_map.h"
+#include "collinea/dense/working_pictures.h"
+
+namespace collinea {
+
+/// PROJECT/depth: a depth map and its sigmas for each image, as float TIFFs. Maps made from other inputs are removed.
+class DepthFolder : public DepthStore {
+ public:
+  /// Opens the folder for maps made from what `inputs_hash` stands for.
+  static Result<DepthFolder> open(const std::filesystem::path& folder, const std::string& inputs_hash, const Block& block,
+                                  const WorkingPictures& pictures);
+
+  Result<> write(ImageId image, const DepthMap& map) override;
+  Result<DepthMap> read(ImageId image) override;
+  [[nodiscard]] bool has(ImageId image) const;
+
+ private:
+  DepthFolder(std::filesystem::path folder, const Block& block, const WorkingPictures& pictures)
+      : folder_(std::move(folder)), block_(&block), pictures_(&pictures) {}
+  [[nodiscard]] std::filesystem::path path(ImageId image, const char* what) const;
+
+  std::filesystem::path folder_;
+  const Block* block_;
+  const WorkingPictures* pictures_;
+};
+
+}  // namespace collinea

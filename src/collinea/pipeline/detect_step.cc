@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <atomic>
+#include <nlohmann/json.hpp>
+
+#include "collinea/base/hash.h"
+#include "collinea/base/parallel.h"
+#include "collinea/image/photo.h"
+#include "collinea/pipeline/step.h"
+
+namespace collinea {
+namespace {
+
+struct Outcome {
+  std::string hash;    ///< of the picture and the options; empty: could not be read
+  std::string reason;  ///< why not
+  std::size_t features = 0;
+  Result<> stored;
+};
+
+Outcome detect_one(Project& project, ImageId id, const Image& image, const std::map<ImageId, std::string>& done) {
+  Outcome outcome;
+  const auto path = project.photo(image);
+  const auto file_hash = hash_of_file(path);
+  if (!file_hash) return {.reason = file_hash.error().message};
+  outcome.hash = Hash().add(options_text(project.settings, "detect")).add(*file_hash).hex();
+  const auto before = done.find(id);
+  if (before != done.end() && before->second == outcome.hash) {
+    const auto keypoints = project.store.read_keypoints(id);
+    if (keypoints) {
+      outcome.features = keypoints->size();
+      return outcome;
+    }
+  }
+  const auto picture = read_grey(path);
+  if (!picture) {
+    if (before != done.end()) outcome.stored = project.store.erase_features(id);
+    outcome.hash.clear();
+    outcome.reason = picture.error().message;
+    return outcome;
+  }
+  const Features features = detect_sift(*picture, project.settings.detect);
+  outcome.features = features.keypoints.size();
+  outcome.stored = project.store.write_features(id, features, outcome.hash);
+  return outcome;
+}
+
+}  // namespace
+
+Result<StepOutput> detect_step(Project& project, const std::string&) {
+  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  COLLINEA_TRY(const auto done, project.store.features_done());
+  std::vector<std::pair<ImageId, const Image*>> images;
+  for (const auto& [id, image] : setup.images) images.emplace_back(id, &image);
+
+  std::vector<Outcome> outcomes(images.size());
+  std::atomic<std::size_t> finished = 0;
+  parallel_for(project.run, images.size(), [&](std::size_t i) {
+    outcomes[i] = detect_one(project, images[i].first, *images[i].second, done);
+    project.run.report("detect", double(++finished) / double(images.size()));
+  });
+  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
+
+  Hash output;
+  nlohmann::json report = {{"skipped", nlohmann::json::array()}};
+  std::size_t total = 0, usable = 0;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const Outcome& outcome = outcomes[i];
+    if (!outcome.stored) return tl::unexpected(outcome.stored.error());
+    output.add(outcome.hash);
+    total += outcome.features;
+    usable += !outcome.hash.empty();
+    if (!outcome.reason.empty()) {
+      report["skipped"].push_back({{"file", images[i].second->file}, {"reason", outcome.reason}});
+      project.run.say(fmt::format("skipped {}: {}", images[i].second->file, outcome.reason));
+    }
+  }
+  if (usable < 2) return fail(Errc::kBadInput, "fewer than two photographs could be read");
+  report["images"] = usable;
+  report["features"] = total;
+  return StepOutput{output.hex(), report.dump(), fmt::format("{} features in {} images", total, usable)};
+}
+
+}  // namespace collinea

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/pipeline/export.h"
+
+#include <map>
+
+#include "collinea/io/colmap.h"
+#include "collinea/io/opk.h"
+#include "collinea/io/ply.h"
+
+namespace collinea {
+namespace {
+
+Result<> export_colmap(const Project& project, const std::filesystem::path& folder, const Block& block) {
+  for (const ColmapEncoding encoding : {ColmapEncoding::kText, ColmapEncoding::kBinary}) {
+    const auto remarks = write_colmap(folder, block, encoding);
+    if (!remarks) return tl::unexpected(remarks.error());
+    if (encoding == ColmapEncoding::kText)
+      for (const std::string& remark : *remarks) project.run.say("note: " + remark);
+  }
+  return {};
+}
+
+Result<> export_tie_points(const std::filesystem::path& folder, const Block& block) {
+  std::map<PointId, std::uint8_t> images;
+  for (const Observation& seen : block.observations) ++images[seen.point];
+  std::vector<CloudPoint> cloud;
+  for (const auto& [id, point] : block.points)
+    cloud.push_back({.position = point.position_in_world, .colour = point.colour, .images = images[id]});
+  COLLINEA_TRY(PlyWriter writer, PlyWriter::create(folder / "tie_points.ply", "collinea tie points, local world frame, metres"));
+  writer.write(cloud);
+  return writer.finish();
+}
+
+}  // namespace
+
+Result<> export_block(Project& project, const std::filesystem::path& folder, const std::string& format) {
+  COLLINEA_TRY(const Block block, project.store.read_block());
+  if (block.cam_from_world.empty())
+    return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
+  if (format == "colmap") return export_colmap(project, folder, block);
+  if (format == "opk") return write_opk(folder / "orientation.opk", block);
+  if (format == "ply") return export_tie_points(folder, block);
+  return fail(Errc::kBadInput, "--format " + format + ": choose colmap, opk or ply");
+}
+
+}  // namespace collinea

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/pipeline/import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "collinea/base/hash.h"
+#include "collinea/base/parallel.h"
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/image/photo.h"
+#include "collinea/pipeline/import_control.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kAssumedFocal = 1.2;        // times the longer side: a plain wide-angle lens
+constexpr double kAssumedFocalSigma = 0.3;   // relative
+constexpr double kExifFocalSigma = 0.05;     // relative: EXIF rounds to whole millimetres
+constexpr double kFullFrameDiagonal_mm = 43.2666;
+
+struct Photo {
+  std::string file;
+  Result<PhotoHeader> header = fail(Errc::kNotFound, "not read");
+  std::uint64_t hash = 0;
+};
+
+bool looks_like_photo(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".tif" ||
+         extension == ".tiff";
+}
+
+std::vector<std::string> files_below(const fs::path& folder) {
+  std::vector<std::string> files;
+  std::error_code ignored;
+  for (auto it = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, ignored);
+       it != fs::recursive_directory_iterator(); it.increment(ignored))
+    if (it->is_regular_file(ignored) && looks_like_photo(it->path()))
+      files.push_back(fs::relative(it->path(), folder, ignored).generic_string());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Result<std::vector<double>> numbers_in(const std::string& text) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (at < end) {
+    double value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || (next < end && *next != ','))
+      return fail(Errc::kBadInput, "--camera-params " + text + ": expected numbers separated by commas");
+    numbers.push_back(value);
+    at = next + (next < end ? 1 : 0);
+  }
+  if (numbers.size() < 4 || numbers.size() > 9)
+    return fail(Errc::kBadInput, "--camera-params: expected fx,fy,cx,cy and up to five distortion values");
+  return numbers;
+}
+
+Camera given_camera(const std::vector<double>& v, int width_px, int height_px) {
+  Camera camera = ideal_camera(v[1], width_px, height_px);
+  camera.params[Camera::kB1] = v[0] - v[1];
+  camera.params[Camera::kCx] = v[2];
+  camera.params[Camera::kCy] = v[3];
+  for (std::size_t i = 4; i < v.size(); ++i) camera.params[Camera::kK1 + i - 4] = v[i];
+  camera.calibrate = false;
+  camera.source = "given";
+  return camera;
+}
+
+Camera camera_from_header(const PhotoHeader& header) {
+  const double diagonal_px = std::hypot(header.width_px, header.height_px);
+  double focal_px = 0, relative_sigma = kExifFocalSigma;
+  std::string source;
+  if (header.focal_mm && header.pixel_pitch_mm && *header.focal_mm > 0) {
+    focal_px = *header.focal_mm / *header.pixel_pitch_mm;
+    source = "EXIF focal length and pixel pitch";
+  }
+  // A picture resampled after it was taken keeps its old pixel pitch: then the two sources disagree and the equivalent wins.
+  if (header.focal_35mm_mm && *header.focal_35mm_mm > 0) {
+    const double equivalent_px = *header.focal_35mm_mm * diagonal_px / kFullFrameDiagonal_mm;
+    if (focal_px == 0 || std::abs(focal_px / equivalent_px - 1) > 0.15) {
+      focal_px = equivalent_px;
+      source = "EXIF 35 mm equivalent";
+    }
+  }
+  const double longer_px = std::max(header.width_px, header.height_px);
+  if (!(focal_px > 0.2 * longer_px && focal_px < 50 * longer_px)) {
+    focal_px = kAssumedFocal * longer_px;
+    relative_sigma = kAssumedFocalSigma;
+    source = "assumed";
+  }
+  Camera camera = ideal_camera(focal_px, header.width_px, header.height_px);
+  camera.sigma_f_px = relative_sigma * focal_px;
+  camera.source = source;
+  return camera;
+}
+
+std::string camera_name(const PhotoHeader& header) {
+  std::string name = header.maker;
+  if (!header.model.empty()) name += (name.empty() ? "" : " ") + header.model;
+  if (name.empty()) name = "unknown camera";
+  if (header.focal_mm) name += fmt::format(" {:.3g} mm", *header.focal_mm);
+  if (!header.serial.empty()) name += " #" + header.serial;
+  return name;
+}
+
+std::optional<PositionPrior> position_prior(const PhotoHeader& header, const ImportOptions& options) {
+  if (!header.latitude_deg || !header.longitude_deg) return std::nullopt;
+  const double plan = options.gps_sigma_m, height = options.gps_sigma_height_m;
+  PositionPrior prior{};
+  prior.latitude_deg = *header.latitude_deg;
+  prior.longitude_deg = *header.longitude_deg;
+  prior.height_m = header.height_m.value_or(0);
+  prior.sigma_m = {header.sigma_east_m.value_or(plan), header.sigma_north_m.value_or(plan),
+                   header.height_m ? header.sigma_height_m.value_or(height) : std::numeric_limits<double>::infinity()};
+  prior.sigma_m = prior.sigma_m.cwiseMax(0.005);  // no receiver is better; zeros stand for "unknown"
+  return prior;
+}
+
+std::vector<Photo> read_headers(const fs::path& folder, const Run& run) {
+  const std::vector<std::string> files = files_below(folder);
+  std::vector<Photo> photos(files.size());
+  std::atomic<std::size_t> done = 0;
+  parallel_for(run, files.size(), [&](std::size_t i) {
+    photos[i].file = files[i];
+    photos[i].header = read_photo_header(folder / files[i]);
+    photos[i].hash = hash_of_file(folder / files[i]).value_or(0);
+    run.report("import", double(++done) / double(files.size()));
+  });
+  return photos;
+}
+
+class Importer {
+ public:
+  Importer(const ImportOptions& options, std::optional<std::vector<double>> camera_params)
+      : options_(options), camera_params_(std::move(camera_params)) {}
+
+  void add(const Photo& photo) {
+    if (!photo.header) return skip(photo.file, photo.header.error().message);
+    if (photo.header->width_px < 64 || photo.header->height_px < 64) return skip(photo.file, "smaller than 64 x 64 pixels");
+    const auto [same, is_new] = file_of_hash_.emplace(photo.hash, photo.file);
+    if (!is_new) return skip(photo.file, "the same bytes as " + same->second);
+    Image image;
+    image.file = photo.file;
+    image.camera = camera_of(*photo.header);
+    image.taken = photo.header->taken;
+    image.orientation = photo.header->orientation;
+    image.position = position_prior(*photo.header, options_);
+    if (photo.header->heading_deg && photo.header->pitch_deg)
+      image.attitude = AttitudePrior{*photo.header->heading_deg, *photo.header->pitch_deg, photo.header->roll_deg.value_or(0)};
+    result.block.images[ImageId{static_cast<std::uint32_t>(result.block.images.size())}] = image;
+    result.file_hash.push_back(Hash().add(photo.hash).hex());
+  }
+
+  Imported result;
+
+ private:
+  void skip(const std::string& file, const std::string& reason) { result.skipped.push_back({file, reason}); }
+
+  CameraId camera_of(const PhotoHeader& header) {
+    const Key key{header.maker, header.model, header.serial, header.lens, header.width_px, header.height_px,
+                  header.focal_mm.value_or(0)};
+    const auto found = cameras_.find(key);
+    if (found != cameras_.end()) return found->second;
+    const CameraId id{static_cast<std::uint32_t>(cameras_.size())};
+    cameras_[key] = id;
+    Camera camera = camera_params_ ? given_camera(*camera_params_, header.width_px, header.height_px)
+                                   : camera_from_header(header);
+    camera.name = camera_name(header);
+    if (camera.source == "assumed")
+      result.findings.push_back(fmt::format("{} ({} x {} px): no focal length in the files; {:.0f} px assumed, to be found by "
+                                            "self-calibration",
+                                            camera.name, header.width_px, header.height_px, camera.focal_px()));
+    result.block.cameras[id] = camera;
+    return id;
+  }
+
+  using Key = std::tuple<std::string, std::string, std::string, std::string, int, int, double>;
+  const ImportOptions& options_;
+  std::optional<std::vector<double>> camera_params_;
+  std::map<Key, CameraId> cameras_;
+  std::map<std::uint64_t, std::string> file_of_hash_;
+};
+
+std::vector<std::string> names_in(const std::string& list) {
+  std::vector<std::string> names;
+  std::string name;
+  for (const char c : list + ",") {
+    if (c != ',') {
+      name += c;
+    } else {
+      const auto first = name.find_first_not_of(' '), last = name.find_last_not_of(' ');
+      if (first != std::string::npos) names.push_back(name.substr(first, last - first + 1));
+      name.clear();
+    }
+  }
+  return names;
+}
+
+// The middle of the block: where the world frame gets its origin, rounded so that it reads well.
+Eigen::Vector3d middle_of(const Block& block) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (const auto& [id, image] : block.images)
+    if (image.position) {
+      sum += Eigen::Vector3d(image.position->latitude_deg, image.position->longitude_deg, image.position->height_m);
+      ++count;
+    }
+  return sum / std::max(1, count);
+}
+
+Result<> place_on_earth(Imported& imported, const ImportOptions& options, const ControlFile& control) {
+  Block& block = imported.block;
+  const bool has_gps = std::any_of(block.images.begin(), block.images.end(), [](const auto& entry) { return entry.second.position.has_value(); });
+  std::string crs = options.crs.value_or(control.crs);
+  Eigen::Vector3d origin = middle_of(block);
+  if (!has_gps) {
+    if (control.points.empty()) return {};
+    if (crs.empty())
+      return fail(Errc::kBadInput, "the control file names no CRS and the photographs have no GPS: give --crs EPSG:code");
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const ControlFilePoint& point : control.points) middle += point.position_in_map / double(control.points.size());
+    COLLINEA_TRY(origin, geographic_from_map(crs, middle));
+  }
+  if (crs.empty()) crs = utm_crs(origin.x(), origin.y());
+  origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
+  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, origin.x(), origin.y(), origin.z()));
+  block.georeference = Georeference{crs, origin.x(), origin.y(), origin.z()};
+  for (auto& [id, image] : block.images)
+    if (auto& prior = image.position)
+      prior->position_in_world = frame.local_from_geographic({prior->latitude_deg, prior->longitude_deg, prior->height_m});
+  add_control(imported, control, frame);
+  return {};
+}
+
+Result<ControlFile> control_of(const ImportOptions& options) {
+  if (!options.control) return ControlFile{};
+  COLLINEA_TRY(ControlFile control, read_control(*options.control, {.sigma_plan_m = options.control_sigma_m,
+                                                                    .sigma_height_m = options.control_sigma_m,
+                                                                    .sigma_px = options.control_sigma_px}));
+  const std::vector<std::string> checks = names_in(options.check);
+  if (!checks.empty())
+    if (auto set = set_check_points(control, checks); !set) return tl::unexpected(set.error());
+  return control;
+}
+
+}  // namespace
+
+Result<Imported> import_photos(const fs::path& photos, const ImportOptions& options, const Run& run) {
+  std::optional<std::vector<double>> camera_params;
+  if (options.camera_params) {
+    COLLINEA_TRY(camera_params, numbers_in(*options.camera_params));
+  }
+  COLLINEA_TRY(const ControlFile control, control_of(options));
+  Importer importer(options, camera_params);
+  const std::vector<Photo> read = read_headers(photos, run);
+  if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+  for (const Photo& photo : read) importer.add(photo);
+  Imported imported = std::move(importer.result);
+  if (imported.block.images.size() < 2)
+    return fail(Errc::kNotFound, fmt::format("{} usable photographs (JPEG, TIFF, PNG) in {}{}; at least two are needed",
+                                             imported.block.images.size(), photos.string(),
+                                             imported.skipped.empty() ? "" : "; first skipped: " + imported.skipped[0].file +
+                                                                                 ": " + imported.skipped[0].reason));
+  if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
+  return imported;
+}
+
+std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& options) {
+  Hash hash;
+  const auto add_file = [&](const fs::path& path) {
+    std::error_code missing;
+    hash.add(path.string()).add(std::uint64_t{fs::file_size(path, missing)});
+    hash.add(static_cast<std::uint64_t>(fs::last_write_time(path, missing).time_since_epoch().count()));
+  };
+  for (const std::string& file : files_below(photos)) add_file(photos / file);
+  if (options.control) add_file(*options.control);
+  return hash.hex();
+}
+
+}  // namespace collinea

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/orient.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "collinea/base/hash.h"
+#include "collinea/pipeline/colours.h"
+#include "collinea/pipeline/step.h"
+
+namespace collinea {
+namespace {
+
+using nlohmann::json;
+
+// Root mean square per axis; null where nothing was measured on it.
+json rms_of(const std::vector<Eigen::Vector3d>& differences_m) {
+  json axes = json::array();
+  bool any = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    double sum = 0;
+    int count = 0;
+    for (const Eigen::Vector3d& difference : differences_m)
+      if (std::isfinite(difference[axis])) {
+        sum += difference[axis] * difference[axis];
+        ++count;
+      }
+    axes.push_back(count ? json(std::sqrt(sum / count)) : json(nullptr));
+    any |= count > 0;
+  }
+  return any ? axes : json(nullptr);
+}
+
+Eigen::Vector3d measured_axes(const ControlDifference& control, const ControlPoint& point) {
+  Eigen::Vector3d difference = control.difference_m;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!std::isfinite(point.sigma_m[axis])) difference[axis] = std::nan("");
+  return difference;
+}
+
+json control_rms(const Orientation& orientation, bool used) {
+  std::vector<Eigen::Vector3d> differences;
+  for (const ControlDifference& control : orientation.adjusted.control)
+    if (control.used == used && control.position_in_world && !orientation.excluded_control.contains(control.point))
+      differences.push_back(measured_axes(control, orientation.block.control.at(control.point)));
+  return rms_of(differences);
+}
+
+json position_rms(const Orientation& orientation) {
+  std::vector<Eigen::Vector3d> differences;
+  for (const PositionDifference& position : orientation.adjusted.positions) differences.push_back(position.difference_m);
+  return rms_of(differences);
+}
+
+double mean_residual_px(const Adjusted& adjusted) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Eigen::Vector2d& residual : adjusted.residuals_px)
+    if (residual.allFinite()) {
+      sum += residual.norm();
+      ++count;
+    }
+  return count ? sum / double(count) : 0;
+}
+
+json files_of(const Block& block, const std::vector<ImageId>& images) {
+  json files = json::array();
+  for (const ImageId image : images) files.push_back(block.images.at(image).file);
+  return files;
+}
+
+json report_of(const Orientation& orientation, std::size_t images) {
+  const Adjusted& adjusted = orientation.adjusted;
+  json report = {{"images", images},
+                 {"oriented", orientation.block.cam_from_world.size()},
+                 {"tie_points", orientation.block.points.size()},
+                 {"observations", orientation.block.observations.size()},
+                 {"mean_reprojection_px", mean_residual_px(adjusted)},
+                 {"gsd_m", orientation.georeferenced ? json(orientation.gsd_m) : json(nullptr)},
+                 {"pixel_in_units", orientation.gsd_m},
+                 {"sigma0", adjusted.sigma0},
+                 {"redundancy", adjusted.redundancy},
+                 {"georeferenced", orientation.georeferenced},
+                 {"gauge", orientation.gauge},
+                 {"control_rmse_m", control_rms(orientation, true)},
+                 {"check_rmse_m", control_rms(orientation, false)},
+                 {"position_rms_m", position_rms(orientation)},
+                 {"not_oriented", files_of(orientation.block, orientation.alone)},
+                 {"findings", orientation.findings}};
+  report["other_parts"] = json::array();
+  for (const auto& part : orientation.other_parts) report["other_parts"].push_back(files_of(orientation.block, part));
+  return report;
+}
+
+}  // namespace
+
+Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash) {
+  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  COLLINEA_TRY(const std::vector<ImagePair> pairs, project.store.read_pairs());
+  const auto keypoints = [&](ImageId image) { return project.store.read_keypoints(image); };
+  COLLINEA_TRY(Orientation orientation, orient(setup, pairs, keypoints, project.settings.orient, project.run));
+  if (auto coloured = colour_tie_points(project, orientation.block); !coloured) return tl::unexpected(coloured.error());
+  if (auto written = project.store.write_orientation(orientation.block); !written) return tl::unexpected(written.error());
+  for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
+  const json report = report_of(orientation, setup.images.size());
+  return StepOutput{inputs_hash, report.dump(),
+                    fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}", orientation.block.cam_from_world.size(),
+                                setup.images.size(), orientation.block.points.size(), mean_residual_px(orientation.adjusted),
+                                orientation.gauge)};
+}
+
+}  // namespace collinea

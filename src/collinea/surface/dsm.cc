@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/surface/dsm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "collinea/base/parallel.h"
+#include "collinea/surface/point_buckets.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kBucketCells = 256;
+constexpr int kTileCells = 512;
+constexpr std::size_t kPointMemory = std::size_t{512} << 20;
+constexpr double kMostCells = 2e10;
+
+Gridding gridding_of(const DsmOptions& options, double gsd_m) {
+  Gridding gridding;
+  gridding.cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m);
+  const double widest = options.fill_holes_m ? *options.fill_holes_m / gridding.cell_m : 8.0;
+  gridding.widest_hole_cells = int(std::min(std::floor(widest + 1e-9), double(kTileCells)));
+  return gridding;
+}
+
+// One batch on the map and in cells. Chunks are independent, so threads do not change the result.
+std::vector<GridPoint> in_cells(const std::vector<SurfacePoint>& batch, const LocalFrame* frame, double cell_m, const Run& run) {
+  constexpr std::size_t kChunk = 16384;
+  std::vector<GridPoint> points(batch.size());
+  parallel_for(run, (batch.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, batch.size());
+    std::vector<Eigen::Vector3d> positions;
+    positions.reserve(end - begin);
+    for (std::size_t i = begin; i < end; ++i) positions.push_back(batch[i].position_in_world);
+    if (frame) frame->map_from_local(positions);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Eigen::Vector3d& p = positions[i - begin];
+      points[i] = {p.x() / cell_m, -p.y() / cell_m, p.z(), batch[i].sigma_m, 0};
+    }
+  });
+  return points;
+}
+
+bool usable(const GridPoint& p) {
+  constexpr double kFarthest = 1e12;  // [cells]
+  return std::abs(p.column) < kFarthest && std::abs(p.row) < kFarthest && std::isfinite(p.height_m) && p.sigma_m >= 0;
+}
+
+Result<> collect(const PointSource& source, const LocalFrame* frame, double cell_m, PointBuckets& buckets, DsmSummary& summary,
+                 const Run& run) {
+  std::vector<SurfacePoint> batch;
+  for (;;) {
+    if (auto read = source(batch); !read) return read;
+    if (batch.empty()) return {};
+    std::vector<GridPoint> points = in_cells(batch, frame, cell_m, run);
+    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    summary.points += points.size();
+    summary.points_dropped += std::erase_if(points, [](const GridPoint& p) { return !usable(p); });
+    if (auto added = buckets.add(points); !added) return added;
+  }
+}
+
+// A few stray points far away would stretch the raster over the country: buckets with next to nothing, and nothing
+// around them, go.
+void drop_strays(PointBuckets& buckets, DsmSummary& summary) {
+  std::uint64_t most = 0;
+  for (const auto& [place, bucket] : buckets.buckets()) most = std::max(most, bucket.count);
+  const auto filled = [&](const PointBuckets::Place& place) {
+    const auto found = buckets.buckets().find(place);
+    return found != buckets.buckets().end() && found->second.count * 100 >= most;
+  };
+  std::vector<PointBuckets::Place> strays;
+  for (const auto& [place, bucket] : buckets.buckets()) {
+    bool near_filled = false;
+    for (std::int64_t dy = -1; dy <= 1; ++dy)
+      for (std::int64_t dx = -1; dx <= 1; ++dx) near_filled |= filled({place.column + dx, place.row + dy});
+    if (near_filled) continue;
+    strays.push_back(place);
+    summary.points_dropped += bucket.count;
+  }
+  for (const auto& place : strays) buckets.drop(place);
+}
+
+struct Extent {
+  std::int64_t west, north, width, height;  // cells
+};
+
+Result<Extent> extent_of(const PointBuckets& buckets) {
+  std::int64_t west = std::numeric_limits<std::int64_t>::max(), east = std::numeric_limits<std::int64_t>::min();
+  std::int64_t north = west, south = east;
+  for (const auto& [place, bucket] : buckets.buckets()) {
+    west = std::min(west, bucket.west), east = std::max(east, bucket.east);
+    north = std::min(north, bucket.north), south = std::max(south, bucket.south);
+  }
+  const Extent extent{west, north, east - west + 1, south - north + 1};
+  if (double(extent.width) * double(extent.height) > kMostCells || extent.width > 1'000'000 || extent.height > 1'000'000)
+    return fail(Errc::kBadInput, "the surface model would have " + std::to_string(extent.width) + " x " +
+                                     std::to_string(extent.height) + " cells: choose a larger cell_m");
+  return extent;
+}
+
+void tally(const SurfaceTile& tile, DsmSummary& summary) {
+  for (std::size_t i = 0; i < tile.state.data.size(); ++i) {
+    const auto state = CellState(tile.state.data[i]);
+    summary.empty_cells += state == CellState::kEmpty;
+    summary.interpolated_cells += state == CellState::kInterpolated;
+    if (state != CellState::kMeasured) continue;
+    const double height_m = tile.height_m.data[i], sigma_m = tile.sigma_m.data[i];
+    const bool first = summary.measured_cells++ == 0;
+    summary.lowest_m = first ? height_m : std::min(summary.lowest_m, height_m);
+    summary.highest_m = first ? height_m : std::max(summary.highest_m, height_m);
+    summary.mean_sigma_m += sigma_m * sigma_m;
+  }
+}
+
+struct Tile {
+  CellWindow window;
+  Result<SurfaceTile> surface;
+};
+
+Result<SurfaceTile> make_tile(const PointBuckets& buckets, const CellWindow& window, const Gridding& gridding) {
+  const int margin = margin_cells(gridding);
+  COLLINEA_TRY(auto points, buckets.points_in({window.column - margin, window.row - margin, window.width + 2 * margin,
+                                            window.height + 2 * margin}));
+  if (points.empty()) return SurfaceTile(window.width, window.height);
+  return grid_window(std::move(points), window, gridding);
+}
+
+std::vector<Tile> tiles_of(const Extent& extent) {
+  std::vector<Tile> tiles;
+  for (std::int64_t y = 0; y < extent.height; y += kTileCells)
+    for (std::int64_t x = 0; x < extent.width; x += kTileCells)
+      tiles.push_back({{extent.west + x, extent.north + y, int(std::min<std::int64_t>(kTileCells, extent.width - x)),
+                        int(std::min<std::int64_t>(kTileCells, extent.height - y))},
+                       SurfaceTile()});
+  return tiles;
+}
+
+// Tiles are made side by side, a few at a time, and handed on in their order.
+Result<> make_tiles(const PointBuckets& buckets, const Extent& extent, const Gridding& gridding, const SurfaceSink& sink,
+                    DsmSummary& summary, const Run& run) {
+  std::vector<Tile> tiles = tiles_of(extent);
+  const std::size_t at_once = std::size_t(4 * std::max(1, run.threads));
+  for (std::size_t begin = 0; begin < tiles.size(); begin += at_once) {
+    const std::size_t end = std::min(begin + at_once, tiles.size());
+    parallel_for(run, end - begin, [&](std::size_t i) {
+      tiles[begin + i].surface = make_tile(buckets, tiles[begin + i].window, gridding);
+    });
+    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    for (std::size_t i = begin; i < end; ++i) {
+      Tile& tile = tiles[i];
+      if (!tile.surface) return tl::unexpected(std::move(tile.surface).error());
+      tally(*tile.surface, summary);
+      if (auto taken = sink.take(int(tile.window.column - extent.west), int(tile.window.row - extent.north), *tile.surface); !taken)
+        return taken;
+      tile.surface = SurfaceTile();
+    }
+    run.report("surface", double(end) / double(tiles.size()));
+  }
+  return {};
+}
+
+}  // namespace
+
+double tidy_cell_m(double gsd_m) {
+  const double unit = std::pow(10.0, std::floor(std::log10(gsd_m)) - 1);
+  // Dividing by a whole power of ten gives the decimal number nearest to what is meant: 0.024, not 0.024000000000000004.
+  return unit < 1 ? std::round(gsd_m / unit) / std::round(1 / unit) : std::round(gsd_m / unit) * unit;
+}
+
+Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
+                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run) {
+  if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
+  if (!options.cell_m && !(gsd_m > 0 && std::isfinite(gsd_m)))
+    return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
+  const Gridding gridding = gridding_of(options, gsd_m);
+  PointBuckets buckets(scratch, kBucketCells, kPointMemory);
+  DsmSummary summary;
+  if (auto collected = collect(points, frame, gridding.cell_m, buckets, summary, run); !collected)
+    return tl::unexpected(std::move(collected).error());
+  drop_strays(buckets, summary);
+  if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");
+  COLLINEA_TRY(const Extent extent, extent_of(buckets));
+  summary.grid.cell_m = gridding.cell_m;
+  summary.grid.west_m = double(extent.west) * gridding.cell_m;
+  summary.grid.north_m = -double(extent.north) * gridding.cell_m;
+  summary.grid.width = int(extent.width), summary.grid.height = int(extent.height);
+  if (frame) summary.grid.wkt = frame->wkt1();
+  if (auto begun = sink.begin(summary.grid); !begun) return tl::unexpected(std::move(begun).error());
+  if (auto made = make_tiles(buckets, extent, gridding, sink, summary, run); !made)
+    return tl::unexpected(std::move(made).error());
+  summary.mean_sigma_m = summary.measured_cells ? std::sqrt(summary.mean_sigma_m / double(summary.measured_cells)) : 0;
+  return summary;
+}
+
+}  // namespace collinea

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <utility>
+
+#include "collinea/surface/dsm.h"
+
+namespace collinea {
+namespace {
+
+// The four rasters while they are written.
+struct Writers {
+  std::optional<GeoTiffWriter<float>> height, sigma;
+  std::optional<GeoTiffWriter<std::uint8_t>> state;
+  std::optional<GeoTiffWriter<std::uint16_t>> count;
+};
+
+template <class T>
+Result<> start(std::optional<GeoTiffWriter<T>>& writer, const std::filesystem::path& path, const MapGrid& grid,
+               std::optional<double> nodata, std::string description) {
+  typename GeoTiffWriter<T>::Options options;
+  options.nodata = nodata;
+  options.description = std::move(description);
+  COLLINEA_TRY(writer, GeoTiffWriter<T>::create(path, grid, 1, options));
+  return {};
+}
+
+Result<> start_all(Writers& writers, const DsmFiles& files, const MapGrid& grid) {
+  return start(writers.height, files.height, grid, double(kNoHeight), "digital surface model: height [m]")
+      .and_then([&] { return start(writers.sigma, files.sigma, grid, double(kNoHeight), "standard deviation of the height [m]"); })
+      .and_then([&] { return start(writers.state, files.state, grid, std::nullopt, "0 nothing, 1 measured, 2 interpolated"); })
+      .and_then([&] { return start(writers.count, files.count, grid, std::nullopt, "points that made the cell"); });
+}
+
+Result<> write_all(Writers& writers, int column, int row, const SurfaceTile& tile) {
+  return writers.height->write(column, row, tile.height_m)
+      .and_then([&] { return writers.sigma->write(column, row, tile.sigma_m); })
+      .and_then([&] { return writers.state->write(column, row, tile.state); })
+      .and_then([&] { return writers.count->write(column, row, tile.count); });
+}
+
+}  // namespace
+
+Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const DsmFiles& files,
+                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run) {
+  Writers writers;
+  const SurfaceSink sink{[&](const MapGrid& grid) { return start_all(writers, files, grid); },
+                         [&](int column, int row, const SurfaceTile& tile) { return write_all(writers, column, row, tile); }};
+  COLLINEA_TRY(const DsmSummary summary, build_dsm(points, frame, gsd_m, sink, scratch, options, run));
+  // The height comes last: where it is, all are.
+  auto finished = writers.sigma->finish()
+                      .and_then([&] { return writers.state->finish(); })
+                      .and_then([&] { return writers.count->finish(); })
+                      .and_then([&] { return writers.height->finish(); });
+  if (!finished) return tl::unexpected(std::move(finished).error());
+  return summary;
+}
+
+}  // namespace collinea

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/surface/dsm.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/base/random.h"
+#include "collinea/surface/point_buckets.h"
+
+namespace collinea {
+namespace {
+
+// A model collected in memory.
+struct Collected {
+  MapGrid grid;
+  FloatImage height_m;
+  Result<DsmSummary> summary;
+};
+
+double hill_m(double x, double y) { return 0.1 * x + 0.5 * std::sin(0.1 * y); }
+
+std::vector<SurfacePoint> hill(double west, double south, double size, int count) {
+  Random random(4);
+  std::vector<SurfacePoint> points;
+  for (int i = 0; i < count; ++i) {
+    const double x = west + random.uniform(0, size), y = south + random.uniform(0, size);
+    points.push_back({{x, y, hill_m(x, y)}, 0.02f});
+  }
+  return points;
+}
+
+Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int threads = 1) {
+  std::size_t next = 0;
+  const PointSource source = [&](std::vector<SurfacePoint>& batch) -> Result<> {
+    const std::size_t end = std::min(next + 1000, points.size());
+    batch.assign(points.begin() + std::ptrdiff_t(next), points.begin() + std::ptrdiff_t(end));
+    next = end;
+    return {};
+  };
+  Collected result;
+  const SurfaceSink sink{[&](const MapGrid& grid) -> Result<> {
+                           result.grid = grid;
+                           result.height_m = FloatImage(grid.width, grid.height, 1, -1);
+                           return {};
+                         },
+                         [&](int column, int row, const SurfaceTile& tile) -> Result<> {
+                           for (int y = 0; y < tile.height_m.height; ++y)
+                             std::copy_n(tile.height_m.row(y), tile.height_m.width, result.height_m.row(row + y) + column);
+                           return {};
+                         }};
+  Run run;
+  run.threads = threads;
+  result.summary = build_dsm(source, nullptr, 0.1234, sink, "unused", options, run);
+  return result;
+}
+
+// The curvature of the hill over 1.5 cells is below 1 mm.
+TEST(Dsm, HeightsLieWhereTheMapSays) {
+  const Collected dsm = build(hill(-3, 7, 12, 50'000), {});
+  ASSERT_TRUE(dsm.summary);
+  EXPECT_EQ(dsm.grid.cell_m, 0.12);
+  EXPECT_NEAR(dsm.grid.west_m, -3, 0.12);
+  EXPECT_NEAR(dsm.grid.north_m, 19, 0.12);
+  EXPECT_NEAR(dsm.grid.west_m / 0.12, std::round(dsm.grid.west_m / 0.12), 1e-9);
+  for (int row = 1; row < dsm.grid.height - 1; ++row)
+    for (int column = 1; column < dsm.grid.width - 1; ++column)
+      ASSERT_NEAR(dsm.height_m.at(column, row), hill_m(dsm.grid.east_of(column + 0.5), dsm.grid.north_of(row + 0.5)), 2e-3);
+  EXPECT_GT(dsm.summary->measured_cells, 9900u);
+  EXPECT_EQ(dsm.summary->points, 50'000u);
+}
+
+TEST(Dsm, ThreadsAndOrderDoNotMatter) {
+  auto points = hill(0, 0, 75, 60'000);
+  const Collected one = build(points, {});
+  std::reverse(points.begin(), points.end());
+  const Collected other = build(points, {}, 3);
+  ASSERT_TRUE(one.summary && other.summary);
+  EXPECT_GT(one.grid.width, 512);  // more than one tile
+  EXPECT_EQ(one.height_m.data, other.height_m.data);
+  EXPECT_EQ(one.summary->mean_sigma_m, other.summary->mean_sigma_m);
+}
+
+TEST(Dsm, AStrayPointFarAwayDoesNotStretchTheRaster) {
+  auto points = hill(0, 0, 10, 20'000);
+  points.push_back({{1e5, -3e4, 0}, 0.02f});
+  points.push_back({{std::nan(""), 0, 0}, 0.02f});
+  const Collected dsm = build(points, {});
+  ASSERT_TRUE(dsm.summary);
+  EXPECT_LT(dsm.grid.width, 100);
+  EXPECT_EQ(dsm.summary->points_dropped, 2u);
+}
+
+TEST(Dsm, NoPointsIsAnError) {
+  const Collected dsm = build({}, {});
+  ASSERT_FALSE(dsm.summary);
+  EXPECT_EQ(dsm.summary.error().code, Errc::kIllPosed);
+}
+
+TEST(Dsm, CellsAreTidyNumbers) {
+  EXPECT_EQ(tidy_cell_m(0.02371), 0.024);
+  EXPECT_EQ(tidy_cell_m(0.0996), 0.1);
+  EXPECT_EQ(tidy_cell_m(12.4), 12);
+}
+
+TEST(PointBuckets, WhatWentToFilesComesBack) {
+  const auto scratch = std::filesystem::temp_directory_path() / "collinea_point_buckets_test";
+  Random random(8);
+  std::vector<GridPoint> points;
+  for (int i = 0; i < 5000; ++i) points.push_back({random.uniform(-100, 100), random.uniform(-100, 100), double(i), 0.1f, 0});
+  {
+    PointBuckets buckets(scratch, 32, 1000 * sizeof(GridPoint));
+    for (std::size_t i = 0; i < points.size(); i += 700)
+      ASSERT_TRUE(buckets.add(std::span(points).subspan(i, std::min<std::size_t>(700, points.size() - i))));
+    EXPECT_FALSE(std::filesystem::is_empty(scratch));
+    auto found = buckets.points_in({-40, -10, 75, 33});
+    ASSERT_TRUE(found);
+    std::vector<double> heights, expected;
+    for (const GridPoint& p : *found) heights.push_back(p.height_m);
+    for (const GridPoint& p : points)
+      if (p.column >= -40 && p.column < 35 && p.row >= -10 && p.row < 23) expected.push_back(p.height_m);
+    std::sort(heights.begin(), heights.end());
+    EXPECT_EQ(heights, expected);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch));
+  std::filesystem::remove(scratch);
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/surface/gridding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "collinea/surface/cell_fit.h"
+
+namespace collinea {
+namespace {
+
+static_assert(sizeof(GridPoint) == 32);
+
+constexpr int kReachCells = 2;
+static_assert(kReachCells >= kCellReach);
+
+// Points sorted by cell, and within a cell by height, so that sums do not depend on the order in which they came.
+struct SortedPoints {
+  CellWindow window;
+  std::vector<GridPoint> points;
+  std::vector<std::uint32_t> first;  // of each cell of the window, row by row; one more at the end
+
+  SortedPoints(std::vector<GridPoint> unsorted, const CellWindow& of);
+  [[nodiscard]] std::size_t cell_of(const GridPoint& p) const {
+    const auto x = std::int64_t(std::floor(p.column)) - window.column, y = std::int64_t(std::floor(p.row)) - window.row;
+    if (x < 0 || y < 0 || x >= window.width || y >= window.height) return std::numeric_limits<std::size_t>::max();
+    return std::size_t(y) * std::size_t(window.width) + std::size_t(x);
+  }
+};
+
+SortedPoints::SortedPoints(std::vector<GridPoint> unsorted, const CellWindow& of) : window(of) {
+  const std::size_t cells = std::size_t(window.width) * std::size_t(window.height);
+  first.assign(cells + 1, 0);
+  std::erase_if(unsorted, [&](const GridPoint& p) { return cell_of(p) >= cells; });
+  for (const GridPoint& p : unsorted) ++first[cell_of(p) + 1];
+  for (std::size_t i = 0; i < cells; ++i) first[i + 1] += first[i];
+  points.resize(unsorted.size());
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for (const GridPoint& p : unsorted) points[next[cell_of(p)]++] = p;
+  for (std::size_t i = 0; i < cells; ++i) {
+    if (first[i + 1] - first[i] < 2) continue;
+    std::sort(points.begin() + first[i], points.begin() + first[i + 1], [](const GridPoint& a, const GridPoint& b) {
+      return std::tie(a.height_m, a.column, a.row, a.sigma_m) < std::tie(b.height_m, b.column, b.row, b.sigma_m);
+    });
+  }
+}
+
+void gather(const SortedPoints& sorted, int x, int y, std::vector<CellPoint>& near) {
+  near.clear();
+  const double centre_x = double(sorted.window.column) + x + 0.5, centre_y = double(sorted.window.row) + y + 0.5;
+  for (int dy = -kReachCells; dy <= kReachCells; ++dy) {
+    const std::size_t row = std::size_t(y + dy) * std::size_t(sorted.window.width);
+    for (int dx = -kReachCells; dx <= kReachCells; ++dx) {
+      const std::size_t cell = row + std::size_t(x + dx);
+      for (std::uint32_t i = sorted.first[cell]; i < sorted.first[cell + 1]; ++i) {
+        const GridPoint& p = sorted.points[i];
+        const double px = p.column - centre_x, py = p.row - centre_y;
+        if (px * px + py * py > kCellReach * kCellReach) continue;
+        near.push_back({px, py, p.height_m, p.sigma_m, dx == 0 && dy == 0});
+      }
+    }
+  }
+}
+
+SurfaceTile measure(const SortedPoints& sorted, double cell_m) {
+  const int width = sorted.window.width - 2 * kReachCells, height = sorted.window.height - 2 * kReachCells;
+  SurfaceTile tile(width, height);
+  CellFit fit;
+  std::vector<CellPoint> near;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      gather(sorted, x + kReachCells, y + kReachCells, near);
+      const auto estimate = fit.estimate(near, cell_m);
+      if (!estimate) continue;
+      tile.height_m.at(x, y) = float(estimate->height_m);
+      tile.sigma_m.at(x, y) = float(estimate->sigma_m);
+      tile.state.at(x, y) = std::uint8_t(CellState::kMeasured);
+      tile.count.at(x, y) = std::uint16_t(std::min(estimate->points, 65535));
+    }
+  }
+  return tile;
+}
+
+template <class T>
+Raster<T> cropped(const Raster<T>& from, int margin) {
+  Raster<T> to(from.width - 2 * margin, from.height - 2 * margin);
+  for (int y = 0; y < to.height; ++y) std::copy_n(from.row(y + margin) + margin, to.width, to.row(y));
+  return to;
+}
+
+}  // namespace
+
+int margin_cells(const Gridding& gridding) { return kReachCells + kSmallestPatch + gridding.widest_hole_cells; }
+
+SurfaceTile grid_window(std::vector<GridPoint> points, const CellWindow& window, const Gridding& gridding) {
+  const int margin = margin_cells(gridding);
+  const CellWindow wide{window.column - margin, window.row - margin, window.width + 2 * margin, window.height + 2 * margin};
+  SurfaceTile tile = measure(SortedPoints(std::move(points), wide), gridding.cell_m);
+  remove_specks(tile, gridding.cell_m);
+  fill_holes(tile, gridding.cell_m, gridding.widest_hole_cells);
+  const int border = margin - kReachCells;
+  SurfaceTile result;
+  result.height_m = cropped(tile.height_m, border);
+  result.sigma_m = cropped(tile.sigma_m, border);
+  result.state = cropped(tile.state, border);
+  result.count = cropped(tile.count, border);
+  return result;
+}
+
+}  // namespace collinea

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/surface/point_buckets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+namespace collinea {
+namespace {
+
+std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0); }
+
+bool within(const GridPoint& p, const CellWindow& window) {
+  return p.column >= double(window.column) && p.row >= double(window.row) && p.column < double(window.column + window.width) &&
+         p.row < double(window.row + window.height);
+}
+
+}  // namespace
+
+PointBuckets::PointBuckets(std::filesystem::path scratch, int cells, std::size_t memory_bytes)
+    : scratch_(std::move(scratch)), cells_(cells), memory_bytes_(memory_bytes) {}
+
+PointBuckets::~PointBuckets() {
+  std::error_code ignored;
+  for (const auto& [place, bucket] : buckets_)
+    if (bucket.in_file > 0) std::filesystem::remove(file_of(place), ignored);
+}
+
+std::filesystem::path PointBuckets::file_of(const Place& place) const {
+  return scratch_ / ("points_" + std::to_string(place.column) + "_" + std::to_string(place.row) + ".bin");
+}
+
+Result<> PointBuckets::add(std::span<const GridPoint> points) {
+  Place last{};
+  Bucket* bucket = nullptr;
+  for (const GridPoint& p : points) {
+    const auto column = std::int64_t(std::floor(p.column)), row = std::int64_t(std::floor(p.row));
+    const Place place{floor_div(column, cells_), floor_div(row, cells_)};
+    if (!bucket || place != last) {
+      bucket = &buckets_[place];
+      last = place;
+    }
+    if (bucket->count == 0) {
+      bucket->west = bucket->east = column;
+      bucket->north = bucket->south = row;
+    }
+    bucket->west = std::min(bucket->west, column), bucket->east = std::max(bucket->east, column);
+    bucket->north = std::min(bucket->north, row), bucket->south = std::max(bucket->south, row);
+    ++bucket->count;
+    bucket->in_memory.push_back(p);
+  }
+  held_ += points.size();
+  return held_ * sizeof(GridPoint) > memory_bytes_ ? spill() : Result<>{};
+}
+
+Result<> PointBuckets::spill() {
+  std::error_code error;
+  std::filesystem::create_directories(scratch_, error);
+  for (auto& [place, bucket] : buckets_) {
+    if (bucket.in_memory.empty()) continue;
+    std::ofstream file(file_of(place), bucket.in_file > 0 ? std::ios::binary | std::ios::app : std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bucket.in_memory.data()),
+               std::streamsize(bucket.in_memory.size() * sizeof(GridPoint)));
+    if (!file.flush()) return fail(Errc::kBadInput, "cannot write " + file_of(place).string() + ": is the disk full?");
+    bucket.in_file += bucket.in_memory.size();
+    bucket.in_memory = {};
+  }
+  held_ = 0;
+  return {};
+}
+
+void PointBuckets::drop(const Place& place) {
+  const auto found = buckets_.find(place);
+  if (found == buckets_.end()) return;
+  std::error_code ignored;
+  if (found->second.in_file > 0) std::filesystem::remove(file_of(place), ignored);
+  buckets_.erase(found);
+}
+
+Result<> PointBuckets::read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window,
+                                   std::vector<GridPoint>& to) const {
+  const auto keep = [&](std::span<const GridPoint> points) {
+    std::copy_if(points.begin(), points.end(), std::back_inserter(to), [&](const GridPoint& p) { return within(p, window); });
+  };
+  if (bucket.in_file > 0) {
+    std::ifstream file(file_of(place), std::ios::binary);
+    std::vector<GridPoint> piece(std::min<std::uint64_t>(bucket.in_file, 65536));
+    for (std::uint64_t done = 0; done < bucket.in_file; done += piece.size()) {
+      piece.resize(std::min<std::uint64_t>(piece.size(), bucket.in_file - done));
+      if (!file.read(reinterpret_cast<char*>(piece.data()), std::streamsize(piece.size() * sizeof(GridPoint))))
+        return fail(Errc::kBadFormat, "cannot read back " + file_of(place).string());
+      keep(piece);
+    }
+  }
+  keep(bucket.in_memory);
+  return {};
+}
+
+Result<std::vector<GridPoint>> PointBuckets::points_in(const CellWindow& window) const {
+  std::vector<GridPoint> points;
+  const std::int64_t first_column = floor_div(window.column, cells_), first_row = floor_div(window.row, cells_);
+  const std::int64_t last_column = floor_div(window.column + window.width - 1, cells_);
+  const std::int64_t last_row = floor_div(window.row + window.height - 1, cells_);
+  for (std::int64_t row = first_row; row <= last_row; ++row) {
+    for (std::int64_t column = first_column; column <= last_column; ++column) {
+      const Place place{column, row};
+      const auto found = buckets_.find(place);
+      if (found == buckets_.end()) continue;
+      if (auto read = read_bucket(place, found->second, window, points); !read) return tl::unexpected(std::move(read).error());
+    }
+  }
+  return points;
+}
+
+}  // namespace collinea

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/surface/gridding.h"
+
+namespace collinea {
+
+/// Points sorted into squares of cells, held in memory up to a limit and beyond it in files of a scratch folder, which
+/// are removed again at the end. Every point lies in exactly one bucket.
+class PointBuckets {
+ public:
+  struct Place {
+    std::int64_t column = 0, row = 0;  ///< of the bucket, in buckets
+    friend auto operator<=>(const Place&, const Place&) = default;
+  };
+  struct Bucket {
+    std::vector<GridPoint> in_memory;
+    std::uint64_t in_file = 0, count = 0;
+    std::int64_t west = 0, east = 0, north = 0, south = 0;  ///< cells touched by its points, both ends included
+  };
+
+  PointBuckets(std::filesystem::path scratch, int cells, std::size_t memory_bytes);
+  ~PointBuckets();
+  PointBuckets(const PointBuckets&) = delete;
+  PointBuckets& operator=(const PointBuckets&) = delete;
+
+  Result<> add(std::span<const GridPoint> points);
+  [[nodiscard]] const std::map<Place, Bucket>& buckets() const { return buckets_; }
+  void drop(const Place& place);
+
+  /// All points within a window. May be called from several threads at once (not while points are added).
+  [[nodiscard]] Result<std::vector<GridPoint>> points_in(const CellWindow& window) const;
+
+ private:
+  [[nodiscard]] std::filesystem::path file_of(const Place& place) const;
+  Result<> spill();
+  Result<> read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window, std::vector<GridPoint>& to) const;
+
+  std::filesystem::path scratch_;
+  int cells_;
+  std::size_t memory_bytes_, held_ = 0;
+  std::map<Place, Bucket> buckets_;
+};
+
+}  // namespace collinea

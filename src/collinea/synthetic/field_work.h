@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "collinea/synthetic/truth.h"
+
+namespace collinea {
+
+/// The steps that an aerial and a terrestrial survey have in common. All act on a truth whose scene and frame are set.
+
+/// Cameras, images and poses; each image with its own exposure.
+void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& cam_from_world, double exposure_sigma);
+
+/// What the receiver wrote down: true positions plus normal errors.
+void add_positions(Truth& truth, double sigma_plan_m, double sigma_height_m);
+
+/// What the gimbal of a drone that looks down wrote down: heading of the upper edge of the picture, forward tilt, no roll;
+/// errors of `sigma_deg`.
+void add_attitudes(Truth& truth, double sigma_deg);
+
+struct MarkOptions {
+  int control_points = 0, check_points = 0;
+  Eigen::Vector3d sigma_m;  ///< of the surveyed coordinates, east, north, height
+  double measurement_sigma_px = 0.25;
+  int least_images = 3;
+  double margin_px = 15;
+};
+
+/// Chooses marks among the candidates, spread as far apart as they can be, paints them, surveys them and measures
+/// them in the images that show them whole. Control first, then check points, each set well spread.
+/// Error: too few candidates are seen in enough images.
+[[nodiscard]] Result<> add_marks(Truth& truth, const std::vector<Mark>& candidates, const MarkOptions& options,
+                                 const Run& run);
+
+/// A rotation about three axes with normal angles, none beyond 2.5 sigma.
+[[nodiscard]] Eigen::Quaterniond shaken(class Random& random, double sigma_deg);
+[[nodiscard]] double bounded_normal(class Random& random);
+
+/// The camera of either kind of survey. Without a given focal length it is `share` of the width.
+template <class Options>
+[[nodiscard]] Camera true_camera(const Options& o, double share) {
+  Camera camera = ideal_camera(o.focal_px.value_or(share * o.width_px), o.width_px, o.height_px);
+  auto& p = camera.params;
+  p[Camera::kCx] += o.principal_x_px;
+  p[Camera::kCy] += o.principal_y_px;
+  p[Camera::kK1] = o.k1;
+  p[Camera::kK2] = o.k2;
+  p[Camera::kK3] = o.k3;
+  p[Camera::kP1] = o.p1;
+  p[Camera::kP2] = o.p2;
+  camera.name = "Collinea Synthetic";
+  camera.source = "true";
+  return camera;
+}
+
+template <class Options>
+[[nodiscard]] Optics optics_of(const Options& o) {
+  return {o.blur_px, o.noise_grey, o.vignetting};
+}
+
+}  // namespace collinea
