@@ -1,157 +1,66 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/adjust/datum.h"
 
-#include <Eigen/Eigenvalues>
-#include <array>
-#include <limits>
-#include <algorithm>
 #include <cmath>
 
 #include "collinea/adjust/intersect.h"
-#include "collinea/base/random.h"
+#include "collinea/adjust/robust_similarity.h"
 
 namespace collinea {
 namespace {
 
-struct Pair {
-  Eigen::Vector3d in_block, in_world;
-  double sigma_m;
-  ImageId image;
-  ControlId control;
-};
+using bundle::PlacePair;
 
-std::vector<Pair> position_pairs(const Block& block) {
-  std::vector<Pair> pairs;
+std::vector<PlacePair> position_pairs(const Block& block, std::vector<ImageId>& images) {
+  std::vector<PlacePair> pairs;
   for (const auto& [id, pose] : block.cam_from_world) {
     const auto& position = block.images.at(id).position;
     if (!position || !position->sigma_m.allFinite()) continue;
     const double sigma = std::sqrt(position->sigma_m.squaredNorm() / 3);
-    pairs.push_back({centre_of(pose), position->position_in_world, sigma, id, {}});
+    pairs.push_back({centre_of(pose), position->position_in_world, sigma});
+    images.push_back(id);
   }
   return pairs;
 }
 
-std::vector<Pair> control_pairs(const Block& block) {
-  std::vector<Pair> pairs;
+std::vector<PlacePair> control_pairs(const Block& block, std::vector<ControlId>& points) {
+  std::vector<PlacePair> pairs;
   for (const auto& [id, control] : block.control) {
     if (control.role != ControlRole::kControl || !control.sigma_m.allFinite()) continue;
-    if (const auto met = intersect(sight_lines(block, id)))
-      pairs.push_back({met->point_in_world, control.position_in_world, std::sqrt(control.sigma_m.squaredNorm() / 3), {}, id});
+    const auto met = intersect(sight_lines(block, id));
+    if (!met) continue;
+    pairs.push_back({met->point_in_world, control.position_in_world, std::sqrt(control.sigma_m.squaredNorm() / 3)});
+    points.push_back(id);
   }
   return pairs;
-}
-
-// Three places that do not lie on a line: the second axis of the spread is more than noise.
-bool span_a_plane(const std::vector<Pair>& pairs) {
-  if (pairs.size() < 3) return false;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Pair& pair : pairs) mean += pair.in_world / double(pairs.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  double variance = 0;
-  for (const Pair& pair : pairs) {
-    spread += (pair.in_world - mean) * (pair.in_world - mean).transpose();
-    variance += pair.sigma_m * pair.sigma_m / double(pairs.size());
-  }
-  const Eigen::Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues() / double(pairs.size());
-  return axes[1] > 1e-6 * axes[2] && axes[1] > 4 * variance / double(pairs.size());
-}
-
-std::vector<double> distances(const std::vector<Pair>& pairs, const Similarity3& world_from_block) {
-  std::vector<double> result;
-  for (const Pair& pair : pairs) result.push_back((world_from_block * pair.in_block - pair.in_world).norm());
-  return result;
-}
-
-double middle(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
-
-std::optional<Similarity3> fit(const std::vector<Pair>& pairs, const std::vector<double>& weights) {
-  std::vector<Eigen::Vector3d> a, b;
-  for (const Pair& pair : pairs) {
-    a.push_back(pair.in_block);
-    b.push_back(pair.in_world);
-  }
-  return align(a, b, weights);
-}
-
-// The similarity of the triple whose median distance is least. All triples when they are few.
-std::optional<Similarity3> least_median(const std::vector<Pair>& pairs, std::uint64_t seed) {
-  constexpr std::size_t kMostTrials = 500;
-  const std::size_t n = pairs.size();
-  std::optional<Similarity3> best;
-  double least = std::numeric_limits<double>::infinity();
-  const auto attempt = [&](std::size_t i, std::size_t j, std::size_t k) {
-    const std::array<Eigen::Vector3d, 3> a{pairs[i].in_block, pairs[j].in_block, pairs[k].in_block};
-    const std::array<Eigen::Vector3d, 3> b{pairs[i].in_world, pairs[j].in_world, pairs[k].in_world};
-    const auto candidate = align(a, b);
-    if (!candidate || !(candidate->scale > 0)) return;
-    const double median = middle(distances(pairs, *candidate));
-    if (median < least) {
-      least = median;
-      best = candidate;
-    }
-  };
-  if (n * (n - 1) * (n - 2) / 6 <= kMostTrials) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        for (std::size_t k = j + 1; k < n; ++k) attempt(i, j, k);
-    return best;
-  }
-  Random random(seed);
-  for (std::size_t trial = 0; trial < kMostTrials; ++trial) {
-    const auto i = random.below(static_cast<std::uint32_t>(n)), j = random.below(static_cast<std::uint32_t>(n));
-    const auto k = random.below(static_cast<std::uint32_t>(n));
-    if (i != j && j != k && i != k) attempt(i, j, k);
-  }
-  return best;
-}
-
-// Pairs count fully within their robust standard deviation times three, beyond not at all.
-std::optional<Similarity3> refined(const std::vector<Pair>& pairs, Similarity3 world_from_block, std::vector<double>& weights) {
-  for (int round = 0; round < 10; ++round) {
-    const std::vector<double> distance = distances(pairs, world_from_block);
-    const double scatter = middle(distance) / 1.54;  // median of the length of a normal 3-vector
-    weights.clear();
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const double variance = pairs[i].sigma_m * pairs[i].sigma_m + scatter * scatter;
-      weights.push_back(distance[i] * distance[i] <= 3 * 9 * variance ? 1 / variance : 0);
-    }
-    const auto next = fit(pairs, weights);
-    if (!next) return std::nullopt;
-    world_from_block = *next;
-  }
-  return world_from_block;
 }
 
 }  // namespace
 
 std::optional<Datum> datum(const Block& block, bool use_positions, bool use_control, std::uint64_t seed) {
   Datum result;
-  std::vector<Pair> pairs = use_control ? control_pairs(block) : std::vector<Pair>{};
-  result.by_control = span_a_plane(pairs);
+  std::vector<ControlId> points;
+  std::vector<ImageId> images;
+  std::vector<PlacePair> pairs;
+  if (use_control) pairs = control_pairs(block, points);
+  result.by_control = bundle::span_a_plane(pairs);
   if (!result.by_control && use_positions) {
-    const std::vector<Pair> positions = position_pairs(block);
+    const std::vector<PlacePair> positions = position_pairs(block, images);
     pairs.insert(pairs.end(), positions.begin(), positions.end());
   }
-  if (!span_a_plane(pairs)) return std::nullopt;
-  const auto start = least_median(pairs, seed);
-  if (!start) return std::nullopt;
-  std::vector<double> weights;
-  const auto best = refined(pairs, *start, weights);
-  if (!best) return std::nullopt;
-  result.world_from_block = *best;
-  const std::vector<double> distance = distances(pairs, *best);
-  result.median_distance_m = middle(distance);
+  if (!bundle::span_a_plane(pairs)) return std::nullopt;
+  const auto fit = bundle::robust_similarity(pairs, seed);
+  if (!fit) return std::nullopt;
+  result.world_from_block = fit->world_from_block;
+  result.median_distance_m = bundle::middle(fit->distances_m);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (weights[i] == 0) continue;
-    if (pairs[i].image.valid()) {
-      result.images.push_back(pairs[i].image);
-      result.image_distances_m.push_back(distance[i]);
+    if (fit->weights[i] == 0) continue;
+    if (i < points.size()) {
+      result.control.push_back(points[i]);
+      result.control_distances_m.push_back(fit->distances_m[i]);
     } else {
-      result.control.push_back(pairs[i].control);
-      result.control_distances_m.push_back(distance[i]);
+      result.images.push_back(images[i - points.size()]);
+      result.image_distances_m.push_back(fit->distances_m[i]);
     }
   }
   return result;

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <optional>
 
 namespace collinea {
@@ -29,26 +30,48 @@ struct MatrixFit {
   Eigen::Matrix<double, Chart::kFreedom, Chart::kFreedom> hessian;  ///< at the answer, in the coordinates of the chart
 };
 
+/// A chart whose coordinates are known beforehand to some degree: cost [px^2] and its halved derivatives.
+template <class Chart>
+concept HasPrior = requires(const Chart& chart, Eigen::Matrix<double, Chart::kFreedom, Chart::kFreedom>& hessian,
+                            Eigen::Matrix<double, Chart::kFreedom, 1>& gradient) {
+  { chart.prior_cost() } -> std::convertible_to<double>;
+  chart.add_prior(hessian, gradient);
+};
+
+/// The normal equations in the coordinates of a chart.
+template <class Chart>
+struct ChartNormal {
+  Eigen::Matrix<double, Chart::kFreedom, Chart::kFreedom> hessian;
+  Eigen::Matrix<double, Chart::kFreedom, 1> gradient;
+  double cost;
+
+  ChartNormal(const Chart& chart, const MatrixNormal& normal) : cost(normal.cost) {
+    const Eigen::Matrix<double, 9, Chart::kFreedom> tangent = chart.tangent();
+    hessian = tangent.transpose() * (normal.hessian.selfadjointView<Eigen::Lower>() * tangent);
+    gradient = tangent.transpose() * normal.gradient;
+    if constexpr (HasPrior<Chart>) {
+      chart.add_prior(hessian, gradient);
+      cost += chart.prior_cost();
+    }
+  }
+};
+
 /// Damped Gauss-Newton over matrices of a certain kind (essential, rank 2, rotation ...). A Chart knows the matrix it stands for,
 /// the 9 x kFreedom derivative of its entries (`tangent`), and the matrix after a small step (`moved`); the sum over the points is made
 /// once in the nine entries, whatever the kind. Nothing when the cost is not finite or the equations are singular.
 template <class Chart, class NormalAt>
 std::optional<MatrixFit<Chart>> fit_matrix(const Chart& start, const NormalAt& normal_at, int max_iterations) {
-  constexpr int k = Chart::kFreedom;
-  using Square = Eigen::Matrix<double, k, k>;
-  using Step = Eigen::Matrix<double, k, 1>;
   Chart best = start;
-  MatrixNormal normal = normal_at(best.matrix());
+  ChartNormal<Chart> normal(best, normal_at(best.matrix()));
   if (!std::isfinite(normal.cost)) return std::nullopt;
-  Eigen::Matrix<double, 9, k> tangent = best.tangent();
   double damping = 1e-6;
   for (int iteration = 0; iteration < max_iterations && damping < 1e3; ++iteration) {
-    Square system = tangent.transpose() * (normal.hessian.template selfadjointView<Eigen::Lower>() * tangent);
+    auto system = normal.hessian;
     system.diagonal() *= 1 + damping;
-    const Step step = system.ldlt().solve(-(tangent.transpose() * normal.gradient));
+    const Eigen::Matrix<double, Chart::kFreedom, 1> step = system.ldlt().solve(-normal.gradient);
     if (!step.allFinite()) return std::nullopt;
     const Chart candidate = best.moved(step);
-    const MatrixNormal at_candidate = normal_at(candidate.matrix());
+    const ChartNormal<Chart> at_candidate(candidate, normal_at(candidate.matrix()));
     if (!(at_candidate.cost <= normal.cost)) {
       damping = std::max(1e-3, damping * 10);
       continue;
@@ -56,12 +79,10 @@ std::optional<MatrixFit<Chart>> fit_matrix(const Chart& start, const NormalAt& n
     const bool settled = normal.cost - at_candidate.cost <= 1e-6 * normal.cost && step.norm() < 1e-6;
     best = candidate;
     normal = at_candidate;
-    tangent = best.tangent();
     damping = std::max(1e-9, damping / 10);
     if (settled) break;
   }
-  const Square hessian = tangent.transpose() * (normal.hessian.template selfadjointView<Eigen::Lower>() * tangent);
-  return MatrixFit<Chart>{best, normal.cost, hessian};
+  return MatrixFit<Chart>{best, normal.cost, normal.hessian};
 }
 
 }  // namespace collinea

@@ -146,6 +146,9 @@ struct Piece {
   int depth;
 };
 
+// Nearer than this (2^-depth of the piece) roots are one: around a double root the signs are rounding.
+constexpr int kMostSplits = 24;
+
 // Splits a piece until it holds one root; along t of reversed pieces z runs downwards, hence the absolute difference.
 void isolate(const SturmChain& chain, const Piece& whole, bool reversed, Few<double, 10>& roots) {
   std::array<Piece, 64> stack;
@@ -157,7 +160,7 @@ void isolate(const SturmChain& chain, const Piece& whole, bool reversed, Few<dou
     if (inside == 0) continue;
     const bool differ =
         (value(chain.front(), piece.low, reversed) < 0) != (value(chain.front(), piece.high, reversed) < 0);
-    if ((inside == 1 && differ) || piece.depth > 45) {
+    if ((inside == 1 && differ) || piece.depth > kMostSplits) {
       const double t =
           differ ? bracketed_root(chain.front(), piece.low, piece.high, reversed) : (piece.low + piece.high) / 2;
       if (roots.count < kDegree && (!reversed || std::abs(t) > 1e-8)) roots.add(reversed ? 1 / t : t);

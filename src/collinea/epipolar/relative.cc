@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 #include "collinea/epipolar/essential.h"
@@ -70,6 +71,42 @@ struct MotionChart {
   [[nodiscard]] MotionChart moved(const Eigen::Matrix<double, 5, 1>& step) const {
     return {Rigid3{(rotation_by(step.head<3>()) * motion.rotation).normalized(),
                    (motion.translation + sideways() * step.tail<2>()).normalized()}};
+  }
+};
+
+// The matrix of uncorrected coordinates: D2 E D1 with D = diag(1/k, 1/k, 1) where the focal length is in doubt.
+struct FocalMotionChart {
+  static constexpr int kFreedom = 6;
+  MotionChart chart;
+  double log_factor;
+  FocalDoubt doubt;
+
+  [[nodiscard]] Eigen::Matrix3d matrix() const { return corrected(chart.matrix()); }
+  [[nodiscard]] Eigen::Matrix3d corrected(Eigen::Matrix3d m) const {
+    const double inverse = std::exp(-log_factor);
+    if (doubt.second) m.topRows<2>() *= inverse;
+    if (doubt.first) m.leftCols<2>() *= inverse;
+    return m;
+  }
+  [[nodiscard]] Eigen::Matrix<double, 9, 6> tangent() const {
+    const Eigen::Matrix<double, 9, 5> motion = chart.tangent();
+    Eigen::Matrix<double, 9, 6> t;
+    for (int i = 0; i < 5; ++i)
+      t.col(i) = by_rows(corrected(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(motion.col(i).data())));
+    const Eigen::Matrix3d m = matrix();
+    Eigen::Matrix3d by_log_factor = Eigen::Matrix3d::Zero();
+    if (doubt.second) by_log_factor.topRows<2>() -= m.topRows<2>();
+    if (doubt.first) by_log_factor.leftCols<2>() -= m.leftCols<2>();
+    t.col(5) = by_rows(by_log_factor);
+    return t;
+  }
+  [[nodiscard]] FocalMotionChart moved(const Eigen::Matrix<double, 6, 1>& step) const {
+    return {chart.moved(step.head<5>()), log_factor + std::clamp(step(5), -0.3, 0.3), doubt};
+  }
+  [[nodiscard]] double prior_cost() const { return log_factor * log_factor / (doubt.sigma * doubt.sigma); }
+  void add_prior(Eigen::Matrix<double, 6, 6>& hessian, Eigen::Matrix<double, 6, 1>& gradient) const {
+    hessian(5, 5) += 1 / (doubt.sigma * doubt.sigma);
+    gradient(5) += log_factor / (doubt.sigma * doubt.sigma);
   }
 };
 
@@ -140,6 +177,17 @@ std::optional<RelativeFit> refine_relative(const Rigid3& start, const PointPairs
   result.rms_px = std::sqrt(fit->cost / static_cast<double>(support.size()));
   result.covariance = solver.solve(Eigen::Matrix<double, 5, 5>::Identity());
   return result;
+}
+
+std::optional<RelativeFocalFit> refine_relative_and_focal(const Rigid3& start, const PointPairs& pairs,
+                                                          std::span<const int> support, double loss_px,
+                                                          const FocalDoubt& doubt) {
+  if (support.size() < 6) return std::nullopt;
+  const auto normal_at = [&](const Eigen::Matrix3d& m) { return normal_equations(m, pairs, support, loss_px); };
+  const MotionChart motion{{start.rotation, start.translation.normalized()}};
+  const auto fit = fit_matrix(FocalMotionChart{motion, 0, doubt}, normal_at, 2 * kMaxIterations);
+  if (!fit) return std::nullopt;
+  return RelativeFocalFit{fit->value.chart.motion, std::exp(fit->value.log_factor)};
 }
 
 std::optional<Eigen::Matrix3d> refine_fundamental(const Eigen::Matrix3d& start, const PointPairs& pairs,

@@ -27,7 +27,25 @@ struct RelativeFit {
 [[nodiscard]] std::optional<RelativeFit> refine_relative(const Rigid3& start, const PointPairs& pairs,
                                                          std::span<const int> support, double loss_px);
 
-/// The same for a matrix of rank 2 (seven degrees of freedom: two orthonormal frames and the ratio of the singular values, after Bartoli and
+/// Which focal lengths are off by one common, unknown factor, and how far (standard deviation of its logarithm).
+struct FocalDoubt {
+  bool first = true, second = true;
+  double sigma = 0.1;
+};
+
+/// A relative orientation together with the factor by which the doubtful focal lengths must be multiplied.
+struct RelativeFocalFit {
+  Rigid3 second_from_first;  ///< of the coordinates after correction: divided by the factor where the focal length is in doubt
+  double focal_factor = 1;
+};
+
+/// refine_relative with the focal factor as sixth unknown, held near 1 by its standard deviation (against residuals of about 1 px). Nothing
+/// with fewer than six pairs.
+[[nodiscard]] std::optional<RelativeFocalFit> refine_relative_and_focal(const Rigid3& start, const PointPairs& pairs,
+                                                                        std::span<const int> support, double loss_px,
+                                                                        const FocalDoubt& doubt);
+
+/// refine_relative for a matrix of rank 2 (seven degrees of freedom: two orthonormal frames and the ratio of the singular values, after Bartoli and
 /// Sturm, PAMI 2004). The answer has norm 1. Nothing with fewer than seven pairs.
 [[nodiscard]] std::optional<Eigen::Matrix3d> refine_fundamental(const Eigen::Matrix3d& start, const PointPairs& pairs,
                                                                 std::span<const int> support, double loss_px);

@@ -22,6 +22,7 @@ constexpr double kPlaneThreshold = 1.25;         // two degrees of freedom inste
 constexpr double kStationary_px = 1.5;           // a match that stays at its pixel
 constexpr double kMostStationary = 0.9;
 constexpr double kMotionShare = 0.7;             // of the fundamental matrix's inliers that an essential matrix must keep
+constexpr double kLensDoubt = 3;                 // thresholds that an uncalibrated lens may feign as parallax
 constexpr double kLogFalseAlarms = -4.6;         // at most 1 chance pair in 100
 
 // Matches in random order.
@@ -192,7 +193,37 @@ class Verification {
     relation.pairs = pairs;
     relation.inliers = fit->inliers;
     relation.motion = in_front(motions(fit->model), pairs, fit->inliers, blind_angle_rad(pairs));
+    if (first_.sigma_f_px > 0 || second_.sigma_f_px > 0) adapt_focal(relation);
     return relation;
+  }
+
+  // A focal length from the EXIF data may be some per cent wrong, which costs matches that are right: lets it vary within its
+  // uncertainty, as long as that brings the pairs clearly closer to the relation.
+  void adapt_focal(Relation& relation) const {
+    FocalDoubt doubt{first_.sigma_f_px > 0, second_.sigma_f_px > 0, std::max(relative_sigma_f(first_), relative_sigma_f(second_))};
+    const PointPairs nominal = relation.pairs;
+    std::vector<double> errors = errors_of(relation.matrix, nominal, false);
+    double cost = truncated_cost(errors, threshold_px_);
+    for (int round = 0; round < 5 && relation.motion; ++round) {
+      // Wide at first: the wrong focal length has pushed right matches across the threshold.
+      const double reach_px = round < 2 ? 3 * threshold_px_ : threshold_px_;
+      const auto fit = refine_relative_and_focal(*relation.motion, nominal, below(errors, reach_px), reach_px, doubt);
+      if (!fit) return;
+      PointPairs pairs = with_focal_factor(nominal, doubt.first ? fit->focal_factor : 1, doubt.second ? fit->focal_factor : 1);
+      const Eigen::Matrix3d matrix = essential_matrix(fit->second_from_first);
+      errors = errors_of(matrix, pairs, false);
+      const double better = truncated_cost(errors, threshold_px_);
+      if (!(better < 0.99 * cost)) {
+        if (round < 2) continue;
+        return;
+      }
+      cost = better;
+      relation.inliers = below(errors, threshold_px_);
+      relation.motion = in_front(motions(matrix), pairs, relation.inliers, blind_angle_rad(pairs));
+      relation.matrix = matrix;
+      relation.pairs = std::move(pairs);
+      relation.parameters = 6;
+    }
   }
 
   Relation by_fundamental(const PointPairs& pairs) {
@@ -296,7 +327,9 @@ class Verification {
     const double as_plane = gric(plane->errors, either, sigma_px, 2, 8);
     if (const auto turned = by_rotation(*plane, nominal)) {
       const double as_rotation = gric(turned->errors, either, sigma_px, 2, turned->parameters);
-      if (as_rotation < as_general && as_rotation <= as_plane) return rotation(*turned, nominal);
+      if (as_rotation < as_general && as_rotation <= as_plane)
+        return rotation(*turned, nominal, below(turned->errors, kPlaneThreshold * threshold_px_));
+      if (hardly_more_than(*turned, either)) return rotation(*turned, nominal, epipolar.inliers);
     }
     if (as_general <= as_plane) return general(epipolar);
     return planar(epipolar, *plane, nominal);
@@ -315,8 +348,18 @@ class Verification {
     return finding;
   }
 
-  [[nodiscard]] Finding rotation(const Turn& turned, const PointPairs& pairs) const {
-    Finding finding{PairGeometry::kRotation, below(turned.errors, kPlaneThreshold * threshold_px_), {turned.rotation, {0, 0, 0}}, 0};
+  // With a lens not yet calibrated, the distortion looks like a little parallax: what remains after a rotation must be clearly more.
+  [[nodiscard]] bool hardly_more_than(const Turn& turned, std::span<const int> items) const {
+    if (first_.sigma_f_px == 0 && second_.sigma_f_px == 0) return false;
+    const double limit_px = kLensDoubt * threshold_px_;
+    const auto near = std::count_if(items.begin(), items.end(), [&](int i) {
+      return turned.errors[static_cast<std::size_t>(i)] < limit_px * limit_px;
+    });
+    return static_cast<double>(near) > 0.9 * static_cast<double>(items.size());
+  }
+
+  [[nodiscard]] static Finding rotation(const Turn& turned, const PointPairs& pairs, std::vector<int> inliers) {
+    Finding finding{PairGeometry::kRotation, std::move(inliers), {turned.rotation, {0, 0, 0}}, 0};
     finding.median_parallax_rad = median_parallax(finding.second_from_first, pairs, finding.inliers);
     return finding;
   }
@@ -324,7 +367,7 @@ class Verification {
   // The motion among those of the plane and that of the essential matrix which fits all pairs best.
   [[nodiscard]] Finding planar(const Relation& epipolar, const Plane& plane, const PointPairs& pairs) const {
     std::vector<Rigid3> candidates;
-    if (epipolar.motion && epipolar.parameters == 5) candidates.push_back(*epipolar.motion);
+    if (epipolar.motion && epipolar.parameters < 7) candidates.push_back(*epipolar.motion);
     for (const PlanarMotion& m : planar_motions(plane.matrix, pairs, plane.inliers)) candidates.push_back(m.second_from_first);
     Finding finding{PairGeometry::kPlanar, plane.inliers, {}, 0};
     std::optional<Rigid3> best;

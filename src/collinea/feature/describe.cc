@@ -73,8 +73,9 @@ Descriptor root_descriptor(std::array<float, 128> histogram) {
 }
 
 Descriptor describe_patch(const BlurredImage& image, float x, float y, double blur_px, float angle_rad) {
-  std::array<float, 128> histogram;
-  gradient_patch(image, x, y, angle_rad, static_cast<float>(kCell * blur_px), histogram.data());
+  std::array<float, 128> histogram{};
+  static int N=getenv("DSP")?atoi(getenv("DSP")):1; static double F=getenv("DSPF")?atof(getenv("DSPF")):1.3; static double KC=getenv("KC")?atof(getenv("KC")):kCell;
+  for(int k=0;k<N;k++){ std::array<float,128> h; double f=std::pow(F,k-(N-1)/2.0); gradient_patch(image, x, y, angle_rad, static_cast<float>(std::min(13.9,KC * blur_px*f)), h.data()); float s2=1e-12f; for(float v:h) s2+=v*v; s2=1/std::sqrt(s2); for(int i=0;i<128;i++) histogram[i]+=h[i]*s2; }
   return root_descriptor(histogram);
 }
 

@@ -14,7 +14,8 @@ namespace collinea {
 namespace {
 
 constexpr int kLeastSize_px = 16;
-constexpr double kUpsampleBelow_px2 = 1.5e6;
+constexpr double kUpsampleBelow_px2 = 2.5e6;
+constexpr double kDirectionsOfPlace = 1.17;  // on an average
 
 // The levels that features are described on; the others are needed for detection only.
 struct DescribingLevels {
@@ -88,9 +89,9 @@ std::vector<Oriented> choose(const Detection& detection, const GreyImage& pictur
     const Keypoint place = keypoint(Site(detection, i), 0);
     spots.push_back({place.x, place.y, place.strength});
   }
-  std::vector<std::uint32_t> order =
-      spread_order(spots, picture.width, picture.height, options.max_features, options.even_share);
   const auto most = static_cast<std::size_t>(std::max(0, options.max_features));
+  const int places = static_cast<int>(std::lround(options.max_features / kDirectionsOfPlace));
+  std::vector<std::uint32_t> order = spread_order(spots, picture.width, picture.height, places, options.even_share);
   if (order.size() > most) order.resize(most);
 
   // Neighbours are looked at one after the other: their pixels are still in the cache.

@@ -14,7 +14,7 @@ struct SiftOptions {
   double peak_threshold = 0.002;
   double edge_ratio = 10;
   std::optional<bool> upsample;
-  double even_share = 0.5;
+  double even_share = 0.15;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -24,7 +24,7 @@ struct SiftOptions {
                 "least contrast of a feature, as a part of the range from black to white", 0.0, 1.0});
     visit(Field{"edge_ratio", &O::edge_ratio, "1", "largest ratio of the two principal curvatures", 1.0});
     visit(Field{"upsample", &O::upsample, "1",
-                "look for features finer than the pixels; by default for images below 1.5 megapixels"});
+                "look for features finer than the pixels; by default for images below 2.5 megapixels"});
     visit(Field{"even_share", &O::even_share, "1",
                 "part of the features given to the image regions that have the fewest; the others are the strongest of all",
                 0.0, 1.0});

@@ -130,7 +130,7 @@ Agreement compare(double angle_rad, double scale, bool upsample) {
 }
 
 // Blobs of different sizes belong to different octaves; their places are known to any fraction of a pixel. What is left
-// is the error of the quadratic, up to 0.03 pixels of the octave between two pixels, and of the rounding to bytes.
+// is the error of the quadratic, up to 0.05 pixels of the octave between four pixels, and of the rounding to bytes.
 TEST(Sift, BlobsAreFoundWhereTheyAreInEveryOctaveAndWithoutBias) {
   for (const bool upsample : {false, true})
     for (const double sigma_px : {2.4, 3.6, 6.0, 11.0, 20.0}) {
@@ -144,7 +144,7 @@ TEST(Sift, BlobsAreFoundWhereTheyAreInEveryOctaveAndWithoutBias) {
         const Features features = detect_sift(picture_of({{x, y, sigma_px, 150}}, size, size), with_upsampling(upsample));
         ASSERT_FALSE(features.keypoints.empty()) << sigma_px;
         const Keypoint& found = features.keypoints.front();
-        EXPECT_LT(distance(found, x, y), 0.017 * found.scale_px) << sigma_px << " upsampled " << upsample;
+        EXPECT_LT(distance(found, x, y), 0.025 * found.scale_px) << sigma_px << " upsampled " << upsample;
         sum_x += found.x - x;
         sum_y += found.y - y;
       }

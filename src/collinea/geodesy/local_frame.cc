@@ -37,7 +37,8 @@ Result<LocalFrame> LocalFrame::create(const std::string& crs, double origin_lati
   if (!on_earth(origin_latitude_deg, origin_longitude_deg, origin_height_m))
     return fail(Errc::kBadInput, "the origin of the local frame is not on the Earth: latitude " +
                                      std::to_string(origin_latitude_deg) + ", longitude " +
-                                     std::to_string(origin_longitude_deg) + ", height " + std::to_string(origin_height_m));
+                                     std::to_string(origin_longitude_deg) + ", height " +
+                                     std::to_string(origin_height_m));
   LocalFrame frame;
   frame.transforms_ = std::make_shared<Transforms>();
   Transforms& transforms = *frame.transforms_;

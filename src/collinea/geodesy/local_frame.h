@@ -13,10 +13,10 @@ namespace collinea {
 
 /// Converts between the block's world frame (local: x east, y north, z up on the WGS84 ellipsoid at an origin),
 /// geographic WGS84 and the coordinates of a map. The only user of PROJ. Map coordinates are always (easting, northing,
-/// height) in metres, whatever the authority's axis order; geographic ones (latitude deg, longitude deg, ellipsoidal height m).
-/// Heights of a plan-only CRS are ellipsoidal; those of a compound CRS ("EPSG:32633+5773") are converted by its geoid.
-/// Ballpark transformations are refused; where nothing but a missing grid would do, that is an error that names the grid.
-/// A LocalFrame may be used from several threads at once.
+/// height) in metres, whatever the authority's axis order; geographic ones (latitude deg, longitude deg, ellipsoidal
+/// height m). Heights of a plan-only CRS are ellipsoidal; those of a compound CRS ("EPSG:32633+5773") are converted by
+/// its geoid. Ballpark transformations are refused; where nothing but a missing grid would do, that is an error that
+/// names the grid. A LocalFrame may be used from several threads at once.
 class LocalFrame {
  public:
   /// `crs`: a projected or compound CRS in metres as PROJ understands it ("EPSG:32633"). Errors: unknown CRS, not
@@ -33,8 +33,8 @@ class LocalFrame {
   void map_from_local(std::span<Eigen::Vector3d> points) const;
 
   [[nodiscard]] const std::string& crs() const;
-  [[nodiscard]] std::string wkt1() const;    ///< WKT1 (GDAL) of the CRS, for GeoTIFF
-  [[nodiscard]] std::string wkt2() const;    ///< WKT2:2015/2019, for LAS
+  [[nodiscard]] std::string wkt1() const;  ///< WKT1 (GDAL) of the CRS, for GeoTIFF
+  [[nodiscard]] std::string wkt2() const;  ///< WKT2:2015/2019, for LAS
   [[nodiscard]] std::string crs_name() const;
 
   /// The coordinate operation used between the map and WGS84, chosen once for the origin, and its accuracy by PROJ's

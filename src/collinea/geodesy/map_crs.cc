@@ -21,8 +21,8 @@ std::vector<Axis> axes_of(pj_ctx* context, const PJ* crs) {
   for (int i = 0; i < count; ++i) {
     const char *abbreviation = nullptr, *direction = nullptr, *unit = nullptr;
     Axis axis;
-    if (!proj_cs_get_axis_info(context, system.get(), i, nullptr, &abbreviation, &direction, &axis.metres, &unit, nullptr,
-                               nullptr))
+    if (!proj_cs_get_axis_info(context, system.get(), i, nullptr, &abbreviation, &direction, &axis.metres, &unit,
+                               nullptr, nullptr))
       return {};
     axis.abbreviation = abbreviation ? abbreviation : "";
     axis.direction = direction ? direction : "";
@@ -52,8 +52,8 @@ Result<> check_axes(const std::vector<Axis>& axes, const std::string& name) {
     if (!(std::abs(axis.metres - 1) < 1e-12))
       return fail(Errc::kUnsupported, name + " is in " + axis.unit + "; a CRS in metres is needed");
   if (!points_east_and_north(axes))
-    return fail(Errc::kUnsupported, "the axes of " + name + " point " + axes[0].direction + " and " + axes[1].direction +
-                                        "; a CRS with axes east and north is needed");
+    return fail(Errc::kUnsupported, "the axes of " + name + " point " + axes[0].direction + " and " +
+                                        axes[1].direction + "; a CRS with axes east and north is needed");
   return {};
 }
 
@@ -105,9 +105,11 @@ Result<MapCrs> read_map_crs(pj_ctx* context, const std::string& crs) {
   }
   const PJ_TYPE type = plan ? proj_get_type(plan.get()) : PJ_TYPE_UNKNOWN;
   if (type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS)
-    return fail(Errc::kUnsupported, map.name + " is in degrees; a projected CRS in metres is needed, such as the UTM zone");
+    return fail(Errc::kUnsupported,
+                map.name + " is in degrees; a projected CRS in metres is needed, such as the UTM zone");
   if (type != PJ_TYPE_PROJECTED_CRS)
-    return fail(Errc::kUnsupported, map.name + " is not a projected CRS; one in metres is needed, such as the UTM zone");
+    return fail(Errc::kUnsupported,
+                map.name + " is not a projected CRS; one in metres is needed, such as the UTM zone");
 
   const std::vector<Axis> axes = axes_of(context, plan.get());
   if (const Result<> verdict = check_axes(axes, map.name); !verdict) return tl::unexpected(verdict.error());

@@ -23,7 +23,8 @@ ProjList operations(pj_ctx* context, const PJ* map, const PJ* wgs84, const Eigen
       proj_create_operation_factory_context(context, nullptr));
   if (!factory) return nullptr;
   proj_operation_factory_context_set_allow_ballpark_transformations(context, factory.get(), 0);
-  proj_operation_factory_context_set_spatial_criterion(context, factory.get(), PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
+  proj_operation_factory_context_set_spatial_criterion(context, factory.get(),
+                                                       PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
   proj_operation_factory_context_set_grid_availability_use(context, factory.get(), PROJ_GRID_AVAILABILITY_IGNORED);
   if (near_lat_lon_deg) {
     constexpr double kMargin_deg = 0.05;
@@ -45,7 +46,8 @@ MissingGrid first_missing_grid(pj_ctx* context, const PJ* operation) {
   for (int i = 0; i < count; ++i) {
     const char *name = nullptr, *url = nullptr;
     int available = 0;
-    if (!proj_coordoperation_get_grid_used(context, operation, i, &name, nullptr, nullptr, &url, nullptr, nullptr, &available) ||
+    if (!proj_coordoperation_get_grid_used(context, operation, i, &name, nullptr, nullptr, &url, nullptr, nullptr,
+                                           &available) ||
         available)
       continue;
     const bool downloadable = url && *url;
@@ -135,8 +137,8 @@ void MapProjection::transform(std::span<Eigen::Vector3d> points, bool forward) {
   double* first = points.data()->data();
   constexpr std::size_t kStride = sizeof(Eigen::Vector3d);
   const std::size_t count = points.size();
-  proj_trans_generic(worker.operation.get(), forward ? PJ_FWD : PJ_INV, first, kStride, count, first + 1, kStride, count,
-                     has_height_ ? first + 2 : nullptr, kStride, has_height_ ? count : 0, nullptr, 0, 0);
+  proj_trans_generic(worker.operation.get(), forward ? PJ_FWD : PJ_INV, first, kStride, count, first + 1, kStride,
+                     count, has_height_ ? first + 2 : nullptr, kStride, has_height_ ? count : 0, nullptr, 0, 0);
   proj_errno_reset(worker.operation.get());
   give_back(std::move(worker));
 }

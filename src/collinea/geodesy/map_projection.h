@@ -39,8 +39,8 @@ struct MapCrs {
 [[nodiscard]] Result<MapCrs> read_map_crs(pj_ctx* context, const std::string& crs);
 
 /// Map coordinates <-> geographic WGS84 by one fixed coordinate operation of PROJ: the best for the place it was made
-/// for, so that a block never straddles two operations. PROJ objects serve one thread; this lends each call its own copy.
-/// Coordinates outside the operation's domain become infinite.
+/// for, so that a block never straddles two operations. PROJ objects serve one thread; this lends each call its own
+/// copy. Coordinates outside the operation's domain become infinite.
 class MapProjection {
  public:
   /// The operation for the neighbourhood of a place; without a place: for the whole CRS.

@@ -46,7 +46,8 @@ Result<std::string> read_bytes(const std::filesystem::path& path) {
   if (error) return fail(Errc::kNotFound, path.string() + ": " + error.message());
   std::string bytes(size, '\0');
   bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
-  if (std::ferror(file.get())) return fail(Errc::kBadFormat, path.string() + " cannot be read: " + std::strerror(errno));
+  if (std::ferror(file.get()))
+    return fail(Errc::kBadFormat, path.string() + " cannot be read: " + std::strerror(errno));
   return bytes;
 }
 

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kRowsPerStrip = 64;
 
-// ZSTD at its fastest behind the integer predictor: read at twice the speed of the floating-point predictor, which would
-// save another quarter of the space.
+// ZSTD at its fastest behind the integer predictor: read at twice the speed of the floating-point predictor, which
+// would save another quarter of the space.
 void describe(TIFF* tiff, const FloatImage& raster) {
   TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, std::uint32_t(raster.width));
   TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, std::uint32_t(raster.height));
@@ -79,8 +79,8 @@ Result<FloatImage> read_all(const std::filesystem::path& path) {
       (it.planar != PLANARCONFIG_CONTIG && it.samples > 1))
     return fail(Errc::kUnsupported, "not a floating-point raster in strips");
   std::error_code ignored;
-  if (const Result<> verdict = check_size(it.width, std::uint64_t(it.height) * it.samples,
-                                          std::filesystem::file_size(path, ignored));
+  if (const Result<> verdict =
+          check_size(it.width, std::uint64_t(it.height) * it.samples, std::filesystem::file_size(path, ignored));
       !verdict)
     return tl::unexpected(verdict.error());
   FloatImage raster(int(it.width), int(it.height), it.samples);

@@ -16,10 +16,12 @@ namespace collinea {
 struct MapGrid {
   double west_m = 0, north_m = 0;  ///< outer corner of the upper-left cell
   double cell_m = 1;
-  int width = 0, height = 0;       ///< cells
-  std::string wkt;                 ///< of the CRS; empty: a local frame
+  int width = 0, height = 0;  ///< cells
+  std::string wkt;            ///< of the CRS; empty: a local frame
 
-  [[nodiscard]] double east_of(double column) const { return west_m + column * cell_m; }    ///< continuous column; +0.5 = centre
+  [[nodiscard]] double east_of(double column) const {
+    return west_m + column * cell_m;
+  }  ///< continuous column; +0.5 = centre
   [[nodiscard]] double north_of(double row) const { return north_m - row * cell_m; }
 };
 
@@ -28,7 +30,8 @@ struct MapGrid {
 template <class T>
 class GeoTiffWriter {
  public:
-  /// `channels` bands; nodata as stated; with `alpha` the last band is an alpha band. cloud_optimised: written as COG with overviews.
+  /// `channels` bands; nodata as stated; with `alpha` the last band is an alpha band. cloud_optimised: written as COG
+  /// with overviews.
   struct Options {
     std::optional<double> nodata = {};
     bool alpha = false;
@@ -36,7 +39,8 @@ class GeoTiffWriter {
     std::string description = {};  ///< TIFF ImageDescription: what and in which unit
     int threads = 1;               ///< that compress a cloud-optimised file; its bytes do not depend on it
   };
-  static Result<GeoTiffWriter> create(const std::filesystem::path& path, const MapGrid& grid, int channels, const Options& options);
+  static Result<GeoTiffWriter> create(const std::filesystem::path& path, const MapGrid& grid, int channels,
+                                      const Options& options);
   /// Writes a window inside the grid. Not thread-safe. Windows on multiples of 512 cells (or ending at the grid's edge)
   /// are written at once; the same ones in the same order make the same bytes. Others work, but slower and larger.
   Result<> write(int column, int row, const Raster<T>& window);
@@ -65,8 +69,10 @@ class GeoTiffReader {
   [[nodiscard]] std::optional<double> nodata() const;
   /// Reads a window of all channels, converted to T, optionally resampled (average, nodata left out) to out_width x
   /// out_height. Errors: a window outside the raster, damaged data.
-  Result<Raster<float>> read_float(int column, int row, int width, int height, int out_width = 0, int out_height = 0) const;
-  Result<Raster<std::uint8_t>> read_byte(int column, int row, int width, int height, int out_width = 0, int out_height = 0) const;
+  Result<Raster<float>> read_float(int column, int row, int width, int height, int out_width = 0,
+                                   int out_height = 0) const;
+  Result<Raster<std::uint8_t>> read_byte(int column, int row, int width, int height, int out_width = 0,
+                                         int out_height = 0) const;
 
   GeoTiffReader(GeoTiffReader&&) noexcept;
   GeoTiffReader& operator=(GeoTiffReader&&) noexcept;

@@ -36,7 +36,8 @@ Result<> GeoTiffReader::State::read_description() {
     return {};
   }
   if (corner[2] != 0 || corner[4] != 0 || !(corner[1] > 0) || std::abs(corner[1] + corner[5]) > 1e-6 * corner[1])
-    return fail(Errc::kUnsupported, path.string() + " is rotated or its cells are not square; a north-up raster is needed");
+    return fail(Errc::kUnsupported,
+                path.string() + " is rotated or its cells are not square; a north-up raster is needed");
   grid.west_m = corner[0];
   grid.north_m = corner[3];
   grid.cell_m = corner[1];

@@ -40,7 +40,8 @@ Result<> write_in_windows(const std::filesystem::path& path, const MapGrid& grid
   if (!writer) return tl::unexpected(writer.error());
   for (int row = 0; row < whole.height; row += step)
     for (int column = 0; column < whole.width; column += step) {
-      const Raster<T> window = part_of(whole, column, row, std::min(step, whole.width - column), std::min(step, whole.height - row));
+      const Raster<T> window =
+          part_of(whole, column, row, std::min(step, whole.width - column), std::min(step, whole.height - row));
       if (const Result<> written = writer->write(column, row, window); !written) return written;
     }
   return writer->finish();
@@ -64,7 +65,8 @@ TEST(GeoTiff, HeightsAndTheirPlaceComeBackExactly) {
   const TestFolder folder;
   const FloatImage heights = terrain(700, 530);
   const MapGrid grid = map_grid(700, 530);
-  ASSERT_TRUE(write_in_windows<float>(folder / "dsm.tif", grid, heights, 256, {.nodata = -9999.0, .description = "heights [m]"}));
+  ASSERT_TRUE(write_in_windows<float>(folder / "dsm.tif", grid, heights, 256,
+                                      {.nodata = -9999.0, .description = "heights [m]"}));
   const GeoTiffReader reader = GeoTiffReader::open(folder / "dsm.tif").value();
   EXPECT_EQ(reader.grid().width, 700);
   EXPECT_EQ(reader.grid().height, 530);
@@ -116,8 +118,9 @@ TEST(GeoTiff, TheSameInputMakesTheSameBytes) {
 TEST(GeoTiff, WhatWasNotWrittenIsNodata) {
   const TestFolder folder;
   for (const bool cloud : {false, true}) {
-    auto writer = GeoTiffWriter<float>::create(folder / "d.tif", map_grid(600, 600), 1,
-                                               {.nodata = std::numeric_limits<double>::quiet_NaN(), .cloud_optimised = cloud});
+    auto writer =
+        GeoTiffWriter<float>::create(folder / "d.tif", map_grid(600, 600), 1,
+                                     {.nodata = std::numeric_limits<double>::quiet_NaN(), .cloud_optimised = cloud});
     ASSERT_TRUE(writer);
     ASSERT_TRUE(writer->write(0, 0, FloatImage(256, 256, 1, 7.0f)));
     ASSERT_TRUE(writer->finish());
@@ -139,7 +142,8 @@ TEST(GeoTiff, TheFileAppearsOnlyWhenFinished) {
     EXPECT_FALSE(std::filesystem::exists(folder / "d.tif"));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
-  ASSERT_TRUE(write_in_windows<float>(folder / "d.tif", map_grid(100, 100), FloatImage(100, 100), 256, {.cloud_optimised = true}));
+  ASSERT_TRUE(write_in_windows<float>(folder / "d.tif", map_grid(100, 100), FloatImage(100, 100), 256,
+                                      {.cloud_optimised = true}));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / ""), {}), 1);
 }
 

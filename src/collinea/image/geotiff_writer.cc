@@ -147,9 +147,10 @@ Result<> GeoTiffWriter<T>::write(int column, int row, const Raster<T>& window) {
                  row + window.height <= state.grid.height);
   const GdalErrors errors;
   const auto pixel = GSpacing(sizeof(T)) * state.channels;
-  const CPLErr verdict = GDALDatasetRasterIOEx(
-      state.dataset.get(), GF_Write, column, row, window.width, window.height, const_cast<T*>(window.data.data()),
-      window.width, window.height, gdal_type<T>(), state.channels, nullptr, pixel, pixel * window.width, sizeof(T), nullptr);
+  const CPLErr verdict =
+      GDALDatasetRasterIOEx(state.dataset.get(), GF_Write, column, row, window.width, window.height,
+                            const_cast<T*>(window.data.data()), window.width, window.height, gdal_type<T>(),
+                            state.channels, nullptr, pixel, pixel * window.width, sizeof(T), nullptr);
   // Whole blocks go to the file at once and in order: what else is in GDAL's cache must not change the file.
   if (verdict == CE_None && state.on_block_borders(column, row, window)) GDALFlushCache(state.dataset.get());
   if (verdict != CE_None || errors.any())

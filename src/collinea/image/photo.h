@@ -18,10 +18,11 @@ struct PhotoHeader {
   std::optional<double> pixel_pitch_mm;  ///< from FocalPlaneXResolution and its unit, when plausible
   std::string taken;                     ///< "YYYY:MM:DD hh:mm:ss.sss"
   int orientation = 1;
-  std::optional<double> latitude_deg, longitude_deg, height_m;         ///< GPS; XMP's finer values where they agree
-  std::optional<double> sigma_east_m, sigma_north_m, sigma_height_m;   ///< XMP RTK (drone-dji:RtkStdLon/Lat/Hgt), GPSHPositioningError
-  std::optional<double> relative_height_m;                             ///< above take-off (drone-dji:RelativeAltitude)
-  std::optional<double> heading_deg, pitch_deg, roll_deg;              ///< gimbal (drone-dji:Gimbal*Degree, Camera:*)
+  std::optional<double> latitude_deg, longitude_deg, height_m;  ///< GPS; XMP's finer values where they agree
+  std::optional<double> sigma_east_m, sigma_north_m,
+      sigma_height_m;                       ///< XMP RTK (drone-dji:RtkStdLon/Lat/Hgt), GPSHPositioningError
+  std::optional<double> relative_height_m;  ///< above take-off (drone-dji:RelativeAltitude)
+  std::optional<double> heading_deg, pitch_deg, roll_deg;  ///< gimbal (drone-dji:Gimbal*Degree, Camera:*)
 };
 
 /// Reads the header. Errors: not a photograph we know (JPEG, PNG, TIFF), cannot be opened. Broken EXIF is no error:
@@ -38,7 +39,8 @@ struct PhotoHeader {
 /// Writes 8-bit pictures (1 or 3 channels), atomically. With a header, JPEG gets its EXIF and XMP tags.
 [[nodiscard]] Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& picture, int quality,
                                   const PhotoHeader* header = nullptr);
-[[nodiscard]] Result<> write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& picture);  ///< 1, 3 or 4 channels
+[[nodiscard]] Result<> write_png(const std::filesystem::path& path,
+                                 const Raster<std::uint8_t>& picture);  ///< 1, 3 or 4 channels
 /// The same, into memory: for pictures inside a report.
 [[nodiscard]] Result<std::string> encode_jpeg(const Raster<std::uint8_t>& picture, int quality);
 

@@ -87,7 +87,8 @@ std::optional<double> exif_angle_deg(const Tags& tags, const char* key, const ch
   // Minutes and seconds may be missing, or 0/0, when the degrees hold the fraction.
   const double angle = std::abs(*degrees) + number(*value, 1).value_or(0) / 60 + number(*value, 2).value_or(0) / 3600;
   const std::string reference = tags.exif_text(reference_key);
-  const bool below = reference.empty() ? *degrees < 0 : std::toupper(static_cast<unsigned char>(reference[0])) == negative;
+  const bool below =
+      reference.empty() ? *degrees < 0 : std::toupper(static_cast<unsigned char>(reference[0])) == negative;
   return below ? -angle : angle;
 }
 
@@ -104,7 +105,8 @@ std::optional<double> exif_height_m(const Tags& tags) {
 }
 
 void read_position(const Tags& tags, PhotoHeader& header) {
-  std::optional<double> latitude_deg = exif_angle_deg(tags, "Exif.GPSInfo.GPSLatitude", "Exif.GPSInfo.GPSLatitudeRef", 'S');
+  std::optional<double> latitude_deg =
+      exif_angle_deg(tags, "Exif.GPSInfo.GPSLatitude", "Exif.GPSInfo.GPSLatitudeRef", 'S');
   std::optional<double> longitude_deg =
       exif_angle_deg(tags, "Exif.GPSInfo.GPSLongitude", "Exif.GPSInfo.GPSLongitudeRef", 'W');
   std::optional<double> height_m = exif_height_m(tags);
@@ -147,7 +149,8 @@ void read_position_sigmas(const Tags& tags, PhotoHeader& header) {
 
 void read_attitude(const Tags& tags, PhotoHeader& header) {
   for (const auto& [yaw, pitch, roll] :
-       {std::array{"Xmp.drone-dji.GimbalYawDegree", "Xmp.drone-dji.GimbalPitchDegree", "Xmp.drone-dji.GimbalRollDegree"},
+       {std::array{"Xmp.drone-dji.GimbalYawDegree", "Xmp.drone-dji.GimbalPitchDegree",
+                   "Xmp.drone-dji.GimbalRollDegree"},
         std::array{"Xmp.drone-parrot.CameraYawDegree", "Xmp.drone-parrot.CameraPitchDegree",
                    "Xmp.drone-parrot.CameraRollDegree"}}) {
     header.heading_deg = tags.xmp_number(yaw);

@@ -43,7 +43,8 @@ void put_camera(const PhotoHeader& header, Exiv2::ExifData& exif) {
   put(exif, "Exif.Photo.LensModel", header.lens);
   put(exif, "Exif.Photo.BodySerialNumber", header.serial);
   if (header.focal_mm) put(exif, "Exif.Photo.FocalLength", ratio(*header.focal_mm, 100'000));
-  if (header.focal_35mm_mm) exif["Exif.Photo.FocalLengthIn35mmFilm"] = std::uint16_t(std::lround(*header.focal_35mm_mm));
+  if (header.focal_35mm_mm)
+    exif["Exif.Photo.FocalLengthIn35mmFilm"] = std::uint16_t(std::lround(*header.focal_35mm_mm));
   exif["Exif.Photo.PixelXDimension"] = std::uint32_t(header.width_px);
   exif["Exif.Photo.PixelYDimension"] = std::uint32_t(header.height_px);
   if (header.pixel_pitch_mm) {

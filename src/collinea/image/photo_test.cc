@@ -2,6 +2,10 @@
 #include "collinea/image/photo.h"
 
 #include <gtest/gtest.h>
+
+#include <cstdio>
+// jpeglib.h needs <cstdio> before it.
+#include <jpeglib.h>
 #include <png.h>
 #include <tiffio.h>
 
@@ -108,8 +112,7 @@ void write_tiff(const std::filesystem::path& path, const Raster<T>& raster, cons
       }
   } else {
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 7);
-    for (int y = 0; y < raster.height; ++y)
-      TIFFWriteScanline(tiff, const_cast<T*>(raster.row(y)), std::uint32_t(y), 0);
+    for (int y = 0; y < raster.height; ++y) TIFFWriteScanline(tiff, const_cast<T*>(raster.row(y)), std::uint32_t(y), 0);
   }
   TIFFClose(tiff);
 }
@@ -164,6 +167,34 @@ TEST(Photo, SixteenBitPngIsReadInTheRightByteOrder) {
   const GreyImage back = read_grey(folder / "r.png").value();
   for (int x = 1; x < 600; ++x) EXPECT_GE(back.at(x, 0), back.at(x - 1, 0));
   EXPECT_EQ(back.at(599, 0), 255);
+}
+
+// Four inks as Adobe writes them (255 = none): red is magenta and yellow.
+TEST(Photo, PrintersInksBecomeColours) {
+  const TestFolder folder;
+  jpeg_compress_struct info;
+  jpeg_error_mgr errors;
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  std::FILE* file = std::fopen((folder / "inks.jpg").c_str(), "wb");
+  jpeg_stdio_dest(&info, file);
+  info.image_width = info.image_height = 16;
+  info.input_components = 4;
+  info.in_color_space = JCS_CMYK;
+  jpeg_set_defaults(&info);
+  jpeg_simple_progression(&info);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<JSAMPLE> row;
+  for (int x = 0; x < 16; ++x) row.insert(row.end(), {255, 0, 0, 255});
+  for (JSAMPROW at = row.data(); info.next_scanline < 16;) jpeg_write_scanlines(&info, &at, 1);
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  std::fclose(file);
+  const ColourImage colour = read_colour(folder / "inks.jpg").value();
+  EXPECT_NEAR(colour.at(8, 8, 0), 255, 2);
+  EXPECT_NEAR(colour.at(8, 8, 1), 0, 2);
+  EXPECT_NEAR(colour.at(8, 8, 2), 0, 2);
+  EXPECT_NEAR(read_grey(folder / "inks.jpg")->at(8, 8), 76, 2);
 }
 
 TEST(Photo, TheNameOfTheFileDoesNotMatterItsBytesDo) {

@@ -119,7 +119,8 @@ Result<Samples> decode_png(const std::string& bytes) {
   if (!read_header(state)) return state.error();
   const std::uint64_t width = png_get_image_width(state.png, state.info);
   const std::uint64_t height = png_get_image_height(state.png, state.info);
-  if (const Result<> verdict = check_size(width, height, bytes.size()); !verdict) return tl::unexpected(verdict.error());
+  if (const Result<> verdict = check_size(width, height, bytes.size()); !verdict)
+    return tl::unexpected(verdict.error());
   if (!simplify(state)) return state.error();
   Samples samples;
   const bool read = png_get_bit_depth(state.png, state.info) == 16 ? read_raster(state, samples.words)

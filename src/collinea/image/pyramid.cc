@@ -9,7 +9,8 @@
 namespace collinea {
 namespace {
 
-// The overlaps of one output cell with the input cells along one axis, in 1/65536 of the output cell; they sum to 65536.
+// The overlaps of one output cell with the input cells along one axis, in 1/65536 of the output cell; they sum to
+// 65536.
 struct Overlap {
   int first = 0;
   std::vector<std::uint32_t> weights;
@@ -38,7 +39,8 @@ std::vector<float> gaussian(double sigma_px) {
   const int radius = std::max(1, int(std::ceil(4 * sigma_px)));
   std::vector<double> exact(std::size_t(2 * radius + 1));
   double sum = 0;
-  for (int i = -radius; i <= radius; ++i) sum += exact[std::size_t(i + radius)] = std::exp(-0.5 * i * i / (sigma_px * sigma_px));
+  for (int i = -radius; i <= radius; ++i)
+    sum += exact[std::size_t(i + radius)] = std::exp(-0.5 * i * i / (sigma_px * sigma_px));
   std::vector<float> weights(exact.size());
   for (std::size_t i = 0; i < exact.size(); ++i) weights[i] = float(exact[i] / sum);
   return weights;
@@ -76,7 +78,8 @@ Raster<std::uint8_t> shrunk(const Raster<std::uint8_t>& raster, int factor) {
         for (int c = 0; c < channels; ++c) sums[std::size_t(x / factor * channels + c)] += in[x * channels + c];
     }
     for (int x = 0; x < width; ++x) {
-      const std::uint32_t count = std::uint32_t((bottom - top) * (std::min((x + 1) * factor, raster.width) - x * factor));
+      const std::uint32_t count =
+          std::uint32_t((bottom - top) * (std::min((x + 1) * factor, raster.width) - x * factor));
       for (int c = 0; c < channels; ++c)
         out.at(x, y, c) = std::uint8_t((sums[std::size_t(x * channels + c)] + count / 2) / count);
     }
@@ -103,7 +106,8 @@ Raster<std::uint8_t> resized(const Raster<std::uint8_t>& raster, int width, int 
       for (int c = 0; c < raster.channels; ++c) {
         std::uint64_t sum = std::uint64_t(1) << 31;  // one half, for rounding
         for (std::size_t i = 0; i < columns.weights.size(); ++i)
-          sum += std::uint64_t(columns.weights[i]) * sums[(std::size_t(columns.first) + i) * std::size_t(raster.channels) + std::size_t(c)];
+          sum += std::uint64_t(columns.weights[i]) *
+                 sums[(std::size_t(columns.first) + i) * std::size_t(raster.channels) + std::size_t(c)];
         out.at(x, y, c) = std::uint8_t(sum >> 32);
       }
     }

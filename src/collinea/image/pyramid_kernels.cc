@@ -17,8 +17,8 @@ int halve_grey(const std::uint8_t*, const std::uint8_t*, std::uint8_t*, int) { r
 int halve_colour(const std::uint8_t*, const std::uint8_t*, std::uint8_t*, int) { return 0; }
 #else
 // Means of four bytes: pairs of neighbours are the two bytes of a 16-bit lane.
-template <class D8, class V8 = hn::Vec<D8>>
-hn::Vec<hn::RepartitionToWide<D8>> mean_of_pairs(D8 /*bytes*/, V8 upper, V8 lower) {
+template <class D8, class V8 = hn::Vec<D8> >
+hn::Vec<hn::RepartitionToWide<D8> > mean_of_pairs(D8 /*bytes*/, V8 upper, V8 lower) {
   const hn::RepartitionToWide<D8> words;
   const auto u = hn::BitCast(words, upper), l = hn::BitCast(words, lower);
   const auto low = hn::Set(words, 0xff);
@@ -34,8 +34,9 @@ int halve_grey(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_
   int x = 0;
   for (; x + step <= count; x += step) {
     const auto mean = mean_of_pairs(bytes, hn::LoadU(bytes, upper + 2 * x), hn::LoadU(bytes, lower + 2 * x));
-    hn::StoreU(hn::DemoteTo(half_bytes, hn::BitCast(hn::RepartitionToWide<hn::RebindToSigned<decltype(bytes)>>(), mean)),
-               half_bytes, out + x);
+    hn::StoreU(
+        hn::DemoteTo(half_bytes, hn::BitCast(hn::RepartitionToWide<hn::RebindToSigned<decltype(bytes)> >(), mean)),
+        half_bytes, out + x);
   }
   return x;
 }
@@ -43,7 +44,7 @@ int halve_grey(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_
 int halve_colour(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_t* out, int count) {
   const hn::ScalableTag<std::uint8_t> bytes;
   const hn::Half<decltype(bytes)> half_bytes;
-  const hn::RepartitionToWide<hn::RebindToSigned<decltype(bytes)>> signed_words;
+  const hn::RepartitionToWide<hn::RebindToSigned<decltype(bytes)> > signed_words;
   const int step = int(hn::Lanes(bytes)) / 2;
   int x = 0;
   for (; x + step <= count; x += step) {

@@ -19,7 +19,8 @@ Raster<std::uint8_t> noise(int width, int height, int channels) {
 
 TEST(Pyramid, HalfIsTheRoundedMeanOfWhatEachPixelCovers) {
   for (const int channels : {1, 2, 3, 4})
-    for (const auto& [width, height] : {std::pair(1, 1), std::pair(2, 2), std::pair(3, 5), std::pair(131, 67), std::pair(200, 4)}) {
+    for (const auto& [width, height] :
+         {std::pair(1, 1), std::pair(2, 2), std::pair(3, 5), std::pair(131, 67), std::pair(200, 4)}) {
       const Raster<std::uint8_t> raster = noise(width, height, channels);
       const Raster<std::uint8_t> small = half(raster);
       ASSERT_EQ(small.width, (width + 1) / 2);

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-
 namespace collinea {
 
 /// A picture in memory: rows of interleaved channels, upper row first, no padding.
@@ -28,8 +27,8 @@ struct Raster {
   [[nodiscard]] const T& at(int x, int y, int c = 0) const { return row(y)[x * channels + c]; }
 };
 
-using GreyImage = Raster<std::uint8_t>;   ///< 1 channel
-using ColourImage = Raster<std::uint8_t>; ///< 3 channels: red, green, blue
+using GreyImage = Raster<std::uint8_t>;    ///< 1 channel
+using ColourImage = Raster<std::uint8_t>;  ///< 3 channels: red, green, blue
 using FloatImage = Raster<float>;
 
 /// The value at a continuous position by bilinear interpolation, clamped at the border. x, y [px].

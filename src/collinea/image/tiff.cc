@@ -66,9 +66,8 @@ bool read_blocks(TIFF* tiff, const Layout& it, Raster<T>& raster) {
   std::vector<T> block(expected / sizeof(T));
   for (int top = 0; top < raster.height; top += height)
     for (int left = 0; left < raster.width; left += width) {
-      const tmsize_t got =
-          it.tiled ? TIFFReadTile(tiff, block.data(), std::uint32_t(left), std::uint32_t(top), 0, 0)
-                   : TIFFReadEncodedStrip(tiff, std::uint32_t(top / height), block.data(), size);
+      const tmsize_t got = it.tiled ? TIFFReadTile(tiff, block.data(), std::uint32_t(left), std::uint32_t(top), 0, 0)
+                                    : TIFFReadEncodedStrip(tiff, std::uint32_t(top / height), block.data(), size);
       const int rows = it.tiled ? height : std::min(height, raster.height - top);
       if (got < tmsize_t(std::size_t(width) * std::size_t(rows) * it.samples * sizeof(T))) return false;
       paste(raster, left, top, block.data(), width, rows, it.samples);
@@ -79,9 +78,11 @@ bool read_blocks(TIFF* tiff, const Layout& it, Raster<T>& raster) {
 // Palettes, JPEG inside TIFF, inverted grey, separate planes ...: libtiff's own conversion to RGBA.
 Result<Samples> read_converted(TiffFile& file, const Layout& it) {
   char reason[1024] = {};
-  if (!TIFFRGBAImageOK(file.get(), reason)) return fail(Errc::kUnsupported, std::string("this kind of TIFF: ") + reason);
+  if (!TIFFRGBAImageOK(file.get(), reason))
+    return fail(Errc::kUnsupported, std::string("this kind of TIFF: ") + reason);
   std::vector<std::uint32_t> pixels(std::size_t(it.width) * it.height);
-  if (!TIFFReadRGBAImageOriented(file.get(), it.width, it.height, pixels.data(), it.orientation, 1)) return file.error();
+  if (!TIFFReadRGBAImageOriented(file.get(), it.width, it.height, pixels.data(), it.orientation, 1))
+    return file.error();
   Samples samples;
   samples.bytes = Raster<std::uint8_t>(int(it.width), int(it.height), 3);
   for (std::size_t i = 0; i < pixels.size(); ++i) {

@@ -265,8 +265,9 @@ TEST(Ply, TextAndBigEndianAreRead) {
   ASSERT_TRUE(text) << text.error().message;
   EXPECT_EQ(text->at(1).position, Eigen::Vector3d(4, 5, 6));
   EXPECT_EQ(text->at(0).colour[0], 200);
-  const std::string big("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty short y\n"
-                        "end_header\n\x3f\x80\0\0\x01\x02", 104 + 0);
+  const std::string big =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty short y\nend_header\n" +
+      std::string("\x3f\x80\0\0\x01\x02", 6);
   const auto points = parse_ply(big);
   ASSERT_TRUE(points) << points.error().message;
   EXPECT_EQ(points->at(0).position, Eigen::Vector3d(1, 258, 0));

@@ -62,6 +62,10 @@ HWY_INLINE V multiply_add(V sum, V a, V b) {
 }
 #endif
 
+// A tile's sums stay in registers only when its loops are written out; -O2 does not do that by itself.
+#undef COLLINEA_UNROLL
+#define COLLINEA_UNROLL _Pragma("GCC unroll 4")
+
 // Elements of neighbouring dimensions that one lane holds, and lanes that a descriptor fills.
 constexpr std::size_t kGroup = sizeof(std::int32_t) / sizeof(Element);
 constexpr std::size_t kSteps = kSize / kGroup;
@@ -137,30 +141,40 @@ struct Panel {
 
 HWY_INLINE void match_tile(const Rows& rows, std::int32_t first_row, const Panel& panel, std::int32_t first_column) {
   V dot[kRows][kVectors];
+  COLLINEA_UNROLL
   for (std::size_t r = 0; r < kRows; ++r)
+    COLLINEA_UNROLL
     for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = hn::Zero(kInts);
   for (std::size_t k = 0; k < kSteps; ++k) {
     V b[kVectors];
+    COLLINEA_UNROLL
     for (std::size_t v = 0; v < kVectors; ++v)
       b[v] = hn::Load(kInts, reinterpret_cast<const std::int32_t*>(panel.packed) + k * kPanel + v * kLanes);
+    COLLINEA_UNROLL
     for (std::size_t r = 0; r < kRows; ++r) {
       const V a = hn::Set(kInts, reinterpret_cast<const std::int32_t*>(rows.packed)[r * kSteps + k]);
+      COLLINEA_UNROLL
       for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = multiply_add(dot[r][v], a, b[v]);
     }
   }
-  for (std::size_t v = 0; v < kVectors; ++v) {
-    Running of_column = Running::load(panel.running + v * kRunning);
-    const V constant = hn::Load(kInts, panel.constants + v * kLanes);
-    const V column = hn::Iota(kInts, first_column + static_cast<std::int32_t>(v * kLanes));
-    for (std::size_t r = 0; r < kRows; ++r) {
-      const V distance = hn::Sub(hn::Add(constant, hn::Set(kInts, rows.constants[r])), hn::ShiftLeft<1>(dot[r][v]));
-      of_column.add(distance, hn::Set(kInts, first_row + static_cast<std::int32_t>(r)));
-      Running of_row = Running::load(rows.running + r * kRunning);
-      of_row.add(distance, column);
-      of_row.store(rows.running + r * kRunning);
+  Running of_column[kVectors];
+  COLLINEA_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) of_column[v] = Running::load(panel.running + v * kRunning);
+  COLLINEA_UNROLL
+  for (std::size_t r = 0; r < kRows; ++r) {
+    Running of_row = Running::load(rows.running + r * kRunning);
+    const V row = hn::Set(kInts, first_row + static_cast<std::int32_t>(r)), constant = hn::Set(kInts, rows.constants[r]);
+    COLLINEA_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      const V sum = hn::Add(constant, hn::Load(kInts, panel.constants + v * kLanes));
+      const V distance = hn::Sub(sum, hn::ShiftLeft<1>(dot[r][v]));
+      of_column[v].add(distance, row);
+      of_row.add(distance, hn::Iota(kInts, first_column + static_cast<std::int32_t>(v * kLanes)));
     }
-    of_column.store(panel.running + v * kRunning);
+    of_row.store(rows.running + r * kRunning);
   }
+  COLLINEA_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) of_column[v].store(panel.running + v * kRunning);
 }
 
 HWY_INLINE std::int32_t none_if_far(std::int32_t distance) { return distance < kFar ? distance : NearestTwo::kNone; }

@@ -110,7 +110,7 @@ class Grower {
 
   Result<> global(int rounds) {
     for (int round = 0; round < rounds; ++round) {
-      const AdjustOptions adjust{.loss = "huber", .calibration = calibration_for(options_, block_.poses().size())};
+      const AdjustOptions adjust{.calibration = calibration_for(options_, block_.poses().size())};
       if (auto adjusted = block_.adjust_all(adjust, {.use_positions = false, .use_control = false}, run_); !adjusted)
         return tl::unexpected(adjusted.error());
       block_.filter(options_.max_error_px, run_);
@@ -120,7 +120,7 @@ class Grower {
     return {};
   }
 
-  [[nodiscard]] AdjustOptions local_options() const { return {.loss = "huber", .max_iterations = 8, .calibration = "none"}; }
+  [[nodiscard]] AdjustOptions local_options() const { return {.calibration = "none", .max_iterations = 8}; }
 
   struct Failure {
     int times = 0;
@@ -155,7 +155,7 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
                         const Run& run) {
   constexpr int kRounds = 5;
   constexpr double kSettled = 1e-3;  // share of rays that came or went
-  const AdjustOptions adjust{.loss = "huber", .calibration = calibration_for(options, reconstruction.poses().size())};
+  const AdjustOptions adjust{.calibration = calibration_for(options, reconstruction.poses().size())};
   for (int round = 0; round < kRounds; ++round) {
     COLLINEA_TRY(const Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
     const int removed = reconstruction.filter(options.max_error_px, run);

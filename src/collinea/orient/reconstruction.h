@@ -12,6 +12,7 @@
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
 #include "collinea/block/features.h"
+#include "collinea/geometry/similarity3.h"
 #include "collinea/orient/options.h"
 
 namespace collinea {

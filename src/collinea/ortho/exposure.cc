@@ -77,7 +77,7 @@ double falloff_of(const Pairs& pairs, std::span<const CameraId> cameras, CameraI
   }
   double slope = 0;
   for (int round = 0; round < 8; ++round) {
-    double xx = 50, xy = 0;  // a weak belief in a lens without fall-off
+    double xx = 1, xy = 0;  // a weak belief in a lens without fall-off
     for (const auto& [x, y] : points) {
       const double residual = std::abs(y - slope * x), weight = residual < 0.05 ? 1 : 0.05 / residual;
       xx += weight * x * x, xy += weight * x * y;

@@ -230,18 +230,21 @@ void bicubic(const ColourImage& picture, double x, double y, float colour[3]) {
   }
 }
 
-Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, int width, int height) {
+Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, int width, int height, const Run& run) {
+  COLLINEA_CHECK(column % OrthoPatch::kBlock == 0 && row % OrthoPatch::kBlock == 0);
   const Area area = patch_area(column, row, width, height), wanted{kMargin, kMargin, width, height};
   std::vector<std::size_t> over;
   COLLINEA_TRY(const std::optional<OrthoPatch> patch, make_patch(scene, area, over));
   if (!patch) return OrthoTile{Raster<std::uint8_t>(width, height, 4), Raster<std::uint16_t>(width, height)};
   std::vector<const View*> views;
   for (const std::size_t v : over) views.push_back(&scene.views[v]);
-  const int rim_cells = std::max(1, int(std::ceil(1.5 * scene.surface->grid.cell_m / scene.grid.cell_m)));
+  // Roof edges of the surface model are good to about a cell; one more for the reach of the interpolation in the picture.
+  const int rim_cells = 1 + int(std::ceil(1.5 * scene.surface->grid.cell_m / scene.grid.cell_m));
   Visibility visibility(*patch, views, rim_cells);
   const Labels labels = choose_views(*patch, views, visibility);
   Mixture mixture{FloatImage(area.width, area.height, 3), FloatImage(area.width, area.height)};
   for (const std::int16_t label : used_labels(labels, wanted, scene.feather_cells)) {
+    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     const std::size_t v = over[std::size_t(label)];
     const ViewWeights weights = weights_of(labels, label, scene.feather_cells, visibility);
     COLLINEA_TRY(const auto picture, scene.pictures->picture(scene.views[v].image, scene.shrink[v]));

@@ -27,10 +27,11 @@ struct OrthoTile {
   Raster<std::uint16_t> source;  ///< 1 + index of the view that leads; 0: none
 };
 
-/// A piece of the orthophoto. What a cell becomes depends only on its surroundings, not on the tile it lies in.
-[[nodiscard]] Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, int width, int height);
+/// A piece of the orthophoto; column and row are multiples of OrthoPatch::kBlock. What a cell becomes depends only on
+/// its surroundings, not on the tile it lies in. Errors: a picture or the surface cannot be read; cancelled.
+[[nodiscard]] Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, int width, int height, const Run& run);
 
-/// Tiles start at multiples of this.
+/// The side of the tiles in which an orthophoto is made.
 constexpr int kOrthoTile = 1024;
 
 /// The colour at a place of a picture [px] by bicubic convolution (Keys 1981), clamped at the border; three channels.

@@ -85,7 +85,7 @@ Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary
     std::vector<Result<OrthoTile>> tiles(end - begin);
     parallel_for(run, end - begin, [&](std::size_t i) {
       const Piece& piece = pieces[begin + i];
-      tiles[i] = make_ortho_tile(scene, piece.column, piece.row, piece.width, piece.height);
+      tiles[i] = make_ortho_tile(scene, piece.column, piece.row, piece.width, piece.height, run);
     });
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     for (std::size_t i = begin; i < end; ++i) {

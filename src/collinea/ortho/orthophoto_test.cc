@@ -238,13 +238,35 @@ TEST(Orthophoto, UnevenExposuresAreBalanced) {
 }
 
 TEST(Orthophoto, ThreadsDoNotMatter) {
-  const Block block = block_of(nine_centres());
-  const OrthoOptions fine{.cell_m = 0.025, .feather_cells = 12, .balance = true};  // more than one tile
+  const Block block = block_of({{4, 4, 50}, {28, 28, 50}});
+  const OrthoOptions fine{.cell_m = 0.03, .feather_cells = 12, .balance = true};  // more than one tile
   const Product one = make({}, block, fine, true), three = make({}, block, fine, true, 3);
   ASSERT_TRUE(one.summary && three.summary);
   EXPECT_GT(one.grid.width, kOrthoTile);
   EXPECT_EQ(one.rgba.data, three.rgba.data);
   EXPECT_EQ(one.source.data, three.source.data);
+}
+
+// The lower right quarter made as a tile of its own, against the same cells of a larger one.
+TEST(Orthophoto, TheCutIntoTilesDoesNotMatter) {
+  const World world;
+  const Block block = block_of(nine_centres());
+  const HeightField surface = surface_of(world);
+  const auto heights = overview(surface, collinea::Run{});
+  ASSERT_TRUE(heights);
+  PixelCache pictures([&](ImageId image, int) -> Result<ColourImage> { return photograph(world, block, image, true); }, 1 << 30);
+  OrthoScene scene{surface.grid, &surface, &*heights, nullptr, views_of(block, nullptr), {}, {}, &pictures, 12};
+  scene.shrink.assign(9, 1);
+  scene.exposures.resize(9);
+  const auto whole = make_ortho_tile(scene, 0, 0, kSide, kSide, collinea::Run{});
+  const auto part = make_ortho_tile(scene, 80, 64, 80, 96, collinea::Run{});
+  ASSERT_TRUE(whole && part);
+  for (int y = 0; y < 96; ++y) {
+    for (int x = 0; x < 80; ++x) {
+      ASSERT_EQ(part->source.at(x, y), whole->source.at(80 + x, 64 + y)) << x << ' ' << y;
+      for (int c = 0; c < 4; ++c) ASSERT_EQ(part->rgba.at(x, y, c), whole->rgba.at(80 + x, 64 + y, c)) << x << ' ' << y;
+    }
+  }
 }
 
 TEST(Orthophoto, WithoutOrientedImagesThereIsNone) {

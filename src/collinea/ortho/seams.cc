@@ -86,9 +86,33 @@ std::vector<std::int16_t> candidates_of(const CostLattice& lattice, int block_x,
   return candidates;
 }
 
+// The view that is the best at all four corners, and so everywhere between them; kNoView when there is none.
+std::int16_t best_throughout(const CostLattice& lattice, std::span<const std::int16_t> candidates, int block_x, int block_y) {
+  std::int16_t best = kNoView;
+  for (int corner = 0; corner < 4; ++corner) {
+    const float* costs = lattice.at(block_x + (corner & 1), block_y + (corner >> 1));
+    std::int16_t here = candidates.front();
+    for (const std::int16_t v : candidates)
+      if (costs[v] < costs[here]) here = v;
+    if (corner > 0 && here != best) return kNoView;
+    best = here;
+  }
+  return best;
+}
+
+void label_whole_block(const OrthoPatch& patch, int block_x, int block_y, std::int16_t view, Labels& labels) {
+  for (int y = block_y * kBlock; y < (block_y + 1) * kBlock; ++y)
+    for (int x = block_x * kBlock; x < (block_x + 1) * kBlock; ++x)
+      if (!std::isnan(patch.heights_m.at(x, y))) labels.at(x, y) = view;
+}
+
 void label_block(const OrthoPatch& patch, const CostLattice& lattice, int block_x, int block_y, Visibility& visibility,
                  Labels& labels) {
   const std::vector<std::int16_t> candidates = candidates_of(lattice, block_x, block_y);
+  if (candidates.empty()) return;  // no heights around
+  const std::int16_t throughout = best_throughout(lattice, candidates, block_x, block_y);
+  if (throughout != kNoView && visibility.sees_block(throughout, block_x, block_y))
+    return label_whole_block(patch, block_x, block_y, throughout, labels);
   const float *c00 = lattice.at(block_x, block_y), *c10 = lattice.at(block_x + 1, block_y);
   const float *c01 = lattice.at(block_x, block_y + 1), *c11 = lattice.at(block_x + 1, block_y + 1);
   std::array<float, 4 * kBest> costs;

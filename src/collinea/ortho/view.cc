@@ -14,6 +14,7 @@ std::vector<View> views_of(const Block& block, const LocalFrame* frame) {
     view.camera_id = block.images.at(id).camera;
     view.camera = block.camera_of(id);
     view.cam_from_world = cam_from_world;
+    view.rotation = cam_from_world.rotation.toRotationMatrix();
     view.centre_in_world = centre_of(cam_from_world);
     view.centre_in_map = frame ? frame->map_from_local(view.centre_in_world) : view.centre_in_world;
     views.push_back(std::move(view));

@@ -47,6 +47,10 @@ class Visibility {
 
   /// `view`: index into the views. Cells without height are seen by nobody.
   [[nodiscard]] bool sees(int view, int x, int y);
+  /// True when the view sees all cells of a block that have a height.
+  [[nodiscard]] bool sees_block(int view, int block_x, int block_y) {
+    return final_state(std::size_t(view), block_x, block_y) == State::kAll;
+  }
 
  private:
   enum class State : std::uint8_t { kUnknown, kAll, kMask };

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kCachedImages = 200;  // about 1.3 MB each
 constexpr std::size_t kBatch = 32;          // pairs written at once: what a kill can cost
 
-using Ids = std::pair<ImageId, ImageId>;
+using Ids = ImageIdPair;
 
 Result<ImagePair> match_pair(const Project& project, const Block& setup, FeatureCache& cache, Ids ids) {
   COLLINEA_TRY(const auto first, cache.of(ids.first));
@@ -45,9 +45,16 @@ Result<> match_batch(Project& project, const Block& setup, FeatureCache& cache, 
   return project.store.write_pairs(pairs, inputs_hash);
 }
 
-// Pairs as they should be tried: by position, order and, where these say nothing, by a look at the strongest features.
-Result<std::vector<Ids>> chosen_pairs(const Project& project, const Block& setup, FeatureCache& cache) {
-  return select_pairs(setup, [&](ImageId image) { return cache.of(image); }, project.settings.pairs, project.run);
+// By position and order; where these say nothing, by a look at the largest features.
+Result<std::vector<Ids>> chosen_pairs(const Project& project, const Block& setup) {
+  const std::vector<Ids> pairs = select_pairs(setup, project.settings.pairs);
+  const std::vector<ImageId> wanted = images_to_preselect(setup, project.settings.pairs);
+  if (wanted.empty()) return pairs;
+  std::vector<ImageId> all;
+  for (const auto& [id, image] : setup.images) all.push_back(id);
+  const auto features_of = [&](ImageId image) { return project.store.read_features(image); };
+  COLLINEA_TRY(const auto alike, preselect_pairs(wanted, all, features_of, project.settings.preselect, project.run));
+  return joined(pairs, alike);
 }
 
 std::string word(PairGeometry geometry) {
@@ -61,7 +68,7 @@ Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) 
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   if (auto erased = project.store.erase_pairs_except(inputs_hash); !erased) return tl::unexpected(erased.error());
   FeatureCache cache(project.store, kCachedImages);
-  COLLINEA_TRY(const std::vector<Ids> wanted, chosen_pairs(project, setup, cache));
+  COLLINEA_TRY(const std::vector<Ids> wanted, chosen_pairs(project, setup));
   COLLINEA_TRY(const auto done_list, project.store.pairs_done(inputs_hash));
   const std::set<Ids> done(done_list.begin(), done_list.end());
   std::vector<Ids> left;

@@ -23,6 +23,7 @@ struct Settings {
   ImportOptions import;
   SiftOptions detect;
   PairOptions pairs;
+  PreselectOptions preselect;
   MatchOptions match;
   VerifyOptions verify;
   OrientOptions orient;
@@ -36,6 +37,7 @@ struct Settings {
     visit("import", "import", self.import);
     visit("detect", "detect", self.detect);
     visit("match", "pairs", self.pairs);
+    visit("match", "preselect", self.preselect);
     visit("match", "match", self.match);
     visit("match", "verify", self.verify);
     visit("orient", "orient", self.orient);

@@ -8,7 +8,6 @@ namespace collinea {
 namespace {
 
 constexpr double kUse = 1.5;         // points up to here take part in the fit [cells]
-constexpr double kSpread = 0.4;      // standard deviation of the Gaussian over the distance, by the reach
 constexpr double kSteepest = 1.5;    // rise per run that still is one surface
 
 double distance2(const CellPoint& p) { return p.x * p.x + p.y * p.y; }
@@ -25,6 +24,12 @@ bool has_support(std::span<const CellPoint> near, double low_m, double high_m, d
   return support >= needed;
 }
 
+// A weight by distance that looks like a Gaussian and ends at the reach.
+double nearness(double d2, double reach) {
+  const double t = 1 - d2 / (1.2 * reach * reach);
+  return t * t * t;
+}
+
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -36,16 +41,23 @@ double variance_of(const CellPoint& p, double cell_m) {
   return double(p.sigma_m) * p.sigma_m + 0.01 * cell_m * cell_m;
 }
 
+// The harmonic mean: a few points of large sigma do not matter.
+double typical_sigma_m(std::span<const CellPoint> near) {
+  double sum = 0;
+  for (const CellPoint& p : near) sum += 1.0 / double(std::max(p.sigma_m, 1e-9f));
+  return double(near.size()) / sum;
+}
+
 }  // namespace
 
 std::optional<CellEstimate> CellFit::estimate(std::span<const CellPoint> near, double cell_m) {
   if (near.empty()) return std::nullopt;
-  const double sigma_m = median_sigma_m(near);
+  const double sigma_m = typical_sigma_m(near);
   // Smaller would take the upper tail of the noise for a level of its own and lift flat ground.
   const double tolerance_m = std::max(4 * sigma_m, cell_m);
   const auto level_m = level(near, tolerance_m, cell_m);
   if (!level_m) return std::nullopt;
-  const double floor_m = std::max(0.5 * sigma_m, 0.02 * cell_m);
+  const double floor_m = std::max(sigma_m, 0.02 * cell_m);
   select(near, *level_m, tolerance_m, cell_m, kUse);
   if (used_.empty()) return std::nullopt;
   Plane plane = fit_robustly(floor_m);
@@ -58,12 +70,6 @@ std::optional<CellEstimate> CellFit::estimate(std::span<const CellPoint> near, d
   }
   const auto points = std::count_if(used_.begin(), used_.end(), [](const Weighted& w) { return w.weight > 0; });
   return CellEstimate{plane.at_centre, sigma_of(plane, cell_m), int(points)};
-}
-
-double CellFit::median_sigma_m(std::span<const CellPoint> near) {
-  numbers_.clear();
-  for (const CellPoint& p : near) numbers_.push_back(p.sigma_m);
-  return median_of(numbers_);
 }
 
 std::optional<double> CellFit::level(std::span<const CellPoint> near, double tolerance_m, double cell_m) {
@@ -106,7 +112,7 @@ void CellFit::select(std::span<const CellPoint> near, double level_m, double tol
   for (const CellPoint& p : near) {
     const double d2 = distance2(p);
     if (d2 > reach * reach || !agrees(p, level_m, level_m, tolerance_m, cell_m)) continue;
-    const double weight = std::exp(-d2 / (2 * kSpread * kSpread * reach * reach)) / variance_of(p, cell_m);
+    const double weight = nearness(d2, reach) / variance_of(p, cell_m);
     used_.push_back({&p, weight, weight, 0});
   }
 }
@@ -168,18 +174,18 @@ CellFit::Plane CellFit::fit_robustly(double floor_m) {
 }
 
 double CellFit::sigma_of(const Plane& plane, double cell_m) const {
-  double w = 0, w2v = 0, misfit = 0, nearness = 0;
+  double w = 0, w2v = 0, misfit = 0, expected = 0;
   int points = 0;
   for (const Weighted& u : used_) {
     const double variance = variance_of(*u.point, cell_m);
     w += u.weight;
     w2v += u.weight * u.weight * variance;
     misfit += u.weight * u.residual * u.residual;
-    nearness += u.weight * variance;
+    expected += u.weight * variance;
     points += u.weight > 0;
   }
   double factor = 1;
-  if (points > 4) factor = std::max(1.0, misfit / nearness * points / (points - 3));
+  if (points > 4) factor = std::max(1.0, misfit / expected * points / (points - 3));
   return std::sqrt(w2v / (w * w) * (1 + plane.leverage) * factor);
 }
 

@@ -11,7 +11,7 @@ namespace collinea {
 struct CellPoint {
   double x = 0, y = 0;  ///< from the centre of the cell, along columns and rows [cells]
   double height_m = 0;
-  float sigma_m = 0;    ///< of the height
+  float sigma_m = 0;    ///< of the height, > 0
   bool own = false;     ///< it lies in the cell itself
 };
 
@@ -47,7 +47,6 @@ class CellFit {
   std::optional<double> level(std::span<const CellPoint> near, double tolerance_m, double cell_m);
   std::optional<double> level_of_own(std::span<const CellPoint> near, double tolerance_m, double cell_m);
   std::optional<double> level_of_nearest(std::span<const CellPoint> near, double tolerance_m, double cell_m);
-  double median_sigma_m(std::span<const CellPoint> near);
   void select(std::span<const CellPoint> near, double level_m, double tolerance_m, double cell_m, double reach);
   Plane fit_plane() const;
   Plane fit_robustly(double floor_m);

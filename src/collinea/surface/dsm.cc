@@ -25,7 +25,7 @@ Gridding gridding_of(const DsmOptions& options, double gsd_m) {
   return gridding;
 }
 
-// One batch on the map and in cells. Chunks are independent, so threads do not change the result.
+// One batch on the map (by `frame`, or as it is when that is null) and in cells. Chunks are independent, so threads do not change the result.
 std::vector<GridPoint> in_cells(const std::vector<SurfacePoint>& batch, const LocalFrame* frame, double cell_m, const Run& run) {
   constexpr std::size_t kChunk = 16384;
   std::vector<GridPoint> points(batch.size());
@@ -33,11 +33,12 @@ std::vector<GridPoint> in_cells(const std::vector<SurfacePoint>& batch, const Lo
     const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, batch.size());
     std::vector<Eigen::Vector3d> positions;
     positions.reserve(end - begin);
-    for (std::size_t i = begin; i < end; ++i) positions.push_back(batch[i].position_in_world);
+    for (std::size_t i = begin; i < end; ++i) positions.push_back(batch[i].position);
     if (frame) frame->map_from_local(positions);
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3d& p = positions[i - begin];
-      points[i] = {p.x() / cell_m, -p.y() / cell_m, p.z(), batch[i].sigma_m, 0};
+      const float sigma_m = batch[i].sigma_m;
+      points[i] = {p.x() / cell_m, -p.y() / cell_m, p.z(), sigma_m == 0 ? float(0.5 * cell_m) : sigma_m, 0};
     }
   });
   return points;
@@ -45,7 +46,7 @@ std::vector<GridPoint> in_cells(const std::vector<SurfacePoint>& batch, const Lo
 
 bool usable(const GridPoint& p) {
   constexpr double kFarthest = 1e12;  // [cells]
-  return std::abs(p.column) < kFarthest && std::abs(p.row) < kFarthest && std::isfinite(p.height_m) && p.sigma_m >= 0;
+  return std::abs(p.column) < kFarthest && std::abs(p.row) < kFarthest && std::isfinite(p.height_m) && p.sigma_m > 0;
 }
 
 Result<> collect(const PointSource& source, const LocalFrame* frame, double cell_m, PointBuckets& buckets, DsmSummary& summary,
@@ -171,14 +172,14 @@ double tidy_cell_m(double gsd_m) {
 }
 
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run) {
+                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run, PointFrame point_frame) {
   if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
   if (!options.cell_m && !(gsd_m > 0 && std::isfinite(gsd_m)))
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   const Gridding gridding = gridding_of(options, gsd_m);
   PointBuckets buckets(scratch, kBucketCells, kPointMemory);
   DsmSummary summary;
-  if (auto collected = collect(points, frame, gridding.cell_m, buckets, summary, run); !collected)
+  if (auto collected = collect(points, point_frame == PointFrame::kMap ? nullptr : frame, gridding.cell_m, buckets, summary, run); !collected)
     return tl::unexpected(std::move(collected).error());
   drop_strays(buckets, summary);
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");

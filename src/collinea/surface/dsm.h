@@ -18,9 +18,12 @@ namespace collinea {
 
 /// A point of the fused cloud, as far as the surface model needs it.
 struct SurfacePoint {
-  Eigen::Vector3d position_in_world;  ///< [m]
-  float sigma_m = 0;                  ///< of its height
+  Eigen::Vector3d position;  ///< in the world or on the map, see PointFrame [m]
+  float sigma_m = 0;         ///< of its height; 0: unknown, taken as half a cell
 };
+
+/// In which coordinates points come. From files they often are on the map already.
+enum class PointFrame { kWorld, kMap };
 
 /// Hands out a cloud batch by batch: replaces the contents of `batch` with the next points (some 100,000 at once); leaves it empty at the end.
 using PointSource = std::function<Result<>(std::vector<SurfacePoint>& batch)>;
@@ -61,15 +64,17 @@ struct SurfaceSink {
 };
 
 /// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit), in the map of `frame`, or in the plane x, y
-/// of the world when `frame` is null. Cell edges lie on multiples of the cell size. `gsd_m` is the ground size of a
+/// of the world when `frame` is null (then `point_frame` does not matter). Cell edges lie on multiples of the cell size. `gsd_m` is the ground size of a
 /// pixel of the matched pictures. Points are kept in `scratch` beyond 512 MB of them. The same cloud gives the same bits in any
 /// order and with any number of threads. Errors: no points, raster too large, disk, cancelled.
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run);
+                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
+                             PointFrame point_frame = PointFrame::kWorld);
 
 /// The same, written to GeoTIFFs.
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const DsmFiles& files,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run);
+                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
+                             PointFrame point_frame = PointFrame::kWorld);
 
 /// A size rounded to two significant digits: 0.02371 -> 0.024.
 [[nodiscard]] double tidy_cell_m(double gsd_m);

@@ -41,11 +41,11 @@ Result<> write_all(Writers& writers, int column, int row, const SurfaceTile& til
 }  // namespace
 
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const DsmFiles& files,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run) {
+                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run, PointFrame point_frame) {
   Writers writers;
   const SurfaceSink sink{[&](const MapGrid& grid) { return start_all(writers, files, grid); },
                          [&](int column, int row, const SurfaceTile& tile) { return write_all(writers, column, row, tile); }};
-  COLLINEA_TRY(const DsmSummary summary, build_dsm(points, frame, gsd_m, sink, scratch, options, run));
+  COLLINEA_TRY(const DsmSummary summary, build_dsm(points, frame, gsd_m, sink, scratch, options, run, point_frame));
   // The height comes last: where it is, all are.
   auto finished = writers.sigma->finish()
                       .and_then([&] { return writers.state->finish(); })

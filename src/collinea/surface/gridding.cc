@@ -50,16 +50,15 @@ SortedPoints::SortedPoints(std::vector<GridPoint> unsorted, const CellWindow& of
 void gather(const SortedPoints& sorted, int x, int y, std::vector<CellPoint>& near) {
   near.clear();
   const double centre_x = double(sorted.window.column) + x + 0.5, centre_y = double(sorted.window.row) + y + 0.5;
+  const std::size_t own = std::size_t(y) * std::size_t(sorted.window.width) + std::size_t(x);
   for (int dy = -kReachCells; dy <= kReachCells; ++dy) {
-    const std::size_t row = std::size_t(y + dy) * std::size_t(sorted.window.width);
-    for (int dx = -kReachCells; dx <= kReachCells; ++dx) {
-      const std::size_t cell = row + std::size_t(x + dx);
-      for (std::uint32_t i = sorted.first[cell]; i < sorted.first[cell + 1]; ++i) {
-        const GridPoint& p = sorted.points[i];
-        const double px = p.column - centre_x, py = p.row - centre_y;
-        if (px * px + py * py > kCellReach * kCellReach) continue;
-        near.push_back({px, py, p.height_m, p.sigma_m, dx == 0 && dy == 0});
-      }
+    // The points of the cells of one row follow each other.
+    const std::size_t middle = std::size_t(y + dy) * std::size_t(sorted.window.width) + std::size_t(x);
+    for (std::uint32_t i = sorted.first[middle - kReachCells]; i < sorted.first[middle + kReachCells + 1]; ++i) {
+      const GridPoint& p = sorted.points[i];
+      const double px = p.column - centre_x, py = p.row - centre_y;
+      if (px * px + py * py > kCellReach * kCellReach) continue;
+      near.push_back({px, py, p.height_m, p.sigma_m, i >= sorted.first[own] && i < sorted.first[own + 1]});
     }
   }
 }

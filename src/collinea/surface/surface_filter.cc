@@ -21,7 +21,8 @@ bool has(const SurfaceTile& tile, CellState state, int x, int y) {
 
 // No step between two cells: what a slope of 60 degrees and the noise of both explain.
 bool one_surface(const SurfaceTile& tile, Cell a, Cell b, double cell_m) {
-  const double run_m = cell_m * std::hypot(a.x - b.x, a.y - b.y);
+  const int dx = a.x - b.x, dy = a.y - b.y;
+  const double run_m = cell_m * std::sqrt(double(dx * dx + dy * dy));
   const double noise_m = 3.0 * double(std::max(tile.sigma_m.at(a.x, a.y), tile.sigma_m.at(b.x, b.y)));
   return std::abs(double(tile.height_m.at(a.x, a.y)) - double(tile.height_m.at(b.x, b.y))) <= 1.75 * run_m + noise_m;
 }

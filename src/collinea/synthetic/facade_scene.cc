@@ -63,8 +63,7 @@ void fill_opening(Mason& mason, const Opening& o, Random& random) {
 void balcony(Mason& mason, double x0, double x1, double z) {
   mason.box(x0, x1, -0.95, 0.05, z - 0.18, z, Finish::kPlaster, kTrimColour);
   mason.box(x0, x1, -0.95, -0.87, z + 0.85, z + 0.95, Finish::kPlaster, kTrimColour);
-  for (double x = x0 + 0.06; x < x1; x += 0.24)
-    mason.column(x, -0.91, 0.045, z, z + 0.85, kTrimColour);
+  for (double x = x0 + 0.06; x < x1; x += 0.24) mason.column(x, -0.91, 0.045, z, z + 0.85, kTrimColour);
 }
 
 void storey(Mason& mason, const FacadeScene& o, int level, Random& random) {

@@ -18,7 +18,13 @@ namespace {
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 // Streams of random numbers, one for each kind of error.
-enum Stream : std::uint64_t { kExposure = 1000, kPosition = 2000, kAttitude = 3000, kSurvey = 4000, kMeasurement = 5000 };
+enum Stream : std::uint64_t {
+  kExposure = 1000,
+  kPosition = 2000,
+  kAttitude = 3000,
+  kSurvey = 4000,
+  kMeasurement = 5000
+};
 
 Random stream(const Truth& truth, Stream kind, std::uint64_t item) {
   return Random(truth.seed, (std::uint64_t{kind} << 32) + item);
@@ -55,7 +61,8 @@ std::vector<Sighting> sightings(const Truth& truth, const Mark& mark, double mar
   return list;
 }
 
-// Farthest-point sampling: starts at the place farthest from the middle, goes on with the place farthest from all chosen.
+// Farthest-point sampling: starts at the place farthest from the middle, goes on with the place farthest from all
+// chosen.
 std::vector<std::size_t> spread(const std::vector<Eigen::Vector3d>& places, std::size_t count) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& place : places) middle += place / double(places.size());
@@ -155,7 +162,8 @@ Result<> add_marks(Truth& truth, const std::vector<Mark>& candidates, const Mark
   const int wanted = options.control_points + options.check_points;
   if (wanted == 0) return {};
   std::vector<std::vector<Sighting>> seen(candidates.size());
-  parallel_for(run, candidates.size(), [&](std::size_t i) { seen[i] = sightings(truth, candidates[i], options.margin_px); });
+  parallel_for(run, candidates.size(),
+               [&](std::size_t i) { seen[i] = sightings(truth, candidates[i], options.margin_px); });
   if (run.stopped()) return fail(Errc::kCancelled, "choosing places for survey marks was stopped");
   std::vector<std::size_t> usable;
   std::vector<Eigen::Vector3d> places;
@@ -165,12 +173,14 @@ Result<> add_marks(Truth& truth, const std::vector<Mark>& candidates, const Mark
       places.push_back(candidates[i].centre);
     }
   if (int(usable.size()) < wanted)
-    return fail(Errc::kBadInput, fmt::format("{} survey marks are wanted, but only {} open places are seen in {} images",
-                                             wanted, usable.size(), options.least_images));
+    return fail(Errc::kBadInput,
+                fmt::format("{} survey marks are wanted, but only {} open places are seen in {} images", wanted,
+                            usable.size(), options.least_images));
   int number = 0;
   for (std::size_t index : spread(places, std::size_t(wanted))) {
     const bool control = number < options.control_points;
-    const std::string name = control ? fmt::format("C{:02}", number + 1) : fmt::format("K{:02}", number + 1 - options.control_points);
+    const std::string name =
+        control ? fmt::format("C{:02}", number + 1) : fmt::format("K{:02}", number + 1 - options.control_points);
     survey_mark(truth, candidates[usable[index]], seen[usable[index]], name,
                 control ? ControlRole::kControl : ControlRole::kCheck, options);
     ++number;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "collinea/base/random.h"
 #include "collinea/synthetic/truth.h"
 
 namespace collinea {
@@ -16,8 +16,8 @@ void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& c
 /// What the receiver wrote down: true positions plus normal errors.
 void add_positions(Truth& truth, double sigma_plan_m, double sigma_height_m);
 
-/// What the gimbal of a drone that looks down wrote down: heading of the upper edge of the picture, forward tilt, no roll;
-/// errors of `sigma_deg`.
+/// What the gimbal of a drone that looks down wrote down: heading of the upper edge of the picture, forward tilt, no
+/// roll; errors of `sigma_deg`.
 void add_attitudes(Truth& truth, double sigma_deg);
 
 struct MarkOptions {
@@ -35,8 +35,8 @@ struct MarkOptions {
                                  const Run& run);
 
 /// A rotation about three axes with normal angles, none beyond 2.5 sigma.
-[[nodiscard]] Eigen::Quaterniond shaken(class Random& random, double sigma_deg);
-[[nodiscard]] double bounded_normal(class Random& random);
+[[nodiscard]] Eigen::Quaterniond shaken(Random& random, double sigma_deg);
+[[nodiscard]] double bounded_normal(Random& random);
 
 /// The camera of either kind of survey. Without a given focal length it is `share` of the width.
 template <class Options>

@@ -16,7 +16,12 @@ struct Heightfield::Patch {
 
 Heightfield::Heightfield(double west_m, double south_m, double cell_m, int width, int height,
                          std::vector<float> heights_m)
-    : west_m_(west_m), south_m_(south_m), cell_m_(cell_m), width_(width), height_(height), heights_m_(std::move(heights_m)) {
+    : west_m_(west_m),
+      south_m_(south_m),
+      cell_m_(cell_m),
+      width_(width),
+      height_(height),
+      heights_m_(std::move(heights_m)) {
   COLLINEA_CHECK(width >= 2 && height >= 2 && cell_m > 0);
   COLLINEA_CHECK(heights_m_.size() == std::size_t(width) * std::size_t(height));
   const auto [low, high] = std::minmax_element(heights_m_.begin(), heights_m_.end());
@@ -70,8 +75,7 @@ std::optional<double> Heightfield::meet(const Eigen::Vector3d& origin, const Eig
     const double at_exit = f0 + length * (f1 + length * f2);
     const double discriminant = f1 * f1 - 4 * f2 * f0;
     const bool dips = f2 > 0 && f1 < 0 && -f1 < 2 * f2 * length && discriminant >= 0;
-    if (at_exit <= 0 || dips)
-      return std::min(t + 2 * f0 / (-f1 + std::sqrt(std::max(0.0, discriminant))), leave);
+    if (at_exit <= 0 || dips) return std::min(t + 2 * f0 / (-f1 + std::sqrt(std::max(0.0, discriminant))), leave);
     if (leave >= end || !walk.advance()) return std::nullopt;
     t = leave;
   }

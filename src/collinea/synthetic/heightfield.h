@@ -22,8 +22,8 @@ class Heightfield {
 
   /// The first parameter t in [start, end] where origin + t direction is on or below the surface; the part of the line
   /// between must lie over the grid.
-  [[nodiscard]] std::optional<double> meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double start,
-                                           double end) const;
+  [[nodiscard]] std::optional<double> meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                           double start, double end) const;
 
   /// The highest node of the cells [column, column + count) x [row, row + count), clipped to the grid.
   [[nodiscard]] double highest(int column, int row, int count) const;

@@ -26,7 +26,8 @@ TEST(Heightfield, IsBilinearBetweenItsNodes) {
   EXPECT_DOUBLE_EQ(field.height(50, 20), 3);  // beyond the grid: the nearest place
 }
 
-// Coordinates of about 20 m in double: rounding of a quadratic's root leaves 1e-13 or so; 1e-9 leaves room for grazing rays.
+// Coordinates of about 20 m in double: rounding of a quadratic's root leaves 1e-13 or so; 1e-9 leaves room for grazing
+// rays.
 TEST(Heightfield, RaysEndOnTheSurfaceAndNotBehindIt) {
   const Heightfield field = rough();
   Random random(4);

@@ -40,7 +40,8 @@ Field field_at(const Ground& ground, double x, double y) {
   for (int j = row - 1; j <= row + 1; ++j)
     for (int i = column - 1; i <= column + 1; ++i) {
       const std::uint32_t bits = lattice_bits(i, j, ground.seed);
-      const double du = i + 0.15 + 0.7 * (bits & 0xffff) / 65536.0 - u, dv = j + 0.15 + 0.7 * (bits >> 16) / 65536.0 - v;
+      const double du = i + 0.15 + 0.7 * (bits & 0xffff) / 65536.0 - u,
+                   dv = j + 0.15 + 0.7 * (bits >> 16) / 65536.0 - v;
       const double squared = du * du + dv * dv;
       if (squared < nearest) {
         second = nearest;
@@ -118,7 +119,8 @@ struct Bond {
     const int column = floor_int(shifted);
     const double from_joint_u = (0.5 - std::abs(shifted - column - 0.5)) * length_m;
     const double from_joint_v = (0.5 - std::abs(v / height_m - row - 0.5)) * height_m;
-    const float joint = covered(0.5 * joint_m - std::min(from_joint_u, from_joint_v), std::max(footprint_m, 0.25 * joint_m));
+    const float joint =
+        covered(0.5 * joint_m - std::min(from_joint_u, from_joint_v), std::max(footprint_m, 0.25 * joint_m));
     return shown * ((1 - joint) * variation * lattice_value(column, row, seed) - joint * joint_depth);
   }
 };
@@ -143,16 +145,17 @@ Colour tiles(const Solid& s, double u, double v, double footprint_m) {
 Colour gravel_roof(const Solid& s, double u, double v, double footprint_m) {
   const Fractal grain{4.0, 8, 0.97f, s.seed + 7};
   const Bond sheets{4.8, 1.2, 0.1, 0.08f, 0.25f, s.seed + 1};
-  const float rim = 1 - covered(std::min(s.half_length_m - std::abs(u), s.half_width_m - std::abs(v)) - 0.3, footprint_m);
-  const Colour roof =
-      darkened(s.roof_colour, 1 + 0.24f * grain(u, v, footprint_m) + sheets(u, v, footprint_m));
+  const float rim =
+      1 - covered(std::min(s.half_length_m - std::abs(u), s.half_width_m - std::abs(v)) - 0.3, footprint_m);
+  const Colour roof = darkened(s.roof_colour, 1 + 0.24f * grain(u, v, footprint_m) + sheets(u, v, footprint_m));
   return mix(roof, {0.45f, 0.45f, 0.44f}, 0.8f * rim);
 }
 
 // A window as painted: frame, a cross of bars, panes that differ.
 Colour window(const Solid& s, double u, double v, double half_u, double half_v, std::uint32_t id, double footprint_m) {
   const double frame_m = 0.07;
-  const float bar = std::max(covered(0.03 - std::abs(u), footprint_m), covered(0.03 - std::abs(v - 0.2 * half_v), footprint_m));
+  const float bar =
+      std::max(covered(0.03 - std::abs(u), footprint_m), covered(0.03 - std::abs(v - 0.2 * half_v), footprint_m));
   const float glass = covered(half_u - frame_m - std::abs(u), footprint_m) *
                       covered(half_v - frame_m - std::abs(v), footprint_m) * (1 - bar);
   const Fractal curtain{0.7, 7, 0.8f, s.seed + id};
@@ -207,11 +210,16 @@ Colour solid_albedo(const Solid& solid, int face, const Eigen::Vector3d& point, 
   const Eigen::Vector2d at = face_coordinates(solid, face, point);
   const Finish finish = face >= Solid::kRoof ? solid.roof : solid.wall;
   switch (finish) {
-    case Finish::kTiles: return tiles(solid, at.x(), at.y(), footprint_m);
-    case Finish::kGravelRoof: return gravel_roof(solid, at.x(), at.y(), footprint_m);
-    case Finish::kHouseWall: return house_wall(solid, face, at.x(), at.y(), footprint_m);
-    case Finish::kWindow: return window_wall(solid, at.x(), at.y(), footprint_m);
-    default: return masonry(solid, finish, face, at.x(), at.y(), footprint_m);
+    case Finish::kTiles:
+      return tiles(solid, at.x(), at.y(), footprint_m);
+    case Finish::kGravelRoof:
+      return gravel_roof(solid, at.x(), at.y(), footprint_m);
+    case Finish::kHouseWall:
+      return house_wall(solid, face, at.x(), at.y(), footprint_m);
+    case Finish::kWindow:
+      return window_wall(solid, at.x(), at.y(), footprint_m);
+    default:
+      return masonry(solid, finish, face, at.x(), at.y(), footprint_m);
   }
 }
 

@@ -14,8 +14,8 @@ inline int floor_int(double x) {
 
 /// 32 well mixed bits for a lattice point.
 inline std::uint32_t lattice_bits(int x, int y, std::uint32_t seed) {
-  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343u ^ static_cast<std::uint32_t>(y) * 0xd8163841u ^
-                    seed * 0xcb1ab31fu;
+  std::uint32_t h =
+      static_cast<std::uint32_t>(x) * 0x8da6b343u ^ static_cast<std::uint32_t>(y) * 0xd8163841u ^ seed * 0xcb1ab31fu;
   h = (h ^ (h >> 15)) * 0x2c1b3c6du;
   h = (h ^ (h >> 12)) * 0x297a2d39u;
   return h ^ (h >> 15);
@@ -50,9 +50,9 @@ inline float value_noise(double x, double y, std::uint32_t seed) {
 
 /// Octaves of value noise, each half the size of the one before, turned against it so that no lattice shows.
 struct Fractal {
-  double coarsest_m = 1;    ///< lattice spacing of the first octave
+  double coarsest_m = 1;  ///< lattice spacing of the first octave
   int octaves = 1;
-  float persistence = 1;    ///< amplitude of an octave over that of the one before
+  float persistence = 1;  ///< amplitude of an octave over that of the one before
   std::uint32_t seed = 0;
 
   /// The sum at (x, y) [m], seen through a pixel of `footprint_m`: an octave fades out as its spacing goes from two

@@ -17,7 +17,10 @@ constexpr float kNoHeight = -9999;
 MapGrid grid_of(const Truth& truth, double cell_m) {
   const auto& [low, high] = *truth.mapped;
   Eigen::Vector3d least = Eigen::Vector3d::Constant(1e30), most = -least;
-  for (const Eigen::Vector3d& corner : {Eigen::Vector3d(low.x(), low.y(), 0), {high.x(), low.y(), 0}, {low.x(), high.y(), 0}, {high.x(), high.y(), 0}}) {
+  for (const Eigen::Vector3d& corner : {Eigen::Vector3d(low.x(), low.y(), 0),
+                                        {high.x(), low.y(), 0},
+                                        {low.x(), high.y(), 0},
+                                        {high.x(), high.y(), 0}}) {
     const Eigen::Vector3d on_map = truth.frame.map_from_local(corner);
     least = least.cwiseMin(on_map);
     most = most.cwiseMax(on_map);
@@ -36,7 +39,7 @@ MapGrid grid_of(const Truth& truth, double cell_m) {
 struct PlumbLines {
   Eigen::Vector3d corner, by_column, by_row;  // corner: centre of the tile's first cell
   Eigen::Vector3d down;
-  double top_m;                               // map height of the plane they start from
+  double top_m;  // map height of the plane they start from
 };
 
 PlumbLines plumb_lines(const LocalFrame& frame, const MapGrid& grid, int column, int row, double top_m) {
@@ -44,7 +47,8 @@ PlumbLines plumb_lines(const LocalFrame& frame, const MapGrid& grid, int column,
   std::array<Eigen::Vector3d, 4> points = {
       {{e, n, top_m}, {e + size_m, n, top_m}, {e, n - size_m, top_m}, {e, n, top_m - 100}}};
   frame.local_from_map(points);
-  return {points[0], (points[1] - points[0]) / kTile, (points[2] - points[0]) / kTile, (points[3] - points[0]) / 100, top_m};
+  return {points[0], (points[1] - points[0]) / kTile, (points[2] - points[0]) / kTile, (points[3] - points[0]) / 100,
+          top_m};
 }
 
 struct Strip {

@@ -71,8 +71,8 @@ Result<> take_pose(const Fields& fields, TruthFolder& truth) {
 
 Result<> take_mark(const Fields& fields, TruthFolder& truth) {
   COLLINEA_TRY(const auto v, numbers<6>(fields, 2));
-  truth.marks[std::string(fields[0])] = {fields[1] == "check" ? ControlRole::kCheck : ControlRole::kControl, v.head<3>(),
-                                         v.tail<3>()};
+  truth.marks[std::string(fields[0])] = {fields[1] == "check" ? ControlRole::kCheck : ControlRole::kControl,
+                                         v.head<3>(), v.tail<3>()};
   return {};
 }
 

@@ -102,7 +102,8 @@ void blur_row(const Raster<Colour>& light, int row, const std::vector<float>& we
   for (int j = -radius; j <= radius; ++j) {
     const Colour* source = light.row(std::clamp(row + j, 0, light.height - 1));
     const float weight = weights[std::size_t(j + radius)];
-    for (int x = 0; x < width; ++x) vertical[std::size_t(x + radius)] = vertical[std::size_t(x + radius)] + weight * source[x];
+    for (int x = 0; x < width; ++x)
+      vertical[std::size_t(x + radius)] = vertical[std::size_t(x + radius)] + weight * source[x];
   }
   for (int x = 0; x < radius; ++x) {
     vertical[std::size_t(x)] = vertical[std::size_t(radius)];
@@ -123,11 +124,12 @@ float quick_normal(Random& random) {
 
 std::uint8_t rounded(float grey) { return std::uint8_t(std::clamp(grey + 0.5f, 0.0f, 255.0f)); }
 
-void write_row(const std::vector<Colour>& light, int row, const Truth& truth, double gain, const Camera& camera, Random random,
-               std::uint8_t* out) {
+void write_row(const std::vector<Colour>& light, int row, const Truth& truth, double gain, const Camera& camera,
+               Random random, std::uint8_t* out) {
   const float noise = float(truth.optics.noise_grey);
   const double cx = camera.params[Camera::kCx], cy = camera.params[Camera::kCy], dy = row + 0.5 - cy;
-  const double corner = 0.25 * (double(camera.width_px) * camera.width_px + double(camera.height_px) * camera.height_px);
+  const double corner =
+      0.25 * (double(camera.width_px) * camera.width_px + double(camera.height_px) * camera.height_px);
   for (std::size_t x = 0; x < light.size(); ++x) {
     const double dx = double(x) + 0.5 - cx;
     const auto factor = float(gain * (1 - truth.optics.vignetting * (dx * dx + dy * dy) / corner));
@@ -143,7 +145,8 @@ constexpr int kToneSteps = 4096;
 // Knots evenly spread in light.
 std::array<float, kToneSteps + 2> tone_table() {
   std::array<float, kToneSteps + 2> table;
-  for (int i = 0; i < kToneSteps + 2; ++i) table[std::size_t(i)] = float(255 * std::pow(std::min(1.0, double(i) / kToneSteps), 1 / 2.2));
+  for (int i = 0; i < kToneSteps + 2; ++i)
+    table[std::size_t(i)] = float(255 * std::pow(std::min(1.0, double(i) / kToneSteps), 1 / 2.2));
   return table;
 }
 

@@ -77,7 +77,7 @@ TEST(Render, MarksAppearWhereTheyAreProjected) {
     if (!pixel) continue;
     const ColourImage picture = picture_of(truth, image);
     double best = 1e30;
-    Eigen::Vector2d found;
+    Eigen::Vector2d found = *pixel;
     for (double dy = -1; dy <= 1; dy += 0.05)
       for (double dx = -1; dx <= 1; dx += 0.05) {
         const Eigen::Vector2d centre = *pixel + Eigen::Vector2d(dx, dy);
@@ -85,7 +85,8 @@ TEST(Render, MarksAppearWhereTheyAreProjected) {
         for (int j = 0; j <= 3; ++j)
           for (int i = -3; i <= 3; ++i)
             asymmetry += std::pow(bilinear(picture, centre.x() + i, centre.y() + j, 1) -
-                                      bilinear(picture, centre.x() - i, centre.y() - j, 1), 2);
+                                      bilinear(picture, centre.x() - i, centre.y() - j, 1),
+                                  2);
         if (asymmetry < best) {
           best = asymmetry;
           found = centre;
@@ -117,7 +118,7 @@ TEST(Render, StopsWhenAsked) {
   const RayTable rays(truth.block.camera_of(ImageId{0}), {});
   std::stop_source source;
   source.request_stop();
-  Run run;
+  collinea::Run run;
   run.stop = source.get_token();
   const auto picture = render(truth, ImageId{0}, rays, run);
   ASSERT_FALSE(picture);

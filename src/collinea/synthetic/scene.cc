@@ -30,7 +30,8 @@ void clip(double origin, double direction, double low, double high, double& star
 Light sunlight(double azimuth_deg, double elevation_deg) {
   const double azimuth = azimuth_deg * std::numbers::pi / 180, elevation = elevation_deg * std::numbers::pi / 180;
   Light light;
-  light.to_sun = {std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation), std::sin(elevation)};
+  light.to_sun = {std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
+                  std::sin(elevation)};
   return light;
 }
 
@@ -45,24 +46,28 @@ Scene::Scene(Heightfield terrain, Ground ground, std::vector<Solid> solids, Ligh
 // Calls visit(index) for every square that a disc may touch.
 template <class Visit>
 void Scene::for_squares(double x, double y, double radius_m, Visit&& visit) {
-  const double u = (x - terrain_.west_m()) / square_m_, v = (y - terrain_.south_m()) / square_m_, r = radius_m / square_m_;
+  const double u = (x - terrain_.west_m()) / square_m_, v = (y - terrain_.south_m()) / square_m_,
+               r = radius_m / square_m_;
   for (int row = std::max(0, floor_int(v - r)); row <= std::min(rows_ - 1, floor_int(v + r)); ++row)
     for (int column = std::max(0, floor_int(u - r)); column <= std::min(columns_ - 1, floor_int(u + r)); ++column)
       visit(std::size_t(row) * std::size_t(columns_) + std::size_t(column));
 }
 
 void Scene::find_squares() {
-  std::vector<std::vector<int>> lists(std::size_t(columns_) * std::size_t(rows_));
+  std::vector<std::vector<Listed>> lists(std::size_t(columns_) * std::size_t(rows_));
   const double half_diagonal_m = square_m_ * std::numbers::sqrt2 / 2;
   for (int i = 0; i < int(solids_.size()); ++i) {
     const Solid& solid = solids_[std::size_t(i)];
+    // One float step apart, so that rounding never hides a bottom or a top.
+    const Listed entry{i, std::nextafter(float(solid.bottom_m), -1e30f),
+                       std::nextafter(float(std::max(solid.ridge_m, solid.eave_m)), 1e30f)};
     for_squares(solid.x, solid.y, solid.radius_m(), [&](std::size_t square) {
       const double x = terrain_.west_m() + (double(square % std::size_t(columns_)) + 0.5) * square_m_ - solid.x;
       const double y = terrain_.south_m() + (double(square / std::size_t(columns_)) + 0.5) * square_m_ - solid.y;
       const double u = solid.cosine * x + solid.sine * y, v = solid.cosine * y - solid.sine * x;
       const double half_width_m = solid.shape == Solid::Shape::kColumn ? solid.half_length_m : solid.half_width_m;
       if (std::abs(u) <= solid.half_length_m + half_diagonal_m && std::abs(v) <= half_width_m + half_diagonal_m)
-        lists[square].push_back(i);
+        lists[square].push_back(entry);
     });
   }
   highest_solid_m_ = -std::numeric_limits<double>::infinity();
@@ -70,17 +75,15 @@ void Scene::find_squares() {
     for (int column = 0; column < columns_; ++column) {
       const auto& list = lists[squares_.size()];
       Square square{};
-      // One float step up, so that rounding of double heights never hides a top.
       square.highest_solid_m = -std::numeric_limits<float>::infinity();
-      for (int i : list)
-        square.highest_solid_m = std::max(square.highest_solid_m,
-                                          std::nextafter(float(std::max(solids_[std::size_t(i)].ridge_m, solids_[std::size_t(i)].eave_m)), 1e30f));
-      square.highest_ground_m = float(terrain_.highest(column * kCellsPerSquare, row * kCellsPerSquare, kCellsPerSquare));
+      for (const Listed& entry : list) square.highest_solid_m = std::max(square.highest_solid_m, entry.top_m);
+      square.highest_ground_m =
+          float(terrain_.highest(column * kCellsPerSquare, row * kCellsPerSquare, kCellsPerSquare));
       square.highest_m = std::max(square.highest_ground_m, square.highest_solid_m);
-      square.first_solid = int(solid_lists_.size());
+      square.first_solid = int(listed_.size());
       square.solids = int(list.size());
       square.marks = -1;
-      solid_lists_.insert(solid_lists_.end(), list.begin(), list.end());
+      listed_.insert(listed_.end(), list.begin(), list.end());
       squares_.push_back(square);
       highest_solid_m_ = std::max(highest_solid_m_, double(square.highest_solid_m));
     }
@@ -106,12 +109,16 @@ const Scene::Square& Scene::square_at(double x, double y) const {
 }
 
 Scene::Candidate Scene::nearest_solid(const Square& square, const Eigen::Vector3d& origin,
-                                      const Eigen::Vector3d& direction) const {
+                                      const Eigen::Vector3d& direction, double t, double leave) const {
   Candidate best;
+  if (square.solids == 0) return best;
+  const double a = origin.z() + t * direction.z(), b = origin.z() + leave * direction.z();
+  const double low = std::min(a, b), high = std::max(a, b);
   for (int i = 0; i < square.solids; ++i) {
-    const int index = solid_lists_[std::size_t(square.first_solid + i)];
-    if (const auto hit = meet(solids_[std::size_t(index)], origin, direction); hit && hit->t < best.t)
-      best = {hit->t, index, hit->face};
+    const Listed& entry = listed_[std::size_t(square.first_solid + i)];
+    if (entry.top_m < low || entry.bottom_m > high) continue;
+    if (const auto hit = meet(solids_[std::size_t(entry.solid)], origin, direction); hit && hit->t < best.t)
+      best = {hit->t, entry.solid, hit->face};
   }
   return best;
 }
@@ -131,9 +138,13 @@ std::optional<Hit> Scene::cast(const Eigen::Vector3d& origin, const Eigen::Vecto
     const Square& square = squares_[std::size_t(walk.row()) * std::size_t(columns_) + std::size_t(walk.column())];
     const double lowest = origin.z() + (direction.z() < 0 ? leave : t) * direction.z();
     if (lowest <= square.highest_m) {
-      Candidate best = nearest_solid(square, origin, direction);
-      if (lowest <= square.highest_ground_m)
-        if (const auto ground = terrain_.meet(origin, direction, t, std::min(leave, best.t))) best = {*ground, -1, 0};
+      Candidate best = nearest_solid(square, origin, direction, t, leave);
+      if (lowest <= square.highest_ground_m) {
+        const double below = direction.z() < 0 ? (square.highest_ground_m - origin.z()) / direction.z() : t;
+        const double from = std::max(t, below - kOnSurface_m), to = std::min(leave, best.t);
+        if (const auto ground = from < to ? terrain_.meet(origin, direction, from, to) : std::nullopt)
+          best = {*ground, -1, 0};
+      }
       // A body met beyond this square will be found again there, unless something else comes before it.
       if (best.t <= leave) {
         Hit hit{origin + best.t * direction, {}, best.t, best.solid, best.face};
@@ -166,12 +177,13 @@ bool Scene::in_sun(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) 
   CellWalk walk((origin.x() - terrain_.west_m()) * scale, (origin.y() - terrain_.south_m()) * scale,
                 direction.x() * scale, direction.y() * scale, start, columns_, rows_);
   for (double t = start;;) {
+    const double leave = std::min(walk.exit(), end);
     const Square& square = squares_[std::size_t(walk.row()) * std::size_t(columns_) + std::size_t(walk.column())];
     if (origin.z() + t * direction.z() <= square.highest_solid_m &&
-        nearest_solid(square, origin, direction).solid >= 0)
+        nearest_solid(square, origin, direction, t, leave).solid >= 0)
       return false;
-    if (walk.exit() >= end) return true;
-    t = walk.exit();
+    if (leave >= end) return true;
+    t = leave;
     if (!walk.advance()) return true;
   }
 }
@@ -180,7 +192,7 @@ double Scene::surface_height(double x, double y) const {
   double height = terrain_height(x, y);
   const Square& square = square_at(x, y);
   for (int i = 0; i < square.solids; ++i)
-    if (const auto top = top_at(solids_[std::size_t(solid_lists_[std::size_t(square.first_solid + i)])], x, y))
+    if (const auto top = top_at(solids_[std::size_t(listed_[std::size_t(square.first_solid + i)].solid)], x, y))
       height = std::max(height, *top);
   return height;
 }

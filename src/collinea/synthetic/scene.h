@@ -70,8 +70,12 @@ class Scene {
   /// A square of several terrain cells: what may be met inside it.
   struct Square {
     float highest_m, highest_ground_m, highest_solid_m;
-    int first_solid, solids;  ///< a range of solid_lists_
+    int first_solid, solids;  ///< a range of listed_
     int marks;                ///< index into mark_lists_; -1: none
+  };
+  struct Listed {
+    int solid;
+    float bottom_m, top_m;
   };
   struct Candidate {
     double t = std::numeric_limits<double>::infinity();
@@ -82,8 +86,9 @@ class Scene {
   template <class Visit>
   void for_squares(double x, double y, double radius_m, Visit&& visit);
   [[nodiscard]] const Square& square_at(double x, double y) const;
+  /// Among the bodies of a square that reach into the heights the ray has there, from parameter `t` to `leave`.
   [[nodiscard]] Candidate nearest_solid(const Square& square, const Eigen::Vector3d& origin,
-                                        const Eigen::Vector3d& direction) const;
+                                        const Eigen::Vector3d& direction, double t, double leave) const;
 
   Heightfield terrain_;
   Ground ground_;
@@ -93,7 +98,7 @@ class Scene {
   double square_m_ = 1, highest_m_ = 0, highest_solid_m_ = 0;
   int columns_ = 1, rows_ = 1;
   std::vector<Square> squares_;
-  std::vector<int> solid_lists_;
+  std::vector<Listed> listed_;
   std::vector<std::vector<int>> mark_lists_;
 };
 

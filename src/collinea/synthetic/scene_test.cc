@@ -14,8 +14,13 @@ namespace collinea {
 namespace {
 
 const Scene& village() {
-  static const Scene scene = make_village({.low = {-60, -60}, .high = {60, 60}, .cell_m = 0.5, .building_area_m2 = 500,
-                                           .built_low = {-50, -50}, .built_high = {50, 50}, .seed = 5});
+  static const Scene scene = make_village({.low = {-60, -60},
+                                           .high = {60, 60},
+                                           .cell_m = 0.5,
+                                           .building_area_m2 = 500,
+                                           .built_low = {-50, -50},
+                                           .built_high = {50, 50},
+                                           .seed = 5});
   return scene;
 }
 
@@ -41,7 +46,8 @@ Solid house(Solid::Shape shape) {
 
 // Positive outside, by the half spaces or the circle that bound the body.
 double outside(const Solid& s, const Eigen::Vector3d& p) {
-  const double u = s.cosine * (p.x() - s.x) + s.sine * (p.y() - s.y), v = s.cosine * (p.y() - s.y) - s.sine * (p.x() - s.x);
+  const double u = s.cosine * (p.x() - s.x) + s.sine * (p.y() - s.y),
+               v = s.cosine * (p.y() - s.y) - s.sine * (p.x() - s.x);
   double d = std::max(s.bottom_m - p.z(), p.z() - s.ridge_m);
   if (s.shape == Solid::Shape::kColumn) return std::max(d, std::hypot(u, v) - s.half_length_m);
   d = std::max({d, std::abs(u) - s.half_length_m, std::abs(v) - s.half_width_m});
@@ -81,7 +87,9 @@ TEST(Solid, TheTopIsWhatAPlumbLineMeets) {
       const auto hit = meet(s, {x, y, 30}, {0, 0, -1});
       const auto top = top_at(s, x, y);
       ASSERT_EQ(hit.has_value(), top.has_value());
-      if (hit) EXPECT_NEAR(30 - hit->t, *top, 1e-12);
+      if (hit) {
+        EXPECT_NEAR(30 - hit->t, *top, 1e-12);
+      }
     }
   }
 }
@@ -92,7 +100,8 @@ void expect_nothing_lost(const Scene& scene, const Eigen::Vector3d& low, const E
   int met = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const auto place = [&] {
-      return Eigen::Vector3d(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()), random.uniform(low.z(), high.z()));
+      return Eigen::Vector3d(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()),
+                             random.uniform(low.z(), high.z()));
     };
     Eigen::Vector3d from = place();
     from.z() = std::max(from.z(), scene.surface_height(from.x(), from.y()) + 0.1);
@@ -109,8 +118,8 @@ void expect_nothing_lost(const Scene& scene, const Eigen::Vector3d& low, const E
       EXPECT_NEAR(hit->point.z(), scene.terrain_height(hit->point.x(), hit->point.y()), 1e-9);
     } else if (std::isfinite(nearest)) {  // only outside the scene
       const Eigen::Vector3d p = from + nearest * ray;
-      EXPECT_FALSE(p.x() > scene.terrain().west_m() && p.x() < scene.terrain().east_m() && p.y() > scene.terrain().south_m() &&
-                   p.y() < scene.terrain().north_m());
+      EXPECT_FALSE(p.x() > scene.terrain().west_m() && p.x() < scene.terrain().east_m() &&
+                   p.y() > scene.terrain().south_m() && p.y() < scene.terrain().north_m());
     }
   }
   EXPECT_GT(met, 100);
@@ -137,7 +146,8 @@ TEST(Scene, APointIsSeenFromWhereItsRayComes) {
   Random random(8);
   const Eigen::Vector3d eye(10, -20, 60);
   for (int trial = 0; trial < 500; ++trial) {
-    const Eigen::Vector3d ray = (Eigen::Vector3d(random.uniform(-50, 50), random.uniform(-50, 50), 0) - eye).normalized();
+    const Eigen::Vector3d ray =
+        (Eigen::Vector3d(random.uniform(-50, 50), random.uniform(-50, 50), 0) - eye).normalized();
     const auto hit = village().cast(eye, ray);
     ASSERT_TRUE(hit);
     EXPECT_TRUE(village().visible(hit->point, eye));

@@ -94,13 +94,20 @@ Eigen::Vector3d normal_of(const Solid& s, int face, const Eigen::Vector3d& point
   if (s.shape == Solid::Shape::kColumn && face == Solid::kEnd)
     return Eigen::Vector3d(point.x() - s.x, point.y() - s.y, 0).normalized();
   switch (face) {
-    case Solid::kEnd: return along;
-    case Solid::kOtherEnd: return -along;
-    case Solid::kSide: return across;
-    case Solid::kOtherSide: return -across;
-    case Solid::kBottom: return -Eigen::Vector3d::UnitZ();
-    case Solid::kRoof: return (Eigen::Vector3d::UnitZ() + slope_of(s) * across).normalized();
-    default: return (Eigen::Vector3d::UnitZ() - slope_of(s) * across).normalized();
+    case Solid::kEnd:
+      return along;
+    case Solid::kOtherEnd:
+      return -along;
+    case Solid::kSide:
+      return across;
+    case Solid::kOtherSide:
+      return -across;
+    case Solid::kBottom:
+      return -Eigen::Vector3d::UnitZ();
+    case Solid::kRoof:
+      return (Eigen::Vector3d::UnitZ() + slope_of(s) * across).normalized();
+    default:
+      return (Eigen::Vector3d::UnitZ() - slope_of(s) * across).normalized();
   }
 }
 

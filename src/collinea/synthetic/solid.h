@@ -18,10 +18,10 @@ struct Solid {
   enum Face : int { kEnd = 0, kOtherEnd = 1, kSide = 2, kOtherSide = 3, kBottom = 4, kRoof = 5, kOtherRoof = 6 };
 
   Shape shape = Shape::kBox;
-  double x = 0, y = 0;                          ///< centre in plan
-  double cosine = 1, sine = 0;                  ///< of the direction of its length against x
-  double half_length_m = 1, half_width_m = 1;   ///< a column's radius is half_length_m
-  double bottom_m = 0, eave_m = 1, ridge_m = 1; ///< heights; ridge = eave but for a gable
+  double x = 0, y = 0;                           ///< centre in plan
+  double cosine = 1, sine = 0;                   ///< of the direction of its length against x
+  double half_length_m = 1, half_width_m = 1;    ///< a column's radius is half_length_m
+  double bottom_m = 0, eave_m = 1, ridge_m = 1;  ///< heights; ridge = eave but for a gable
   Finish wall = Finish::kPlain, roof = Finish::kPlain;
   Colour wall_colour{0.5f, 0.5f, 0.5f}, roof_colour{0.4f, 0.4f, 0.4f};
   std::uint32_t seed = 0;

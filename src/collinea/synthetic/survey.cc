@@ -6,15 +6,15 @@
 #include <numbers>
 
 #include "collinea/base/random.h"
-#include "collinea/geometry/rotation.h"
 #include "collinea/synthetic/field_work.h"
 #include "collinea/synthetic/village.h"
 
 namespace collinea {
 namespace {
 
-constexpr double kCrossHeight = 1.15;   // flying height of cross strips over that of the others
+constexpr double kCrossHeight = 1.15;  // flying height of cross strips over that of the others
 constexpr double kGimbalSigma_deg = 1.2;
+constexpr double kFocalError = 1.011;  // the true focal length over what the header of a photograph says
 
 // What follows from the options: sizes of the block on the ground.
 struct Plan {
@@ -64,13 +64,14 @@ std::vector<Station> stations_of(const Plan& plan) {
     const int count = plan.per_strip - (strip + 1 == plan.strips ? plan.dropped : 0);
     const double x = (strip - 0.5 * (plan.strips - 1)) * plan.spacing_m, sign = strip % 2 ? -1 : 1;
     for (int i = 0; i < count; ++i)
-      stations.push_back({x, sign * (i - 0.5 * (plan.per_strip - 1)) * plan.base_m, plan.height_m,
-                          strip % 2 ? std::numbers::pi : 0});
+      stations.push_back(
+          {x, sign * (i - 0.5 * (plan.per_strip - 1)) * plan.base_m, plan.height_m, strip % 2 ? std::numbers::pi : 0});
   }
   const double length_m = (plan.per_strip - 1) * plan.base_m;
   for (int strip = 0; strip < plan.cross_strips; ++strip) {
     const double y = length_m * ((strip + 0.5) / plan.cross_strips - 0.5), sign = strip % 2 ? -1 : 1;
-    const double step_m = std::max(kCrossHeight * plan.base_m, plan.strips * plan.spacing_m / std::max(1, plan.per_cross));
+    const double step_m =
+        std::max(kCrossHeight * plan.base_m, plan.strips * plan.spacing_m / std::max(1, plan.per_cross));
     for (int i = 0; i < plan.per_cross; ++i)
       stations.push_back({sign * (i - 0.5 * (plan.per_cross - 1)) * step_m, y, kCrossHeight * plan.height_m,
                           sign * std::numbers::pi / 2});
@@ -97,7 +98,9 @@ struct Area {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  [[nodiscard]] Area grown(double x_m, double y_m) const { return {low - Eigen::Vector2d(x_m, y_m), high + Eigen::Vector2d(x_m, y_m)}; }
+  [[nodiscard]] Area grown(double x_m, double y_m) const {
+    return {low - Eigen::Vector2d(x_m, y_m), high + Eigen::Vector2d(x_m, y_m)};
+  }
 };
 
 // All ground that any picture may show: its corners traced down to a level below all terrain.
@@ -105,10 +108,12 @@ Result<Area> ground_in_view(const Camera& camera, const std::vector<Rigid3>& pos
   Area area;
   const double w = camera.width_px, h = camera.height_px;
   for (const Rigid3& pose : poses)
-    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, 0), {w, 0}, {0, h}, {w, h}, {w / 2, 0}, {w / 2, h}, {0, h / 2}, {w, h / 2}}) {
+    for (const Eigen::Vector2d& pixel :
+         {Eigen::Vector2d(0, 0), {w, 0}, {0, h}, {w, h}, {w / 2, 0}, {w / 2, h}, {0, h / 2}, {w, h / 2}}) {
       const Eigen::Vector3d ray = pose.rotation.conjugate() * ray_in_cam(camera, pixel), centre = centre_of(pose);
       if (ray.z() > -0.3)
-        return fail(Errc::kBadInput, "the pictures show the horizon: longer focal length or smaller attitude_jitter_deg needed");
+        return fail(Errc::kBadInput,
+                    "the pictures show the horizon: longer focal length or smaller attitude_jitter_deg needed");
       area.include((centre + ray * ((level_m - centre.z()) / ray.z())).head<2>());
     }
   return area.grown(2, 2);
@@ -127,9 +132,37 @@ std::vector<Mark> open_places(const Scene& scene, const Area& area, double half_
       open = scene.surface_height(u, v) == ground && scene.in_sun({u, v, ground}, scene.terrain().normal(u, v));
     }
     if (open)
-      marks.push_back({{x, y, z}, {std::cos(heading), std::sin(heading), 0}, {-std::sin(heading), std::cos(heading), 0}, half_size_m});
+      marks.push_back({{x, y, z},
+                       {std::cos(heading), std::sin(heading), 0},
+                       {-std::sin(heading), std::cos(heading), 0},
+                       half_size_m});
   }
   return marks;
+}
+
+VillageOptions village_of(const SurveyOptions& o, const Plan& plan, const Area& shown, const Area& built) {
+  VillageOptions village;
+  village.low = shown.low;
+  village.high = shown.high;
+  village.built_low = built.low;
+  village.built_high = built.high;
+  village.cell_m = std::max(0.25, 5 * plan.gsd_m);
+  village.relief_m = o.relief_m;
+  village.building_area_m2 = o.building_area_m2;
+  village.seed = std::uint64_t(o.seed);
+  return village;
+}
+
+Result<> mark_control(Truth& truth, const SurveyOptions& o, const Area& mapped, const Run& run) {
+  MarkOptions marks;
+  marks.control_points = o.control_points;
+  marks.check_points = o.check_points;
+  marks.sigma_m = {o.control_sigma_plan_m, o.control_sigma_plan_m, o.control_sigma_height_m};
+  marks.measurement_sigma_px = o.measurement_sigma_px;
+  marks.least_images = std::min(3, int(truth.block.images.size()));
+  const int candidates = 20 * (o.control_points + o.check_points) + 100;
+  const double half_size_m = 4.5 * truth.gsd_m;
+  return add_marks(truth, open_places(truth.scene, mapped, half_size_m, candidates, Random(truth.seed, 7)), marks, run);
 }
 
 }  // namespace
@@ -141,44 +174,31 @@ Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
   const auto seed = std::uint64_t(o.seed);
   const std::vector<Station> stations = stations_of(plan);
   std::vector<Rigid3> poses;
-  for (std::size_t i = 0; i < stations.size(); ++i) poses.push_back(looking_down(stations[i], o, Random(seed, 100 + i)));
-
-  COLLINEA_TRY(const Area shown, ground_in_view(plan.camera, poses, -1.2 * o.relief_m));
   Area flown;
-  for (const Station& s : stations) flown.include({s.x, s.y});
-  const Area mapped = flown.grown(0.3 * plan.across_m, 0.3 * plan.along_m), built = mapped.grown(10, 10);
-  VillageOptions village;
-  village.low = shown.low;
-  village.high = shown.high;
-  village.built_low = built.low;
-  village.built_high = built.high;
-  village.cell_m = std::max(0.25, 5 * plan.gsd_m);
-  village.relief_m = o.relief_m;
-  village.building_area_m2 = o.building_area_m2;
-  village.seed = seed;
+  for (std::size_t i = 0; i < stations.size(); ++i) {
+    poses.push_back(looking_down(stations[i], o, Random(seed, 100 + i)));
+    flown.include({stations[i].x, stations[i].y});
+  }
+  COLLINEA_TRY(const Area shown, ground_in_view(plan.camera, poses, -1.2 * o.relief_m));
+  const Area mapped = flown.grown(0.3 * plan.across_m, 0.3 * plan.along_m);
 
-  Truth truth{.scene = make_village(village), .frame = frame, .block = {}, .marks_in_world = {}, .exposure = {},
-              .optics = optics_of(o), .mapped = {}};
+  Truth truth{.scene = make_village(village_of(o, plan, shown, mapped.grown(10, 10))),
+              .frame = frame,
+              .block = {},
+              .marks_in_world = {},
+              .exposure = {},
+              .optics = optics_of(o),
+              .mapped = std::pair(mapped.low, mapped.high)};
   truth.block.georeference = Georeference{o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m};
   truth.gsd_m = plan.gsd_m;
-  truth.nominal_focal_px = plan.camera.focal_px() / 1.011;
-  truth.mapped = std::pair(mapped.low, mapped.high);
+  truth.nominal_focal_px = plan.camera.focal_px() / kFocalError;
   truth.seed = seed;
   add_images(truth, plan.camera, poses, o.exposure_sigma);
   if (o.gps) {
     add_positions(truth, o.gps_sigma_plan_m, o.gps_sigma_height_m);
     add_attitudes(truth, kGimbalSigma_deg);
   }
-  MarkOptions marks;
-  marks.control_points = o.control_points;
-  marks.check_points = o.check_points;
-  marks.sigma_m = {o.control_sigma_plan_m, o.control_sigma_plan_m, o.control_sigma_height_m};
-  marks.measurement_sigma_px = o.measurement_sigma_px;
-  marks.least_images = std::min(3, int(poses.size()));
-  const int candidates = 20 * (o.control_points + o.check_points) + 100;
-  if (auto done = add_marks(truth, open_places(truth.scene, mapped, 4.5 * plan.gsd_m, candidates, Random(seed, 7)), marks, run);
-      !done)
-    return tl::unexpected(std::move(done).error());
+  if (auto done = mark_control(truth, o, mapped, run); !done) return tl::unexpected(std::move(done).error());
   return truth;
 }
 

@@ -11,13 +11,13 @@ namespace collinea {
 
 /// An aerial block over made-up country.
 struct SurveyOptions {
-  std::optional<int> images;
+  std::optional<int> images = {};
   int strips = 3, images_per_strip = 6, cross_strips = 2, images_per_cross_strip = 3;
   double forward_overlap = 0.75, side_overlap = 0.65;
   double gsd_m = 0.05;
-  std::optional<double> height_m;
+  std::optional<double> height_m = {};
   int width_px = 2048, height_px = 1536;
-  std::optional<double> focal_px;
+  std::optional<double> focal_px = {};
   double k1 = -0.055, k2 = 0.028, k3 = -0.008, p1 = 0.0007, p2 = -0.0004;
   double principal_x_px = 6.5, principal_y_px = -9.2;
   double attitude_jitter_deg = 1.5, position_jitter_m = 0.8;
@@ -42,7 +42,8 @@ struct SurveyOptions {
     visit(Field{"forward_overlap", &O::forward_overlap, "1", "overlap along a strip", 0.0, 0.95});
     visit(Field{"side_overlap", &O::side_overlap, "1", "overlap of neighbouring strips", 0.0, 0.95});
     visit(Field{"gsd_m", &O::gsd_m, "m", "size of a pixel on the ground; not used when height_m is given", 0.001, 10});
-    visit(Field{"height_m", &O::height_m, "m", "flying height above ground; nothing: from gsd_m and the focal length", 1, 10000});
+    visit(Field{"height_m", &O::height_m, "m", "flying height above ground; nothing: from gsd_m and the focal length",
+                1, 10000});
     visit(Field{"width_px", &O::width_px, "px", "width of the images", 64, 20000});
     visit(Field{"height_px", &O::height_px, "px", "height of the images", 64, 20000});
     visit(Field{"focal_px", &O::focal_px, "px", "focal length; nothing: 0.67 of the width", 10, 100000});
@@ -53,7 +54,8 @@ struct SurveyOptions {
     visit(Field{"p2", &O::p2, "1", "decentring distortion", -0.05, 0.05});
     visit(Field{"principal_x_px", &O::principal_x_px, "px", "principal point, right of the middle", -500, 500});
     visit(Field{"principal_y_px", &O::principal_y_px, "px", "principal point, below the middle", -500, 500});
-    visit(Field{"attitude_jitter_deg", &O::attitude_jitter_deg, "deg", "standard deviation of the camera's tilts", 0, 10});
+    visit(Field{"attitude_jitter_deg", &O::attitude_jitter_deg, "deg", "standard deviation of the camera's tilts", 0,
+                10});
     visit(Field{"position_jitter_m", &O::position_jitter_m, "m", "standard deviation from the planned station", 0, 50});
     visit(Field{"exposure_sigma", &O::exposure_sigma, "1", "standard deviation of the exposure, relative", 0, 0.5});
     visit(Field{"vignetting", &O::vignetting, "1", "share of the light lost in the corners", 0, 0.9});
@@ -66,13 +68,15 @@ struct SurveyOptions {
     visit(Field{"check_points", &O::check_points, "1", "survey marks kept for checking", 0, 10000});
     visit(Field{"control_sigma_plan_m", &O::control_sigma_plan_m, "m", "error of surveyed east and north", 0, 10});
     visit(Field{"control_sigma_height_m", &O::control_sigma_height_m, "m", "error of surveyed heights", 0, 10});
-    visit(Field{"measurement_sigma_px", &O::measurement_sigma_px, "px", "error of measured image coordinates of marks", 0, 10});
+    visit(Field{"measurement_sigma_px", &O::measurement_sigma_px, "px", "error of measured image coordinates of marks",
+                0, 10});
     visit(Field{"relief_m", &O::relief_m, "m", "range of terrain heights", 0, 500});
     visit(Field{"building_area_m2", &O::building_area_m2, "m2", "land for one building; 0: no buildings", 0, 1e9});
     visit(Field{"crs", &O::crs, "1", "coordinate reference system of the map"});
     visit(Field{"latitude_deg", &O::latitude_deg, "deg", "origin of the world frame", -89, 89});
     visit(Field{"longitude_deg", &O::longitude_deg, "deg", "origin of the world frame", -180, 180});
-    visit(Field{"ground_height_m", &O::ground_height_m, "m", "ellipsoidal height of the origin, on the ground", -500, 9000});
+    visit(Field{"ground_height_m", &O::ground_height_m, "m", "ellipsoidal height of the origin, on the ground", -500,
+                9000});
     visit(Field{"seed", &O::seed, "1", "all that is random follows from it", 0});
   }
 };
@@ -86,7 +90,7 @@ struct FacadeOptions {
   double distance_m = 13, arc_deg = 76;
   double low_m = 1.7, high_m = 5.0;
   int width_px = 2048, height_px = 1536;
-  std::optional<double> focal_px;
+  std::optional<double> focal_px = {};
   double k1 = -0.055, k2 = 0.028, k3 = -0.008, p1 = 0.0007, p2 = -0.0004;
   double principal_x_px = 6.5, principal_y_px = -9.2;
   double attitude_jitter_deg = 2, position_jitter_m = 0.15;
@@ -117,7 +121,8 @@ struct FacadeOptions {
     visit(Field{"p2", &O::p2, "1", "decentring distortion", -0.05, 0.05});
     visit(Field{"principal_x_px", &O::principal_x_px, "px", "principal point, right of the middle", -500, 500});
     visit(Field{"principal_y_px", &O::principal_y_px, "px", "principal point, below the middle", -500, 500});
-    visit(Field{"attitude_jitter_deg", &O::attitude_jitter_deg, "deg", "standard deviation of the hand's tilts", 0, 10});
+    visit(
+        Field{"attitude_jitter_deg", &O::attitude_jitter_deg, "deg", "standard deviation of the hand's tilts", 0, 10});
     visit(Field{"position_jitter_m", &O::position_jitter_m, "m", "standard deviation from the planned station", 0, 2});
     visit(Field{"exposure_sigma", &O::exposure_sigma, "1", "standard deviation of the exposure, relative", 0, 0.5});
     visit(Field{"vignetting", &O::vignetting, "1", "share of the light lost in the corners", 0, 0.9});
@@ -129,11 +134,13 @@ struct FacadeOptions {
     visit(Field{"control_points", &O::control_points, "1", "survey marks used as control", 0, 1000});
     visit(Field{"check_points", &O::check_points, "1", "survey marks kept for checking", 0, 1000});
     visit(Field{"control_sigma_m", &O::control_sigma_m, "m", "error of surveyed coordinates", 0, 1});
-    visit(Field{"measurement_sigma_px", &O::measurement_sigma_px, "px", "error of measured image coordinates of marks", 0, 10});
+    visit(Field{"measurement_sigma_px", &O::measurement_sigma_px, "px", "error of measured image coordinates of marks",
+                0, 10});
     visit(Field{"crs", &O::crs, "1", "coordinate reference system of the map"});
     visit(Field{"latitude_deg", &O::latitude_deg, "deg", "origin of the world frame", -89, 89});
     visit(Field{"longitude_deg", &O::longitude_deg, "deg", "origin of the world frame", -180, 180});
-    visit(Field{"ground_height_m", &O::ground_height_m, "m", "ellipsoidal height of the origin, on the ground", -500, 9000});
+    visit(Field{"ground_height_m", &O::ground_height_m, "m", "ellipsoidal height of the origin, on the ground", -500,
+                9000});
     visit(Field{"seed", &O::seed, "1", "all that is random follows from it", 0});
   }
 };

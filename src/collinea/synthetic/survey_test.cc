@@ -42,7 +42,7 @@ TEST(Survey, HasTheImagesAskedFor) {
 }
 
 TEST(Survey, TheSameOptionsGiveTheSameTruth) {
-  Run two;
+  collinea::Run two;
   two.threads = 2;
   const Truth again = *make_survey(small_survey(), two);
   for (const auto& [id, pose] : survey().block.cam_from_world)
@@ -63,8 +63,8 @@ TEST(Survey, NeighboursOverlapAsPlanned) {
   EXPECT_NEAR(place(0).z(), 0.2 * 0.67 * 512, 1e-9);
 }
 
-// A ray and its projection are inverse to rounding: 1e-10 in the image plane (the promise of normalized) is 1e-7 px here;
-// the cast adds 1e-9 m.
+// A ray and its projection are inverse to rounding: 1e-10 in the image plane (the promise of normalized) is 1e-7 px
+// here; the cast adds 1e-9 m.
 void expect_rays_come_back(const Truth& truth) {
   Random random(1);
   for (const auto& [id, pose] : truth.block.cam_from_world)
@@ -95,7 +95,9 @@ TEST(Survey, PointsBehindARoofAreNotSeen) {
       ASSERT_TRUE(hit);
       if (hit->solid < 0) continue;
       const Eigen::Vector3d ray = (hit->point - centre_of(pose)).normalized();  // on through the house to the ground
-      const Eigen::Vector3d on_ground = hit->point - ray * ((hit->point.z() - survey().scene.terrain_height(hit->point.x(), hit->point.y())) / ray.z());
+      const Eigen::Vector3d on_ground =
+          hit->point -
+          ray * ((hit->point.z() - survey().scene.terrain_height(hit->point.x(), hit->point.y())) / ray.z());
       EXPECT_FALSE(seen_at(survey(), id, on_ground));
       ++hidden;
     }
@@ -196,7 +198,7 @@ TEST(Survey, ObservationsAreProjectionsPlusNoise) {
 }
 
 TEST(Survey, ObservationsDoNotDependOnThreads) {
-  Run two;
+  collinea::Run two;
   two.threads = 2;
   const ObservationOptions options{.points_per_image = 30, .noise_px = 0.4, .seed = 3};
   const Block a = *observations_only(survey(), options, {}), b = *observations_only(survey(), options, two);

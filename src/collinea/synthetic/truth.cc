@@ -29,12 +29,13 @@ View view_of(const Block& block, ImageId id) {
   return view;
 }
 
-std::optional<Eigen::Vector2d> see(const Scene& scene, const View& view, const Eigen::Vector3d& point, double margin_px) {
+std::optional<Eigen::Vector2d> see(const Scene& scene, const View& view, const Eigen::Vector3d& point,
+                                   double margin_px) {
   const Eigen::Vector3d ray = point - view.centre;
   if (view.axis.dot(ray) < 0.98 * view.least_cosine * ray.norm()) return std::nullopt;
   const auto pixel = project(*view.camera, view.cam_from_world * point);
-  if (!pixel || !(pixel->x() >= margin_px && pixel->y() >= margin_px && pixel->x() <= view.camera->width_px - margin_px &&
-                  pixel->y() <= view.camera->height_px - margin_px))
+  if (!pixel || !(pixel->x() >= margin_px && pixel->y() >= margin_px &&
+                  pixel->x() <= view.camera->width_px - margin_px && pixel->y() <= view.camera->height_px - margin_px))
     return std::nullopt;
   return scene.visible(point, view.centre) ? pixel : std::nullopt;
 }
@@ -53,7 +54,8 @@ struct Candidate {
 Candidate sample(const Scene& scene, const std::vector<View>& views, std::size_t from, Random& random) {
   const View& view = views[from];
   Candidate candidate;
-  const auto hit = show(scene, view, {random.uniform(0, view.camera->width_px), random.uniform(0, view.camera->height_px)});
+  const auto hit =
+      show(scene, view, {random.uniform(0, view.camera->width_px), random.uniform(0, view.camera->height_px)});
   if (!hit) return candidate;
   candidate.point = hit->point;
   candidate.albedo = scene.albedo(*hit, 0.05);

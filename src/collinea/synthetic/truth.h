@@ -14,9 +14,9 @@ namespace collinea {
 
 /// What a camera does to the light before it is written down.
 struct Optics {
-  double blur_px = 0.6;       ///< standard deviation of the point spread function
-  double noise_grey = 1.5;    ///< standard deviation, the same for the three channels of a pixel [grey levels]
-  double vignetting = 0.25;   ///< share of the light lost in the corners
+  double blur_px = 0.6;      ///< standard deviation of the point spread function
+  double noise_grey = 1.5;   ///< standard deviation, the same for the three channels of a pixel [grey levels]
+  double vignetting = 0.25;  ///< share of the light lost in the corners
 };
 
 /// A world, the photographs taken of it and all that is exactly known of both.
@@ -39,8 +39,8 @@ struct Truth {
 
 /// Where an image shows a point of a surface: exactly projected; nothing when it lies outside the picture, closer than
 /// `margin_px` to its border, or hidden.
-[[nodiscard]] std::optional<Eigen::Vector2d> seen_at(const Truth& truth, ImageId image, const Eigen::Vector3d& point_in_world,
-                                                     double margin_px = 0);
+[[nodiscard]] std::optional<Eigen::Vector2d> seen_at(const Truth& truth, ImageId image,
+                                                     const Eigen::Vector3d& point_in_world, double margin_px = 0);
 
 /// The surface point shown at a pixel; nothing where the sky is.
 [[nodiscard]] std::optional<Hit> shown_at(const Truth& truth, ImageId image, const Eigen::Vector2d& pixel);

@@ -27,7 +27,8 @@ double hill_height(double x, double y, double relief_m, std::uint32_t seed) {
   constexpr std::array<Octave, 5> kOctaves = {{{130, 0.62}, {55, 0.22}, {22, 0.07}, {8, 0.015}, {1.7, 0.006}}};
   double sum = 0, u = x, v = y;
   for (std::size_t i = 0; i < kOctaves.size(); ++i) {
-    sum += kOctaves[i].share * smooth_noise(u / kOctaves[i].spacing_m, v / kOctaves[i].spacing_m, seed + std::uint32_t(i));
+    sum +=
+        kOctaves[i].share * smooth_noise(u / kOctaves[i].spacing_m, v / kOctaves[i].spacing_m, seed + std::uint32_t(i));
     const double turned = 0.8 * u - 0.6 * v;
     v = 0.6 * u + 0.8 * v;
     u = turned;
@@ -43,8 +44,8 @@ Heightfield make_hills(const VillageOptions& o, std::uint32_t seed) {
   heights.reserve(std::size_t(width) * std::size_t(height));
   for (int row = 0; row < height; ++row)
     for (int column = 0; column < width; ++column)
-      heights.push_back(float(
-          hill_height(o.low.x() + column * o.cell_m, o.low.y() + row * o.cell_m, o.relief_m, seed) - datum));
+      heights.push_back(
+          float(hill_height(o.low.x() + column * o.cell_m, o.low.y() + row * o.cell_m, o.relief_m, seed) - datum));
   return {o.low.x(), o.low.y(), o.cell_m, width, height, std::move(heights)};
 }
 
@@ -143,7 +144,8 @@ std::vector<Solid> make_buildings(const VillageOptions& o, const Heightfield& te
   const Eigen::Vector2d size = o.built_high - o.built_low;
   const int wanted = int(std::lround(size.x() * size.y() / o.building_area_m2));
   for (int trial = 0; trial < 60 * wanted && int(houses.size()) < wanted; ++trial) {
-    const double x = random.uniform(o.built_low.x(), o.built_high.x()), y = random.uniform(o.built_low.y(), o.built_high.y());
+    const double x = random.uniform(o.built_low.x(), o.built_high.x()),
+                 y = random.uniform(o.built_low.y(), o.built_high.y());
     const Road& road = roads[random.below(std::uint32_t(roads.size()))];
     const double heading = std::atan2(road.sine, road.cosine) + random.uniform(-0.3, 0.3);
     Solid house = random_building(random, x, y, heading);

@@ -29,7 +29,8 @@ PhotoHeader header_of(const Truth& truth, ImageId id) {
   header.model = fmt::format("Synthetic {:.0f}MP", double(camera.width_px) * camera.height_px / 1e6);
   header.focal_mm = truth.lens_mm;
   // The equivalent for film of 36 x 24 mm compares diagonals and is a whole number, as cameras write it.
-  header.focal_35mm_mm = std::round(truth.nominal_focal_px * std::hypot(36, 24) / std::hypot(camera.width_px, camera.height_px));
+  header.focal_35mm_mm =
+      std::round(truth.nominal_focal_px * std::hypot(36, 24) / std::hypot(camera.width_px, camera.height_px));
   header.taken = image.taken;
   if (image.position) {
     header.latitude_deg = image.position->latitude_deg;
@@ -83,9 +84,9 @@ std::string poses_text(const Truth& truth) {
   for (const auto& [id, pose] : truth.block.cam_from_world) {
     const Eigen::Vector3d centre = centre_of(pose);
     const auto& q = pose.rotation;
-    text += truth.block.images.at(id).file + ", " + exact(centre.x()) + ", " + exact(centre.y()) + ", " + exact(centre.z()) +
-            ", " + exact(q.w()) + ", " + exact(q.x()) + ", " + exact(q.y()) + ", " + exact(q.z()) + ", " +
-            xyz(truth.frame.map_from_local(centre), 6) + "\n";
+    text += truth.block.images.at(id).file + ", " + exact(centre.x()) + ", " + exact(centre.y()) + ", " +
+            exact(centre.z()) + ", " + exact(q.w()) + ", " + exact(q.x()) + ", " + exact(q.y()) + ", " + exact(q.z()) +
+            ", " + xyz(truth.frame.map_from_local(centre), 6) + "\n";
   }
   return text;
 }

@@ -30,7 +30,8 @@ namespace collinea {
 [[nodiscard]] Result<> write_photographs(const Truth& truth, const std::filesystem::path& images, const Run& run);
 [[nodiscard]] Result<> write_tables(const Truth& truth, const std::filesystem::path& folder);
 /// dsm.tif and ortho.tif with cells of `cell_m`; nothing to do when the truth has no mapped area.
-[[nodiscard]] Result<> write_products(const Truth& truth, const std::filesystem::path& folder, double cell_m, const Run& run);
+[[nodiscard]] Result<> write_products(const Truth& truth, const std::filesystem::path& folder, double cell_m,
+                                      const Run& run);
 
 struct TrueMark {
   ControlRole role = ControlRole::kControl;
@@ -41,10 +42,10 @@ struct TrueMark {
 struct TruthFolder {
   Georeference georeference;
   Camera camera;
-  std::map<std::string, Rigid3> cam_from_world;           ///< by file name of the photograph
-  std::map<std::string, Eigen::Vector3d> centre_in_map;   ///< easting, northing, height [m]
-  std::map<std::string, TrueMark> marks;                  ///< by name
-  std::filesystem::path dsm, ortho;                       ///< empty when there is none
+  std::map<std::string, Rigid3> cam_from_world;          ///< by file name of the photograph
+  std::map<std::string, Eigen::Vector3d> centre_in_map;  ///< easting, northing, height [m]
+  std::map<std::string, TrueMark> marks;                 ///< by name
+  std::filesystem::path dsm, ortho;                      ///< empty when there is none
 };
 
 /// `path`: the folder given to simulate, or its truth/ itself. Errors: missing or broken files, with their line.

@@ -107,7 +107,8 @@ TEST(Write, TheSurfaceRasterIsTheSurface) {
     for (int column = 0; column < grid.width; column += 3) {
       const double height = heights->at(column, row);
       ASSERT_NE(height, *dsm->nodata());
-      const Eigen::Vector3d local = truth.frame.local_from_map({grid.east_of(column + 0.5), grid.north_of(row + 0.5), height});
+      const Eigen::Vector3d local =
+          truth.frame.local_from_map({grid.east_of(column + 0.5), grid.north_of(row + 0.5), height});
       apart += std::abs(local.z() - truth.scene.surface_height(local.x(), local.y())) > 1e-4;
       ++compared;
     }

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "collinea/block/block.h"
+
+namespace collinea {
+
+/// Something that is wrong, or looks wrong, with control or with the positions of the images, in words for a surveyor.
+struct Finding {
+  enum Severity { kNote, kWarning, kError };
+
+  /// "control_measurement": one image measurement does not meet the others; excluded
+  /// "control_measurements_disagree": two rays of a point that miss each other; the point is excluded
+  /// "control_point": the coordinates of a point contradict the others; the point is excluded
+  /// "control_inconsistent": the points contradict each other and nobody can tell which is wrong
+  /// "control_axes_swapped": eastings and northings are exchanged
+  /// "position_heights": GNSS heights are off the control heights by a constant
+  /// "position_offset": GNSS positions are off the control by a constant in plan
+  /// "position_crs": by so much that one of the two is in another coordinate system
+  std::string code;
+  Severity severity = kWarning;
+  std::string message;
+  std::optional<ControlId> point;
+  std::optional<ImageId> image;
+  double size = 0;      ///< of what is wrong
+  std::string unit;     ///< of size: "px" or "m"
+};
+
+/// What was found and what should be done about it before the block is adjusted.
+struct ControlDiagnosis {
+  std::vector<Finding> findings;
+  std::set<std::size_t> excluded_observations;  ///< places in Block::control_observations
+  std::set<ControlId> excluded_points;
+  double position_height_shift_m = 0;  ///< to be added to the heights of Image::position
+  bool positions_unusable = false;     ///< they and the control cannot both be right: adjust without positions
+  bool axes_swapped = false;           ///< read the control again with eastings and northings exchanged
+};
+
+/// Looks for blunders in the control (control and check points alike) of an oriented block in any frame, before it is adjusted:
+/// image measurements by intersecting each point without one of its rays (a difference of more than six sigmas, three
+/// pixels and four times the rest); coordinates by a robust similarity of the block to the points (four and more), or by the
+/// camera positions when there are fewer; exchanged axes by fitting both ways (exact in flat ground only with
+/// the help of positions or of the cameras' upright); constant offsets of camera positions by the median difference after that fit.
+[[nodiscard]] ControlDiagnosis check_control(const Block& block, std::uint64_t seed = 1);
+
+/// Does what the diagnosis recommends: removes excluded measurements (all those of an excluded point), shifts the heights of
+/// positions, removes positions that are unusable. Exchanged axes are left to the reader of the control.
+void apply(const ControlDiagnosis& diagnosis, Block& block);
+
+}  // namespace collinea

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+
+#include "collinea/adjust/control_check.h"
+
+namespace collinea::bundle {
+
+/// Intersects every control and check point without its wrong measurements, which go into the diagnosis. Answers the
+/// points that were found, in the block's frame.
+std::map<ControlId, Eigen::Vector3d> intersect_control(const Block& block, ControlDiagnosis& diagnosis);
+
+}  // namespace collinea::bundle

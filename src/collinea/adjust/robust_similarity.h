@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "collinea/geometry/similarity3.h"
+
+namespace collinea::bundle {
+
+/// A place known in the block's frame and in the world.
+struct PlacePair {
+  Eigen::Vector3d in_block, in_world;
+  double sigma_m = 1;  ///< of one coordinate in the world
+};
+
+struct RobustSimilarity {
+  Similarity3 world_from_block;
+  std::vector<double> weights;      ///< 0: an outlier
+  std::vector<double> distances_m;  ///< left after the similarity
+};
+
+/// True when three or more places do not lie on a line: the second axis of their spread is more than uncertainty.
+[[nodiscard]] bool span_a_plane(const std::vector<PlacePair>& pairs);
+
+/// Least median of squares over triples, then least squares of those within three robust standard deviations. Nothing
+/// with fewer than three pairs or when those that agree lie on one line.
+[[nodiscard]] std::optional<RobustSimilarity> robust_similarity(const std::vector<PlacePair>& pairs, std::uint64_t seed);
+
+[[nodiscard]] std::vector<double> distances(const std::vector<PlacePair>& pairs, const Similarity3& world_from_block);
+
+/// The median (the upper one of an even number); the values are not empty.
+[[nodiscard]] double middle(std::vector<double> values);
+
+}  // namespace collinea::bundle

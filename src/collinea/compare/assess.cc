@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/compare/assess.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+namespace collinea {
+namespace {
+
+bool there(const std::filesystem::path& path) { return !path.empty() && std::filesystem::exists(path); }
+
+Result<LocalFrame> frame_of(const Georeference& g) {
+  return LocalFrame::create(g.crs, g.origin_latitude_deg, g.origin_longitude_deg, g.origin_height_m);
+}
+
+// Through geographic coordinates, since the two world frames may have different origins and maps.
+Result<ToTruth> to_truth_of(const Block& block, const TruthFolder& truth) {
+  if (!block.georeference) return ToTruth{};
+  COLLINEA_TRY(const LocalFrame from, frame_of(*block.georeference));
+  COLLINEA_TRY(const LocalFrame to, frame_of(truth.georeference));
+  return ToTruth{[from, to](const Eigen::Vector3d& p) { return to.local_from_geographic(from.geographic_from_local(p)); }};
+}
+
+Block true_block(const TruthFolder& truth) {
+  Block block;
+  block.cameras[CameraId{0}] = truth.camera;
+  for (const auto& [file, pose] : truth.cam_from_world) {
+    const ImageId id{std::uint32_t(block.images.size())};
+    block.images[id].file = file;
+    block.images[id].camera = CameraId{0};
+    block.cam_from_world[id] = pose;
+  }
+  return block;
+}
+
+Result<std::function<Result<Raster<std::uint8_t>>(int, int, int, int)>> byte_reader(const std::filesystem::path& path, MapGrid* grid) {
+  COLLINEA_TRY(GeoTiffReader opened, GeoTiffReader::open(path));
+  const auto reader = std::make_shared<GeoTiffReader>(std::move(opened));
+  if (grid) *grid = reader->grid();
+  return [reader](int column, int row, int width, int height) { return reader->read_byte(column, row, width, height); };
+}
+
+Result<SurfaceErrors> assess_surface(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
+  COLLINEA_TRY(const HeightField model, open_height_field(products.dsm));
+  COLLINEA_TRY(const HeightField expected, open_height_field(truth.dsm));
+  StateReader state;
+  if (there(products.dsm_state)) {
+    COLLINEA_TRY(state, byte_reader(products.dsm_state, nullptr));
+  }
+  COLLINEA_TRY(const LocalFrame frame, frame_of(truth.georeference));
+  return surface_errors(model, state, expected, views_of(true_block(truth), &frame), &frame, run);
+}
+
+Result<OrthoErrors> assess_ortho(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
+  PictureField product, expected;
+  COLLINEA_TRY(product.read, byte_reader(products.ortho, &product.grid));
+  COLLINEA_TRY(expected.read, byte_reader(truth.ortho, &expected.grid));
+  return ortho_errors(product, expected, run);
+}
+
+std::string line(const char* what, const PointErrors& e) {
+  return fmt::format("{:<34} {:>5}   RMS east {:.4f}  north {:.4f}  up {:.4f}  3D {:.4f} m   worst {:.4f} m   mean {:+.4f} {:+.4f} {:+.4f}\n",
+                     what, e.points, e.rms_m.x(), e.rms_m.y(), e.rms_m.z(), e.rms_3d_m, e.worst_3d_m, e.mean_m.x(), e.mean_m.y(),
+                     e.mean_m.z());
+}
+
+std::string line(const char* what, const HeightErrors& e, double unit_m) {
+  return fmt::format("{:<34} {:>9} cells   RMSE {:.4f} m = {:.2f} GSD   NMAD {:.4f} m = {:.2f} GSD   mean {:+.4f} m   gross {:.2f} %\n",
+                     what, e.cells, e.rmse_m, e.rmse_m / unit_m, e.nmad_m, e.nmad_m / unit_m, e.mean_m, 100 * e.share_gross);
+}
+
+}  // namespace
+
+Result<Assessment> assess(const Block& block, const ProductFiles& products, const TruthFolder& truth, const Run& run) {
+  Assessment result;
+  COLLINEA_TRY(const ToTruth to_truth, to_truth_of(block, truth));
+  result.poses = pose_errors(block, truth.cam_from_world, to_truth);
+  std::map<std::string, Eigen::Vector3d> marks;
+  for (const auto& [name, mark] : truth.marks) marks[name] = mark.position_in_world;
+  if (to_truth) {
+    const PointErrors check = mark_errors(block, ControlRole::kCheck, marks, to_truth);
+    const PointErrors control = mark_errors(block, ControlRole::kControl, marks, to_truth);
+    if (check.points > 0) result.check_points = check;
+    if (control.points > 0) result.control_points = control;
+  }
+  if (there(truth.dsm)) {
+    COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(truth.dsm));
+    result.gsd_m = reader.grid().cell_m;
+  }
+  if (there(products.dsm) && there(truth.dsm)) {
+    COLLINEA_TRY(result.surface, assess_surface(products, truth, run));
+  }
+  if (there(products.ortho) && there(truth.ortho)) {
+    COLLINEA_TRY(result.ortho, assess_ortho(products, truth, run));
+  }
+  return result;
+}
+
+std::string table(const Assessment& a) {
+  std::string text = fmt::format("images oriented                    {} of {}\n", a.poses.oriented, a.poses.images);
+  if (a.poses.centres) text += line("projection centres", *a.poses.centres);
+  if (a.poses.after_similarity) {
+    text += line("projection centres, aligned", *a.poses.after_similarity);
+    text += fmt::format("attitudes, aligned                 RMS {:.5f} deg   scale of the alignment {:.8f}\n", a.poses.rotation_rms_deg,
+                        a.poses.scale.value_or(1));
+  }
+  if (a.check_points) text += line("check points", *a.check_points);
+  if (a.control_points) text += line("control points", *a.control_points);
+  if (a.surface) {
+    const double unit_m = a.gsd_m.value_or(a.surface->cell_m);
+    text += line("surface model, all", a.surface->overall, unit_m);
+    text += line("surface model, smooth ground", a.surface->smooth_ground, unit_m);
+    text += fmt::format("surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell {:.4g} m\n",
+                        100 * a.surface->completeness, 100 * a.surface->completeness_measured, 100 * a.surface->completeness_seen,
+                        a.surface->cell_m);
+  }
+  if (a.ortho)
+    text += fmt::format("orthophoto, local shift            {} windows   RMS x {:.3f}  y {:.3f} px   median {:.3f} px   mean {:+.3f} {:+.3f}   "
+                        "over 1 px {:.1f} %   failed {:.1f} %   cell {:.4g} m\n",
+                        a.ortho->windows, a.ortho->rms_x_px, a.ortho->rms_y_px, a.ortho->median_px, a.ortho->mean_x_px,
+                        a.ortho->mean_y_px, 100 * a.ortho->share_over_1_px, 100 * a.ortho->share_failed, a.ortho->cell_m);
+  return text;
+}
+
+}  // namespace collinea

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+#include "collinea/base/random.h"
+#include "collinea/compare/assess.h"
+
+namespace collinea {
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+// A block of six cameras over two marks, and its true poses.
+struct Survey {
+  Block block;
+  std::map<std::string, Rigid3> truth;
+  std::map<std::string, Eigen::Vector3d> marks{{"A", {3, 4, 1}}, {"B", {-5, 2, 0}}};
+
+  Survey() {
+    block.cameras[CameraId{1}] = ideal_camera(1000, 1200, 1000);
+    block.cameras[CameraId{1}].params[Camera::kK1] = -0.05;
+    for (std::uint32_t i = 0; i < 6; ++i) {
+      const Eigen::Quaterniond rotation(Eigen::AngleAxisd(3.1, Eigen::Vector3d(1, 0.02 * i, 0.01).normalized()));
+      const Eigen::Vector3d centre(10.0 * (i % 3) - 10, 10.0 * (i / 3) - 5, 40 + i);
+      const std::string file = "IMG_" + std::to_string(i) + ".jpg";
+      block.images[ImageId{i}].file = "sub/" + file;
+      block.images[ImageId{i}].camera = CameraId{1};
+      truth[file] = block.cam_from_world[ImageId{i}] = {rotation, -(rotation * centre)};
+    }
+    std::uint32_t id = 0;
+    for (const auto& [name, place] : marks) {
+      ControlPoint point;
+      point.name = name;
+      point.role = name == "A" ? ControlRole::kCheck : ControlRole::kControl;
+      block.control[ControlId{id}] = point;
+      for (const auto& [image, pose] : block.cam_from_world)
+        if (const auto pixel = project(block.camera_of(image), pose * place))
+          block.control_observations.push_back({ControlId{id}, image, *pixel, 0.5});
+      ++id;
+    }
+  }
+};
+
+Eigen::Vector3d same(const Eigen::Vector3d& p) { return p; }
+
+TEST(PoseErrors, PerfectPosesHaveNone) {
+  const Survey survey;
+  const PoseErrors errors = pose_errors(survey.block, survey.truth, same);
+  EXPECT_EQ(errors.images, 6u);
+  EXPECT_EQ(errors.oriented, 6u);
+  EXPECT_LT(errors.centres->rms_3d_m, 1e-12);
+  EXPECT_LT(errors.after_similarity->rms_3d_m, 1e-10);
+  EXPECT_LT(errors.rotation_rms_deg, 1e-6);
+}
+
+TEST(PoseErrors, ASimilarityShowsBeforeAndNotAfterAlignment) {
+  Survey survey;
+  const Similarity3 moved_by{1.01, Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ())), {2, 0, 0}};
+  for (auto& [id, pose] : survey.block.cam_from_world) pose = moved(pose, moved_by);
+  const PoseErrors errors = pose_errors(survey.block, survey.truth, same);
+  EXPECT_GT(errors.centres->rms_3d_m, 1);
+  EXPECT_LT(errors.after_similarity->rms_3d_m, 1e-10);
+  EXPECT_NEAR(*errors.scale, 1 / 1.01, 1e-12);
+  EXPECT_LT(errors.rotation_rms_deg, 1e-6);
+  EXPECT_FALSE(pose_errors(survey.block, survey.truth, nullptr).centres);
+}
+
+TEST(PoseErrors, RmsMeanAndWorstAreWhatTheyAreCalled) {
+  const std::vector<Eigen::Vector3d> estimated = {{1, 0, 0}, {-1, 0, 2}}, truth(2, Eigen::Vector3d::Zero());
+  const PointErrors errors = point_errors(estimated, truth);
+  EXPECT_TRUE(errors.rms_m.isApprox(Eigen::Vector3d(1, 0, std::sqrt(2.0))));
+  EXPECT_TRUE(errors.mean_m.isApprox(Eigen::Vector3d(0, 0, 1)));
+  EXPECT_NEAR(errors.rms_3d_m, std::sqrt(3.0), 1e-14);
+  EXPECT_NEAR(errors.worst_3d_m, std::sqrt(5.0), 1e-14);
+}
+
+TEST(MarkErrors, AMarkIsIntersectedWhereItIs) {
+  const Survey survey;
+  EXPECT_LT((*intersect_mark(survey.block, ControlId{0}) - Eigen::Vector3d(3, 4, 1)).norm(), 1e-9);
+  EXPECT_EQ(mark_errors(survey.block, ControlRole::kCheck, survey.marks, same).points, 1u);
+  EXPECT_LT(mark_errors(survey.block, ControlRole::kControl, survey.marks, same).rms_3d_m, 1e-9);
+}
+
+TEST(MarkErrors, OneRayFixesNoMark) {
+  Survey survey;
+  survey.block.control_observations.resize(1);
+  EXPECT_FALSE(intersect_mark(survey.block, ControlId{0}));
+  EXPECT_EQ(mark_errors(survey.block, ControlRole::kCheck, survey.marks, same).points, 0u);
+}
+
+// A plain with a block of 5 m on it.
+float height_at(double x, double y) { return x > 20 && x < 30 && y > 20 && y < 30 ? 5 : float(0.1 * x); }
+
+HeightField field_of(double cell_m, int side, std::function<float(double, double)> height) {
+  HeightField field;
+  field.grid = {0, side * cell_m, cell_m, side, side, ""};
+  field.read = [grid = field.grid, height](int column, int row, int width, int rows) -> Result<FloatImage> {
+    FloatImage heights(width, rows);
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < width; ++x) heights.at(x, y) = height(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5));
+    return heights;
+  };
+  return field;
+}
+
+TEST(SurfaceErrors, APerfectModelHasNoneEvenWithLargerCells) {
+  const auto errors = surface_errors(field_of(0.2, 200, height_at), nullptr, field_of(0.1, 400, height_at), {}, nullptr, collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_LT(errors->smooth_ground.rmse_m, 1e-5);
+  EXPECT_LT(errors->overall.rmse_m, 0.01);  // where steep the nearest true cell counts: half a cell of the slope
+  EXPECT_NEAR(errors->completeness, 1, 1e-12);
+}
+
+TEST(SurfaceErrors, BiasNoiseHolesAndEdgesAreToldApart) {
+  Random random(2);
+  const auto model = [&](double x, double y) {
+    if (x > 36) return kNone;
+    const bool rim = std::abs(x - 20) < 0.2 && y > 20 && y < 30;
+    return height_at(x, y) + 0.3f + (rim ? 4.0f : 0) + float(0.05 * random.normal());
+  };
+  const auto errors = surface_errors(field_of(0.1, 400, model), nullptr, field_of(0.1, 400, height_at), {}, nullptr, collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_NEAR(errors->smooth_ground.mean_m, 0.3, 0.001);  // 140,000 cells: sigma of the mean 0.00013
+  EXPECT_NEAR(errors->smooth_ground.nmad_m, 0.05, 0.001);
+  EXPECT_GT(errors->overall.rmse_m, errors->smooth_ground.rmse_m + 0.05);
+  EXPECT_NEAR(errors->completeness, 0.9, 1e-3);
+}
+
+TEST(SurfaceErrors, OnlyWhatThreeCamerasSeeMustBeThere) {
+  Survey survey;
+  const std::vector<View> views = views_of(survey.block, nullptr);
+  const auto model = [](double x, double y) { return x < 10 && y < 10 ? height_at(x, y) : kNone; };
+  const auto errors =
+      surface_errors(field_of(0.2, 500, model), nullptr, field_of(0.2, 500, height_at), views, nullptr, collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_NEAR(errors->completeness, 0.01, 1e-3);
+  EXPECT_GT(errors->cells_seen, 300u);
+  EXPECT_LT(errors->cells_seen, 5000u);
+  EXPECT_GT(errors->completeness_seen, 0.1);
+}
+
+TEST(SurfaceErrors, RastersThatDoNotMeetAreAnError) {
+  HeightField away = field_of(0.1, 50, height_at);
+  away.grid.west_m = 1000;
+  EXPECT_FALSE(surface_errors(away, nullptr, field_of(0.1, 50, height_at), {}, nullptr, collinea::Run{}));
+}
+
+PictureField picture_of(double cell_m, int side, double shift_x_m, double shift_y_m) {
+  PictureField field;
+  field.grid = {0, side * cell_m, cell_m, side, side, ""};
+  field.read = [grid = field.grid, shift_x_m, shift_y_m](int column, int row, int width, int rows) -> Result<Raster<std::uint8_t>> {
+    Raster<std::uint8_t> picture(width, rows, 4, 255);
+    for (int y = 0; y < rows; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const double e = grid.east_of(column + x + 0.5) - shift_x_m, n = grid.north_of(row + y + 0.5) - shift_y_m;
+        const double v = 120 + 40 * std::sin(7 * e + 2 * std::sin(n)) + 40 * std::sin(6 * n + std::cos(1.3 * e));
+        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = std::uint8_t(std::lround(v));
+        if (e > 25 && n > 25) picture.at(x, y, 3) = 0;
+      }
+    }
+    return picture;
+  };
+  return field;
+}
+
+TEST(OrthoErrors, AShiftIsFoundToAFewHundredthsOfAPixel) {
+  const auto errors = ortho_errors(picture_of(0.1, 400, 0.13, -0.24), picture_of(0.05, 800, 0, 0), collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_GT(errors->windows, 30u);
+  EXPECT_EQ(errors->share_failed, 0);
+  EXPECT_NEAR(errors->mean_x_px, 1.3, 0.05);
+  EXPECT_NEAR(errors->mean_y_px, 2.4, 0.05);
+  EXPECT_NEAR(errors->rms_x_px, 1.3, 0.06);
+  EXPECT_EQ(errors->share_over_1_px, 1);
+}
+
+TEST(OrthoErrors, WhatIsFurtherAwayThanTheSearchFails) {
+  PictureField grey = picture_of(0.1, 400, 0, 0);
+  grey.read = [](int, int, int width, int rows) -> Result<Raster<std::uint8_t>> { return Raster<std::uint8_t>(width, rows, 1, 99); };
+  const auto errors = ortho_errors(grey, picture_of(0.1, 400, 0, 0), collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_EQ(errors->share_failed, 1);
+  EXPECT_FALSE(ortho_errors(picture_of(0.1, 400, 0, 0), grey, collinea::Run{}));  // no texture to look for
+}
+
+TEST(Assess, TheTableNamesWhatIsThere) {
+  Assessment assessment;
+  EXPECT_EQ(table(assessment).find("surface"), std::string::npos);
+  assessment.surface = SurfaceErrors{};
+  assessment.surface->cell_m = 0.1;
+  assessment.ortho = OrthoErrors{};
+  EXPECT_NE(table(assessment).find("surface model, smooth ground"), std::string::npos);
+  EXPECT_NE(table(assessment).find("orthophoto"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace collinea

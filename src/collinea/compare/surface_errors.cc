@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/compare/surface_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "collinea/base/parallel.h"
+#include "collinea/ortho/world_lattice.h"
+#include "collinea/surface/surface_filter.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kStripRows = 256;
+constexpr int kFarthest = 512;       // what may hide a place, and the margin of steps [cells of the truth]
+constexpr double kSteepest = 0.3;    // rise per run of smooth ground
+constexpr int kStepMargin = 3;       // [cells of the model]
+constexpr int kSeenStride = 4;       // every so many cells, both ways, it is looked at who sees them
+constexpr std::size_t kEnough = 3;   // images
+
+float median_of(std::vector<float>& values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The rows of the truth under some rows of the model, with a margin.
+struct TrueStrip {
+  int first_row = 0;
+  FloatImage heights_m;
+  Raster<std::uint8_t> rough;  // steep, or near a step
+};
+
+// Steep cells, and all within `margin` of them (square neighbourhood, one direction after the other).
+Raster<std::uint8_t> rough_cells(const FloatImage& heights_m, double cell_m, int margin) {
+  Raster<std::uint8_t> steep(heights_m.width, heights_m.height), rows = steep, result = steep;
+  const float most = float(kSteepest * cell_m);
+  const auto mark = [&](int x, int y, int u, int v) {
+    if (!(std::abs(heights_m.at(x, y) - heights_m.at(u, v)) <= most)) steep.at(x, y) = steep.at(u, v) = 1;
+  };
+  for (int y = 0; y < steep.height; ++y) {
+    for (int x = 0; x < steep.width; ++x) {
+      if (x + 1 < steep.width) mark(x, y, x + 1, y);
+      if (y + 1 < steep.height) mark(x, y, x, y + 1);
+    }
+  }
+  for (int y = 0; y < steep.height; ++y)
+    for (int x = 0; x < steep.width; ++x)
+      if (steep.at(x, y))
+        std::fill(rows.row(y) + std::max(0, x - margin), rows.row(y) + std::min(steep.width, x + margin + 1), std::uint8_t{1});
+  for (int y = 0; y < steep.height; ++y)
+    for (int v = std::max(0, y - margin); v <= std::min(steep.height - 1, y + margin); ++v)
+      for (int x = 0; x < steep.width; ++x) result.at(x, y) |= rows.at(x, v);
+  return result;
+}
+
+class Assessor {
+ public:
+  Assessor(const HeightField& model, const StateReader& state, const HeightField& truth, std::span<const View> views,
+           const LocalFrame* frame, const Run& run)
+      : model_(model), state_(state), truth_(truth), views_(views), frame_(frame), run_(run) {}
+
+  Result<SurfaceErrors> all();
+
+ private:
+  Result<> add_strip(int row, int rows);
+  void add_cell(const FloatImage& heights, const Raster<std::uint8_t>& states, const TrueStrip& strip, int x, int y, int row);
+  void count_seen(const FloatImage& heights, const TrueStrip& strip, int row);
+  [[nodiscard]] bool seen_by_enough(const HeightWindow& window, double x, double y, float z, const Eigen::Vector3d& world) const;
+  [[nodiscard]] double truth_x(double column) const {
+    return (model_.grid.east_of(column) - truth_.grid.west_m) / truth_.grid.cell_m;
+  }
+  [[nodiscard]] double truth_y(double row) const {
+    return (truth_.grid.north_m - model_.grid.north_of(row)) / truth_.grid.cell_m;
+  }
+
+  const HeightField& model_;
+  const StateReader& state_;
+  const HeightField& truth_;
+  std::span<const View> views_;
+  const LocalFrame* frame_;
+  const Run& run_;
+  std::vector<float> overall_, smooth_;
+  std::size_t found_ = 0, measured_ = 0, seen_ = 0, seen_found_ = 0;
+};
+
+// Heights that are no more than the nearest on a step, and exact on smooth ground.
+float true_height(const FloatImage& heights_m, double x, double y, bool rough) {
+  const int column = int(std::floor(x)), row = int(std::floor(y));
+  if (column < 0 || row < 0 || column >= heights_m.width || row >= heights_m.height)
+    return std::numeric_limits<float>::quiet_NaN();
+  return rough ? heights_m.at(column, row) : bilinear(heights_m, x, y);
+}
+
+void Assessor::add_cell(const FloatImage& heights, const Raster<std::uint8_t>& states, const TrueStrip& strip, int x, int y, int row) {
+  const double u = truth_x(x + 0.5), v = truth_y(row + y + 0.5) - strip.first_row;
+  if (!(u >= 0 && v >= 0 && u < strip.heights_m.width && v < strip.heights_m.height)) return;
+  const bool rough = strip.rough.at(int(u), int(v)) != 0;
+  const float truth = true_height(strip.heights_m, u, v, rough), z = heights.at(x, y);
+  if (std::isnan(truth) || std::isnan(z)) return;
+  ++found_;
+  measured_ += states.empty() || states.at(x, y) == std::uint8_t(CellState::kMeasured);
+  overall_.push_back(z - truth);
+  if (!rough) smooth_.push_back(z - truth);
+}
+
+bool Assessor::seen_by_enough(const HeightWindow& window, double x, double y, float z, const Eigen::Vector3d& world) const {
+  std::size_t count = 0;
+  for (const View& view : views_) {
+    const auto pixel = pixel_of(view, world);
+    if (!pixel || !inside(view.camera, *pixel)) continue;
+    const double camera_x = (view.centre_in_map.x() - truth_.grid.west_m) / truth_.grid.cell_m;
+    const double camera_y = (truth_.grid.north_m - view.centre_in_map.y()) / truth_.grid.cell_m - window.row();
+    count += !window.hides(x, y, double(z), camera_x, camera_y, view.centre_in_map.z());
+    if (count >= kEnough) return true;
+  }
+  return false;
+}
+
+void Assessor::count_seen(const FloatImage& heights, const TrueStrip& strip, int row) {
+  const HeightWindow window(strip.heights_m, 0, strip.first_row, truth_.grid.cell_m);
+  const WorldLattice lattice(frame_, model_.grid, 0, row, heights.width, heights.height, 0, 1000);
+  const int lines = (heights.height + kSeenStride - 1) / kSeenStride;
+  std::vector<std::size_t> seen(std::size_t(lines), 0), found = seen;
+  parallel_for(run_, std::size_t(lines), [&](std::size_t line) {
+    const int y = int(line) * kSeenStride;
+    for (int x = 0; x < heights.width; x += kSeenStride) {
+      const double u = truth_x(x + 0.5), v = truth_y(row + y + 0.5) - strip.first_row;
+      const float z = true_height(strip.heights_m, u, v, true);
+      if (std::isnan(z) || !seen_by_enough(window, u, v, z, lattice.at(x + 0.5, y + 0.5, double(z)))) continue;
+      ++seen[line];
+      found[line] += !std::isnan(heights.at(x, y));
+    }
+  });
+  for (std::size_t line = 0; line < seen.size(); ++line) seen_ += seen[line], seen_found_ += found[line];
+}
+
+Result<> Assessor::add_strip(int row, int rows) {
+  const int top = std::max(0, int(std::floor(truth_y(row))) - kFarthest);
+  const int bottom = std::min(truth_.grid.height, int(std::ceil(truth_y(row + rows))) + kFarthest);
+  if (bottom <= top) return {};
+  TrueStrip strip;
+  strip.first_row = top;
+  COLLINEA_TRY(strip.heights_m, truth_.read(0, top, truth_.grid.width, bottom - top));
+  const int margin = int(std::ceil(kStepMargin * model_.grid.cell_m / truth_.grid.cell_m));
+  strip.rough = rough_cells(strip.heights_m, truth_.grid.cell_m, margin);
+  COLLINEA_TRY(const FloatImage heights, model_.read(0, row, model_.grid.width, rows));
+  Raster<std::uint8_t> states;
+  if (state_) {
+    COLLINEA_TRY(states, state_(0, row, model_.grid.width, rows));
+  }
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < heights.width; ++x) add_cell(heights, states, strip, x, y, row);
+  if (!views_.empty()) count_seen(heights, strip, row);
+  return {};
+}
+
+Result<SurfaceErrors> Assessor::all() {
+  for (int row = 0; row < model_.grid.height; row += kStripRows) {
+    if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
+    if (auto added = add_strip(row, std::min(kStripRows, model_.grid.height - row)); !added)
+      return tl::unexpected(std::move(added).error());
+  }
+  std::size_t true_cells = 0;  // of the true surface, in cells of the truth
+  for (int row = 0; row < truth_.grid.height; row += kStripRows) {
+    COLLINEA_TRY(const FloatImage heights,
+                 truth_.read(0, row, truth_.grid.width, std::min(kStripRows, truth_.grid.height - row)));
+    for (const float z : heights.data) true_cells += !std::isnan(z);
+  }
+  if (overall_.empty()) return fail(Errc::kBadInput, "the surface model and the true one do not overlap: another CRS?");
+  SurfaceErrors errors;
+  errors.cell_m = model_.grid.cell_m;
+  errors.overall = height_errors(overall_, 3 * errors.cell_m);
+  errors.smooth_ground = height_errors(smooth_, 3 * errors.cell_m);
+  const double cells = double(true_cells) * std::pow(truth_.grid.cell_m / model_.grid.cell_m, 2);
+  errors.completeness = std::min(1.0, double(found_) / cells);
+  errors.completeness_measured = std::min(1.0, double(measured_) / cells);
+  errors.cells_seen = seen_;
+  errors.completeness_seen = seen_ > 0 ? double(seen_found_) / double(seen_) : 0;
+  return errors;
+}
+
+}  // namespace
+
+HeightErrors height_errors(std::vector<float>& differences_m, double gross_m) {
+  HeightErrors errors;
+  errors.cells = differences_m.size();
+  if (differences_m.empty()) return errors;
+  double sum = 0, squares = 0;
+  std::size_t gross = 0;
+  for (const float d : differences_m) {
+    sum += double(d), squares += double(d) * double(d);
+    gross += std::abs(double(d)) > gross_m;
+  }
+  const auto n = double(differences_m.size());
+  errors.mean_m = sum / n;
+  errors.rmse_m = std::sqrt(squares / n);
+  errors.share_gross = double(gross) / n;
+  const float median = median_of(differences_m);
+  errors.median_m = double(median);
+  for (float& d : differences_m) d = std::abs(d - median);
+  errors.nmad_m = 1.4826 * double(median_of(differences_m));
+  return errors;
+}
+
+Result<SurfaceErrors> surface_errors(const HeightField& model, const StateReader& state, const HeightField& truth,
+                                     std::span<const View> views, const LocalFrame* frame, const Run& run) {
+  return Assessor(model, state, truth, views, frame, run).all();
+}
+
+}  // namespace collinea

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+
+#include "collinea/base/run.h"
+#include "collinea/ortho/height_field.h"
+#include "collinea/ortho/view.h"
+
+namespace collinea {
+
+/// Differences of heights, estimated minus true [m].
+struct HeightErrors {
+  std::size_t cells = 0;
+  double mean_m = 0, rmse_m = 0;
+  double median_m = 0, nmad_m = 0;  ///< robust: nmad = 1.4826 times the median distance from the median
+  double share_gross = 0;           ///< of the cells off by more than three cells of the surface model
+};
+
+struct SurfaceErrors {
+  double cell_m = 0;                 ///< of the assessed model
+  HeightErrors overall;              ///< cells with a height in both
+  HeightErrors smooth_ground;        ///< of these, where the true slope is below 0.3 and no step lies within 3 cells
+  double completeness = 0;           ///< share of the true surface with a height in the model
+  double completeness_measured = 0;  ///< the same, interpolated cells not counted; equal when it is not known which
+  double completeness_seen = 0;      ///< share where at least three images see the true surface; 0 without views
+  std::size_t cells_seen = 0;        ///< looked at for that
+};
+
+/// Bytes of a raster by windows, as HeightField::read.
+using StateReader = std::function<Result<Raster<std::uint8_t>>(int column, int row, int width, int height)>;
+
+/// Compares a surface model with the true one at the centres of the model's cells; both in the same map. `state`: CellState of the model,
+/// or null. `views`: the true cameras, or none. Errors: reading; rasters do not overlap; cancelled.
+[[nodiscard]] Result<SurfaceErrors> surface_errors(const HeightField& model, const StateReader& state, const HeightField& truth,
+                                                   std::span<const View> views, const LocalFrame* frame, const Run& run);
+
+/// The statistics of a list of differences. Reorders it.
+[[nodiscard]] HeightErrors height_errors(std::vector<float>& differences_m, double gross_m);
+
+}  // namespace collinea

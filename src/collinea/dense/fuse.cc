@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/fuse.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "collinea/base/parallel.h"
+#include "collinea/dense/depth_cache.h"
+#include "collinea/dense/working_pictures.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kStripRows = 32;
+constexpr int kMostNeighbours = 20;
+constexpr int kFewestShared = 6;         // tie points
+constexpr double kSharedSource = 2;      // depths of one surface point come from the same pictures: not independent
+constexpr double kSmallestCosine = 0.1;  // between ray and normal, to move a depth along the surface
+
+using Matrix3 = Eigen::Matrix3d;
+using Vector3 = Eigen::Vector3d;
+
+struct Pinhole {
+  double f, cx, cy;
+  explicit Pinhole(const Camera& camera)
+      : f(camera.focal_px()), cx(camera.params[Camera::kCx]), cy(camera.params[Camera::kCy]) {}
+  Vector3 ray(double x, double y) const { return {(x - cx) / f, (y - cy) / f, 1}; }
+};
+
+struct Other {
+  ImageId image;
+  std::shared_ptr<const DepthMap> map;
+  Pinhole pinhole;
+  Matrix3 rotation;      // other_cam_from_reference_cam
+  Vector3 translation;
+};
+
+// A pixel of the `other`-th neighbour that shows a point written for the reference.
+struct Mark {
+  std::uint32_t other, pixel;
+};
+
+struct Strip {
+  std::vector<FusedPoint> points;
+  std::vector<Mark> marks;
+  std::int64_t measured = 0, confirmed = 0;
+};
+
+// The depth a map has at a continuous position: interpolated where the four pixels belong together, else the nearest.
+struct Reading {
+  double depth, sigma;
+};
+
+std::optional<Reading> reading_at(const DepthMap& map, double u, double v) {
+  const int x = std::min(int(u), map.depth.width - 1), y = std::min(int(v), map.depth.height - 1);
+  const float nearest = map.depth.at(x, y), sigma = map.sigma.at(x, y);
+  if (std::isnan(nearest)) return std::nullopt;
+  const int x0 = int(std::floor(u - 0.5)), y0 = int(std::floor(v - 0.5));
+  if (x0 < 0 || y0 < 0 || x0 + 1 >= map.depth.width || y0 + 1 >= map.depth.height) return Reading{nearest, sigma};
+  const float* upper = map.depth.row(y0) + x0;
+  const float* lower = map.depth.row(y0 + 1) + x0;
+  for (const float z : {upper[0], upper[1], lower[0], lower[1]})
+    if (!(std::abs(z - nearest) <= 6 * sigma)) return Reading{nearest, sigma};
+  const double a = u - 0.5 - x0, b = v - 0.5 - y0;
+  const double depth = (1 - b) * ((1 - a) * double(upper[0]) + a * double(upper[1])) +
+                       b * ((1 - a) * double(lower[0]) + a * double(lower[1]));
+  return Reading{depth, sigma};
+}
+
+// The normal of the surface at a pixel, in the camera frame, towards the camera: a plane n X = 1 has the inverse depth
+// n ray, so n follows from the inverse depth and its slopes (over the two neighbours on either side that are there).
+std::optional<Vector3> normal_at(const DepthMap& map, const Pinhole& pinhole, int x, int y) {
+  const FloatImage& depth = map.depth;
+  const double middle = 1.0 / double(depth.at(x, y)), reach = 10 * double(map.sigma.at(x, y)) * middle * middle;
+  const auto slope = [&](int dx, int dy) -> std::optional<double> {
+    double products = 0, squares = 0;
+    for (int k = -2; k <= 2; ++k) {
+      const int i = x + k * dx, j = y + k * dy;
+      if (k == 0 || i < 0 || j < 0 || i >= depth.width || j >= depth.height) continue;
+      const double off = 1.0 / double(depth.at(i, j)) - middle;
+      if (!(std::abs(off) <= reach * std::abs(k))) continue;
+      products += k * off;
+      squares += k * k;
+    }
+    return squares > 0 ? std::optional(products / squares) : std::nullopt;
+  };
+  const auto by_x = slope(1, 0), by_y = slope(0, 1);
+  if (!by_x || !by_y) return std::nullopt;
+  const Vector3 plane(pinhole.f * *by_x, pinhole.f * *by_y,
+                      middle - (x + 0.5 - pinhole.cx) * *by_x - (y + 0.5 - pinhole.cy) * *by_y);
+  return -plane.normalized();
+}
+
+class Fusion {
+ public:
+  Fusion(const Block& block, const TieView& ties, std::span<const ImageId> images, DepthStore& store,
+         const ColourSource& colours, const PointSink& sink, const DenseOptions& options, const Run& run)
+      : block_(block), ties_(ties), images_(images.begin(), images.end()), colours_(colours), sink_(sink),
+        options_(options), run_(run), cache_(store, std::size_t(options.memory_mb * 1e6)) {}
+
+  Result<FuseReport> all() {
+    std::size_t done = 0;
+    for (const ImageId image : images_) {
+      if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
+      if (auto fused = one(image); !fused) return tl::unexpected(std::move(fused).error());
+      run_.report("fuse", double(++done) / double(images_.size()));
+    }
+    return std::move(report_);
+  }
+
+ private:
+  Result<> one(ImageId image) {
+    COLLINEA_TRY(reference_, cache_.map(image));
+    if (auto ready = read_others(image); !ready) return ready;
+    std::vector<bool>& used = used_of(image, *reference_);
+    const int rows = reference_->depth.height;
+    std::vector<Strip> strips(std::size_t((rows + kStripRows - 1) / kStripRows));
+    const Rigid3 world_from_cam = inverse(block_.cam_from_world.at(image));
+    parallel_for(run_, strips.size(), [&](std::size_t i) {
+      const int begin = int(i) * kStripRows;
+      for (int y = begin; y < std::min(begin + kStripRows, rows); ++y) row(y, used, world_from_cam, strips[i]);
+    });
+    if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
+    for (const Strip& strip : strips)
+      for (const Mark& mark : strip.marks)
+        used_of(others_[mark.other].image, *others_[mark.other].map)[mark.pixel] = true;
+    if (auto coloured = colour(image, strips); !coloured) return coloured;
+    return hand_over(image, strips);
+  }
+
+  Result<> read_others(ImageId image) {
+    others_.clear();
+    const std::size_t bytes = 2 * sizeof(float) * reference_->depth.data.size();
+    const int room = std::max(2, int(options_.memory_mb * 1e6 / double(bytes + 1)) - 1);
+    const Rigid3 reference_from_world = block_.cam_from_world.at(image);
+    for (const ImageId other : ties_.overlapping(image, kFewestShared, std::min(room, kMostNeighbours))) {
+      if (!images_.count(other)) continue;
+      if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
+      COLLINEA_TRY(const auto map, cache_.map(other));
+      const Rigid3 other_from_reference = block_.cam_from_world.at(other) * inverse(reference_from_world);
+      others_.push_back({other, map, Pinhole(map->camera), other_from_reference.rotation.toRotationMatrix(),
+                         other_from_reference.translation});
+    }
+    return {};
+  }
+
+  std::vector<bool>& used_of(ImageId image, const DepthMap& map) {
+    auto& used = used_[image];
+    if (used.empty()) used.resize(map.depth.data.size());
+    return used;
+  }
+
+  void row(int y, const std::vector<bool>& used, const Rigid3& world_from_cam, Strip& strip) const {
+    const Pinhole pinhole(reference_->camera);
+    const float* depth = reference_->depth.row(y);
+    for (int x = 0; x < reference_->depth.width; ++x) {
+      if (std::isnan(depth[x])) continue;
+      ++strip.measured;
+      if (used[std::size_t(y) * std::size_t(reference_->depth.width) + std::size_t(x)]) {
+        ++strip.confirmed;
+        continue;
+      }
+      if (const auto point = confirmed(x, y, pinhole, world_from_cam, strip.marks)) {
+        ++strip.confirmed;
+        strip.points.push_back(*point);
+      }
+    }
+  }
+
+  std::optional<FusedPoint> confirmed(int x, int y, const Pinhole& pinhole, const Rigid3& world_from_cam,
+                                      std::vector<Mark>& marks) const {
+    const double z = double(reference_->depth.at(x, y)), sigma = double(reference_->sigma.at(x, y));
+    const Vector3 ray = pinhole.ray(x + 0.5, y + 0.5);
+    const auto normal = normal_at(*reference_, pinhole, x, y);
+    double weights = 1 / (sigma * sigma), sum = z * weights;
+    int looking = 1, agreeing = 1, looking_through = 0;
+    const std::size_t first_mark = marks.size();
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      const Other& other = others_[i];
+      const Vector3 there = other.rotation * (ray * z) + other.translation;
+      if (!(there.z() > 0)) continue;
+      const double u = other.pinhole.f * there.x() / there.z() + other.pinhole.cx;
+      const double v = other.pinhole.f * there.y() / there.z() + other.pinhole.cy;
+      if (!(u >= 0 && v >= 0 && u < other.map->depth.width && v < other.map->depth.height)) continue;
+      ++looking;
+      const auto reading = reading_at(*other.map, u, v);
+      if (!reading) continue;
+      const double off = there.z() - reading->depth;
+      const double tolerance = options_.max_sigmas * std::hypot(sigma, reading->sigma);
+      const Vector3 back = other.rotation.transpose() * (other.pinhole.ray(u, v) * reading->depth - other.translation);
+      const Eigen::Vector2d shift = pinhole.f * (back.head<2>() / back.z() - ray.head<2>());
+      if (std::abs(off) > tolerance || !(shift.norm() <= options_.max_reprojection_px)) {
+        looking_through += off < 0;
+        continue;
+      }
+      ++agreeing;
+      const double weight = 1 / (reading->sigma * reading->sigma);
+      weights += weight;
+      sum += weight * depth_on_ray(back, ray, normal);
+      mark_around(i, u, v, there.z(), 2 * tolerance, marks);
+    }
+    if (agreeing < std::clamp(looking, 2, options_.min_images) || looking_through >= agreeing) {
+      marks.resize(first_mark);
+      return std::nullopt;
+    }
+    FusedPoint point;
+    point.position_in_world = world_from_cam * (ray * (sum / weights));
+    point.normal_in_world = (world_from_cam.rotation * normal.value_or(-ray.normalized())).cast<float>();
+    point.sigma = float(std::min(std::sqrt(kSharedSource / weights), sigma) * ray.norm());
+    point.images = std::uint8_t(std::min(agreeing, 255));
+    return point;
+  }
+
+  // Where the surface through `point` meets the ray.
+  static double depth_on_ray(const Vector3& point, const Vector3& ray, const std::optional<Vector3>& normal) {
+    if (!normal) return point.z();
+    const double along = normal->dot(ray);
+    return along < -kSmallestCosine * ray.norm() ? normal->dot(point) / along : point.z();
+  }
+
+  void mark_around(std::size_t other, double u, double v, double depth, double tolerance, std::vector<Mark>& marks) const {
+    const DepthMap& map = *others_[other].map;
+    const int x0 = int(std::floor(u - 0.5)), y0 = int(std::floor(v - 0.5));
+    for (int j = std::max(y0, 0); j <= std::min(y0 + 1, map.depth.height - 1); ++j)
+      for (int i = std::max(x0, 0); i <= std::min(x0 + 1, map.depth.width - 1); ++i)
+        if (std::abs(double(map.depth.at(i, j)) - depth) <= tolerance)
+          marks.push_back({std::uint32_t(other), std::uint32_t(j * map.depth.width + i)});
+  }
+
+  Result<> colour(ImageId image, std::vector<Strip>& strips) {
+    if (!colours_) return {};
+    const bool any = std::any_of(strips.begin(), strips.end(), [](const Strip& s) { return !s.points.empty(); });
+    if (!any) return {};
+    const Camera& original = block_.camera_of(image);
+    COLLINEA_TRY(const int shrink, working_shrink(original, options_));
+    COLLINEA_TRY(const ColourImage picture, colours_(image, shrink));
+    const Camera camera = shrunk(original, shrink);
+    if (picture.channels < 3 || picture.width != camera.width_px || picture.height != camera.height_px)
+      return fail(Errc::kBadInput, block_.images.at(image).file + ": the colour picture does not fit its camera");
+    const Rigid3& cam_from_world = block_.cam_from_world.at(image);
+    parallel_for(run_, strips.size(), [&](std::size_t i) {
+      for (FusedPoint& point : strips[i].points) {
+        const auto pixel = project(camera, cam_from_world * point.position_in_world);
+        if (!pixel) continue;
+        for (int c = 0; c < 3; ++c)
+          point.colour[std::size_t(c)] = std::uint8_t(bilinear(picture, pixel->x(), pixel->y(), c) + 0.5f);
+      }
+    });
+    return {};
+  }
+
+  Result<> hand_over(ImageId image, const std::vector<Strip>& strips) {
+    std::int64_t measured = 0, confirmed = 0;
+    for (const Strip& strip : strips) {
+      measured += strip.measured;
+      confirmed += strip.confirmed;
+      report_.points += std::int64_t(strip.points.size());
+      if (strip.points.empty()) continue;
+      if (auto taken = sink_(strip.points); !taken) return taken;
+    }
+    report_.confirmed[image] = measured ? double(confirmed) / double(measured) : 0;
+    return {};
+  }
+
+  const Block& block_;
+  const TieView& ties_;
+  std::set<ImageId> images_;
+  const ColourSource& colours_;
+  const PointSink& sink_;
+  const DenseOptions& options_;
+  const Run& run_;
+  DepthCache cache_;
+  std::map<ImageId, std::vector<bool>> used_;
+  std::shared_ptr<const DepthMap> reference_;
+  std::vector<Other> others_;
+  FuseReport report_;
+};
+
+}  // namespace
+
+Result<FuseReport> fuse(const Block& block, const TieView& ties, std::span<const ImageId> images, DepthStore& store,
+                        const ColourSource& colours, const PointSink& sink, const DenseOptions& options, const Run& run) {
+  if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
+  for (const ImageId image : images)
+    if (!block.cam_from_world.count(image))
+      return fail(Errc::kIllPosed, "image " + std::to_string(image.value) + " has a depth map but no orientation");
+  return Fusion(block, ties, images, store, colours, sink, options, run).all();
+}
+
+}  // namespace collinea

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+
+#include "collinea/base/run.h"
+#include "collinea/dense/depth_map.h"
+#include "collinea/dense/neighbours.h"
+
+namespace collinea {
+
+/// A point of the surface on which several depth maps agree.
+struct FusedPoint {
+  Eigen::Vector3d position_in_world;  ///< [m, or the unit of the gauge]
+  Eigen::Vector3f normal_in_world;    ///< unit length, towards the cameras
+  std::array<std::uint8_t, 3> colour{};
+  float sigma = 0;          ///< along the ray of the image it is written for [as position]; poses taken as exact
+  std::uint8_t images = 0;  ///< whose depth maps agree
+};
+
+/// The colours of a photograph as it was taken, at 1/shrink of its size as in PixelSource.
+using ColourSource = std::function<Result<ColourImage>(ImageId image, int shrink)>;
+using PointSink = std::function<Result<>(std::span<const FusedPoint> points)>;
+
+struct FuseReport {
+  std::int64_t points = 0;
+  std::map<ImageId, double> confirmed;  ///< part of the measured pixels of each depth map that others confirm
+};
+
+/// One cloud from the depth maps of `images`, written to `sink` in batches, in an order that depends on nothing but the
+/// input. A pixel becomes a point when at least options.min_images maps (itself included) agree within max_sigmas and
+/// max_reprojection_px, and no more of them look through it; the point is the weighted mean along its ray. Pixels of other maps
+/// that show a point already written are not written again. Memory: options.memory_mb of depth maps and a bit per pixel
+/// of the block. `colours` may be empty: points stay black.
+/// Errors: kCancelled, and what store, colours and sink say.
+[[nodiscard]] Result<FuseReport> fuse(const Block& block, const TieView& ties, std::span<const ImageId> images,
+                                      DepthStore& store, const ColourSource& colours, const PointSink& sink,
+                                      const DenseOptions& options, const Run& run);
+
+}  // namespace collinea

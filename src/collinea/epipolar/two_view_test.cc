@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/epipolar/two_view.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "collinea/epipolar/scene_for_tests.h"
+
+namespace collinea {
+namespace {
+
+using namespace scene;
+
+Camera lens() {
+  Camera camera = ideal_camera(2000, 3000, 2000);
+  camera.params[Camera::kK1] = -0.05;
+  camera.params[Camera::kK2] = 0.01;
+  return camera;
+}
+
+// Two pictures and their matches; the first `good` matches are right, the others join random pixels.
+struct Pictures {
+  std::vector<Keypoint> first, second;
+  std::vector<Match> matches;
+  std::size_t good = 0;
+
+  void add(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    matches.push_back({static_cast<std::uint32_t>(first.size()), static_cast<std::uint32_t>(second.size())});
+    first.push_back({static_cast<float>(a.x()), static_cast<float>(a.y())});
+    second.push_back({static_cast<float>(b.x()), static_cast<float>(b.y())});
+  }
+  [[nodiscard]] std::size_t right_ones(const ImagePair& pair) const {
+    return static_cast<std::size_t>(std::count_if(pair.matches.begin(), pair.matches.end(), [&](const Match& m) { return m.first < good; }));
+  }
+};
+
+Eigen::Vector2d random_pixel(Random& random) { return {random.uniform(0, 3000), random.uniform(0, 2000)}; }
+
+template <class PointOf>
+Pictures pictures(const Camera& camera, const Rigid3& second_from_first, int good, int bad, double sigma_px, Random& random,
+                  PointOf point) {
+  Pictures result;
+  while (static_cast<int>(result.first.size()) < good) {
+    const Eigen::Vector3d x = point(random);
+    const auto a = project(camera, x), b = project(camera, second_from_first * x);
+    if (!a || !b || !inside(camera, *a) || !inside(camera, *b)) continue;
+    result.add(*a + noise(random, sigma_px), *b + noise(random, sigma_px));
+  }
+  result.good = result.first.size();
+  for (int i = 0; i < bad; ++i) result.add(random_pixel(random), random_pixel(random));
+  return result;
+}
+
+ImagePair verified(const Camera& camera, const Pictures& p, std::uint64_t seed = 1) {
+  return verify(camera, p.first, camera, p.second, p.matches, {}, seed);
+}
+
+void expect_motion(const ImagePair& pair, const Rigid3& truth, double tolerance_rad) {
+  EXPECT_LT(angle_between(pair.second_from_first.rotation, truth.rotation), tolerance_rad);
+  EXPECT_LT(angle_between_vectors(pair.second_from_first.translation, truth.translation), 5 * tolerance_rad);
+}
+
+TEST(Verify, FindsTheMotionAmongManyOutliers) {
+  Random random(1);
+  for (const double share : {0.0, 0.5, 0.7}) {
+    const Rigid3 truth = random_motion(random);
+    const int good = 150, bad = static_cast<int>(good * share / (1 - share));
+    const Pictures p = pictures(lens(), truth, good, bad, 0.5, random, random_point);
+    const ImagePair pair = verified(lens(), p);
+    EXPECT_EQ(pair.geometry, PairGeometry::kGeneral);
+    EXPECT_EQ(pair.putative, good + bad);
+    EXPECT_GE(p.right_ones(pair), 147u);
+    EXPECT_LE(pair.matches.size(), 152u + 0.02 * bad);
+    expect_motion(pair, truth, 0.004);
+    EXPECT_TRUE(std::is_sorted(pair.matches.begin(), pair.matches.end()));
+    EXPECT_GT(pair.median_parallax_rad, 0.03);
+  }
+}
+
+TEST(Verify, PerfectPairIsFoundToFloatPrecision) {
+  Random random(2);
+  const Rigid3 truth = random_motion(random);
+  const ImagePair pair = verified(lens(), pictures(lens(), truth, 200, 0, 0, random, random_point));
+  EXPECT_EQ(pair.matches.size(), 200u);
+  expect_motion(pair, truth, 1e-6);  // keypoints are floats: 1e-4 px of 2000
+}
+
+TEST(Verify, PlaneIsRecognisedAndOneOfItsMotionsGiven) {
+  Random random(3);
+  for (int k = 0; k < 5; ++k) {
+    const Rigid3 truth = random_motion(random);
+    const Pictures p = pictures(lens(), truth, 200, 100, 0.5, random, random_point_on_plane);
+    const ImagePair pair = verified(lens(), p);
+    EXPECT_EQ(pair.geometry, PairGeometry::kPlanar);
+    EXPECT_GE(p.right_ones(pair), 195u);
+    EXPECT_NEAR(pair.second_from_first.translation.norm(), 1, 1e-9);
+  }
+}
+
+TEST(Verify, PlaneWithSomethingOnItHasTheRightMotion) {
+  Random random(4);
+  for (int k = 0; k < 5; ++k) {
+    const Rigid3 truth = random_motion(random);
+    const Pictures p = pictures(lens(), truth, 200, 60, 0.5, random,
+                                [](Random& r) { return r.uniform() < 0.9 ? random_point_on_plane(r) : random_point(r); });
+    const ImagePair pair = verified(lens(), p);
+    EXPECT_NE(pair.geometry, PairGeometry::kNone);
+    EXPECT_NE(pair.geometry, PairGeometry::kRotation);
+    expect_motion(pair, truth, 0.01);
+  }
+}
+
+TEST(Verify, PureRotationIsRecognised) {
+  Random random(5);
+  for (int k = 0; k < 5; ++k) {
+    const Rigid3 turn{rotation_by(random_vector(random, 0.2)), {0, 0, 0}};
+    const Pictures p = pictures(lens(), turn, 200, 100, 0.5, random, random_point);
+    const ImagePair pair = verified(lens(), p);
+    EXPECT_EQ(pair.geometry, PairGeometry::kRotation);
+    EXPECT_GE(p.right_ones(pair), 190u);
+    EXPECT_LT(angle_between(pair.second_from_first.rotation, turn.rotation), 1e-3);
+    EXPECT_EQ(pair.second_from_first.translation.norm(), 0);
+    EXPECT_LT(pair.median_parallax_rad, 1e-3);
+  }
+}
+
+TEST(Verify, PureRotationIsRecognisedThroughAWrongFocalLength) {
+  Random random(6);
+  const Rigid3 turn{rotation_by({0.02, 0.2, 0.01}), {0, 0, 0}};
+  const Pictures p = pictures(lens(), turn, 200, 50, 0.5, random, random_point);
+  Camera wrong = lens();
+  wrong.params[Camera::kF] *= 1.08;
+  wrong.sigma_f_px = 0.08 * wrong.focal_px();
+  EXPECT_EQ(verified(wrong, p).geometry, PairGeometry::kRotation);
+}
+
+TEST(Verify, RandomMatchesAreRefused) {
+  Random random(7);
+  for (const int count : {20, 60, 300, 1500})
+    EXPECT_EQ(verified(lens(), pictures(lens(), {}, 0, count, 0, random, random_point)).geometry, PairGeometry::kNone) << count;
+}
+
+TEST(Verify, WatermarkIsRefusedButNotWhatLiesBehindIt) {
+  Random random(8);
+  Pictures mark;
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector2d at(random.uniform(2500, 2900), random.uniform(1800, 1950));
+    mark.add(at, at + noise(random, 0.2));
+  }
+  EXPECT_EQ(verified(lens(), mark).geometry, PairGeometry::kNone);
+
+  const Rigid3 truth = random_motion(random);
+  Pictures both = pictures(lens(), truth, 40, 0, 0.5, random, random_point);
+  for (std::size_t i = 0; i < 300; ++i) {
+    const Eigen::Vector2d at(random.uniform(2500, 2900), random.uniform(1800, 1950));
+    both.add(at, at + noise(random, 0.2));
+  }
+  const ImagePair pair = verified(lens(), both);
+  EXPECT_EQ(pair.geometry, PairGeometry::kGeneral);
+  EXPECT_GE(both.right_ones(pair), 38u);
+  EXPECT_LE(pair.matches.size(), 45u);
+}
+
+TEST(Verify, LinesRepeatedPointsAndTooFewHaveNoGeometry) {
+  Random random(9);
+  const Rigid3 truth = random_motion(random);
+  const auto on_line = [](Random& r) {
+    const double s = r.uniform(-1, 1);
+    return Eigen::Vector3d(s, 0.3 * s, 5);
+  };
+  EXPECT_EQ(verified(lens(), pictures(lens(), truth, 100, 0, 0, random, on_line)).geometry, PairGeometry::kNone);
+  EXPECT_EQ(verified(lens(), pictures(lens(), truth, 100, 0, 0.5, random, on_line)).geometry, PairGeometry::kNone);
+  Pictures repeated;
+  for (int i = 0; i < 100; ++i) repeated.add({700, 800}, {900, 750});
+  EXPECT_EQ(verified(lens(), repeated).geometry, PairGeometry::kNone);
+  EXPECT_EQ(verified(lens(), pictures(lens(), truth, 14, 0, 0, random, random_point)).geometry, PairGeometry::kNone);
+  EXPECT_EQ(verified(lens(), {}).geometry, PairGeometry::kNone);
+}
+
+TEST(Verify, AssumedFocalLengthKeepsTheMatchesAndFindsTheMotion) {
+  Random random(10);
+  for (const double factor : {0.6, 1.0, 1.5}) {
+    const Rigid3 truth = random_motion(random);
+    const Pictures p = pictures(lens(), truth, 200, 200, 0.5, random, random_point);
+    Camera assumed = lens();
+    assumed.params[Camera::kF] *= factor;
+    assumed.sigma_f_px = 0.4 * assumed.focal_px();
+    const ImagePair pair = verified(assumed, p);
+    EXPECT_EQ(pair.geometry, PairGeometry::kGeneral) << factor;
+    EXPECT_GE(p.right_ones(pair), 190u) << factor;
+    EXPECT_LT(angle_between(pair.second_from_first.rotation, truth.rotation), 0.1) << factor;
+  }
+}
+
+TEST(Verify, FocalLengthOfTheExifTenPercentOffIsGoodEnough) {
+  Random random(11);
+  for (const double factor : {0.9, 1.1}) {
+    const Rigid3 truth = random_motion(random);
+    const Pictures p = pictures(lens(), truth, 200, 100, 0.5, random, random_point);
+    Camera off = lens();
+    off.params[Camera::kF] *= factor;
+    off.sigma_f_px = 0.05 * off.focal_px();
+    const ImagePair pair = verified(off, p);
+    EXPECT_EQ(pair.geometry, PairGeometry::kGeneral) << factor;
+    EXPECT_GE(p.right_ones(pair), 150u) << factor;
+    EXPECT_LT(angle_between(pair.second_from_first.rotation, truth.rotation), 0.05) << factor;
+  }
+}
+
+TEST(Verify, SameSeedSameBits) {
+  Random random(12);
+  const Pictures p = pictures(lens(), random_motion(random), 150, 150, 0.5, random, random_point);
+  const ImagePair a = verified(lens(), p, 3), b = verified(lens(), p, 3);
+  EXPECT_EQ(a.matches, b.matches);
+  EXPECT_EQ(a.second_from_first.translation, b.second_from_first.translation);
+  EXPECT_EQ(a.median_parallax_rad, b.median_parallax_rad);
+}
+
+}  // namespace
+}  // namespace collinea

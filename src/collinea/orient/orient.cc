@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/orient.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/adjust/control_check.h"
+#include "collinea/adjust/datum.h"
+#include "collinea/orient/incremental.h"
+
+namespace collinea {
+namespace {
+
+constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
+
+struct Parts {
+  Reconstruction largest;
+  std::vector<std::vector<ImageId>> others;
+  std::vector<ImageId> alone;
+};
+
+std::vector<ImageId> images_of(const Reconstruction& part) {
+  std::vector<ImageId> images;
+  for (const auto& [image, pose] : part.poses()) images.push_back(image);
+  return images;
+}
+
+// Grows parts until no new one with three images comes up; the largest is kept.
+Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<const ImagePair> pairs,
+                         const OrientOptions& options, const Run& run) {
+  std::vector<Reconstruction> parts;
+  std::set<ImageId> taken;
+  for (;;) {
+    Reconstruction part = empty;
+    if (auto grown = grow(part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
+    if (part.poses().size() < (parts.empty() ? 2 : kSmallestPart)) break;
+    for (const auto& [image, pose] : part.poses()) taken.insert(image);
+    parts.push_back(std::move(part));
+    if (empty.images_with_tracks().size() < taken.size() + kSmallestPart) break;
+  }
+  if (parts.empty())
+    return fail(Errc::kIllPosed, "no two images fit together with enough parallax: are there overlapping photographs of one "
+                                 "scene, taken from different places?");
+  const auto largest = std::max_element(parts.begin(), parts.end(), [](const Reconstruction& a, const Reconstruction& b) {
+    return a.poses().size() < b.poses().size();
+  });
+  Parts result{std::move(*largest), {}, {}};
+  for (const Reconstruction& part : parts)
+    if (&part != &*largest) result.others.push_back(images_of(part));
+  for (const auto& [image, data] : setup.images)
+    if (!taken.contains(image)) result.alone.push_back(image);
+  return result;
+}
+
+// Without control or positions the gauge is made readable: origin in the middle of the points, z opposite to the mean
+// downward direction of the pictures, the unit such that the first base had length one.
+Similarity3 readable_gauge(const Reconstruction& part) {
+  Eigen::Vector3d up = Eigen::Vector3d::Zero(), middle = Eigen::Vector3d::Zero();
+  for (const auto& [image, pose] : part.poses()) {
+    up -= pose.rotation.conjugate() * Eigen::Vector3d::UnitY();
+    middle += centre_of(pose) / static_cast<double>(part.poses().size());
+  }
+  Similarity3 gauge;
+  if (up.norm() > 1e-6) gauge.rotation = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+  gauge.translation = -(gauge.rotation * middle);
+  return gauge;
+}
+
+double median_pixel_m(const Block& block) {
+  std::vector<double> sizes;
+  for (const Observation& seen : block.observations) {
+    const double depth_m = (block.cam_from_world.at(seen.image) * block.points.at(seen.point).position_in_world).z();
+    sizes.push_back(depth_m / block.camera_of(seen.image).focal_px());
+  }
+  if (sizes.empty()) return 0;
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
+  return sizes[sizes.size() / 2];
+}
+
+std::size_t count_positions(const Block& block) {
+  return static_cast<std::size_t>(std::count_if(block.cam_from_world.begin(), block.cam_from_world.end(), [&](const auto& pose) {
+    return block.images.at(pose.first).position.has_value();
+  }));
+}
+
+class Orienter {
+ public:
+  Orienter(const Block& setup, const OrientOptions& options, const Run& run) : setup_(setup), options_(options), run_(run) {}
+
+  Result<Orientation> orient(std::span<const ImagePair> pairs, const KeypointSource& keypoints) {
+    COLLINEA_TRY(Reconstruction empty, Reconstruction::create(setup_, pairs, keypoints, options_));
+    COLLINEA_TRY(Parts parts, grow_parts(setup_, std::move(empty), pairs, options_, run_));
+    result_.other_parts = std::move(parts.others);
+    result_.alone = std::move(parts.alone);
+    Reconstruction& part = parts.largest;
+    COLLINEA_TRY([[maybe_unused]] const Adjusted free_net,
+                 settle(part, {.use_positions = false, .use_control = false}, options_, run_));
+    const AdjustScope scope = place(part);
+    if (result_.georeferenced) {
+      COLLINEA_TRY([[maybe_unused]] const Adjusted tied, settle(part, scope, options_, run_));
+    }
+    AdjustOptions final_options{.calibration = calibration_for(options_, part.poses().size()), .covariances = true};
+    COLLINEA_TRY(result_.adjusted, part.adjust_all(final_options, scope, run_));
+    finish(part);
+    return std::move(result_);
+  }
+
+ private:
+  // What is wrong with control or positions is named and left out, for good.
+  void examine(const Block& block) {
+    const ControlDiagnosis diagnosis = check_control(block, run_.seed);
+    for (const Finding& finding : diagnosis.findings) result_.findings.push_back(finding.message);
+    result_.excluded_control = diagnosis.excluded_points;
+    apply(diagnosis, setup_);
+    if (diagnosis.axes_swapped) setup_.control_observations.clear();
+  }
+
+  // Brings the part into the frame of control or positions, where there are enough of them.
+  AdjustScope place(Reconstruction& part) {
+    AdjustScope scope{.use_positions = options_.use_positions, .use_control = options_.use_control};
+    if (setup_.georeference) examine(part.block());
+    const auto found = setup_.georeference ? datum(part.block(), scope.use_positions, scope.use_control, run_.seed) : std::nullopt;
+    if (!found) {
+      scope.use_positions = scope.use_control = false;
+      part.move_world(readable_gauge(part));
+      result_.gauge = "local gauge without scale, place or north: the unit is the first base, z is up as the pictures stand";
+      if (setup_.georeference)
+        result_.findings.push_back(
+            "positions and control do not fix the place of the block (fewer than three, or all on one line): local gauge");
+      return scope;
+    }
+    part.move_world(found->world_from_block);
+    result_.georeferenced = true;
+    const std::size_t positions = scope.use_positions ? count_positions(part.block()) : 0;
+    std::string by = found->by_control ? "control points" : "";
+    if (positions) by += (by.empty() ? "" : " and ") + fmt::format("{} image positions", positions);
+    result_.gauge = fmt::format("map {}, fixed by {}", setup_.georeference->crs, by);
+    return scope;
+  }
+
+  void finish(Reconstruction& part) {
+    result_.block = part.block();
+    result_.gsd_m = median_pixel_m(result_.block);
+    for (const auto& other : result_.other_parts)
+      result_.findings.push_back(fmt::format("{} images hang together but not with the block: {} ... {}", other.size(),
+                                             setup_.images.at(other.front()).file, setup_.images.at(other.back()).file));
+    if (!result_.alone.empty())
+      result_.findings.push_back(fmt::format("{} image{} could not be oriented, the first: {}", result_.alone.size(),
+                                             result_.alone.size() == 1 ? "" : "s", setup_.images.at(result_.alone.front()).file));
+  }
+
+  Block setup_;  ///< ours: the examination of control may take observations out
+  const OrientOptions& options_;
+  const Run& run_;
+  Orientation result_;
+};
+
+}  // namespace
+
+Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs, const KeypointSource& keypoints,
+                           const OrientOptions& options, const Run& run) {
+  return Orienter(setup, options, run).orient(pairs, keypoints);
+}
+
+}  // namespace collinea

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <atomic>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "collinea/base/parallel.h"
+#include "collinea/dense/fuse.h"
+#include "collinea/dense/match.h"
+#include "collinea/image/photo.h"
+#include "collinea/io/las.h"
+#include "collinea/io/ply.h"
+#include "collinea/pipeline/depth_folder.h"
+#include "collinea/pipeline/places.h"
+#include "collinea/pipeline/step.h"
+
+namespace collinea {
+namespace {
+
+using nlohmann::json;
+
+// Depth maps of all oriented images; those found in the folder are kept. Returns the images that have one.
+Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
+                                       WorkingPictures& pictures, DepthFolder& folder, json& left_out) {
+  std::vector<ImageId> images;
+  for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
+  std::vector<Result<>> outcomes(images.size());
+  std::atomic<std::size_t> done = 0;
+  Run one_thread = project.run;  // images side by side use the processor better than threads within one
+  one_thread.threads = 1;
+  one_thread.progress = nullptr;
+  parallel_for(project.run, images.size(), [&](std::size_t i) {
+    if (!folder.has(images[i])) {
+      const auto map = depth_map(block, images[i], ties, pictures, project.settings.densify, one_thread);
+      outcomes[i] = map ? folder.write(images[i], *map) : tl::unexpected(map.error());
+    }
+    project.run.report("densify: depth maps", double(++done) / double(images.size()));
+  });
+  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
+  std::vector<ImageId> matched;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (outcomes[i]) {
+      matched.push_back(images[i]);
+      continue;
+    }
+    const Error& error = outcomes[i].error();
+    if (error.code == Errc::kBadInput) return tl::unexpected(error);
+    left_out.push_back({{"file", block.images.at(images[i]).file}, {"reason", "no depth map: " + error.message}});
+  }
+  return matched;
+}
+
+// Both cloud files at once: LAS in the map, PLY in the world frame.
+class CloudFiles {
+ public:
+  static Result<CloudFiles> create(const std::filesystem::path& products, const Block& block, const Places& places) {
+    LasWriter::Options las;
+    las.lowest.setConstant(std::numeric_limits<double>::infinity());
+    las.highest = -las.lowest;
+    for (const auto& [id, point] : block.points) {
+      const Eigen::Vector3d on_map = places.frame ? places.frame->map_from_local(point.position_in_world) : point.position_in_world;
+      las.lowest = las.lowest.cwiseMin(on_map);
+      las.highest = las.highest.cwiseMax(on_map);
+    }
+    if (places.frame) las.wkt = places.frame->wkt1();
+    COLLINEA_TRY(LasWriter las_writer, LasWriter::create(products / "cloud.las", las));
+    COLLINEA_TRY(PlyWriter ply_writer, PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
+    return CloudFiles(std::move(las_writer), std::move(ply_writer), places);
+  }
+
+  Result<> write(std::span<const FusedPoint> points) {
+    std::vector<Eigen::Vector3d> on_map;
+    std::vector<CloudPoint> cloud;
+    for (const FusedPoint& point : points) {
+      on_map.push_back(point.position_in_world);
+      cloud.push_back({point.position_in_world, point.normal_in_world, point.colour, point.sigma, point.images, 0});
+    }
+    ply_.write(cloud);
+    if (places_.frame) places_.frame->map_from_local(on_map);
+    for (std::size_t i = 0; i < cloud.size(); ++i) cloud[i].position = on_map[i];
+    return las_.write(cloud);
+  }
+
+  Result<> finish() {
+    if (auto finished = ply_.finish(); !finished) return finished;
+    return las_.finish();
+  }
+
+ private:
+  CloudFiles(LasWriter las, PlyWriter ply, const Places& places)
+      : las_(std::move(las)), ply_(std::move(ply)), places_(places) {}
+  LasWriter las_;
+  PlyWriter ply_;
+  const Places& places_;
+};
+
+}  // namespace
+
+Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
+  COLLINEA_TRY(const Block block, project.store.read_block());
+  COLLINEA_TRY(const Places places, places_of(project, block));
+  const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
+  WorkingPictures pictures(block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
+  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", inputs_hash, block, pictures));
+  const TieView ties(block);
+  json report = {{"skipped", json::array()}};
+  COLLINEA_TRY(const std::vector<ImageId> images, match_all(project, block, ties, pictures, folder, report["skipped"]));
+
+  COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project.folder / "products", block, places));
+  COLLINEA_TRY(const FuseReport fused,
+               fuse(block, ties, images, folder, [&](ImageId image, int shrink) { return read_colour(photo(image), shrink); },
+                    [&](std::span<const FusedPoint> points) { return cloud.write(points); }, project.settings.densify, project.run));
+  if (auto finished = cloud.finish(); !finished) return tl::unexpected(finished.error());
+  report["depth_maps"] = images.size();
+  report["points"] = fused.points;
+  return StepOutput{inputs_hash, report.dump(), fmt::format("{} depth maps, {} points", images.size(), fused.points)};
+}
+
+}  // namespace collinea

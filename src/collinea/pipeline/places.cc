@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/pipeline/places.h"
+
+#include <nlohmann/json.hpp>
+
+namespace collinea {
+
+Result<Places> places_of(const Project& project, const Block& block) {
+  COLLINEA_TRY(const auto oriented, project.store.read_step("orient"));
+  COLLINEA_CHECK(oriented.has_value());
+  const auto report = nlohmann::json::parse(oriented->report_json);
+  Places places;
+  places.pixel_m = report.at("pixel_in_units").get<double>();
+  int shrink = 1;
+  for (const auto& [id, camera] : block.cameras) {
+    COLLINEA_TRY(const int of_camera, working_shrink(camera, project.settings.densify));
+    shrink = std::max(shrink, of_camera);
+  }
+  places.matched_pixel_m = shrink * places.pixel_m;
+  if (report.at("georeferenced").get<bool>()) {
+    const Georeference& on_earth = *block.georeference;
+    COLLINEA_TRY(places.frame, LocalFrame::create(on_earth.crs, on_earth.origin_latitude_deg,
+                                                  on_earth.origin_longitude_deg, on_earth.origin_height_m));
+  }
+  return places;
+}
+
+bool seen_from_above(const Block& block) {
+  std::size_t down = 0;
+  for (const auto& [image, pose] : block.cam_from_world)
+    down += (pose.rotation.conjugate() * Eigen::Vector3d::UnitZ()).z() < -0.7;
+  return 2 * down > block.cam_from_world.size();
+}
+
+}  // namespace collinea

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/pipeline/project.h"
+
+namespace collinea {
+
+/// How the products of an oriented block lie on the map, and how fine they can be.
+struct Places {
+  std::optional<LocalFrame> frame;  ///< nothing: the block has no place on Earth
+  double pixel_m = 0;               ///< ground size of a pixel of the photographs
+  double matched_pixel_m = 0;       ///< of the pictures that were matched densely
+
+  [[nodiscard]] const LocalFrame* frame_or_null() const { return frame ? &*frame : nullptr; }
+};
+[[nodiscard]] Result<Places> places_of(const Project& project, const Block& block);
+
+/// Whether a map is a view of the scene: most cameras look down by more than 45 degrees.
+[[nodiscard]] bool seen_from_above(const Block& block);
+
+}  // namespace collinea

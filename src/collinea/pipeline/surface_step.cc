@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "collinea/io/las.h"
+#include "collinea/pipeline/places.h"
+#include "collinea/pipeline/step.h"
+
+namespace collinea {
+namespace {
+
+constexpr std::size_t kBatch = 200'000;
+
+// The cloud on disk lies in the map; the surface model wants the world frame.
+PointSource world_points(LasReader& reader, const LocalFrame* frame) {
+  return [&reader, frame](std::vector<SurfacePoint>& batch) -> Result<> {
+    COLLINEA_TRY(const std::vector<CloudPoint> cloud, reader.read(kBatch));
+    std::vector<Eigen::Vector3d> positions;
+    for (const CloudPoint& point : cloud) positions.push_back(point.position);
+    if (frame) frame->local_from_map(positions);
+    batch.clear();
+    for (std::size_t i = 0; i < cloud.size(); ++i) batch.push_back({positions[i], cloud[i].sigma_m});
+    return {};
+  };
+}
+
+}  // namespace
+
+Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash) {
+  COLLINEA_TRY(const Block block, project.store.read_block());
+  if (!seen_from_above(block))
+    return StepOutput{inputs_hash, R"({"skipped_because": "the images do not look down: no surface model"})",
+                      "the images do not look down on the scene: no surface model"};
+  COLLINEA_TRY(const Places places, places_of(project, block));
+  COLLINEA_TRY(LasReader reader, LasReader::open(project.folder / "products/cloud.las"));
+  const auto products = project.folder / "products";
+  const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif", products / "dsm_count.tif"};
+  COLLINEA_TRY(const DsmSummary summary,
+               build_dsm(world_points(reader, places.frame_or_null()), places.frame_or_null(), places.matched_pixel_m, files,
+                         project.folder / "scratch", project.settings.surface, project.run));
+  const double seen = double(summary.measured_cells + summary.interpolated_cells);
+  const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
+                                 {"width", summary.grid.width},
+                                 {"height", summary.grid.height},
+                                 {"points", summary.points},
+                                 {"points_dropped", summary.points_dropped},
+                                 {"measured_cells", summary.measured_cells},
+                                 {"interpolated_cells", summary.interpolated_cells},
+                                 {"lowest_m", summary.lowest_m},
+                                 {"highest_m", summary.highest_m},
+                                 {"mean_sigma_m", summary.mean_sigma_m}};
+  return StepOutput{inputs_hash, report.dump(),
+                    fmt::format("{} x {} cells of {:.3g} m, {:.1f} % of the seen ones interpolated", summary.grid.width,
+                                summary.grid.height, summary.grid.cell_m,
+                                seen > 0 ? 100 * double(summary.interpolated_cells) / seen : 0.0)};
+}
+
+}  // namespace collinea

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "collinea/image/geotiff.h"
+#include "collinea/image/photo.h"
+#include "collinea/report/figures.h"
+#include "collinea/report/svg.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kJpegQuality = 85;
+
+using Colour = std::array<double, 3>;
+
+// Dark blue to light yellow, evenly brighter: reads in grey print as well.
+Colour ramp(double t) {
+  constexpr std::array<Colour, 6> kColours = {
+      {{38, 44, 96}, {34, 94, 128}, {46, 138, 128}, {112, 176, 102}, {196, 206, 102}, {250, 240, 178}}};
+  const double at = std::clamp(t, 0.0, 1.0) * (kColours.size() - 1);
+  const auto i = std::min(std::size_t(at), kColours.size() - 2);
+  Colour colour;
+  for (std::size_t c = 0; c < 3; ++c) colour[c] = kColours[i][c] + (at - double(i)) * (kColours[i + 1][c] - kColours[i][c]);
+  return colour;
+}
+
+struct Size {
+  int width, height;
+};
+
+Size reduced(const MapGrid& grid, int longest_side_px) {
+  const double factor = std::min(1.0, double(longest_side_px) / std::max({1, grid.width, grid.height}));
+  return {std::max(1, int(std::lround(grid.width * factor))), std::max(1, int(std::lround(grid.height * factor)))};
+}
+
+std::pair<double, double> percentiles(const FloatImage& heights, double low, double high) {
+  std::vector<float> values;
+  for (const float v : heights.data)
+    if (std::isfinite(v)) values.push_back(v);
+  if (values.empty()) return {0, 0};
+  const auto at = [&](double share) {
+    const auto place = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return double(*place);
+  };
+  return {at(low), at(high)};
+}
+
+// Brightness of a slope in light from the north-west, 45 degrees high; 1 on a plane.
+double shade(const FloatImage& heights, int x, int y, double cell_m) {
+  const auto height = [&](int column, int row) {
+    const float v = heights.at(std::clamp(column, 0, heights.width - 1), std::clamp(row, 0, heights.height - 1));
+    return std::isfinite(v) ? double(v) : double(heights.at(x, y));
+  };
+  const double east = (height(x + 1, y) - height(x - 1, y)) / (2 * cell_m);
+  const double north = (height(x, y - 1) - height(x, y + 1)) / (2 * cell_m);
+  const double facing = (1 + (east - north) / std::sqrt(2.0)) / std::sqrt(1 + east * east + north * north);
+  return std::clamp(facing, 0.0, 1.35);
+}
+
+Raster<std::uint8_t> shaded(const FloatImage& heights, double cell_m, double low, double high) {
+  Raster<std::uint8_t> picture(heights.width, heights.height, 3, 255);
+  for (int y = 0; y < heights.height; ++y)
+    for (int x = 0; x < heights.width; ++x) {
+      const float value = heights.at(x, y);
+      if (!std::isfinite(value)) continue;
+      const Colour colour = ramp((value - low) / std::max(1e-9, high - low));
+      const double light = 0.35 + 0.65 * shade(heights, x, y, cell_m);
+      for (int c = 0; c < 3; ++c)
+        picture.at(x, y, c) = std::uint8_t(std::clamp(colour[std::size_t(c)] * light, 0.0, 255.0));
+    }
+  return picture;
+}
+
+Result<Preview> encoded(const Raster<std::uint8_t>& picture, double low, double high) {
+  COLLINEA_TRY(std::string jpeg, encode_jpeg(picture, kJpegQuality));
+  return Preview{std::move(jpeg), picture.width, picture.height, low, high};
+}
+
+}  // namespace
+
+Result<Preview> preview_of_heights(const std::filesystem::path& geotiff, int longest_side_px) {
+  COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(geotiff));
+  const MapGrid& grid = reader.grid();
+  const Size size = reduced(grid, longest_side_px);
+  COLLINEA_TRY(FloatImage heights, reader.read_float(0, 0, grid.width, grid.height, size.width, size.height));
+  if (const auto nodata = reader.nodata())
+    for (float& v : heights.data)
+      if (v == float(*nodata)) v = std::nanf("");
+  const auto [low, high] = percentiles(heights, 0.01, 0.99);
+  return encoded(shaded(heights, grid.cell_m * grid.width / size.width, low, high), low, high);
+}
+
+Result<Preview> preview_of_picture(const std::filesystem::path& geotiff, int longest_side_px) {
+  COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(geotiff));
+  const MapGrid& grid = reader.grid();
+  const Size size = reduced(grid, longest_side_px);
+  COLLINEA_TRY(const auto pixels, reader.read_byte(0, 0, grid.width, grid.height, size.width, size.height));
+  Raster<std::uint8_t> picture(size.width, size.height, 3, 255);
+  const bool grey = pixels.channels < 3, alpha = pixels.channels == 2 || pixels.channels == 4;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const int opacity = alpha ? pixels.at(x, y, pixels.channels - 1) : 255;
+      for (int c = 0; c < 3; ++c)
+        picture.at(x, y, c) = std::uint8_t((pixels.at(x, y, grey ? 0 : c) * opacity + 255 * (255 - opacity)) / 255);
+    }
+  return encoded(picture, 0, 0);
+}
+
+std::string height_scale(const Preview& preview, const std::string& unit) {
+  constexpr int kSteps = 60;
+  Svg svg(460, 40, "Heights");
+  for (int i = 0; i < kSteps; ++i) {
+    const Colour c = ramp((i + 0.5) / kSteps);
+    svg.rectangle(60 + 340.0 * i / kSteps, 4, 340.0 / kSteps + 0.5, 14, "swatch",
+                  fmt::format("#{:02x}{:02x}{:02x}", int(c[0]), int(c[1]), int(c[2])));
+  }
+  svg.text({54, 16}, fmt::format("{:.1f} {}", preview.low_m, unit), "end");
+  svg.text({406, 16}, fmt::format("{:.1f} {}", preview.high_m, unit), "start");
+  return svg.finish();
+}
+
+}  // namespace collinea

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/report.h"
+
+#include "collinea/io/file.h"
+#include "collinea/report/page.h"
+#include "collinea/report/report_json.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kPreviewSide_px = 900;
+
+using MakePreview = Result<Preview> (*)(const std::filesystem::path&, int);
+
+// A preview is a help, not a figure: when it cannot be made the report says so and goes on.
+std::optional<Preview> preview(MakePreview make, const std::filesystem::path& file, std::vector<std::string>& findings) {
+  if (file.empty()) return std::nullopt;
+  Result<Preview> made = make(file, kPreviewSide_px);
+  if (made) return *std::move(made);
+  findings.push_back("no preview of " + file.filename().string() + ": " + made.error().message);
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<> write_report(const ReportInput& input, const std::filesystem::path& folder) {
+  ReportInput shown = input;
+  const auto heights = preview(preview_of_heights, input.dsm, shown.findings);
+  const auto picture = preview(preview_of_picture, input.ortho, shown.findings);
+  const ReportSummary summary = summary_of(shown);
+  if (auto written = write_file(folder / "report.json", report_json(shown, summary)); !written) return written;
+  return write_file(folder / "report.html", report_page(shown, summary, heights, picture));
+}
+
+}  // namespace collinea

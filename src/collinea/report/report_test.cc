@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/report.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "collinea/geometry/rotation.h"
+#include "collinea/image/geotiff.h"
+#include "collinea/io/file.h"
+#include "collinea/report/coverage.h"
+#include "collinea/report/statistics.h"
+#include "collinea/report/summary.h"
+#include "collinea/report/svg.h"
+#include "collinea/report/test_block.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ReportTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              ("collinea_report_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string page() const { return *read_file(folder_ / "report.html"); }
+  [[nodiscard]] nlohmann::json figures() const { return nlohmann::json::parse(*read_file(folder_ / "report.json")); }
+  fs::path folder_;
+};
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+int count_of(const std::string& text, std::string_view part) {
+  int count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
+  return count;
+}
+
+TEST_F(ReportTest, PageAndJsonTellTheSameFigures) {
+  const ReportInput input = report_of_test_flight(3, 6, 800);
+  const auto written = write_report(input, folder_);
+  ASSERT_TRUE(written) << written.error().message;
+  const auto json = figures();
+  EXPECT_EQ(json["images"], 18);
+  EXPECT_EQ(json["oriented"], 17);
+  EXPECT_EQ(json["image_list"].size(), 17u);
+  EXPECT_EQ(json["left_out"].size(), 3u);
+  EXPECT_EQ(json["check_rmse_m"]["points"], 4);
+  double squares = 0;
+  for (const ReportControl& control : input.control)
+    if (!control.used) squares += control.difference_m.x() * control.difference_m.x();
+  EXPECT_NEAR(json["check_rmse_m"]["east"], std::sqrt(squares / 4), 1e-12);
+  EXPECT_EQ(json["steps"][0]["figures"]["images"], 40);
+  EXPECT_TRUE(json["steps"][2]["figures"].is_null());
+  const std::string html = page();
+  EXPECT_TRUE(contains(html, "17 of 18"));
+  EXPECT_TRUE(contains(html, json["statement"].get<std::string>()));
+  EXPECT_TRUE(contains(html, "4 independent check points"));
+  EXPECT_TRUE(contains(html, length_text(std::sqrt(squares / 4), "m")));
+  EXPECT_TRUE(contains(html, "DJI_0999.JPG"));
+  EXPECT_TRUE(contains(html, "WGS 84 / UTM zone 33N"));
+}
+
+TEST_F(ReportTest, ThePageNeedsNothingFromOutsideAndItsTagsClose) {
+  ASSERT_TRUE(write_report(report_of_test_flight(2, 4, 200), folder_));
+  const std::string html = page();
+  for (const char* outside : {"http://", "https://", "<script", "@import", "url("}) EXPECT_FALSE(contains(html, outside));
+  for (const std::string tag : {"section", "div", "table", "figure", "svg", "tr", "td", "text", "ul", "dl"})
+    EXPECT_EQ(count_of(html, "<" + tag + " ") + count_of(html, "<" + tag + ">"), count_of(html, "</" + tag + ">")) << tag;
+  EXPECT_TRUE(contains(html, "Quarry north &lt;1&gt;"));
+  EXPECT_FALSE(contains(html, "nan"));
+}
+
+TEST_F(ReportTest, TheSameInputGivesTheSameBytes) {
+  const ReportInput input = report_of_test_flight(2, 4, 200);
+  ASSERT_TRUE(write_report(input, folder_ / "a"));
+  ASSERT_TRUE(write_report(input, folder_ / "b"));
+  EXPECT_EQ(*read_file(folder_ / "a/report.html"), *read_file(folder_ / "b/report.html"));
+  EXPECT_EQ(*read_file(folder_ / "a/report.json"), *read_file(folder_ / "b/report.json"));
+}
+
+TEST_F(ReportTest, AnEmptyProjectStillHasAReport) {
+  ASSERT_TRUE(write_report({}, folder_));
+  EXPECT_TRUE(contains(page(), "neither place nor scale"));
+  EXPECT_FALSE(contains(page(), "nan"));
+  EXPECT_TRUE(figures()["check_rmse_m"].is_null());
+}
+
+TEST_F(ReportTest, WithoutCheckPointsNothingIsSaidToBeVerified) {
+  ReportInput input = report_of_test_flight(2, 4, 100);
+  for (ReportControl& control : input.control) control.used = true;
+  EXPECT_TRUE(contains(summary_of(input).statement, "not verified independently"));
+  input.control.clear();
+  EXPECT_TRUE(contains(summary_of(input).statement, "positions of the cameras alone"));
+  input.georeferenced = false;
+  const ReportSummary free = summary_of(input);
+  EXPECT_EQ(free.unit, "units");
+  EXPECT_TRUE(contains(free.statement, "neither place nor scale"));
+}
+
+TEST_F(ReportTest, PicturesAreEmbeddedAndMissingOnesBecomeFindings) {
+  fs::create_directories(folder_);
+  MapGrid grid{500000, 4.98e6, 0.5, 300, 200, ""};
+  {
+    GeoTiffWriter<float>::Options options;
+    options.nodata = -9999;
+    auto writer = GeoTiffWriter<float>::create(folder_ / "dsm.tif", grid, 1, options);
+    ASSERT_TRUE(writer) << writer.error().message;
+    FloatImage heights(300, 200);
+    for (int y = 0; y < 200; ++y)
+      for (int x = 0; x < 300; ++x) heights.at(x, y) = x < 20 ? -9999.0f : 100 + 5 * std::sin(float(x) / 30) * std::cos(float(y) / 20);
+    ASSERT_TRUE(writer->write(0, 0, heights));
+    ASSERT_TRUE(writer->finish());
+  }
+  ReportInput input = report_of_test_flight(2, 4, 100);
+  input.dsm = folder_ / "dsm.tif";
+  input.ortho = folder_ / "missing.tif";
+  ASSERT_TRUE(write_report(input, folder_));
+  EXPECT_EQ(count_of(page(), "data:image/jpeg;base64,/9j/"), 1);
+  EXPECT_TRUE(contains(page(), "no preview of missing.tif"));
+  EXPECT_TRUE(contains(page(), "95."));  // the scale starts at the lowest height, not at nodata
+}
+
+TEST(ResidualStatistics, NoiseComesBackAsItWasPutIn) {
+  const ReportInput input = report_of_test_flight(3, 6, 1500);
+  const ResidualStatistics s = residual_statistics(input.block);
+  ASSERT_GT(s.observations, 2000u);
+  EXPECT_NEAR(s.rms_px, 0.3, 4 * 0.3 / std::sqrt(4.0 * double(s.observations)));
+  EXPECT_NEAR(s.mean_px, 0.3 * std::sqrt(std::numbers::pi / 2), 0.01);  // Rayleigh distribution
+  std::size_t in_histogram = 0, observations = 0, points = 0;
+  for (const std::size_t n : s.histogram) in_histogram += n;
+  for (const ImageResiduals& image : s.images) observations += std::size_t(image.observations);
+  for (const std::size_t n : s.rays) points += n;
+  EXPECT_EQ(in_histogram, 2 * s.observations);
+  EXPECT_EQ(observations, s.observations);
+  EXPECT_EQ(points, input.block.points.size());
+  ASSERT_EQ(s.grids.size(), 1u);
+  EXPECT_EQ(s.grids[0].columns, 16);
+  EXPECT_EQ(s.grids[0].rows, 12);
+}
+
+TEST(ResidualStatistics, AShiftShowsInTheGridWithItsSign) {
+  ReportInput input = report_of_test_flight(2, 5, 800);
+  for (Observation& o : input.block.observations)
+    if (o.pixel.x() < 2000) o.pixel.x() += 1.5;
+  const ResidualGrid grid = residual_statistics(input.block).grids.at(0);
+  Eigen::Vector2d left = Eigen::Vector2d::Zero(), right = left;
+  int lefts = 0, rights = 0;
+  for (int row = 0; row < grid.rows; ++row)
+    for (int column = 0; column < grid.columns; ++column) {
+      const auto i = std::size_t(row * grid.columns + column);
+      (column < 7 ? left : right) += grid.mean_px[i] * grid.count[i] * (column == 7 || column == 8 ? 0 : 1);
+      (column < 7 ? lefts : rights) += column == 7 || column == 8 ? 0 : grid.count[i];
+    }
+  EXPECT_NEAR(left.x() / lefts, 1.5, 0.05);
+  EXPECT_NEAR(right.x() / rights, 0, 0.05);
+  EXPECT_NEAR(left.y() / lefts, 0, 0.05);
+}
+
+TEST(ControlRms, AxesThatWereNotSurveyedDoNotCount) {
+  ReportInput input = report_of_test_flight(2, 4, 50);
+  for (auto& [id, point] : input.block.control) point.sigma_m.z() = std::numeric_limits<double>::infinity();
+  const AxisRms rms = control_rms(input, true);
+  EXPECT_TRUE(rms.axis_m[0] && rms.axis_m[1]);
+  EXPECT_FALSE(rms.axis_m[2]);
+  EXPECT_FALSE(rms.spatial_m);
+  EXPECT_EQ(rms.points, 5);
+}
+
+TEST(ControlRms, ImageResidualsReferToTheEstimatedPosition) {
+  ReportInput input = report_of_test_flight(3, 6, 50);
+  ReportControl control = input.control[4];
+  control.difference_m.setZero();  // the image points were made from the surveyed position
+  const double expected = 0.3 * std::sqrt(2.0);
+  EXPECT_NEAR(control_rms_px(input.block, control), expected, 4 * expected / std::sqrt(4.0 * control.rays));
+  control.difference_m.setConstant(std::nan(""));
+  EXPECT_TRUE(std::isnan(control_rms_px(input.block, control)));
+}
+
+TEST(Coverage, ANadirFootprintIsThePictureTimesTheScale) {
+  Block block;
+  block.cameras[{0}] = ideal_camera(1000, 800, 600);
+  block.images[{0}].camera = {0};
+  const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{0, 0, 0});
+  block.cam_from_world[{0}] = {rotation, -(rotation * Eigen::Vector3d(10, 20, 105))};
+  block.points[{0}] = {{0, 0, 5}, {}};
+  const Coverage coverage = coverage_of(block);
+  EXPECT_EQ(coverage.ground_height, 5);
+  Eigen::Vector2d low = coverage.footprints.at({0})[0], high = low;
+  for (const auto& p : coverage.footprints.at({0})) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  EXPECT_LT((low - Eigen::Vector2d(10 - 40, 20 - 30)).norm(), 1e-9);
+  EXPECT_LT((high - Eigen::Vector2d(10 + 40, 20 + 30)).norm(), 1e-9);
+  EXPECT_NEAR(overlap_of(coverage, 100).area(1), 80 * 60, 1e-6);
+  EXPECT_EQ(overlap_of(coverage, 100).area(2), 0);
+}
+
+TEST(Coverage, AnImageThatLooksSidewaysCoversItsTiePoints) {
+  Block block;
+  block.cameras[{0}] = ideal_camera(1000, 800, 600);
+  block.images[{0}].camera = {0};
+  block.cam_from_world[{0}] = {cam_from_world(OmegaPhiKappa{90, 0, 0}), Eigen::Vector3d::Zero()};
+  const std::vector<Eigen::Vector2d> corners = {{0, 10}, {6, 10}, {6, 14}, {0, 14}, {3, 12}};
+  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    block.points[{i}] = {{corners[i].x(), corners[i].y(), 0}, {}};
+    Observation o;
+    o.image = {0};
+    o.point = {i};
+    o.pixel.setZero();
+    block.observations.push_back(o);
+  }
+  const Coverage coverage = coverage_of(block);
+  EXPECT_EQ(coverage.footprints.at({0}).size(), 4u);
+  EXPECT_NEAR(overlap_of(coverage, 60).area(1), 24, 1e-9);
+}
+
+TEST(Svg, TextCannotBreakThePage) {
+  EXPECT_EQ(escaped("a<b>&\"c\""), "a&lt;b&gt;&amp;&quot;c&quot;");
+  EXPECT_EQ(escaped("\xc3\xa9\n"), "\xc3\xa9 ");
+  EXPECT_EQ(escaped(std::string("\x01\xff\xc3", 3)), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");
+}
+
+TEST(Svg, ScalesHaveRoundNumbers) {
+  EXPECT_EQ(round_below(0.034), 0.02);
+  EXPECT_EQ(round_below(99), 50);
+  EXPECT_EQ(round_below(1), 1);
+  const auto t = ticks(-0.9, 1.1, 5);
+  ASSERT_EQ(t.size(), 4u);
+  EXPECT_NEAR(t.front(), -0.5, 1e-12);
+  EXPECT_EQ(tick_text(t.front(), 0.5), "-0.5");
+  EXPECT_TRUE(ticks(1, 1, 5).empty());
+}
+
+TEST(LengthText, ShowsWhatMatters) {
+  EXPECT_EQ(length_text(1.23456, "m"), "1.235 m");
+  EXPECT_EQ(length_text(0.0164, "m"), "0.016 m");
+  EXPECT_EQ(length_text(0.00234, "m"), "0.0023 m");
+  EXPECT_EQ(length_text(0.000123, "units"), "0.00012 units");
+  EXPECT_EQ(length_text(std::nullopt, "m"), "\xe2\x80\x93");
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tables of the report.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/report/page.h"
+#include "collinea/report/svg.h"
+
+namespace collinea {
+namespace {
+
+constexpr const char* kUnknown = "\xe2\x80\x93";
+constexpr std::size_t kMostImageRows = 100;
+
+std::string cell(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("<td>{:.{}f}</td>", value, decimals) : fmt::format("<td>{}</td>", kUnknown);
+}
+
+std::string text_cell(std::string_view text, std::string_view style = "l") {
+  return fmt::format("<td class=\"{}\">{}</td>", style, escaped(text));
+}
+
+// A signed difference; marked when it exceeds three standard deviations.
+std::string difference_cell(double value, double sigma, int decimals) {
+  if (!std::isfinite(value)) return fmt::format("<td>{}</td>", kUnknown);
+  return fmt::format("<td{}>{:+.{}f}</td>", std::abs(value) > 3 * sigma ? " class=\"bad\"" : "", value, decimals);
+}
+
+std::string optional_cell(const std::optional<double>& value, int decimals) {
+  return cell(value.value_or(std::nan("")), decimals);
+}
+
+// So many that differences have two digits or more, but not finer than 0.1 mm.
+int decimals_for(double smallest_rms) {
+  if (!(smallest_rms > 0)) return 3;
+  return std::clamp(1 - int(std::floor(std::log10(smallest_rms))), 3, 4);
+}
+
+int decimals_of(const AxisRms& rms, const std::string& unit) {
+  double smallest = 1;
+  for (const auto& axis : rms.axis_m)
+    if (axis && *axis > 0) smallest = std::min(smallest, *axis);
+  return unit == "m" ? decimals_for(smallest) : std::clamp(2 - int(std::floor(std::log10(smallest))), 3, 7);
+}
+
+std::string control_row(const ReportInput& input, const ReportControl& control, int decimals) {
+  const ControlPoint& point = input.block.control.at(control.point);
+  const char* role = control.excluded ? "not used" : control.used ? "control" : "check";
+  std::string row = control.excluded ? "<tr class=\"out\">" : "<tr>";
+  row += text_cell(point.name) + text_cell(role) + fmt::format("<td>{}</td>", control.rays);
+  for (int i = 0; i < 3; ++i) {
+    const bool surveyed = std::isfinite(point.sigma_m[i]);
+    row += difference_cell(surveyed ? control.difference_m[i] : std::nan(""), control.sigma_m[i], decimals);
+  }
+  row += cell(control.difference_m.norm(), decimals);
+  for (int i = 0; i < 3; ++i) row += cell(control.sigma_m[i], decimals);
+  return row + cell(control_rms_px(input.block, control), 2) + "</tr>\n";
+}
+
+// `what` the mean square is of: "point" or "image".
+std::string rms_row(const AxisRms& rms, const char* name, const char* what, int decimals, int columns_before, int columns_after) {
+  if (rms.points == 0) return "";
+  std::string row = "<tr class=\"total\">" + text_cell(name);
+  row += fmt::format("<td class=\"l\" colspan=\"{}\">{} {}{}</td>", columns_before, rms.points, what, rms.points == 1 ? "" : "s");
+  for (const auto& axis : rms.axis_m) row += optional_cell(axis, decimals);
+  row += optional_cell(rms.spatial_m, decimals);
+  for (int i = 0; i < columns_after; ++i) row += "<td></td>";
+  return row + "</tr>\n";
+}
+
+std::string parameter_row(const ReportInput& input, CameraId id, std::size_t i) {
+  const Camera& camera = input.block.cameras.at(id);
+  const auto first = input.first_cameras.find(id);
+  const auto sigmas = input.camera_sigma.find(id);
+  const double value = camera.params[i];
+  const double before = first == input.first_cameras.end() ? std::nan("") : first->second.params[i];
+  const double sigma = sigmas == input.camera_sigma.end() ? std::nan("") : sigmas->second[i];
+  const int decimals = Camera::kParamUnits[i] == "px" ? 3 : 7;
+  const bool held = !(sigma > 0);
+  return "<tr>" + text_cell(Camera::kParamNames[i]) + text_cell(Camera::kParamUnits[i]) + cell(before, decimals) +
+         cell(value, decimals) + cell(value - before, decimals) +
+         (held && std::isfinite(sigma) ? "<td>held</td>" : cell(sigma, decimals)) +
+         cell(held || i < Camera::kK1 ? std::nan("") : std::abs(value) / sigma, 1) + "</tr>\n";
+}
+
+std::string one_camera(const ReportInput& input, const ReportSummary& summary, CameraId id) {
+  const Camera& camera = input.block.cameras.at(id);
+  std::size_t images = 0;
+  for (const auto& [image, pose] : input.block.cam_from_world) images += input.block.images.at(image).camera == id;
+  const double angle = 2 * std::atan(camera.width_px / (2 * camera.focal_px())) * 180 / 3.14159265358979;
+  std::string html = fmt::format(
+      "<h3>{}</h3><p>{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: {}.{}</p>\n",
+      escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), camera.width_px, camera.height_px,
+      images, images == 1 ? "" : "s", angle, escaped(camera.source.empty() ? "unknown" : camera.source),
+      camera.calibrate ? "" : " All parameters were given and held.");
+  html +=
+      "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th class=\"l\">unit</th><th>before</th><th>adjusted</th>"
+      "<th>change</th><th>standard deviation</th><th>|value| / st. dev.</th></tr></thead><tbody>\n";
+  for (std::size_t i = 0; i < Camera::kParams; ++i) html += parameter_row(input, id, i);
+  html += "</tbody></table>\n<div class=\"pair\">\n";
+  const auto first = input.first_cameras.find(id);
+  html += "<figure>" + distortion_chart(camera, first == input.first_cameras.end() ? nullptr : &first->second) +
+          "<figcaption>Radial distortion, adjusted (solid) and before (dashed), out to the farthest corner.</figcaption></figure>\n";
+  for (const ResidualGrid& grid : summary.residuals.grids)
+    if (grid.camera == id)
+      html += "<figure>" + residual_pattern(grid, camera) +
+              "<figcaption>Mean residual vectors over the picture (observed minus computed), exaggerated. Arrows without order are "
+              "noise; a pattern is what the camera model does not explain.</figcaption></figure>\n";
+  return html + "</div>\n";
+}
+
+std::string bytes_text(double bytes) {
+  if (bytes >= 1e9) return fmt::format("{:.2f} GB", bytes / 1e9);
+  if (bytes >= 1e6) return fmt::format("{:.1f} MB", bytes / 1e6);
+  return fmt::format("{:.0f} kB", bytes / 1e3);
+}
+
+std::string name_value_table(const std::vector<std::pair<std::string, std::string>>& pairs, const char* title) {
+  if (pairs.empty()) return "";
+  std::string html = fmt::format("<div><h3>{}</h3><table><tbody>\n", title);
+  for (const auto& [name, value] : pairs) html += "<tr>" + text_cell(name) + text_cell(value, "l w") + "</tr>\n";
+  return html + "</tbody></table></div>\n";
+}
+
+}  // namespace
+
+std::string control_section(const ReportInput& input, const ReportSummary& summary) {
+  if (input.control.empty()) return "";
+  AxisRms smallest = summary.check.points ? summary.check : summary.control;
+  const int decimals = decimals_of(smallest, summary.unit);
+  std::string html = fmt::format(
+      "<section><h2>Control and check points</h2>\n<p>Differences are estimated minus surveyed. Check points took no part in "
+      "the adjustment: they are intersected from the oriented images, and only they show the accuracy of new points. Red: more "
+      "than three times the predicted standard deviation.</p>\n<table><thead><tr><th class=\"l\">point</th><th class=\"l\">role</th><th>images</th>"
+      "<th>east [{0}]</th><th>north [{0}]</th><th>height [{0}]</th><th>3D [{0}]</th>"
+      "<th>&sigma; east</th><th>&sigma; north</th><th>&sigma; height [{0}]</th><th>image [px]</th></tr></thead><tbody>\n",
+      summary.unit);
+  for (const bool used : {false, true})
+    for (const ReportControl& control : input.control)
+      if (control.used == used) html += control_row(input, control, decimals);
+  html += rms_row(summary.check, "RMS check", "point", decimals, 2, 4);
+  html += rms_row(summary.control, "RMS control", "point", decimals, 2, 4);
+  return html + "</tbody></table></section>\n";
+}
+
+std::string position_section(const ReportInput& input, const ReportSummary& summary) {
+  if (summary.position.points == 0) return "";
+  const auto doubted = std::count_if(input.positions.begin(), input.positions.end(), [](const auto& p) { return p.weight < 0.5; });
+  const int decimals = decimals_of(summary.position, summary.unit);
+  std::string html = fmt::format(
+      "<section><h2>Image positions</h2>\n<p>Adjusted projection centres minus the positions that the receivers wrote, root mean "
+      "square of {} images.{}</p>\n<table><thead><tr><th class=\"l\"></th><th class=\"l\"></th><th>east [{}]</th><th>north [{}]</th><th>height [{}]</th>"
+      "<th>3D [{}]</th></tr></thead><tbody>\n",
+      summary.position.points, doubted ? fmt::format(" {} positions disagree so much that they hardly count.", doubted) : "",
+      summary.unit, summary.unit, summary.unit, summary.unit);
+  html += rms_row(summary.position, "RMS", "image", decimals, 1, 0);
+  return html + "</tbody></table></section>\n";
+}
+
+std::string camera_section(const ReportInput& input, const ReportSummary& summary) {
+  std::string html;
+  for (const ResidualGrid& grid : summary.residuals.grids) html += one_camera(input, summary, grid.camera);
+  return html.empty() ? "" : "<section><h2>Cameras</h2>\n" + html + "</section>\n";
+}
+
+std::string image_section(const ReportInput& input, const ReportSummary& summary) {
+  std::vector<ImageResiduals> images = summary.residuals.images;
+  if (images.empty()) return "";
+  double largest = 0;
+  for (const auto& image : images) largest = std::max(largest, image.rms_px);
+  std::string note;
+  if (images.size() > kMostImageRows) {
+    std::stable_sort(images.begin(), images.end(), [](const auto& a, const auto& b) { return a.rms_px > b.rms_px; });
+    note = fmt::format("<p>The {} images with the largest residuals of {}; all are in report.json.</p>\n", kMostImageRows, images.size());
+    images.resize(kMostImageRows);
+  }
+  std::map<ImageId, const ReportPosition*> positions;
+  for (const ReportPosition& position : input.positions) positions[position.image] = &position;
+  const bool with_sigma = !input.centre_sigma_m.empty(), with_positions = !positions.empty();
+  std::string html = "<section><h2>Images</h2>\n" + note;
+  html += "<table><thead><tr><th class=\"l\">image</th><th>tie points</th><th>RMS [px]</th><th></th>";
+  if (with_sigma) html += fmt::format("<th>&sigma; E [{0}]</th><th>&sigma; N [{0}]</th><th>&sigma; H [{0}]</th>", summary.unit);
+  if (with_positions) html += fmt::format("<th>&Delta; E [{0}]</th><th>&Delta; N [{0}]</th><th>&Delta; H [{0}]</th>", summary.unit);
+  html += "</tr></thead><tbody>\n";
+  for (const ImageResiduals& image : images) {
+    html += "<tr>" + text_cell(input.block.images.at(image.image).file, "l w") + fmt::format("<td>{}</td>", image.observations) +
+            cell(image.rms_px, 2) +
+            fmt::format("<td><span class=\"meter\"><i style=\"width:{:.0f}%\"></i></span></td>", largest > 0 ? 100 * image.rms_px / largest : 0);
+    const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(std::nan(""));
+    const auto sigma = input.centre_sigma_m.find(image.image);
+    for (int i = 0; with_sigma && i < 3; ++i) html += cell(sigma == input.centre_sigma_m.end() ? unknown[i] : sigma->second[i], 3);
+    const auto position = positions.find(image.image);
+    for (int i = 0; with_positions && i < 3; ++i)
+      html += difference_cell(position == positions.end() ? unknown[i] : position->second->difference_m[i], std::nan(""), 2);
+    html += "</tr>\n";
+  }
+  html += "</tbody></table>\n";
+  if (with_positions) html += "<p>&Delta;: adjusted projection centre minus the position written by the receiver.</p>\n";
+  return html + "</section>\n";
+}
+
+std::string left_out_section(const ReportInput& input, const ReportSummary& summary) {
+  if (input.skipped.empty() && summary.not_oriented.empty()) return "";
+  std::string html =
+      "<section><h2>Images left out</h2>\n<table><thead><tr><th class=\"l\">file</th><th class=\"l\">why</th></tr></thead><tbody>\n";
+  for (const ReportSkipped& skipped : input.skipped)
+    html += "<tr>" + text_cell(skipped.file, "l w") + text_cell(skipped.reason, "l w") + "</tr>\n";
+  for (const ImageId id : summary.not_oriented)
+    html += "<tr>" + text_cell(input.block.images.at(id).file, "l w") +
+            text_cell("not oriented: too few points in common with the block", "l w") + "</tr>\n";
+  return html + "</tbody></table></section>\n";
+}
+
+std::string process_section(const ReportInput& input) {
+  std::string html;
+  if (!input.products.empty()) {
+    html += "<h3>Products</h3><table><thead><tr><th class=\"l\">product</th><th class=\"l\">file</th><th class=\"l\">content</th><th>size</th></tr></thead><tbody>\n";
+    for (const ReportProduct& product : input.products)
+      html += "<tr>" + text_cell(product.name) + text_cell(product.file, "l w") + text_cell(product.what, "l w") +
+              fmt::format("<td>{}</td></tr>\n", bytes_text(double(product.bytes)));
+    html += "</tbody></table>\n";
+  }
+  if (!input.steps.empty()) {
+    html +=
+        "<h3>Steps</h3><table><thead><tr><th class=\"l\">step</th><th>time [s]</th><th>processor time [s]</th>"
+        "<th>processors busy</th><th>peak memory</th></tr></thead><tbody>\n";
+    double seconds = 0, cpu = 0, memory = 0;
+    const auto row = [&](const std::string& name, double s, double c, double m, const char* style) {
+      html += fmt::format("<tr class=\"{}\">{}{}{}", style, text_cell(name), cell(s, 1), cell(c, 1)) +
+              cell(s > 0 ? c / s : std::nan(""), 1) + fmt::format("<td>{}</td></tr>\n", bytes_text(m));
+    };
+    for (const StepRecord& step : input.steps) {
+      row(step.name, step.seconds, step.cpu_seconds, step.peak_memory_bytes, "");
+      seconds += step.seconds;
+      cpu += step.cpu_seconds;
+      memory = std::max(memory, step.peak_memory_bytes);
+    }
+    row("all", seconds, cpu, memory, "total");
+    html += "</tbody></table>\n";
+  }
+  const std::string options = name_value_table(input.options, "Options"), versions = name_value_table(input.versions, "Versions");
+  if (!options.empty() || !versions.empty()) html += "<div class=\"pair\">" + options + versions + "</div>\n";
+  return html.empty() ? "" : "<section><h2>Processing</h2>\n" + html + "</section>\n";
+}
+
+}  // namespace collinea

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "collinea/report/report.h"
+
+namespace collinea {
+
+/// Root mean squares by axis (east, north, up) and of the distance; nothing where nothing was measured.
+struct AxisRms {
+  std::array<std::optional<double>, 3> axis_m;
+  std::optional<double> spatial_m;  ///< of points known on all three axes
+  int points = 0;                   ///< known on at least one axis
+};
+
+/// Of the points of one kind. An axis counts only where the point was surveyed (finite Block sigma).
+[[nodiscard]] AxisRms control_rms(const ReportInput& input, bool used);
+[[nodiscard]] AxisRms position_rms(const ReportInput& input);
+
+/// What one image contributed.
+struct ImageResiduals {
+  ImageId image;
+  int observations = 0;
+  double rms_px = 0;  ///< of the residual lengths
+};
+
+/// Mean residual vectors of one camera over a grid on its picture: shows what the camera model does not.
+struct ResidualGrid {
+  CameraId camera;
+  int columns = 0, rows = 0;
+  std::vector<Eigen::Vector2d> mean_px;  ///< observed minus computed, row by row
+  std::vector<int> count;
+};
+
+/// Residuals of all tie points: observed minus computed.
+struct ResidualStatistics {
+  std::size_t observations = 0;
+  double mean_px = 0;          ///< mean length
+  double rms_px = 0;           ///< of single coordinates
+  double largest_px = 0;
+  double bin_px = 0;           ///< width of a bin of the histogram
+  std::vector<std::size_t> histogram;  ///< of single coordinates, centred on 0; the outermost bins take all beyond
+  std::vector<ImageResiduals> images;  ///< oriented images, by id
+  std::vector<ResidualGrid> grids;     ///< cameras with oriented images
+  std::vector<std::size_t> rays;       ///< tie points seen in i images; the last entry: in so many or more
+};
+[[nodiscard]] ResidualStatistics residual_statistics(const Block& block);
+
+/// Root mean square of the image residuals of a control point at its estimated position [px]; NaN: unknown.
+[[nodiscard]] double control_rms_px(const Block& block, const ReportControl& control);
+
+}  // namespace collinea
