@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/adjust/gauge.h"
 #include "collinea/adjust/normals.h"
 #include "collinea/adjust/outcome.h"
 
@@ -33,9 +34,10 @@ class LevenbergMarquardt {
 
   Search search(State start) {
     Search at{std::move(start)};
+    const double settled = bundle::settle_gauge(problem_, at.state);
     for (; at.iterations < options_.max_iterations && !at.converged && !run_.stopped(); ++at.iterations) {
       at.cost = normals_.accumulate(at.state, damping_, run_);
-      if (at.iterations == 0) at.initial_cost = at.cost;
+      if (at.iterations == 0) at.initial_cost = at.cost + settled;
       if (at.cost < 1e-20 * static_cast<double>(problem_.observation_count)) at.converged = true;
       if (at.converged || !normals_.solve(run_, step_)) {
         if (!at.converged && !damp_more()) break;
@@ -59,14 +61,14 @@ class LevenbergMarquardt {
     const bool small = step_.largest_turn_rad < options_.parameter_change &&
                        step_.largest_move_m < options_.parameter_change * problem_.extent_m;
     if (std::isfinite(step_.cost) && step_.cost < at.cost) {
-      const double decrease = at.cost - step_.cost, gain = decrease / step_.promised;
+      const double before = at.cost, gain = (before - step_.cost) / step_.promised;
       const double bend = 2 * gain - 1;
       damping_ *= gain > 0.9 ? 0.1 : std::max(1.0 / 3, 1 - bend * bend * bend);
       damping_ = std::max(damping_, kLeastDamping);
       growth_ = 2;
       at.state = std::move(next);
-      at.cost = step_.cost;
-      at.converged = small || decrease <= tolerance;
+      at.cost = step_.cost - bundle::settle_gauge(problem_, at.state);
+      at.converged = small || before - at.cost <= tolerance;
     } else {
       at.converged = small || step_.promised <= tolerance * 1e-3 || !damp_more();
     }

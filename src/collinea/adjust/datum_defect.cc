@@ -3,26 +3,16 @@
 #include <algorithm>
 #include <numeric>
 
+#include "collinea/adjust/gauge.h"
 #include "collinea/adjust/problem.h"
 
 namespace collinea::bundle {
 namespace {
 
-using Matrix37 = Eigen::Matrix<double, 3, 7>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
 constexpr std::size_t kDatumImages = 8;
 constexpr double kSeen = 1e-9;  // of the largest eigenvalue: 3e-5 in angle or relative scale
-
-// How a point moves when its world is shifted, turned and scaled about `centre`: [shift / size, angles, log scale].
-Matrix37 motion_of(const Eigen::Vector3d& point, const Eigen::Vector3d& centre, double size) {
-  const Eigen::Vector3d d = (point - centre) / size;
-  Matrix37 g = Matrix37::Zero();
-  g.leftCols<3>().setIdentity();
-  g.block<3, 3>(0, 3) << 0, d.z(), -d.y(), -d.z(), 0, d.x(), d.y(), -d.x(), 0;
-  g.col(6) = d;
-  return g;
-}
 
 Eigen::Vector3d centre_in(const State& state, std::size_t image) {
   return Eigen::Map<const Eigen::Vector3d>(state.frames[image].data() + 9);
@@ -194,6 +184,7 @@ void find_datum(Problem& problem, const State& start) {
       ++problem.rank_defect;
     }
   }
+  problem.moves_as_one = parts.size() == 1 && !parts.front().held && problem.images.size() == parts.front().poses.size();
   problem.datum_text = describe_datum(parts, problem.rank_defect);
 }
 

@@ -353,6 +353,7 @@ class Gatherer {
     problem.unknown_count = 6L * problem.poses + problem.border;
     for (std::size_t p = 0; p < problem.point_count(); ++p) {
       problem.unknown_count += problem.point(p).held ? 0 : 3;
+      if (problem.first_control == p && problem.point(p).control < 0) ++problem.first_control;
       if (const int control = problem.point(p).control; control >= 0)
         for (const double inverse_sigma : problem.control[control].inverse_sigma)
           problem.observation_count += inverse_sigma > 0;

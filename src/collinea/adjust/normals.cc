@@ -253,20 +253,11 @@ void Normals::add_pose_ray(const Batch& batch, std::uint32_t r, std::vector<doub
   const auto pose = static_cast<int>(problem_.rays[r].image);
   double* diagonal = &diagonal_[6ul * static_cast<std::size_t>(pose)];
   double* right = &right_[6ul * static_cast<std::size_t>(pose)];
-  double* block = &matrix_.at(6 * pose, 6 * pose);
-  const double *j = ray.j, *k = ray.j + 6;
-  for (int i = 0; i < 6; ++i) {
-    right[i] += j[i] * ray.residual[0] + k[i] * ray.residual[1];
-    diagonal[i] += j[i] * j[i] + k[i] * k[i];
-  }
-  for (int c = 0; c < 6; ++c)
-    for (int i = 0; i < 6; ++i) block[c * kTile + i] += j[i] * j[c] + k[i] * k[c];
-  const std::uint32_t first = first_of_ray_[r];
-  if (first > r) return;
   blocks.clear();
-  for (std::uint32_t other = first; other <= r; ++other)
+  for (std::uint32_t other = first_of_ray_[r]; other <= r; ++other)
     blocks.push_back(&matrix_.at(6 * pose, 6 * static_cast<int>(problem_.rays[other].image)));
-  subtract_outer(blocks.data(), ray.z, &pose_rays_[first - base], static_cast<int>(blocks.size()));
+  bundle::add_pose_ray(ray, &matrix_.at(6 * pose, 6 * pose), right, diagonal, blocks.data(),
+                       blocks.empty() ? nullptr : &pose_rays_[first_of_ray_[r] - base], static_cast<int>(blocks.size()));
 }
 
 void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
@@ -277,20 +268,12 @@ void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
   double* out = &pose_camera_[6ul * image * static_cast<std::size_t>(problem_.border)];
   const ProblemCamera& own = problem_.cameras[problem_.images[image].camera];
   const double* b = camera_rays_.data() + 2ul * (r - base) * width;
-  const std::size_t count = own.free.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    double* column = out + 6 * (static_cast<std::size_t>(own.border) + i);
-    for (int c = 0; c < 6; ++c) column[c] += b[i] * ray.j[c] + b[count + i] * ray.j[6 + c];
-  }
+  add_pose_camera(out + 6 * own.border, ray, b, static_cast<int>(own.free.size()));
   if (problem_.point(p).held) return;
   const double* z = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
   for (std::uint32_t its = camera_begin_[p]; its < camera_begin_[p + 1]; ++its, z += 3 * width) {
     const ProblemCamera& camera = problem_.cameras[cameras_of_point_[its]];
-    for (std::size_t i = 0; i < camera.free.size(); ++i) {
-      double* column = out + 6 * (static_cast<std::size_t>(camera.border) + i);
-      const double z0 = z[3 * i], z1 = z[3 * i + 1], z2 = z[3 * i + 2];
-      for (int c = 0; c < 6; ++c) column[c] -= z0 * ray.z[c] + z1 * ray.z[6 + c] + z2 * ray.z[12 + c];
-    }
+    subtract_pose_camera(out + 6 * camera.border, ray, z, static_cast<int>(camera.free.size()));
   }
 }
 

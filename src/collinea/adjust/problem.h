@@ -74,6 +74,8 @@ struct Problem {
   int rank_defect = 0;
   std::string datum_text;
   std::vector<ImageId> images_left_out;
+  bool moves_as_one = false;      ///< one connected part, nothing held: the block can be moved as a whole
+  std::size_t first_control = 0;  ///< no point before this one is a control point
   double extent_m = 0;  ///< size of the block
   Loss tie_loss, position_loss;
   long observation_count = 0, unknown_count = 0;

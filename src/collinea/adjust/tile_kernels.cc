@@ -45,31 +45,88 @@ void SubtractProduct(double* HWY_RESTRICT c, const double* HWY_RESTRICT a, const
   }
 }
 
-// Six rows are a vector of four and one of two (or three of two).
-void SubtractOuter(double* const* blocks, const double* HWY_RESTRICT z_row, const PoseRay* columns, int count) {
-  const hn::CappedTag<double, 4> d4;
-  const hn::CappedTag<double, 2> d2;
-  if (hn::Lanes(d4) != 4 || hn::Lanes(d2) != 2) {
-    for (int n = 0; n < count; ++n)
-      for (int c = 0; c < 6; ++c)
-        for (int r = 0; r < 6; ++r)
-          for (int k = 0; k < 3; ++k) blocks[n][c * kTile + r] -= z_row[6 * k + r] * columns[n].z[6 * k + c];
-    return;
+// Six numbers: a vector of four and one of two, or three of two where there are no longer ones.
+#if HWY_TARGET == HWY_SCALAR
+struct Six {
+  double v[6];
+};
+
+HWY_INLINE Six Load(const double* p) { return {{p[0], p[1], p[2], p[3], p[4], p[5]}}; }
+HWY_INLINE void Store(const Six& six, double* p) {
+  for (int i = 0; i < 6; ++i) p[i] = six.v[i];
+}
+HWY_INLINE Six Add(const Six& a, double b, Six sum) {
+  for (int i = 0; i < 6; ++i) sum.v[i] += a.v[i] * b;
+  return sum;
+}
+HWY_INLINE Six Subtract(const Six& a, double b, const Six& sum) { return Add(a, -b, sum); }
+HWY_INLINE Six AddSquare(const Six& a, Six sum) {
+  for (int i = 0; i < 6; ++i) sum.v[i] += a.v[i] * a.v[i];
+  return sum;
+}
+#else
+#if HWY_MAX_BYTES >= 32
+constexpr hn::FixedTag<double, 4> kFirst;
+#else
+constexpr hn::FixedTag<double, 2> kFirst;
+#endif
+constexpr hn::FixedTag<double, 2> kLast;
+constexpr int kMiddle = HWY_MAX_BYTES >= 32 ? 0 : 2;  // where the second vector begins when there are three
+
+struct Six {
+  hn::Vec<decltype(kFirst)> first, middle;  // middle: unused with vectors of four
+  hn::Vec<decltype(kLast)> last;
+};
+
+HWY_INLINE Six Load(const double* p) {
+  return {hn::LoadU(kFirst, p), hn::LoadU(kFirst, p + kMiddle), hn::LoadU(kLast, p + 4)};
+}
+HWY_INLINE void Store(const Six& v, double* p) {
+  if (kMiddle > 0) hn::StoreU(v.middle, kFirst, p + kMiddle);
+  hn::StoreU(v.first, kFirst, p);
+  hn::StoreU(v.last, kLast, p + 4);
+}
+HWY_INLINE Six Add(const Six& a, double b, const Six& sum) {
+  return {hn::MulAdd(a.first, hn::Set(kFirst, b), sum.first), hn::MulAdd(a.middle, hn::Set(kFirst, b), sum.middle),
+          hn::MulAdd(a.last, hn::Set(kLast, b), sum.last)};
+}
+HWY_INLINE Six Subtract(const Six& a, double b, const Six& sum) {
+  return {hn::NegMulAdd(a.first, hn::Set(kFirst, b), sum.first), hn::NegMulAdd(a.middle, hn::Set(kFirst, b), sum.middle),
+          hn::NegMulAdd(a.last, hn::Set(kLast, b), sum.last)};
+}
+HWY_INLINE Six AddSquare(const Six& a, const Six& sum) {
+  return {hn::MulAdd(a.first, a.first, sum.first), hn::MulAdd(a.middle, a.middle, sum.middle),
+          hn::MulAdd(a.last, a.last, sum.last)};
+}
+#endif  // HWY_TARGET == HWY_SCALAR
+
+void AddPoseRay(const PoseRay& ray, double* diagonal_block, double* right, double* diagonal, double* const* blocks,
+                const PoseRay* partners, int count) {
+  const Six j0 = Load(ray.j), j1 = Load(ray.j + 6);
+  Store(Add(j1, ray.residual[1], Add(j0, ray.residual[0], Load(right))), right);
+  Store(AddSquare(j1, AddSquare(j0, Load(diagonal))), diagonal);
+  for (int c = 0; c < 6; ++c) {
+    double* out = diagonal_block + c * kTile;
+    Store(Add(j1, ray.j[6 + c], Add(j0, ray.j[c], Load(out))), out);
   }
-  const auto a0 = hn::LoadU(d4, z_row), a1 = hn::LoadU(d4, z_row + 6), a2 = hn::LoadU(d4, z_row + 12);
-  const auto e0 = hn::LoadU(d2, z_row + 4), e1 = hn::LoadU(d2, z_row + 10), e2 = hn::LoadU(d2, z_row + 16);
+  const Six z0 = Load(ray.z), z1 = Load(ray.z + 6), z2 = Load(ray.z + 12);
   for (int n = 0; n < count; ++n) {
-    const double* z = columns[n].z;
+    const double* z = partners[n].z;
     double* out = blocks[n];
-    for (int c = 0; c < 6; ++c, out += kTile) {
-      auto upper = hn::NegMulAdd(a0, hn::Set(d4, z[c]), hn::LoadU(d4, out));
-      auto lower = hn::NegMulAdd(e0, hn::Set(d2, z[c]), hn::LoadU(d2, out + 4));
-      upper = hn::NegMulAdd(a1, hn::Set(d4, z[6 + c]), upper);
-      lower = hn::NegMulAdd(e1, hn::Set(d2, z[6 + c]), lower);
-      hn::StoreU(hn::NegMulAdd(a2, hn::Set(d4, z[12 + c]), upper), d4, out);
-      hn::StoreU(hn::NegMulAdd(e2, hn::Set(d2, z[12 + c]), lower), d2, out + 4);
-    }
+    for (int c = 0; c < 6; ++c, out += kTile)
+      Store(Subtract(z2, z[12 + c], Subtract(z1, z[6 + c], Subtract(z0, z[c], Load(out)))), out);
   }
+}
+
+void AddPoseCamera(double* columns, const PoseRay& ray, const double* b, int count) {
+  const Six j0 = Load(ray.j), j1 = Load(ray.j + 6);
+  for (int i = 0; i < count; ++i, columns += 6) Store(Add(j1, b[count + i], Add(j0, b[i], Load(columns))), columns);
+}
+
+void SubtractPoseCamera(double* columns, const PoseRay& ray, const double* zc, int count) {
+  const Six z0 = Load(ray.z), z1 = Load(ray.z + 6), z2 = Load(ray.z + 12);
+  for (int i = 0; i < count; ++i, columns += 6, zc += 3)
+    Store(Subtract(z2, zc[2], Subtract(z1, zc[1], Subtract(z0, zc[0], Load(columns)))), columns);
 }
 
 }  // namespace collinea::bundle::HWY_NAMESPACE
@@ -79,14 +136,25 @@ HWY_AFTER_NAMESPACE();
 namespace collinea::bundle {
 
 HWY_EXPORT(SubtractProduct);
-HWY_EXPORT(SubtractOuter);
+HWY_EXPORT(AddPoseRay);
+HWY_EXPORT(AddPoseCamera);
+HWY_EXPORT(SubtractPoseCamera);
 
 void subtract_product(double* c, const double* a, const double* b, int columns) {
   HWY_DYNAMIC_DISPATCH(SubtractProduct)(c, a, b, columns);
 }
 
-void subtract_outer(double* const* blocks, const double* z_row, const PoseRay* columns, int count) {
-  HWY_DYNAMIC_DISPATCH(SubtractOuter)(blocks, z_row, columns, count);
+void add_pose_ray(const PoseRay& ray, double* diagonal_block, double* right, double* diagonal, double* const* blocks,
+                  const PoseRay* partners, int count) {
+  HWY_DYNAMIC_DISPATCH(AddPoseRay)(ray, diagonal_block, right, diagonal, blocks, partners, count);
+}
+
+void add_pose_camera(double* columns, const PoseRay& ray, const double* b, int count) {
+  HWY_DYNAMIC_DISPATCH(AddPoseCamera)(columns, ray, b, count);
+}
+
+void subtract_pose_camera(double* columns, const PoseRay& ray, const double* zc, int count) {
+  HWY_DYNAMIC_DISPATCH(SubtractPoseCamera)(columns, ray, zc, count);
 }
 
 }  // namespace collinea::bundle

@@ -18,7 +18,15 @@ struct PoseRay {
   double residual[2];
 };
 
-/// block -= z_row z_column^T for each of `count` rays; block k begins at blocks[k] and its columns are kTile apart.
-void subtract_outer(double* const* blocks, const double* z_row, const PoseRay* columns, int count);
+/// What a ray adds to the row of its pose: diagonal_block += J^T J (columns kTile apart), right += J^T residual, diagonal += the
+/// diagonal of J^T J; then blocks[k] -= Z Z_k^T for the `count` rays that see the same point in images up to this one.
+void add_pose_ray(const PoseRay& ray, double* diagonal_block, double* right, double* diagonal, double* const* blocks,
+                  const PoseRay* partners, int count);
+
+/// The part of a ray that ties its pose to `count` camera unknowns, in columns of six: columns += J^T B, B being 2 x count by rows.
+void add_pose_camera(double* columns, const PoseRay& ray, const double* b, int count);
+
+/// columns -= Z Zc^T, Zc being count x 3 by rows.
+void subtract_pose_camera(double* columns, const PoseRay& ray, const double* zc, int count);
 
 }  // namespace collinea::bundle

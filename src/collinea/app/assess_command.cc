@@ -10,19 +10,17 @@ namespace collinea {
 Command assess_command() {
   struct Asked {
     std::string project, truth;
-    bool json = false;
   };
   auto asked = std::make_shared<Asked>();
   return {"assess", "how far the products of a simulated block are from the truth",
           [asked](Flags& flags) {
             flags.positional("project", asked->project, "project folder");
             flags.positional("truth", asked->truth, "folder truth/ beside the simulated photographs");
-            flags.add("json", asked->json, "", "as JSON, for machines");
           },
           [asked] {
             const auto project = open_project(asked->project, {});
             if (!project) return complain(project.error());
-            const auto text = assess_project(*project, asked->truth, asked->json);
+            const auto text = assess_project(*project, asked->truth);
             if (!text) return complain(text.error());
             std::fputs(text->c_str(), stdout);
             return 0;

@@ -93,14 +93,18 @@ void follow_plane(const FloatImage& coarse, const Footprint& at, float step, int
     }
   cell.by_x = middle(by_x) / 2;
   cell.by_y = middle(by_y) / 2;
-  float low = std::numeric_limits<float>::max(), high = -low;
+  std::vector<float> rest;
   for (int y = at.y0; y < at.y1; ++y)
-    for (int x = at.x0; x < at.x1; ++x) {
-      const float rest = coarse.at(x, y) - cell.by_x * (2 * float(x) + 0.5f - float(cell.left)) -
-                         cell.by_y * (2 * float(y) + 0.5f - float(cell.top));
-      low = std::min(low, rest);
-      high = std::max(high, rest);
-    }
+    for (int x = at.x0; x < at.x1; ++x)
+      rest.push_back(coarse.at(x, y) - cell.by_x * (2 * float(x) + 0.5f - float(cell.left)) -
+                     cell.by_y * (2 * float(y) + 0.5f - float(cell.top)));
+  std::sort(rest.begin(), rest.end());
+  float low = rest.front(), high = rest.back();
+  // too far apart to search everything between: leave out the rarest
+  for (std::size_t cut = 1; (high - low) / step > float(kMaxLabels - 2 * margin - 1) && 2 * cut < rest.size(); ++cut) {
+    low = rest[cut];
+    high = rest[rest.size() - 1 - cut];
+  }
   cell.at_corner = low;
   set_labels(cell, -float(margin), (high - low) / step + float(margin));
 }
@@ -163,24 +167,33 @@ FloatImage median3(const FloatImage& raster) {
   return result;
 }
 
-void fill_holes(FloatImage& raster) {
-  const auto fill_line = [](float* line, int count, std::ptrdiff_t stride) {
-    int before = -1;
-    for (int i = 0; i < count; ++i) {
-      if (std::isnan(line[i * stride])) continue;
-      for (int k = before + 1; k < i; ++k) {
-        const bool nearer_before = before >= 0 && k - before <= i - k;
-        line[k * stride] = nearer_before ? line[before * stride] : line[i * stride];
-      }
-      before = i;
+FloatImage halved(const FloatImage& raster) {
+  FloatImage half((raster.width + 1) / 2, (raster.height + 1) / 2);
+  for (int y = 0; y < half.height; ++y)
+    for (int x = 0; x < half.width; ++x) {
+      float sum = 0;
+      int count = 0;
+      for (int j = 2 * y; j < std::min(2 * y + 2, raster.height); ++j)
+        for (int i = 2 * x; i < std::min(2 * x + 2, raster.width); ++i)
+          if (const float value = raster.at(i, j); !std::isnan(value)) sum += value, ++count;
+      half.at(x, y) = count ? sum / float(count) : std::numeric_limits<float>::quiet_NaN();
     }
-    if (before >= 0)
-      for (int k = before + 1; k < count; ++k) line[k * stride] = line[before * stride];
-  };
-  for (int y = 0; y < raster.height; ++y) fill_line(raster.row(y), raster.width, 1);
-  for (int x = 0; x < raster.width; ++x) fill_line(raster.data.data() + x, raster.height, raster.width);
-  for (float& value : raster.data)
-    if (std::isnan(value)) value = 0;
+  return half;
+}
+
+// From halvings without holes, larger and larger, back to the full size.
+void fill_holes(FloatImage& raster) {
+  const auto is_hole = [](float value) { return std::isnan(value); };
+  if (std::none_of(raster.data.begin(), raster.data.end(), is_hole)) return;
+  if (raster.width <= 1 && raster.height <= 1) {
+    for (float& value : raster.data) value = 0;
+    return;
+  }
+  FloatImage coarse = halved(raster);
+  fill_holes(coarse);
+  for (int y = 0; y < raster.height; ++y)
+    for (int x = 0; x < raster.width; ++x)
+      if (is_hole(raster.at(x, y))) raster.at(x, y) = bilinear(coarse, (x + 0.5) / 2, (y + 0.5) / 2);
 }
 
 }  // namespace collinea::dense

@@ -52,7 +52,10 @@ struct Labels {
 /// The median of each 3 x 3 pixels; NaN do not count, and stay only where all are NaN.
 [[nodiscard]] FloatImage median3(const FloatImage& raster);
 
-/// NaN replaced by the nearest values of the same row or column, rows first; all 0 when there is none.
+/// NaN replaced by a smooth transition between the values around them; all 0 when there is none.
 void fill_holes(FloatImage& raster);
+
+/// Half the size (rounded up), by the mean of those of 2 x 2 pixels that are not NaN.
+[[nodiscard]] FloatImage halved(const FloatImage& raster);
 
 }  // namespace collinea::dense

@@ -18,6 +18,8 @@ constexpr std::size_t kFewestTiePoints = 8;
 constexpr float kParallaxOfLabelPx = 0.8f;
 constexpr int kMargin = 3;                // labels searched beyond the coarse surface
 constexpr double kCoarsestLabels = 100;   // the coarsest level is the first with no more than these
+constexpr double kLeastReach = 0.1;       // part of the inverse depth searched beyond the tie points at least
+constexpr int kSmallestCoarsePatch = 20;  // pixels of a level; what hangs together less is not believed by the next
 constexpr double kPlanePart = 0.5;        // a plane is worth taking when it leaves less than this of the range
 
 Eigen::Matrix3d calibration(const Camera& camera) {
@@ -75,7 +77,7 @@ StartSurface start_surface(const std::vector<Sounding>& soundings, double margin
     const StartSurface tilted = spread_around(plane.x(), plane.y(), plane.z(), soundings);
     if (tilted.high - tilted.low < kPlanePart * (level.high - level.low)) best = tilted;
   }
-  const double reach = margin * std::max(level.high - level.low, 0.05 * level.high);
+  const double reach = std::max(margin * (level.high - level.low), kLeastReach * level.high);
   best.low -= reach;
   best.high += reach;
   return best;
@@ -196,39 +198,82 @@ class Matching {
   }
 
   static Labels next_labels(FloatImage coarse, const Level& level) {
+    dense::remove_specks(coarse, 3 * level.step, kSmallestCoarsePatch);  // a coarse label is two fine ones
     dense::fill_holes(coarse);
     return dense::labels_around(dense::median3(coarse), level.picture->width, level.picture->height, level.step, kMargin);
   }
 
+  // Correlation at full resolution and, for what has too little texture for small windows, at lower ones, where the same
+  // windows reach farther and the noise of the pixels averages out.
   Result<DepthMap> measured(const Level& level, FloatImage surface) const {
     dense::fill_holes(surface);
     surface = dense::smoothed_within(dense::median3(surface), level.step);
-    dense::Refined first = dense::refine(level, surface, false, run_);
+    dense::Refined result = dense::refine(level, surface, false, run_);
     for (std::size_t i = 0; i < surface.data.size(); ++i)
-      if (!std::isnan(first.inverse_depth.data[i])) surface.data[i] = first.inverse_depth.data[i];
+      if (!std::isnan(result.inverse_depth.data[i])) surface.data[i] = result.inverse_depth.data[i];
     surface = dense::smoothed_within(surface, level.step);
-    dense::Refined refined = dense::refine(level, surface, true, run_);
+    result = dense::refine(level, surface, true, run_);
+    keep_good(level, result);
+    FloatImage coarse = std::move(surface);
+    for (int l = 1; l <= kCoarserMeasurements && l < int(reference_->levels.size()); ++l) {
+      if (run_.stopped()) break;
+      coarse = cut(dense::halved(coarse), reference_->levels[std::size_t(l)]);
+      dense::Refined more = dense::refine(level_at(l), coarse, true, run_);
+      keep_good(level, more);
+      fill_from(more, 1 << l, result);
+    }
     if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
-    return cleaned(level, refined);
+    return finished(level, result);
   }
 
-  DepthMap cleaned(const Level& level, dense::Refined& refined) const {
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    const float max_sigma = float(options_.max_sigma_px) / level.parallax_px * level.step;
+  static FloatImage cut(const FloatImage& raster, const GreyImage& picture) {
+    FloatImage result(picture.width, picture.height);
+    for (int y = 0; y < result.height; ++y) std::copy_n(raster.row(y), result.width, result.row(y));
+    return result;
+  }
+
+  void keep_good(const Level& finest, dense::Refined& refined) const {
+    const float max_sigma = float(options_.max_sigma_px) / finest.parallax_px * finest.step;
     auto& w = refined.inverse_depth.data;
-    for (std::size_t i = 0; i < w.size(); ++i)
+    for (std::size_t i = 0; i < w.size(); ++i) {
+      refined.sigma.data[i] *= kSigmaScale;
       if (!(refined.correlation.data[i] >= float(options_.min_correlation) && refined.sigma.data[i] <= max_sigma && w[i] > 0))
-        w[i] = nan;
+        w[i] = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+
+  // Takes over, where `result` has nothing, what four pixels of a coarser measurement say in unison.
+  static void fill_from(const dense::Refined& coarse, int factor, dense::Refined& result) {
+    const FloatImage& w = coarse.inverse_depth;
+    for (int y = 0; y < result.inverse_depth.height; ++y)
+      for (int x = 0; x < result.inverse_depth.width; ++x) {
+        float& out = result.inverse_depth.at(x, y);
+        if (!std::isnan(out)) continue;
+        const double u = (x + 0.5) / factor, v = (y + 0.5) / factor;
+        const int i = int(u - 0.5), j = int(v - 0.5);
+        if (u < 0.5 || v < 0.5 || i + 1 >= w.width || j + 1 >= w.height) continue;
+        const auto [low, high] = std::minmax({w.at(i, j), w.at(i + 1, j), w.at(i, j + 1), w.at(i + 1, j + 1)});
+        const float value = bilinear(w, u, v), sigma = bilinear(coarse.sigma, u, v);
+        if (!(high - low <= kUnison * sigma)) continue;
+        out = value;
+        result.sigma.at(x, y) = sigma;
+      }
+  }
+
+  DepthMap finished(const Level& level, dense::Refined& refined) const {
     dense::remove_specks(refined.inverse_depth, 2 * level.step, kSmallestPatch);
     DepthMap map{reference_->camera, std::move(refined.inverse_depth), std::move(refined.sigma)};
     for (std::size_t i = 0; i < map.depth.data.size(); ++i) {
       const float z = 1 / map.depth.data[i];
       map.depth.data[i] = z;
-      map.sigma.data[i] = std::isnan(z) ? nan : map.sigma.data[i] * z * z;
+      map.sigma.data[i] = std::isnan(z) ? z : map.sigma.data[i] * z * z;
     }
     return map;
   }
 
+  static constexpr int kCoarserMeasurements = 2;
+  static constexpr float kSigmaScale = 1.6f;  // neighbouring pixels are correlated by resampling: measured on truth
+  static constexpr float kUnison = 8;         // sigmas
   static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;
   const Run& run_;

@@ -30,6 +30,7 @@ struct RobustOptions {
   int min_trials = 10;
   int max_trials = 5000;
   double min_inlier_ratio = 0;    ///< fewer inliers than this share are of no interest: bounds the trials
+  std::span<const int> preferred = {};  ///< items believed to be right more often: every other sample is drawn from them alone
 };
 
 template <class Model>
@@ -65,25 +66,27 @@ class RobustSearch {
         random_(random),
         size_(problem.size()),
         threshold_px2_(options.max_error_px * options.max_error_px),
-        errors_(static_cast<std::size_t>(size_)) {}
+        errors_(static_cast<std::size_t>(size_)) {
+    if (options.preferred.size() >= 4 * Problem::kSample) preferred_ = options.preferred;
+  }
 
   [[nodiscard]] std::optional<RobustFit<Model>> run() {
     if (size_ < Problem::kSample) return std::nullopt;
-    int needed = trials_for(options_.min_inlier_ratio * size_);
+    int needed = trials_for(options_.min_inlier_ratio * size_, size_);
     int trial = 0;
     for (; trial < needed; ++trial) {
-      for (const Model& candidate : problem_.solve(sample())) {
+      for (const Model& candidate : problem_.solve(sample(trial % 2 == 0 ? preferred_ : std::span<const int>()))) {
         if (rejected_early(candidate)) continue;
         const Score score = score_of(candidate);
         if (best_ && !(score.cost < best_score_.cost)) continue;
         best_ = candidate;
         best_score_ = score;
         improve(3, kLocalSupport);
-        needed = std::min(needed, trials_for(best_score_.inliers));
+        needed = std::min(needed, trials_for(best_score_));
       }
     }
     if (!best_) return std::nullopt;
-    improve(6, size_);
+    improve(4, size_);
     return RobustFit<Model>{*best_, support(*best_, threshold_px2_, size_), best_score_.cost, trial};
   }
 
@@ -95,12 +98,16 @@ class RobustSearch {
   struct Score {
     double cost = 0;
     int inliers = 0;
+    int preferred_inliers = 0;
   };
 
-  std::array<int, Problem::kSample> sample() {
+  // Different items, of `among` or, when that is empty, of all.
+  std::array<int, Problem::kSample> sample(std::span<const int> among) {
+    const auto choices = static_cast<std::uint32_t>(among.empty() ? static_cast<std::size_t>(size_) : among.size());
     std::array<int, Problem::kSample> chosen;
     for (int k = 0; k < Problem::kSample;) {
-      const int item = static_cast<int>(random_.below(static_cast<std::uint32_t>(size_)));
+      const std::uint32_t drawn = random_.below(choices);
+      const int item = among.empty() ? static_cast<int>(drawn) : among[drawn];
       bool fresh = true;
       for (int j = 0; j < k; ++j) fresh = fresh && chosen[static_cast<std::size_t>(j)] != item;
       if (fresh) chosen[static_cast<std::size_t>(k++)] = item;
@@ -108,14 +115,21 @@ class RobustSearch {
     return chosen;
   }
 
-  // Samples until one of them is without outliers with the wanted confidence.
-  [[nodiscard]] int trials_for(double inliers) const {
+  // Samples until one of them is without outliers with the wanted confidence, when `inliers` of `size` items are right.
+  [[nodiscard]] int trials_for(double inliers, double size) const {
     double good = 1;
-    for (int k = 0; k < Problem::kSample; ++k) good *= std::max(0.0, (inliers - k) / (size_ - k));
+    for (int k = 0; k < Problem::kSample; ++k) good *= std::max(0.0, (inliers - k) / (size - k));
+    const double least = std::min(options_.min_trials, options_.max_trials), most = options_.max_trials;
     if (!(good > 1e-12)) return options_.max_trials;
-    if (good >= 1) return std::min(options_.min_trials, options_.max_trials);
-    const double trials = std::ceil(std::log(1 - options_.confidence) / std::log1p(-good));
-    return static_cast<int>(std::clamp<double>(trials, std::min(options_.min_trials, options_.max_trials), options_.max_trials));
+    if (good >= 1) return static_cast<int>(least);
+    return static_cast<int>(std::clamp(std::ceil(std::log(1 - options_.confidence) / std::log1p(-good)), least, most));
+  }
+
+  // Preferred items have had half of the samples.
+  [[nodiscard]] int trials_for(const Score& score) const {
+    const int among_all = trials_for(score.inliers, size_);
+    if (preferred_.empty()) return among_all;
+    return std::min(among_all, 2 * trials_for(score.preferred_inliers, static_cast<double>(preferred_.size())));
   }
 
   // Wald's test between "as good as the best so far" and "as bad as chance", starting at a random item so that no
@@ -155,6 +169,7 @@ class RobustSearch {
       score.inliers += inside;
     }
     score.cost /= threshold_px2_;
+    for (const int i : preferred_) score.preferred_inliers += errors_[static_cast<std::size_t>(i)] < threshold_px2_;
     return score;
   }
 
@@ -192,6 +207,7 @@ class RobustSearch {
   int size_;
   double threshold_px2_;
   std::vector<double> errors_;
+  std::span<const int> preferred_;
   std::optional<Model> best_;
   Score best_score_;
   double chance_ = 0.05;  // share of the items that fit a wrong model, as seen so far

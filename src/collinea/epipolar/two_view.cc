@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/epipolar/two_view.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "collinea/base/result.h"
 #include "collinea/epipolar/robust.h"
+#include "collinea/epipolar/two_view_criteria.h"
 #include "collinea/epipolar/two_view_problems.h"
 
 namespace collinea {
@@ -23,13 +23,13 @@ constexpr double kStationary_px = 1.5;           // a match that stays at its pi
 constexpr double kMostStationary = 0.9;
 constexpr double kMotionShare = 0.7;             // of the fundamental matrix's inliers that an essential matrix must keep
 constexpr double kLensDoubt = 3;                 // thresholds that an uncalibrated lens may feign as parallax
-constexpr double kLogFalseAlarms = -4.6;         // at most 1 chance pair in 100
 
 // Matches in random order.
 struct Prepared {
   PointPairs pairs;
   std::vector<Match> matches;
   std::vector<Eigen::Vector2d> first_px, second_px;
+  std::vector<int> preferred;  // those that turn and scale as most do
 };
 
 // What was found for one pair: the relation, who obeys it, and the motion with the coordinates it belongs to.
@@ -39,81 +39,6 @@ struct Finding {
   Rigid3 second_from_first;  // translation 0: not known
   double median_parallax_rad = 0;
 };
-
-PointPairs with_focal_factor(const PointPairs& pairs, double first, double second) {
-  PointPairs result = pairs;
-  result.focal_first_px *= first;
-  result.focal_second_px *= second;
-  for (auto* values : {&result.x1, &result.y1})
-    for (double& value : *values) value /= first;
-  for (auto* values : {&result.x2, &result.y2})
-    for (double& value : *values) value /= second;
-  return result;
-}
-
-std::vector<double> errors_of(const Eigen::Matrix3d& matrix, const PointPairs& pairs, bool is_homography) {
-  std::vector<double> errors(static_cast<std::size_t>(pairs.size()));
-  if (is_homography)
-    squared_errors(matrix, pairs, 0, pairs.size(), errors.data());
-  else
-    squared_epipolar_errors(matrix, pairs, 0, pairs.size(), errors.data());
-  return errors;
-}
-
-std::vector<int> below(const std::vector<double>& squared_px2, double threshold_px) {
-  std::vector<int> items;
-  for (std::size_t i = 0; i < squared_px2.size(); ++i)
-    if (squared_px2[i] < threshold_px * threshold_px) items.push_back(static_cast<int>(i));
-  return items;
-}
-
-double truncated_cost(const std::vector<double>& squared_px2, double threshold_px) {
-  double sum = 0;
-  for (const double e : squared_px2) sum += e < threshold_px * threshold_px ? e : threshold_px * threshold_px;
-  return sum;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Torr's geometric robust information criterion: residuals, dimension of the relation, number of parameters.
-double gric(const std::vector<double>& squared_px2, std::span<const int> items, double sigma_px, int dimension,
-            int parameters) {
-  constexpr double kMeasured = 4;  // coordinates of a pair
-  double sum = 0;
-  for (const int i : items)
-    sum += std::min(squared_px2[static_cast<std::size_t>(i)] / (sigma_px * sigma_px), 2 * (kMeasured - dimension));
-  const auto count = static_cast<double>(items.size());
-  return sum + std::log(kMeasured) * dimension * count + std::log(kMeasured * count) * parameters;
-}
-
-double log_choose(double n, double k) { return std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1); }
-
-// The smaller standard deviation of the points' scatter: 0 for points on a line.
-double breadth_px(const std::vector<Eigen::Vector2d>& points, std::span<const int> items) {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const int i : items) mean += points[static_cast<std::size_t>(i)];
-  mean /= static_cast<double>(items.size());
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (const int i : items) {
-    const Eigen::Vector2d d = points[static_cast<std::size_t>(i)] - mean;
-    scatter += d * d.transpose();
-  }
-  scatter /= static_cast<double>(items.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
-}
-
-// How far a homography is from a rotation, scale apart.
-double distance_from_rotation(const Eigen::Matrix3d& h) {
-  const double scale = std::cbrt(std::abs(h.determinant()));
-  if (!(scale > 0)) return std::numeric_limits<double>::infinity();
-  return (h.transpose() * h / (scale * scale) - Eigen::Matrix3d::Identity()).norm();
-}
 
 double relative_sigma_f(const Camera& camera) { return camera.sigma_f_px / camera.focal_px(); }
 
@@ -127,6 +52,7 @@ class Verification {
 
   [[nodiscard]] Finding find(const Prepared& prepared) {
     if (prepared.pairs.size() < options_.min_inliers) return {};
+    preferred_ = prepared.preferred;
     const bool assumed = relative_sigma_f(first_) > kAssumedFocal || relative_sigma_f(second_) > kAssumedFocal;
     Relation epipolar = assumed ? by_fundamental(prepared.pairs) : by_essential(prepared.pairs);
     const std::optional<Plane> plane = by_plane(prepared.pairs, epipolar.inliers.size());
@@ -177,6 +103,7 @@ class Verification {
     search.confidence = options_.confidence;
     search.max_trials = options_.max_trials;
     search.min_inlier_ratio = static_cast<double>(options_.min_inliers) / size;
+    search.preferred = preferred_;
     return search;
   }
 
@@ -373,7 +300,9 @@ class Verification {
     std::optional<Rigid3> best;
     double least = std::numeric_limits<double>::infinity();
     for (const Rigid3& start : candidates) {
-      const auto fit = refine_relative(start, pairs, plane.inliers, threshold_px_);
+      // Over all that are near, not the plane alone: what stands off the plane tells the motions apart.
+      const auto near = below(errors_of(essential_matrix(start), pairs, false), 2 * threshold_px_);
+      const auto fit = refine_relative(start, pairs, near, threshold_px_);
       if (!fit) continue;
       const auto errors = errors_of(essential_matrix(fit->second_from_first), pairs, false);
       const double cost = truncated_cost(errors, threshold_px_);
@@ -411,24 +340,7 @@ class Verification {
     if (static_cast<int>(inliers.size()) < options_.min_inliers) return false;
     const double narrow_px = 2 * threshold_px_;
     if (breadth_px(prepared.first_px, inliers) < narrow_px || breadth_px(prepared.second_px, inliers) < narrow_px) return false;
-    return beyond_chance(prepared, inliers.size());
-  }
-
-  // The expected number of random point sets of this size that agree on an epipolar geometry as well: lines are hit with a chance of
-  // the area of the band around one, over the area that the points fill.
-  [[nodiscard]] bool beyond_chance(const Prepared& prepared, std::size_t inliers) const {
-    Eigen::Vector2d low = prepared.second_px.front(), high = low;
-    for (const Eigen::Vector2d& p : prepared.second_px) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    const Eigen::Vector2d extent = (high - low).cwiseMax(1.0);
-    const double band = 2 * std::sqrt(2.0) * threshold_px_ * extent.norm() / (extent.x() * extent.y());
-    const double n = prepared.pairs.size(), k = static_cast<double>(inliers);
-    constexpr double kSample = 5, kModels = 10;
-    const double log_alarms = std::log(kModels * n) + log_choose(n, k) + log_choose(k, kSample) +
-                              (k - kSample) * std::log(std::min(band, 0.5));
-    return log_alarms < kLogFalseAlarms;
+    return beyond_chance(prepared.second_px, inliers.size(), threshold_px_);
   }
 
   const Camera& first_;
@@ -436,6 +348,7 @@ class Verification {
   const VerifyOptions& options_;
   Random& random_;
   double threshold_px_;
+  std::span<const int> preferred_;
 };
 
 Eigen::Vector2d pixel_of(std::span<const Keypoint> keypoints, std::uint32_t index) {
@@ -449,6 +362,23 @@ void append(Prepared& prepared, const Camera& camera_first, const Camera& camera
   prepared.matches.push_back(match);
   prepared.first_px.push_back(first_px);
   prepared.second_px.push_back(second_px);
+}
+
+Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
+                        std::span<const Keypoint> second, std::span<const Match> matches, std::span<const int> order) {
+  Prepared prepared;
+  prepared.pairs.focal_first_px = camera_first.focal_px();
+  prepared.pairs.focal_second_px = camera_second.focal_px();
+  prepared.pairs.reserve(order.size());
+  std::vector<TurnAndScale> changes;
+  for (const int i : order) {
+    const Match& match = matches[static_cast<std::size_t>(i)];
+    append(prepared, camera_first, camera_second, match, pixel_of(first, match.first), pixel_of(second, match.second));
+    const Keypoint &a = first[match.first], &b = second[match.second];
+    changes.push_back({b.angle_rad - a.angle_rad, a.scale_px > 0 && b.scale_px > 0 ? std::log2(b.scale_px / a.scale_px) : 0});
+  }
+  prepared.preferred = most_alike(changes);
+  return prepared;
 }
 
 Prepared without_stationary(const Prepared& all) {
@@ -476,15 +406,8 @@ ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, co
   if (pair.putative < options.min_inliers) return pair;
 
   Random random(seed);
-  Prepared prepared;
-  prepared.pairs.focal_first_px = camera_first.focal_px();
-  prepared.pairs.focal_second_px = camera_second.focal_px();
-  prepared.pairs.reserve(putative.size());
-  for (const int i : shuffled(pair.putative, random)) {
-    const Match& match = putative[static_cast<std::size_t>(i)];
-    append(prepared, camera_first, camera_second, match, pixel_of(first, match.first), pixel_of(second, match.second));
-  }
-
+  const std::vector<int> order = shuffled(pair.putative, random);
+  Prepared prepared = prepared_pairs(camera_first, first, camera_second, second, putative, order);
   Verification verification(camera_first, camera_second, options, random);
   Finding finding = verification.find(prepared);
   if (finding.geometry != PairGeometry::kNone && Verification::stationary(prepared, finding.inliers)) {

@@ -14,7 +14,7 @@ struct VerifyOptions {
   double max_error_px = 2.5;
   int min_inliers = 15;
   double confidence = 0.9999;
-  int max_trials = 4000;
+  int max_trials = 2000;
 
   template <class Visit>
   static void describe(Visit&& visit) {

@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kDirectionWindow = 1.5;  // its standard deviation, in blurs of the feature
 constexpr double kCell = 3;               // width of a descriptor's cell, in blurs of the feature
+// The scale of a feature is not exact, and slanted surfaces have none: patches of several sizes stand for all of them.
+constexpr double kPatchSizes[] = {1 / 1.5, 1, 1.5};
 constexpr float kLeastPeak = 0.8f;        // of the highest
 constexpr float kLargestValue = 0.2f;     // of the norm
 constexpr float kNorm = 512;
@@ -73,10 +75,16 @@ Descriptor root_descriptor(std::array<float, 128> histogram) {
 }
 
 Descriptor describe_patch(const BlurredImage& image, float x, float y, double blur_px, float angle_rad) {
-  std::array<float, 128> histogram{};
-  static int N=getenv("DSP")?atoi(getenv("DSP")):1; static double F=getenv("DSPF")?atof(getenv("DSPF")):1.3; static double KC=getenv("KC")?atof(getenv("KC")):kCell;
-  for(int k=0;k<N;k++){ std::array<float,128> h; double f=std::pow(F,k-(N-1)/2.0); gradient_patch(image, x, y, angle_rad, static_cast<float>(std::min(13.9,KC * blur_px*f)), h.data()); float s2=1e-12f; for(float v:h) s2+=v*v; s2=1/std::sqrt(s2); for(int i=0;i<128;i++) histogram[i]+=h[i]*s2; }
-  return root_descriptor(histogram);
+  std::array<float, 128> pooled{};
+  for (const double size : kPatchSizes) {
+    std::array<float, 128> histogram;
+    gradient_patch(image, x, y, angle_rad, static_cast<float>(size * kCell * blur_px), histogram.data());
+    float squares = 0;
+    for (const float value : histogram) squares += value * value;
+    const float scale = squares > 0 ? 1 / std::sqrt(squares) : 0;
+    for (std::size_t k = 0; k < pooled.size(); ++k) pooled[k] += scale * histogram[k];
+  }
+  return root_descriptor(pooled);
 }
 
 }  // namespace collinea

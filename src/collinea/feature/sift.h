@@ -36,8 +36,9 @@ struct SiftOptions {
 /// gradient directions gives as many features. A descriptor is the square root of the L1-normalised SIFT descriptor,
 /// times 512, rounded, at most 255; hence its L2 norm is about 512.
 ///
-/// Unlike Lowe: the weak peaks are kept at first, and of all of them the strongest are taken, and then others where the
-/// image has had the fewest so far (SiftOptions::even_share).
+/// Unlike Lowe: gradients are taken over patches of three sizes (Dong and Soatto 2015). The weak peaks are kept at first;
+/// of all of them the strongest are taken, and then others where the image has had the fewest so far
+/// (SiftOptions::even_share).
 ///
 /// Single-threaded and without chance: the same image gives the same bits. Memory: about 30 bytes per pixel of the image
 /// (120 when upsampled). An image of less than 16 pixels in width or height has no features.

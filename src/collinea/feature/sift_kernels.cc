@@ -118,7 +118,7 @@ HWY_INLINE void gradient(D d, const float* p, std::ptrdiff_t stride, V* size, V*
   *turns = hn::IfThenElse(hn::Lt(dy, hn::Zero(d)), hn::Sub(hn::Set(d, 1.0f), angle), angle);
 }
 
-constexpr int kMaxWindow = 128;  // pixels across the largest window, with room for a vector more
+constexpr int kMaxWindow = 160;  // pixels across the largest window, with room for a vector more
 
 // weights[i] = exp(-(first + i - centre)^2 / (2 sigma^2)). By recurrence: the ratio of neighbours is a geometric series.
 HWY_INLINE void gaussian_weights(int first, int last, float centre, float sigma, float* weights) {
@@ -186,9 +186,45 @@ HWY_INLINE void clip_to_band(float slope, float offset, float half, float centre
 
 constexpr int kCells = 4, kDirections = 8;
 constexpr int kGridCells = kCells + 2;           // one more on each side takes what falls outside
-constexpr int kGridDirections = kDirections + 2;  // one more takes what belongs to the first again; one for even steps
+constexpr int kGridDirections = kDirections + 2;  // one more takes what belongs to the first again; one for its neighbour
 constexpr int kGridRow = kGridCells * kGridDirections;
+constexpr int kGridSize = kGridCells * kGridRow;
 constexpr float kHalfPatch = 0.5f * (kCells + 1);  // cells from the middle to where the weight of the outer cells ends
+
+// What each pixel of a stretch of a row gives to the histogram of a patch.
+struct Shares {
+  HWY_ALIGN std::int32_t place[kMaxWindow];  // of the first of its cells and directions in the grid
+  HWY_ALIGN float across[kMaxWindow];        // share of the cells to the right of it
+  HWY_ALIGN float down[kMaxWindow];          // share of the cells below it
+  HWY_ALIGN float around[2 * kMaxWindow];    // shares of the direction and of the next one
+  HWY_ALIGN float weight[kMaxWindow];
+};
+
+// Adds `part` times the two shares to two neighbouring bins.
+HWY_INLINE void add_two(float* bins, float part, const float* shares) {
+#if HWY_TARGET == HWY_SCALAR
+  bins[0] += part * shares[0];
+  bins[1] += part * shares[1];
+#else
+  const hn::CappedTag<float, 2> d;
+  hn::StoreU(hn::MulAdd(hn::Set(d, part), hn::LoadU(d, shares), hn::LoadU(d, bins)), d, bins);
+#endif
+}
+
+// Two grids take turns, so that neighbouring pixels do not wait for each other's sums.
+HWY_INLINE void scatter(const Shares& shares, int count, float row_weight, float (*grids)[kGridSize]) {
+  for (int i = 0; i < count; ++i) {
+    const float all = shares.weight[i] * row_weight;
+    const float lower = all * shares.down[i], upper = all - lower;
+    const float upper_right = upper * shares.across[i], lower_right = lower * shares.across[i];
+    float* at = grids[i & 1] + shares.place[i];
+    const float* around = shares.around + 2 * i;
+    add_two(at, upper - upper_right, around);
+    add_two(at + kGridDirections, upper_right, around);
+    add_two(at + kGridRow, lower - lower_right, around);
+    add_two(at + kGridRow + kGridDirections, lower_right, around);
+  }
+}
 
 void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, float* histogram) {
   const D d;
@@ -204,12 +240,11 @@ void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad
   const float window_sigma = 0.5f * kCells * cell_px;
   gaussian_weights(x0, x1, x, window_sigma, weights_x);
   gaussian_weights(y0, y1, y, window_sigma, weights_y);
-  const V turn = hn::Set(d, angle_rad / (2 * std::numbers::pi_v<float>));
+  const V turn = hn::Set(d, angle_rad / (2 * std::numbers::pi_v<float>)), one = hn::Set(d, 1.0f);
   const V last_cell = hn::Set(d, kCells + 1 - 1e-5f), zero = hn::Zero(d);
 
-  float grid[kGridCells * kGridRow] = {};
-  HWY_ALIGN std::int32_t place[kMaxWindow];
-  HWY_ALIGN float along_row[kMaxWindow], along_column[kMaxWindow], around[kMaxWindow], weight[kMaxWindow];
+  float grids[2][kGridSize] = {};
+  Shares shares;
   for (int row = y0; row <= y1; ++row) {
     const float dy = row - y;
     int begin = x0, end = x1;
@@ -229,38 +264,23 @@ void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad
       V direction = hn::Sub(turns, turn);
       direction = hn::Mul(hn::Sub(direction, hn::Floor(direction)), hn::Set(d, float{kDirections}));
       const auto ui = hn::ConvertTo(di, u), vi = hn::ConvertTo(di, v), oi = hn::ConvertTo(di, direction);
-      hn::Store(hn::Add(hn::Add(hn::Mul(vi, hn::Set(di, kGridRow)), hn::Mul(ui, hn::Set(di, kGridDirections))), oi), di,
-                place + i);
-      hn::Store(hn::Sub(u, hn::ConvertTo(d, ui)), d, along_row + i);
-      hn::Store(hn::Sub(v, hn::ConvertTo(d, vi)), d, along_column + i);
-      hn::Store(hn::Sub(direction, hn::ConvertTo(d, oi)), d, around + i);
-      hn::Store(hn::Mul(size, hn::LoadU(d, weights_x + (begin - x0) + i)), d, weight + i);
+      const auto cell = hn::Add(hn::Mul(vi, hn::Set(di, kGridRow)), hn::Mul(ui, hn::Set(di, kGridDirections)));
+      hn::Store(hn::Add(cell, oi), di, shares.place + i);
+      hn::Store(hn::Sub(u, hn::ConvertTo(d, ui)), d, shares.across + i);
+      hn::Store(hn::Sub(v, hn::ConvertTo(d, vi)), d, shares.down + i);
+      const V next = hn::Sub(direction, hn::ConvertTo(d, oi));
+      hn::StoreInterleaved2(hn::Sub(one, next), next, d, shares.around + 2 * i);
+      hn::Store(hn::Mul(size, hn::LoadU(d, weights_x + (begin - x0) + i)), d, shares.weight + i);
     }
-    for (int i = 0; i < count; ++i) {
-      const float all = weight[i] * weights_y[row - y0];
-      const float lower = all * along_column[i], upper = all - lower;
-      const float upper_right = upper * along_row[i], upper_left = upper - upper_right;
-      const float lower_right = lower * along_row[i], lower_left = lower - lower_right;
-      float* at = grid + place[i];
-      const auto share = [&](int where, float part) {
-        const float next = part * around[i];
-        at[where] += part - next;
-        at[where + 1] += next;
-      };
-      share(0, upper_left);
-      share(kGridDirections, upper_right);
-      share(kGridRow, lower_left);
-      share(kGridRow + kGridDirections, lower_right);
-    }
+    scatter(shares, count, weights_y[row - y0], grids);
   }
   for (int j = 0; j < kCells; ++j)
     for (int i = 0; i < kCells; ++i) {
-      const float* from = grid + (j + 1) * kGridRow + (i + 1) * kGridDirections;
+      const int from = (j + 1) * kGridRow + (i + 1) * kGridDirections;
       float* to = histogram + (j * kCells + i) * kDirections;
-      for (int k = 0; k < kDirections; ++k) to[k] = from[k];
+      for (int k = 0; k < kDirections; ++k) to[k] = grids[0][from + k] + grids[1][from + k];
       // A direction just below a full turn may round to it.
-      to[0] += from[kDirections];
-      to[1] += from[kDirections + 1];
+      for (int k = 0; k < 2; ++k) to[k] += grids[0][from + kDirections + k] + grids[1][from + kDirections + k];
     }
 }
 

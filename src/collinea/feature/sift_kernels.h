@@ -41,7 +41,7 @@ inline constexpr int kDirectionBins = 36;
 void direction_histogram(const BlurredImage& image, float x, float y, float sigma, float* histogram);
 
 /// The 4 x 4 x 8 gradient histogram [row][column][direction] of a patch round (x, y), turned by angle_rad, whose cells are
-/// cell_px wide, before any normalisation. cell_px <= 14.
+/// cell_px wide, before any normalisation. cell_px <= 18.
 void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, float* histogram);
 
 }  // namespace collinea

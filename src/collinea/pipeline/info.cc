@@ -23,7 +23,8 @@ Result<json> gather(const ProjectStore& store) {
                              {"peak_memory_bytes", step.peak_memory_bytes}});
     if (step.name != "orient") continue;
     const json orientation = json::parse(step.report_json, nullptr, false);
-    for (const auto& [key, value] : orientation.items()) info[key] = value;
+    for (const auto& [key, value] : orientation.items())
+      if (key != "details") info[key] = value;
   }
   info["cameras"] = setup.cameras.size();
   if (setup.georeference) info["crs"] = setup.georeference->crs;

@@ -71,6 +71,33 @@ json files_of(const Block& block, const std::vector<ImageId>& images) {
   return files;
 }
 
+json numbers(const auto& values) {
+  json list = json::array();
+  for (const double value : values) list.push_back(std::isfinite(value) ? json(value) : json(nullptr));
+  return list;
+}
+
+// What only the report needs: differences and sigmas one by one.
+json details_of(const Orientation& orientation) {
+  const Adjusted& adjusted = orientation.adjusted;
+  json details = {{"control", json::array()}, {"positions", json::array()}, {"centre_sigma_m", json::object()},
+                  {"camera_sigma", json::object()}};
+  for (const ControlDifference& control : adjusted.control)
+    details["control"].push_back({{"point", control.point.value},
+                                  {"used", control.used},
+                                  {"rays", control.rays},
+                                  {"difference_m", numbers(measured_axes(control, orientation.block.control.at(control.point)))}});
+  for (const ControlId point : orientation.excluded_control) details["excluded_control"].push_back(point.value);
+  for (const PositionDifference& position : adjusted.positions)
+    details["positions"].push_back(
+        {{"image", position.image.value}, {"difference_m", numbers(position.difference_m)}, {"weight", position.weight}});
+  for (const auto& [image, covariance] : adjusted.pose_covariance)
+    details["centre_sigma_m"][std::to_string(image.value)] = numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt()));
+  for (const auto& [camera, covariance] : adjusted.camera_covariance)
+    details["camera_sigma"][std::to_string(camera.value)] = numbers(Eigen::VectorXd(covariance.diagonal().cwiseSqrt()));
+  return details;
+}
+
 json report_of(const Orientation& orientation, std::size_t images) {
   const Adjusted& adjusted = orientation.adjusted;
   json report = {{"images", images},
@@ -91,6 +118,7 @@ json report_of(const Orientation& orientation, std::size_t images) {
                  {"findings", orientation.findings}};
   report["other_parts"] = json::array();
   for (const auto& part : orientation.other_parts) report["other_parts"].push_back(files_of(orientation.block, part));
+  report["details"] = details_of(orientation);
   return report;
 }
 

@@ -60,10 +60,10 @@ std::optional<CellEstimate> CellFit::estimate(std::span<const CellPoint> near, d
   const double floor_m = std::max(sigma_m, 0.02 * cell_m);
   select(near, *level_m, tolerance_m, cell_m, kUse);
   if (used_.empty()) return std::nullopt;
-  Plane plane = fit_robustly(floor_m);
+  Plane plane = fit_robustly(floor_m, 1.5);
   if (!plane.fixed) {
     select(near, *level_m, tolerance_m, cell_m, kCellReach);
-    plane = fit_robustly(floor_m);
+    plane = fit_robustly(floor_m, 3);
     // At the rim of a hole an empty cell would only repeat its neighbour.
     const bool any_own = std::any_of(near.begin(), near.end(), [](const CellPoint& p) { return p.own; });
     if (!plane.fixed && !any_own) return std::nullopt;
@@ -117,7 +117,7 @@ void CellFit::select(std::span<const CellPoint> near, double level_m, double tol
   }
 }
 
-CellFit::Plane CellFit::fit_plane() const {
+CellFit::Plane CellFit::fit_plane(double most_leverage) const {
   double w = 0, x = 0, y = 0, z = 0;
   const double z0 = used_.front().point->height_m;  // small numbers keep their digits
   int points = 0;
@@ -142,7 +142,7 @@ CellFit::Plane CellFit::fit_plane() const {
   if (!(determinant > 0.03 * (xx + yy))) return plane;  // the points lie nearly on a line, or all together
   // Far outside its points the plane is an extrapolation of noise: there the mean is better.
   const double leverage = (yy * x * x - 2 * xy * x * y + xx * y * y) / determinant;
-  if (leverage > 1.5) return plane;
+  if (leverage > most_leverage) return plane;
   plane.slope_x = (yy * xz - xy * yz) / determinant;
   plane.slope_y = (xx * yz - xy * xz) / determinant;
   plane.at_centre -= plane.slope_x * x + plane.slope_y * y;
@@ -151,11 +151,11 @@ CellFit::Plane CellFit::fit_plane() const {
   return plane;
 }
 
-CellFit::Plane CellFit::fit_robustly(double floor_m) {
+CellFit::Plane CellFit::fit_robustly(double floor_m, double most_leverage) {
   constexpr int kRounds = 3;
   Plane plane;
   for (int round = 0;; ++round) {
-    plane = fit_plane();
+    plane = fit_plane(most_leverage);
     double largest = 0;
     numbers_.clear();
     for (Weighted& u : used_) {

@@ -48,8 +48,8 @@ class CellFit {
   std::optional<double> level_of_own(std::span<const CellPoint> near, double tolerance_m, double cell_m);
   std::optional<double> level_of_nearest(std::span<const CellPoint> near, double tolerance_m, double cell_m);
   void select(std::span<const CellPoint> near, double level_m, double tolerance_m, double cell_m, double reach);
-  Plane fit_plane() const;
-  Plane fit_robustly(double floor_m);
+  Plane fit_plane(double most_leverage) const;
+  Plane fit_robustly(double floor_m, double most_leverage);
   double sigma_of(const Plane& plane, double cell_m) const;
 
   std::vector<double> numbers_;

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/pipeline/assess.h"
+
+#include "collinea/compare/assess.h"
+#include "collinea/synthetic/write.h"
+
+namespace collinea {
+
+Result<std::string> assess_project(const Project& project, const std::filesystem::path& truth) {
+  COLLINEA_TRY(const TruthFolder known, read_truth(truth));
+  COLLINEA_TRY(const Block block, project.store.read_block());
+  if (block.cam_from_world.empty())
+    return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
+  const auto products = project.folder / "products";
+  const ProductFiles files{products / "dsm.tif", products / "dsm_state.tif", products / "ortho.tif"};
+  COLLINEA_TRY(const Assessment assessment, assess(block, files, known, project.run));
+  return table(assessment);
+}
+
+}  // namespace collinea
