@@ -18,6 +18,9 @@ using bundle::Step;
 
 constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-12, kMostDamping = 1e12;
 
+// Once a step gains less than this part, the robust loss is taken with its curvature: reweighting alone creeps.
+constexpr double kNear = 0.05, kLeastCurvature = 0.1;
+
 struct Search {
   State state;
   double initial_cost = 0, cost = 0;
@@ -29,7 +32,7 @@ struct Search {
 /// well lowers the damping tenfold.
 class LevenbergMarquardt {
  public:
-  LevenbergMarquardt(const Problem& problem, const AdjustOptions& options, const Run& run)
+  LevenbergMarquardt(Problem& problem, const AdjustOptions& options, const Run& run)
       : problem_(problem), options_(options), run_(run), normals_(problem) {}
 
   Search search(State start) {
@@ -69,12 +72,14 @@ class LevenbergMarquardt {
       at.state = std::move(next);
       at.cost = step_.cost - bundle::settle_gauge(problem_, at.state);
       at.converged = small || before - at.cost <= tolerance;
+      if (before - at.cost < kNear * before) problem_.tie_loss.least_curvature = kLeastCurvature;
     } else {
+      problem_.tie_loss.least_curvature = 1;
       at.converged = small || step_.promised <= tolerance * 1e-3 || !damp_more();
     }
   }
 
-  const Problem& problem_;
+  Problem& problem_;
   const AdjustOptions& options_;
   const Run& run_;
   Normals normals_;
@@ -87,13 +92,14 @@ class LevenbergMarquardt {
 Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options, const Run& run) {
   if (Result<> valid = validate(options); !valid) return tl::unexpected(std::move(valid).error().within("adjustment"));
   COLLINEA_TRY(bundle::ProblemAndStart gathered, bundle::gather(block, scope, options));
-  const Problem& problem = gathered.problem;
+  Problem& problem = gathered.problem;
   const long redundancy = problem.observation_count - problem.unknown_count + problem.rank_defect;
   if (redundancy < 0)
     return fail(Errc::kIllPosed, std::to_string(problem.unknown_count) + " unknowns but only " +
                                      std::to_string(problem.observation_count) + " observations: the block cannot be adjusted");
   Search found = LevenbergMarquardt(problem, options, run).search(std::move(gathered.start));
   if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
+  problem.tie_loss.least_curvature = 1;  // statistics are those of the weights
 
   Adjusted adjusted;
   adjusted.redundancy = redundancy;

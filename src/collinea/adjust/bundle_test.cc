@@ -92,6 +92,41 @@ TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   }
 }
 
+TEST(Loss, WeightAndCurvatureAreDerivativesOfTheCost) {
+  for (const char* name : {"none", "huber", "cauchy"}) {
+    Loss loss = *loss_named(name, 1.5);
+    loss.least_curvature = -10;
+    for (const double x : {0.4, 1.3, 1.7, 6.0}) {
+      const double h = 1e-4, s = x * x;
+      const auto cost = [&](double at) { return loss.cost(at * at); };
+      EXPECT_NEAR(loss.weight(s), (cost(x + h) - cost(x - h)) / (2 * h) / (2 * x), 1e-6);
+      EXPECT_NEAR(loss.weight(s) * loss.curvature(s), (cost(x + h) - 2 * cost(x) + cost(x - h)) / (2 * h * h), 1e-6);
+    }
+  }
+  EXPECT_FALSE(loss_named("tukey", 1));
+}
+
+// The gradient is that of the cost whatever curvature is assumed; J^T r = -1/2 d(cost).
+TEST(Linearise, GradientIsThatOfTheRobustCost) {
+  const Block block = test_block();
+  const bundle::Lens lens = bundle::lens_of(block.cameras.begin()->second.params.data());
+  const Observation& observation = block.observations.front();
+  const Rigid3 pose = block.cam_from_world.at(observation.image);
+  const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
+  const bundle::Frame frame = bundle::frame_of(pose.rotation, centre.data());
+  const bundle::Ray ray{{observation.pixel.x() + 3, observation.pixel.y() - 5}, 0.5, 0, 0};
+  for (const double least_curvature : {1.0, 0.1}) {
+    const Loss loss{Loss::kCauchy, 1, least_curvature};
+    bundle::LinearRay at;
+    linearise(ray, frame, lens, point.data(), loss, &at);
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::Vector3d e = 1e-5 * Eigen::Vector3d::Unit(c), ahead = point + e, back = point - e;
+      const double slope = (cost_of(ray, frame, lens, ahead.data(), loss) - cost_of(ray, frame, lens, back.data(), loss)) / 2e-5;
+      EXPECT_NEAR(at.by_point[c] * at.residual[0] + at.by_point[3 + c] * at.residual[1], -slope / 2, 1e-5);
+    }
+  }
+}
+
 // Without noise the only error is rounding: 1e-16 of 60 m, times the condition of the block.
 TEST(Adjust, ExactTruthComesBackFromADisturbedStart) {
   const Block truth = test_block({.position_sigma_m = 0, .control = 9});

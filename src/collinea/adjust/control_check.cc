@@ -134,8 +134,9 @@ void check_points_among_each_other(const Block& block, std::vector<Place>& place
       off = places[i].pair.in_world - *similarity * places[i].pair.in_block;
     }
     if (worst == places.size()) return;
-    // With four points three remain, and three fit almost anything: seven of their nine coordinates are used up.
-    const double times = places.size() == 4 ? 20 : 6;
+    // Seven coordinates of the others are used up by the fit; what the few that are left say of the scatter is uncertain, and the
+    // factor grows as Student's quantiles do (four points: two left, five: five, six: eight).
+    const double times = places.size() == 4 ? 20 : places.size() == 5 ? 12 : places.size() == 6 ? 8 : 6;
     const double bending = 2e-3 * size_m(pairs_of(places));
     if (off.norm() < std::max({times * least, 10 * places[worst].pair.sigma_m, bending})) return;
     exclude(block, places, worst, off, "what the other points say", diagnosis);

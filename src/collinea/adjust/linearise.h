@@ -18,7 +18,8 @@ struct LinearRay {
   double by_rotation[6];  // 2 x 3 by rows
   double by_point[6];     // 2 x 3 by rows
   double root_weight;
-  double z;
+  double along[2];  // unit vector of the residual, when shrink > 0
+  double shrink;    // by which derivatives along it are shortened for the curvature of the loss
   Projected at;
 };
 
@@ -44,6 +45,28 @@ inline double cost_of(const Ray& ray, const Frame& frame, const Lens& lens, cons
   return loss.cost(u * u + v * v);
 }
 
+/// Takes n n^T times a part of a 2 x count matrix off it; n is the direction of the residual.
+inline void shrink_along(const LinearRay& ray, double* rows, int count) {
+  for (int c = 0; c < count; ++c) {
+    const double along = ray.shrink * (ray.along[0] * rows[c] + ray.along[1] * rows[count + c]);
+    rows[c] -= along * ray.along[0];
+    rows[count + c] -= along * ray.along[1];
+  }
+}
+
+/// The loss is flatter along the residual than across: shorter derivatives, longer residual, the same gradient.
+inline void bend(const Loss& loss, double s, double* by_cam, LinearRay* out) {
+  const double curvature = loss.curvature(s);
+  if (curvature >= 1) return;
+  const double root = std::sqrt(curvature), length = std::hypot(out->residual[0], out->residual[1]);
+  out->shrink = 1 - root;
+  for (int c = 0; c < 2; ++c) {
+    out->along[c] = out->residual[c] / length;
+    out->residual[c] /= root;
+  }
+  shrink_along(*out, by_cam, 3);
+}
+
 /// The same with derivatives. An observation that is not seen has a cost but all zero derivatives and residual.
 inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
                         LinearRay* out) {
@@ -61,10 +84,11 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
   out->residual[0] = u * root_rho;
   out->residual[1] = v * root_rho;
   out->root_weight = w;
-  out->z = p[2];
   double d[6];
   derive_by_point(lens, out->at, p[2], d);
   for (double& value : d) value *= w;
+  out->shrink = 0;
+  if (loss.kind != Loss::kNone) bend(loss, s, d, out);
   for (int row = 0; row < 2; ++row) {
     const double* a = d + 3 * row;
     double* turn = out->by_rotation + 3 * row;  // -d [p]x
@@ -90,6 +114,7 @@ inline void linearise_camera(const LinearRay& ray, const Lens& lens, const std::
     by_camera[k] = all[free[k]] * ray.root_weight;
     by_camera[count + k] = all[Camera::kParams + free[k]] * ray.root_weight;
   }
+  if (ray.shrink > 0) shrink_along(ray, by_camera, static_cast<int>(count));
 }
 
 /// The symmetric 3 x 3 normal matrix of a point (xx xy xz yy yz zz), its right side, and its damped Cholesky factor.

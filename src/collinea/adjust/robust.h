@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -16,6 +17,8 @@ struct Loss {
   enum Kind { kNone, kHuber, kCauchy };
   Kind kind = kNone;
   double scale = 1;  ///< k [sigmas]
+  /// Bound from below of curvature(). 1: plain reweighting, safe far from the solution; lower: close to Newton's method.
+  double least_curvature = 1;
 
   [[nodiscard]] double cost(double s) const {
     const double k2 = scale * scale;
@@ -27,13 +30,20 @@ struct Loss {
     if (kind == kNone || (kind == kHuber && s <= k2)) return 1;
     return kind == kHuber ? scale / std::sqrt(s) : 1 / (1 + s / k2);
   }
+  /// The second derivative of the cost along the residual, relative to weight(s): 1 + 2 s weight'(s) / weight(s)
+  /// (Triggs et al. 2000), bounded from below; 1 for gross outliers, whose flat cost would send their points far away.
+  [[nodiscard]] double curvature(double s) const {
+    const double k2 = scale * scale;
+    if (kind == kNone || (kind == kHuber && s <= k2) || s > 16 * k2) return 1;
+    return std::max(least_curvature, kind == kHuber ? 0 : (k2 - s) / (k2 + s));
+  }
 };
 
 /// The loss of that name; nothing when there is none.
 [[nodiscard]] inline std::optional<Loss> loss_named(std::string_view name, double scale) {
-  if (name == "none") return Loss{Loss::kNone, scale};
-  if (name == "huber") return Loss{Loss::kHuber, scale};
-  if (name == "cauchy") return Loss{Loss::kCauchy, scale};
+  if (name == "none") return Loss{Loss::kNone, scale, 1};
+  if (name == "huber") return Loss{Loss::kHuber, scale, 1};
+  if (name == "cauchy") return Loss{Loss::kCauchy, scale, 1};
   return std::nullopt;
 }
 

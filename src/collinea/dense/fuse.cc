@@ -60,8 +60,9 @@ std::optional<Reading> reading_at(const DepthMap& map, double u, double v) {
   const int x = std::min(int(u), map.depth.width - 1), y = std::min(int(v), map.depth.height - 1);
   const float nearest = map.depth.at(x, y), sigma = map.sigma.at(x, y);
   if (std::isnan(nearest)) return std::nullopt;
-  const int x0 = int(std::floor(u - 0.5)), y0 = int(std::floor(v - 0.5));
-  if (x0 < 0 || y0 < 0 || x0 + 1 >= map.depth.width || y0 + 1 >= map.depth.height) return Reading{nearest, sigma};
+  // in the outermost half pixel the same line goes on
+  const int x0 = std::clamp(int(std::floor(u - 0.5)), 0, map.depth.width - 2);
+  const int y0 = std::clamp(int(std::floor(v - 0.5)), 0, map.depth.height - 2);
   const float* upper = map.depth.row(y0) + x0;
   const float* lower = map.depth.row(y0 + 1) + x0;
   for (const float z : {upper[0], upper[1], lower[0], lower[1]})

@@ -143,7 +143,6 @@ class Matching {
     FloatImage surface;
     for (int l = coarsest; l >= 0; --l) {
       const Level level = level_at(l);
-      if (!(level.step > 0)) return fail(Errc::kIllPosed, "the neighbours stand where the image was taken: no parallax");
       surface = dense::match_level(level, l == coarsest ? start_labels(level, l) : next_labels(surface, level), run_);
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       if (l == 0) return measured(level, std::move(surface));
@@ -220,6 +219,7 @@ class Matching {
       coarse = cut(dense::halved(coarse), reference_->levels[std::size_t(l)]);
       dense::Refined more = dense::refine(level_at(l), coarse, true, run_);
       keep_good(level, more);
+      keep_textured(reference_->levels[std::size_t(l)], more.inverse_depth);
       fill_from(more, 1 << l, result);
     }
     if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
@@ -234,12 +234,32 @@ class Matching {
 
   void keep_good(const Level& finest, dense::Refined& refined) const {
     const float max_sigma = float(options_.max_sigma_px) / finest.parallax_px * finest.step;
+    const float floor = kSigmaFloorPx / finest.parallax_px * finest.step;
     auto& w = refined.inverse_depth.data;
     for (std::size_t i = 0; i < w.size(); ++i) {
-      refined.sigma.data[i] *= kSigmaScale;
+      refined.sigma.data[i] = std::hypot(kSigmaScale * refined.sigma.data[i], floor);
       if (!(refined.correlation.data[i] >= float(options_.min_correlation) && refined.sigma.data[i] <= max_sigma && w[i] > 0))
         w[i] = std::numeric_limits<float>::quiet_NaN();
     }
+  }
+
+  // Wide windows also measure beside the texture they catch; there the surface is not seen, and stays empty.
+  static void keep_textured(const GreyImage& picture, FloatImage& surface) {
+    const auto variance = [&](int x, int y, int reach) {
+      float sum = 0, squares = 0;
+      int count = 0;
+      for (int j = std::max(y - reach, 0); j <= std::min(y + reach, picture.height - 1); ++j)
+        for (int i = std::max(x - reach, 0); i <= std::min(x + reach, picture.width - 1); ++i, ++count) {
+          const float value = float(picture.at(i, j)) - 128;
+          sum += value;
+          squares += value * value;
+        }
+      return (squares - sum * sum / float(count)) / float(count);
+    };
+    for (int y = 0; y < surface.height; ++y)
+      for (int x = 0; x < surface.width; ++x)
+        if (!std::isnan(surface.at(x, y)) && variance(x, y, 1) < kLeastInside * variance(x, y, dense::kRadius))
+          surface.at(x, y) = std::numeric_limits<float>::quiet_NaN();
   }
 
   // Takes over, where `result` has nothing, what four pixels of a coarser measurement say in unison.
@@ -272,7 +292,9 @@ class Matching {
   }
 
   static constexpr int kCoarserMeasurements = 2;
-  static constexpr float kSigmaScale = 1.6f;  // neighbouring pixels are correlated by resampling: measured on truth
+  // What the formula leaves out: errors of interpolation, and that resampled pixels are not independent. From truth.
+  static constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f;
+  static constexpr float kLeastInside = 0.15f;  // of the variance of a window, in its middle 3 x 3 pixels
   static constexpr float kUnison = 8;         // sigmas
   static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;

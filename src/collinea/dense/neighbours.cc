@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace collinea {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 constexpr int kCells = 8;  // the image is divided into kCells x kCells for the judgement of coverage
 constexpr int kSides = 4;  // directions a neighbour may lie in
 constexpr std::size_t kSharedToCompare = 8;
+constexpr double kLeastWorth = 0.05;  // 0.3 degrees
 
 struct Candidate {
   ImageId image;
@@ -119,6 +121,7 @@ std::vector<ImageId> TieView::neighbours(ImageId image, int count) const {
   std::vector<Candidate> list;
   for (auto& [id, c] : candidates) {
     if (c.shared < int(std::min(kSharedToCompare, own->second.size() / 4))) continue;
+    if (std::accumulate(c.worth.begin(), c.worth.end(), 0.0) < kLeastWorth * c.shared) continue;
     for (std::size_t i = 0; i < c.worth.size(); ++i) c.worth[i] /= std::max(1.0, points_in_cell[i]);
     c.side = side_of(cam_from_world * centre_of(block_.cam_from_world.at(id)));
     list.push_back(c);

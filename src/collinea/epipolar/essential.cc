@@ -16,7 +16,8 @@ namespace {
 using Linear = std::array<double, 4>;      // x, y, z, 1
 using Quadratic = std::array<double, 10>;  // xx, xy, yy, xz, yz, zz, x, y, z, 1
 // Nister's order of the cubic monomials: elimination of the first ten leaves what is linear in x and y.
-//   0 xxx  1 yyy  2 xxy  3 xyy  4 xxz  5 xx  6 yyz  7 yy  8 xyz  9 xy | 10 xzz 11 xz 12 x 13 yzz 14 yz 15 y 16 zzz 17 zz 18 z 19 1
+//   0 xxx  1 yyy  2 xxy  3 xyy  4 xxz  5 xx  6 yyz  7 yy  8 xyz  9 xy | 10 xzz 11 xz 12 x 13 yzz 14 yz 15 y 16 zzz 17
+//   zz 18 z 19 1
 using Cubic = std::array<double, 20>;
 
 inline void add_product(const Linear& a, const Linear& b, double sign, Quadratic& sum) {
@@ -261,8 +262,8 @@ RayMeeting meeting(const Rigid3& second_from_first, const Eigen::Vector2d& first
   return {-t.cross(b).dot(normal) / squared, -t.cross(a).dot(normal) / squared, angle};
 }
 
-std::optional<Rigid3> in_front(std::span<const Rigid3> candidates, const PointPairs& pairs, std::span<const int> support,
-                               double min_angle_rad) {
+std::optional<Rigid3> in_front(std::span<const Rigid3> candidates, const PointPairs& pairs,
+                               std::span<const int> support, double min_angle_rad) {
   std::optional<Rigid3> best;
   int most = 0;
   for (const Rigid3& candidate : candidates) {

@@ -17,13 +17,15 @@ std::optional<FocalFactor> focal_factor(const Camera& camera_first, std::span<co
                                         const Camera& camera_second, std::span<const Keypoint> second,
                                         const ImagePair& pair) {
   const FocalDoubt doubt{camera_first.sigma_f_px > 0, camera_second.sigma_f_px > 0, 1};
-  if (pair.geometry != PairGeometry::kGeneral || !(pair.second_from_first.translation.norm() > 0.5)) return std::nullopt;
+  if (pair.geometry != PairGeometry::kGeneral || !(pair.second_from_first.translation.norm() > 0.5))
+    return std::nullopt;
   if (!doubt.first && !doubt.second) return std::nullopt;
   PointPairs pairs;
   pairs.focal_first_px = camera_first.focal_px();
   pairs.focal_second_px = camera_second.focal_px();
   for (const auto& [i, j] : pair.matches)
-    pairs.add(normalized(camera_first, {first[i].x, first[i].y}), normalized(camera_second, {second[j].x, second[j].y}));
+    pairs.add(normalized(camera_first, {first[i].x, first[i].y}),
+              normalized(camera_second, {second[j].x, second[j].y}));
   std::vector<int> all(pair.matches.size());
   std::iota(all.begin(), all.end(), 0);
   constexpr double kLoss_px = 3;
@@ -34,7 +36,8 @@ std::optional<FocalFactor> focal_factor(const Camera& camera_first, std::span<co
     auto fit = refine_relative_and_focal(pair.second_from_first, moved, all, kLoss_px, doubt);
     if (!fit) continue;
     fit->focal_factor *= start;
-    const PointPairs corrected = with_focal_factor(pairs, doubt.first ? fit->focal_factor : 1, doubt.second ? fit->focal_factor : 1);
+    const PointPairs corrected =
+        with_focal_factor(pairs, doubt.first ? fit->focal_factor : 1, doubt.second ? fit->focal_factor : 1);
     const auto errors = errors_of(essential_matrix(fit->second_from_first), corrected, false);
     const double rms = std::sqrt(truncated_cost(errors, kLoss_px) / static_cast<double>(all.size()));
     if (rms < rms_px) {

@@ -17,9 +17,9 @@ namespace collinea {
 [[nodiscard]] Few<Eigen::Matrix3d, 3> seven_point(const std::array<Eigen::Vector2d, 7>& first,
                                                   const std::array<Eigen::Vector2d, 7>& second);
 
-/// The matrix F of rank 2 and norm 1 from eight or more pairs `support` by linear least squares in normalised coordinates
-/// (Hartley, PAMI 1997). Biased by noise: a start for refine_fundamental. Nothing with fewer than eight pairs or
-/// when they do not determine it (points on one line, one plane, or one centre).
+/// The matrix F of rank 2 and norm 1 from eight or more pairs `support` by linear least squares in normalised
+/// coordinates (Hartley, PAMI 1997). Biased by noise: a start for refine_fundamental. Nothing with fewer than eight
+/// pairs or when they do not determine it (points on one line, one plane, or one centre).
 [[nodiscard]] std::optional<Eigen::Matrix3d> eight_point(const PointPairs& pairs, std::span<const int> support);
 
 }  // namespace collinea

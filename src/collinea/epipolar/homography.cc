@@ -12,8 +12,8 @@
 namespace collinea {
 namespace {
 
-// Coefficients that make p[3] from p[0], p[1], p[2] (homogeneous), up to a common factor: one is 0 when three of the four lie on
-// a line with p[3], their sum when p[0], p[1], p[2] do.
+// Coefficients that make p[3] from p[0], p[1], p[2] (homogeneous), up to a common factor: one is 0 when three of the
+// four lie on a line with p[3], their sum when p[0], p[1], p[2] do.
 Eigen::Vector3d bracket(const std::array<Eigen::Vector2d, 4>& p) {
   const auto area = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
@@ -30,8 +30,8 @@ bool collinear(const std::array<Eigen::Vector2d, 4>& p, const Eigen::Vector3d& b
 
 // The 2x2 covariance of a transfer error and what follows from it, for one pair.
 struct Transfer {
-  double u, v, inverse_w;          // H p
-  double error_u, error_v;         // [px of the second picture]
+  double u, v, inverse_w;                  // H p
+  double error_u, error_v;                 // [px of the second picture]
   double weight_uu, weight_uv, weight_vv;  // inverse of the covariance for unit noise [1/px^2]
 };
 
@@ -59,7 +59,7 @@ inline double squared(const Transfer& t) {
 
 // d(H p) / d(rows of H) = [p, 0, -u p; 0, p, -v p] / w: the normal equations are a Kronecker product of 3x3 with p p'.
 MatrixNormal normal_equations(const Eigen::Matrix3d& homography, const PointPairs& pairs, std::span<const int> support,
-                        double loss_px) {
+                              double loss_px) {
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = homography;
   const double ratio = pairs.focal_second_px / pairs.focal_first_px, loss2 = loss_px * loss_px;
   MatrixNormal sum;
@@ -167,7 +167,8 @@ Few<PlanarMotion, 2> planar_motions(const Eigen::Matrix3d& homography, const Poi
                                     std::span<const int> support) {
   Few<PlanarMotion, 2> found;
   double side = 0;
-  for (const int i : support) side += pairs.second(i).homogeneous().dot(homography * pairs.first(i).homogeneous()) > 0 ? 1 : -1;
+  for (const int i : support)
+    side += pairs.second(i).homogeneous().dot(homography * pairs.first(i).homogeneous()) > 0 ? 1 : -1;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(homography, Eigen::ComputeFullV);
   const Eigen::Vector3d singular = svd.singularValues() / svd.singularValues()(1);
   const Eigen::Matrix3d h = homography * ((side < 0 ? -1 : 1) / svd.singularValues()(1));

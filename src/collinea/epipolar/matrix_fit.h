@@ -26,7 +26,7 @@ struct MatrixNormal {
 template <class Chart>
 struct MatrixFit {
   Chart value;
-  double cost = 0;  ///< [px^2]
+  double cost = 0;                                                  ///< [px^2]
   Eigen::Matrix<double, Chart::kFreedom, Chart::kFreedom> hessian;  ///< at the answer, in the coordinates of the chart
 };
 
@@ -56,9 +56,10 @@ struct ChartNormal {
   }
 };
 
-/// Damped Gauss-Newton over matrices of a certain kind (essential, rank 2, rotation ...). A Chart knows the matrix it stands for,
-/// the 9 x kFreedom derivative of its entries (`tangent`), and the matrix after a small step (`moved`); the sum over the points is made
-/// once in the nine entries, whatever the kind. Nothing when the cost is not finite or the equations are singular.
+/// Damped Gauss-Newton over matrices of a certain kind (essential, rank 2, rotation ...). A Chart knows the matrix it
+/// stands for, the 9 x kFreedom derivative of its entries (`tangent`), and the matrix after a small step (`moved`); the
+/// sum over the points is made once in the nine entries, whatever the kind. Nothing when the cost is not finite or the
+/// equations are singular.
 template <class Chart, class NormalAt>
 std::optional<MatrixFit<Chart>> fit_matrix(const Chart& start, const NormalAt& normal_at, int max_iterations) {
   Chart best = start;

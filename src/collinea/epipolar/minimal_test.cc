@@ -26,8 +26,8 @@ SampledPairs<N> sample_of(const Rigid3& motion, Random& random, PointOf point) {
   return {pairs, all};
 }
 
-// The nearest of several answers; the tolerance of a single world is loose because worlds near a critical configuration amplify
-// rounding (1e-16) by the slope of a 10th-degree polynomial; the median is at rounding level.
+// The nearest of several answers; the tolerance of a single world is loose because worlds near a critical configuration
+// amplify rounding (1e-16) by the slope of a 10th-degree polynomial; the median is at rounding level.
 struct Distances {
   std::vector<double> all;
   void add(double d) { all.push_back(d); }
@@ -224,7 +224,9 @@ TEST(P3p, PointsOnALineOrRepeatedHaveNoAnswer) {
                                                Eigen::Vector3d(0, 0.1, 1).normalized()};
   EXPECT_TRUE(p3p(rays, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(2, 4, 6)}).empty());
   EXPECT_TRUE(p3p(rays, {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(2, 4, 6)}).empty());
-  EXPECT_TRUE(p3p({rays[0], rays[0], rays[1]}, {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 3, 0), Eigen::Vector3d(2, 4, 6)}).empty());
+  EXPECT_TRUE(
+      p3p({rays[0], rays[0], rays[1]}, {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 3, 0), Eigen::Vector3d(2, 4, 6)})
+          .empty());
 }
 
 TEST(PlanarMotions, OneIsTheTruth) {

@@ -52,7 +52,8 @@ std::optional<double> best_root(const Conic& a, const Conic& b) {
   return best;
 }
 
-// A conic of rank 2 is a pair of lines l m' + m l'. With p their meeting point, C + [p]x has rank 1: row and column are the lines.
+// A conic of rank 2 is a pair of lines l m' + m l'. With p their meeting point, C + [p]x has rank 1: row and column are
+// the lines.
 Few<Eigen::Vector3d, 2> lines(const Conic& c) {
   Few<Eigen::Vector3d, 2> found;
   const Conic b = adjugate(c);  // = -p p' when the lines are real
@@ -122,9 +123,9 @@ Eigen::Vector3d polished(Eigen::Vector3d d, const Triangle& t) {
     const double determinant = -p * s * v - q * r * w;
     if (!(std::abs(determinant) > 1e-12)) break;
     const double f = 0.5 / determinant;
-    const Eigen::Vector3d step = f * Eigen::Vector3d(-s * v * e12 - q * w * e13 + q * s * e23,
-                                                     -r * w * e12 + p * w * e13 - p * s * e23,
-                                                     r * v * e12 - p * v * e13 - q * r * e23);
+    const Eigen::Vector3d step =
+        f * Eigen::Vector3d(-s * v * e12 - q * w * e13 + q * s * e23, -r * w * e12 + p * w * e13 - p * s * e23,
+                            r * v * e12 - p * v * e13 - q * r * e23);
     if (!(step.squaredNorm() < 0.01 * d.squaredNorm())) break;
     d -= step;
   }
@@ -147,12 +148,11 @@ Few<Rigid3, 4> p3p(const std::array<Eigen::Vector3d, 3>& rays_in_cam,
   Few<Rigid3, 4> found;
   const Eigen::Vector3d side12 = points_in_world[1] - points_in_world[0];
   const Eigen::Vector3d side13 = points_in_world[2] - points_in_world[0];
-  const double largest =
-      std::max({side12.squaredNorm(), side13.squaredNorm(), (side13 - side12).squaredNorm()});
+  const double largest = std::max({side12.squaredNorm(), side13.squaredNorm(), (side13 - side12).squaredNorm()});
   if (!(side12.cross(side13).squaredNorm() > 1e-12 * largest * largest)) return found;
-  const Triangle t{side12.squaredNorm() / largest,          side13.squaredNorm() / largest,
-                   (side13 - side12).squaredNorm() / largest, rays_in_cam[0].dot(rays_in_cam[1]),
-                   rays_in_cam[0].dot(rays_in_cam[2]),      rays_in_cam[1].dot(rays_in_cam[2])};
+  const Triangle t{
+      side12.squaredNorm() / largest,     side13.squaredNorm() / largest,     (side13 - side12).squaredNorm() / largest,
+      rays_in_cam[0].dot(rays_in_cam[1]), rays_in_cam[0].dot(rays_in_cam[2]), rays_in_cam[1].dot(rays_in_cam[2])};
   if (!(std::max({t.b12, t.b13, t.b23}) < 1 - 1e-14)) return found;
 
   // d' M12 d = a12 and so on; the differences a23 M12 - a12 M23 and a23 M13 - a13 M23 are homogeneous.

@@ -6,8 +6,8 @@
 
 namespace collinea {
 
-/// Corresponding image points of two pictures: undistorted image coordinates (X/Z, Y/Z) of pair i in x1[i], y1[i] (first) and
-/// x2[i], y2[i] (second). The focal lengths turn distances between them into pixels.
+/// Corresponding image points of two pictures: undistorted image coordinates (X/Z, Y/Z) of pair i in x1[i], y1[i]
+/// (first) and x2[i], y2[i] (second). The focal lengths turn distances between them into pixels.
 struct PointPairs {
   std::vector<double> x1, y1, x2, y2;
   double focal_first_px = 1, focal_second_px = 1;

@@ -115,7 +115,8 @@ class SturmChain {
   int size_ = 0;
 };
 
-// The root in [low, high], where the values at both ends differ in sign: Newton's method that may not leave the bracket.
+// The root in [low, high], where the values at both ends differ in sign: Newton's method that may not leave the
+// bracket.
 double bracketed_root(const Polynomial& p, double low, double high, bool reversed) {
   double at_low = value(p, low, reversed);
   double x = (low + high) / 2;
@@ -192,7 +193,8 @@ Few<double, 2> real_roots(const std::array<double, 3>& c) {
 
 Few<double, 3> real_roots(const std::array<double, 4>& c) {
   Few<double, 3> roots;
-  const bool reversed = std::abs(c[0]) > std::abs(c[3]);  // then 1 / x is the better unknown: a leading term near 0 is no harm
+  const bool reversed =
+      std::abs(c[0]) > std::abs(c[3]);  // then 1 / x is the better unknown: a leading term near 0 is no harm
   const double lead = reversed ? c[0] : c[3];
   if (lead == 0) {  // both ends vanish: x (c1 + c2 x)
     roots.add(0);

@@ -92,7 +92,8 @@ struct FocalMotionChart {
     const Eigen::Matrix<double, 9, 5> motion = chart.tangent();
     Eigen::Matrix<double, 9, 6> t;
     for (int i = 0; i < 5; ++i)
-      t.col(i) = by_rows(corrected(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(motion.col(i).data())));
+      t.col(i) =
+          by_rows(corrected(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(motion.col(i).data())));
     const Eigen::Matrix3d m = matrix();
     Eigen::Matrix3d by_log_factor = Eigen::Matrix3d::Zero();
     if (doubt.second) by_log_factor.topRows<2>() -= m.topRows<2>();
@@ -188,7 +189,8 @@ std::optional<RelativeFocalFit> refine_relative_and_focal(const Rigid3& start, c
   const auto fit = fit_matrix(FocalMotionChart{motion, 0, doubt}, normal_at, 2 * kMaxIterations);
   if (!fit) return std::nullopt;
   const Eigen::Matrix<double, 6, 1> column = fit->hessian.ldlt().solve(Eigen::Matrix<double, 6, 1>::Unit(5));
-  return RelativeFocalFit{fit->value.chart.motion, std::exp(fit->value.log_factor), std::sqrt(std::max(0.0, column(5)))};
+  return RelativeFocalFit{fit->value.chart.motion, std::exp(fit->value.log_factor),
+                          std::sqrt(std::max(0.0, column(5)))};
 }
 
 std::optional<Eigen::Matrix3d> refine_fundamental(const Eigen::Matrix3d& start, const PointPairs& pairs,

@@ -26,7 +26,8 @@ double pose_distance(const Rigid3& a, const Rigid3& b) {
 }
 
 TEST(EpipolarErrors, AreDistancesInPixels) {
-  // Pure sideways motion: epipolar lines are rows, and a pair whose rows differ by d is d / sqrt(2) from the nearest exact one.
+  // Pure sideways motion: epipolar lines are rows, and a pair whose rows differ by d is d / sqrt(2) from the nearest
+  // exact one.
   const Rigid3 motion{Eigen::Quaterniond::Identity(), {-1, 0, 0}};
   PointPairs pairs;
   pairs.focal_first_px = pairs.focal_second_px = 500;
@@ -68,8 +69,9 @@ TEST(RefineRelative, AnswerIsAMinimumOfTheCost) {
   for (int k = 0; k < 20; ++k) EXPECT_GT(cost(disturbed(fit->second_from_first, 1e-4, random)), least);
 }
 
-// The weighted error e' C^-1 e is chi-squared with five degrees of freedom: mean 5, standard deviation sqrt(10 / n) of the mean. The wide
-// loss makes the robust weights 1. Rotation errors are in the second frame, translation errors along the tangents of the answer.
+// The weighted error e' C^-1 e is chi-squared with five degrees of freedom: mean 5, standard deviation sqrt(10 / n) of
+// the mean. The wide loss makes the robust weights 1. Rotation errors are in the second frame, translation errors along
+// the tangents of the answer.
 TEST(RefineRelative, CovarianceMatchesTheRealErrors) {
   Random random(3);
   double sum = 0;
@@ -128,7 +130,8 @@ TEST(RefineRelativeAndFocal, FindsTheFactorOfTheFocalLength) {
     wrong.focal_second_px /= factor;
     for (auto* values : {&wrong.x1, &wrong.y1, &wrong.x2, &wrong.y2})
       for (double& value : *values) value *= factor;
-    const auto fit = refine_relative_and_focal(disturbed(truth, 0.02, random), wrong, everyone(wrong), 50, {true, true, 1e3});
+    const auto fit =
+        refine_relative_and_focal(disturbed(truth, 0.02, random), wrong, everyone(wrong), 50, {true, true, 1e3});
     ASSERT_TRUE(fit);
     EXPECT_NEAR(fit->focal_factor, factor, 1e-5);
     EXPECT_LT(pose_distance(fit->second_from_first, truth), 1e-4);

@@ -32,9 +32,11 @@ struct Measured {
   std::span<const Eigen::Vector3d> points_in_world;
 };
 
-// Unknowns: rotation about the projection centre and shift, both in the camera, and when N is 7 the logarithm of the focal length.
+// Unknowns: rotation about the projection centre and shift, both in the camera, and when N is 7 the logarithm of the
+// focal length.
 template <int N>
-ViewNormal<N> normal_equations(const View& view, const Measured& measured, std::span<const int> support, double loss_px) {
+ViewNormal<N> normal_equations(const View& view, const Measured& measured, std::span<const int> support,
+                               double loss_px) {
   const Eigen::Matrix3d rotation = view.cam_from_world.rotation.toRotationMatrix();
   const double loss2 = loss_px * loss_px;
   ViewNormal<N> sum;
@@ -183,7 +185,8 @@ struct Shuffled {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Vector3d> points_in_world;
 
-  Shuffled(const Measured& measured, Random& random) : order(shuffled(static_cast<int>(measured.pixels.size()), random)) {
+  Shuffled(const Measured& measured, Random& random)
+      : order(shuffled(static_cast<int>(measured.pixels.size()), random)) {
     for (const int i : order) {
       pixels.push_back(measured.pixels[static_cast<std::size_t>(i)]);
       points_in_world.push_back(measured.points_in_world[static_cast<std::size_t>(i)]);

@@ -25,7 +25,8 @@ struct ResectOptions {
     using O = ResectOptions;
     visit(Field{"max_error_px", &O::max_error_px, "px", "largest reprojection error of an inlier", 1e-6});
     visit(Field{"min_inliers", &O::min_inliers, "1", "fewest inliers of an accepted pose", 4});
-    visit(Field{"min_inlier_ratio", &O::min_inlier_ratio, "1", "smallest share of inliers of an accepted pose", 0.0, 1.0});
+    visit(Field{"min_inlier_ratio", &O::min_inlier_ratio, "1", "smallest share of inliers of an accepted pose", 0.0,
+                1.0});
     visit(Field{"confidence", &O::confidence, "1", "wanted chance of one sample without outliers", 0.0, 1.0});
     visit(Field{"max_trials", &O::max_trials, "1", "upper bound of samples drawn", 1});
   }
@@ -37,24 +38,25 @@ struct Resection {
   Camera camera;                     ///< as given; with the focal length found in resect_with_focal
   std::vector<std::uint8_t> inlier;  ///< per point
   int inliers = 0;
-  double rms_px = 0;                 ///< of the inliers, per point (not per coordinate)
+  double rms_px = 0;  ///< of the inliers, per point (not per coordinate)
 };
 
-/// The pose of a camera that sees `points_in_world[i]` at `pixels[i]`, among wrong pairs: random samples of three (p3p), improved locally, then
-/// Gauss-Newton on the reprojection errors through the full camera model with a smooth cap (Geman-McClure). Nothing when too few
-/// points agree or they do not determine the pose (points on a line).
+/// The pose of a camera that sees `points_in_world[i]` at `pixels[i]`, among wrong pairs: random samples of three
+/// (p3p), improved locally, then Gauss-Newton on the reprojection errors through the full camera model with a smooth
+/// cap (Geman-McClure). Nothing when too few points agree or they do not determine the pose (points on a line).
 [[nodiscard]] std::optional<Resection> resect(const Camera& camera, std::span<const Eigen::Vector2d> pixels,
                                               std::span<const Eigen::Vector3d> points_in_world,
                                               const ResectOptions& options, std::uint64_t seed);
 
-/// The same when the focal length is only guessed: factors of the given one from 0.5 to 2 are tried, the best is kept and refined with
-/// the pose. A plane seen frontally does not determine the focal length: the answer is then any that fits.
+/// The same when the focal length is only guessed: factors of the given one from 0.5 to 2 are tried, the best is kept
+/// and refined with the pose. A plane seen frontally does not determine the focal length: the answer is then any that
+/// fits.
 [[nodiscard]] std::optional<Resection> resect_with_focal(const Camera& camera, std::span<const Eigen::Vector2d> pixels,
                                                          std::span<const Eigen::Vector3d> points_in_world,
                                                          const ResectOptions& options, std::uint64_t seed);
 
-/// The pose alone by Gauss-Newton from a start over the points `support`: minimises the reprojection errors, each capped smoothly at loss_px.
-/// Nothing with fewer than three points or when they do not determine it.
+/// The pose alone by Gauss-Newton from a start over the points `support`: minimises the reprojection errors, each
+/// capped smoothly at loss_px. Nothing with fewer than three points or when they do not determine it.
 [[nodiscard]] std::optional<Rigid3> refine_pose(const Rigid3& start_cam_from_world, const Camera& camera,
                                                 std::span<const Eigen::Vector2d> pixels,
                                                 std::span<const Eigen::Vector3d> points_in_world,

@@ -73,7 +73,9 @@ TEST(Resect, ErrorsGrowWithTheNoise) {
     double sum = 0;
     for (int k = 0; k < 30; ++k) {
       const Seen world = seen_by(lens(), 100, 0, sigma_px, random);
-      sum += (centre_of(resect(lens(), world.pixels, world.points, {}, 1)->cam_from_world) - centre_of(world.cam_from_world)).norm();
+      sum += (centre_of(resect(lens(), world.pixels, world.points, {}, 1)->cam_from_world) -
+              centre_of(world.cam_from_world))
+                 .norm();
     }
     return sum / 30;
   };
@@ -83,7 +85,8 @@ TEST(Resect, ErrorsGrowWithTheNoise) {
 TEST(Resect, SameSeedSameBits) {
   Random random(4);
   const Seen world = seen_by(lens(), 60, 60, 0.5, random);
-  const auto a = resect(lens(), world.pixels, world.points, {}, 5), b = resect(lens(), world.pixels, world.points, {}, 5);
+  const auto a = resect(lens(), world.pixels, world.points, {}, 5),
+             b = resect(lens(), world.pixels, world.points, {}, 5);
   ASSERT_TRUE(a && b);
   EXPECT_EQ(a->cam_from_world.translation, b->cam_from_world.translation);
   EXPECT_EQ(a->inlier, b->inlier);
@@ -104,7 +107,8 @@ TEST(Resect, LinesFewPointsAndNonsenseHaveNoAnswer) {
   }
   EXPECT_FALSE(resect(lens(), world.pixels, world.points, {}, 1));
   const Seen one = seen_by(lens(), 1, 0, 0, random);
-  EXPECT_FALSE(resect(lens(), std::vector<Eigen::Vector2d>(40, one.pixels[0]), std::vector<Eigen::Vector3d>(40, one.points[0]), {}, 1));
+  EXPECT_FALSE(resect(lens(), std::vector<Eigen::Vector2d>(40, one.pixels[0]),
+                      std::vector<Eigen::Vector3d>(40, one.points[0]), {}, 1));
 }
 
 TEST(ResectWithFocal, FindsTheFocalLength) {
@@ -131,7 +135,8 @@ TEST(RefinePose, ReturnsToTheExactPoseAndIsTheMinimumWithNoise) {
   ASSERT_TRUE(pose);
   const auto cost = [&](const Rigid3& cam) {
     double sum = 0;
-    for (std::size_t i = 0; i < 50; ++i) sum += (*project(lens(), cam * world.points[i]) - world.pixels[i]).squaredNorm();
+    for (std::size_t i = 0; i < 50; ++i)
+      sum += (*project(lens(), cam * world.points[i]) - world.pixels[i]).squaredNorm();
     return sum;
   };
   const double least = cost(*pose);

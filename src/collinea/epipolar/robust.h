@@ -13,24 +13,25 @@
 
 namespace collinea {
 
-/// What a robust search needs to know of a problem. Items 0 .. size() - 1 are measurements (pairs, points); they should be in no meaningful
-/// order (see shuffled), because runs of neighbours are used as random samples.
+/// What a robust search needs to know of a problem. Items 0 .. size() - 1 are measurements (pairs, points); they should
+/// be in no meaningful order (see shuffled), because runs of neighbours are used as random samples.
 template <class P>
 concept RobustProblem = requires(const P& problem, const typename P::Model& model, std::array<int, P::kSample> sample,
                                  std::span<const int> support, double* out) {
   { problem.size() } -> std::convertible_to<int>;
   { *problem.solve(sample).begin() } -> std::convertible_to<typename P::Model>;  ///< models through kSample items
-  problem.squared_errors(model, 0, 1, out);  ///< of the items [begin, end) [px^2]
+  problem.squared_errors(model, 0, 1, out);                                      ///< of the items [begin, end) [px^2]
   { problem.refine(model, support) } -> std::same_as<std::optional<typename P::Model>>;  ///< least squares from a start
 };
 
 struct RobustOptions {
-  double max_error_px = 2;        ///< largest residual of an inlier
-  double confidence = 0.9999;     ///< wanted chance of at least one sample without outliers
+  double max_error_px = 2;     ///< largest residual of an inlier
+  double confidence = 0.9999;  ///< wanted chance of at least one sample without outliers
   int min_trials = 10;
   int max_trials = 5000;
-  double min_inlier_ratio = 0;    ///< fewer inliers than this share are of no interest: bounds the trials
-  std::span<const int> preferred = {};  ///< items believed to be right more often: every other sample is drawn from them alone
+  double min_inlier_ratio = 0;  ///< fewer inliers than this share are of no interest: bounds the trials
+  std::span<const int> preferred =
+      {};  ///< items believed to be right more often: every other sample is drawn from them alone
 };
 
 template <class Model>
@@ -46,15 +47,14 @@ struct RobustFit {
   std::vector<int> order(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) order[static_cast<std::size_t>(i)] = i;
   for (int i = count - 1; i > 0; --i)
-    std::swap(order[static_cast<std::size_t>(i)],
-              order[random.below(static_cast<std::uint32_t>(i) + 1)]);
+    std::swap(order[static_cast<std::size_t>(i)], order[random.below(static_cast<std::uint32_t>(i) + 1)]);
   return order;
 }
 
-/// The model with the least truncated squared error (MSAC, Torr and Zisserman 2000) found by random samples, each new best
-/// model improved by least squares over its inliers (Chum, Matas, Kittler 2003), bad models left early by Wald's sequential
-/// test (Matas and Chum 2005) and the number of samples adapted to the inliers found. Deterministic in the state of `random`. Nothing
-/// when no sample gave a model.
+/// The model with the least truncated squared error (MSAC, Torr and Zisserman 2000) found by random samples, each new
+/// best model improved by least squares over its inliers (Chum, Matas, Kittler 2003), bad models left early by Wald's
+/// sequential test (Matas and Chum 2005) and the number of samples adapted to the inliers found. Deterministic in the
+/// state of `random`. Nothing when no sample gave a model.
 template <RobustProblem Problem>
 class RobustSearch {
  public:
@@ -91,9 +91,9 @@ class RobustSearch {
   }
 
  private:
-  static constexpr int kBlock = 32;           // items between two looks at the sequential test
-  static constexpr int kLocalSupport = 400;   // items a local improvement looks at
-  static constexpr double kLogReject = 7;     // a good model is lost with a chance of exp(-7)
+  static constexpr int kBlock = 32;          // items between two looks at the sequential test
+  static constexpr int kLocalSupport = 400;  // items a local improvement looks at
+  static constexpr double kLogReject = 7;    // a good model is lost with a chance of exp(-7)
 
   struct Score {
     double cost = 0;
@@ -136,7 +136,8 @@ class RobustSearch {
   // block of items has a say in every decision.
   bool rejected_early(const Model& model) {
     if (size_ < 4 * kBlock) return false;
-    const double good = std::clamp(best_ ? static_cast<double>(best_score_.inliers) / size_ : options_.min_inlier_ratio, 0.1, 0.99);
+    const double good =
+        std::clamp(best_ ? static_cast<double>(best_score_.inliers) / size_ : options_.min_inlier_ratio, 0.1, 0.99);
     const double bad = std::min(chance_, good / 3);
     const double inlier_step = std::log(bad / good), outlier_step = std::log((1 - bad) / (1 - good));
     int begin = static_cast<int>(random_.below(static_cast<std::uint32_t>(size_)));
@@ -181,8 +182,8 @@ class RobustSearch {
     return items;
   }
 
-  // Least squares over the inliers as long as it makes the best model better. The first round looks beyond the threshold, because a
-  // model from a minimal sample carries the noise of that sample.
+  // Least squares over the inliers as long as it makes the best model better. The first round looks beyond the
+  // threshold, because a model from a minimal sample carries the noise of that sample.
   void improve(int rounds, int most) {
     for (int round = 0; round < rounds; ++round) {
       const double widening = round == 0 ? 4 : 1;
@@ -215,7 +216,8 @@ class RobustSearch {
 
 template <RobustProblem Problem>
 [[nodiscard]] std::optional<RobustFit<typename Problem::Model>> robust_fit(const Problem& problem,
-                                                                           const RobustOptions& options, Random& random) {
+                                                                           const RobustOptions& options,
+                                                                           Random& random) {
   return RobustSearch<Problem>(problem, options, random).run();
 }
 

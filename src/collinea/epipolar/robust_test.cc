@@ -80,7 +80,7 @@ TEST(Robust, NumberOfTrialsFollowsTheInliers) {
   const auto dirty = robust_fit(noisy_line(60, 240, 0.1, random), options, random);
   ASSERT_TRUE(clean && dirty);
   EXPECT_EQ(clean->trials, options.min_trials);
-  EXPECT_GT(dirty->trials, 100);   // log(1e-4) / log(1 - 0.2^2) = 226 without chance inliers
+  EXPECT_GT(dirty->trials, 100);  // log(1e-4) / log(1 - 0.2^2) = 226 without chance inliers
   EXPECT_LT(dirty->trials, 300);
 }
 

@@ -39,7 +39,9 @@ inline Eigen::Vector2d seen(const Rigid3& cam_from_world, const Eigen::Vector3d&
   return p.head<2>() / p.z();
 }
 
-inline Eigen::Vector2d noise(Random& random, double sigma) { return {sigma * random.normal(), sigma * random.normal()}; }
+inline Eigen::Vector2d noise(Random& random, double sigma) {
+  return {sigma * random.normal(), sigma * random.normal()};
+}
 
 /// How far two matrices are apart when neither scale nor sign counts.
 inline double distance_up_to_scale(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
@@ -59,7 +61,8 @@ PointPairs pairs_of(const Rigid3& second_from_first, int count, double sigma_px,
   while (pairs.size() < count) {
     const Eigen::Vector3d x = point(random);
     if ((second_from_first * x).z() < 0.5) continue;
-    pairs.add(x.head<2>() / x.z() + noise(random, sigma_px / 1000), seen(second_from_first, x) + noise(random, sigma_px / 1000));
+    pairs.add(x.head<2>() / x.z() + noise(random, sigma_px / 1000),
+              seen(second_from_first, x) + noise(random, sigma_px / 1000));
   }
   return pairs;
 }

@@ -48,7 +48,8 @@ struct PointNormal {
   double cost = 0;  // infinite when behind a camera
 };
 
-PointNormal normal_equations(std::span<const Rigid3> cams, std::span<const Eigen::Vector2d> xy, const Eigen::Vector3d& x) {
+PointNormal normal_equations(std::span<const Rigid3> cams, std::span<const Eigen::Vector2d> xy,
+                             const Eigen::Vector3d& x) {
   PointNormal sum;
   for (std::size_t i = 0; i < cams.size(); ++i) {
     const Eigen::Matrix3d r = cams[i].rotation.toRotationMatrix();

@@ -45,8 +45,9 @@ TEST(Triangulate, FindsTheExactPoint) {
   }
 }
 
-// e' N e / sigma^2 with the normal matrix N of the image coordinates is chi-squared with 3 degrees of freedom; over n points its mean is 3
-// with standard deviation sqrt(6 / n). Fails for the linear answer with the rays' unequal distances.
+// e' N e / sigma^2 with the normal matrix N of the image coordinates is chi-squared with 3 degrees of freedom; over n
+// points its mean is 3 with standard deviation sqrt(6 / n). Fails for the linear answer with the rays' unequal
+// distances.
 TEST(Triangulate, ErrorsAreThoseOfLeastSquares) {
   Random random(2);
   constexpr int kTimes = 2000;
@@ -109,7 +110,8 @@ TEST(RobustTriangulate, LeavesOutTheWrongRays) {
     Rays rays = rays_to(truth, count, 3e-4, random);
     const int wrong = count / 3;
     for (int i = 0; i < wrong; ++i)
-      rays.xy[static_cast<std::size_t>((3 * i + k) % count)] += Eigen::Vector2d(random.uniform(0.03, 0.2), random.uniform(0.03, 0.2));
+      rays.xy[static_cast<std::size_t>((3 * i + k) % count)] +=
+          Eigen::Vector2d(random.uniform(0.03, 0.2), random.uniform(0.03, 0.2));
     const auto found = robust_triangulate(rays.cams, rays.xy, rays.focal_px, 3);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->inliers, count - wrong);
@@ -126,7 +128,8 @@ TEST(RobustTriangulate, DisagreeingRaysHaveNoAnswer) {
   Rays rays = rays_to({0, 0, 5}, 6, 0, random);
   for (auto& xy : rays.xy) xy += random_vector(random, 0.3).head<2>();
   EXPECT_FALSE(robust_triangulate(rays.cams, rays.xy, rays.focal_px, 1, 1e-3, 4));
-  EXPECT_FALSE(robust_triangulate(std::span(rays.cams).first(1), std::span(rays.xy).first(1), std::span(rays.focal_px).first(1), 1));
+  EXPECT_FALSE(robust_triangulate(std::span(rays.cams).first(1), std::span(rays.xy).first(1),
+                                  std::span(rays.focal_px).first(1), 1));
 }
 
 }  // namespace

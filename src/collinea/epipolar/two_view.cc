@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -16,13 +17,13 @@
 namespace collinea {
 namespace {
 
-constexpr double kReferenceSize_px = 3000;       // pictures up to this size share one threshold
-constexpr double kAssumedFocal = 0.1;            // sigma_f / f beyond which a focal length is a guess
-constexpr double kPlaneThreshold = 1.25;         // two degrees of freedom instead of one at the same 95 %
-constexpr double kStationary_px = 1.5;           // a match that stays at its pixel
+constexpr double kReferenceSize_px = 3000;  // pictures up to this size share one threshold
+constexpr double kAssumedFocal = 0.1;       // sigma_f / f beyond which a focal length is a guess
+constexpr double kPlaneThreshold = 1.25;    // two degrees of freedom instead of one at the same 95 %
+constexpr double kStationary_px = 1.5;      // a match that stays at its pixel
 constexpr double kMostStationary = 0.9;
-constexpr double kMotionShare = 0.7;             // of the fundamental matrix's inliers that an essential matrix must keep
-constexpr double kLensDoubt = 3;                 // thresholds that an uncalibrated lens may feign as parallax
+constexpr double kMotionShare = 0.7;  // of the fundamental matrix's inliers that an essential matrix must keep
+constexpr double kLensDoubt = 3;      // thresholds that an uncalibrated lens may feign as parallax
 
 // Matches in random order.
 struct Prepared {
@@ -114,7 +115,8 @@ class Verification {
 
   Relation by_essential(const PointPairs& pairs) {
     Relation relation;
-    const auto fit = robust_fit(EssentialProblem{pairs, threshold_px_}, search_options(threshold_px_, pairs.size()), random_);
+    const auto fit =
+        robust_fit(EssentialProblem{pairs, threshold_px_}, search_options(threshold_px_, pairs.size()), random_);
     if (!fit) return relation;
     relation.matrix = fit->model;
     relation.pairs = pairs;
@@ -124,10 +126,11 @@ class Verification {
     return relation;
   }
 
-  // A focal length from the EXIF data may be some per cent wrong, which costs matches that are right: lets it vary within its
-  // uncertainty, as long as that brings the pairs clearly closer to the relation.
+  // A focal length from the EXIF data may be some per cent wrong, which costs matches that are right: lets it vary
+  // within its uncertainty, as long as that brings the pairs clearly closer to the relation.
   void adapt_focal(Relation& relation) const {
-    FocalDoubt doubt{first_.sigma_f_px > 0, second_.sigma_f_px > 0, std::max(relative_sigma_f(first_), relative_sigma_f(second_))};
+    FocalDoubt doubt{first_.sigma_f_px > 0, second_.sigma_f_px > 0,
+                     std::max(relative_sigma_f(first_), relative_sigma_f(second_))};
     const PointPairs nominal = relation.pairs;
     std::vector<double> errors = errors_of(relation.matrix, nominal, false);
     double cost = truncated_cost(errors, threshold_px_);
@@ -136,7 +139,8 @@ class Verification {
       const double reach_px = round < 2 ? 3 * threshold_px_ : threshold_px_;
       const auto fit = refine_relative_and_focal(*relation.motion, nominal, below(errors, reach_px), reach_px, doubt);
       if (!fit) return;
-      PointPairs pairs = with_focal_factor(nominal, doubt.first ? fit->focal_factor : 1, doubt.second ? fit->focal_factor : 1);
+      PointPairs pairs =
+          with_focal_factor(nominal, doubt.first ? fit->focal_factor : 1, doubt.second ? fit->focal_factor : 1);
       const Eigen::Matrix3d matrix = essential_matrix(fit->second_from_first);
       errors = errors_of(matrix, pairs, false);
       const double better = truncated_cost(errors, threshold_px_);
@@ -155,7 +159,8 @@ class Verification {
 
   Relation by_fundamental(const PointPairs& pairs) {
     Relation relation;
-    const auto fit = robust_fit(FundamentalProblem{pairs, threshold_px_}, search_options(threshold_px_, pairs.size()), random_);
+    const auto fit =
+        robust_fit(FundamentalProblem{pairs, threshold_px_}, search_options(threshold_px_, pairs.size()), random_);
     if (!fit) return relation;
     relation.matrix = fit->model;
     relation.pairs = pairs;
@@ -165,7 +170,8 @@ class Verification {
     return relation;
   }
 
-  // The factor of the assumed focal length under which the fundamental matrix comes nearest to an essential one, and its motion.
+  // The factor of the assumed focal length under which the fundamental matrix comes nearest to an essential one, and
+  // its motion.
   void calibrate(Relation& relation) const {
     const PointPairs nominal = relation.pairs;
     const Eigen::Matrix3d fundamental = relation.matrix;
@@ -181,7 +187,9 @@ class Verification {
       const auto fit = refine_relative(*motion, pairs, relation.inliers, threshold_px_);
       if (!fit) continue;
       const auto kept = below(errors_of(essential_matrix(fit->second_from_first), pairs, false), threshold_px_);
-      if (kept.size() <= most || static_cast<double>(kept.size()) < kMotionShare * static_cast<double>(relation.inliers.size())) continue;
+      if (kept.size() <= most ||
+          static_cast<double>(kept.size()) < kMotionShare * static_cast<double>(relation.inliers.size()))
+        continue;
       most = kept.size();
       relation.motion = fit->second_from_first;
       relation.pairs = pairs;
@@ -197,21 +205,23 @@ class Verification {
   std::optional<Plane> by_plane(const PointPairs& pairs, std::size_t epipolar_inliers) {
     const double threshold_px = kPlaneThreshold * threshold_px_;
     RobustOptions search = search_options(threshold_px, pairs.size());
-    search.min_inlier_ratio = std::max(search.min_inlier_ratio, 0.5 * static_cast<double>(epipolar_inliers) / pairs.size());
+    search.min_inlier_ratio =
+        std::max(search.min_inlier_ratio, 0.5 * static_cast<double>(epipolar_inliers) / pairs.size());
     search.max_trials = std::min(search.max_trials, 1000);
     const auto fit = robust_fit(HomographyProblem{pairs, threshold_px}, search, random_);
     if (!fit || 2 * fit->inliers.size() < epipolar_inliers) return std::nullopt;
     return Plane{fit->model, fit->inliers, errors_of(fit->model, pairs, true)};
   }
 
-  // The rotation that comes nearest to the homography, for the given focal length or, if it is uncertain, the best one in its range.
+  // The rotation that comes nearest to the homography, for the given focal length or, if it is uncertain, the best one
+  // in its range.
   [[nodiscard]] std::optional<Turn> by_rotation(const Plane& plane, const PointPairs& pairs) const {
     const double sigma = std::max(relative_sigma_f(first_), relative_sigma_f(second_));
     double best_factor = 1, nearest = distance_from_rotation(plane.matrix);
     constexpr int kSteps = 40;
     for (int i = 1; sigma > 0 && i < kSteps; ++i) {
       const double factor = std::exp((i - kSteps / 2) * std::min(3 * sigma, std::log(2.0)) / (kSteps / 2));
-      const double distance = distance_from_rotation(conjugated(plane.matrix, factor));
+      const double distance = distance_from_rotation(conjugated(plane.matrix, factor, factor));
       if (distance < nearest) {
         nearest = distance;
         best_factor = factor;
@@ -227,20 +237,22 @@ class Verification {
     return best;
   }
 
-  static Eigen::Matrix3d conjugated(const Eigen::Matrix3d& h, double factor) {
-    return Eigen::DiagonalMatrix<double, 3>(1 / factor, 1 / factor, 1) * h *
-           Eigen::DiagonalMatrix<double, 3>(factor, factor, 1);
+  // The homography of the coordinates after multiplying the focal lengths.
+  static Eigen::Matrix3d conjugated(const Eigen::Matrix3d& h, double first, double second) {
+    return Eigen::DiagonalMatrix<double, 3>(1 / second, 1 / second, 1) * h *
+           Eigen::DiagonalMatrix<double, 3>(first, first, 1);
   }
 
   [[nodiscard]] std::optional<Turn> turn(const Plane& plane, const PointPairs& pairs, double factor) const {
-    const auto rotation = refine_rotation(nearest_rotation(conjugated(plane.matrix, factor)), pairs, plane.inliers,
-                                          kPlaneThreshold * threshold_px_);
+    const auto rotation = refine_rotation(nearest_rotation(conjugated(plane.matrix, factor, factor)), pairs,
+                                          plane.inliers, kPlaneThreshold * threshold_px_);
     if (!rotation) return std::nullopt;
     return Turn{*rotation, errors_of(rotation->toRotationMatrix(), pairs, true), factor == 1 ? 3 : 4};
   }
 
   // General, planar or rotation, by the information criterion over all pairs that obey either relation.
-  [[nodiscard]] Finding judged(const Relation& epipolar, const std::optional<Plane>& plane, const PointPairs& nominal) const {
+  [[nodiscard]] Finding judged(const Relation& epipolar, const std::optional<Plane>& plane,
+                               const PointPairs& nominal) const {
     if (!plane) return general(epipolar);
     const bool has_epipolar = epipolar.pairs.size() > 0;
     std::vector<int> either;
@@ -275,7 +287,8 @@ class Verification {
     return finding;
   }
 
-  // With a lens not yet calibrated, the distortion looks like a little parallax: what remains after a rotation must be clearly more.
+  // With a lens not yet calibrated, the distortion looks like a little parallax: what remains after a rotation must be
+  // clearly more.
   [[nodiscard]] bool hardly_more_than(const Turn& turned, std::span<const int> items) const {
     if (first_.sigma_f_px == 0 && second_.sigma_f_px == 0) return false;
     const double limit_px = kLensDoubt * threshold_px_;
@@ -292,10 +305,14 @@ class Verification {
   }
 
   // The motion among those of the plane and that of the essential matrix which fits all pairs best.
-  [[nodiscard]] Finding planar(const Relation& epipolar, const Plane& plane, const PointPairs& pairs) const {
+  [[nodiscard]] Finding planar(const Relation& epipolar, const Plane& plane, const PointPairs& nominal) const {
     std::vector<Rigid3> candidates;
     if (epipolar.motion && epipolar.parameters < 7) candidates.push_back(*epipolar.motion);
-    for (const PlanarMotion& m : planar_motions(plane.matrix, pairs, plane.inliers)) candidates.push_back(m.second_from_first);
+    const PointPairs& pairs = epipolar.pairs.size() > 0 ? epipolar.pairs : nominal;
+    const double k1 = pairs.focal_first_px / nominal.focal_first_px,
+                 k2 = pairs.focal_second_px / nominal.focal_second_px;
+    for (const PlanarMotion& m : planar_motions(conjugated(plane.matrix, k1, k2), pairs, plane.inliers))
+      candidates.push_back(m.second_from_first);
     Finding finding{PairGeometry::kPlanar, plane.inliers, {}, 0};
     std::optional<Rigid3> best;
     double least = std::numeric_limits<double>::infinity();
@@ -307,13 +324,16 @@ class Verification {
       const auto errors = errors_of(essential_matrix(fit->second_from_first), pairs, false);
       const double cost = truncated_cost(errors, threshold_px_);
       if (!(cost < least)) continue;
-      const auto motion = in_front(motions(essential_matrix(fit->second_from_first)), pairs, plane.inliers, blind_angle_rad(pairs));
+      const auto motion =
+          in_front(motions(essential_matrix(fit->second_from_first)), pairs, plane.inliers, blind_angle_rad(pairs));
       if (!motion) continue;
       const auto inliers = below(errors, threshold_px_);
       if (static_cast<double>(inliers.size()) < kMotionShare * static_cast<double>(plane.inliers.size())) continue;
       least = cost;
       best = motion;
-      finding.inliers = inliers;
+      finding.inliers.clear();
+      std::set_union(inliers.begin(), inliers.end(), plane.inliers.begin(), plane.inliers.end(),
+                     std::back_inserter(finding.inliers));
     }
     if (best) place(*best, pairs, finding);
     return finding;
@@ -339,7 +359,8 @@ class Verification {
   [[nodiscard]] bool acceptable(const Prepared& prepared, std::span<const int> inliers) const {
     if (static_cast<int>(inliers.size()) < options_.min_inliers) return false;
     const double narrow_px = 2 * threshold_px_;
-    if (breadth_px(prepared.first_px, inliers) < narrow_px || breadth_px(prepared.second_px, inliers) < narrow_px) return false;
+    if (breadth_px(prepared.first_px, inliers) < narrow_px || breadth_px(prepared.second_px, inliers) < narrow_px)
+      return false;
     return beyond_chance(prepared.second_px, inliers.size(), threshold_px_);
   }
 
@@ -375,7 +396,8 @@ Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> fi
     const Match& match = matches[static_cast<std::size_t>(i)];
     append(prepared, camera_first, camera_second, match, pixel_of(first, match.first), pixel_of(second, match.second));
     const Keypoint &a = first[match.first], &b = second[match.second];
-    changes.push_back({b.angle_rad - a.angle_rad, a.scale_px > 0 && b.scale_px > 0 ? std::log2(b.scale_px / a.scale_px) : 0});
+    changes.push_back(
+        {b.angle_rad - a.angle_rad, a.scale_px > 0 && b.scale_px > 0 ? std::log2(b.scale_px / a.scale_px) : 0});
   }
   prepared.preferred = most_alike(changes);
   return prepared;

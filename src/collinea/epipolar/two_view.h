@@ -20,24 +20,29 @@ struct VerifyOptions {
   static void describe(Visit&& visit) {
     using O = VerifyOptions;
     visit(Field{"max_error_px", &O::max_error_px, "px",
-                "largest distance of a match from the epipolar geometry; grows in proportion for pictures over 3000 px", 1e-6});
+                "largest distance of a match from the epipolar geometry; grows in proportion for pictures over 3000 px",
+                1e-6});
     visit(Field{"min_inliers", &O::min_inliers, "1", "fewest matches of an accepted pair", 8});
     visit(Field{"confidence", &O::confidence, "1", "wanted chance of one sample without outliers", 0.0, 1.0});
     visit(Field{"max_trials", &O::max_trials, "1", "upper bound of samples drawn", 1});
   }
 };
 
-/// What two pictures have to do with each other, from putative matches between their keypoints (Match indexes into both spans).
-/// The answer's image ids are left empty for the caller to fill in.
-///   - An essential matrix is looked for (five_point, Sampson error); when a focal length is merely assumed (sigma_f > 0.1 f) a
+/// What two pictures have to do with each other, from putative matches between their keypoints (Match indexes into both
+/// spans). The answer's image ids are left empty for the caller to fill in.
+///   - An essential matrix is looked for (five_point, Sampson error); when a focal length is merely assumed (sigma_f >
+///   0.1 f) a
 ///     fundamental matrix first. `matches` are those within max_error_px of it and in front of both cameras.
-///   - A homography and a rotation compete with it by the information criterion of Torr (GRIC, IJCV 2002): kPlanar when a plane explains the
-///     matches as well, kRotation when a turn about the projection centre does (within the uncertainty of the focal length).
-///   - kNone: fewer than min_inliers, fewer than chance would bring together (a-contrario bound of Moisan and Stival, IJCV 2004), all on one
+///   - A homography and a rotation compete with it by the information criterion of Torr (GRIC, IJCV 2002): kPlanar when
+///   a plane explains the
+///     matches as well, kRotation when a turn about the projection centre does (within the uncertainty of the focal
+///     length).
+///   - kNone: fewer than min_inliers, fewer than chance would bring together (a-contrario bound of Moisan and Stival,
+///   IJCV 2004), all on one
 ///     line, or nearly all at the same pixel in both pictures (watermark, date, dirt on the sensor).
-/// second_from_first is given (unit translation) for kGeneral and kPlanar when the essential matrix holds; otherwise its translation is zero
-/// (for kRotation the rotation is given). A plane alone leaves two motions; the one that more matches support is given. With an assumed focal
-/// length the motion belongs to the factor of it that fits best.
+/// second_from_first is given (unit translation) for kGeneral and kPlanar when the essential matrix holds; otherwise
+/// its translation is zero (for kRotation the rotation is given). A plane alone leaves two motions; the one that more
+/// matches support is given. With an assumed focal length the motion belongs to the factor of it that fits best.
 [[nodiscard]] ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
                                std::span<const Keypoint> second, std::span<const Match> putative,
                                const VerifyOptions& options, std::uint64_t seed);

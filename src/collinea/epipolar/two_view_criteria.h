@@ -24,10 +24,11 @@ namespace collinea {
 /// The upper median; 0 of nothing.
 [[nodiscard]] double median(std::vector<double> values);
 
-/// Geometric robust information criterion (Torr, IJCV 2002) of a relation over the pairs `items`: dimension 3 for epipolar geometry, 2 for a
-/// homography; its number of parameters. The relation with the smaller value is the better one.
-[[nodiscard]] double gric(const std::vector<double>& squared_px2, std::span<const int> items, double sigma_px, int dimension,
-                          int parameters);
+/// Geometric robust information criterion (Torr, IJCV 2002) of a relation over the pairs `items`: dimension 3 for
+/// epipolar geometry, 2 for a homography; its number of parameters. The relation with the smaller value is the better
+/// one.
+[[nodiscard]] double gric(const std::vector<double>& squared_px2, std::span<const int> items, double sigma_px,
+                          int dimension, int parameters);
 
 /// The smaller standard deviation of the scatter of some points [px]: 0 for points on a line.
 [[nodiscard]] double breadth_px(const std::vector<Eigen::Vector2d>& points, std::span<const int> items);
@@ -35,18 +36,20 @@ namespace collinea {
 /// How far a homography is from a rotation, scale apart.
 [[nodiscard]] double distance_from_rotation(const Eigen::Matrix3d& homography);
 
-/// Whether it would be rare (1 in 100) that as many as `inliers` of randomly placed matches agree on some epipolar geometry within a
-/// threshold: the expected number of such sets among all five-pair models (Moisan and Stival, IJCV 2004). A random match is right by chance with
-/// the area of the band around a line over the area which the points of the second picture fill.
-[[nodiscard]] bool beyond_chance(const std::vector<Eigen::Vector2d>& second_px, std::size_t inliers, double threshold_px);
+/// Whether it would be rare (1 in 100) that as many as `inliers` of randomly placed matches agree on some epipolar
+/// geometry within a threshold: the expected number of such sets among all five-pair models (Moisan and Stival, IJCV
+/// 2004). A random match is right by chance with the area of the band around a line over the area which the points of
+/// the second picture fill.
+[[nodiscard]] bool beyond_chance(const std::vector<Eigen::Vector2d>& second_px, std::size_t inliers,
+                                 double threshold_px);
 
 /// How a keypoint differs between two pictures: turn [rad] and binary logarithm of the ratio of scales.
 struct TurnAndScale {
   double turn_rad, log2_scale;
 };
 
-/// The third of the items whose changes agree with most others (a vote in cells of 20 degrees and half an octave, with their neighbours), ascending.
-/// Right matches of one pair of pictures turn and scale much the same; wrong ones do not.
+/// The third of the items whose changes agree with most others (a vote in cells of 20 degrees and half an octave, with
+/// their neighbours), ascending. Right matches of one pair of pictures turn and scale much the same; wrong ones do not.
 [[nodiscard]] std::vector<int> most_alike(std::span<const TurnAndScale> changes);
 
 }  // namespace collinea

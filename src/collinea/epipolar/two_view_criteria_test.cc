@@ -31,7 +31,8 @@ TEST(MostAlike, PrefersTheCommonTurnAndScale) {
   std::vector<TurnAndScale> changes;
   for (int i = 0; i < 300; ++i) {
     const bool right = i % 3 == 0;
-    changes.push_back({right ? -3.1 + 0.1 * random.normal() : random.uniform(-9, 9), right ? 0.8 + 0.1 * random.normal() : random.uniform(-12, 12)});
+    changes.push_back({right ? -3.1 + 0.1 * random.normal() : random.uniform(-9, 9),
+                       right ? 0.8 + 0.1 * random.normal() : random.uniform(-12, 12)});
   }
   const std::vector<int> preferred = most_alike(changes);
   ASSERT_EQ(preferred.size(), 100u);

@@ -32,15 +32,16 @@ struct Pictures {
     second.push_back({static_cast<float>(b.x()), static_cast<float>(b.y())});
   }
   [[nodiscard]] std::size_t right_ones(const ImagePair& pair) const {
-    return static_cast<std::size_t>(std::count_if(pair.matches.begin(), pair.matches.end(), [&](const Match& m) { return m.first < good; }));
+    return static_cast<std::size_t>(
+        std::count_if(pair.matches.begin(), pair.matches.end(), [&](const Match& m) { return m.first < good; }));
   }
 };
 
 Eigen::Vector2d random_pixel(Random& random) { return {random.uniform(0, 3000), random.uniform(0, 2000)}; }
 
 template <class PointOf>
-Pictures pictures(const Camera& camera, const Rigid3& second_from_first, int good, int bad, double sigma_px, Random& random,
-                  PointOf point) {
+Pictures pictures(const Camera& camera, const Rigid3& second_from_first, int good, int bad, double sigma_px,
+                  Random& random, PointOf point) {
   Pictures result;
   while (static_cast<int>(result.first.size()) < good) {
     const Eigen::Vector3d x = point(random);
@@ -103,8 +104,9 @@ TEST(Verify, PlaneWithSomethingOnItHasTheRightMotion) {
   Random random(4);
   for (int k = 0; k < 5; ++k) {
     const Rigid3 truth = random_motion(random);
-    const Pictures p = pictures(lens(), truth, 200, 60, 0.5, random,
-                                [](Random& r) { return r.uniform() < 0.9 ? random_point_on_plane(r) : random_point(r); });
+    const Pictures p = pictures(lens(), truth, 200, 60, 0.5, random, [](Random& r) {
+      return r.uniform() < 0.9 ? random_point_on_plane(r) : random_point(r);
+    });
     const ImagePair pair = verified(lens(), p);
     EXPECT_NE(pair.geometry, PairGeometry::kNone);
     EXPECT_NE(pair.geometry, PairGeometry::kRotation);
@@ -148,7 +150,8 @@ TEST(Verify, PureRotationIsRecognisedThroughALensNotYetCalibrated) {
 TEST(Verify, RandomMatchesAreRefused) {
   Random random(7);
   for (const int count : {20, 60, 300, 1500})
-    EXPECT_EQ(verified(lens(), pictures(lens(), {}, 0, count, 0, random, random_point)).geometry, PairGeometry::kNone) << count;
+    EXPECT_EQ(verified(lens(), pictures(lens(), {}, 0, count, 0, random, random_point)).geometry, PairGeometry::kNone)
+        << count;
 }
 
 TEST(Verify, WatermarkIsRefusedButNotWhatLiesBehindIt) {
@@ -218,8 +221,8 @@ TEST(Verify, FocalLengthOfTheExifTenPercentOffIsGoodEnough) {
   }
 }
 
-// The standard deviation must tell the truth: of 40 normalised errors the mean square is 1 within 4 sqrt(2 / 40), and systematic
-// failures would be far outside.
+// The standard deviation must tell the truth: of 40 normalised errors the mean square is 1 within 4 sqrt(2 / 40), and
+// systematic failures would be far outside.
 TEST(FocalFactor, IsFoundWithItsStandardDeviation) {
   Random random(14);
   double sum = 0;
@@ -229,7 +232,8 @@ TEST(FocalFactor, IsFoundWithItsStandardDeviation) {
     const Pictures p = pictures(lens(), truth, 300, 0, 0.5, random, random_point);
     const Camera exact = lens();
     Camera assumed = exact;
-    const double factor = k % 2 ? 1.25 : 0.8;  // in undistorted coordinates a wrong focal length must leave the distortion alone
+    const double factor =
+        k % 2 ? 1.25 : 0.8;  // in undistorted coordinates a wrong focal length must leave the distortion alone
     assumed.params[Camera::kF] /= factor;
     assumed.params[Camera::kK1] /= factor * factor;
     assumed.params[Camera::kK2] /= std::pow(factor, 4);
@@ -248,6 +252,24 @@ TEST(FocalFactor, FixedFocalLengthsHaveNone) {
   Random random(15);
   const Pictures p = pictures(lens(), random_motion(random), 100, 0, 0.5, random, random_point);
   EXPECT_FALSE(focal_factor(lens(), p.first, lens(), p.second, verified(lens(), p)));
+}
+
+TEST(Verify, FlatSceneThroughAWrongFocalLengthKeepsItsMatches) {
+  Random random(16);
+  for (const double factor : {0.93, 1.07}) {
+    const Rigid3 truth{rotation_by({0.03, 0.05, 0.2}), {-1, 0.1, 0.05}};
+    const Pictures p = pictures(lens(), truth, 300, 100, 0.5, random, [](Random& r) {
+      const double depth = r.uniform() < 0.7 ? 5 : r.uniform(4.8, 5);  // houses on flat ground
+      return Eigen::Vector3d(r.uniform(-0.7, 0.7) * depth, r.uniform(-0.5, 0.5) * depth, depth);
+    });
+    Camera off = ideal_camera(2000 * factor, 3000, 2000);
+    off.sigma_f_px = 0.05 * off.focal_px();
+    const ImagePair pair = verified(off, p);
+    EXPECT_NE(pair.geometry, PairGeometry::kNone) << factor;
+    EXPECT_NE(pair.geometry, PairGeometry::kRotation) << factor;
+    EXPECT_GE(p.right_ones(pair), 270u) << factor;
+    EXPECT_LT(angle_between(pair.second_from_first.rotation, truth.rotation), 0.06) << factor;
+  }
 }
 
 TEST(Verify, SameSeedSameBits) {

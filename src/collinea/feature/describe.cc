@@ -12,8 +12,8 @@ constexpr double kDirectionWindow = 1.5;  // its standard deviation, in blurs of
 constexpr double kCell = 3;               // width of a descriptor's cell, in blurs of the feature
 // The scale of a feature is not exact, and slanted surfaces have none: patches of several sizes stand for all of them.
 constexpr double kPatchSizes[] = {1 / 1.5, 1, 1.5};
-constexpr float kLeastPeak = 0.8f;        // of the highest
-constexpr float kLargestValue = 0.2f;     // of the norm
+constexpr float kLeastPeak = 0.8f;     // of the highest
+constexpr float kLargestValue = 0.2f;  // of the norm
 constexpr float kNorm = 512;
 
 using Histogram = std::array<float, kDirectionBins>;
@@ -26,7 +26,8 @@ Histogram smoothed(const Histogram& in) {
   Histogram out;
   for (int b = 0; b < kDirectionBins; ++b)
     out[static_cast<std::size_t>(b)] =
-        (around(in, b - 2) + 4 * around(in, b - 1) + 6 * around(in, b) + 4 * around(in, b + 1) + around(in, b + 2)) / 16;
+        (around(in, b - 2) + 4 * around(in, b - 1) + 6 * around(in, b) + 4 * around(in, b + 1) + around(in, b + 2)) /
+        16;
   return out;
 }
 

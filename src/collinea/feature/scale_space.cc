@@ -68,7 +68,8 @@ class RowFilter {
   std::vector<float> padded_;
 };
 
-// Row y of the picture at twice its size: every pixel becomes 2 x 2, interpolated at a quarter of a pixel from its centre.
+// Row y of the picture at twice its size: every pixel becomes 2 x 2, interpolated at a quarter of a pixel from its
+// centre.
 void upsampled_row(const GreyImage& picture, int y, float* near, float* out) {
   const int other = std::clamp(y % 2 == 0 ? y / 2 - 1 : y / 2 + 1, 0, picture.height - 1);
   const std::uint8_t *a = picture.row(y / 2), *b = picture.row(other);

@@ -100,7 +100,8 @@ std::vector<Oriented> choose(const Detection& detection, const GreyImage& pictur
   std::vector<MainDirections> directions(detection.candidates.size());
   for (const std::uint32_t i : by_place) {
     const Site site(detection, i);
-    directions[i] = main_directions(site.plane.view(), site.candidate.extremum.x, site.candidate.extremum.y, site.blur_px);
+    directions[i] =
+        main_directions(site.plane.view(), site.candidate.extremum.x, site.candidate.extremum.y, site.blur_px);
   }
   std::vector<Oriented> chosen;
   for (const std::uint32_t i : order)
@@ -109,37 +110,42 @@ std::vector<Oriented> choose(const Detection& detection, const GreyImage& pictur
   return chosen;
 }
 
+Features described(const Detection& detection, std::vector<Oriented> chosen) {
+  // In the order of octave, level, row and column: neighbours are described one after the other.
+  std::ranges::stable_sort(chosen, {}, &Oriented::candidate);
+  Features features;
+  for (const Oriented& one : chosen) {
+    const Site site(detection, one.candidate);
+    const Extremum& extremum = site.candidate.extremum;
+    features.keypoints.push_back(keypoint(site, one.angle_rad));
+    features.descriptors.push_back(
+        describe_patch(site.plane.view(), extremum.x, extremum.y, site.blur_px, one.angle_rad));
+  }
+  return features;
+}
+
+Features strongest_first(const Features& features) {
+  std::vector<std::uint32_t> order(features.keypoints.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::stable_sort(order, std::ranges::greater{},
+                           [&](std::uint32_t i) { return features.keypoints[i].strength; });
+  Features sorted;
+  sorted.keypoints.reserve(order.size());
+  sorted.descriptors.reserve(order.size());
+  for (const std::uint32_t i : order) {
+    sorted.keypoints.push_back(features.keypoints[i]);
+    sorted.descriptors.push_back(features.descriptors[i]);
+  }
+  return sorted;
+}
+
 }  // namespace
 
 Features detect_sift(const GreyImage& image, const SiftOptions& options) {
   if (std::min(image.width, image.height) < kLeastSize_px) return {};
   const bool upsample = options.upsample.value_or(double(image.width) * image.height < kUpsampleBelow_px2);
   const Detection detection = detect(image, options, upsample);
-  std::vector<Oriented> chosen = choose(detection, image, options);
-
-  // The candidates are sorted by octave, level, row and column.
-  std::ranges::stable_sort(chosen, {}, &Oriented::candidate);
-  Features features;
-  features.keypoints.reserve(chosen.size());
-  std::vector<Descriptor> descriptors;
-  descriptors.reserve(chosen.size());
-  for (const Oriented& one : chosen) {
-    const Site site(detection, one.candidate);
-    features.keypoints.push_back(keypoint(site, one.angle_rad));
-    descriptors.push_back(describe_patch(site.plane.view(), site.candidate.extremum.x, site.candidate.extremum.y,
-                                         site.blur_px, one.angle_rad));
-  }
-  std::vector<std::uint32_t> order(chosen.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const std::vector<Keypoint> unsorted = std::move(features.keypoints);
-  std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::uint32_t i) { return unsorted[i].strength; });
-  features.keypoints.clear();
-  features.descriptors.reserve(chosen.size());
-  for (const std::uint32_t i : order) {
-    features.keypoints.push_back(unsorted[i]);
-    features.descriptors.push_back(descriptors[i]);
-  }
-  return features;
+  return strongest_first(described(detection, choose(detection, image, options)));
 }
 
 }  // namespace collinea

@@ -25,9 +25,10 @@ struct SiftOptions {
     visit(Field{"edge_ratio", &O::edge_ratio, "1", "largest ratio of the two principal curvatures", 1.0});
     visit(Field{"upsample", &O::upsample, "1",
                 "look for features finer than the pixels; by default for images below 2.5 megapixels"});
-    visit(Field{"even_share", &O::even_share, "1",
-                "part of the features given to the image regions that have the fewest; the others are the strongest of all",
-                0.0, 1.0});
+    visit(Field{
+        "even_share", &O::even_share, "1",
+        "part of the features given to the image regions that have the fewest; the others are the strongest of all",
+        0.0, 1.0});
   }
 };
 
@@ -36,12 +37,12 @@ struct SiftOptions {
 /// gradient directions gives as many features. A descriptor is the square root of the L1-normalised SIFT descriptor,
 /// times 512, rounded, at most 255; hence its L2 norm is about 512.
 ///
-/// Unlike Lowe: gradients are taken over patches of three sizes (Dong and Soatto 2015). The weak peaks are kept at first;
-/// of all of them the strongest are taken, and then others where the image has had the fewest so far
+/// Unlike Lowe: gradients are taken over patches of three sizes (Dong and Soatto 2015). The weak peaks are kept at
+/// first; of all of them the strongest are taken, and then others where the image has had the fewest so far
 /// (SiftOptions::even_share).
 ///
-/// Single-threaded and without chance: the same image gives the same bits. Memory: about 30 bytes per pixel of the image
-/// (120 when upsampled). An image of less than 16 pixels in width or height has no features.
+/// Single-threaded and without chance: the same image gives the same bits. Memory: about 30 bytes per pixel of the
+/// image (120 when upsampled). An image of less than 16 pixels in width or height has no features.
 [[nodiscard]] Features detect_sift(const GreyImage& image, const SiftOptions& options);
 
 }  // namespace collinea

@@ -120,7 +120,8 @@ HWY_INLINE void gradient(D d, const float* p, std::ptrdiff_t stride, V* size, V*
 
 constexpr int kMaxWindow = 160;  // pixels across the largest window, with room for a vector more
 
-// weights[i] = exp(-(first + i - centre)^2 / (2 sigma^2)). By recurrence: the ratio of neighbours is a geometric series.
+// weights[i] = exp(-(first + i - centre)^2 / (2 sigma^2)). By recurrence: the ratio of neighbours is a geometric
+// series.
 HWY_INLINE void gaussian_weights(int first, int last, float centre, float sigma, float* weights) {
   const double a = -0.5 / (double{sigma} * sigma), x = first - double{centre};
   double value = std::exp(a * x * x), ratio = std::exp(a * (2 * x + 1));
@@ -185,8 +186,9 @@ HWY_INLINE void clip_to_band(float slope, float offset, float half, float centre
 }
 
 constexpr int kCells = 4, kDirections = 8;
-constexpr int kGridCells = kCells + 2;           // one more on each side takes what falls outside
-constexpr int kGridDirections = kDirections + 2;  // one more takes what belongs to the first again; one for its neighbour
+constexpr int kGridCells = kCells + 2;  // one more on each side takes what falls outside
+constexpr int kGridDirections =
+    kDirections + 2;  // one more takes what belongs to the first again; one for its neighbour
 constexpr int kGridRow = kGridCells * kGridDirections;
 constexpr int kGridSize = kGridCells * kGridRow;
 constexpr float kHalfPatch = 0.5f * (kCells + 1);  // cells from the middle to where the weight of the outer cells ends

@@ -13,7 +13,8 @@ inline constexpr int kRowSlack = 32;
 /// out[x] = in[x], for a row of bytes; nothing is read beyond `width`.
 void widen_row(const std::uint8_t* in, int width, float* out);
 
-/// out[x] = sum over j in [-radius, radius] of taps[|j|] in[x + j]. in is readable from -radius to width + radius + slack.
+/// out[x] = sum over j in [-radius, radius] of taps[|j|] in[x + j]. in is readable from -radius to width + radius +
+/// slack.
 void filter_along_row(const float* in, int width, const float* taps, int radius, float* out);
 
 /// out[x] = sum over j in [-radius, radius] of taps[|j|] rows[radius + j][x].
@@ -40,8 +41,8 @@ inline constexpr int kDirectionBins = 36;
 /// deviation sigma, out to three of it. Bin b is centred on the direction 2 pi b / 36, from x to y. sigma <= 8.
 void direction_histogram(const BlurredImage& image, float x, float y, float sigma, float* histogram);
 
-/// The 4 x 4 x 8 gradient histogram [row][column][direction] of a patch round (x, y), turned by angle_rad, whose cells are
-/// cell_px wide, before any normalisation. cell_px <= 18.
+/// The 4 x 4 x 8 gradient histogram [row][column][direction] of a patch round (x, y), turned by angle_rad, whose cells
+/// are cell_px wide, before any normalisation. cell_px <= 18.
 void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, float* histogram);
 
 }  // namespace collinea

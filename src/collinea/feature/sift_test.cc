@@ -34,11 +34,13 @@ struct Blob {
 GreyImage picture_of(const std::vector<Blob>& blobs, int width, int height) {
   FloatImage sum(width, height, 1, 60);
   for (const Blob& blob : blobs) {
-    const int reach = static_cast<int>(5 * blob.sigma_px) + 1, middle_x = static_cast<int>(blob.x), middle_y = static_cast<int>(blob.y);
+    const int reach = static_cast<int>(5 * blob.sigma_px) + 1, middle_x = static_cast<int>(blob.x),
+              middle_y = static_cast<int>(blob.y);
     for (int y = std::max(0, middle_y - reach); y <= std::min(height - 1, middle_y + reach); ++y)
       for (int x = std::max(0, middle_x - reach); x <= std::min(width - 1, middle_x + reach); ++x) {
         const double dx = x + 0.5 - blob.x, dy = y + 0.5 - blob.y;
-        sum.at(x, y) += static_cast<float>(blob.height * std::exp(-(dx * dx + dy * dy) / (2 * blob.sigma_px * blob.sigma_px)));
+        sum.at(x, y) +=
+            static_cast<float>(blob.height * std::exp(-(dx * dx + dy * dy) / (2 * blob.sigma_px * blob.sigma_px)));
       }
   }
   GreyImage picture(width, height);
@@ -96,7 +98,8 @@ Agreement compare(double angle_rad, double scale, bool upsample) {
   const int size = 240;
   SiftOptions options = above(0.004);
   options.upsample = upsample;
-  const Features a = detect_sift(scene.seen(0, 1, size), options), b = detect_sift(scene.seen(angle_rad, scale, size), options);
+  const Features a = detect_sift(scene.seen(0, 1, size), options),
+                 b = detect_sift(scene.seen(angle_rad, scale, size), options);
   Agreement agreement;
   std::vector<double> angles, scales;
   for (std::size_t i = 0; i < a.keypoints.size(); ++i) {
@@ -141,7 +144,8 @@ TEST(Sift, BlobsAreFoundWhereTheyAreInEveryOctaveAndWithoutBias) {
         const int size = static_cast<int>(60 + 10 * sigma_px);
         // Over a whole pixel of the coarsest octave.
         const double x = size / 2 + random.uniform(-8, 8), y = size / 2 + random.uniform(-8, 8);
-        const Features features = detect_sift(picture_of({{x, y, sigma_px, 150}}, size, size), with_upsampling(upsample));
+        const Features features =
+            detect_sift(picture_of({{x, y, sigma_px, 150}}, size, size), with_upsampling(upsample));
         ASSERT_FALSE(features.keypoints.empty()) << sigma_px;
         const Keypoint& found = features.keypoints.front();
         EXPECT_LT(distance(found, x, y), 0.025 * found.scale_px) << sigma_px << " upsampled " << upsample;
@@ -153,7 +157,8 @@ TEST(Sift, BlobsAreFoundWhereTheyAreInEveryOctaveAndWithoutBias) {
     }
 }
 
-// The difference of Gaussians of blur s and k s is extremal over a Gaussian blob of size t at s = t / sqrt(k), k = 2^(1/3).
+// The difference of Gaussians of blur s and k s is extremal over a Gaussian blob of size t at s = t / sqrt(k), k =
+// 2^(1/3).
 TEST(Sift, TheScaleIsThatOfTheBlob) {
   for (const bool upsample : {false, true})
     for (const double sigma_px : {2.5, 4.0, 5.0, 8.0, 13.0}) {

@@ -20,7 +20,9 @@ class Grid {
     per_x_ = double(columns_) / width;
     per_y_ = double(rows_) / height;
   }
-  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+  }
   [[nodiscard]] std::size_t cell_of(const Spot& spot) const {
     const int column = std::clamp(static_cast<int>(spot.x * per_x_), 0, columns_ - 1);
     const int row = std::clamp(static_cast<int>(spot.y * per_y_), 0, rows_ - 1);

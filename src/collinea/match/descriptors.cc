@@ -27,7 +27,8 @@ std::vector<Match> match_descriptors(std::span<const Descriptor> a, std::span<co
   std::vector<Match> matches;
   for (std::uint32_t i = 0; i < a.size(); ++i) {
     const std::uint32_t j = of_a[i].index;
-    if (is_distinct(of_a[i], squared_ratio, largest) && of_b[j].index == i && is_distinct(of_b[j], squared_ratio, largest))
+    if (is_distinct(of_a[i], squared_ratio, largest) && of_b[j].index == i &&
+        is_distinct(of_b[j], squared_ratio, largest))
       matches.emplace_back(i, j);
   }
   return matches;

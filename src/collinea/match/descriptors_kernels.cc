@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Squared distances |a|^2 + |b|^2 - 2 a.b of all pairs, tile by tile, each tile reduced at once to the nearest two by row
-// and by column. A tile is kRows descriptors of a times a panel of kVectors vectors of b, one descriptor of b in each lane.
+// Squared distances |a|^2 + |b|^2 - 2 a.b of all pairs, tile by tile, each tile reduced at once to the nearest two by
+// row and by column. A tile is kRows descriptors of a times a panel of kVectors vectors of b, one descriptor of b in
+// each lane.
 //
 // The dot products are exact: bytes are widened (to 16 bits, multiplied in pairs); where there are byte dot
 // products (VNNI: unsigned times signed), a - 128 takes the place of a, and a.b = (a - 128).b + 128 sum(b).
@@ -27,8 +28,8 @@ constexpr D kInts;
 constexpr std::size_t kSize = 128;  // bytes of a descriptor
 constexpr std::size_t kLanes = hn::MaxLanes(kInts);
 constexpr std::size_t kRows = 4;
-constexpr std::size_t kTileRows = 256;           // rows whose running minima stay in the cache
-constexpr std::int32_t kFar = 1 << 29;           // beyond any distance (128 * 255^2 < 2^23): marks padding
+constexpr std::size_t kTileRows = 256;             // rows whose running minima stay in the cache
+constexpr std::int32_t kFar = 1 << 29;             // beyond any distance (128 * 255^2 < 2^23): marks padding
 constexpr std::int32_t kUnset = (1 << 30) + kFar;  // not below any value computed, padding included
 #if HWY_TARGET <= HWY_AVX3
 constexpr std::size_t kVectors = 4;
@@ -41,7 +42,8 @@ constexpr std::size_t kPanel = kVectors * kLanes;
 using Element = std::uint8_t;
 constexpr std::int32_t kOffset = 128;
 
-// Highway tests the machine for AVX512-VNNI before it takes this target, but does not tell the compiler: hence no intrinsic.
+// Highway tests the machine for AVX512-VNNI before it takes this target, but does not tell the compiler: hence no
+// intrinsic.
 HWY_INLINE V multiply_add(V sum, V a, V b) {
   asm("vpdpbusd %2, %1, %0" : "+v"(sum.raw) : "v"(b.raw), "v"(a.raw));
   return sum;
@@ -142,9 +144,8 @@ struct Panel {
 HWY_INLINE void match_tile(const Rows& rows, std::int32_t first_row, const Panel& panel, std::int32_t first_column) {
   V dot[kRows][kVectors];
   COLLINEA_UNROLL
-  for (std::size_t r = 0; r < kRows; ++r)
-    COLLINEA_UNROLL
-    for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = hn::Zero(kInts);
+  for (std::size_t r = 0; r < kRows; ++r) COLLINEA_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = hn::Zero(kInts);
   for (std::size_t k = 0; k < kSteps; ++k) {
     V b[kVectors];
     COLLINEA_UNROLL
@@ -163,7 +164,8 @@ HWY_INLINE void match_tile(const Rows& rows, std::int32_t first_row, const Panel
   COLLINEA_UNROLL
   for (std::size_t r = 0; r < kRows; ++r) {
     Running of_row = Running::load(rows.running + r * kRunning);
-    const V row = hn::Set(kInts, first_row + static_cast<std::int32_t>(r)), constant = hn::Set(kInts, rows.constants[r]);
+    const V row = hn::Set(kInts, first_row + static_cast<std::int32_t>(r)),
+            constant = hn::Set(kInts, rows.constants[r]);
     COLLINEA_UNROLL
     for (std::size_t v = 0; v < kVectors; ++v) {
       const V sum = hn::Add(constant, hn::Load(kInts, panel.constants + v * kLanes));
@@ -194,8 +196,10 @@ NearestTwo gathered(const std::int32_t* running) {
 void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
                  NearestTwo* of_a, NearestTwo* of_b) {
   const std::size_t rows = padded(count_a, kRows), columns = padded(count_b, kPanel);
-  const auto packed_a = hwy::AllocateAligned<Element>(rows * kSize), packed_b = hwy::AllocateAligned<Element>(columns * kSize);
-  const auto constants_a = hwy::AllocateAligned<std::int32_t>(rows), constants_b = hwy::AllocateAligned<std::int32_t>(columns);
+  const auto packed_a = hwy::AllocateAligned<Element>(rows * kSize),
+             packed_b = hwy::AllocateAligned<Element>(columns * kSize);
+  const auto constants_a = hwy::AllocateAligned<std::int32_t>(rows),
+             constants_b = hwy::AllocateAligned<std::int32_t>(columns);
   const auto running_a = hwy::AllocateAligned<std::int32_t>(kTileRows * kRunning);
   const auto running_b = hwy::AllocateAligned<std::int32_t>(columns / kLanes * kRunning);
   pack_rows(a, count_a, packed_a.get(), constants_a.get());

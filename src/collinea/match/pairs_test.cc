@@ -119,7 +119,9 @@ TEST(SelectPairs, WithoutPositionsTheOrderOfTakingCountsAndNumbersCountAsNumbers
   EXPECT_EQ(images_to_preselect(block, {}).size(), 120u);
 
   // Times win over names, when all images have one.
-  for (auto& [id, image] : block.images) image.taken = "2024:05:01 10:" + std::to_string(10 + (id.value * 7) % 120 / 2) + ":" + std::to_string(10 + (id.value * 7) % 2 * 30);
+  for (auto& [id, image] : block.images)
+    image.taken = "2024:05:01 10:" + std::to_string(10 + (id.value * 7) % 120 / 2) + ":" +
+                  std::to_string(10 + (id.value * 7) % 2 * 30);
   const auto timed = select_pairs(block, {});
   EXPECT_TRUE(has(timed, 0, 103));  // 103 * 7 = 721 = 1 (mod 120)
   EXPECT_FALSE(has(timed, 0, 1));
@@ -133,7 +135,8 @@ TEST(SelectPairs, ManyImagesAtOnePlaceDoNotBecomeAllWithAll) {
   EXPECT_LT(select_pairs(block, {}).size(), 400u * 24);
 }
 
-// Images in groups of five that see the same 300 things, a little changed; none of the groups' images are neighbours by number.
+// Images in groups of five that see the same 300 things, a little changed; none of the groups' images are neighbours by
+// number.
 struct Library {
   static constexpr std::uint32_t kGroups = 9, kPerGroup = 5, kCount = kGroups * kPerGroup;
 
@@ -142,8 +145,7 @@ struct Library {
     Features features;
     for (std::uint32_t i = 0; i < 300; ++i) {
       Descriptor descriptor;
-      for (std::uint8_t& value : descriptor)
-        value = static_cast<std::uint8_t>(things.below(80) + change.below(10));
+      for (std::uint8_t& value : descriptor) value = static_cast<std::uint8_t>(things.below(80) + change.below(10));
       features.descriptors.push_back(descriptor);
       features.keypoints.push_back({.scale_px = static_cast<float>(1 + i % 50), .strength = 1});
     }
@@ -202,8 +204,10 @@ TEST(PreselectPairs, ErrorsAndStopsArePassedOn) {
 }
 
 TEST(Joined, IsTheUnion) {
-  const std::vector<ImageIdPair> a{{ImageId{0}, ImageId{1}}, {ImageId{2}, ImageId{5}}}, b{{ImageId{0}, ImageId{1}}, {ImageId{1}, ImageId{3}}};
-  EXPECT_EQ(joined(a, b), (std::vector<ImageIdPair>{{ImageId{0}, ImageId{1}}, {ImageId{1}, ImageId{3}}, {ImageId{2}, ImageId{5}}}));
+  const std::vector<ImageIdPair> a{{ImageId{0}, ImageId{1}}, {ImageId{2}, ImageId{5}}},
+      b{{ImageId{0}, ImageId{1}}, {ImageId{1}, ImageId{3}}};
+  EXPECT_EQ(joined(a, b),
+            (std::vector<ImageIdPair>{{ImageId{0}, ImageId{1}}, {ImageId{1}, ImageId{3}}, {ImageId{2}, ImageId{5}}}));
 }
 
 }  // namespace

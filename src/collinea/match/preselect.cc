@@ -15,7 +15,8 @@ namespace {
 std::vector<Descriptor> largest(const Features& features, int count) {
   std::vector<std::uint32_t> order(features.keypoints.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::uint32_t i) { return features.keypoints[i].scale_px; });
+  std::ranges::stable_sort(order, std::ranges::greater{},
+                           [&](std::uint32_t i) { return features.keypoints[i].scale_px; });
   order.resize(std::min(order.size(), static_cast<std::size_t>(std::max(0, count))));
   std::vector<Descriptor> descriptors;
   for (const std::uint32_t i : order) descriptors.push_back(features.descriptors[i]);

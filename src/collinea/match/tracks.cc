@@ -84,7 +84,8 @@ Graph graph_of(std::span<const ImagePair> pairs) {
     COLLINEA_CHECK(pair.first != pair.second);
     if (pair.matches.empty()) continue;
     const std::vector<Node>&first = numbering.of(pair.first), &second = numbering.of(pair.second);
-    for (const auto& [i, j] : pair.matches) graph.links.push_back({std::min(first[i], second[j]), std::max(first[i], second[j])});
+    for (const auto& [i, j] : pair.matches)
+      graph.links.push_back({std::min(first[i], second[j]), std::max(first[i], second[j])});
   }
   std::ranges::sort(graph.links);
   graph.links.erase(std::ranges::unique(graph.links).begin(), graph.links.end());

@@ -18,11 +18,11 @@ struct Track {
   friend bool operator==(const Track&, const Track&) = default;
 };
 
-/// Joins the matches of image pairs to tracks. Where this would put two features of one image into a track, some match is
-/// wrong: then the matches of that group are joined one by one, those first that most third features confirm (by matches to
-/// both of their ends), and a match that would join two features of one image is left out. So a wrong match between two good
-/// tracks parts them again.
-/// Sorted by their features; the result does not depend on the order of the pairs or of their matches.
+/// Joins the matches of image pairs to tracks. Where this would put two features of one image into a track, some match
+/// is wrong: then the matches of that group are joined one by one, those first that most third features confirm (by
+/// matches to both of their ends), and a match that would join two features of one image is left out. So a wrong match
+/// between two good tracks parts them again. Sorted by their features; the result does not depend on the order of the
+/// pairs or of their matches.
 [[nodiscard]] std::vector<Track> merge_tracks(std::span<const ImagePair> pairs);
 
 }  // namespace collinea

@@ -36,12 +36,14 @@ TEST(MergeTracks, MatchesOfOneFeatureMakeOneTrack) {
 }
 
 TEST(MergeTracks, AWrongMatchBetweenTwoTracksPartsThemAgain) {
-  // Features 0 of images 0 to 3 belong together, and features 1; all pairs are matched, and 0 with 1 between images 0 and 3.
+  // Features 0 of images 0 to 3 belong together, and features 1; all pairs are matched, and 0 with 1 between images 0
+  // and 3.
   std::vector<ImagePair> pairs;
   for (std::uint32_t i = 0; i < 4; ++i)
     for (std::uint32_t j = i + 1; j < 4; ++j) pairs.push_back(pair_of(i, j, {{0, 0}, {1, 1}}));
   pairs.push_back(pair_of(0, 3, {{0, 1}}));
-  EXPECT_EQ(merge_tracks(pairs), (std::vector{track({{0, 0}, {1, 0}, {2, 0}, {3, 0}}), track({{0, 1}, {1, 1}, {2, 1}, {3, 1}})}));
+  EXPECT_EQ(merge_tracks(pairs),
+            (std::vector{track({{0, 0}, {1, 0}, {2, 0}, {3, 0}}), track({{0, 1}, {1, 1}, {2, 1}, {3, 1}})}));
 }
 
 TEST(MergeTracks, ALonelyWrongFeatureIsLeftOut) {
@@ -80,7 +82,8 @@ TEST(MergeTracks, NoImageIsTwiceInATrackAndTheOrderOfThePairsDoesNotMatter) {
       ASSERT_TRUE(seen.insert(one.features[i]).second) << "in two tracks";
     }
     const std::uint32_t like = one.features.front().second;
-    pure += one.features.size() >= 10 && std::ranges::all_of(one.features, [&](const auto& f) { return f.second == like; });
+    pure +=
+        one.features.size() >= 10 && std::ranges::all_of(one.features, [&](const auto& f) { return f.second == like; });
   }
   EXPECT_GE(pure, 38u);  // of 40
 

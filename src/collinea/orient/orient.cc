@@ -13,6 +13,9 @@
 namespace collinea {
 namespace {
 
+constexpr double kLeastSigmaFactor = 0.1, kMostSigmaFactor = 10;  // of the sigma of tie points
+constexpr double kControlMisfit = 4;  // differences at control points in sigmas that no chance explains
+constexpr int kControlRounds = 2;
 constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
 
 struct Parts {
@@ -95,12 +98,12 @@ class Orienter {
     result_.other_parts = std::move(parts.others);
     result_.alone = std::move(parts.alone);
     Reconstruction& part = parts.largest;
-    COLLINEA_TRY([[maybe_unused]] const Adjusted free_net,
-                 settle(part, {.use_positions = false, .use_control = false}, options_, run_));
+    COLLINEA_TRY(const Adjusted free_net, settle(part, {.use_positions = false, .use_control = false}, options_, run_));
+    // Nothing but tie points took part: their sigma is what they show among each other.
+    part.set_sigma_px(options_.sigma_px * std::clamp(free_net.sigma0, kLeastSigmaFactor, kMostSigmaFactor));
     const AdjustScope scope = place(part);
-    if (result_.georeferenced) {
-      COLLINEA_TRY([[maybe_unused]] const Adjusted tied, settle(part, scope, options_, run_));
-    }
+    if (result_.georeferenced)
+      if (auto tied = tie_to_ground(part, scope); !tied) return tl::unexpected(tied.error());
     AdjustOptions final_options{.calibration = calibration_for(options_, part.poses().size()), .covariances = true};
     COLLINEA_TRY(result_.adjusted, part.adjust_all(final_options, scope, run_));
     finish(part);
@@ -115,6 +118,42 @@ class Orienter {
     result_.excluded_control = diagnosis.excluded_points;
     apply(diagnosis, setup_);
     if (diagnosis.axes_swapped) setup_.control_observations.clear();
+  }
+
+  // Adjusts with positions and control. Control that contradicts the block, and itself, by many times its sigma cannot be as
+  // good as stated: it is given the sigma it shows, and that is said.
+  Result<> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
+    for (int round = 0;; ++round) {
+      COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, run_));
+      const double factor = control_misfit(tied);
+      if (factor < kControlMisfit || round == kControlRounds) return {};
+      double sigma_m = 0;
+      for (auto& [id, point] : setup_.control) {
+        point.sigma_m *= factor;
+        if (point.sigma_m.allFinite()) sigma_m = std::max(sigma_m, point.sigma_m.maxCoeff());
+      }
+      result_.findings.push_back(fmt::format(
+          "control points contradict the images by {:.0f} times their stated sigma; it is taken as {:.2g} m instead. Look for wrong "
+          "points, or state the sigma they really have",
+          factor, sigma_m));
+    }
+  }
+
+  // Root mean square of the differences at control points in sigmas; 0 with fewer than three points.
+  [[nodiscard]] double control_misfit(const Adjusted& adjusted) const {
+    double sum = 0;
+    int axes = 0, points = 0;
+    for (const ControlDifference& difference : adjusted.control) {
+      if (!difference.used) continue;
+      ++points;
+      const Eigen::Vector3d& sigma_m = setup_.control.at(difference.point).sigma_m;
+      for (int axis = 0; axis < 3; ++axis)
+        if (std::isfinite(sigma_m[axis])) {
+          sum += std::pow(difference.difference_m[axis] / sigma_m[axis], 2);
+          ++axes;
+        }
+    }
+    return points < 3 ? 0 : std::sqrt(sum / axes);
   }
 
   // Brings the part into the frame of control or positions, where there are enough of them.

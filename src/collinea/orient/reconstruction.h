@@ -73,6 +73,8 @@ class Reconstruction {
   /// The oriented part as a block; with control observations and the setup's priors.
   [[nodiscard]] Block block() const;
   void move_world(const Similarity3& new_from_old);
+  /// What tie point observations are taken for from now on.
+  void set_sigma_px(double sigma_px) { options_.sigma_px = sigma_px; }
   void take(const Adjusted& adjusted);
   void forget();  ///< back to no pose and no point
 

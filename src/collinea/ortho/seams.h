@@ -17,7 +17,8 @@ constexpr std::int16_t kNoView = -1;
 constexpr int kSeamReach = 2 * OrthoPatch::kBlock;
 
 /// The cheapest view (cost_of, worked out at the corners of blocks and interpolated) that sees a cell, then straightened: a
-/// cell follows the majority around it where that view sees it too. kNoView where no view sees it.
+/// cell follows the majority around it where that view sees it too. kNoView where no view sees it, but for pinholes of
+/// a few cells, which follow their surroundings.
 [[nodiscard]] Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views, Visibility& visibility);
 
 /// The weight of one view in each cell of a rectangle: 1 well inside its own area, falling to 0 within feather_cells on both sides of its

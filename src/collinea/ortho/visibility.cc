@@ -33,6 +33,21 @@ bool Visibility::sees(int view, int x, int y) {
   return final_state(v, x / kBlock, y / kBlock) == State::kAll || layers_[v].final_mask.at(x, y) != 0;
 }
 
+bool Visibility::sees_barely(int view, int x, int y) {
+  const std::size_t v = std::size_t(view);
+  if (std::isnan(patch_.heights_m.at(x, y))) return false;
+  if (hidden_around(v, x, y, 1) > 0) return false;
+  return 5 * hidden_around(v, x, y, rim_cells_) <= (2 * rim_cells_ + 1) * (2 * rim_cells_ + 1);
+}
+
+int Visibility::hidden_around(std::size_t view, int x, int y, int radius) {
+  int hidden = 0;
+  for (int j = std::max(0, y - radius); j <= std::min(patch_.heights_m.height - 1, y + radius); ++j)
+    for (int i = std::max(0, x - radius); i <= std::min(patch_.heights_m.width - 1, x + radius); ++i)
+      hidden += raw_state(view, i / kBlock, j / kBlock) == State::kMask && layers_[view].raw_mask.at(i, j) == 0;
+  return hidden;
+}
+
 bool Visibility::sees_cell(const View& view, int x, int y) const {
   const auto pixel = pixel_of(view, patch_.world_at(x, y));
   if (!pixel || !well_inside(view, *pixel)) return false;

@@ -47,6 +47,9 @@ class Visibility {
 
   /// `view`: index into the views. Cells without height are seen by nobody.
   [[nodiscard]] bool sees(int view, int x, int y);
+  /// The same, but a few hidden cells in the rim do not count (the teeth of an edge), as long as the next neighbours are
+  /// seen: better than nothing where no view sees a cell well. Along the border of a larger hidden place it is no help.
+  [[nodiscard]] bool sees_barely(int view, int x, int y);
   /// True when the view sees all cells of a block that have a height.
   [[nodiscard]] bool sees_block(int view, int block_x, int block_y) {
     return final_state(std::size_t(view), block_x, block_y) == State::kAll;
@@ -62,6 +65,7 @@ class Visibility {
   [[nodiscard]] bool sees_cell(const View& view, int x, int y) const;
   [[nodiscard]] bool sees_whole_block(const View& view, int block_x, int block_y) const;
   [[nodiscard]] bool clear_towards(const View& view, int block_x, int block_y, float low_m, float high_m) const;
+  int hidden_around(std::size_t view, int x, int y, int radius);
   State raw_state(std::size_t view, int block_x, int block_y);
   State final_state(std::size_t view, int block_x, int block_y);
   void make_final_mask(Layer& layer, int block_x, int block_y) const;

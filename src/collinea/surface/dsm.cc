@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kBucketCells = 256;
 constexpr int kTileCells = 512;
-constexpr std::size_t kPointMemory = std::size_t{512} << 20;
+constexpr std::size_t kPointMemory = std::size_t{256} << 20;
 constexpr double kMostCells = 2e10;
 
 Gridding gridding_of(const DsmOptions& options, double gsd_m) {

@@ -65,7 +65,7 @@ struct SurfaceSink {
 
 /// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit), in the map of `frame`, or in the plane x, y
 /// of the world when `frame` is null (then `point_frame` does not matter). Cell edges lie on multiples of the cell size. `gsd_m` is the ground size of a
-/// pixel of the matched pictures. Points are kept in `scratch` beyond 512 MB of them. The same cloud gives the same bits in any
+/// pixel of the matched pictures. Points are kept in `scratch` beyond 256 MB of them. The same cloud gives the same bits in any
 /// order and with any number of threads. Errors: no points, raster too large, disk, cancelled.
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
                              const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,

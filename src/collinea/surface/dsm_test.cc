@@ -31,7 +31,8 @@ std::vector<SurfacePoint> hill(double west, double south, double size, int count
   return points;
 }
 
-Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int threads = 1) {
+Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int threads = 1, const LocalFrame* frame = nullptr,
+                PointFrame point_frame = PointFrame::kWorld) {
   std::size_t next = 0;
   const PointSource source = [&](std::vector<SurfacePoint>& batch) -> Result<> {
     const std::size_t end = std::min(next + 1000, points.size());
@@ -52,7 +53,7 @@ Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int
                          }};
   Run run;
   run.threads = threads;
-  result.summary = build_dsm(source, nullptr, 0.1234, sink, "unused", options, run);
+  result.summary = build_dsm(source, frame, 0.1234, sink, "unused", options, run, point_frame);
   return result;
 }
 
@@ -69,6 +70,24 @@ TEST(Dsm, HeightsLieWhereTheMapSays) {
       ASSERT_NEAR(dsm.height_m.at(column, row), hill_m(dsm.grid.east_of(column + 0.5), dsm.grid.north_of(row + 0.5)), 2e-3);
   EXPECT_GT(dsm.summary->measured_cells, 9900u);
   EXPECT_EQ(dsm.summary->points, 50'000u);
+}
+
+// Positions on the map differ by the 1e-9 m to which PROJ's way there and back is exact, heights by that times the slope.
+TEST(Dsm, PointsMayComeInTheWorldOrOnTheMap) {
+  const auto frame = LocalFrame::create("EPSG:32633", 48.2, 15.63, 300);
+  ASSERT_TRUE(frame) << frame.error().message;
+  auto points = hill(546'800, 5'338'700, 10, 30'000);
+  const Collected by_map = build(points, {}, 1, &*frame, PointFrame::kMap);
+  for (SurfacePoint& p : points) p.position = frame->local_from_map(p.position);
+  const Collected by_world = build(points, {}, 1, &*frame);
+  ASSERT_TRUE(by_map.summary && by_world.summary);
+  EXPECT_FALSE(by_map.grid.wkt.empty());
+  EXPECT_NEAR(by_map.grid.west_m, 546'800, 0.12);
+  ASSERT_EQ(by_map.height_m.data.size(), by_world.height_m.data.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < by_map.height_m.data.size(); ++i)
+    different += std::abs(by_map.height_m.data[i] - by_world.height_m.data[i]) > 1e-2f;
+  EXPECT_LE(different, 3u);  // points within 1e-9 m of the edge of a cell
 }
 
 TEST(Dsm, ThreadsAndOrderDoNotMatter) {
@@ -123,8 +142,7 @@ TEST(PointBuckets, WhatWentToFilesComesBack) {
     std::sort(heights.begin(), heights.end());
     EXPECT_EQ(heights, expected);
   }
-  EXPECT_TRUE(std::filesystem::is_empty(scratch));
-  std::filesystem::remove(scratch);
+  EXPECT_FALSE(std::filesystem::exists(scratch));
 }
 
 }  // namespace

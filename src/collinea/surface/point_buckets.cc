@@ -26,6 +26,7 @@ PointBuckets::~PointBuckets() {
   std::error_code ignored;
   for (const auto& [place, bucket] : buckets_)
     if (bucket.in_file > 0) std::filesystem::remove(file_of(place), ignored);
+  if (made_scratch_) std::filesystem::remove(scratch_, ignored);  // stays when others use it too
 }
 
 std::filesystem::path PointBuckets::file_of(const Place& place) const {
@@ -57,7 +58,7 @@ Result<> PointBuckets::add(std::span<const GridPoint> points) {
 
 Result<> PointBuckets::spill() {
   std::error_code error;
-  std::filesystem::create_directories(scratch_, error);
+  made_scratch_ |= std::filesystem::create_directories(scratch_, error);
   for (auto& [place, bucket] : buckets_) {
     if (bucket.in_memory.empty()) continue;
     std::ofstream file(file_of(place), bucket.in_file > 0 ? std::ios::binary | std::ios::app : std::ios::binary);

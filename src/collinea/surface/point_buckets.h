@@ -47,6 +47,7 @@ class PointBuckets {
   std::filesystem::path scratch_;
   int cells_;
   std::size_t memory_bytes_, held_ = 0;
+  bool made_scratch_ = false;
   std::map<Place, Bucket> buckets_;
 };
 

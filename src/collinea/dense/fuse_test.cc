@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/fuse.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "collinea/dense/test_scene.h"
+
+namespace collinea {
+namespace {
+
+using test::Scene;
+
+class MemoryStore : public DepthStore {
+ public:
+  Result<> write(ImageId image, const DepthMap& map) override {
+    maps[image] = map;
+    return {};
+  }
+  Result<DepthMap> read(ImageId image) override {
+    if (!maps.count(image)) return fail(Errc::kNotFound, "no such map");
+    return maps.at(image);
+  }
+  std::map<ImageId, DepthMap> maps;
+};
+
+// The true depth maps of a scene, with normally distributed errors of `sigma`.
+MemoryStore true_maps(const Scene& scene, float sigma, double noise_in_sigmas) {
+  MemoryStore store;
+  for (const auto& [id, pose] : scene.block.cam_from_world) {
+    const Camera& camera = scene.block.camera_of(id);
+    DepthMap map{camera, FloatImage(camera.width_px, camera.height_px),
+                 FloatImage(camera.width_px, camera.height_px, 1, sigma)};
+    Random random(3, id.value);
+    for (int y = 0; y < map.depth.height; ++y)
+      for (int x = 0; x < map.depth.width; ++x)
+        map.depth.at(x, y) = float(scene.truth(id, camera, x, y).depth + sigma * noise_in_sigmas * random.normal());
+    store.maps[id] = std::move(map);
+  }
+  return store;
+}
+
+struct Cloud {
+  std::vector<FusedPoint> points;
+  FuseReport report;
+};
+
+Cloud fused(const Scene& scene, MemoryStore& store, const DenseOptions& options = {}, int threads = 1,
+            const ColourSource& colours = {}) {
+  std::vector<ImageId> images;
+  for (const auto& [id, map] : store.maps) images.push_back(id);
+  Cloud cloud;
+  collinea::Run run;
+  run.threads = threads;
+  const TieView ties(scene.block);
+  auto report = fuse(
+      scene.block, ties, images, store, colours,
+      [&](std::span<const FusedPoint> points) -> Result<> {
+        cloud.points.insert(cloud.points.end(), points.begin(), points.end());
+        return {};
+      },
+      options, run);
+  EXPECT_TRUE(report) << (report ? "" : report.error().message);
+  if (report) cloud.report = *report;
+  return cloud;
+}
+
+double height_above_ground(const Scene& scene, const FusedPoint& p) {
+  return p.position_in_world.z() - scene.slope * p.position_in_world.x();
+}
+
+TEST(Fuse, ExactMapsGiveExactPointsAndNormals) {
+  const Scene scene = Scene::of_four({.slope = 0.2});
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  const Cloud cloud = fused(scene, store);
+  ASSERT_GT(cloud.points.size(), 10000u);
+  EXPECT_EQ(cloud.report.points, std::int64_t(cloud.points.size()));
+  const Eigen::Vector3f up = Eigen::Vector3f(-0.2f, 0, 1).normalized();
+  for (const FusedPoint& p : cloud.points) {
+    EXPECT_NEAR(height_above_ground(scene, p), 0, 1e-4);  // depths are floats around 10 m, interpolated
+    EXPECT_GT(p.normal_in_world.dot(up), 0.999f);
+  }
+}
+
+TEST(Fuse, EachPlaceIsWrittenOnce) {
+  const Scene scene = Scene::of_four({.slope = 0});
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  const Cloud cloud = fused(scene, store);
+  // where all four look, a pixel is 5 cm x 5 cm: 400 points per square metre
+  const auto within = [](const FusedPoint& p) {
+    return std::abs(p.position_in_world.x()) < 2 && std::abs(p.position_in_world.y()) < 1.5;
+  };
+  const auto count = std::count_if(cloud.points.begin(), cloud.points.end(), within);
+  EXPECT_NEAR(double(count), 4 * 3 * 400, 0.1 * 4 * 3 * 400);
+}
+
+TEST(Fuse, AgreeingMapsAreMoreAccurateThanOne) {
+  const Scene scene = Scene::of_four({.slope = 0});
+  MemoryStore store = true_maps(scene, 0.05f, 1);
+  const Cloud cloud = fused(scene, store);
+  double sum = 0;
+  for (const FusedPoint& p : cloud.points) sum += std::pow(height_above_ground(scene, p), 2);
+  EXPECT_LT(std::sqrt(sum / double(cloud.points.size())), 0.8 * 0.05);
+}
+
+TEST(Fuse, WhatOneMapAloneSaysIsDropped) {
+  const Scene scene = Scene::of_four({.slope = 0});
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  for (int y = 60; y < 80; ++y)
+    for (int x = 80; x < 120; ++x) store.maps.at(ImageId{0}).depth.at(x, y) = 8;
+  for (const FusedPoint& p : fused(scene, store).points) EXPECT_LT(std::abs(height_above_ground(scene, p)), 0.1);
+}
+
+TEST(Fuse, HolesStayHoles) {
+  const Scene scene = Scene::of_four({.slope = 0});
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  const auto in_hole = [](const Eigen::Vector3d& p) { return std::hypot(p.x(), p.y()) < 0.5; };
+  for (auto& [id, map] : store.maps)
+    for (int y = 0; y < map.depth.height; ++y)
+      for (int x = 0; x < map.depth.width; ++x)
+        if (in_hole(scene.truth(id, map.camera, x, y).point_in_world))
+          map.depth.at(x, y) = map.sigma.at(x, y) = std::numeric_limits<float>::quiet_NaN();
+  for (const FusedPoint& p : fused(scene, store).points) EXPECT_FALSE(in_hole(p.position_in_world));
+}
+
+TEST(Fuse, ColourIsThatOfThePicture) {
+  const Scene scene = Scene::of_four({.slope = 0});
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  const ColourSource colours = [&](ImageId id, int) -> Result<ColourImage> {
+    const Camera& camera = scene.block.camera_of(id);
+    ColourImage picture(camera.width_px, camera.height_px, 3);
+    for (std::size_t i = 0; i < picture.data.size(); i += 3) picture.data[i] = 200, picture.data[i + 1] = 100;
+    return picture;
+  };
+  const Cloud cloud = fused(scene, store, {}, 1, colours);
+  ASSERT_FALSE(cloud.points.empty());
+  for (const FusedPoint& p : cloud.points) EXPECT_EQ(p.colour, (std::array<std::uint8_t, 3>{200, 100, 0}));
+}
+
+TEST(Fuse, SameBitsWhateverTheNumberOfThreads) {
+  const Scene scene = Scene::of_four({.slope = 0, .roof = 2});
+  MemoryStore store = true_maps(scene, 0.03f, 1);
+  const Cloud one = fused(scene, store, {}, 1), three = fused(scene, store, {}, 3);
+  ASSERT_EQ(one.points.size(), three.points.size());
+  for (std::size_t i = 0; i < one.points.size(); ++i) {
+    EXPECT_EQ(one.points[i].position_in_world, three.points[i].position_in_world);
+    EXPECT_EQ(one.points[i].sigma, three.points[i].sigma);
+  }
+}
+
+TEST(Fuse, SmallMemoryChangesNothingWhenFewMapsOverlap) {
+  Scene scene;
+  for (const double x : {0.0, 3.0, 6.0}) scene.add_camera(x, 0, 0, Scene::camera());
+  scene.add_ties();
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  const std::size_t much = fused(scene, store).points.size(), little = fused(scene, store, {.memory_mb = 50}).points.size();
+  EXPECT_EQ(much, little);
+}
+
+}  // namespace
+}  // namespace collinea

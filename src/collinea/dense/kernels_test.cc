@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "collinea/base/random.h"
+#include "collinea/dense/aggregate.h"
+#include "collinea/dense/match_kernels.h"
+
+namespace collinea::dense {
+namespace {
+
+GreyImage random_picture(int width, int height, std::uint64_t seed) {
+  GreyImage picture(width, height);
+  Random random(seed);
+  for (auto& value : picture.data) value = std::uint8_t(1 + random.below(255));
+  return picture;
+}
+
+// A transfer that shifts by (dx, dy) at inverse depth 0.
+Transfer shift(float dx, float dy) { return {{1, 0, dx, 0, 1, dy, 0, 0, 1}, {1, 0, 0}}; }
+
+TEST(Sample, IsBilinearInterpolation) {
+  const GreyImage picture = random_picture(80, 70, 1);
+  const Quads quads = quads_of(picture);
+  const auto carried = std::make_unique<Carried>();
+  const std::vector<float> w(kRegion, 0);
+  carry(shift(10.3f, 7.8f), 0, 0, w.data(), *carried);
+  alignas(64) float floats[kRegion];
+  alignas(64) std::int8_t bytes[kRegion];
+  sample(quads, *carried, 0.25f, 0, 0, floats);
+  sample(quads, *carried, 0.25f, 0, 0, bytes);
+  for (int j = 0; j < kRegionHeight; ++j)
+    for (int i = 0; i < kRegionWidth; ++i) {
+      const double truth = double(bilinear(picture, i + 0.5 + 10.3 + 0.25, j + 0.5 + 7.8)) - 128;
+      EXPECT_NEAR(floats[j * kRegionWidth + i], truth, 0.01);
+      EXPECT_NEAR(bytes[j * kRegionWidth + i], truth, 0.5 + 255 / 128.0);  // rounding; position to 1/128 px
+    }
+}
+
+TEST(Sample, OutsideThereIsNothing) {
+  const GreyImage picture = random_picture(60, 60, 2);
+  const Quads quads = quads_of(picture);
+  const auto carried = std::make_unique<Carried>();
+  const std::vector<float> w(kRegion, 0);
+  carry(shift(-10, 30), 0, 0, w.data(), *carried);
+  alignas(64) float floats[kRegion];
+  alignas(64) std::int8_t bytes[kRegion];
+  sample(quads, *carried, 0, 0, 0, floats);
+  sample(quads, *carried, 0, 0, 0, bytes);
+  for (int j = 0; j < kRegionHeight; ++j)
+    for (int i = 0; i < kRegionWidth; ++i) {
+      const bool inside = i - 10 >= 1 && j + 30 >= 1 && i - 10 < 59 && j + 30 < 59;
+      if (inside) {
+        EXPECT_FALSE(std::isnan(floats[j * kRegionWidth + i]));
+      }
+      if (i - 10 < 0 || j + 30 >= 60) {
+        EXPECT_TRUE(std::isnan(floats[j * kRegionWidth + i]));
+        EXPECT_EQ(bytes[j * kRegionWidth + i], -128);
+      }
+    }
+}
+
+TEST(Census, CountsPairsThatChangeTheirOrder) {
+  alignas(64) std::int8_t a[kRegion], b[kRegion];
+  Random random(3);
+  for (auto& v : a) v = std::int8_t(int(random.below(255)) - 127);
+  for (auto& v : b) v = std::int8_t(int(random.below(255)) - 127);
+  alignas(64) std::uint8_t planes[kCensusBits * kCellPixels], distance[kCellPixels];
+  census(a, planes);
+  census_distance(b, planes, distance);
+  for (int y = 0; y < kCell; ++y)
+    for (int x = 0; x < kCell; ++x) {
+      const int centre = (y + kRadius) * kRegionWidth + x + kRadius;
+      int twice = 0;
+      for (int dy = -kRadius; dy <= kRadius; ++dy)
+        for (int dx = -kRadius; dx <= kRadius; ++dx) {
+          const int off = dy * kRegionWidth + dx;
+          // equal values do not rise, whichever comes first: count each pair in the order the kernel has
+          if (dy < 0 || (dy == 0 && dx < 0)) twice += (a[centre + off] < a[centre - off]) != (b[centre + off] < b[centre - off]);
+        }
+      EXPECT_EQ(int(distance[y * kCell + x]), twice);
+    }
+  census_distance(a, planes, distance);
+  EXPECT_EQ(*std::max_element(distance, distance + kCellPixels), 0);
+}
+
+TEST(Cost, IsTheMeanOfTheBetterHalf) {
+  const auto smallest = std::make_unique<Smallest>();
+  const auto cost_of = [&](std::vector<std::uint8_t> distances) {
+    clear(*smallest);
+    alignas(64) std::uint8_t plane[kCellPixels], result[kCellPixels];
+    for (const std::uint8_t d : distances) {
+      std::fill(plane, plane + kCellPixels, d);
+      add(plane, *smallest);
+    }
+    cost(*smallest, result);
+    return int(result[kCellPixels - 1]);
+  };
+  EXPECT_EQ(cost_of({}), kCostOfChance);
+  EXPECT_EQ(cost_of({255, 255}), kCostOfChance);
+  EXPECT_EQ(cost_of({5}), 5 * kCostPerBit);
+  EXPECT_EQ(cost_of({9, 255, 5}), 7 * kCostPerBit);
+  EXPECT_EQ(cost_of({20, 9, 5, 21}), 7 * kCostPerBit);
+  EXPECT_EQ(cost_of({20, 9, 5, 4, 22, 23}), 6 * kCostPerBit);
+}
+
+TEST(Correlate, IsTheCorrelationCoefficient) {
+  alignas(64) float a[kRegion], b[kRegion], result[kCellPixels];
+  Random random(4);
+  for (auto& v : a) v = float(random.uniform(-100, 100));
+  for (int i = 0; i < kRegion; ++i) b[i] = 0.5f * a[i] + float(random.uniform(-60, 60)) + 20;
+  const auto statistics = std::make_unique<WindowStatistics>();
+  window_statistics(a, *statistics);
+  correlate(a, *statistics, b, result);
+  const double n = (2 * kRadius + 1) * (2 * kRadius + 1);
+  for (int y = 0; y < kCell; y += 5)
+    for (int x = 0; x < kCell; x += 3) {
+      double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
+      for (int j = 0; j <= 2 * kRadius; ++j)
+        for (int i = 0; i <= 2 * kRadius; ++i) {
+          const double p = double(a[(y + j) * kRegionWidth + x + i]), q = double(b[(y + j) * kRegionWidth + x + i]);
+          sa += p, sb += q, saa += p * p, sbb += q * q, sab += p * q;
+        }
+      const double truth = (sab - sa * sb / n) / std::sqrt((saa - sa * sa / n) * (sbb - sb * sb / n));
+      EXPECT_NEAR(result[y * kCell + x], truth, 1e-4);
+    }
+}
+
+// The same recursion, written plainly for a picture whose labels are the same everywhere.
+std::vector<int> plain_sums(const std::vector<int>& costs, int width, int height, int labels, int small, int large) {
+  std::vector<int> sums(costs.size(), 0);
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (!dx && !dy) continue;
+      std::vector<int> path(costs);
+      for (int j = 0; j < height; ++j)
+        for (int i = 0; i < width; ++i) {
+          const int y = dy < 0 || (dy == 0 && dx < 0) ? height - 1 - j : j, x = dy < 0 || (dy == 0 && dx < 0) ? width - 1 - i : i;
+          const int px = x - dx, py = y - dy;
+          int* here = path.data() + (y * width + x) * labels;
+          if (px >= 0 && py >= 0 && px < width && py < height) {
+            const int* before = path.data() + (py * width + px) * labels;
+            const int least = *std::min_element(before, before + labels);
+            for (int k = 0; k < labels; ++k) {
+              int best = std::min(before[k], least + large);
+              if (k > 0) best = std::min(best, before[k - 1] + small);
+              if (k + 1 < labels) best = std::min(best, before[k + 1] + small);
+              here[k] += best - least;
+            }
+          }
+          for (int k = 0; k < labels; ++k) sums[std::size_t((y * width + x) * labels + k)] += here[k];
+        }
+    }
+  return sums;
+}
+
+TEST(Aggregate, EqualsThePlainRecursionAlsoAcrossCells) {
+  const int width = 70, height = 45;
+  Labels labels = labels_around_plane(width, height, 0.01f, 1, 0, 0, 0, 20);
+  // the same hypotheses, but every other cell starts three labels lower and its plane three steps higher
+  for (std::size_t i = 0; i < labels.cells.size(); i += 2) {
+    labels.cells[i].first -= 3;
+    labels.cells[i].at_corner += 0.03f;
+  }
+  const int count = labels.cells[0].labels;
+  Volume volume = volume_for(labels, {0, 0, labels.columns, labels.rows});
+  std::vector<int> costs(std::size_t(width * height * count));
+  Random random(5);
+  const auto place = [&](int x, int y) {
+    const Cell& cell = labels.cell(x / kCell, y / kCell);
+    return volume.offset(x / kCell, y / kCell) +
+           std::size_t(((y - cell.top) * kCell + x - cell.left) * cell.stride + kGuard);
+  };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int k = 0; k < count; ++k)
+        volume.costs[place(x, y) + std::size_t(k)] = std::uint8_t(
+            costs[std::size_t((y * width + x) * count + k)] = int(random.below(140)));
+  const GreyImage flat(width, height, 1, 100);
+  const auto sums = aggregate(labels, volume, flat, smoothness(8, 60, 10), [] { return false; });
+  const auto truth = plain_sums(costs, width, height, count, 8, 60);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int k = 0; k < count; ++k)
+        ASSERT_EQ(int(sums[place(x, y) + std::size_t(k)]), truth[std::size_t((y * width + x) * count + k)])
+            << x << " " << y << " " << k;
+}
+
+TEST(Winner, LiesBetweenLabelsWhereTheParabolaSays) {
+  std::vector<std::uint16_t> sums(16, 1000);
+  for (int k = 0; k < 10; ++k) sums[std::size_t(k + kGuard)] = std::uint16_t(100 + 10 * (k - 4.3) * (k - 4.3));
+  const Winner best = winner(sums.data(), 10);
+  EXPECT_NEAR(best.label, 4.3, 0.05);  // sums are whole numbers
+  EXPECT_GT(best.runner_up, best.sum);
+}
+
+TEST(FillHoles, LeavesValuesAndFillsTheRest) {
+  FloatImage raster(33, 21, 1, NAN);
+  raster.at(3, 4) = 5;
+  raster.at(30, 15) = 9;
+  fill_holes(raster);
+  EXPECT_EQ(raster.at(3, 4), 5);
+  EXPECT_EQ(raster.at(30, 15), 9);
+  for (const float value : raster.data) {
+    EXPECT_GE(value, 5);
+    EXPECT_LE(value, 9);
+  }
+}
+
+}  // namespace
+}  // namespace collinea::dense

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/match.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+#include "collinea/dense/test_scene.h"
+
+namespace collinea {
+namespace {
+
+using test::Scene;
+
+constexpr ImageId kFirst{0};
+constexpr double kBase = 2, kFocal = 200;  // of Scene::of_four: the parallax of a depth error is f B dz / z^2
+
+DepthMap matched(const Scene& scene, int threads = 1) {
+  collinea::Run run;
+  run.threads = threads;
+  auto map = depth_map(scene.block, kFirst, scene.pixels(), {}, run);
+  EXPECT_TRUE(map) << (map ? "" : map.error().message);
+  return map ? *std::move(map) : DepthMap{};
+}
+
+// Errors of all measured pixels of the map that `take` accepts, as parallax [px].
+struct Errors {
+  std::vector<double> parallax_px, in_sigmas;
+  int pixels = 0;
+
+  double part_measured() const { return double(parallax_px.size()) / pixels; }
+  double rms_px() const { return rms(parallax_px); }
+  double rms_sigmas() const { return rms(in_sigmas); }
+  double part_beyond(double limit_px) const {
+    return double(std::count_if(parallax_px.begin(), parallax_px.end(), [&](double e) { return std::abs(e) > limit_px; })) /
+           double(parallax_px.size());
+  }
+  static double rms(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double v : values) sum += v * v;
+    return std::sqrt(sum / double(values.size()));
+  }
+};
+
+template <class Take>
+Errors errors(const Scene& scene, const DepthMap& map, Take&& take) {
+  Errors result;
+  for (int y = 0; y < map.depth.height; ++y)
+    for (int x = 0; x < map.depth.width; ++x) {
+      const auto truth = scene.truth(kFirst, map.camera, x, y);
+      if (!take(truth)) continue;
+      ++result.pixels;
+      const double depth = double(map.depth.at(x, y));
+      if (std::isnan(depth)) continue;
+      result.parallax_px.push_back(kFocal * kBase * (depth - truth.depth) / (truth.depth * truth.depth));
+      result.in_sigmas.push_back((depth - truth.depth) / double(map.sigma.at(x, y)));
+    }
+  return result;
+}
+
+bool everywhere(const Scene::Truth&) { return true; }
+
+TEST(DepthMap, SlopingPlaneIsRecoveredToATenthOfAPixel) {
+  const Scene scene = Scene::of_four({.slope = 0.2});
+  const Errors e = errors(scene, matched(scene), everywhere);
+  EXPECT_LT(e.rms_px(), 0.1);
+  EXPECT_GT(e.part_measured(), 0.9);  // the frame of 3 px that has no full window is 7 %
+}
+
+TEST(DepthMap, DistortionIsTakenOut) {
+  Camera camera = Scene::camera();
+  camera.params[Camera::kK1] = -0.12;
+  camera.params[Camera::kP1] = 0.002;
+  camera.params[Camera::kB1] = 0.8;
+  camera.params[Camera::kCx] += 5;
+  const Scene scene = Scene::of_four({}, camera);
+  const DepthMap map = matched(scene);
+  EXPECT_EQ(map.camera.params[Camera::kK1], 0);
+  const Errors e = errors(scene, map, everywhere);
+  EXPECT_LT(e.rms_px(), 0.1);
+  EXPECT_GT(e.part_measured(), 0.85);
+}
+
+TEST(DepthMap, NeighboursMayBeTurned) {
+  Scene scene;
+  scene.add_camera(0, 0, 0, Scene::camera());
+  scene.add_camera(2, 0, 3.14, Scene::camera());
+  scene.add_camera(-2, 0, 1.5, Scene::camera());
+  scene.add_ties();
+  const Errors e = errors(scene, matched(scene), everywhere);
+  EXPECT_LT(e.rms_px(), 0.1);
+  EXPECT_GT(e.part_measured(), 0.85);
+}
+
+TEST(DepthMap, EdgeOfARoofStaysAnEdge) {
+  const Scene scene = Scene::of_four({.slope = 0, .roof = 2});
+  const DepthMap map = matched(scene);
+  const auto distance_m = [](const Scene::Truth& t) {  // outside the block: from its edge
+    const double dx = std::abs(t.point_in_world.x()) - 1, dy = std::abs(t.point_in_world.y()) - 0.8;
+    return std::max(dx, dy);
+  };
+  const double pixel_m = 0.05;
+  const auto away = [&](const Scene::Truth& t) { return std::abs(distance_m(t)) > 4 * pixel_m; };
+  EXPECT_LT(errors(scene, map, away).part_beyond(1), 0.01);
+  EXPECT_GT(errors(scene, map, away).part_measured(), 0.85);
+  // beside the edge there is ground or roof (12.5 px of parallax apart), nothing in between
+  const auto beside = [&](const Scene::Truth& t) { return std::abs(distance_m(t)) < 4 * pixel_m; };
+  const Errors e = errors(scene, map, beside);
+  int between = 0;
+  for (const double px : e.parallax_px) between += std::abs(px) > 2 && std::abs(px) < 6;
+  EXPECT_LT(between, 0.05 * double(e.parallax_px.size()));
+}
+
+TEST(DepthMap, NothingIsInventedWhereThereIsNoTexture) {
+  const Scene scene = Scene::of_four({.blank_radius = 1.6, .noise = 1.5});
+  const auto inside_of_blank = [](const Scene::Truth& t) {
+    return std::hypot(t.point_in_world.x() + 1, t.point_in_world.y()) < 1.2;  // 8 px: beyond the reach of windows
+  };
+  EXPECT_LT(errors(scene, matched(scene), inside_of_blank).part_measured(), 0.05);
+}
+
+// Windows of 7 x 7 overlap, so of some 28,000 errors only about 500 are independent: their mean square is known to
+// sqrt(2 / 500) = 6 %, the root to 3 %. Asserted is the factor that the formula is claimed to keep, 1.35.
+TEST(DepthMap, SigmaTellsTheTruthOnNoisyPictures) {
+  const Scene scene = Scene::of_four({.slope = 0.05, .noise = 4});
+  const Errors e = errors(scene, matched(scene), everywhere);
+  EXPECT_GT(e.part_measured(), 0.85);
+  EXPECT_GT(e.rms_sigmas(), 1 / 1.35);
+  EXPECT_LT(e.rms_sigmas(), 1.35);
+}
+
+TEST(DepthMap, SameBitsWhateverTheNumberOfThreads) {
+  const Scene scene = Scene::of_four({.slope = 0, .roof = 2});
+  const DepthMap one = matched(scene, 1), three = matched(scene, 3);
+  ASSERT_EQ(one.depth.data.size(), three.depth.data.size());
+  EXPECT_EQ(std::memcmp(one.depth.data.data(), three.depth.data.data(), one.depth.data.size() * sizeof(float)), 0);
+  EXPECT_EQ(std::memcmp(one.sigma.data.data(), three.sigma.data.data(), one.sigma.data.size() * sizeof(float)), 0);
+}
+
+TEST(DepthMap, ImageAloneIsIllPosed) {
+  Scene scene;
+  scene.add_camera(0, 0, 0, Scene::camera());
+  scene.add_ties();
+  const auto map = depth_map(scene.block, kFirst, scene.pixels(), {}, {});
+  ASSERT_FALSE(map);
+  EXPECT_EQ(map.error().code, Errc::kIllPosed);
+}
+
+TEST(DepthMap, ImagesFromOnePlaceAreIllPosed) {
+  Scene scene;
+  scene.add_camera(0, 0, 0, Scene::camera());
+  scene.add_camera(0, 0, 0.3, Scene::camera());
+  scene.add_ties();
+  const auto map = depth_map(scene.block, kFirst, scene.pixels(), {}, {});
+  ASSERT_FALSE(map);
+  EXPECT_EQ(map.error().code, Errc::kIllPosed);
+}
+
+TEST(DepthMap, StopIsHeard) {
+  const Scene scene = Scene::of_four({});
+  std::stop_source stop;
+  stop.request_stop();
+  collinea::Run run;
+  run.stop = stop.get_token();
+  const auto map = depth_map(scene.block, kFirst, scene.pixels(), {}, run);
+  ASSERT_FALSE(map);
+  EXPECT_EQ(map.error().code, Errc::kCancelled);
+}
+
+TEST(DepthMap, PictureThatDoesNotFitItsCameraIsRefused) {
+  const Scene scene = Scene::of_four({});
+  const auto map = depth_map(
+      scene.block, kFirst, [](ImageId, int) -> Result<GreyImage> { return GreyImage(100, 80); }, {}, {});
+  ASSERT_FALSE(map);
+  EXPECT_EQ(map.error().code, Errc::kBadInput);
+}
+
+TEST(DepthMap, WordsForTheResolution) {
+  const Camera camera = ideal_camera(4000, 6000, 4000);
+  EXPECT_EQ(*working_shrink(camera, {}), 4);  // 24 MP; a half would still be 6
+  EXPECT_EQ(*working_shrink(camera, {.resolution = "half"}), 2);
+  EXPECT_FALSE(working_shrink(camera, {.resolution = "2"}));
+}
+
+}  // namespace
+}  // namespace collinea
