@@ -19,7 +19,7 @@ using bundle::Step;
 constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-12, kMostDamping = 1e12;
 
 // Once a step gains less than this part, the robust loss is taken with its curvature: reweighting alone creeps.
-constexpr double kNear = 0.05, kLeastCurvature = 0.1;
+constexpr double kNear = 0, kLeastCurvature = 0.4;
 
 struct Search {
   State state;

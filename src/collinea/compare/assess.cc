@@ -19,7 +19,8 @@ Result<ToTruth> to_truth_of(const Block& block, const TruthFolder& truth) {
   if (!block.georeference) return ToTruth{};
   COLLINEA_TRY(const LocalFrame from, frame_of(*block.georeference));
   COLLINEA_TRY(const LocalFrame to, frame_of(truth.georeference));
-  return ToTruth{[from, to](const Eigen::Vector3d& p) { return to.local_from_geographic(from.geographic_from_local(p)); }};
+  return ToTruth{
+      [from, to](const Eigen::Vector3d& p) { return to.local_from_geographic(from.geographic_from_local(p)); }};
 }
 
 Block true_block(const TruthFolder& truth) {
@@ -34,7 +35,8 @@ Block true_block(const TruthFolder& truth) {
   return block;
 }
 
-Result<std::function<Result<Raster<std::uint8_t>>(int, int, int, int)>> byte_reader(const std::filesystem::path& path, MapGrid* grid) {
+Result<std::function<Result<Raster<std::uint8_t>>(int, int, int, int)>> byte_reader(const std::filesystem::path& path,
+                                                                                    MapGrid* grid) {
   COLLINEA_TRY(GeoTiffReader opened, GeoTiffReader::open(path));
   const auto reader = std::make_shared<GeoTiffReader>(std::move(opened));
   if (grid) *grid = reader->grid();
@@ -60,14 +62,18 @@ Result<OrthoErrors> assess_ortho(const ProductFiles& products, const TruthFolder
 }
 
 std::string line(const char* what, const PointErrors& e) {
-  return fmt::format("{:<34} {:>5}   RMS east {:.4f}  north {:.4f}  up {:.4f}  3D {:.4f} m   worst {:.4f} m   mean {:+.4f} {:+.4f} {:+.4f}\n",
-                     what, e.points, e.rms_m.x(), e.rms_m.y(), e.rms_m.z(), e.rms_3d_m, e.worst_3d_m, e.mean_m.x(), e.mean_m.y(),
-                     e.mean_m.z());
+  return fmt::format(
+      "{:<34} {:>5}   RMS east {:.4f}  north {:.4f}  up {:.4f}  3D {:.4f} m   worst {:.4f} m   mean {:+.4f} {:+.4f} "
+      "{:+.4f}\n",
+      what, e.points, e.rms_m.x(), e.rms_m.y(), e.rms_m.z(), e.rms_3d_m, e.worst_3d_m, e.mean_m.x(), e.mean_m.y(),
+      e.mean_m.z());
 }
 
 std::string line(const char* what, const HeightErrors& e, double unit_m) {
-  return fmt::format("{:<34} {:>9} cells   RMSE {:.4f} m = {:.2f} GSD   NMAD {:.4f} m = {:.2f} GSD   mean {:+.4f} m   gross {:.2f} %\n",
-                     what, e.cells, e.rmse_m, e.rmse_m / unit_m, e.nmad_m, e.nmad_m / unit_m, e.mean_m, 100 * e.share_gross);
+  return fmt::format(
+      "{:<34} {:>9} cells   RMSE {:.4f} m = {:.2f} GSD   NMAD {:.4f} m = {:.2f} GSD   mean {:+.4f} m   gross {:.2f} "
+      "%\n",
+      what, e.cells, e.rmse_m, e.rmse_m / unit_m, e.nmad_m, e.nmad_m / unit_m, e.mean_m, 100 * e.share_gross);
 }
 
 }  // namespace
@@ -102,8 +108,8 @@ std::string table(const Assessment& a) {
   if (a.poses.centres) text += line("projection centres", *a.poses.centres);
   if (a.poses.after_similarity) {
     text += line("projection centres, aligned", *a.poses.after_similarity);
-    text += fmt::format("attitudes, aligned                 RMS {:.5f} deg   scale of the alignment {:.8f}\n", a.poses.rotation_rms_deg,
-                        a.poses.scale.value_or(1));
+    text += fmt::format("attitudes, aligned                 RMS {:.5f} deg   scale of the alignment {:.8f}\n",
+                        a.poses.rotation_rms_deg, a.poses.scale.value_or(1));
   }
   if (a.check_points) text += line("check points", *a.check_points);
   if (a.control_points) text += line("control points", *a.control_points);
@@ -111,15 +117,19 @@ std::string table(const Assessment& a) {
     const double unit_m = a.gsd_m.value_or(a.surface->cell_m);
     text += line("surface model, all", a.surface->overall, unit_m);
     text += line("surface model, smooth ground", a.surface->smooth_ground, unit_m);
-    text += fmt::format("surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell {:.4g} m\n",
-                        100 * a.surface->completeness, 100 * a.surface->completeness_measured, 100 * a.surface->completeness_seen,
-                        a.surface->cell_m);
+    text += fmt::format(
+        "surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell "
+        "{:.4g} m\n",
+        100 * a.surface->completeness, 100 * a.surface->completeness_measured, 100 * a.surface->completeness_seen,
+        a.surface->cell_m);
   }
   if (a.ortho)
-    text += fmt::format("orthophoto, local shift            {} windows   RMS x {:.3f}  y {:.3f} px   median {:.3f} px   mean {:+.3f} {:+.3f}   "
-                        "over 1 px {:.1f} %   failed {:.1f} %   cell {:.4g} m\n",
-                        a.ortho->windows, a.ortho->rms_x_px, a.ortho->rms_y_px, a.ortho->median_px, a.ortho->mean_x_px,
-                        a.ortho->mean_y_px, 100 * a.ortho->share_over_1_px, 100 * a.ortho->share_failed, a.ortho->cell_m);
+    text += fmt::format(
+        "orthophoto, local shift            {} windows   RMS x {:.3f}  y {:.3f} px   median {:.3f} px   mean {:+.3f} "
+        "{:+.3f}   "
+        "over 1 px {:.1f} %   failed {:.1f} %   cell {:.4g} m\n",
+        a.ortho->windows, a.ortho->rms_x_px, a.ortho->rms_y_px, a.ortho->median_px, a.ortho->mean_x_px,
+        a.ortho->mean_y_px, 100 * a.ortho->share_over_1_px, 100 * a.ortho->share_failed, a.ortho->cell_m);
   return text;
 }
 

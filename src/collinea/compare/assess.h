@@ -27,9 +27,10 @@ struct Assessment {
   std::optional<double> gsd_m;  ///< cell of the true rasters
 };
 
-/// Compares a block and its products with the folder that `simulate` wrote. Errors: files that exist cannot be read; the
-/// block's CRS is unknown; cancelled.
-[[nodiscard]] Result<Assessment> assess(const Block& block, const ProductFiles& products, const TruthFolder& truth, const Run& run);
+/// Compares a block and its products with the folder that `simulate` wrote. Errors: files that exist cannot be read;
+/// the block's CRS is unknown; cancelled.
+[[nodiscard]] Result<Assessment> assess(const Block& block, const ProductFiles& products, const TruthFolder& truth,
+                                        const Run& run);
 
 /// The assessment as lines of text, metres and pixels.
 [[nodiscard]] std::string table(const Assessment& assessment);

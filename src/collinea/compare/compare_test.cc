@@ -100,14 +100,16 @@ HeightField field_of(double cell_m, int side, std::function<float(double, double
   field.read = [grid = field.grid, height](int column, int row, int width, int rows) -> Result<FloatImage> {
     FloatImage heights(width, rows);
     for (int y = 0; y < rows; ++y)
-      for (int x = 0; x < width; ++x) heights.at(x, y) = height(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5));
+      for (int x = 0; x < width; ++x)
+        heights.at(x, y) = height(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5));
     return heights;
   };
   return field;
 }
 
 TEST(SurfaceErrors, APerfectModelHasNoneEvenWithLargerCells) {
-  const auto errors = surface_errors(field_of(0.2, 200, height_at), nullptr, field_of(0.1, 400, height_at), {}, nullptr, collinea::Run{});
+  const auto errors = surface_errors(field_of(0.2, 200, height_at), nullptr, field_of(0.1, 400, height_at), {}, nullptr,
+                                     collinea::Run{});
   ASSERT_TRUE(errors);
   EXPECT_LT(errors->smooth_ground.rmse_m, 1e-5);
   EXPECT_LT(errors->overall.rmse_m, 0.01);  // where steep the nearest true cell counts: half a cell of the slope
@@ -121,7 +123,8 @@ TEST(SurfaceErrors, BiasNoiseHolesAndEdgesAreToldApart) {
     const bool rim = std::abs(x - 20) < 0.2 && y > 20 && y < 30;
     return height_at(x, y) + 0.3f + (rim ? 4.0f : 0) + float(0.05 * random.normal());
   };
-  const auto errors = surface_errors(field_of(0.1, 400, model), nullptr, field_of(0.1, 400, height_at), {}, nullptr, collinea::Run{});
+  const auto errors =
+      surface_errors(field_of(0.1, 400, model), nullptr, field_of(0.1, 400, height_at), {}, nullptr, collinea::Run{});
   ASSERT_TRUE(errors);
   EXPECT_NEAR(errors->smooth_ground.mean_m, 0.3, 0.001);  // 140,000 cells: sigma of the mean 0.00013
   EXPECT_NEAR(errors->smooth_ground.nmad_m, 0.05, 0.001);
@@ -133,8 +136,8 @@ TEST(SurfaceErrors, OnlyWhatThreeCamerasSeeMustBeThere) {
   Survey survey;
   const std::vector<View> views = views_of(survey.block, nullptr);
   const auto model = [](double x, double y) { return x < 10 && y < 10 ? height_at(x, y) : kNone; };
-  const auto errors =
-      surface_errors(field_of(0.2, 500, model), nullptr, field_of(0.2, 500, height_at), views, nullptr, collinea::Run{});
+  const auto errors = surface_errors(field_of(0.2, 500, model), nullptr, field_of(0.2, 500, height_at), views, nullptr,
+                                     collinea::Run{});
   ASSERT_TRUE(errors);
   EXPECT_NEAR(errors->completeness, 0.01, 1e-3);
   EXPECT_GT(errors->cells_seen, 300u);
@@ -151,7 +154,8 @@ TEST(SurfaceErrors, RastersThatDoNotMeetAreAnError) {
 PictureField picture_of(double cell_m, int side, double shift_x_m, double shift_y_m) {
   PictureField field;
   field.grid = {0, side * cell_m, cell_m, side, side, ""};
-  field.read = [grid = field.grid, shift_x_m, shift_y_m](int column, int row, int width, int rows) -> Result<Raster<std::uint8_t>> {
+  field.read = [grid = field.grid, shift_x_m, shift_y_m](int column, int row, int width,
+                                                         int rows) -> Result<Raster<std::uint8_t>> {
     Raster<std::uint8_t> picture(width, rows, 4, 255);
     for (int y = 0; y < rows; ++y) {
       for (int x = 0; x < width; ++x) {
@@ -179,7 +183,9 @@ TEST(OrthoErrors, AShiftIsFoundToAFewHundredthsOfAPixel) {
 
 TEST(OrthoErrors, WhatIsFurtherAwayThanTheSearchFails) {
   PictureField grey = picture_of(0.1, 400, 0, 0);
-  grey.read = [](int, int, int width, int rows) -> Result<Raster<std::uint8_t>> { return Raster<std::uint8_t>(width, rows, 1, 99); };
+  grey.read = [](int, int, int width, int rows) -> Result<Raster<std::uint8_t>> {
+    return Raster<std::uint8_t>(width, rows, 1, 99);
+  };
   const auto errors = ortho_errors(grey, picture_of(0.1, 400, 0, 0), collinea::Run{});
   ASSERT_TRUE(errors);
   EXPECT_EQ(errors->share_failed, 1);

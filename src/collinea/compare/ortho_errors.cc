@@ -65,7 +65,8 @@ bool textured(const FloatImage& grey, int x, int y) {
   double xx = 0, xy = 0, yy = 0;
   for (int v = y - kHalf; v <= y + kHalf; ++v) {
     for (int u = x - kHalf; u <= x + kHalf; ++u) {
-      const double dx = double(grey.at(u + 1, v) - grey.at(u - 1, v)) / 2, dy = double(grey.at(u, v + 1) - grey.at(u, v - 1)) / 2;
+      const double dx = double(grey.at(u + 1, v) - grey.at(u - 1, v)) / 2,
+                   dy = double(grey.at(u, v + 1) - grey.at(u, v - 1)) / 2;
       xx += dx * dx, xy += dx * dy, yy += dy * dy;
     }
   }
@@ -110,7 +111,8 @@ std::optional<Shift> shift_of(const FloatImage& product, const FloatImage& truth
   }
   if (best < kLeastAlike || std::abs(best_x) == kSearch || std::abs(best_y) == kSearch) return std::nullopt;
   const int i = best_x + kSearch, j = best_y + kSearch;
-  return Shift{best_x + peak(alike[j][i - 1], best, alike[j][i + 1]), best_y + peak(alike[j - 1][i], best, alike[j + 1][i])};
+  return Shift{best_x + peak(alike[j][i - 1], best, alike[j][i + 1]),
+               best_y + peak(alike[j - 1][i], best, alike[j + 1][i])};
 }
 
 OrthoErrors summary_of(const std::vector<Shift>& shifts, std::size_t windows, double cell_m) {

@@ -18,18 +18,18 @@ struct PictureField {
 };
 
 struct OrthoErrors {
-  double cell_m = 0;               ///< of the assessed orthophoto; its pixel
-  std::size_t windows = 0;         ///< textured windows looked for
-  double share_failed = 0;         ///< of these, not found again within the search range, or hardly alike
-  double rms_x_px = 0, rms_y_px = 0;        ///< shift of those found
-  double mean_x_px = 0, mean_y_px = 0;      ///< to the east, to the south
-  double median_px = 0;            ///< of the length of the shift
+  double cell_m = 0;                    ///< of the assessed orthophoto; its pixel
+  std::size_t windows = 0;              ///< textured windows looked for
+  double share_failed = 0;              ///< of these, not found again within the search range, or hardly alike
+  double rms_x_px = 0, rms_y_px = 0;    ///< shift of those found
+  double mean_x_px = 0, mean_y_px = 0;  ///< to the east, to the south
+  double median_px = 0;                 ///< of the length of the shift
   double share_over_1_px = 0;
 };
 
-/// The shift of an orthophoto against the true one: windows of 31 x 31 pixels every 48 pixels with texture in all directions,
-/// searched up to 6 pixels away by normalised cross-correlation with a parabola through the peak. Windows that touch transparent
-/// pixels are left out. Errors: reading; no textured window in common; cancelled.
+/// The shift of an orthophoto against the true one: windows of 31 x 31 pixels every 48 pixels with texture in all
+/// directions, searched up to 6 pixels away by normalised cross-correlation with a parabola through the peak. Windows
+/// that touch transparent pixels are left out. Errors: reading; no textured window in common; cancelled.
 [[nodiscard]] Result<OrthoErrors> ortho_errors(const PictureField& product, const PictureField& truth, const Run& run);
 
 }  // namespace collinea

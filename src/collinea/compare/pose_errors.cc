@@ -29,7 +29,8 @@ std::vector<Measured> measurements_of(const Block& block, ControlId mark) {
   for (const ControlObservation& observation : block.control_observations) {
     if (observation.point != mark) continue;
     const auto pose = block.cam_from_world.find(observation.image);
-    if (pose != block.cam_from_world.end()) found.push_back({&block.camera_of(observation.image), &pose->second, &observation});
+    if (pose != block.cam_from_world.end())
+      found.push_back({&block.camera_of(observation.image), &pose->second, &observation});
   }
   return found;
 }
@@ -71,7 +72,8 @@ PointErrors point_errors(std::span<const Eigen::Vector3d> estimated, std::span<c
   return errors;
 }
 
-PoseErrors pose_errors(const Block& block, const std::map<std::string, Rigid3>& true_cam_from_world, const ToTruth& to_truth) {
+PoseErrors pose_errors(const Block& block, const std::map<std::string, Rigid3>& true_cam_from_world,
+                       const ToTruth& to_truth) {
   PoseErrors errors;
   errors.images = true_cam_from_world.size();
   std::vector<Eigen::Vector3d> estimated, in_truth, truth;

@@ -14,11 +14,11 @@ namespace collinea {
 namespace {
 
 constexpr int kStripRows = 256;
-constexpr int kFarthest = 512;       // what may hide a place, and the margin of steps [cells of the truth]
-constexpr double kSteepest = 0.3;    // rise per run of smooth ground
-constexpr int kStepMargin = 3;       // [cells of the model]
-constexpr int kSeenStride = 4;       // every so many cells, both ways, it is looked at who sees them
-constexpr std::size_t kEnough = 3;   // images
+constexpr int kFarthest = 512;      // what may hide a place, and the margin of steps [cells of the truth]
+constexpr double kSteepest = 0.3;   // rise per run of smooth ground
+constexpr int kStepMargin = 3;      // [cells of the model]
+constexpr int kSeenStride = 4;      // every so many cells, both ways, it is looked at who sees them
+constexpr std::size_t kEnough = 3;  // images
 
 float median_of(std::vector<float>& values) {
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
@@ -49,7 +49,8 @@ Raster<std::uint8_t> rough_cells(const FloatImage& heights_m, double cell_m, int
   for (int y = 0; y < steep.height; ++y)
     for (int x = 0; x < steep.width; ++x)
       if (steep.at(x, y))
-        std::fill(rows.row(y) + std::max(0, x - margin), rows.row(y) + std::min(steep.width, x + margin + 1), std::uint8_t{1});
+        std::fill(rows.row(y) + std::max(0, x - margin), rows.row(y) + std::min(steep.width, x + margin + 1),
+                  std::uint8_t{1});
   for (int y = 0; y < steep.height; ++y)
     for (int v = std::max(0, y - margin); v <= std::min(steep.height - 1, y + margin); ++v)
       for (int x = 0; x < steep.width; ++x) result.at(x, y) |= rows.at(x, v);
@@ -66,9 +67,11 @@ class Assessor {
 
  private:
   Result<> add_strip(int row, int rows);
-  void add_cell(const FloatImage& heights, const Raster<std::uint8_t>& states, const TrueStrip& strip, int x, int y, int row);
+  void add_cell(const FloatImage& heights, const Raster<std::uint8_t>& states, const TrueStrip& strip, int x, int y,
+                int row);
   void count_seen(const FloatImage& heights, const TrueStrip& strip, int row);
-  [[nodiscard]] bool seen_by_enough(const HeightWindow& window, double x, double y, float z, const Eigen::Vector3d& world) const;
+  [[nodiscard]] bool seen_by_enough(const HeightWindow& window, double x, double y, float z,
+                                    const Eigen::Vector3d& world) const;
   [[nodiscard]] double truth_x(double column) const {
     return (model_.grid.east_of(column) - truth_.grid.west_m) / truth_.grid.cell_m;
   }
@@ -94,7 +97,8 @@ float true_height(const FloatImage& heights_m, double x, double y, bool rough) {
   return rough ? heights_m.at(column, row) : bilinear(heights_m, x, y);
 }
 
-void Assessor::add_cell(const FloatImage& heights, const Raster<std::uint8_t>& states, const TrueStrip& strip, int x, int y, int row) {
+void Assessor::add_cell(const FloatImage& heights, const Raster<std::uint8_t>& states, const TrueStrip& strip, int x,
+                        int y, int row) {
   const double u = truth_x(x + 0.5), v = truth_y(row + y + 0.5) - strip.first_row;
   if (!(u >= 0 && v >= 0 && u < strip.heights_m.width && v < strip.heights_m.height)) return;
   const bool rough = strip.rough.at(int(u), int(v)) != 0;
@@ -106,7 +110,8 @@ void Assessor::add_cell(const FloatImage& heights, const Raster<std::uint8_t>& s
   if (!rough) smooth_.push_back(z - truth);
 }
 
-bool Assessor::seen_by_enough(const HeightWindow& window, double x, double y, float z, const Eigen::Vector3d& world) const {
+bool Assessor::seen_by_enough(const HeightWindow& window, double x, double y, float z,
+                              const Eigen::Vector3d& world) const {
   std::size_t count = 0;
   for (const View& view : views_) {
     const auto pixel = pixel_of(view, world);

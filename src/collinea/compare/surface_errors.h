@@ -32,10 +32,12 @@ struct SurfaceErrors {
 /// Bytes of a raster by windows, as HeightField::read.
 using StateReader = std::function<Result<Raster<std::uint8_t>>(int column, int row, int width, int height)>;
 
-/// Compares a surface model with the true one at the centres of the model's cells; both in the same map. `state`: CellState of the model,
-/// or null. `views`: the true cameras, or none. Errors: reading; rasters do not overlap; cancelled.
-[[nodiscard]] Result<SurfaceErrors> surface_errors(const HeightField& model, const StateReader& state, const HeightField& truth,
-                                                   std::span<const View> views, const LocalFrame* frame, const Run& run);
+/// Compares a surface model with the true one at the centres of the model's cells; both in the same map. `state`:
+/// CellState of the model, or null. `views`: the true cameras, or none. Errors: reading; rasters do not overlap;
+/// cancelled.
+[[nodiscard]] Result<SurfaceErrors> surface_errors(const HeightField& model, const StateReader& state,
+                                                   const HeightField& truth, std::span<const View> views,
+                                                   const LocalFrame* frame, const Run& run);
 
 /// The statistics of a list of differences. Reorders it.
 [[nodiscard]] HeightErrors height_errors(std::vector<float>& differences_m, double gross_m);

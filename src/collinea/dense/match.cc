@@ -262,20 +262,19 @@ class Matching {
           surface.at(x, y) = std::numeric_limits<float>::quiet_NaN();
   }
 
-  // Takes over, where `result` has nothing, what four pixels of a coarser measurement say in unison.
+  // Takes over what four pixels of a coarser measurement say in unison, where it is much better than what there is.
   static void fill_from(const dense::Refined& coarse, int factor, dense::Refined& result) {
     const FloatImage& w = coarse.inverse_depth;
     for (int y = 0; y < result.inverse_depth.height; ++y)
       for (int x = 0; x < result.inverse_depth.width; ++x) {
-        float& out = result.inverse_depth.at(x, y);
-        if (!std::isnan(out)) continue;
+        const bool empty = std::isnan(result.inverse_depth.at(x, y));
         const double u = (x + 0.5) / factor, v = (y + 0.5) / factor;
         const int i = int(u - 0.5), j = int(v - 0.5);
         if (u < 0.5 || v < 0.5 || i + 1 >= w.width || j + 1 >= w.height) continue;
         const auto [low, high] = std::minmax({w.at(i, j), w.at(i + 1, j), w.at(i, j + 1), w.at(i + 1, j + 1)});
         const float value = bilinear(w, u, v), sigma = bilinear(coarse.sigma, u, v);
-        if (!(high - low <= kUnison * sigma)) continue;
-        out = value;
+        if (!(high - low <= kUnison * sigma) || !(empty || sigma < kMuchBetter * result.sigma.at(x, y))) continue;
+        result.inverse_depth.at(x, y) = value;
         result.sigma.at(x, y) = sigma;
       }
   }
@@ -296,6 +295,7 @@ class Matching {
   static constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f;
   static constexpr float kLeastInside = 0.15f;  // of the variance of a window, in its middle 3 x 3 pixels
   static constexpr float kUnison = 8;         // sigmas
+  static constexpr float kMuchBetter = 0.6f;
   static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;
   const Run& run_;

@@ -35,6 +35,11 @@ std::vector<const ImagePair*> initial_pairs(std::span<const ImagePair> pairs, co
   return sorted;
 }
 
+// While the block grows, what is adjusted now is adjusted again: a coarse minimum is enough.
+AdjustOptions growing(std::string calibration, int max_iterations) {
+  return {.calibration = std::move(calibration), .max_iterations = max_iterations, .relative_cost_change = 1e-3};
+}
+
 class Grower {
  public:
   Grower(Reconstruction& reconstruction, std::span<const ImagePair> pairs, const std::set<ImageId>& exclude,
@@ -66,7 +71,7 @@ class Grower {
     for (const ImagePair* pair : initial_pairs(pairs_, exclude_)) {
       block_.forget();
       if (block_.start(pair->first, pair->second, pair->second_from_first) < kMinInitialPoints) continue;
-      const auto adjusted = block_.adjust_all({.calibration = "none"}, {}, run_);
+      const auto adjusted = block_.adjust_all(growing("none", 20), {}, run_);
       if (!adjusted) continue;
       block_.filter(options_.max_error_px, run_);
       if (block_.point_count() < kMinInitialPoints) continue;
@@ -110,7 +115,7 @@ class Grower {
 
   Result<> global(int rounds) {
     for (int round = 0; round < rounds; ++round) {
-      const AdjustOptions adjust{.calibration = calibration_for(options_, block_.poses().size())};
+      const AdjustOptions adjust = growing(calibration_for(options_, block_.poses().size()), 20);
       if (auto adjusted = block_.adjust_all(adjust, {.use_positions = false, .use_control = false}, run_); !adjusted)
         return tl::unexpected(adjusted.error());
       block_.filter(options_.max_error_px, run_);
@@ -120,7 +125,7 @@ class Grower {
     return {};
   }
 
-  [[nodiscard]] AdjustOptions local_options() const { return {.calibration = "none", .max_iterations = 8}; }
+  [[nodiscard]] AdjustOptions local_options() const { return growing("none", 8); }
 
   struct Failure {
     int times = 0;
@@ -155,13 +160,14 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
                         const Run& run) {
   constexpr int kRounds = 5;
   constexpr double kSettled = 1e-3;  // share of rays that came or went
-  const AdjustOptions adjust{.calibration = calibration_for(options, reconstruction.poses().size())};
+  AdjustOptions adjust{.calibration = calibration_for(options, reconstruction.poses().size()), .relative_cost_change = 1e-4};
   for (int round = 0; round < kRounds; ++round) {
     COLLINEA_TRY(const Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
     const int removed = reconstruction.filter(options.max_error_px, run);
     const int added = reconstruction.extend_all(run);
     if (removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size())) break;
   }
+  adjust.relative_cost_change = 1e-7;
   return reconstruction.adjust_all(adjust, scope, run);  // what is returned belongs to the rays that are left
 }
 

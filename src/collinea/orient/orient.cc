@@ -94,10 +94,13 @@ class Orienter {
 
   Result<Orientation> orient(std::span<const ImagePair> pairs, const KeypointSource& keypoints) {
     COLLINEA_TRY(Reconstruction empty, Reconstruction::create(setup_, pairs, keypoints, options_));
+    empty.sleep_surplus();
     COLLINEA_TRY(Parts parts, grow_parts(setup_, std::move(empty), pairs, options_, run_));
     result_.other_parts = std::move(parts.others);
     result_.alone = std::move(parts.alone);
     Reconstruction& part = parts.largest;
+    part.wake_all();
+    part.extend_all(run_);
     COLLINEA_TRY(const Adjusted free_net, settle(part, {.use_positions = false, .use_control = false}, options_, run_));
     // Nothing but tie points took part: their sigma is what they show among each other.
     part.set_sigma_px(options_.sigma_px * std::clamp(free_net.sigma0, kLeastSigmaFactor, kMostSigmaFactor));

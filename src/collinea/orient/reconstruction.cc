@@ -17,6 +17,7 @@ namespace {
 constexpr double kAcceptFactor = 1.5;  // a new ray may be that much worse than one that stays: the pose is still young
 constexpr std::size_t kLocalImages = 8;
 constexpr double kGuessedFocal = 0.2;  // relative sigma from which a focal length is hardly known
+constexpr int kNeedCells = 8, kNeededPerCell = 12;  // of a picture's cells: up to 768 tracks an image and what others need
 constexpr std::size_t kChunk = 256;  // tracks handed to a thread at once
 
 // Spread of pixels over a picture: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's idea).
@@ -86,6 +87,31 @@ std::optional<double> Reconstruction::error_px(const Ray& ray, const Eigen::Vect
   const auto pixel = project(camera_of(ray.image), poses_.at(ray.image) * point_in_world);
   if (!pixel) return std::nullopt;
   return (*pixel - ray.pixel).norm();
+}
+
+void Reconstruction::sleep_surplus() {
+  std::vector<std::uint32_t> longest_first(tracks_.size());
+  for (std::uint32_t i = 0; i < longest_first.size(); ++i) longest_first[i] = i;
+  std::stable_sort(longest_first.begin(), longest_first.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return tracks_[a].rays.size() > tracks_[b].rays.size(); });
+  std::map<ImageId, std::array<int, kNeedCells * kNeedCells>> kept;
+  for (const std::uint32_t number : longest_first) {
+    TrackState& track = tracks_[number];
+    std::vector<int*> cells;
+    for (const Ray& ray : track.rays) {
+      const Camera& camera = camera_of(ray.image);
+      const int column = std::clamp(static_cast<int>(ray.pixel.x() / camera.width_px * kNeedCells), 0, kNeedCells - 1);
+      const int row = std::clamp(static_cast<int>(ray.pixel.y() / camera.height_px * kNeedCells), 0, kNeedCells - 1);
+      cells.push_back(&kept[ray.image][static_cast<std::size_t>(row * kNeedCells + column)]);
+    }
+    track.asleep = std::none_of(cells.begin(), cells.end(), [](const int* count) { return *count < kNeededPerCell; });
+    if (!track.asleep)
+      for (int* count : cells) ++*count;
+  }
+}
+
+void Reconstruction::wake_all() {
+  for (TrackState& track : tracks_) track.asleep = false;
 }
 
 int Reconstruction::start(ImageId first, ImageId second, const Rigid3& second_from_first) {
@@ -169,6 +195,7 @@ bool Reconstruction::intersect(TrackState& track) const {
 }
 
 bool Reconstruction::extend_track(TrackState& track) const {
+  if (track.asleep) return false;
   if (!track.point) return intersect(track);
   bool changed = false;
   for (Ray& ray : track.rays) {

@@ -23,8 +23,8 @@ struct Ratio {  // log second / log first of one pair of pictures
   double difference, weight;
 };
 
-constexpr std::size_t kFewest = 5;   // places that make a pair
-constexpr std::size_t kMost = 400;   // more tell nothing new
+constexpr std::size_t kFewest = 5;  // places that make a pair
+constexpr std::size_t kMost = 400;  // more tell nothing new
 
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
@@ -60,9 +60,11 @@ double difference(const Common& c, std::size_t channel) {
   return double(c.second->log_colour[channel]) - double(c.first->log_colour[channel]);
 }
 
-// Within a pair the gains are the same for all places, so what differs from the median ratio is the fall-off of the lens.
+// Within a pair the gains are the same for all places, so what differs from the median ratio is the fall-off of the
+// lens.
 double falloff_of(const Pairs& pairs, std::span<const CameraId> cameras, CameraId camera, std::size_t channel) {
-  std::vector<std::pair<double, double>> points;  // difference of r2, of the logarithm; both about the medians of their pair
+  std::vector<std::pair<double, double>>
+      points;  // difference of r2, of the logarithm; both about the medians of their pair
   std::vector<double> radii, colours;
   for (const auto& [key, common] : pairs) {
     if (cameras[key.first] != camera || cameras[key.second] != camera) continue;
@@ -93,14 +95,16 @@ std::vector<Ratio> ratios_of(const Pairs& pairs, std::span<const double> falloff
   for (const auto& [key, common] : pairs) {
     differences.clear();
     for (const Common& c : common)
-      differences.push_back(difference(c, channel) + falloff[key.second] * double(c.second->r2) - falloff[key.first] * double(c.first->r2));
-    ratios.push_back({key.first, key.second, median_of(differences), double(std::min<std::size_t>(common.size(), 100))});
+      differences.push_back(difference(c, channel) + falloff[key.second] * double(c.second->r2) -
+                            falloff[key.first] * double(c.first->r2));
+    ratios.push_back(
+        {key.first, key.second, median_of(differences), double(std::min<std::size_t>(common.size(), 100))});
   }
   return ratios;
 }
 
-// Normal equations (N + D) x = b of all ratios, applied without being formed: N is the weighted Laplacian of the pairs, D
-// the pull towards 0.
+// Normal equations (N + D) x = b of all ratios, applied without being formed: N is the weighted Laplacian of the pairs,
+// D the pull towards 0.
 struct Normals {
   const std::vector<Ratio>& ratios;
   const std::vector<double>& weights;
@@ -154,7 +158,8 @@ std::vector<double> solve(const Normals& normals) {
 }
 
 std::vector<double> log_brightness(std::size_t pictures, const std::vector<Ratio>& ratios) {
-  constexpr double kLargest = 0.05;  // a pair that contradicts its neighbours by more shows something that moved or shines
+  constexpr double kLargest =
+      0.05;  // a pair that contradicts its neighbours by more shows something that moved or shines
   std::vector<double> weights, x(pictures);
   for (const Ratio& ratio : ratios) weights.push_back(ratio.weight);
   for (int round = 0; round < 4; ++round) {
@@ -189,7 +194,8 @@ double relative_radius2(const Camera& camera, const Eigen::Vector2d& pixel) {
   return (x * x + y * y) / (half_width * half_width + half_height * half_height);
 }
 
-std::vector<Exposure> balance_exposures(std::span<const std::vector<ColourSample>> samples, std::span<const CameraId> cameras) {
+std::vector<Exposure> balance_exposures(std::span<const std::vector<ColourSample>> samples,
+                                        std::span<const CameraId> cameras) {
   const std::size_t pictures = samples.size();
   std::vector<Exposure> exposures(pictures);
   const Pairs pairs = pairs_of(samples);
@@ -208,8 +214,9 @@ std::vector<Exposure> balance_exposures(std::span<const std::vector<ColourSample
   return exposures;
 }
 
-Result<std::vector<Exposure>> exposures_of(const std::vector<View>& views, std::span<const Eigen::Vector3d> places_in_world,
-                                           const PixelSource& pixels, const Run& run) {
+Result<std::vector<Exposure>> exposures_of(const std::vector<View>& views,
+                                           std::span<const Eigen::Vector3d> places_in_world, const PixelSource& pixels,
+                                           const Run& run) {
   std::vector<std::vector<ColourSample>> samples(views.size());
   std::vector<Result<>> results(views.size());
   parallel_for(run, views.size(), [&](std::size_t i) {

@@ -13,8 +13,8 @@
 
 namespace collinea {
 
-/// What makes a picture match its neighbours: colour times gain[c] * exp(falloff[c] * r2), where r2 is the squared distance
-/// from the middle of the picture over the squared half diagonal.
+/// What makes a picture match its neighbours: colour times gain[c] * exp(falloff[c] * r2), where r2 is the squared
+/// distance from the middle of the picture over the squared half diagonal.
 struct Exposure {
   std::array<float, 3> gain{1, 1, 1};
   std::array<float, 3> falloff{0, 0, 0};  ///< the same for all pictures of a camera
@@ -30,13 +30,15 @@ struct ColourSample {
   std::array<float, 3> log_colour{};
 };
 
-/// Gains and fall-off from places seen in several pictures: per pair of pictures the median ratio, then least squares in
-/// logarithms over all pairs (Huber weights), drawn towards 1 so that chains of pictures do not drift. `samples[i]` are those of picture i,
-/// ascending by place; `cameras[i]` tells which pictures share a fall-off. Pictures without common places keep gain 1.
+/// Gains and fall-off from places seen in several pictures: per pair of pictures the median ratio, then least squares
+/// in logarithms over all pairs (Huber weights), drawn towards 1 so that chains of pictures do not drift. `samples[i]`
+/// are those of picture i, ascending by place; `cameras[i]` tells which pictures share a fall-off. Pictures without
+/// common places keep gain 1.
 [[nodiscard]] std::vector<Exposure> balance_exposures(std::span<const std::vector<ColourSample>> samples,
                                                       std::span<const CameraId> cameras);
 
-/// Looks up the places in all pictures (at an eighth of their size) and balances them. Errors: a picture cannot be read; cancelled.
+/// Looks up the places in all pictures (at an eighth of their size) and balances them. Errors: a picture cannot be
+/// read; cancelled.
 [[nodiscard]] Result<std::vector<Exposure>> exposures_of(const std::vector<View>& views,
                                                          std::span<const Eigen::Vector3d> places_in_world,
                                                          const PixelSource& pixels, const Run& run);

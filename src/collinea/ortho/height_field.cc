@@ -63,13 +63,15 @@ Result<HeightOverview> overview(const HeightField& field, const Run& run) {
   constexpr int kBlock = HeightOverview::kBlock;
   const float none = std::numeric_limits<float>::quiet_NaN();
   HeightOverview result;
-  result.lowest_m = FloatImage((field.grid.width + kBlock - 1) / kBlock, (field.grid.height + kBlock - 1) / kBlock, 1, none);
+  result.lowest_m =
+      FloatImage((field.grid.width + kBlock - 1) / kBlock, (field.grid.height + kBlock - 1) / kBlock, 1, none);
   result.highest_m = result.lowest_m;
   // Strips as high as a row of TIFF tiles, so that each tile is unpacked once.
   constexpr int kStrip = 8 * kBlock;
   for (int row = 0; row < field.grid.height; row += kStrip) {
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-    COLLINEA_TRY(const FloatImage strip, field.read(0, row, field.grid.width, std::min(kStrip, field.grid.height - row)));
+    COLLINEA_TRY(const FloatImage strip,
+                 field.read(0, row, field.grid.width, std::min(kStrip, field.grid.height - row)));
     for (int part = 0; part < strip.height; part += kBlock) {
       FloatImage rows(strip.width, std::min(kBlock, strip.height - part));
       std::copy_n(strip.row(part), rows.data.size(), rows.data.begin());
@@ -95,7 +97,8 @@ float HeightWindow::at(double x, double y) const {
     return std::numeric_limits<float>::quiet_NaN();
   const float nearest = heights_m_.at(column, row);
   const int x0 = int(std::floor(x - 0.5)), y0 = int(std::floor(y - 0.5));
-  if (std::isnan(nearest) || x0 < 0 || y0 < 0 || x0 + 1 >= heights_m_.width || y0 + 1 >= heights_m_.height) return nearest;
+  if (std::isnan(nearest) || x0 < 0 || y0 < 0 || x0 + 1 >= heights_m_.width || y0 + 1 >= heights_m_.height)
+    return nearest;
   const float *upper = heights_m_.row(y0) + x0, *lower = heights_m_.row(y0 + 1) + x0;
   const float high = std::max(std::max(upper[0], upper[1]), std::max(lower[0], lower[1]));
   const float low = std::min(std::min(upper[0], upper[1]), std::min(lower[0], lower[1]));
@@ -110,7 +113,8 @@ float HeightWindow::ceiling_m(double x, double y) const {
   return ceiling_m_.at(column, row);
 }
 
-bool HeightWindow::hides(double x, double y, double height_m, double camera_x, double camera_y, double camera_height_m) const {
+bool HeightWindow::hides(double x, double y, double height_m, double camera_x, double camera_y,
+                         double camera_height_m) const {
   const double run = std::hypot(camera_x - x, camera_y - y), rise = camera_height_m - height_m;
   if (!(rise > 0)) return true;
   if (run < 1) return false;

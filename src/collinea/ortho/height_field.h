@@ -37,7 +37,8 @@ struct HeightOverview {
 };
 [[nodiscard]] Result<HeightOverview> overview(const HeightField& field, const Run& run);
 
-/// A window of the surface in memory. Positions are continuous cells of the window: the centre of its upper-left cell is (0.5, 0.5).
+/// A window of the surface in memory. Positions are continuous cells of the window: the centre of its upper-left cell
+/// is (0.5, 0.5).
 class HeightWindow {
  public:
   HeightWindow() = default;
@@ -48,13 +49,15 @@ class HeightWindow {
   [[nodiscard]] int row() const { return row_; }
   [[nodiscard]] bool empty() const { return heights_m_.empty(); }
 
-  /// The height at a place: bilinear on a smooth surface, of the nearest cell beside steps and holes (a slope between roof
-  /// and ground would be painted with colours that belong to neither). NaN where the place has no height.
+  /// The height at a place: bilinear on a smooth surface, of the nearest cell beside steps and holes (a slope between
+  /// roof and ground would be painted with colours that belong to neither). NaN where the place has no height.
   [[nodiscard]] float at(double x, double y) const;
 
-  /// True when the surface rises above the straight line from the place at height_m (on it or above) towards a camera at
-  /// (camera_x, camera_y, camera_height_m). One cell of height is granted to roughness. Cells without height hide nothing.
-  [[nodiscard]] bool hides(double x, double y, double height_m, double camera_x, double camera_y, double camera_height_m) const;
+  /// True when the surface rises above the straight line from the place at height_m (on it or above) towards a camera
+  /// at (camera_x, camera_y, camera_height_m). One cell of height is granted to roughness. Cells without height hide
+  /// nothing.
+  [[nodiscard]] bool hides(double x, double y, double height_m, double camera_x, double camera_y,
+                           double camera_height_m) const;
 
   /// The highest height of all cells no further than kCeilingReach cells from the place, or a greater one.
   [[nodiscard]] float ceiling_m(double x, double y) const;

@@ -22,7 +22,9 @@ FloatImage flat_with_tower() {
 // A tower of 20 m at 1 m cells, the camera 45 degrees above the horizon far in the west: its shadow is 20 m long.
 TEST(HeightWindow, ATowerHidesWhatLiesBehindIt) {
   const HeightWindow window(flat_with_tower(), 0, 0, 1);
-  const auto hidden = [&](double x, double y) { return window.hides(x, y, double(window.at(x, y)), x - 1000, y, 1005); };
+  const auto hidden = [&](double x, double y) {
+    return window.hides(x, y, double(window.at(x, y)), x - 1000, y, 1005);
+  };
   EXPECT_TRUE(hidden(62.5, 50.5));
   EXPECT_TRUE(hidden(77.5, 50.5));
   EXPECT_FALSE(hidden(81.5, 50.5));
@@ -52,7 +54,8 @@ TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
   field.read = [](int column, int row, int width, int height) -> Result<FloatImage> {
     FloatImage heights(width, height);
     for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) heights.at(x, y) = column + x >= 64 ? kNone : float(column + x + 1000 * (row + y));
+      for (int x = 0; x < width; ++x)
+        heights.at(x, y) = column + x >= 64 ? kNone : float(column + x + 1000 * (row + y));
     return heights;
   };
   const auto result = overview(field, collinea::Run{});
@@ -70,7 +73,9 @@ TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
 // Keys' kernel reproduces polynomials of degree 2.
 TEST(Bicubic, ReproducesAParabola) {
   ColourImage picture(12, 12, 3);
-  const auto value = [](double x, double y, int c) { return 20 + 1.0 * c + (x - 0.5) * (x - 0.5) + (y - 0.5) * (x - 0.5); };
+  const auto value = [](double x, double y, int c) {
+    return 20 + 1.0 * c + (x - 0.5) * (x - 0.5) + (y - 0.5) * (x - 0.5);
+  };
   for (int y = 0; y < 12; ++y)
     for (int x = 0; x < 12; ++x)
       for (int c = 0; c < 3; ++c) picture.at(x, y, c) = std::uint8_t(value(x + 0.5, y + 0.5, c));

@@ -61,7 +61,8 @@ HeightRange heights_under(const HeightOverview& overview, const Area& surface) {
 }
 
 // Views that show something of the patch, by a coarse look at 5 x 5 places, lowest and highest.
-std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice& lattice, const Area& area, const HeightRange& range) {
+std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice& lattice, const Area& area,
+                                    const HeightRange& range) {
   std::vector<std::size_t> found;
   const double stride_cells = std::max(area.width, area.height) / 4.0;
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
@@ -83,12 +84,13 @@ std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice&
 }
 
 // How far away something could stand that hides a cell of the area from one of the views [surface cells].
-int occluder_reach(const OrthoScene& scene, const std::vector<std::size_t>& views, const WorldLattice& lattice, const Area& area,
-                   const HeightRange& range) {
+int occluder_reach(const OrthoScene& scene, const std::vector<std::size_t>& views, const WorldLattice& lattice,
+                   const Area& area, const HeightRange& range) {
   double flattest = 0;  // largest run per rise
   for (const std::size_t v : views) {
     for (int corner = 0; corner < 4; ++corner) {
-      const Eigen::Vector3d at = lattice.at(corner & 1 ? area.width : 0, corner & 2 ? area.height : 0, double(range.low_m));
+      const Eigen::Vector3d at =
+          lattice.at(corner & 1 ? area.width : 0, corner & 2 ? area.height : 0, double(range.low_m));
       const Eigen::Vector3d up = scene.views[v].centre_in_world - at;
       flattest = std::max(flattest, up.z() > 0 ? std::min(std::hypot(up.x(), up.y()) / up.z(), 10.0) : 0.0);
     }
@@ -143,7 +145,8 @@ void add_cell(const OrthoPatch& patch, const Source& source, int x, int y, float
   mixture.weight.at(x, y) += weight;
 }
 
-void add_view(const OrthoPatch& patch, const Source& source, const ViewWeights& weights, const Area& wanted, Mixture& mixture) {
+void add_view(const OrthoPatch& patch, const Source& source, const ViewWeights& weights, const Area& wanted,
+              Mixture& mixture) {
   const int left = std::max(weights.column, wanted.column), top = std::max(weights.row, wanted.row);
   const int right = std::min(weights.column + weights.weight.width, wanted.column + wanted.width);
   const int bottom = std::min(weights.row + weights.weight.height, wanted.row + wanted.height);
@@ -156,9 +159,11 @@ void add_view(const OrthoPatch& patch, const Source& source, const ViewWeights& 
 
 std::vector<std::int16_t> used_labels(const Labels& labels, const Area& wanted, int around) {
   std::vector<std::int16_t> used;
-  for (int y = std::max(0, wanted.row - around); y < std::min(labels.height, wanted.row + wanted.height + around); ++y) {
+  for (int y = std::max(0, wanted.row - around); y < std::min(labels.height, wanted.row + wanted.height + around);
+       ++y) {
     std::int16_t last = kNoView;
-    for (int x = std::max(0, wanted.column - around); x < std::min(labels.width, wanted.column + wanted.width + around); ++x) {
+    for (int x = std::max(0, wanted.column - around); x < std::min(labels.width, wanted.column + wanted.width + around);
+         ++x) {
       const std::int16_t label = labels.at(x, y);
       if (label == last || label == kNoView) continue;
       last = label;
@@ -169,8 +174,10 @@ std::vector<std::int16_t> used_labels(const Labels& labels, const Area& wanted, 
   return used;
 }
 
-OrthoTile finished(const Mixture& mixture, const Labels& labels, const std::vector<std::size_t>& views, const Area& wanted) {
-  OrthoTile tile{Raster<std::uint8_t>(wanted.width, wanted.height, 4), Raster<std::uint16_t>(wanted.width, wanted.height)};
+OrthoTile finished(const Mixture& mixture, const Labels& labels, const std::vector<std::size_t>& views,
+                   const Area& wanted) {
+  OrthoTile tile{Raster<std::uint8_t>(wanted.width, wanted.height, 4),
+                 Raster<std::uint16_t>(wanted.width, wanted.height)};
   for (int y = 0; y < wanted.height; ++y) {
     for (int x = 0; x < wanted.width; ++x) {
       const int u = wanted.column + x, v = wanted.row + y;
@@ -178,7 +185,8 @@ OrthoTile finished(const Mixture& mixture, const Labels& labels, const std::vect
       const std::int16_t label = labels.at(u, v);
       if (label == kNoView || !(weight > 0)) continue;
       for (int c = 0; c < 3; ++c)
-        tile.rgba.at(x, y, c) = std::uint8_t(std::lround(std::clamp(mixture.colour.at(u, v, c) / weight, 0.0f, 255.0f)));
+        tile.rgba.at(x, y, c) =
+            std::uint8_t(std::lround(std::clamp(mixture.colour.at(u, v, c) / weight, 0.0f, 255.0f)));
       tile.rgba.at(x, y, 3) = 255;
       tile.source.at(x, y) = std::uint16_t(views[std::size_t(label)] + 1);
     }
@@ -187,13 +195,18 @@ OrthoTile finished(const Mixture& mixture, const Labels& labels, const std::vect
 }
 
 // The patch with its heights; nothing where there are none or no view shows anything.
-Result<std::optional<OrthoPatch>> make_patch(const OrthoScene& scene, const Area& area, std::vector<std::size_t>& views) {
+Result<std::optional<OrthoPatch>> make_patch(const OrthoScene& scene, const Area& area,
+                                             std::vector<std::size_t>& views) {
   HeightRange range = heights_under(*scene.surface_overview, surface_area(scene, area, 1));
   if (range.empty()) return std::nullopt;
-  OrthoPatch patch{scene.grid, area.column, area.row, {},
-                   WorldLattice(scene.frame, scene.grid, area.column, area.row, area.width, area.height, double(range.low_m),
-                                double(range.high_m)),
-                   {}, scene.surface->grid};
+  OrthoPatch patch{scene.grid,
+                   area.column,
+                   area.row,
+                   {},
+                   WorldLattice(scene.frame, scene.grid, area.column, area.row, area.width, area.height,
+                                double(range.low_m), double(range.high_m)),
+                   {},
+                   scene.surface->grid};
   views = views_over(scene, patch.lattice, area, range);
   if (views.empty()) return std::nullopt;
   const Area window = surface_area(scene, area, occluder_reach(scene, views, patch.lattice, area, range));
@@ -238,7 +251,8 @@ Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, 
   if (!patch) return OrthoTile{Raster<std::uint8_t>(width, height, 4), Raster<std::uint16_t>(width, height)};
   std::vector<const View*> views;
   for (const std::size_t v : over) views.push_back(&scene.views[v]);
-  // Roof edges of the surface model are good to about a cell; one more for the reach of the interpolation in the picture.
+  // Roof edges of the surface model are good to about a cell; one more for the reach of the interpolation in the
+  // picture.
   const int rim_cells = 1 + int(std::ceil(1.5 * scene.surface->grid.cell_m / scene.grid.cell_m));
   Visibility visibility(*patch, views, rim_cells);
   const Labels labels = choose_views(*patch, views, visibility);

@@ -11,13 +11,13 @@ namespace collinea {
 
 /// Everything that the tiles of one orthophoto share.
 struct OrthoScene {
-  MapGrid grid;                   ///< of the orthophoto
+  MapGrid grid;  ///< of the orthophoto
   const HeightField* surface = nullptr;
   const HeightOverview* surface_overview = nullptr;
   const LocalFrame* frame = nullptr;  ///< null: map and world are the same
   std::vector<View> views;
-  std::vector<int> shrink;            ///< at which size each view's picture is read
-  std::vector<Exposure> exposures;    ///< of each view
+  std::vector<int> shrink;          ///< at which size each view's picture is read
+  std::vector<Exposure> exposures;  ///< of each view
   PixelCache* pictures = nullptr;
   int feather_cells = 12;
 };
@@ -29,7 +29,8 @@ struct OrthoTile {
 
 /// A piece of the orthophoto; column and row are multiples of OrthoPatch::kBlock. What a cell becomes depends only on
 /// its surroundings, not on the tile it lies in. Errors: a picture or the surface cannot be read; cancelled.
-[[nodiscard]] Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, int width, int height, const Run& run);
+[[nodiscard]] Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, int width, int height,
+                                                const Run& run);
 
 /// The side of the tiles in which an orthophoto is made.
 constexpr int kOrthoTile = 1024;

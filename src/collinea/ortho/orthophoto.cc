@@ -21,7 +21,8 @@ Result<MapGrid> grid_over(const MapGrid& surface, double cell_m) {
   MapGrid grid = surface;
   grid.cell_m = cell_m;
   constexpr double kRounding = 1e-6;  // cells that only rounding would add
-  const double west = std::floor(surface.west_m / cell_m + kRounding), north = std::ceil(surface.north_m / cell_m - kRounding);
+  const double west = std::floor(surface.west_m / cell_m + kRounding),
+               north = std::ceil(surface.north_m / cell_m - kRounding);
   const double east = std::ceil(surface.east_of(surface.width) / cell_m - kRounding);
   const double south = std::floor(surface.north_of(surface.height) / cell_m + kRounding);
   if ((east - west) * (north - south) > kMostCells || east - west > 1e6 || north - south > 1e6)
@@ -44,7 +45,8 @@ std::vector<int> shrinks(const std::vector<View>& views, double mean_height_m, d
   return result;
 }
 
-std::vector<Eigen::Vector3d> places_in_world(const HeightOverview& overview, const MapGrid& grid, const LocalFrame* frame) {
+std::vector<Eigen::Vector3d> places_in_world(const HeightOverview& overview, const MapGrid& grid,
+                                             const LocalFrame* frame) {
   std::vector<Eigen::Vector3d> places;
   const std::size_t stride = (overview.places.size() + kMostPlaces - 1) / kMostPlaces;
   for (std::size_t i = 0; i < overview.places.size(); i += stride) {
@@ -63,7 +65,8 @@ std::vector<Piece> pieces_of(const MapGrid& grid) {
   std::vector<Piece> pieces;
   for (int row = 0; row < grid.height; row += kOrthoTile)
     for (int column = 0; column < grid.width; column += kOrthoTile)
-      pieces.push_back({column, row, std::min(kOrthoTile, grid.width - column), std::min(kOrthoTile, grid.height - row)});
+      pieces.push_back(
+          {column, row, std::min(kOrthoTile, grid.width - column), std::min(kOrthoTile, grid.height - row)});
   return pieces;
 }
 
@@ -102,8 +105,9 @@ Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary
 
 }  // namespace
 
-Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface, const PixelSource& pixels,
-                                     double gsd_m, const OrthoSink& sink, const OrthoOptions& options, const Run& run) {
+Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
+                                     const PixelSource& pixels, double gsd_m, const OrthoSink& sink,
+                                     const OrthoOptions& options, const Run& run) {
   if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
   OrthoScene scene;
   scene.views = views_of(block, frame);
@@ -119,7 +123,8 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   scene.feather_cells = options.feather_cells;
   scene.exposures.resize(scene.views.size());
   if (options.balance) {
-    COLLINEA_TRY(scene.exposures, exposures_of(scene.views, places_in_world(heights, surface.grid, frame), pixels, run));
+    COLLINEA_TRY(scene.exposures,
+                 exposures_of(scene.views, places_in_world(heights, surface.grid, frame), pixels, run));
   }
   OrthoSummary summary;
   summary.grid = scene.grid;

@@ -23,7 +23,8 @@ struct OrthoOptions {
   static void describe(Visit&& visit) {
     using O = OrthoOptions;
     visit(Field{"cell_m", &O::cell_m, "m", "cell of the orthophoto; else the ground size of a pixel", 1e-6});
-    visit(Field{"feather_cells", &O::feather_cells, "cells", "width of the zone along seams in which pictures are mixed", 2, 24});
+    visit(Field{"feather_cells", &O::feather_cells, "cells",
+                "width of the zone along seams in which pictures are mixed", 2, 24});
     visit(Field{"balance", &O::balance, "1", "make the brightness and colour of the photographs alike"});
   }
 };
@@ -47,17 +48,19 @@ struct OrthoSink {
   std::function<Result<>(int column, int row, const OrthoTile& tile)> take;
 };
 
-/// The true orthophoto: each cell of the map takes the colour of its place on the surface, from the photograph that sees it
-/// most from above and is not hidden by the surface; photographs are mixed in a narrow zone along the seams. Cells that no photograph sees, and
-/// cells without height, stay transparent: nothing is copied from the wrong surface. `frame`: null when the
-/// surface model lies in the plane x, y of the world. `gsd_m`: ground size of a pixel of the photographs. Holds at most about 512 MB
-/// of decoded photographs. Same bits with any number of threads. Errors: a photograph cannot be read, no
-/// oriented images, raster too large, cancelled.
-Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface, const PixelSource& pixels,
-                                     double gsd_m, const OrthoSink& sink, const OrthoOptions& options, const Run& run);
+/// The true orthophoto: each cell of the map takes the colour of its place on the surface, from the photograph that
+/// sees it most from above and is not hidden by the surface; photographs are mixed in a narrow zone along the seams.
+/// Cells that no photograph sees, and cells without height, stay transparent: nothing is copied from the wrong surface.
+/// `frame`: null when the surface model lies in the plane x, y of the world. `gsd_m`: ground size of a pixel of the
+/// photographs. Holds at most about 512 MB of decoded photographs. Same bits with any number of threads. Errors: a
+/// photograph cannot be read, no oriented images, raster too large, cancelled.
+Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
+                                     const PixelSource& pixels, double gsd_m, const OrthoSink& sink,
+                                     const OrthoOptions& options, const Run& run);
 
 /// The same, written to GeoTIFFs.
-Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface, const PixelSource& pixels,
-                                     double gsd_m, const OrthoFiles& files, const OrthoOptions& options, const Run& run);
+Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
+                                     const PixelSource& pixels, double gsd_m, const OrthoFiles& files,
+                                     const OrthoOptions& options, const Run& run);
 
 }  // namespace collinea

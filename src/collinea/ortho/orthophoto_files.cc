@@ -29,8 +29,9 @@ Result<HeightField> open_height_field(const std::filesystem::path& path) {
   return field;
 }
 
-Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface, const PixelSource& pixels,
-                                     double gsd_m, const OrthoFiles& files, const OrthoOptions& options, const Run& run) {
+Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
+                                     const PixelSource& pixels, double gsd_m, const OrthoFiles& files,
+                                     const OrthoOptions& options, const Run& run) {
   std::optional<GeoTiffWriter<std::uint8_t>> picture;
   std::optional<GeoTiffWriter<std::uint16_t>> source;
   const auto begin = [&](const MapGrid& grid) -> Result<> {
@@ -47,7 +48,8 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   const auto take = [&](int column, int row, const OrthoTile& tile) {
     return picture->write(column, row, tile.rgba).and_then([&] { return source->write(column, row, tile.source); });
   };
-  COLLINEA_TRY(OrthoSummary summary, make_orthophoto(block, frame, surface, pixels, gsd_m, OrthoSink{begin, take}, options, run));
+  COLLINEA_TRY(OrthoSummary summary,
+               make_orthophoto(block, frame, surface, pixels, gsd_m, OrthoSink{begin, take}, options, run));
   auto finished = source->finish().and_then([&] { return picture->finish(); });
   if (!finished) return tl::unexpected(std::move(finished).error());
   return summary;

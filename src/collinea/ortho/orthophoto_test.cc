@@ -18,7 +18,9 @@ using Colour = std::array<double, 3>;
 struct World {
   double box_from = 12, box_to = 20, box_height_m = 8;  // in x and in y [m]
 
-  [[nodiscard]] bool on_box(double x, double y) const { return x > box_from && x < box_to && y > box_from && y < box_to; }
+  [[nodiscard]] bool on_box(double x, double y) const {
+    return x > box_from && x < box_to && y > box_from && y < box_to;
+  }
   [[nodiscard]] static Colour ground(double x, double y) {
     return {90 + 20 * std::sin(0.3 * x), 120 + 25 * std::sin(0.25 * y), 100 + 15 * std::sin(0.2 * (x + y))};
   }
@@ -76,7 +78,8 @@ ColourImage photograph(const World& world, const Block& block, ImageId image, bo
       const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
       const Colour colour = world.seen(world_from_cam.translation, world_from_cam.rotation * ray_in_cam(camera, pixel));
       const double factor = uneven ? gain_of(image) * std::exp(-0.25 * relative_radius2(camera, pixel)) : 1;
-      for (int c = 0; c < 3; ++c) picture.at(x, y, c) = std::uint8_t(std::lround(std::min(255.0, factor * colour[std::size_t(c)])));
+      for (int c = 0; c < 3; ++c)
+        picture.at(x, y, c) = std::uint8_t(std::lround(std::min(255.0, factor * colour[std::size_t(c)])));
     }
   }
   return picture;
@@ -89,7 +92,8 @@ ColourImage shrunk(const ColourImage& picture, int shrink) {
       for (int c = 0; c < 3; ++c) {
         int sum = 0, count = 0;
         for (int v = y * shrink; v < std::min(picture.height, (y + 1) * shrink); ++v)
-          for (int u = x * shrink; u < std::min(picture.width, (x + 1) * shrink); ++u) sum += picture.at(u, v, c), ++count;
+          for (int u = x * shrink; u < std::min(picture.width, (x + 1) * shrink); ++u)
+            sum += picture.at(u, v, c), ++count;
         small.at(x, y, c) = std::uint8_t((sum + count / 2) / count);
       }
     }
@@ -108,7 +112,8 @@ HeightField surface_of(const World& world) {
     FloatImage heights(width, height);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        heights.at(x, y) = world.on_box(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5)) ? float(world.box_height_m) : 0;
+        heights.at(x, y) =
+            world.on_box(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5)) ? float(world.box_height_m) : 0;
     if (column == 0 && row == 0) heights.at(3, 4) = std::numeric_limits<float>::quiet_NaN();
     return heights;
   };
@@ -125,7 +130,9 @@ struct Product {
 Product make(const World& world, const Block& block, OrthoOptions options, bool uneven = false, int threads = 1) {
   std::map<ImageId, ColourImage> photographs;
   for (const auto& [id, image] : block.images) photographs[id] = photograph(world, block, id, uneven);
-  const PixelSource pixels = [&](ImageId image, int shrink) -> Result<ColourImage> { return shrunk(photographs.at(image), shrink); };
+  const PixelSource pixels = [&](ImageId image, int shrink) -> Result<ColourImage> {
+    return shrunk(photographs.at(image), shrink);
+  };
   Product product;
   const OrthoSink sink{[&](const MapGrid& grid) -> Result<> {
                          product.grid = grid;
@@ -153,10 +160,10 @@ std::vector<Eigen::Vector3d> nine_centres() {
 }
 
 bool near_box_edge(const World& world, double x, double y, double distance_m) {
-  const bool around = x > world.box_from - distance_m && x < world.box_to + distance_m && y > world.box_from - distance_m &&
-                      y < world.box_to + distance_m;
-  const bool within = x > world.box_from + distance_m && x < world.box_to - distance_m && y > world.box_from + distance_m &&
-                      y < world.box_to - distance_m;
+  const bool around = x > world.box_from - distance_m && x < world.box_to + distance_m &&
+                      y > world.box_from - distance_m && y < world.box_to + distance_m;
+  const bool within = x > world.box_from + distance_m && x < world.box_to - distance_m &&
+                      y > world.box_from + distance_m && y < world.box_to - distance_m;
   return around && !within;
 }
 
@@ -195,8 +202,9 @@ TEST(Orthophoto, CellsWithoutHeightAreTransparent) {
   EXPECT_EQ(product.rgba.at(8, 4, 3), 255);
 }
 
-// One camera in the west: ground in the lee of the box, from its wall at x = 20 to 20 + 8 (20 - 4) / (50 - 8) = 23.05, is
-// hidden; the rest is not. At the border of what is hidden interpolation may mix in a little of the roof, which is 90 levels away.
+// One camera in the west: ground in the lee of the box, from its wall at x = 20 to 20 + 8 (20 - 4) / (50 - 8) = 23.05,
+// is hidden; the rest is not. At the border of what is hidden interpolation may mix in a little of the roof, which is
+// 90 levels away.
 TEST(Orthophoto, HiddenGroundIsNotPaintedWithTheRoof) {
   const World world;
   const Product product = make(world, block_of({{4, 16, 50}}), {.cell_m = {}, .feather_cells = 8, .balance = false});
@@ -218,8 +226,7 @@ TEST(Orthophoto, NoCellShowsAWall) {
   ASSERT_TRUE(product.summary);
   int bluish = 0;
   for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
-      bluish += product.rgba.at(x, y, 3) != 0 && product.rgba.at(x, y, 2) > 140;
+    for (int x = 0; x < kSide; ++x) bluish += product.rgba.at(x, y, 3) != 0 && product.rgba.at(x, y, 2) > 140;
   EXPECT_LE(bluish, 20);  // at the very edge of the roof interpolation mixes a little
 }
 
@@ -254,7 +261,8 @@ TEST(Orthophoto, TheCutIntoTilesDoesNotMatter) {
   const HeightField surface = surface_of(world);
   const auto heights = overview(surface, collinea::Run{});
   ASSERT_TRUE(heights);
-  PixelCache pictures([&](ImageId image, int) -> Result<ColourImage> { return photograph(world, block, image, true); }, 1 << 30);
+  PixelCache pictures([&](ImageId image, int) -> Result<ColourImage> { return photograph(world, block, image, true); },
+                      1 << 30);
   OrthoScene scene{surface.grid, &surface, &*heights, nullptr, views_of(block, nullptr), {}, {}, &pictures, 12};
   scene.shrink.assign(9, 1);
   scene.exposures.resize(9);

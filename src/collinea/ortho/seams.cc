@@ -9,18 +9,20 @@ namespace collinea {
 namespace {
 
 constexpr int kBlock = OrthoPatch::kBlock;
-constexpr std::size_t kBest = 5;       // views worth a look at a node
-constexpr int kMajorityRadius = 5;     // [cells]
+constexpr std::size_t kBest = 5;    // views worth a look at a node
+constexpr int kMajorityRadius = 5;  // [cells]
 constexpr int kMajorityRounds = 2;
 
 // Costs of all views at the corners of the blocks, and the best few there.
 struct CostLattice {
   int columns = 0, rows = 0;
   std::size_t views = 0;
-  std::vector<float> costs;                           // [node][view]
-  std::vector<std::vector<std::int16_t>> best;        // per node, ascending indices
+  std::vector<float> costs;                     // [node][view]
+  std::vector<std::vector<std::int16_t>> best;  // per node, ascending indices
 
-  [[nodiscard]] const float* at(int i, int j) const { return costs.data() + (std::size_t(j) * std::size_t(columns) + std::size_t(i)) * views; }
+  [[nodiscard]] const float* at(int i, int j) const {
+    return costs.data() + (std::size_t(j) * std::size_t(columns) + std::size_t(i)) * views;
+  }
 };
 
 // The mean height of the blocks around each corner; NaN where there is none. Only what lies around counts, so that
@@ -87,7 +89,8 @@ std::vector<std::int16_t> candidates_of(const CostLattice& lattice, int block_x,
 }
 
 // The view that is the best at all four corners, and so everywhere between them; kNoView when there is none.
-std::int16_t best_throughout(const CostLattice& lattice, std::span<const std::int16_t> candidates, int block_x, int block_y) {
+std::int16_t best_throughout(const CostLattice& lattice, std::span<const std::int16_t> candidates, int block_x,
+                             int block_y) {
   std::int16_t best = kNoView;
   for (int corner = 0; corner < 4; ++corner) {
     const float* costs = lattice.at(block_x + (corner & 1), block_y + (corner >> 1));
@@ -187,8 +190,8 @@ void straighten(Labels& labels, std::size_t views, Visibility& visibility) {
   }
 }
 
-// Cells that no view sees, but that lie among seen ones, take the view of these: a tooth of the edge of a roof leaves such
-// holes of a few cells, and what they show there is no worse than that edge.
+// Cells that no view sees, but that lie among seen ones, take the view of these: a tooth of the edge of a roof leaves
+// such holes of a few cells, and what they show there is no worse than that edge.
 void close_pinholes(const OrthoPatch& patch, Labels& labels, std::size_t views) {
   constexpr int r = 2, kMostUnseen = 10;  // of 25 cells; a cell at the straight border of a hidden place has 15
   std::vector<int> votes(views);
@@ -199,8 +202,10 @@ void close_pinholes(const OrthoPatch& patch, Labels& labels, std::size_t views) 
       std::fill(votes.begin(), votes.end(), 0);
       int unseen = 0;
       for (int v = y - r; v <= y + r; ++v)
-        for (int u = x - r; u <= x + r; ++u) before.at(u, v) == kNoView ? ++unseen : ++votes[std::size_t(before.at(u, v))];
-      if (unseen <= kMostUnseen) labels.at(x, y) = std::int16_t(std::max_element(votes.begin(), votes.end()) - votes.begin());
+        for (int u = x - r; u <= x + r; ++u)
+          before.at(u, v) == kNoView ? ++unseen : ++votes[std::size_t(before.at(u, v))];
+      if (unseen <= kMostUnseen)
+        labels.at(x, y) = std::int16_t(std::max_element(votes.begin(), votes.end()) - votes.begin());
     }
   }
 }

@@ -16,18 +16,19 @@ constexpr std::int16_t kNoView = -1;
 /// How far a label may depend on what lies around it [cells].
 constexpr int kSeamReach = 2 * OrthoPatch::kBlock;
 
-/// The cheapest view (cost_of, worked out at the corners of blocks and interpolated) that sees a cell, then straightened: a
-/// cell follows the majority around it where that view sees it too. kNoView where no view sees it, but for pinholes of
-/// a few cells, which follow their surroundings.
+/// The cheapest view (cost_of, worked out at the corners of blocks and interpolated) that sees a cell, then
+/// straightened: a cell follows the majority around it where that view sees it too. kNoView where no view sees it, but
+/// for pinholes of a few cells, which follow their surroundings.
 [[nodiscard]] Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views, Visibility& visibility);
 
-/// The weight of one view in each cell of a rectangle: 1 well inside its own area, falling to 0 within feather_cells on both sides of its
-/// seams, and towards places that it does not see. A label's own cells keep a little, so that something is left where no
-/// other view sees them. Sum over the views is not 1.
+/// The weight of one view in each cell of a rectangle: 1 well inside its own area, falling to 0 within feather_cells on
+/// both sides of its seams, and towards places that it does not see. A label's own cells keep a little, so that
+/// something is left where no other view sees them. Sum over the views is not 1.
 struct ViewWeights {
   int column = 0, row = 0;  ///< of the rectangle in the patch
   FloatImage weight;        ///< empty when the view has no cells
 };
-[[nodiscard]] ViewWeights weights_of(const Labels& labels, std::int16_t view, int feather_cells, Visibility& visibility);
+[[nodiscard]] ViewWeights weights_of(const Labels& labels, std::int16_t view, int feather_cells,
+                                     Visibility& visibility);
 
 }  // namespace collinea

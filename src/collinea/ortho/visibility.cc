@@ -51,7 +51,8 @@ int Visibility::hidden_around(std::size_t view, int x, int y, int radius) {
 bool Visibility::sees_cell(const View& view, int x, int y) const {
   const auto pixel = pixel_of(view, patch_.world_at(x, y));
   if (!pixel || !well_inside(view, *pixel)) return false;
-  const double east_m = patch_.grid.east_of(patch_.column + x + 0.5), north_m = patch_.grid.north_of(patch_.row + y + 0.5);
+  const double east_m = patch_.grid.east_of(patch_.column + x + 0.5),
+               north_m = patch_.grid.north_of(patch_.row + y + 0.5);
   return !patch_.surface.hides(patch_.surface_x(east_m), patch_.surface_y(north_m), double(patch_.heights_m.at(x, y)),
                                patch_.surface_x(view.centre_in_map.x()), patch_.surface_y(view.centre_in_map.y()),
                                view.centre_in_map.z());
@@ -98,7 +99,8 @@ Visibility::State Visibility::raw_state(std::size_t view, int block_x, int block
   }
   State& state = layer.raw[std::size_t(block_y * patch_.blocks_across() + block_x)];
   if (state != State::kUnknown) return state;
-  if (std::isnan(block_low_.at(block_x, block_y)) || sees_whole_block(*views_[view], block_x, block_y)) return state = State::kAll;
+  if (std::isnan(block_low_.at(block_x, block_y)) || sees_whole_block(*views_[view], block_x, block_y))
+    return state = State::kAll;
   if (layer.raw_mask.empty()) {
     layer.raw_mask = Raster<std::uint8_t>(patch_.heights_m.width, patch_.heights_m.height);
     layer.final_mask = layer.raw_mask;

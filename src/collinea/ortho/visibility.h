@@ -13,13 +13,14 @@
 
 namespace collinea {
 
-/// A piece of an orthophoto in the making: heights of its cells and how to get from them to the world and to the surface.
+/// A piece of an orthophoto in the making: heights of its cells and how to get from them to the world and to the
+/// surface.
 struct OrthoPatch {
   static constexpr int kBlock = 16;  ///< the patch starts at a multiple of it and is a whole number of blocks
 
-  MapGrid grid;           ///< of the whole orthophoto
+  MapGrid grid;             ///< of the whole orthophoto
   int column = 0, row = 0;  ///< of the patch in the grid; may be negative
-  FloatImage heights_m;   ///< NaN: no height
+  FloatImage heights_m;     ///< NaN: no height
   WorldLattice lattice;
   HeightWindow surface;
   MapGrid surface_grid;
@@ -38,17 +39,19 @@ struct OrthoPatch {
   }
 };
 
-/// Which cells of a patch are on which pictures, and not hidden by the surface. Worked out block by block when asked for;
-/// a block that certainly is seen as a whole costs next to nothing.
+/// Which cells of a patch are on which pictures, and not hidden by the surface. Worked out block by block when asked
+/// for; a block that certainly is seen as a whole costs next to nothing.
 class Visibility {
  public:
-  /// A cell counts as hidden when any cell within `rim_cells` of it is: the surface model is not exact at the edges of roofs.
+  /// A cell counts as hidden when any cell within `rim_cells` of it is: the surface model is not exact at the edges of
+  /// roofs.
   Visibility(const OrthoPatch& patch, std::vector<const View*> views, int rim_cells);
 
   /// `view`: index into the views. Cells without height are seen by nobody.
   [[nodiscard]] bool sees(int view, int x, int y);
-  /// The same, but a few hidden cells in the rim do not count (the teeth of an edge), as long as the next neighbours are
-  /// seen: better than nothing where no view sees a cell well. Along the border of a larger hidden place it is no help.
+  /// The same, but a few hidden cells in the rim do not count (the teeth of an edge), as long as the next neighbours
+  /// are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden place it is no
+  /// help.
   [[nodiscard]] bool sees_barely(int view, int x, int y);
   /// True when the view sees all cells of a block that have a height.
   [[nodiscard]] bool sees_block(int view, int block_x, int block_y) {

@@ -32,7 +32,8 @@ Eigen::Vector3d WorldLattice::at(double x, double y, double height_m) const {
   const int i = std::clamp(int(u), 0, columns_ - 2), j = std::clamp(int(v), 0, rows_ - 2);
   const double a = u - i, b = v - j, t = (height_m - lowest_m_) / height_range_m_;
   const double w00 = (1 - a) * (1 - b), w10 = a * (1 - b), w01 = (1 - a) * b, w11 = a * b;
-  const std::size_t node = std::size_t(j) * std::size_t(columns_) + std::size_t(i), below = node + std::size_t(columns_);
+  const std::size_t node = std::size_t(j) * std::size_t(columns_) + std::size_t(i),
+                    below = node + std::size_t(columns_);
   const Eigen::Vector3d low = w00 * low_[node] + w10 * low_[node + 1] + w01 * low_[below] + w11 * low_[below + 1];
   const Eigen::Vector3d high = w00 * high_[node] + w10 * high_[node + 1] + w01 * high_[below] + w11 * high_[below + 1];
   return low + t * (high - low);

@@ -9,13 +9,14 @@
 
 namespace collinea {
 
-/// World coordinates of the cells of a window of a map raster at any height: PROJ at the nodes of a lattice no wider than 50 m,
-/// linear between them (error below 1e-4 m).
+/// World coordinates of the cells of a window of a map raster at any height: PROJ at the nodes of a lattice no wider
+/// than 50 m, linear between them (error below 1e-4 m).
 class WorldLattice {
  public:
-  /// The window starts at (column, row) of `grid`, which may lie outside the raster. `frame`: null when map and world are the same.
-  WorldLattice(const LocalFrame* frame, const MapGrid& grid, int column, int row, int width, int height, double lowest_m,
-               double highest_m);
+  /// The window starts at (column, row) of `grid`, which may lie outside the raster. `frame`: null when map and world
+  /// are the same.
+  WorldLattice(const LocalFrame* frame, const MapGrid& grid, int column, int row, int width, int height,
+               double lowest_m, double highest_m);
 
   /// x, y: continuous cells of the window.
   [[nodiscard]] Eigen::Vector3d at(double x, double y, double height_m) const;

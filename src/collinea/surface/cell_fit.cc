@@ -7,8 +7,8 @@
 namespace collinea {
 namespace {
 
-constexpr double kUse = 1.5;         // points up to here take part in the fit [cells]
-constexpr double kSteepest = 1.5;    // rise per run that still is one surface
+constexpr double kUse = 1.5;       // points up to here take part in the fit [cells]
+constexpr double kSteepest = 1.5;  // rise per run that still is one surface
 
 double distance2(const CellPoint& p) { return p.x * p.x + p.y * p.y; }
 
@@ -89,7 +89,8 @@ std::optional<double> CellFit::level_of_own(std::span<const CellPoint> near, dou
     // Points on a wall join roof and ground into one long cluster: only its top is the surface seen from above.
     const double low_m = std::max(heights[begin], heights[end - 1] - 2 * tolerance_m);
     if (has_support(near, low_m, heights[end - 1], tolerance_m, cell_m)) {
-      const auto first = std::lower_bound(heights.begin() + std::ptrdiff_t(begin), heights.begin() + std::ptrdiff_t(end), low_m);
+      const auto first =
+          std::lower_bound(heights.begin() + std::ptrdiff_t(begin), heights.begin() + std::ptrdiff_t(end), low_m);
       return *(first + (heights.begin() + std::ptrdiff_t(end) - first) / 2);
     }
     end = begin;

@@ -11,8 +11,8 @@ namespace collinea {
 struct CellPoint {
   double x = 0, y = 0;  ///< from the centre of the cell, along columns and rows [cells]
   double height_m = 0;
-  float sigma_m = 0;    ///< of the height, > 0
-  bool own = false;     ///< it lies in the cell itself
+  float sigma_m = 0;  ///< of the height, > 0
+  bool own = false;   ///< it lies in the cell itself
 };
 
 struct CellEstimate {
@@ -28,10 +28,11 @@ constexpr double kCellReach = 2.0;
 /// the arguments alone.
 class CellFit {
  public:
-  /// The surface seen from above at one cell: the uppermost level in the cell that has support around (roofs win over the
-  /// walls and the ground below them, single high points lose), or, in a cell without points, the level of the nearest
-  /// point; then a robust plane through the points of that level up to 1.5 cells away, weighted by their variance and a Gaussian
-  /// of their distance. A plane is met exactly where the points fix its tilt. Nothing when no level has support.
+  /// The surface seen from above at one cell: the uppermost level in the cell that has support around (roofs win over
+  /// the walls and the ground below them, single high points lose), or, in a cell without points, the level of the
+  /// nearest point; then a robust plane through the points of that level up to 1.5 cells away, weighted by their
+  /// variance and a Gaussian of their distance. A plane is met exactly where the points fix its tilt. Nothing when no
+  /// level has support.
   std::optional<CellEstimate> estimate(std::span<const CellPoint> near, double cell_m);
 
  private:

@@ -25,8 +25,10 @@ Gridding gridding_of(const DsmOptions& options, double gsd_m) {
   return gridding;
 }
 
-// One batch on the map (by `frame`, or as it is when that is null) and in cells. Chunks are independent, so threads do not change the result.
-std::vector<GridPoint> in_cells(const std::vector<SurfacePoint>& batch, const LocalFrame* frame, double cell_m, const Run& run) {
+// One batch on the map (by `frame`, or as it is when that is null) and in cells. Chunks are independent, so threads do
+// not change the result.
+std::vector<GridPoint> in_cells(const std::vector<SurfacePoint>& batch, const LocalFrame* frame, double cell_m,
+                                const Run& run) {
   constexpr std::size_t kChunk = 16384;
   std::vector<GridPoint> points(batch.size());
   parallel_for(run, (batch.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
@@ -49,8 +51,8 @@ bool usable(const GridPoint& p) {
   return std::abs(p.column) < kFarthest && std::abs(p.row) < kFarthest && std::isfinite(p.height_m) && p.sigma_m > 0;
 }
 
-Result<> collect(const PointSource& source, const LocalFrame* frame, double cell_m, PointBuckets& buckets, DsmSummary& summary,
-                 const Run& run) {
+Result<> collect(const PointSource& source, const LocalFrame* frame, double cell_m, PointBuckets& buckets,
+                 DsmSummary& summary, const Run& run) {
   std::vector<SurfacePoint> batch;
   for (;;) {
     if (auto read = source(batch); !read) return read;
@@ -96,7 +98,8 @@ Result<Extent> extent_of(const PointBuckets& buckets) {
     north = std::min(north, bucket.north), south = std::max(south, bucket.south);
   }
   const Extent extent{west, north, east - west + 1, south - north + 1};
-  if (double(extent.width) * double(extent.height) > kMostCells || extent.width > 1'000'000 || extent.height > 1'000'000)
+  if (double(extent.width) * double(extent.height) > kMostCells || extent.width > 1'000'000 ||
+      extent.height > 1'000'000)
     return fail(Errc::kBadInput, "the surface model would have " + std::to_string(extent.width) + " x " +
                                      std::to_string(extent.height) + " cells: choose a larger cell_m");
   return extent;
@@ -124,7 +127,7 @@ struct Tile {
 Result<SurfaceTile> make_tile(const PointBuckets& buckets, const CellWindow& window, const Gridding& gridding) {
   const int margin = margin_cells(gridding);
   COLLINEA_TRY(auto points, buckets.points_in({window.column - margin, window.row - margin, window.width + 2 * margin,
-                                            window.height + 2 * margin}));
+                                               window.height + 2 * margin}));
   if (points.empty()) return SurfaceTile(window.width, window.height);
   return grid_window(std::move(points), window, gridding);
 }
@@ -140,8 +143,8 @@ std::vector<Tile> tiles_of(const Extent& extent) {
 }
 
 // Tiles are made side by side, a few at a time, and handed on in their order.
-Result<> make_tiles(const PointBuckets& buckets, const Extent& extent, const Gridding& gridding, const SurfaceSink& sink,
-                    DsmSummary& summary, const Run& run) {
+Result<> make_tiles(const PointBuckets& buckets, const Extent& extent, const Gridding& gridding,
+                    const SurfaceSink& sink, DsmSummary& summary, const Run& run) {
   std::vector<Tile> tiles = tiles_of(extent);
   const std::size_t at_once = std::size_t(4 * std::max(1, run.threads));
   for (std::size_t begin = 0; begin < tiles.size(); begin += at_once) {
@@ -154,7 +157,9 @@ Result<> make_tiles(const PointBuckets& buckets, const Extent& extent, const Gri
       Tile& tile = tiles[i];
       if (!tile.surface) return tl::unexpected(std::move(tile.surface).error());
       tally(*tile.surface, summary);
-      if (auto taken = sink.take(int(tile.window.column - extent.west), int(tile.window.row - extent.north), *tile.surface); !taken)
+      if (auto taken =
+              sink.take(int(tile.window.column - extent.west), int(tile.window.row - extent.north), *tile.surface);
+          !taken)
         return taken;
       tile.surface = SurfaceTile();
     }
@@ -167,19 +172,23 @@ Result<> make_tiles(const PointBuckets& buckets, const Extent& extent, const Gri
 
 double tidy_cell_m(double gsd_m) {
   const double unit = std::pow(10.0, std::floor(std::log10(gsd_m)) - 1);
-  // Dividing by a whole power of ten gives the decimal number nearest to what is meant: 0.024, not 0.024000000000000004.
+  // Dividing by a whole power of ten gives the decimal number nearest to what is meant: 0.024, not
+  // 0.024000000000000004.
   return unit < 1 ? std::round(gsd_m / unit) / std::round(1 / unit) : std::round(gsd_m / unit) * unit;
 }
 
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run, PointFrame point_frame) {
+                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
+                             PointFrame point_frame) {
   if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
   if (!options.cell_m && !(gsd_m > 0 && std::isfinite(gsd_m)))
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   const Gridding gridding = gridding_of(options, gsd_m);
   PointBuckets buckets(scratch, kBucketCells, kPointMemory);
   DsmSummary summary;
-  if (auto collected = collect(points, point_frame == PointFrame::kMap ? nullptr : frame, gridding.cell_m, buckets, summary, run); !collected)
+  if (auto collected =
+          collect(points, point_frame == PointFrame::kMap ? nullptr : frame, gridding.cell_m, buckets, summary, run);
+      !collected)
     return tl::unexpected(std::move(collected).error());
   drop_strays(buckets, summary);
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");

@@ -25,7 +25,8 @@ struct SurfacePoint {
 /// In which coordinates points come. From files they often are on the map already.
 enum class PointFrame { kWorld, kMap };
 
-/// Hands out a cloud batch by batch: replaces the contents of `batch` with the next points (some 100,000 at once); leaves it empty at the end.
+/// Hands out a cloud batch by batch: replaces the contents of `batch` with the next points (some 100,000 at once);
+/// leaves it empty at the end.
 using PointSource = std::function<Result<>(std::vector<SurfacePoint>& batch)>;
 
 struct DsmOptions {
@@ -36,7 +37,8 @@ struct DsmOptions {
   static void describe(Visit&& visit) {
     using O = DsmOptions;
     visit(Field{"cell_m", &O::cell_m, "m", "cell of the surface model; else the ground size of a matched pixel", 1e-6});
-    visit(Field{"fill_holes_m", &O::fill_holes_m, "m", "holes up to this width are filled and marked; else 8 cells", 0.0});
+    visit(Field{"fill_holes_m", &O::fill_holes_m, "m", "holes up to this width are filled and marked; else 8 cells",
+                0.0});
   }
 };
 
@@ -63,10 +65,11 @@ struct SurfaceSink {
   std::function<Result<>(int column, int row, const SurfaceTile& tile)> take;
 };
 
-/// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit), in the map of `frame`, or in the plane x, y
-/// of the world when `frame` is null (then `point_frame` does not matter). Cell edges lie on multiples of the cell size. `gsd_m` is the ground size of a
-/// pixel of the matched pictures. Points are kept in `scratch` beyond 256 MB of them. The same cloud gives the same bits in any
-/// order and with any number of threads. Errors: no points, raster too large, disk, cancelled.
+/// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit), in the map of `frame`, or
+/// in the plane x, y of the world when `frame` is null (then `point_frame` does not matter). Cell edges lie on
+/// multiples of the cell size. `gsd_m` is the ground size of a pixel of the matched pictures. Points are kept in
+/// `scratch` beyond 256 MB of them. The same cloud gives the same bits in any order and with any number of threads.
+/// Errors: no points, raster too large, disk, cancelled.
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
                              const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
                              PointFrame point_frame = PointFrame::kWorld);

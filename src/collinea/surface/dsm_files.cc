@@ -26,8 +26,12 @@ Result<> start(std::optional<GeoTiffWriter<T>>& writer, const std::filesystem::p
 
 Result<> start_all(Writers& writers, const DsmFiles& files, const MapGrid& grid) {
   return start(writers.height, files.height, grid, double(kNoHeight), "digital surface model: height [m]")
-      .and_then([&] { return start(writers.sigma, files.sigma, grid, double(kNoHeight), "standard deviation of the height [m]"); })
-      .and_then([&] { return start(writers.state, files.state, grid, std::nullopt, "0 nothing, 1 measured, 2 interpolated"); })
+      .and_then([&] {
+        return start(writers.sigma, files.sigma, grid, double(kNoHeight), "standard deviation of the height [m]");
+      })
+      .and_then([&] {
+        return start(writers.state, files.state, grid, std::nullopt, "0 nothing, 1 measured, 2 interpolated");
+      })
       .and_then([&] { return start(writers.count, files.count, grid, std::nullopt, "points that made the cell"); });
 }
 
@@ -41,10 +45,12 @@ Result<> write_all(Writers& writers, int column, int row, const SurfaceTile& til
 }  // namespace
 
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const DsmFiles& files,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run, PointFrame point_frame) {
+                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
+                             PointFrame point_frame) {
   Writers writers;
-  const SurfaceSink sink{[&](const MapGrid& grid) { return start_all(writers, files, grid); },
-                         [&](int column, int row, const SurfaceTile& tile) { return write_all(writers, column, row, tile); }};
+  const SurfaceSink sink{
+      [&](const MapGrid& grid) { return start_all(writers, files, grid); },
+      [&](int column, int row, const SurfaceTile& tile) { return write_all(writers, column, row, tile); }};
   COLLINEA_TRY(const DsmSummary summary, build_dsm(points, frame, gsd_m, sink, scratch, options, run, point_frame));
   // The height comes last: where it is, all are.
   auto finished = writers.sigma->finish()

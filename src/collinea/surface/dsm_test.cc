@@ -31,8 +31,8 @@ std::vector<SurfacePoint> hill(double west, double south, double size, int count
   return points;
 }
 
-Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int threads = 1, const LocalFrame* frame = nullptr,
-                PointFrame point_frame = PointFrame::kWorld) {
+Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int threads = 1,
+                const LocalFrame* frame = nullptr, PointFrame point_frame = PointFrame::kWorld) {
   std::size_t next = 0;
   const PointSource source = [&](std::vector<SurfacePoint>& batch) -> Result<> {
     const std::size_t end = std::min(next + 1000, points.size());
@@ -48,7 +48,8 @@ Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int
                          },
                          [&](int column, int row, const SurfaceTile& tile) -> Result<> {
                            for (int y = 0; y < tile.height_m.height; ++y)
-                             std::copy_n(tile.height_m.row(y), tile.height_m.width, result.height_m.row(row + y) + column);
+                             std::copy_n(tile.height_m.row(y), tile.height_m.width,
+                                         result.height_m.row(row + y) + column);
                            return {};
                          }};
   Run run;
@@ -67,12 +68,14 @@ TEST(Dsm, HeightsLieWhereTheMapSays) {
   EXPECT_NEAR(dsm.grid.west_m / 0.12, std::round(dsm.grid.west_m / 0.12), 1e-9);
   for (int row = 1; row < dsm.grid.height - 1; ++row)
     for (int column = 1; column < dsm.grid.width - 1; ++column)
-      ASSERT_NEAR(dsm.height_m.at(column, row), hill_m(dsm.grid.east_of(column + 0.5), dsm.grid.north_of(row + 0.5)), 2e-3);
+      ASSERT_NEAR(dsm.height_m.at(column, row), hill_m(dsm.grid.east_of(column + 0.5), dsm.grid.north_of(row + 0.5)),
+                  2e-3);
   EXPECT_GT(dsm.summary->measured_cells, 9900u);
   EXPECT_EQ(dsm.summary->points, 50'000u);
 }
 
-// Positions on the map differ by the 1e-9 m to which PROJ's way there and back is exact, heights by that times the slope.
+// Positions on the map differ by the 1e-9 m to which PROJ's way there and back is exact, heights by that times the
+// slope.
 TEST(Dsm, PointsMayComeInTheWorldOrOnTheMap) {
   const auto frame = LocalFrame::create("EPSG:32633", 48.2, 15.63, 300);
   ASSERT_TRUE(frame) << frame.error().message;
@@ -127,7 +130,8 @@ TEST(PointBuckets, WhatWentToFilesComesBack) {
   const auto scratch = std::filesystem::temp_directory_path() / "collinea_point_buckets_test";
   Random random(8);
   std::vector<GridPoint> points;
-  for (int i = 0; i < 5000; ++i) points.push_back({random.uniform(-100, 100), random.uniform(-100, 100), double(i), 0.1f, 0});
+  for (int i = 0; i < 5000; ++i)
+    points.push_back({random.uniform(-100, 100), random.uniform(-100, 100), double(i), 0.1f, 0});
   {
     PointBuckets buckets(scratch, 32, 1000 * sizeof(GridPoint));
     for (std::size_t i = 0; i < points.size(); i += 700)

@@ -95,7 +95,8 @@ int margin_cells(const Gridding& gridding) { return kReachCells + kSmallestPatch
 
 SurfaceTile grid_window(std::vector<GridPoint> points, const CellWindow& window, const Gridding& gridding) {
   const int margin = margin_cells(gridding);
-  const CellWindow wide{window.column - margin, window.row - margin, window.width + 2 * margin, window.height + 2 * margin};
+  const CellWindow wide{window.column - margin, window.row - margin, window.width + 2 * margin,
+                        window.height + 2 * margin};
   SurfaceTile tile = measure(SortedPoints(std::move(points), wide), gridding.cell_m);
   remove_specks(tile, gridding.cell_m);
   fill_holes(tile, gridding.cell_m, gridding.widest_hole_cells);

@@ -31,9 +31,10 @@ struct Gridding {
 /// How far outside a window points still matter to it [cells].
 [[nodiscard]] int margin_cells(const Gridding& gridding);
 
-/// The surface model of a window: CellFit for every cell, then specks removed and small holes filled. `points` are all of the
-/// window and its margin, in any order. The result is the same, bit for bit, for every order of the points and for every way to
-/// cut the raster into windows.
-[[nodiscard]] SurfaceTile grid_window(std::vector<GridPoint> points, const CellWindow& window, const Gridding& gridding);
+/// The surface model of a window: CellFit for every cell, then specks removed and small holes filled. `points` are all
+/// of the window and its margin, in any order. The result is the same, bit for bit, for every order of the points and
+/// for every way to cut the raster into windows.
+[[nodiscard]] SurfaceTile grid_window(std::vector<GridPoint> points, const CellWindow& window,
+                                      const Gridding& gridding);
 
 }  // namespace collinea

@@ -15,8 +15,8 @@ namespace {
 constexpr float kSigma = 0.02f;
 
 // Points at random places over [from, to)^2 cells, on a surface over (column, row).
-std::vector<GridPoint> sprinkle(double from, double to, double per_cell, const std::function<double(double, double)>& height_m,
-                                double noise_m = 0) {
+std::vector<GridPoint> sprinkle(double from, double to, double per_cell,
+                                const std::function<double(double, double)>& height_m, double noise_m = 0) {
   Random random(3);
   std::vector<GridPoint> points;
   const auto count = std::size_t(per_cell * (to - from) * (to - from));
@@ -43,13 +43,15 @@ std::vector<GridPoint> spread(const std::function<double(double, double)>& heigh
 bool is(const SurfaceTile& tile, CellState state, int x, int y) { return tile.state.at(x, y) == std::uint8_t(state); }
 
 double share(const SurfaceTile& tile, CellState state) {
-  return double(std::count(tile.state.data.begin(), tile.state.data.end(), std::uint8_t(state))) / double(tile.state.data.size());
+  return double(std::count(tile.state.data.begin(), tile.state.data.end(), std::uint8_t(state))) /
+         double(tile.state.data.size());
 }
 
 const CellWindow kWindow{0, 0, 40, 40};
 const Gridding kPlain{0.1, 0};
 
-// Only float storage of heights near 3 m (half a unit in the last place: 1.2e-7 m) and the rounding of the fit are left.
+// Only float storage of heights near 3 m (half a unit in the last place: 1.2e-7 m) and the rounding of the fit are
+// left.
 TEST(Gridding, MeetsAnInclinedPlane) {
   const auto plane = [](double x, double y) { return 1.0 + 0.03 * x - 0.02 * y; };
   const SurfaceTile tile = grid_window(spread(plane), kWindow, kPlain);
@@ -60,10 +62,12 @@ TEST(Gridding, MeetsAnInclinedPlane) {
   EXPECT_LT(worst, 1e-6);
 }
 
-// Weighting must take the upper tail for noise, not for a level: the mean error over 1600 cells stays within four of its
-// sigmas (about 0.02 m / sqrt(cells), neighbours share points: taken as 400 independent cells).
+// Weighting must take the upper tail for noise, not for a level: the mean error over 1600 cells stays within four of
+// its sigmas (about 0.02 m / sqrt(cells), neighbours share points: taken as 400 independent cells).
 TEST(Gridding, NoiseDoesNotLiftFlatGround) {
-  const SurfaceTile tile = grid_window(sprinkle(-20, 60, 4, [](double, double) { return 5; }, kSigma), kWindow, kPlain);
+  const SurfaceTile tile = grid_window(sprinkle(
+                                           -20, 60, 4, [](double, double) { return 5; }, kSigma),
+                                       kWindow, kPlain);
   double sum = 0, squares = 0, claimed = 0;
   for (std::size_t i = 0; i < tile.height_m.data.size(); ++i) {
     const double error = tile.height_m.data[i] - 5.0;
@@ -128,7 +132,8 @@ TEST(Gridding, ASparseCloudStillGivesASurface) {
 
 std::vector<GridPoint> with_hole(double from, double to) {
   auto points = spread([](double x, double) { return 0.02 * x; });
-  std::erase_if(points, [&](const GridPoint& p) { return p.column >= from && p.column < to && p.row >= from && p.row < to; });
+  std::erase_if(points,
+                [&](const GridPoint& p) { return p.column >= from && p.column < to && p.row >= from && p.row < to; });
   return points;
 }
 

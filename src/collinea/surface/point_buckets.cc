@@ -13,8 +13,8 @@ namespace {
 std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0); }
 
 bool within(const GridPoint& p, const CellWindow& window) {
-  return p.column >= double(window.column) && p.row >= double(window.row) && p.column < double(window.column + window.width) &&
-         p.row < double(window.row + window.height);
+  return p.column >= double(window.column) && p.row >= double(window.row) &&
+         p.column < double(window.column + window.width) && p.row < double(window.row + window.height);
 }
 
 }  // namespace
@@ -83,7 +83,8 @@ void PointBuckets::drop(const Place& place) {
 Result<> PointBuckets::read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window,
                                    std::vector<GridPoint>& to) const {
   const auto keep = [&](std::span<const GridPoint> points) {
-    std::copy_if(points.begin(), points.end(), std::back_inserter(to), [&](const GridPoint& p) { return within(p, window); });
+    std::copy_if(points.begin(), points.end(), std::back_inserter(to),
+                 [&](const GridPoint& p) { return within(p, window); });
   };
   if (bucket.in_file > 0) {
     std::ifstream file(file_of(place), std::ios::binary);
@@ -109,7 +110,8 @@ Result<std::vector<GridPoint>> PointBuckets::points_in(const CellWindow& window)
       const Place place{column, row};
       const auto found = buckets_.find(place);
       if (found == buckets_.end()) continue;
-      if (auto read = read_bucket(place, found->second, window, points); !read) return tl::unexpected(std::move(read).error());
+      if (auto read = read_bucket(place, found->second, window, points); !read)
+        return tl::unexpected(std::move(read).error());
     }
   }
   return points;

@@ -42,7 +42,8 @@ class PointBuckets {
  private:
   [[nodiscard]] std::filesystem::path file_of(const Place& place) const;
   Result<> spill();
-  Result<> read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window, std::vector<GridPoint>& to) const;
+  Result<> read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window,
+                       std::vector<GridPoint>& to) const;
 
   std::filesystem::path scratch_;
   int cells_;

@@ -16,7 +16,8 @@ struct Cell {
 };
 
 bool has(const SurfaceTile& tile, CellState state, int x, int y) {
-  return x >= 0 && y >= 0 && x < tile.state.width && y < tile.state.height && tile.state.at(x, y) == std::uint8_t(state);
+  return x >= 0 && y >= 0 && x < tile.state.width && y < tile.state.height &&
+         tile.state.at(x, y) == std::uint8_t(state);
 }
 
 // No step between two cells: what a slope of 60 degrees and the noise of both explain.
@@ -102,7 +103,10 @@ std::optional<Bridge> filled(const SurfaceTile& tile, Cell cell, double cell_m, 
 }  // namespace
 
 SurfaceTile::SurfaceTile(int width, int height)
-    : height_m(width, height, 1, kNoHeight), sigma_m(width, height, 1, kNoHeight), state(width, height), count(width, height) {}
+    : height_m(width, height, 1, kNoHeight),
+      sigma_m(width, height, 1, kNoHeight),
+      state(width, height),
+      count(width, height) {}
 
 void remove_specks(SurfaceTile& tile, double cell_m) {
   std::vector<Cell> specks;
