@@ -19,7 +19,7 @@ using bundle::Step;
 constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-12, kMostDamping = 1e12;
 
 // Once a step gains less than this part, the robust loss is taken with its curvature: reweighting alone creeps.
-constexpr double kNear = 0, kLeastCurvature = 0.4;
+constexpr double kNear = 0.05, kLeastCurvature = 0.1;
 
 struct Search {
   State state;
@@ -61,6 +61,8 @@ class LevenbergMarquardt {
 
   void judge(Search& at, State next) {
     const double tolerance = options_.relative_cost_change * at.cost;
+    const double variance = at.cost / static_cast<double>(std::max(1L, problem_.redundancy()));
+    const bool short_step = step_.squared_length < options_.step_sigmas * options_.step_sigmas * variance;
     const bool small = step_.largest_turn_rad < options_.parameter_change &&
                        step_.largest_move_m < options_.parameter_change * problem_.extent_m;
     if (std::isfinite(step_.cost) && step_.cost < at.cost) {
@@ -71,7 +73,7 @@ class LevenbergMarquardt {
       growth_ = 2;
       at.state = std::move(next);
       at.cost = step_.cost - bundle::settle_gauge(problem_, at.state);
-      at.converged = small || before - at.cost <= tolerance;
+      at.converged = small || short_step || before - at.cost <= tolerance;
       if (before - at.cost < kNear * before) problem_.tie_loss.least_curvature = kLeastCurvature;
     } else {
       problem_.tie_loss.least_curvature = 1;
@@ -93,8 +95,7 @@ Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const Adju
   if (Result<> valid = validate(options); !valid) return tl::unexpected(std::move(valid).error().within("adjustment"));
   COLLINEA_TRY(bundle::ProblemAndStart gathered, bundle::gather(block, scope, options));
   Problem& problem = gathered.problem;
-  const long redundancy = problem.observation_count - problem.unknown_count + problem.rank_defect;
-  if (redundancy < 0)
+  if (problem.redundancy() < 0)
     return fail(Errc::kIllPosed, std::to_string(problem.unknown_count) + " unknowns but only " +
                                      std::to_string(problem.observation_count) + " observations: the block cannot be adjusted");
   Search found = LevenbergMarquardt(problem, options, run).search(std::move(gathered.start));
@@ -102,7 +103,7 @@ Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const Adju
   problem.tie_loss.least_curvature = 1;  // statistics are those of the weights
 
   Adjusted adjusted;
-  adjusted.redundancy = redundancy;
+  adjusted.redundancy = problem.redundancy();
   adjusted.initial_cost = found.initial_cost;
   adjusted.final_cost = found.cost;
   adjusted.iterations = found.iterations;

@@ -26,6 +26,7 @@ struct AdjustOptions {
   int max_iterations = 50;
   double relative_cost_change = 1e-7;
   double parameter_change = 1e-9;
+  double step_sigmas = 0.01;
   bool covariances = false;
   bool point_covariances = false;
 
@@ -45,6 +46,8 @@ struct AdjustOptions {
                 "stop when a step lowers the cost by a smaller part than this", 0, 1});
     visit(Field{"parameter_change", &O::parameter_change, "1",
                 "stop when no image turns by more [rad] nor moves by more of the block's size", 0, 1});
+    visit(Field{"step_sigmas", &O::step_sigmas, "sigma",
+                "stop when a step of images and cameras is shorter than this many of their standard deviations", 0, 1});
     visit(Field{"covariances", &O::covariances, "", "compute covariances of poses and cameras"});
     visit(Field{"point_covariances", &O::point_covariances, "", "compute covariances of points too"});
   }

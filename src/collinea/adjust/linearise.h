@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "collinea/adjust/problem.h"
 
@@ -58,7 +59,7 @@ inline void shrink_along(const LinearRay& ray, double* rows, int count) {
 inline void bend(const Loss& loss, double s, double* by_cam, LinearRay* out) {
   const double curvature = loss.curvature(s);
   if (curvature >= 1) return;
-  const double root = std::sqrt(curvature), length = std::hypot(out->residual[0], out->residual[1]);
+  const double root = std::sqrt(curvature), length = std::sqrt(s) * std::sqrt(loss.weight(s));
   out->shrink = 1 - root;
   for (int c = 0; c < 2; ++c) {
     out->along[c] = out->residual[c] / length;
@@ -157,11 +158,11 @@ struct PointNormals {
     l[4] = (v[4] - l[1] * l[3]) / l[2];
     l[5] = std::sqrt(std::max(d2 - l[3] * l[3] - l[4] * l[4], floor));
   }
-  /// x := L^-1 x for three numbers `stride` apart.
-  void forward(double* x, int stride = 1) const {
+  /// x := L^-1 x
+  void forward(double* x) const {
     x[0] /= l[0];
-    x[stride] = (x[stride] - l[1] * x[0]) / l[2];
-    x[2 * stride] = (x[2 * stride] - l[3] * x[0] - l[4] * x[stride]) / l[5];
+    x[1] = (x[1] - l[1] * x[0]) / l[2];
+    x[2] = (x[2] - l[3] * x[0] - l[4] * x[1]) / l[5];
   }
   /// x := L^-T x
   void backward(double* x) const {

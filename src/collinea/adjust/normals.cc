@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "collinea/base/parallel.h"
 
@@ -25,6 +26,29 @@ std::vector<int> envelope(const Problem& problem) {
   if (problem.border > 0)
     for (int i = 6 * problem.poses / kTile; i < rows; ++i) first[i] = 0;
   return first;
+}
+
+void keep(const LinearRay& linear, PoseRay& out) {
+  for (int row = 0; row < 2; ++row)
+    for (int c = 0; c < 3; ++c) {
+      out.j[6 * row + c] = linear.by_rotation[3 * row + c];
+      out.j[6 * row + 3 + c] = -linear.by_point[3 * row + c];
+    }
+  out.residual[0] = linear.residual[0];
+  out.residual[1] = linear.residual[1];
+}
+
+// Z = J^T A L^-T and r -= A L^-T y; every row of A is solved forward, and A is minus J by the centre.
+void reduce(const PointNormals& normals, const double* y, PoseRay& ray) {
+  double a[6];
+  for (int row = 0; row < 2; ++row) {
+    double* at = a + 3 * row;
+    for (int c = 0; c < 3; ++c) at[c] = -ray.j[6 * row + 3 + c];
+    normals.forward(at);
+    ray.residual[row] -= at[0] * y[0] + at[1] * y[1] + at[2] * y[2];
+  }
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 6; ++i) ray.z[6 * k + i] = ray.j[i] * a[k] + ray.j[6 + i] * a[3 + k];
 }
 
 }  // namespace
@@ -143,69 +167,51 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
   const ProblemPoint& point = problem_.point(p);
   const Loss loss = problem_.loss_of(point);
   const std::uint32_t base = problem_.point(batch.first_point).first_ray;
-  const double* position = &state.points[3 * p];
-  const auto poses = static_cast<std::uint32_t>(problem_.poses);
+  const auto width = static_cast<std::size_t>(widest_camera_);
   PointNormals normals;
-  double* zc = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * static_cast<std::size_t>(widest_camera_);
-  const std::size_t cameras = camera_begin_[p + 1] - camera_begin_[p];
-  std::fill(zc, zc + 3 * cameras * static_cast<std::size_t>(widest_camera_), 0.0);
+  double* zc = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
+  std::fill(zc, zc + 3 * (camera_begin_[p + 1] - camera_begin_[p]) * width, 0.0);
 
   for (std::uint32_t r = point.first_ray; r < problem_.end_ray(p); ++r) {
     const Ray& ray = problem_.rays[r];
     const int camera = problem_.images[ray.image].camera;
     LinearRay linear;
-    sums.cost += linearise(ray, state.frames[ray.image], state.lenses[camera], position, loss, &linear);
+    sums.cost += linearise(ray, state.frames[ray.image], state.lenses[camera], &state.points[3 * p], loss, &linear);
     if (!point.held) normals.add(linear);
-    if (ray.image < poses) {
-      PoseRay& out = pose_rays_[r - base];
-      for (int row = 0; row < 2; ++row)
-        for (int c = 0; c < 3; ++c) {
-          out.j[6 * row + c] = linear.by_rotation[3 * row + c];
-          out.j[6 * row + 3 + c] = -linear.by_point[3 * row + c];
-        }
-      out.residual[0] = linear.residual[0];
-      out.residual[1] = linear.residual[1];
-    }
-    const ProblemCamera& unknowns = problem_.cameras[camera];
-    if (unknowns.free.empty()) continue;
-    const std::size_t count = unknowns.free.size(), border = static_cast<std::size_t>(problem_.border);
-    double* b = camera_rays_.data() + 2ul * (r - base) * static_cast<std::size_t>(widest_camera_);
-    linearise_camera(linear, state.lenses[camera], unknowns.free, b);
-    double* z = zc;
-    for (const int* its = &cameras_of_point_[camera_begin_[p]]; *its != camera; ++its) z += 3 * widest_camera_;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double b0 = b[i], b1 = b[count + i];
-      if (!point.held)
-        for (int c = 0; c < 3; ++c) z[3 * i + c] += b0 * linear.by_point[c] + b1 * linear.by_point[3 + c];
-      const std::size_t row = static_cast<std::size_t>(unknowns.border) + i;
-      sums.right[row] += b0 * linear.residual[0] + b1 * linear.residual[1];
-      sums.diagonal[row] += b0 * b0 + b1 * b1;
-      double* out = &sums.matrix[row * border + static_cast<std::size_t>(unknowns.border)];
-      for (std::size_t k = 0; k <= i; ++k) out[k] += b0 * b[k] + b1 * b[count + k];
-    }
+    if (r >= point.first_free) keep(linear, pose_rays_[r - base]);
+    if (problem_.cameras[camera].free.empty()) continue;
+    double* b = camera_rays_.data() + 2ul * (r - base) * width;
+    linearise_camera(linear, state.lenses[camera], problem_.cameras[camera].free, b);
+    double* its_zc = zc;
+    for (const int* its = &cameras_of_point_[camera_begin_[p]]; *its != camera; ++its) its_zc += 3 * width;
+    add_camera_ray(linear, problem_.cameras[camera], b, point.held ? nullptr : its_zc, sums);
   }
   if (point.held) {
     for (std::uint32_t r = point.first_free; r < problem_.end_ray(p); ++r)
       std::fill(std::begin(pose_rays_[r - base].z), std::end(pose_rays_[r - base].z), 0.0);
     return;
   }
-  if (point.control >= 0) sums.cost += normals.add(problem_.control[point.control], position);
+  if (point.control >= 0) sums.cost += normals.add(problem_.control[point.control], &state.points[3 * p]);
   normals.factor(lambda);
   double y[3] = {normals.right[0], normals.right[1], normals.right[2]};
   normals.forward(y);
-  for (std::uint32_t r = point.first_free; r < problem_.end_ray(p); ++r) {
-    PoseRay& out = pose_rays_[r - base];
-    double a[6];  // A L^-T, by rows: every row solved forward
-    for (int row = 0; row < 2; ++row) {
-      double* at = a + 3 * row;
-      for (int c = 0; c < 3; ++c) at[c] = -out.j[6 * row + 3 + c];
-      normals.forward(at);
-      out.residual[row] -= at[0] * y[0] + at[1] * y[1] + at[2] * y[2];
-    }
-    for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < 6; ++i) out.z[6 * k + i] = out.j[i] * a[k] + out.j[6 + i] * a[3 + k];
+  for (std::uint32_t r = point.first_free; r < problem_.end_ray(p); ++r) reduce(normals, y, pose_rays_[r - base]);
+  reduce_cameras(p, normals, y, batch, sums);
+}
+
+// Camera normals of one ray: matrix += B^T B, right += B^T r, and Wc += B^T A of its point (unless held).
+void Normals::add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc, BorderSums& sums) const {
+  const std::size_t count = camera.free.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double b0 = b[i], b1 = b[count + i];
+    if (wc)
+      for (int c = 0; c < 3; ++c) wc[3 * i + c] += b0 * linear.by_point[c] + b1 * linear.by_point[3 + c];
+    const std::size_t row = static_cast<std::size_t>(camera.border) + i;
+    sums.right[row] += b0 * linear.residual[0] + b1 * linear.residual[1];
+    sums.diagonal[row] += b0 * b0 + b1 * b1;
+    double* out = &sums.matrix[row * static_cast<std::size_t>(problem_.border) + static_cast<std::size_t>(camera.border)];
+    for (std::size_t k = 0; k <= i; ++k) out[k] += b0 * b[k] + b1 * b[count + k];
   }
-  if (cameras > 0) reduce_cameras(p, normals, y, batch, sums);
 }
 
 // Eliminates the point from the equations of the cameras: Zc = Wc L^-T; matrix -= Zc Zc'^T, right -= Zc y.
@@ -346,6 +352,7 @@ bool Normals::solve(const Run& run, Step& step) {
   if (!matrix_.factor(run)) return false;
   step.reduced = right_;
   matrix_.solve(step.reduced.data());
+  step.squared_length = std::inner_product(right_.begin(), right_.end(), step.reduced.begin(), 0.0);
   return std::all_of(step.reduced.begin(), step.reduced.end(), [](double x) { return std::isfinite(x); });
 }
 

@@ -39,6 +39,7 @@ class Normals {
   void index_rows();
   void linearise_points(const State& state, double lambda, const Batch& batch, std::size_t chunk);
   void linearise_point(const State& state, double lambda, const Batch& batch, std::size_t point, BorderSums& sums);
+  void add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc, BorderSums& sums) const;
   void reduce_cameras(std::size_t point, const PointNormals& normals, const double* y, const Batch& batch, BorderSums& sums);
   void add_row(const Batch& batch, std::size_t batch_number, std::size_t tile_row);
   void add_pose_ray(const Batch& batch, std::uint32_t ray, std::vector<double*>& blocks);

@@ -80,6 +80,7 @@ struct Problem {
   Loss tie_loss, position_loss;
   long observation_count = 0, unknown_count = 0;
 
+  [[nodiscard]] long redundancy() const { return observation_count - unknown_count + rank_defect; }
   [[nodiscard]] Loss loss_of(const ProblemPoint& point) const { return point.control >= 0 ? Loss{} : tie_loss; }
   [[nodiscard]] std::size_t point_count() const { return points.size() - 1; }
   [[nodiscard]] const ProblemPoint& point(std::size_t i) const { return points[i]; }

@@ -2,6 +2,7 @@
 #include "collinea/adjust/step.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "collinea/adjust/normals.h"
 #include "collinea/base/parallel.h"
@@ -11,6 +12,7 @@ namespace collinea::bundle {
 namespace {
 
 constexpr std::size_t kPointsInItem = 512;
+constexpr double kSurprise = 0.02;  // cost of one point, in squared sigmas, that is worth a look
 
 struct Sums {
   double cost = 0, promised = 0;
@@ -63,6 +65,50 @@ void take_step_of_image(const Problem& problem, const State& state, const Step& 
   }
 }
 
+double cost_of_point(const Problem& problem, const State& state, std::size_t p, const double* position) {
+  const ProblemPoint& point = problem.point(p);
+  const Loss loss = problem.loss_of(point);
+  double cost = point.control >= 0 ? PointNormals().add(problem.control[point.control], position) : 0;
+  for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
+    const Ray& ray = problem.rays[r];
+    cost += cost_of(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss);
+  }
+  return cost;
+}
+
+// Improves one point while images and cameras stay, by steps that lower its cost; answers the cost.
+double settle_point(const Problem& problem, const State& state, std::size_t p, double* position, double cost) {
+  constexpr int kMostSteps = 4;
+  const ProblemPoint& point = problem.point(p);
+  Loss loss = problem.loss_of(point);
+  for (int step = 0; step < kMostSteps; ++step) {
+    PointNormals normals;
+    for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
+      const Ray& ray = problem.rays[r];
+      LinearRay linear;
+      linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
+      normals.add(linear);
+    }
+    if (point.control >= 0) normals.add(problem.control[point.control], position);
+    normals.factor(0);
+    double d[3] = {normals.right[0], normals.right[1], normals.right[2]};
+    normals.forward(d);
+    normals.backward(d);
+    const double next[3] = {position[0] + d[0], position[1] + d[1], position[2] + d[2]};
+    const double there = cost_of_point(problem, state, p, next);
+    if (there < cost) {
+      std::copy(next, next + 3, position);
+      if (cost - there < 1e-3 * cost) return there;
+      cost = there;
+    } else if (loss.least_curvature < 1) {
+      loss.least_curvature = 1;  // too bold: plain reweighting
+    } else {
+      return cost;
+    }
+  }
+  return cost;
+}
+
 // V d = A^T (r - J d - B dc) for the point; the promise is |r|^2 - |r - J d - B dc - A dp|^2.
 Sums move_point(const Problem& problem, const State& state, double lambda, const Step& step, std::size_t p, State& next) {
   const ProblemPoint& point = problem.point(p);
@@ -71,17 +117,18 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
   double* target = &next.points[3 * p];
   Sums sums;
   PointNormals normals;
+  double before = 0;
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
     LinearRay linear;
-    linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
+    before += linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
     sums.promised += squared(linear.residual);
     take_step_of_image(problem, state, step, ray, linear);
     sums.promised -= squared(linear.residual);
     if (!point.held) normals.add(linear);
   }
   if (!point.held) {
-    if (point.control >= 0) normals.add(problem.control[point.control], position);
+    if (point.control >= 0) before += normals.add(problem.control[point.control], position);
     normals.factor(lambda);
     const double *v = normals.v, *b = normals.right;
     double d[3] = {b[0], b[1], b[2]};
@@ -92,10 +139,16 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
     sums.promised += 2 * (b[0] * d[0] + b[1] * d[1] + b[2] * d[2]) - quadratic;
     for (int c = 0; c < 3; ++c) target[c] = position[c] + d[c];
   }
-  if (point.control >= 0) sums.cost += PointNormals().add(problem.control[point.control], target);
-  for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
-    const Ray& ray = problem.rays[r];
-    sums.cost += cost_of(ray, next.frames[ray.image], next.lenses[problem.images[ray.image].camera], target, loss);
+  sums.cost = cost_of_point(problem, next, p, target);
+  // Where the linear model was wrong (outliers, a step too far) a few steps of the point alone are cheaper than another of all.
+  const double surprise = std::abs(before - sums.cost - sums.promised);
+  if (!point.held && surprise > std::max(kSurprise, 0.3 * std::abs(sums.promised))) {
+    const double stayed = cost_of_point(problem, next, p, position);
+    if (stayed < sums.cost) {
+      std::copy(position, position + 3, target);
+      sums.cost = stayed;
+    }
+    sums.cost = settle_point(problem, next, p, target, sums.cost);
   }
   return sums;
 }

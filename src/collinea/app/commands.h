@@ -5,6 +5,8 @@
 
 namespace collinea {
 
+inline constexpr const char* kSeedHelp = "of everything random: same seed, same bits";
+
 // One function a command, each in a file of its own name.
 Command run_command();
 Command import_command();

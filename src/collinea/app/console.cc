@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/app/console.h"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <pthread.h>
+#include <poll.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <mutex>
 #include <thread>
 
 #include "collinea/app/exit_code.h"
+#include "collinea/app/json_text.h"
 
 namespace collinea {
 namespace {
@@ -28,13 +32,15 @@ std::string time_text(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return out;
+constexpr char kSignal = 's', kQuit = 'q';
+constexpr int kGrace_ms = 1500;  // so long a computation may take to notice that it shall stop
+
+std::atomic<int> signal_pipe = -1;  // a signal handler can reach nothing but globals
+
+void on_signal(int) {
+  const int saved = errno;
+  [[maybe_unused]] const auto written = ::write(signal_pipe, &kSignal, 1);
+  errno = saved;
 }
 
 }  // namespace
@@ -43,9 +49,9 @@ struct Console::State {
   std::mutex mutex;
   Show show = Show::kLines;
   int threads = 1;
-  std::uint64_t seed = 1;
   std::stop_source stop;
-  std::jthread signals;  // waits for Ctrl-C
+  std::thread signals;  // waits for Ctrl-C
+  int wake[2] = {-1, -1};
   std::FILE* log_file = nullptr;
 
   std::string stage;
@@ -75,7 +81,7 @@ struct Console::State {
     const double elapsed_s = std::chrono::duration<double>(now - stage_start).count();
     const double left_s = done > 0.01 ? elapsed_s * (1 - done) / done : -1;
     if (show == Show::kJson) {
-      fmt::print(stderr, "{{\"stage\":\"{}\",\"done\":{:.4f},\"elapsed_s\":{:.1f},\"left_s\":{}}}\n", escaped(name), done,
+      fmt::print(stderr, "{{\"stage\":\"{}\",\"done\":{:.4f},\"elapsed_s\":{:.1f},\"left_s\":{}}}\n", json_escaped(name), done,
                  elapsed_s, left_s < 0 ? "null" : fmt::format("{:.1f}", left_s));
     } else if (show == Show::kBar) {
       constexpr int kWidth = 32;
@@ -91,40 +97,58 @@ struct Console::State {
     const std::lock_guard lock(mutex);
     clear_bar();
     if (show == Show::kJson)
-      fmt::print(stderr, "{{\"log\":\"{}\"}}\n", escaped(line));
+      fmt::print(stderr, "{{\"log\":\"{}\"}}\n", json_escaped(line));
     else if (show != Show::kNone)
       fmt::print(stderr, "{}\n", line);
     std::fflush(stderr);
-    if (log_file) {
-      const std::time_t now = std::time(nullptr);
-      fmt::print(log_file, "{:%Y-%m-%d %H:%M:%S} {}\n", fmt::localtime(now), line);
-      std::fflush(log_file);
-    }
+    write_log(line);
   }
 
-  // Signals are taken by one thread with sigwait: no handler runs inside the computation.
+  void write_log(std::string_view line) {
+    if (!log_file) return;
+    fmt::print(log_file, "{:%Y-%m-%d %H:%M:%S} {}\n", fmt::localtime(std::time(nullptr)), line);
+    std::fflush(log_file);
+  }
+
+  // The handler only writes to a pipe, whichever thread it runs on (libraries start some of their own); this thread reads.
   void watch_signals() {
-    sigset_t set;
-    sigemptyset(&set);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGUSR2);  // our own wake-up call at the end
-    pthread_sigmask(SIG_BLOCK, &set, nullptr);
-    signals = std::jthread([this, set](std::stop_token finished) {
-      int signal = 0;
-      while (sigwait(&set, &signal) == 0 && !finished.stop_requested()) {
-        if (signal == SIGUSR2) continue;
-        if (stop.stop_requested()) _exit(exit_code(Errc::kCancelled));  // asked twice: at once
-        stop.request_stop();
-        say("stopping; what is done is kept (once more to stop at once)");
-      }
+    COLLINEA_CHECK(::pipe2(wake, O_CLOEXEC) == 0);
+    signal_pipe = wake[1];
+    for (const int number : {SIGINT, SIGTERM}) {
+      struct sigaction action {};
+      sigaction(number, nullptr, &action);
+      if (action.sa_handler == SIG_IGN) continue;  // started in the background or by nohup: it stays so
+      action.sa_handler = on_signal;
+      action.sa_flags = SA_RESTART;
+      sigaction(number, &action, nullptr);
+    }
+    signals = std::thread([this] {
+      if (next_byte(-1) != kSignal) return;
+      stop.request_stop();
+      say("stopping; what is done is kept");
+      if (next_byte(kGrace_ms) == kQuit) return;
+      // Asked twice, or in the middle of something long. Files and database are made to be left at any moment.
+      say("stopped; the same command goes on from here");
+      _exit(exit_code(Errc::kCancelled));
     });
   }
+
+  // What comes through the pipe; 0 when nothing does for so long (negative: wait for ever).
+  char next_byte(int timeout_ms) const {
+    char byte = 0;
+    pollfd waiting{wake[0], POLLIN, 0};
+    int ready = 0;
+    do ready = ::poll(&waiting, 1, timeout_ms);
+    while (ready < 0 && errno == EINTR);
+    return ready > 0 && ::read(wake[0], &byte, 1) == 1 ? byte : char{0};
+  }
+
   void unwatch_signals() {
     if (!signals.joinable()) return;
-    signals.request_stop();
-    pthread_kill(signals.native_handle(), SIGUSR2);
+    [[maybe_unused]] const auto written = ::write(wake[1], &kQuit, 1);
     signals.join();
+    signal_pipe = -1;
+    for (const int end : wake) ::close(end);
   }
 };
 
@@ -136,6 +160,7 @@ Console::~Console() {
 }
 
 Result<Console> Console::create(const ConsoleOptions& options) {
+  if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
   Console console;
   State& state = *console.state_;
   if (options.progress == "auto")
@@ -152,7 +177,6 @@ Result<Console> Console::create(const ConsoleOptions& options) {
     return fail(Errc::kBadInput, "--progress " + options.progress + ": choose auto, bar, lines, json or none");
   const int available = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   state.threads = options.threads > 0 ? options.threads : available;
-  state.seed = options.seed;
   state.watch_signals();
   return console;
 }
@@ -168,8 +192,20 @@ Run Console::run() {
   return {.stop = state->stop.get_token(),
           .progress = [state](std::string_view stage, double done) { state->progress(stage, done); },
           .log = [state](std::string_view line) { state->say(line); },
-          .threads = state->threads,
-          .seed = state->seed};
+          .threads = state->threads};
+}
+
+int Console::complain(const Error& error) {
+  State& state = *state_;
+  const int code = exit_code(error.code);
+  const std::lock_guard lock(state.mutex);
+  state.clear_bar();
+  if (state.show == Show::kJson)
+    fmt::print(stderr, "{{\"error\":\"{}\",\"exit_code\":{}}}\n", json_escaped(error.message), code);
+  else
+    fmt::print(stderr, "error: {}\n", error.message);
+  state.write_log("error: " + error.message);
+  return code;
 }
 
 int complain(const Error& error) {

@@ -15,27 +15,27 @@ namespace collinea {
 struct ConsoleOptions {
   std::string progress = "auto";
   int threads = 0;
-  std::uint64_t seed = 1;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = ConsoleOptions;
     visit(Field{"progress", &O::progress, "", "auto, bar, lines, json or none; shown on stderr"});
     visit(Field{"threads", &O::threads, "1", "processor threads; 0 = all there are. Results do not depend on it", 0});
-    visit(Field{"seed", &O::seed, "1", "of everything random: same seed, same bits"});
   }
 };
 
 /// Shows a running computation to a person (a bar with the time left on a terminal, a line a step elsewhere) or to a
-/// machine (JSON lines), all on stderr; keeps the log file; turns Ctrl-C and SIGTERM into a request to stop.
-/// One at a time; create it before any thread is started.
+/// machine (JSON lines), all on stderr; keeps the log file; turns Ctrl-C and SIGTERM into a request to stop,
+/// and ends the program with the exit code of a stop when that takes longer than 1.5 s. One at a time.
 class Console {
  public:
   static Result<Console> create(const ConsoleOptions& options);
   /// Also writes every logged line to this file.
   void log_to(const std::filesystem::path& file);
-  /// For the computation: refers to this console, which must outlive it.
+  /// For the computation, without a seed of its own: refers to this console, which must outlive it.
   [[nodiscard]] Run run();
+  /// Tells what went wrong, also where nothing else is shown, and to the log file. Returns the exit code.
+  int complain(const Error& error);
 
   Console(Console&&) noexcept;
   Console& operator=(Console&&) noexcept;
@@ -47,7 +47,7 @@ class Console {
   std::unique_ptr<State> state_;
 };
 
-/// Prints "error: ..." to stderr and returns the exit code.
+/// The same where there is no console: prints "error: ..." to stderr.
 int complain(const Error& error);
 
 }  // namespace collinea

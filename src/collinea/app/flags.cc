@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/app/flags.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 
 #include "collinea/app/exit_code.h"
 
@@ -58,7 +61,12 @@ Given Flags::add(std::string_view name, std::string& value, std::string_view uni
   return add_value(name, value, unit, help);
 }
 Given Flags::add(std::string_view name, std::uint64_t& value, std::string_view unit, std::string_view help) {
-  return add_value(name, value, unit, help);
+  const std::string flag = flag_of(name);
+  const Given given = add_value(name, value, unit, help);
+  app_.get_option(flag)->check([](const std::string& text) {  // otherwise -1 becomes 2^64 - 1
+    return text.starts_with('-') ? "must not be negative" : std::string();
+  });
+  return given;
 }
 Given Flags::add(std::string_view name, std::optional<bool>& value, std::string_view unit, std::string_view help) {
   return add_value(name, value, unit, help);
@@ -86,6 +94,12 @@ int dispatch(int argc, char** argv, std::span<const Command> commands) {
     CLI::App* sub = app.add_subcommand(command.name, command.summary);
     Flags flags(*sub);
     command.declare(flags);
+  }
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  const bool known = std::any_of(commands.begin(), commands.end(), [&](const Command& command) { return command.name == first; });
+  if (!known && !first.empty() && !first.starts_with('-')) {
+    fmt::print(stderr, "error: no command is called \"{}\"; `collinea --help` lists them\n", first);
+    return exit_code(Errc::kBadInput);
   }
   try {
     app.parse(argc, argv);

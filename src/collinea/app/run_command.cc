@@ -4,7 +4,6 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/app/exit_code.h"
 #include "collinea/pipeline/project.h"
 
 namespace collinea {
@@ -19,18 +18,15 @@ struct Asked {
 int run_until(Asked& asked, const std::string& last) {
   auto console = Console::create(asked.console);
   if (!console) return complain(console.error());
+  if (auto known = check_step_name(last); !known) return console->complain(std::move(known).error().within("--until"));
   std::error_code error;
   asked.settings.photos = std::filesystem::absolute(asked.photos, error).lexically_normal().string();
-  asked.settings.seed = asked.console.seed;
   auto& control = asked.settings.import.control;
   if (control) control = std::filesystem::absolute(*control, error).lexically_normal().string();
   auto project = create_project(asked.project, asked.settings, console->run());
-  if (!project) return complain(project.error());
+  if (!project) return console->complain(project.error());
   console->log_to(project->folder / "log.txt");
-  if (auto done = bring_up_to(*project, last); !done) {
-    console->run().say("error: " + done.error().message);
-    return exit_code(done.error().code);
-  }
+  if (auto done = bring_up_to(*project, last); !done) return console->complain(done.error());
   console->run().say("project in " + asked.project);
   return 0;
 }
@@ -44,6 +40,7 @@ Command run_command() {
             flags.positional("photos", asked->photos, "folder of photographs (searched with its subfolders)");
             flags.required("-o", "project", asked->project, "project folder; made when missing, continued when there");
             flags.add("until", asked->until, "", "last step to do");
+            flags.add("seed", asked->settings.seed, "", kSeedHelp);
             flags.add_all(asked->console, "run");
             Settings::each(asked->settings, [&](const char*, const char* group, auto& options) { flags.add_all(options, group); });
           },
@@ -56,6 +53,7 @@ Command import_command() {
           [asked](Flags& flags) {
             flags.positional("photos", asked->photos, "folder of photographs (searched with its subfolders)");
             flags.required("-o", "project", asked->project, "project folder; made when missing");
+            flags.add("seed", asked->settings.seed, "", kSeedHelp);
             flags.add_all(asked->console, "run");
             flags.add_all(asked->settings.import, "import");
           },

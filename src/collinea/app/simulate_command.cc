@@ -31,7 +31,7 @@ Command simulate_command() {
             const Run run = console->run();
             const auto done = asked->scene == "aerial" ? simulate(asked->aerial, asked->folder, run)
                                                        : simulate(asked->facade, asked->folder, run);
-            if (!done) return complain(done.error());
+            if (!done) return console->complain(done.error());
             run.say("block in " + asked->folder);
             return 0;
           }};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/app/exit_code.h"
 #include "collinea/pipeline/project.h"
 
 namespace collinea {
@@ -16,6 +15,10 @@ struct Asked {
 
 void declare(const std::shared_ptr<Asked>& asked, const std::string& step, Flags& flags) {
   flags.positional("project", asked->project, "project folder");
+  const Given seed_given = flags.add("seed", asked->flags.seed, "", kSeedHelp);
+  asked->changes.push_back([seed_given, asked = asked.get()](Settings& settings) {
+    if (seed_given()) settings.seed = asked->flags.seed;
+  });
   flags.add_all(asked->console, "run");
   Settings::each(asked->flags, [&](const char* owner, const char* group, auto& options) {
     if (owner != step) return;
@@ -23,7 +26,7 @@ void declare(const std::shared_ptr<Asked>& asked, const std::string& step, Flags
       asked->changes.push_back([given, member = field.member, from = &options](Settings& settings) {
         if (!given()) return;
         Settings::each(settings, [&](const char*, const char*, auto& target) {
-          if constexpr (std::is_same_v<decltype(&target), decltype(from)>) target.*member = from->*member;
+          if constexpr (std::is_same_v<std::decay_t<decltype(target)>, std::decay_t<decltype(*from)>>) target.*member = from->*member;
         });
       });
     });
@@ -34,15 +37,12 @@ int run_step(const Asked& asked, const std::string& step) {
   auto console = Console::create(asked.console);
   if (!console) return complain(console.error());
   auto settings = read_settings(asked.project);
-  if (!settings) return complain(settings.error());
+  if (!settings) return console->complain(settings.error());
   for (const auto& change : asked.changes) change(*settings);
   auto project = create_project(asked.project, *settings, console->run());
-  if (!project) return complain(project.error());
+  if (!project) return console->complain(project.error());
   console->log_to(project->folder / "log.txt");
-  if (auto done = bring_up_to(*project, step); !done) {
-    console->run().say("error: " + done.error().message);
-    return exit_code(done.error().code);
-  }
+  if (auto done = bring_up_to(*project, step); !done) return console->complain(done.error());
   return 0;
 }
 

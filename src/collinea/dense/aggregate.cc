@@ -13,6 +13,32 @@ namespace {
 constexpr std::uint16_t kNowhere = 0x3FFF;  // path cost of a label the previous pixel does not have
 constexpr int kPad = 16;                    // elements readable before and after the path costs of a pixel
 
+// Penalties, on the scale of cost(): 6 per bit of the census. Found by trials on rendered and real pictures.
+constexpr int kSmall = 10, kSmallMore = 45;  // the second where there is no texture
+constexpr int kTexture = 8;                  // sum of two gradients that halves it [grey values]
+constexpr double kLarge = 100, kLargeLeast = 30;
+constexpr double kGreyScale = 12;            // a step of that many grey values halves the penalty of a large change
+
+// Mean over 7 x 7, cut at the border.
+GreyImage window_mean(const GreyImage& picture) {
+  constexpr int kAround = 3;
+  GreyImage result(picture.width, picture.height);
+  std::vector<int> columns(std::size_t(picture.width));
+  for (int y = 0; y < picture.height; ++y) {
+    const int top = std::max(y - kAround, 0), bottom = std::min(y + kAround, picture.height - 1);
+    std::fill(columns.begin(), columns.end(), 0);
+    for (int j = top; j <= bottom; ++j)
+      for (int x = 0; x < picture.width; ++x) columns[std::size_t(x)] += picture.at(x, j);
+    for (int x = 0; x < picture.width; ++x) {
+      const int left = std::max(x - kAround, 0), right = std::min(x + kAround, picture.width - 1);
+      int sum = 0;
+      for (int i = left; i <= right; ++i) sum += columns[std::size_t(i)];
+      result.at(x, y) = std::uint8_t(sum / ((right - left + 1) * (bottom - top + 1)));
+    }
+  }
+  return result;
+}
+
 // The label of `from` that has the same inverse depth as label 0 of `to`, at one pixel.
 int shift_between(const Labels& labels, const Cell& to, const Cell& from, int x, int y) {
   const float apart = (labels.base(to, x, y) - labels.base(from, x, y)) / labels.step;
@@ -117,8 +143,8 @@ class Sweep {
         leaving[count++] = now_[d + 1].costs.data() + place(x);
       }
       std::uint16_t smallest[4];
-      step_paths(volume_.costs.data() + pixel, cell.stride, arriving, count, std::uint16_t(smoothness_.small), leaving,
-                 smallest, sums_.data() + pixel);
+      step_paths(volume_.costs.data() + pixel, cell.stride, arriving, count, smoothness_.small.at(x, y), leaving, smallest,
+                 sums_.data() + pixel);
       along_smallest = smallest[0];
       for (int d = 0; d < 3; ++d) now_[d].smallest[std::size_t(x - x0_)] = smallest[d + 1];
       turn = 1 - turn;
@@ -172,12 +198,26 @@ class Sweep {
 
 }  // namespace
 
-Smoothness smoothness(int small, int large, double grey_scale) {
-  Smoothness s;
-  s.small = small;
+Smoothness smoothness_for(const GreyImage& picture) {
+  Smoothness s{GreyImage(picture.width, picture.height), {}};
+  for (int y = 0; y < picture.height; ++y) {
+    const std::uint8_t* here = picture.row(y);
+    const std::uint8_t* below = picture.row(std::min(y + 1, picture.height - 1));
+    for (int x = 0; x < picture.width; ++x) {
+      const int right = here[std::min(x + 1, picture.width - 1)];
+      s.small.at(x, y) = std::uint8_t(std::min(std::abs(int(here[x]) - right) + std::abs(int(here[x]) - below[x]), 255));
+    }
+  }
+  s.small = window_mean(s.small);
+  for (auto& value : s.small.data) value = std::uint8_t(kSmall + kSmallMore * kTexture / (kTexture + int(value)));
   for (int difference = 0; difference < 256; ++difference)
-    s.large[std::size_t(difference)] =
-        std::uint16_t(std::max(double(small) + 2, large / (1 + difference / grey_scale)));
+    s.large[std::size_t(difference)] = std::uint16_t(std::max<double>(kLargeLeast, kLarge / (1 + difference / kGreyScale)));
+  return s;
+}
+
+Smoothness uniform_smoothness(int width, int height, int small, int large) {
+  Smoothness s{GreyImage(width, height, 1, std::uint8_t(small)), {}};
+  s.large.fill(std::uint16_t(large));
   return s;
 }
 

@@ -17,10 +17,12 @@ struct CellRange {
 
 /// What a change of depth between neighbouring pixels costs, on the scale of cost().
 struct Smoothness {
-  int small = 10;                         ///< by one label
+  GreyImage small;                         ///< by one label, for each pixel; more where there is little texture
   std::array<std::uint16_t, 256> large{};  ///< by more, for each difference of grey values
 };
-[[nodiscard]] Smoothness smoothness(int small, int large, double grey_scale);
+[[nodiscard]] Smoothness smoothness_for(const GreyImage& picture);
+/// The same everywhere on a picture of this size.
+[[nodiscard]] Smoothness uniform_smoothness(int width, int height, int small, int large);
 
 /// The matching costs of a rectangle of cells; cell offsets as in `offsets`, by rows of the rectangle.
 struct Volume {

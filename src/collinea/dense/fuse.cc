@@ -19,7 +19,8 @@ namespace {
 constexpr int kStripRows = 32;
 constexpr int kMostNeighbours = 20;
 constexpr int kFewestShared = 6;         // tie points
-constexpr double kSharedSource = 2;      // depths of one surface point come from the same pictures: not independent
+constexpr double kSharedSource = 4;      // depths of one surface point come from the same pictures: not independent
+constexpr double kSamePlacePx = 0.63;    // smaller: places are written twice; larger: gaps where one image takes over
 constexpr double kSmallestCosine = 0.1;  // between ray and normal, to move a depth along the surface
 
 using Matrix3 = Eigen::Matrix3d;
@@ -229,7 +230,7 @@ class Fusion {
     const int x0 = int(std::floor(u - 0.5)), y0 = int(std::floor(v - 0.5));
     for (int j = std::max(y0, 0); j <= std::min(y0 + 1, map.depth.height - 1); ++j)
       for (int i = std::max(x0, 0); i <= std::min(x0 + 1, map.depth.width - 1); ++i)
-        if (std::abs(double(map.depth.at(i, j)) - depth) <= tolerance)
+        if (std::hypot(i + 0.5 - u, j + 0.5 - v) <= kSamePlacePx && std::abs(double(map.depth.at(i, j)) - depth) <= tolerance)
           marks.push_back({std::uint32_t(other), std::uint32_t(j * map.depth.width + i)});
   }
 

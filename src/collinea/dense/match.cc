@@ -212,13 +212,13 @@ class Matching {
       if (!std::isnan(result.inverse_depth.data[i])) surface.data[i] = result.inverse_depth.data[i];
     surface = dense::smoothed_within(surface, level.step);
     result = dense::refine(level, surface, true, run_);
-    keep_good(level, result);
+    keep_good(level, surface, result);
     FloatImage coarse = std::move(surface);
     for (int l = 1; l <= kCoarserMeasurements && l < int(reference_->levels.size()); ++l) {
       if (run_.stopped()) break;
       coarse = cut(dense::halved(coarse), reference_->levels[std::size_t(l)]);
       dense::Refined more = dense::refine(level_at(l), coarse, true, run_);
-      keep_good(level, more);
+      keep_good(level, coarse, more);
       keep_textured(reference_->levels[std::size_t(l)], more.inverse_depth);
       fill_from(more, 1 << l, result);
     }
@@ -232,14 +232,20 @@ class Matching {
     return result;
   }
 
-  void keep_good(const Level& finest, dense::Refined& refined) const {
+  // Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain one.
+  void keep_good(const Level& finest, const FloatImage& surface, dense::Refined& refined) const {
     const float max_sigma = float(options_.max_sigma_px) / finest.parallax_px * finest.step;
     const float floor = kSigmaFloorPx / finest.parallax_px * finest.step;
+    const float prior = kSmoothSigmaPx / finest.parallax_px * finest.step;
     auto& w = refined.inverse_depth.data;
     for (std::size_t i = 0; i < w.size(); ++i) {
       refined.sigma.data[i] = std::hypot(kSigmaScale * refined.sigma.data[i], floor);
       if (!(refined.correlation.data[i] >= float(options_.min_correlation) && refined.sigma.data[i] <= max_sigma && w[i] > 0))
         w[i] = std::numeric_limits<float>::quiet_NaN();
+      const float variance = refined.sigma.data[i] * refined.sigma.data[i];
+      const float part = prior * prior / (prior * prior + variance);
+      w[i] = surface.data[i] + part * (w[i] - surface.data[i]);
+      refined.sigma.data[i] *= std::sqrt(part);
     }
   }
 
@@ -293,6 +299,7 @@ class Matching {
   static constexpr int kCoarserMeasurements = 2;
   // What the formula leaves out: errors of interpolation, and that resampled pixels are not independent. From truth.
   static constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f;
+  static constexpr float kSmoothSigmaPx = 0.25f;  // of the regularised surface
   static constexpr float kLeastInside = 0.15f;  // of the variance of a window, in its middle 3 x 3 pixels
   static constexpr float kUnison = 8;         // sigmas
   static constexpr float kMuchBetter = 0.6f;

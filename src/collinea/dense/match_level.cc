@@ -13,9 +13,6 @@ namespace {
 
 constexpr int kTileCells = 24;    // a tile is aggregated on its own, which bounds memory
 constexpr int kTileOverlap = 2;   // cells around it that take part, so that its border is nobody's border
-constexpr int kSmallChange = 8;   // on the scale of cost(): 6 per bit
-constexpr int kLargeChange = 70;
-constexpr double kGreyScale = 12;  // a step of that many grey values halves the penalty of a large change
 
 void reference_region(const GreyImage& picture, int left, int top, std::int8_t* region) {
   for (int j = 0; j < kRegionHeight; ++j)
@@ -82,7 +79,8 @@ void take_winners(const Level& level, const Labels& labels, const Volume& volume
     }
 }
 
-void match_tile(const Level& level, const Labels& labels, const CellRange& tile, const Run& run, FloatImage& result) {
+void match_tile(const Level& level, const Labels& labels, const Smoothness& smoothness, const CellRange& tile,
+                const Run& run, FloatImage& result) {
   const CellRange range = widened(tile, labels);
   Volume volume = volume_for(labels, range);
   const auto scratch = std::make_unique<CostScratch>();
@@ -91,8 +89,7 @@ void match_tile(const Level& level, const Labels& labels, const CellRange& tile,
       if (run.stopped()) return;
       cell_costs(level, labels, labels.cell(column, row), volume.costs.data() + volume.offset(column, row), *scratch);
     }
-  static const Smoothness kSmoothness = smoothness(kSmallChange, kLargeChange, kGreyScale);
-  const auto sums = aggregate(labels, volume, *level.picture, kSmoothness, [&] { return run.stopped(); });
+  const auto sums = aggregate(labels, volume, *level.picture, smoothness, [&] { return run.stopped(); });
   if (!run.stopped()) take_winners(level, labels, volume, sums, tile, result);
 }
 
@@ -122,12 +119,13 @@ void place_views(const Level& level, float low, float high, CellScene& scene) {
 
 FloatImage match_level(const Level& level, const Labels& labels, const Run& run) {
   FloatImage result(labels.width, labels.height, 1, std::numeric_limits<float>::quiet_NaN());
+  const Smoothness smoothness = smoothness_for(*level.picture);
   const int across = (labels.columns + kTileCells - 1) / kTileCells, down = (labels.rows + kTileCells - 1) / kTileCells;
   parallel_for(run, std::size_t(across * down), [&](std::size_t i) {
     const int column = int(i) % across, row = int(i) / across;
     const CellRange tile{labels.columns * column / across, labels.rows * row / down,
                          labels.columns * (column + 1) / across, labels.rows * (row + 1) / down};
-    match_tile(level, labels, tile, run, result);
+    match_tile(level, labels, smoothness, tile, run, result);
   });
   return result;
 }

@@ -47,7 +47,7 @@ class Grower {
       : block_(reconstruction), pairs_(pairs), exclude_(exclude), options_(options), run_(run) {}
 
   Result<> grow() {
-    if (!start()) return {};
+    if (!start()) return run_.stopped() ? fail(Errc::kCancelled, "stopped") : Result<>{};
     for (;;) {
       if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
       if (add_next_image()) {
@@ -69,6 +69,7 @@ class Grower {
 
   bool start() {
     for (const ImagePair* pair : initial_pairs(pairs_, exclude_)) {
+      if (run_.stopped()) break;
       block_.forget();
       if (block_.start(pair->first, pair->second, pair->second_from_first) < kMinInitialPoints) continue;
       const auto adjusted = block_.adjust_all(growing("none", 20), {}, run_);

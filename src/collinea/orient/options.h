@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 
 #include "collinea/base/options.h"
 
 namespace collinea {
+
+/// What OrientOptions::calibration may be.
+inline constexpr std::array<std::string_view, 5> kCalibrations = {"auto", "none", "focal", "focal_radial", "brown"};
 
 struct OrientOptions {
   std::string calibration = "auto";

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/depth_folder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "collinea/image/geotiff.h"
@@ -10,12 +12,22 @@ namespace collinea {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+bool is_map(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.ends_with(".depth.tif") || name.ends_with(".sigma.tif");
+}
+
+}  // namespace
+
 Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string& inputs_hash, const Block& block,
                                       const WorkingPictures& pictures) {
   const fs::path made_from = folder / "inputs.txt";
   if (read_file(made_from).value_or("") != inputs_hash) {
     std::error_code error;
-    fs::remove_all(folder, error);
+    for (const auto& entry : fs::directory_iterator(folder, error))
+      if (is_map(entry.path())) fs::remove(entry.path(), error);
     fs::create_directories(folder, error);
     if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
     if (auto written = write_file(made_from, inputs_hash); !written) return tl::unexpected(written.error());
@@ -24,9 +36,9 @@ Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string&
 }
 
 fs::path DepthFolder::path(ImageId image, const char* what) const {
-  std::string name = block_->images.at(image).file;  // unique, with its subfolder
-  std::replace(name.begin(), name.end(), '/', '_');
-  return folder_ / (name + "." + what + ".tif");
+  std::string name = block_->images.at(image).file;
+  std::replace(name.begin(), name.end(), '/', '_');  // a/b.jpg and a_b.jpg: only the number keeps them apart
+  return folder_ / fmt::format("{:06}_{}.{}.tif", image.value, name, what);
 }
 
 // The depths come last: where they are, the sigmas are too.

@@ -7,6 +7,7 @@
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/image/photo.h"
+#include "collinea/pipeline/reason.h"
 #include "collinea/pipeline/step.h"
 
 namespace collinea {
@@ -22,10 +23,15 @@ struct Outcome {
 Outcome detect_one(Project& project, ImageId id, const Image& image, const std::map<ImageId, std::string>& done) {
   Outcome outcome;
   const auto path = project.photo(image);
-  const auto file_hash = hash_of_file(path);
-  if (!file_hash) return {.reason = file_hash.error().message};
-  outcome.hash = Hash().add(options_text(project.settings, "detect")).add(*file_hash).hex();
   const auto before = done.find(id);
+  const auto leave_out = [&](const Error& error) {
+    Outcome out{.reason = reason_without_name(error.message, path)};
+    if (before != done.end()) out.stored = project.store.erase_features(id);
+    return out;
+  };
+  const auto file_hash = hash_of_file(path);
+  if (!file_hash) return leave_out(file_hash.error());
+  outcome.hash = Hash().add(options_text(project.settings, "detect")).add(*file_hash).hex();
   if (before != done.end() && before->second == outcome.hash) {
     const auto keypoints = project.store.read_keypoints(id);
     if (keypoints) {
@@ -34,12 +40,7 @@ Outcome detect_one(Project& project, ImageId id, const Image& image, const std::
     }
   }
   const auto picture = read_grey(path);
-  if (!picture) {
-    if (before != done.end()) outcome.stored = project.store.erase_features(id);
-    outcome.hash.clear();
-    outcome.reason = picture.error().message;
-    return outcome;
-  }
+  if (!picture) return leave_out(picture.error());
   const Features features = detect_sift(*picture, project.settings.detect);
   outcome.features = features.keypoints.size();
   outcome.stored = project.store.write_features(id, features, outcome.hash);

@@ -15,6 +15,7 @@
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/image/photo.h"
 #include "collinea/pipeline/import_control.h"
+#include "collinea/pipeline/reason.h"
 
 namespace collinea {
 namespace {
@@ -39,12 +40,23 @@ bool looks_like_photo(const fs::path& path) {
          extension == ".tiff";
 }
 
+// A project below the photo folder, or in it, holds rasters that are no photographs.
+bool belongs_to_project(const fs::path& directory) {
+  std::error_code ignored;
+  if (fs::exists(directory / "block.db", ignored)) return true;
+  const std::string name = directory.filename().string();
+  return fs::exists(directory.parent_path() / "block.db", ignored) &&
+         (name == "products" || name == "depth" || name == "report" || name == "scratch");
+}
+
 std::vector<std::string> files_below(const fs::path& folder) {
   std::vector<std::string> files;
   std::error_code ignored;
   for (auto it = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, ignored);
        it != fs::recursive_directory_iterator(); it.increment(ignored))
-    if (it->is_regular_file(ignored) && looks_like_photo(it->path()))
+    if (it->is_directory(ignored) && belongs_to_project(it->path()))
+      it.disable_recursion_pending();
+    else if (it->is_regular_file(ignored) && looks_like_photo(it->path()))
       files.push_back(fs::relative(it->path(), folder, ignored).generic_string());
   std::sort(files.begin(), files.end());
   return files;
@@ -64,6 +76,8 @@ Result<std::vector<double>> numbers_in(const std::string& text) {
   }
   if (numbers.size() < 4 || numbers.size() > 9)
     return fail(Errc::kBadInput, "--camera-params: expected fx,fy,cx,cy and up to five distortion values");
+  if (!(numbers[0] > 0 && numbers[1] > 0))
+    return fail(Errc::kBadInput, "--camera-params " + text + ": fx and fy must be positive");
   return numbers;
 }
 
@@ -119,6 +133,7 @@ std::optional<PositionPrior> position_prior(const PhotoHeader& header, const Imp
   if (!header.latitude_deg || !header.longitude_deg) return std::nullopt;
   const double plan = options.gps_sigma_m, height = options.gps_sigma_height_m;
   PositionPrior prior{};
+  prior.position_in_world.setZero();  // known once the world frame is
   prior.latitude_deg = *header.latitude_deg;
   prior.longitude_deg = *header.longitude_deg;
   prior.height_m = header.height_m.value_or(0);
@@ -143,11 +158,12 @@ std::vector<Photo> read_headers(const fs::path& folder, const Run& run) {
 
 class Importer {
  public:
-  Importer(const ImportOptions& options, std::optional<std::vector<double>> camera_params)
-      : options_(options), camera_params_(std::move(camera_params)) {}
+  Importer(const fs::path& folder, const ImportOptions& options, std::optional<std::vector<double>> camera_params)
+      : folder_(folder), options_(options), camera_params_(std::move(camera_params)) {}
 
   void add(const Photo& photo) {
-    if (!photo.header) return skip(photo.file, photo.header.error().message);
+    if (!photo.header)
+      return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
     if (photo.header->width_px < 64 || photo.header->height_px < 64) return skip(photo.file, "smaller than 64 x 64 pixels");
     const auto [same, is_new] = file_of_hash_.emplace(photo.hash, photo.file);
     if (!is_new) return skip(photo.file, "the same bytes as " + same->second);
@@ -187,6 +203,7 @@ class Importer {
   }
 
   using Key = std::tuple<std::string, std::string, std::string, std::string, int, int, double>;
+  const fs::path& folder_;
   const ImportOptions& options_;
   std::optional<std::vector<double>> camera_params_;
   std::map<Key, CameraId> cameras_;
@@ -235,7 +252,9 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
   }
   if (crs.empty()) crs = utm_crs(origin.x(), origin.y());
   origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
-  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, origin.x(), origin.y(), origin.z()));
+  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, origin.x(), origin.y(), origin.z()).map_error([&](Error error) {
+    return std::move(error).within("CRS \"" + crs + "\"" + (options.crs ? " (--crs)" : ""));
+  }));
   block.georeference = Georeference{crs, origin.x(), origin.y(), origin.z()};
   for (auto& [id, image] : block.images)
     if (auto& prior = image.position)
@@ -245,6 +264,8 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
 }
 
 Result<ControlFile> control_of(const ImportOptions& options) {
+  if (!options.control && !options.check.empty())
+    return fail(Errc::kBadInput, "--check " + options.check + ": there is no control file; give it with --control FILE");
   if (!options.control) return ControlFile{};
   COLLINEA_TRY(ControlFile control, read_control(*options.control, {.sigma_plan_m = options.control_sigma_m,
                                                                     .sigma_height_m = options.control_sigma_m,
@@ -263,7 +284,10 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
     COLLINEA_TRY(camera_params, numbers_in(*options.camera_params));
   }
   COLLINEA_TRY(const ControlFile control, control_of(options));
-  Importer importer(options, camera_params);
+  std::error_code unreadable;
+  if (fs::directory_iterator(photos, unreadable); unreadable)
+    return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
+  Importer importer(photos, options, camera_params);
   const std::vector<Photo> read = read_headers(photos, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   for (const Photo& photo : read) importer.add(photo);

@@ -57,6 +57,14 @@ Result<std::vector<Ids>> chosen_pairs(const Project& project, const Block& setup
   return joined(pairs, alike);
 }
 
+// The block without the images that have no features: a picture that could not be read has no part in any pair.
+Result<Block> readable_part(const ProjectStore& store) {
+  COLLINEA_TRY(Block setup, store.read_setup());
+  COLLINEA_TRY(const auto detected, store.features_done());
+  std::erase_if(setup.images, [&](const auto& image) { return !detected.contains(image.first); });
+  return setup;
+}
+
 std::string word(PairGeometry geometry) {
   constexpr std::array<const char*, 4> kWords = {"unrelated", "general", "planar", "rotation"};
   return kWords[static_cast<std::size_t>(geometry)];
@@ -65,7 +73,7 @@ std::string word(PairGeometry geometry) {
 }  // namespace
 
 Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) {
-  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  COLLINEA_TRY(const Block setup, readable_part(project.store));
   if (auto erased = project.store.erase_pairs_except(inputs_hash); !erased) return tl::unexpected(erased.error());
   FeatureCache cache(project.store, kCachedImages);
   COLLINEA_TRY(const std::vector<Ids> wanted, chosen_pairs(project, setup));

@@ -31,8 +31,9 @@ const std::array<Step, 8>& steps() {
       {"match", match_step, {"import", "detect"}, {}},
       {"orient", orient_step, {"import", "match"}, {}, true},
       {"densify", densify_step, {"orient"}, {"products/cloud.las", "products/cloud.ply"}},
-      {"surface", surface_step, {"orient", "densify"}, {}},
-      {"ortho", ortho_step, {"orient", "surface"}, {}},
+      {"surface", surface_step, {"orient", "densify"},
+       {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif"}},
+      {"ortho", ortho_step, {"orient", "surface"}, {"products/ortho.tif", "products/ortho_source.tif"}},
       {"report", report_step, {"import", "detect", "match", "orient", "densify", "surface", "ortho"}, {"report/report.html"}, true},
   }};
   return all;
@@ -51,16 +52,48 @@ Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
   return hash.hex();
 }
 
-bool products_exist(const Project& project, const Step& step) {
+// A step that finds nothing to make says why, and leaves no product.
+bool made_nothing(const std::string& report_json) { return report_json.find("\"skipped_because\"") != std::string::npos; }
+
+bool products_exist(const Project& project, const Step& step, const StepRecord& record) {
+  if (made_nothing(record.report_json)) return true;
   for (const char* product : step.products)
     if (!fs::exists(project.folder / product)) return false;
   return true;
 }
 
+// What a program that was killed left half written. Nobody else is at work here, but other files may lie beside ours.
+void sweep(const fs::path& folder) {
+  if (!fs::exists(folder / "block.db")) return;
+  std::error_code ignored;
+  const auto remove_in = [&](const char* place, const char* name_start, const char* extension_start) {
+    for (const auto& entry : fs::directory_iterator(folder / place, ignored))
+      if (entry.path().filename().string().starts_with(name_start) &&
+          entry.path().extension().string().starts_with(extension_start))
+        fs::remove(entry.path(), ignored);
+  };
+  for (const char* place : {"products", "depth", "report"}) remove_in(place, "", ".part");
+  remove_in(".", "project.json", ".part");
+  remove_in("scratch", "points_", ".bin");
+  fs::remove(folder / "scratch", ignored);  // stays when it holds anything else
+}
+
+// A full disk and a damaged database show in many places, and in the words of many libraries.
+Error with_advice(Error error, const fs::path& folder) {
+  constexpr double kLittle_MB = 16;
+  std::error_code unknown;
+  const double left_MB = double(fs::space(folder, unknown).available) / 1e6;
+  if (error.code == Errc::kBadInput && !unknown && left_MB < kLittle_MB)
+    error.message += fmt::format(" (only {:.0f} MB are left on the disk: make room and give the command again)", left_MB);
+  if (error.code == Errc::kBadFormat && error.message.find("block.db") != std::string::npos)
+    error.message += "; remove that file and give the command again: everything is computed anew";
+  return error;
+}
+
 Result<> do_step(Project& project, const Step& step) {
   COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
   COLLINEA_TRY(const auto before, project.store.read_step(step.name));
-  if (before && before->inputs_hash == inputs_hash && products_exist(project, step)) {
+  if (before && before->inputs_hash == inputs_hash && products_exist(project, step, *before)) {
     project.run.say(fmt::format("{:<8} up to date", step.name));
     return {};
   }
@@ -69,16 +102,22 @@ Result<> do_step(Project& project, const Step& step) {
   const CostMeter cost;
   project.run.report(step.name, 0);
   COLLINEA_TRY(const StepOutput output, step.work(project, inputs_hash).map_error([&](Error error) {
-    return std::move(error).within(step.name);
+    return with_advice(std::move(error), project.folder).within(step.name);
   }));
   if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: stopped; the same command goes on from here", step.name));
   project.run.report(step.name, 1);
+  if (made_nothing(output.report_json))
+    for (const char* product : step.products) fs::remove(project.folder / product);
   const StepRecord record{step.name,           inputs_hash,        output.output_hash,        cost.seconds(),
                           cost.cpu_seconds(), cost.peak_memory_bytes(), output.report_json};
   if (auto written = project.store.write_step(record); !written) return written;
   project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name, output.summary, record.seconds,
                               record.cpu_seconds, record.peak_memory_bytes / 1e6));
   return {};
+}
+
+Result<ProjectStore> open_store(const fs::path& folder) {
+  return ProjectStore::open(folder).map_error([&](Error error) { return with_advice(std::move(error), folder); });
 }
 
 }  // namespace
@@ -90,16 +129,19 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
     return fail(Errc::kNotFound, settings.photos + " is not a folder of photographs");
   fs::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
-  COLLINEA_TRY(ProjectStore store, ProjectStore::open(folder));
-  if (auto written = write_settings(folder, settings); !written) return tl::unexpected(written.error());
-  Project project{folder, settings, std::move(store), run};
+  COLLINEA_TRY(auto lock, ProjectLock::take(folder));
+  sweep(folder);
+  COLLINEA_TRY(ProjectStore store, open_store(folder));
+  if (auto written = write_settings(folder, settings); !written)
+    return tl::unexpected(with_advice(std::move(written).error(), folder));
+  Project project{folder, settings, std::move(store), run, std::move(lock)};
   project.run.seed = settings.seed;
   return project;
 }
 
 Result<Project> open_project(const fs::path& folder, const Run& run) {
   COLLINEA_TRY(const Settings settings, read_settings(folder));
-  COLLINEA_TRY(ProjectStore store, ProjectStore::open(folder));
+  COLLINEA_TRY(ProjectStore store, open_store(folder));
   Project project{folder, settings, std::move(store), run};
   project.run.seed = settings.seed;
   return project;
@@ -111,12 +153,22 @@ std::vector<std::string> step_names() {
   return names;
 }
 
+Result<> check_step_name(const std::string& name) {
+  std::string known;
+  for (const Step& step : steps()) {
+    if (name == step.name) return {};
+    known += (known.empty() ? "" : ", ") + std::string(step.name);
+  }
+  return fail(Errc::kBadInput, "no step is called \"" + name + "\": choose one of " + known);
+}
+
 Result<> bring_up_to(Project& project, const std::string& last) {
+  if (auto known = check_step_name(last); !known) return known;
   for (const Step& step : steps()) {
     if (auto done = do_step(project, step); !done) return done;
-    if (last == step.name) return {};
+    if (last == step.name) break;
   }
-  return fail(Errc::kBadInput, "no step is called " + last);
+  return {};
 }
 
 }  // namespace collinea

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/settings.h"
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
 
 #include "collinea/io/file.h"
 
@@ -25,8 +28,9 @@ void from_json(const json& j, T& value) {
     if (j.is_null())
       value.reset();
     else
-      value = j.get<typename T::value_type>();
+      from_json(j, value.emplace());
   } else {
+    if (std::is_same_v<T, int> && !j.is_number_integer()) throw std::invalid_argument("must be a whole number");
     value = j.get<T>();
   }
 }
@@ -38,12 +42,22 @@ json options_to_json(const Options& options) {
   return j;
 }
 
+// Throws what the reader of the file turns into words.
 template <class Options>
-void options_from_json(const json& j, Options& options) {
+void options_from_json(const json& j, const std::string& group, Options& options) {
+  std::set<std::string> known;
   Options::describe([&](const auto& field) {
     const std::string name(field.name);
-    if (j.contains(name)) from_json(j.at(name), options.*field.member);
+    known.insert(name);
+    if (!j.contains(name)) return;
+    try {
+      from_json(j.at(name), options.*field.member);
+    } catch (const std::exception& error) {
+      throw std::invalid_argument("options." + group + "." + name + ": " + error.what());
+    }
   });
+  for (const auto& [name, value] : j.items())
+    if (!known.contains(name)) throw std::invalid_argument("options." + group + "." + name + ": there is no such option");
 }
 
 }  // namespace
@@ -58,11 +72,16 @@ Result<Settings> read_settings(const std::filesystem::path& project) {
     settings.photos = j.at("photos").get<std::string>();
     settings.seed = j.value("seed", std::uint64_t{1});
     const json options = j.value("options", json::object());
+    std::set<std::string> known;
     Settings::each(settings, [&](const char*, const char* group, auto& group_options) {
-      if (options.contains(group)) options_from_json(options.at(group), group_options);
+      known.insert(group);
+      if (options.contains(group)) options_from_json(options.at(group), group, group_options);
     });
-  } catch (const json::exception& error) {
-    return fail(Errc::kBadFormat, path.string() + ": " + error.what());
+    for (const auto& [group, values] : options.items())
+      if (!known.contains(group)) throw std::invalid_argument("options." + group + ": there is no such group of options");
+  } catch (const std::exception& error) {
+    return fail(Errc::kBadFormat, path.string() + ": " + error.what() +
+                                      "; correct it, or have it written anew with `collinea run PHOTOS -o PROJECT`");
   }
   COLLINEA_TRY([[maybe_unused]] const auto checked, validate_settings(settings).map([] { return true; }));
   return settings;
@@ -84,6 +103,9 @@ Result<> validate_settings(const Settings& settings) {
     if (verdict)
       verdict = validate(group_options).map_error([&](Error error) { return std::move(error).within(step); });
   });
+  const std::string& calibration = settings.orient.calibration;
+  if (verdict && std::find(kCalibrations.begin(), kCalibrations.end(), calibration) == kCalibrations.end())
+    return fail(Errc::kBadInput, "orient: calibration = \"" + calibration + "\": choose auto, none, focal, focal_radial or brown");
   return verdict;
 }
 

@@ -12,15 +12,11 @@ namespace {
 
 constexpr std::size_t kBatch = 200'000;
 
-// The cloud on disk lies in the map; the surface model wants the world frame.
-PointSource world_points(LasReader& reader, const LocalFrame* frame) {
-  return [&reader, frame](std::vector<SurfacePoint>& batch) -> Result<> {
+PointSource points_of(LasReader& reader) {
+  return [&reader](std::vector<SurfacePoint>& batch) -> Result<> {
     COLLINEA_TRY(const std::vector<CloudPoint> cloud, reader.read(kBatch));
-    std::vector<Eigen::Vector3d> positions;
-    for (const CloudPoint& point : cloud) positions.push_back(point.position);
-    if (frame) frame->local_from_map(positions);
     batch.clear();
-    for (std::size_t i = 0; i < cloud.size(); ++i) batch.push_back({positions[i], cloud[i].sigma_m});
+    for (const CloudPoint& point : cloud) batch.push_back({point.position, point.sigma_m});
     return {};
   };
 }
@@ -37,8 +33,8 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif", products / "dsm_count.tif"};
   COLLINEA_TRY(const DsmSummary summary,
-               build_dsm(world_points(reader, places.frame_or_null()), places.frame_or_null(), places.matched_pixel_m, files,
-                         project.folder / "scratch", project.settings.surface, project.run));
+               build_dsm(points_of(reader), places.frame_or_null(), places.matched_pixel_m, files,
+                         project.folder / "scratch", project.settings.surface, project.run, PointFrame::kMap));
   const double seen = double(summary.measured_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
                                  {"width", summary.grid.width},
