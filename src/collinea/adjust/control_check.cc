@@ -143,6 +143,22 @@ void check_points_among_each_other(const Block& block, std::vector<Place>& place
   }
 }
 
+// Check points far off what the control says: for the user to know, nothing is excluded.
+void name_wrong_check_points(const Block& block, const std::vector<Place>& places, const std::vector<Place>& checks,
+                             ControlDiagnosis& diagnosis) {
+  const std::vector<PlacePair> pairs = pairs_of(places);
+  const auto similarity = bundle::span_a_plane(pairs) ? fit(pairs) : std::nullopt;
+  if (!similarity) return;
+  const double limit_m = std::max(20 * scatter_m(pairs, *similarity), 0.02 * size_m(pairs));
+  for (const Place& place : checks) {
+    const Eigen::Vector3d off = place.pair.in_world - *similarity * place.pair.in_block;
+    if (off.norm() < std::max(limit_m, 10 * place.pair.sigma_m)) continue;
+    Finding finding{"check_point", Finding::kWarning, {}, place.id, {}, off.norm(), "m"};
+    finding.message = fmt::format("check point {} is {:.1f} m off what the control points say", block.control.at(place.id).name, off.norm());
+    diagnosis.findings.push_back(finding);
+  }
+}
+
 // Few points: the camera positions judge, as far as they can, after a shift common to all points.
 void check_points_by_positions(const Block& block, std::vector<Place>& places, ControlDiagnosis& diagnosis, std::uint64_t seed) {
   const std::vector<PlacePair> positions = position_pairs(block);
@@ -256,8 +272,15 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
     diagnosis.axes_swapped = true;
     return diagnosis;
   }
+  // Check points are only compared: they decide nothing.
+  const auto first_check = std::stable_partition(places.begin(), places.end(), [&](const Place& place) {
+    return block.control.at(place.id).role == ControlRole::kControl;
+  });
+  const std::vector<Place> checks(first_check, places.end());
+  places.erase(first_check, places.end());
   check_points_among_each_other(block, places, diagnosis);
   check_points_by_positions(block, places, diagnosis, seed);
+  name_wrong_check_points(block, places, checks, diagnosis);
   check_positions(block, places, diagnosis, seed);
   return diagnosis;
 }

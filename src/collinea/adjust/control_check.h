@@ -18,6 +18,7 @@ struct Finding {
   /// "control_measurement": one image measurement does not meet the others; excluded
   /// "control_measurements_disagree": two rays of a point that miss each other; the point is excluded
   /// "control_point": the coordinates of a point contradict the others; the point is excluded
+  /// "check_point": the coordinates of a check point contradict the control; it stays in the comparison
   /// "control_inconsistent": the points contradict each other and nobody can tell which is wrong
   /// "control_axes_swapped": eastings and northings are exchanged
   /// "position_heights": GNSS heights are off the control heights by a constant
@@ -42,7 +43,8 @@ struct ControlDiagnosis {
   bool axes_swapped = false;           ///< read the control again with eastings and northings exchanged
 };
 
-/// Looks for blunders in the control (control and check points alike) of an oriented block in any frame, before it is adjusted:
+/// Looks for blunders in the control of an oriented block in any frame, before it is adjusted (of check points, only their
+/// image measurements are looked at; they decide nothing):
 /// image measurements by intersecting each point without one of its rays (a difference of more than six sigmas, three
 /// pixels and four times the rest); coordinates by a robust similarity of the block to the points (four and more), or by the
 /// camera positions when there are fewer; exchanged axes by fitting both ways (exact in flat ground only with

@@ -74,6 +74,7 @@ TEST(CheckControl, TwoRaysThatMissAreNotUsed) {
 TEST(CheckControl, APointAHundredMetresOffIsNamed) {
   for (const int count : {4, 5, 9}) {
     Block block = block_with_control(count);
+    for (auto& [point, control] : block.control) control.role = ControlRole::kControl;
     const ControlId id{2};
     block.control.at(id).position_in_world.x() += 100;
     block.control.at(id).position_in_map.x() += 100;
@@ -87,6 +88,18 @@ TEST(CheckControl, APointAHundredMetresOffIsNamed) {
   }
 }
 
+TEST(CheckControl, ACheckPointFarOffIsNamedButDecidesNothing) {
+  Block block = block_with_control(9);
+  const ControlId id{2};
+  ASSERT_EQ(block.control.at(id).role, ControlRole::kCheck);
+  block.control.at(id).position_in_world.x() += 100;
+  const ControlDiagnosis diagnosis = check_control(block);
+  ASSERT_EQ(diagnosis.findings.size(), 1u);
+  EXPECT_EQ(diagnosis.findings.front().code, "check_point");
+  EXPECT_EQ(diagnosis.findings.front().point, id);
+  EXPECT_TRUE(diagnosis.excluded_points.empty());
+}
+
 TEST(CheckControl, TwoBadPointsOfNineAreBothNamed) {
   Block block = block_with_control();
   block.control.at({1}).position_in_world += Eigen::Vector3d(0, 0, 5);
@@ -98,6 +111,7 @@ TEST(CheckControl, TwoBadPointsOfNineAreBothNamed) {
 
 TEST(CheckControl, OfThreePointsPositionsTellTheWrongOne) {
   Block block = block_with_control(3);
+  for (auto& [point, control] : block.control) control.role = ControlRole::kControl;
   block.control.at({0}).position_in_world.y() -= 300;
   const ControlDiagnosis diagnosis = check_control(block);
   EXPECT_EQ(diagnosis.excluded_points, std::set<ControlId>{{0}});

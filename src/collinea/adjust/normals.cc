@@ -183,7 +183,7 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
     double* b = camera_rays_.data() + 2ul * (r - base) * width;
     linearise_camera(linear, state.lenses[camera], problem_.cameras[camera].free, b);
     double* its_zc = zc;
-    for (const int* its = &cameras_of_point_[camera_begin_[p]]; *its != camera; ++its) its_zc += 3 * width;
+    for (const int* its = cameras_of_point_.data() + camera_begin_[p]; *its != camera; ++its) its_zc += 3 * width;
     add_camera_ray(linear, problem_.cameras[camera], b, point.held ? nullptr : its_zc, sums);
   }
   if (point.held) {
@@ -218,7 +218,7 @@ void Normals::add_camera_ray(const LinearRay& linear, const ProblemCamera& camer
 void Normals::reduce_cameras(std::size_t p, const PointNormals& normals, const double* y, const Batch& batch, BorderSums& sums) {
   const auto border = static_cast<std::size_t>(problem_.border), width = static_cast<std::size_t>(widest_camera_);
   double* zc = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
-  const int* cameras = &cameras_of_point_[camera_begin_[p]];
+  const int* cameras = cameras_of_point_.data() + camera_begin_[p];
   const std::size_t count = camera_begin_[p + 1] - camera_begin_[p];
   for (std::size_t a = 0; a < count; ++a) {
     const ProblemCamera& one = problem_.cameras[cameras[a]];

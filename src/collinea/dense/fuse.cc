@@ -19,6 +19,7 @@ namespace {
 constexpr int kStripRows = 32;
 constexpr int kMostNeighbours = 20;
 constexpr int kFewestShared = 6;         // tie points
+constexpr double kFramePx = 6;           // at the border of a picture little is measured
 constexpr double kSharedSource = 4;      // depths of one surface point come from the same pictures: not independent
 constexpr double kSamePlacePx = 0.63;    // smaller: places are written twice; larger: gaps where one image takes over
 constexpr double kSmallestCosine = 0.1;  // between ray and normal, to move a depth along the surface
@@ -189,7 +190,7 @@ class Fusion {
       const double u = other.pinhole.f * there.x() / there.z() + other.pinhole.cx;
       const double v = other.pinhole.f * there.y() / there.z() + other.pinhole.cy;
       if (!(u >= 0 && v >= 0 && u < other.map->depth.width && v < other.map->depth.height)) continue;
-      ++looking;
+      looking += u > kFramePx && v > kFramePx && u < other.map->depth.width - kFramePx && v < other.map->depth.height - kFramePx;
       const auto reading = reading_at(*other.map, u, v);
       if (!reading) continue;
       const double off = there.z() - reading->depth;

@@ -18,7 +18,8 @@ constexpr std::size_t kFewestTiePoints = 8;
 constexpr float kParallaxOfLabelPx = 0.8f;
 constexpr int kMargin = 3;                // labels searched beyond the coarse surface
 constexpr double kCoarsestLabels = 100;   // the coarsest level is the first with no more than these
-constexpr double kLeastReach = 0.1;       // part of the inverse depth searched beyond the tie points at least
+// Searched beyond the tie points at least, as parts of the inverse depth: trees and masts seldom have tie points.
+constexpr double kLeastFarther = 0.1, kLeastNearer = 0.35;
 constexpr int kSmallestCoarsePatch = 20;  // pixels of a level; what hangs together less is not believed by the next
 constexpr double kPlanePart = 0.5;        // a plane is worth taking when it leaves less than this of the range
 
@@ -77,9 +78,9 @@ StartSurface start_surface(const std::vector<Sounding>& soundings, double margin
     const StartSurface tilted = spread_around(plane.x(), plane.y(), plane.z(), soundings);
     if (tilted.high - tilted.low < kPlanePart * (level.high - level.low)) best = tilted;
   }
-  const double reach = std::max(margin * (level.high - level.low), kLeastReach * level.high);
-  best.low -= reach;
-  best.high += reach;
+  const double reach = margin * (level.high - level.low);
+  best.low -= std::max(reach, kLeastFarther * level.high);
+  best.high += std::max(reach, kLeastNearer * level.high);
   return best;
 }
 

@@ -72,7 +72,7 @@ class Grower {
       if (run_.stopped()) break;
       block_.forget();
       if (block_.start(pair->first, pair->second, pair->second_from_first) < kMinInitialPoints) continue;
-      const auto adjusted = block_.adjust_all(growing("none", 20), {}, run_);
+      const auto adjusted = block_.adjust_all(growing("none", 20), {.use_positions = false, .use_control = false}, run_);
       if (!adjusted) continue;
       block_.filter(options_.max_error_px, run_);
       if (block_.point_count() < kMinInitialPoints) continue;

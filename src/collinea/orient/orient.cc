@@ -57,7 +57,7 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
   return result;
 }
 
-// Without control or positions the gauge is made readable: origin in the middle of the points, z opposite to the mean
+// Without control or positions the gauge is made readable: origin in the middle of the cameras, z opposite to the mean
 // downward direction of the pictures, the unit such that the first base had length one.
 Similarity3 readable_gauge(const Reconstruction& part) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero(), middle = Eigen::Vector3d::Zero();
@@ -132,6 +132,7 @@ class Orienter {
       if (factor < kControlMisfit || round == kControlRounds) return {};
       double sigma_m = 0;
       for (auto& [id, point] : setup_.control) {
+        if (point.role == ControlRole::kCheck) continue;
         point.sigma_m *= factor;
         if (point.sigma_m.allFinite()) sigma_m = std::max(sigma_m, point.sigma_m.maxCoeff());
       }
@@ -162,7 +163,7 @@ class Orienter {
   // Brings the part into the frame of control or positions, where there are enough of them.
   AdjustScope place(Reconstruction& part) {
     AdjustScope scope{.use_positions = options_.use_positions, .use_control = options_.use_control};
-    if (setup_.georeference) examine(part.block());
+    if (setup_.georeference && scope.use_control) examine(part.block());
     const auto found = setup_.georeference ? datum(part.block(), scope.use_positions, scope.use_control, run_.seed) : std::nullopt;
     if (!found) {
       scope.use_positions = scope.use_control = false;

@@ -143,7 +143,7 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
     pixels.push_back(track.rays[ref.ray].pixel);
     points.push_back(*track.point);
   }
-  const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px};
+  const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px, .min_inliers = options_.min_points};
   const CameraId camera_id = setup_->images.at(image).camera;
   const bool guessed = camera_of(image).calibrate && camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
                        std::none_of(poses_.begin(), poses_.end(),

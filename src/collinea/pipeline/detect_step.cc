@@ -31,7 +31,7 @@ Outcome detect_one(Project& project, ImageId id, const Image& image, const std::
   };
   const auto file_hash = hash_of_file(path);
   if (!file_hash) return leave_out(file_hash.error());
-  outcome.hash = Hash().add(options_text(project.settings, "detect")).add(*file_hash).hex();
+  outcome.hash = Hash().add(COLLINEA_VERSION).add(options_text(project.settings, "detect")).add(*file_hash).hex();
   if (before != done.end() && before->second == outcome.hash) {
     const auto keypoints = project.store.read_keypoints(id);
     if (keypoints) {

@@ -259,8 +259,7 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
   for (auto& [id, image] : block.images)
     if (auto& prior = image.position)
       prior->position_in_world = frame.local_from_geographic({prior->latitude_deg, prior->longitude_deg, prior->height_m});
-  add_control(imported, control, frame);
-  return {};
+  return add_control(imported, control, frame);
 }
 
 Result<ControlFile> control_of(const ImportOptions& options) {

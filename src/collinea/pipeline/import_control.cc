@@ -25,22 +25,22 @@ std::map<std::string, ImageId> images_by_name(const Block& block) {
 }
 
 // Points surveyed in another CRS than the map's come by way of geographic coordinates.
-Eigen::Vector3d in_world(const ControlFilePoint& point, const std::string& crs, const LocalFrame& frame) {
-  if (!crs.empty() && crs != frame.crs())
-    if (const auto geographic = geographic_from_map(crs, point.position_in_map))
-      return frame.local_from_geographic(*geographic);
-  return frame.local_from_map(point.position_in_map);
+Result<Eigen::Vector3d> in_world(const ControlFilePoint& point, const std::string& crs, const LocalFrame& frame) {
+  if (crs.empty() || crs == frame.crs()) return frame.local_from_map(point.position_in_map);
+  return geographic_from_map(crs, point.position_in_map)
+      .map([&](const Eigen::Vector3d& geographic) { return frame.local_from_geographic(geographic); })
+      .map_error([&](Error error) { return std::move(error).within("control " + point.name); });
 }
 
 }  // namespace
 
-void add_control(Imported& imported, const ControlFile& control, const LocalFrame& frame) {
+Result<> add_control(Imported& imported, const ControlFile& control, const LocalFrame& frame) {
   Block& block = imported.block;
   std::map<std::string, ControlId> by_name;
   for (const ControlFilePoint& point : control.points) {
     const ControlId id{static_cast<std::uint32_t>(block.control.size())};
     by_name[point.name] = id;
-    const Eigen::Vector3d world = in_world(point, control.crs, frame);
+    COLLINEA_TRY(const Eigen::Vector3d world, in_world(point, control.crs, frame));
     block.control[id] = {point.name, point.role, frame.map_from_local(world), world, point.sigma_m};
   }
   const auto images = images_by_name(block);
@@ -66,6 +66,7 @@ void add_control(Imported& imported, const ControlFile& control, const LocalFram
   for (const auto& [id, point] : block.control)
     if (seen[id] < 2)
       imported.findings.push_back(fmt::format("control {} is seen in {} image{}: it cannot be used", point.name, seen[id], seen[id] == 1 ? "" : "s"));
+  return {};
 }
 
 }  // namespace collinea

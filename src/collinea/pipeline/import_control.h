@@ -8,7 +8,7 @@
 namespace collinea {
 
 /// Brings surveyed points and their images into the block. What does not fit (an image that is not there, a pixel
-/// outside its picture, a point seen in fewer than two images) becomes a finding.
-void add_control(Imported& imported, const ControlFile& control, const LocalFrame& frame);
+/// outside its picture, a point seen in fewer than two images) becomes a finding. Errors: its CRS cannot be converted.
+Result<> add_control(Imported& imported, const ControlFile& control, const LocalFrame& frame);
 
 }  // namespace collinea

@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kStopped = "stopped; the same command goes on from here";
+
 struct Step {
   const char* name;
   Result<StepOutput> (*work)(Project&, const std::string& inputs_hash);
@@ -102,9 +104,10 @@ Result<> do_step(Project& project, const Step& step) {
   const CostMeter cost;
   project.run.report(step.name, 0);
   COLLINEA_TRY(const StepOutput output, step.work(project, inputs_hash).map_error([&](Error error) {
+    if (error.code == Errc::kCancelled) error.message = kStopped;
     return with_advice(std::move(error), project.folder).within(step.name);
   }));
-  if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: stopped; the same command goes on from here", step.name));
+  if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: {}", step.name, kStopped));
   project.run.report(step.name, 1);
   if (made_nothing(output.report_json))
     for (const char* product : step.products) fs::remove(project.folder / product);
