@@ -52,7 +52,8 @@ struct Refined {
 /// Mean over the 5 x 5 pixels whose inverse depth is within `reach` of that in the middle; NaN stay.
 [[nodiscard]] FloatImage smoothed_within(const FloatImage& surface, float reach);
 
-/// Empties connected patches (neighbours differ by at most `reach`) of fewer than `min_pixels`.
-void remove_specks(FloatImage& surface, float reach, int min_pixels);
+/// Empties connected patches of fewer than `min_pixels`. Neighbours belong together when they differ by at most `reach`
+/// plus, when `sigma` is given, twice the standard deviations of both.
+void remove_specks(FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma = nullptr);
 
 }  // namespace collinea::dense

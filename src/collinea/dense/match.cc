@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -19,8 +20,9 @@ constexpr float kParallaxOfLabelPx = 0.8f;
 constexpr int kMargin = 3;                // labels searched beyond the coarse surface
 constexpr double kCoarsestLabels = 100;   // the coarsest level is the first with no more than these
 // Searched beyond the tie points at least, as parts of the inverse depth: trees and masts seldom have tie points.
-constexpr double kLeastFarther = 0.1, kLeastNearer = 0.35;
+constexpr double kLeastFarther = 0.1, kLeastNearer = 0.8;
 constexpr int kSmallestCoarsePatch = 20;  // pixels of a level; what hangs together less is not believed by the next
+constexpr int kMeasuredLevels = 3;        // the finest of the pyramid
 constexpr double kPlanePart = 0.5;        // a plane is worth taking when it leaves less than this of the range
 
 Eigen::Matrix3d calibration(const Camera& camera) {
@@ -142,13 +144,14 @@ class Matching {
     start_ = start_surface(soundings_, options_.depth_margin);
     const int coarsest = coarsest_level();
     FloatImage surface;
+    std::array<FloatImage, kMeasuredLevels> surfaces;
     for (int l = coarsest; l >= 0; --l) {
       const Level level = level_at(l);
       surface = dense::match_level(level, l == coarsest ? start_labels(level, l) : next_labels(surface, level), run_);
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
-      if (l == 0) return measured(level, std::move(surface));
+      if (l < kMeasuredLevels) surfaces[std::size_t(l)] = surface;
     }
-    return fail(Errc::kIllPosed, "the picture is too small");
+    return measured(surfaces);
   }
 
  private:
@@ -203,28 +206,44 @@ class Matching {
     return dense::labels_around(dense::median3(coarse), level.picture->width, level.picture->height, level.step, kMargin);
   }
 
-  // Correlation at full resolution and, for what has too little texture for small windows, at lower ones, where the same
-  // windows reach farther and the noise of the pixels averages out.
-  Result<DepthMap> measured(const Level& level, FloatImage surface) const {
-    dense::fill_holes(surface);
-    surface = dense::smoothed_within(dense::median3(surface), level.step);
-    dense::Refined result = dense::refine(level, surface, false, run_);
-    for (std::size_t i = 0; i < surface.data.size(); ++i)
-      if (!std::isnan(result.inverse_depth.data[i])) surface.data[i] = result.inverse_depth.data[i];
-    surface = dense::smoothed_within(surface, level.step);
-    result = dense::refine(level, surface, true, run_);
-    keep_good(level, surface, result);
-    FloatImage coarse = std::move(surface);
-    for (int l = 1; l <= kCoarserMeasurements && l < int(reference_->levels.size()); ++l) {
-      if (run_.stopped()) break;
-      coarse = cut(dense::halved(coarse), reference_->levels[std::size_t(l)]);
-      dense::Refined more = dense::refine(level_at(l), coarse, true, run_);
-      keep_good(level, coarse, more);
-      keep_textured(reference_->levels[std::size_t(l)], more.inverse_depth);
-      fill_from(more, 1 << l, result);
+  // Correlation at full resolution and, for what is too rough or has too little texture for small windows, at lower
+  // ones, where the same windows reach farther and the noise of the pixels averages out.
+  Result<DepthMap> measured(std::array<FloatImage, kMeasuredLevels>& surfaces) const {
+    const Level finest = level_at(0);
+    dense::Refined result;
+    FloatImage finer;
+    for (int l = 0; l < kMeasuredLevels && !surfaces[std::size_t(l)].empty(); ++l) {
+      const Level level = l == 0 ? finest : level_at(l);
+      FloatImage surface = std::move(surfaces[std::size_t(l)]);
+      dense::fill_holes(surface);
+      surface = dense::smoothed_within(dense::median3(surface), level.step);
+      FloatImage certainty(surface.width, surface.height, 1, kSmoothSigmaPx / finest.parallax_px * finest.step);
+      if (l > 0) prefer(cut(dense::halved(finer), *level.picture), level.step, surface, certainty);
+      dense::Refined refined = dense::refine(level, surface, false, run_);
+      for (std::size_t i = 0; i < surface.data.size(); ++i)
+        if (!std::isnan(refined.inverse_depth.data[i])) surface.data[i] = refined.inverse_depth.data[i];
+      surface = dense::smoothed_within(surface, level.step);
+      refined = dense::refine(level, surface, true, run_);
+      if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
+      keep_good(level, surface, certainty, refined);
+      if (l == 0) {
+        result = std::move(refined);
+      } else {
+        keep_textured(*level.picture, refined.inverse_depth);
+        fill_from(refined, 1 << l, result);
+      }
+      finer = std::move(surface);
     }
-    if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
-    return finished(level, result);
+    return finished(finest, result);
+  }
+
+  // Where the surface found at a finer level is a smooth one, both agree and it is the better one.
+  static void prefer(const FloatImage& finer, float step, FloatImage& surface, FloatImage& certainty) {
+    for (std::size_t i = 0; i < surface.data.size(); ++i)
+      if (std::abs(surface.data[i] - finer.data[i]) <= kAgreeing * step)
+        surface.data[i] = finer.data[i];
+      else
+        certainty.data[i] = step;
   }
 
   static FloatImage cut(const FloatImage& raster, const GreyImage& picture) {
@@ -234,19 +253,17 @@ class Matching {
   }
 
   // Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain one.
-  void keep_good(const Level& finest, const FloatImage& surface, dense::Refined& refined) const {
-    const float max_sigma = float(options_.max_sigma_px) / finest.parallax_px * finest.step;
-    const float floor = kSigmaFloorPx / finest.parallax_px * finest.step;
-    const float prior = kSmoothSigmaPx / finest.parallax_px * finest.step;
+  void keep_good(const Level& level, const FloatImage& surface, const FloatImage& certainty, dense::Refined& refined) const {
+    const float px = level.step / level.parallax_px;
     auto& w = refined.inverse_depth.data;
     for (std::size_t i = 0; i < w.size(); ++i) {
-      refined.sigma.data[i] = std::hypot(kSigmaScale * refined.sigma.data[i], floor);
-      if (!(refined.correlation.data[i] >= float(options_.min_correlation) && refined.sigma.data[i] <= max_sigma && w[i] > 0))
+      float& sigma = refined.sigma.data[i];
+      sigma = std::hypot(kSigmaScale * sigma, kSigmaFloorPx * px);
+      if (!(refined.correlation.data[i] >= float(options_.min_correlation) && sigma <= float(options_.max_sigma_px) * px && w[i] > 0))
         w[i] = std::numeric_limits<float>::quiet_NaN();
-      const float variance = refined.sigma.data[i] * refined.sigma.data[i];
-      const float part = prior * prior / (prior * prior + variance);
+      const float prior = certainty.data[i] * certainty.data[i], part = prior / (prior + sigma * sigma);
       w[i] = surface.data[i] + part * (w[i] - surface.data[i]);
-      refined.sigma.data[i] *= std::sqrt(part);
+      sigma *= std::sqrt(part);
     }
   }
 
@@ -287,7 +304,7 @@ class Matching {
   }
 
   DepthMap finished(const Level& level, dense::Refined& refined) const {
-    dense::remove_specks(refined.inverse_depth, 2 * level.step, kSmallestPatch);
+    dense::remove_specks(refined.inverse_depth, 2 * level.step, kSmallestPatch, &refined.sigma);
     DepthMap map{reference_->camera, std::move(refined.inverse_depth), std::move(refined.sigma)};
     for (std::size_t i = 0; i < map.depth.data.size(); ++i) {
       const float z = 1 / map.depth.data[i];
@@ -297,7 +314,7 @@ class Matching {
     return map;
   }
 
-  static constexpr int kCoarserMeasurements = 2;
+  static constexpr float kAgreeing = 1.5f;        // steps
   // What the formula leaves out: errors of interpolation, and that resampled pixels are not independent. From truth.
   static constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f;
   static constexpr float kSmoothSigmaPx = 0.25f;  // of the regularised surface

@@ -164,7 +164,7 @@ FloatImage smoothed_within(const FloatImage& surface, float reach) {
   return result;
 }
 
-void remove_specks(FloatImage& surface, float reach, int min_pixels) {
+void remove_specks(FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma) {
   std::vector<std::uint8_t> seen(surface.data.size(), 0);
   std::vector<std::size_t> patch;
   const auto width = std::size_t(surface.width);
@@ -175,7 +175,8 @@ void remove_specks(FloatImage& surface, float reach, int min_pixels) {
     for (std::size_t i = 0; i < patch.size(); ++i) {
       const std::size_t at = patch[i], x = at % width;
       const auto visit = [&](std::size_t next) {
-        if (seen[next] || !(std::abs(surface.data[next] - surface.data[at]) <= reach)) return;
+        const float more = sigma ? 2 * (sigma->data[at] + sigma->data[next]) : 0;
+        if (seen[next] || !(std::abs(surface.data[next] - surface.data[at]) <= reach + more)) return;
         seen[next] = 1;
         patch.push_back(next);
       };

@@ -14,8 +14,8 @@ namespace collinea {
 namespace {
 
 constexpr double kLeastSigmaFactor = 0.1, kMostSigmaFactor = 10;  // of the sigma of tie points
-constexpr double kControlMisfit = 4;  // differences at control points in sigmas that no chance explains
-constexpr int kControlRounds = 2;
+constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
+constexpr int kControlRounds = 3;
 constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
 
 struct Parts {
@@ -126,38 +126,48 @@ class Orienter {
   // Adjusts with positions and control. Control that contradicts the block, and itself, by many times its sigma cannot be as
   // good as stated: it is given the sigma it shows, and that is said.
   Result<> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
+    double taken = 1, sigma_m = 0;
     for (int round = 0;; ++round) {
       COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, run_));
       const double factor = control_misfit(tied);
-      if (factor < kControlMisfit || round == kControlRounds) return {};
-      double sigma_m = 0;
+      if (factor < kControlMisfit || round == kControlRounds) break;
+      taken *= factor;
       for (auto& [id, point] : setup_.control) {
         if (point.role == ControlRole::kCheck) continue;
         point.sigma_m *= factor;
         if (point.sigma_m.allFinite()) sigma_m = std::max(sigma_m, point.sigma_m.maxCoeff());
       }
-      result_.findings.push_back(fmt::format(
-          "control points contradict the images by {:.0f} times their stated sigma; it is taken as {:.2g} m instead. Look for wrong "
-          "points, or state the sigma they really have",
-          factor, sigma_m));
     }
+    if (taken > 1)
+      result_.findings.push_back(fmt::format("control points contradict the images by {:.1f} times their sigma; it is taken as {:.2g} m. "
+                                             "Look for wrong points, or state the sigma they really have", taken, sigma_m));
+    return {};
   }
 
-  // Root mean square of the differences at control points in sigmas; 0 with fewer than three points.
+  // The standard deviation of unit weight of control alone: its coordinates and image measurements in sigmas, over what is
+  // left of them after each point's three unknowns. 0 with fewer than three points.
   [[nodiscard]] double control_misfit(const Adjusted& adjusted) const {
     double sum = 0;
-    int axes = 0, points = 0;
+    int measured = 0;
+    std::set<ControlId> used;
     for (const ControlDifference& difference : adjusted.control) {
       if (!difference.used) continue;
-      ++points;
+      used.insert(difference.point);
       const Eigen::Vector3d& sigma_m = setup_.control.at(difference.point).sigma_m;
       for (int axis = 0; axis < 3; ++axis)
         if (std::isfinite(sigma_m[axis])) {
           sum += std::pow(difference.difference_m[axis] / sigma_m[axis], 2);
-          ++axes;
+          ++measured;
         }
     }
-    return points < 3 ? 0 : std::sqrt(sum / axes);
+    for (std::size_t i = 0; i < setup_.control_observations.size(); ++i) {
+      const ControlObservation& seen = setup_.control_observations[i];
+      if (!used.contains(seen.point) || !adjusted.control_residuals_px[i].allFinite()) continue;
+      sum += adjusted.control_residuals_px[i].squaredNorm() / (seen.sigma_px * seen.sigma_px);
+      measured += 2;
+    }
+    const int redundancy = measured - 3 * static_cast<int>(used.size());
+    return used.size() < 3 || redundancy < 3 ? 0 : std::sqrt(sum / redundancy);
   }
 
   // Brings the part into the frame of control or positions, where there are enough of them.

@@ -12,6 +12,7 @@
 #include "collinea/io/las.h"
 #include "collinea/io/ply.h"
 #include "collinea/pipeline/depth_folder.h"
+#include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
 
@@ -114,7 +115,7 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   if (auto finished = cloud.finish(); !finished) return tl::unexpected(finished.error());
   report["depth_maps"] = images.size();
   report["points"] = fused.points;
-  return StepOutput{inputs_hash, report.dump(), fmt::format("{} depth maps, {} points", images.size(), fused.points)};
+  return StepOutput{inputs_hash, json_text(report), fmt::format("{} depth maps, {} points", images.size(), fused.points)};
 }
 
 }  // namespace collinea

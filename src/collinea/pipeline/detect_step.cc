@@ -7,6 +7,7 @@
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/image/photo.h"
+#include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/reason.h"
 #include "collinea/pipeline/step.h"
 
@@ -80,7 +81,7 @@ Result<StepOutput> detect_step(Project& project, const std::string&) {
   if (usable < 2) return fail(Errc::kBadInput, "fewer than two photographs could be read");
   report["images"] = usable;
   report["features"] = total;
-  return StepOutput{output.hex(), report.dump(), fmt::format("{} features in {} images", total, usable)};
+  return StepOutput{output.hex(), json_text(report), fmt::format("{} features in {} images", total, usable)};
 }
 
 }  // namespace collinea

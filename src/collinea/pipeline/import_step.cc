@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/base/hash.h"
+#include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
 
 namespace collinea {
@@ -47,7 +48,7 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
   std::size_t positions = 0;
   for (const auto& [id, image] : imported.block.images) positions += image.position.has_value();
   const Block& block = imported.block;
-  return StepOutput{hash_of_pictures(imported), report.dump(),
+  return StepOutput{hash_of_pictures(imported), json_text(report),
                     fmt::format("{} images, {} camera{}, {} positions, {} control points{}", block.images.size(),
                                 block.cameras.size(), block.cameras.size() == 1 ? "" : "s", positions, block.control.size(),
                                 block.georeference ? ", map " + block.georeference->crs : ", no map: local gauge")};

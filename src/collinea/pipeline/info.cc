@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/info.h"
+#include "collinea/pipeline/json_text.h"
 
 #include <fmt/format.h>
 
@@ -42,7 +43,7 @@ std::string axes_text(const json& rmse) {
 
 Result<std::string> info_json(const ProjectStore& store) {
   COLLINEA_TRY(const json info, gather(store));
-  return info.dump(2) + "\n";
+  return json_text(info, 2) + "\n";
 }
 
 Result<std::string> info_text(const ProjectStore& store) {

@@ -10,6 +10,7 @@
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/pipeline/feature_cache.h"
+#include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
 
 namespace collinea {
@@ -98,7 +99,7 @@ Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) 
   }
   const nlohmann::json report = {{"pairs", pairs.size()}, {"matches", matches}, {"pairs_by_geometry", by_geometry}};
   const auto verified = pairs.size() - static_cast<std::size_t>(by_geometry["unrelated"]);
-  return StepOutput{inputs_hash, report.dump(), fmt::format("{} of {} pairs verified, {} matches", verified, pairs.size(), matches)};
+  return StepOutput{inputs_hash, json_text(report), fmt::format("{} of {} pairs verified, {} matches", verified, pairs.size(), matches)};
 }
 
 }  // namespace collinea

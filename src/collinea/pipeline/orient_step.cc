@@ -8,6 +8,7 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/pipeline/colours.h"
+#include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
 
 namespace collinea {
@@ -133,7 +134,7 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   if (auto written = project.store.write_orientation(orientation.block); !written) return tl::unexpected(written.error());
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
   const json report = report_of(orientation, setup.images.size());
-  return StepOutput{inputs_hash, report.dump(),
+  return StepOutput{inputs_hash, json_text(report),
                     fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}", orientation.block.cam_from_world.size(),
                                 setup.images.size(), orientation.block.points.size(), mean_residual_px(orientation.adjusted),
                                 orientation.gauge)};

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/image/photo.h"
+#include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
 
@@ -30,7 +31,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
                                  {"empty_cells", summary.empty_cells},
                                  {"photographs_used", summary.photographs_used},
                                  {"sources", sources}};
-  return StepOutput{inputs_hash, report.dump(),
+  return StepOutput{inputs_hash, json_text(report),
                     fmt::format("{} x {} cells of {:.3g} m from {} photographs", summary.grid.width, summary.grid.height,
                                 summary.grid.cell_m, summary.photographs_used)};
 }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "collinea/io/file.h"
+#include "collinea/pipeline/json_text.h"
 
 namespace collinea {
 namespace {
@@ -94,7 +95,7 @@ Result<> write_settings(const std::filesystem::path& project, const Settings& se
   Settings::each(settings, [&](const char*, const char* group, const auto& group_options) {
     j["options"][group] = options_to_json(group_options);
   });
-  return write_file(project / "project.json", j.dump(2) + "\n");
+  return write_file(project / "project.json", json_text(j, 2) + "\n");
 }
 
 Result<> validate_settings(const Settings& settings) {
@@ -115,7 +116,7 @@ std::string options_text(const Settings& settings, const std::string& step) {
   Settings::each(settings, [&](const char* owner, const char* group, const auto& group_options) {
     if (step == owner) j[group] = options_to_json(group_options);
   });
-  return j.dump();
+  return json_text(j);
 }
 
 }  // namespace collinea

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/io/las.h"
+#include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
 
@@ -46,7 +47,7 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
                                  {"lowest_m", summary.lowest_m},
                                  {"highest_m", summary.highest_m},
                                  {"mean_sigma_m", summary.mean_sigma_m}};
-  return StepOutput{inputs_hash, report.dump(),
+  return StepOutput{inputs_hash, json_text(report),
                     fmt::format("{} x {} cells of {:.3g} m, {:.1f} % of the seen ones interpolated", summary.grid.width,
                                 summary.grid.height, summary.grid.cell_m,
                                 seen > 0 ? 100 * double(summary.interpolated_cells) / seen : 0.0)};
