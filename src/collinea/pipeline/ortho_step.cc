@@ -5,6 +5,7 @@
 
 #include "collinea/image/photo.h"
 #include "collinea/pipeline/json_text.h"
+#include "collinea/ortho/view.h"
 #include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
 
@@ -12,7 +13,7 @@ namespace collinea {
 
 Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_block());
-  if (!seen_from_above(block))
+  if (!looks_down(block))
     return StepOutput{inputs_hash, R"({"skipped_because": "the images do not look down: no orthophoto"})",
                       "the images do not look down on the scene: no orthophoto"};
   COLLINEA_TRY(const Places places, places_of(project, block));

@@ -25,11 +25,4 @@ Result<Places> places_of(const Project& project, const Block& block) {
   return places;
 }
 
-bool seen_from_above(const Block& block) {
-  std::size_t down = 0;
-  for (const auto& [image, pose] : block.cam_from_world)
-    down += (pose.rotation.conjugate() * Eigen::Vector3d::UnitZ()).z() < -0.7;
-  return 2 * down > block.cam_from_world.size();
-}
-
 }  // namespace collinea

@@ -18,7 +18,4 @@ struct Places {
 };
 [[nodiscard]] Result<Places> places_of(const Project& project, const Block& block);
 
-/// Whether a map is a view of the scene: most cameras look down by more than 45 degrees.
-[[nodiscard]] bool seen_from_above(const Block& block);
-
 }  // namespace collinea

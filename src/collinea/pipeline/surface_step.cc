@@ -5,6 +5,7 @@
 
 #include "collinea/io/las.h"
 #include "collinea/pipeline/json_text.h"
+#include "collinea/ortho/view.h"
 #include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
 
@@ -26,7 +27,7 @@ PointSource points_of(LasReader& reader) {
 
 Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_block());
-  if (!seen_from_above(block))
+  if (!looks_down(block))
     return StepOutput{inputs_hash, R"({"skipped_because": "the images do not look down: no surface model"})",
                       "the images do not look down on the scene: no surface model"};
   COLLINEA_TRY(const Places places, places_of(project, block));

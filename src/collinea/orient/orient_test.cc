@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/orient.h"
+
+#include <gtest/gtest.h>
+
+#include "collinea/orient/test_pairs.h"
+
+namespace collinea {
+namespace {
+
+using testing::centre_rms_m;
+using testing::Matched;
+using testing::matched;
+using testing::test_block;
+
+// A pixel of these blocks covers 4 cm of ground.
+constexpr double kPixel_m = 60.0 / 1500;
+
+Block small_block(double sigma_px = 0.5, int control = 0, double position_sigma_m = 0) {
+  return test_block({.rows = 2,
+                     .columns = 4,
+                     .points = 500,
+                     .sigma_px = sigma_px,
+                     .position_sigma_m = position_sigma_m,
+                     .control = control,
+                     .seed = 3});
+}
+
+Matched on_the_map(const Block& block) {
+  Matched result = matched(block);
+  result.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  return result;
+}
+
+Result<Orientation> orient(const Matched& input, const Run& run = {}) {
+  return orient(input.setup, input.pairs, input.source(), {}, run);
+}
+
+bool mentions(const std::vector<std::string>& texts, const std::string& part) {
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return text.find(part) != std::string::npos; });
+}
+
+TEST(Orient, ExactMatchesGiveTheExactBlock) {
+  const Matched input = matched(small_block(0));
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->block.cam_from_world.size(), 8u);
+  EXPECT_TRUE(found->alone.empty());
+  EXPECT_TRUE(found->other_parts.empty());
+  // Keypoints are stored as floats: rounding at pixel 2000 is 6e-5 px.
+  EXPECT_LT(centre_rms_m(found->block, input.truth, true), 0.002 * kPixel_m);
+  const Camera &camera = found->block.cameras.begin()->second, &exact = input.truth.cameras.begin()->second;
+  EXPECT_NEAR(camera.focal_px(), exact.focal_px(), 0.01);
+  EXPECT_NEAR(camera.params[Camera::kK1], exact.params[Camera::kK1], 1e-5);
+}
+
+TEST(Orient, NoiseOfHalfAPixelMovesCentresByAboutAPixel) {
+  const Matched input = matched(small_block());
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->block.cam_from_world.size(), 8u);
+  EXPECT_LT(centre_rms_m(found->block, input.truth, true), 2 * kPixel_m);
+  EXPECT_NEAR(found->adjusted.sigma0, 1, 0.1);  // sigma_px of the options is the noise
+  EXPECT_GT(found->block.points.size(), 400u);
+}
+
+TEST(Orient, ObservationsOfTheResultAreSortedAndBelongToPointsAndPoses) {
+  const auto found = orient(matched(small_block()));
+  ASSERT_TRUE(found) << found.error().message;
+  const Block& block = found->block;
+  for (std::size_t i = 0; i < block.observations.size(); ++i) {
+    const Observation& seen = block.observations[i];
+    ASSERT_TRUE(block.points.contains(seen.point));
+    ASSERT_TRUE(block.cam_from_world.contains(seen.image));
+    if (i == 0) continue;
+    const Observation& before = block.observations[i - 1];
+    ASSERT_TRUE(std::pair(before.point, before.image) < std::pair(seen.point, seen.image));
+  }
+  EXPECT_EQ(found->adjusted.residuals_px.size(), block.observations.size());
+}
+
+TEST(Orient, WrongMatchesAreLeftOut) {
+  Matched input = matched(small_block());
+  Random random(5);
+  for (ImagePair& pair : input.pairs)
+    for (Match& match : pair.matches)
+      if (random.uniform() < 0.08)
+        match.second = random.below(static_cast<std::uint32_t>(input.keypoints.at(pair.second).size()));
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->block.cam_from_world.size(), 8u);
+  EXPECT_LT(centre_rms_m(found->block, input.truth, true), 2 * kPixel_m);
+  for (const Eigen::Vector2d& residual : found->adjusted.residuals_px) EXPECT_LT(residual.norm(), 3.5);
+}
+
+TEST(Orient, TheLargestOfTwoPartsIsKeptAndTheOtherIsNamed) {
+  const Block large = small_block();
+  const Block small = test_block({.rows = 1, .columns = 4, .points = 200, .sigma_px = 0.5, .seed = 7});
+  const auto found = orient(matched(testing::side_by_side(large, small)));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->block.cam_from_world.size(), 8u);
+  ASSERT_EQ(found->other_parts.size(), 1u);
+  EXPECT_EQ(found->other_parts[0].size(), 4u);
+  for (const ImageId image : found->other_parts[0]) EXPECT_GE(image.value, 1000u);
+  EXPECT_TRUE(found->alone.empty());
+  EXPECT_TRUE(mentions(found->findings, "4 images hang together but not with the block"));
+}
+
+TEST(Orient, AnImageThatMatchesNothingIsNamed) {
+  Matched input = matched(small_block());
+  input.setup.images[ImageId{77}] = {"stranger.jpg", input.setup.images.begin()->second.camera, "", {}, {}, 1};
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->alone, std::vector{ImageId{77}});
+  EXPECT_TRUE(mentions(found->findings, "stranger.jpg"));
+}
+
+TEST(Orient, PositionsBringTheBlockToTheMap) {
+  const Matched input = on_the_map(small_block(0.5, 0, 0.3));
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->georeferenced);
+  EXPECT_NE(found->gauge.find("8 image positions"), std::string::npos) << found->gauge;
+  EXPECT_LT(centre_rms_m(found->block, input.truth, false), 3 * 0.3);
+  EXPECT_NEAR(found->gsd_m, kPixel_m, 0.15 * kPixel_m);
+}
+
+TEST(Orient, ControlDecidesAgainstPositionsThatAreFarOff) {
+  Matched input = on_the_map(small_block(0.5, 9, 0.3));
+  for (auto& [id, image] : input.setup.images) image.position->position_in_world.z() += 40;  // another height system
+  for (auto& [id, image] : input.setup.images) image.position->sigma_m.setConstant(3);
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->georeferenced);
+  EXPECT_NE(found->gauge.find("control"), std::string::npos) << found->gauge;
+  EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
+}
+
+TEST(Orient, CheckPointsAreComparedButDoNotTakePart) {
+  const Matched input = on_the_map(small_block(0.5, 9));
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  int used = 0, compared = 0;
+  for (const ControlDifference& control : found->adjusted.control) ++(control.used ? used : compared);
+  EXPECT_EQ(used, 6);
+  EXPECT_EQ(compared, 3);
+  for (const ControlDifference& control : found->adjusted.control)
+    EXPECT_LT(control.difference_m.norm(), 5 * kPixel_m) << input.setup.control.at(control.point).name;
+}
+
+TEST(Orient, AWronglySurveyedPointIsNamedAndNotUsed) {
+  Matched input = on_the_map(small_block(0.5, 9));
+  const ControlId wrong{4};
+  ASSERT_EQ(input.setup.control.at(wrong).role, ControlRole::kControl);
+  input.setup.control.at(wrong).position_in_world.x() += 2;
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->excluded_control, std::set{wrong});
+  EXPECT_TRUE(mentions(found->findings, "gcp4"));
+  EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
+}
+
+TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {
+  const Matched input = matched(small_block());
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_FALSE(found->georeferenced);
+  EXPECT_NE(found->gauge.find("local gauge"), std::string::npos) << found->gauge;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& [image, pose] : found->block.cam_from_world) middle += centre_of(pose) / 8;
+  EXPECT_LT(middle.norm(), 0.1);
+}
+
+TEST(Orient, TwoPositionsDoNotFixThePlaceAndThisIsSaid) {
+  Matched input = on_the_map(small_block(0.5, 0, 0.3));
+  int kept = 0;
+  for (auto& [id, image] : input.setup.images)
+    if (++kept > 2) image.position.reset();
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_FALSE(found->georeferenced);
+  EXPECT_TRUE(mentions(found->findings, "do not fix the place"));
+}
+
+TEST(Orient, NoPairsAreAnErrorInWords) {
+  Matched input = matched(small_block());
+  input.pairs.clear();
+  const auto found = orient(input);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, Errc::kIllPosed);
+  EXPECT_NE(found.error().message.find("overlapping"), std::string::npos) << found.error().message;
+}
+
+TEST(Orient, PicturesOfARotationAloneAreAnErrorInWords) {
+  Matched input = matched(small_block());
+  for (ImagePair& pair : input.pairs) {
+    pair.geometry = PairGeometry::kRotation;
+    pair.median_parallax_rad = 0;
+  }
+  const auto found = orient(input);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, Errc::kIllPosed);
+  EXPECT_NE(found.error().message.find("different places"), std::string::npos) << found.error().message;
+}
+
+TEST(Orient, ItStopsWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  const auto found = orient(matched(small_block()), {.stop = stop.get_token()});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, Errc::kCancelled);
+}
+
+TEST(Orient, AFailureToReadKeypointsIsHandedOn) {
+  const Matched input = matched(small_block());
+  const KeypointSource broken = [](ImageId) -> Result<std::vector<Keypoint>> { return fail(Errc::kBadFormat, "torn page"); };
+  const auto found = orient(input.setup, input.pairs, broken, {}, {});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, Errc::kBadFormat);
+}
+
+TEST(Orient, TheNumberOfThreadsDoesNotChangeABit) {
+  const Matched input = on_the_map(small_block(0.5, 9, 0.3));
+  const auto one = orient(input, {.threads = 1}), three = orient(input, {.threads = 3});
+  ASSERT_TRUE(one && three);
+  ASSERT_EQ(one->block.cam_from_world.size(), three->block.cam_from_world.size());
+  for (const auto& [image, pose] : one->block.cam_from_world) {
+    EXPECT_EQ(pose.rotation.coeffs(), three->block.cam_from_world.at(image).rotation.coeffs());
+    EXPECT_EQ(pose.translation, three->block.cam_from_world.at(image).translation);
+  }
+  ASSERT_EQ(one->block.points.size(), three->block.points.size());
+  for (const auto& [id, point] : one->block.points)
+    EXPECT_EQ(point.position_in_world, three->block.points.at(id).position_in_world);
+  EXPECT_EQ(one->block.cameras.begin()->second.params, three->block.cameras.begin()->second.params);
+  EXPECT_EQ(one->adjusted.sigma0, three->adjusted.sigma0);
+}
+
+}  // namespace
+}  // namespace collinea

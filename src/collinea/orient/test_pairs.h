@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What matching would hand over for a block with known truth, for the tests of this module only.
+
+#include <map>
+#include <vector>
+
+#include "collinea/adjust/test_block.h"
+#include "collinea/orient/orient.h"
+
+namespace collinea::testing {
+
+/// The input of orient() made from a block, and the block.
+struct Matched {
+  Block truth;
+  Block setup;  ///< cameras as EXIF would give them, no poses, no points
+  std::vector<ImagePair> pairs;
+  std::map<ImageId, std::vector<Keypoint>> keypoints;
+
+  [[nodiscard]] KeypointSource source() const {
+    return [this](ImageId image) -> Result<std::vector<Keypoint>> { return keypoints.at(image); };
+  }
+};
+
+inline Keypoint keypoint_at(const Eigen::Vector2d& pixel) {
+  return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), 2, 0, 1};
+}
+
+/// Pairs of all images that share at least 20 points, with the true relative orientation.
+inline Matched matched(const Block& truth) {
+  Matched result{truth, truth, {}, {}};
+  result.setup.cam_from_world.clear();
+  result.setup.points.clear();
+  result.setup.observations.clear();
+  for (auto& [id, camera] : result.setup.cameras) {
+    const std::string name = camera.name;
+    camera = ideal_camera(1.02 * camera.focal_px(), camera.width_px, camera.height_px);
+    camera.sigma_f_px = 0.05 * camera.focal_px();
+    camera.name = name;
+  }
+  std::map<std::pair<ImageId, ImageId>, std::vector<Match>> matches;
+  std::vector<std::pair<ImageId, std::uint32_t>> of_point;
+  PointId last;
+  for (const Observation& seen : truth.observations) {  // sorted by point
+    if (seen.point != last) of_point.clear();
+    last = seen.point;
+    auto& keypoints = result.keypoints[seen.image];
+    const auto feature = static_cast<std::uint32_t>(keypoints.size());
+    keypoints.push_back(keypoint_at(seen.pixel));
+    for (const auto& [image, other] : of_point) matches[{image, seen.image}].emplace_back(other, feature);
+    of_point.emplace_back(seen.image, feature);
+  }
+  for (auto& [ids, list] : matches) {
+    if (list.size() < 20) continue;
+    ImagePair pair{ids.first, ids.second};
+    pair.geometry = PairGeometry::kGeneral;
+    pair.putative = static_cast<int>(list.size());
+    pair.matches = std::move(list);
+    pair.second_from_first = truth.cam_from_world.at(ids.second) * inverse(truth.cam_from_world.at(ids.first));
+    pair.median_parallax_rad = 0.2;
+    pair.second_from_first.translation.normalize();
+    result.pairs.push_back(std::move(pair));
+  }
+  return result;
+}
+
+/// Two blocks without anything in common, as one.
+inline Block side_by_side(Block first, const Block& second) {
+  constexpr std::uint32_t kShift = 1000;
+  for (const auto& [id, image] : second.images) first.images[ImageId{id.value + kShift}] = image;
+  for (const auto& [id, pose] : second.cam_from_world) first.cam_from_world[ImageId{id.value + kShift}] = pose;
+  for (const auto& [id, point] : second.points) first.points[PointId{id.value + 10 * kShift}] = point;
+  for (Observation seen : second.observations) {
+    seen.image.value += kShift;
+    seen.point.value += 10 * kShift;
+    first.observations.push_back(seen);
+  }
+  return first;
+}
+
+/// Root mean square distance of the projection centres from the truth [m]; in place, or after the similarity that fits best.
+inline double centre_rms_m(const Block& block, const Block& truth, bool aligned) {
+  std::vector<Eigen::Vector3d> found, exact;
+  for (const auto& [image, pose] : block.cam_from_world) {
+    found.push_back(centre_of(pose));
+    exact.push_back(centre_of(truth.cam_from_world.at(image)));
+  }
+  const Similarity3 truth_from_block = aligned ? align(found, exact).value() : Similarity3{};
+  double sum = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) sum += (truth_from_block * found[i] - exact[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(found.size()));
+}
+
+}  // namespace collinea::testing
