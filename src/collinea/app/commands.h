@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "collinea/app/flags.h"
 
 namespace collinea {
@@ -16,5 +19,8 @@ Command info_command();
 Command export_command();
 Command simulate_command();
 Command assess_command();
+
+/// All of them, in the order of the help.
+std::vector<Command> all_commands();
 
 }  // namespace collinea

@@ -17,7 +17,7 @@ constexpr int kPad = 16;                    // elements readable before and afte
 constexpr int kSmall = 10, kSmallMore = 45;  // the second where there is no texture
 constexpr int kTexture = 8;                  // sum of two gradients that halves it [grey values]
 constexpr double kLarge = 100, kLargeLeast = 30;
-constexpr double kGreyScale = 12;            // a step of that many grey values halves the penalty of a large change
+constexpr double kGreyScale = 12;  // a step of that many grey values halves the penalty of a large change
 
 // Mean over 7 x 7, cut at the border.
 GreyImage window_mean(const GreyImage& picture) {
@@ -143,8 +143,8 @@ class Sweep {
         leaving[count++] = now_[d + 1].costs.data() + place(x);
       }
       std::uint16_t smallest[4];
-      step_paths(volume_.costs.data() + pixel, cell.stride, arriving, count, smoothness_.small.at(x, y), leaving, smallest,
-                 sums_.data() + pixel);
+      step_paths(volume_.costs.data() + pixel, cell.stride, arriving, count, smoothness_.small.at(x, y), leaving,
+                 smallest, sums_.data() + pixel);
       along_smallest = smallest[0];
       for (int d = 0; d < 3; ++d) now_[d].smallest[std::size_t(x - x0_)] = smallest[d + 1];
       turn = 1 - turn;
@@ -205,13 +205,15 @@ Smoothness smoothness_for(const GreyImage& picture) {
     const std::uint8_t* below = picture.row(std::min(y + 1, picture.height - 1));
     for (int x = 0; x < picture.width; ++x) {
       const int right = here[std::min(x + 1, picture.width - 1)];
-      s.small.at(x, y) = std::uint8_t(std::min(std::abs(int(here[x]) - right) + std::abs(int(here[x]) - below[x]), 255));
+      s.small.at(x, y) =
+          std::uint8_t(std::min(std::abs(int(here[x]) - right) + std::abs(int(here[x]) - below[x]), 255));
     }
   }
   s.small = window_mean(s.small);
   for (auto& value : s.small.data) value = std::uint8_t(kSmall + kSmallMore * kTexture / (kTexture + int(value)));
   for (int difference = 0; difference < 256; ++difference)
-    s.large[std::size_t(difference)] = std::uint16_t(std::max<double>(kLargeLeast, kLarge / (1 + difference / kGreyScale)));
+    s.large[std::size_t(difference)] =
+        std::uint16_t(std::max<double>(kLargeLeast, kLarge / (1 + difference / kGreyScale)));
   return s;
 }
 

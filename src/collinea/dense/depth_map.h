@@ -47,14 +47,16 @@ struct DenseOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = DenseOptions;
-    visit(Field{"resolution", &O::resolution, "",
-                "full, half or quarter of the photographs' size; nothing: the largest with at most 3.2 million pixels"});
+    visit(
+        Field{"resolution", &O::resolution, "",
+              "full, half or quarter of the photographs' size; nothing: the largest with at most 3.2 million pixels"});
     visit(Field{"neighbours", &O::neighbours, "1", "images each image is matched with", 1, 8});
     visit(Field{"depth_margin", &O::depth_margin, "1",
                 "how far the search reaches beyond the tie points, as a part of their range of inverse depths", 0, 10});
     visit(Field{"min_correlation", &O::min_correlation, "1", "smallest correlation of an accepted match", -1, 1});
     visit(Field{"max_sigma_px", &O::max_sigma_px, "px",
-                "largest standard deviation of the parallax of an accepted match; less texture is left empty", 0.01, 10});
+                "largest standard deviation of the parallax of an accepted match; less texture is left empty", 0.01,
+                10});
     visit(Field{"min_images", &O::min_images, "1",
                 "images that must agree on a point; fewer, but two, where fewer look at it", 2, 20});
     visit(Field{"max_reprojection_px", &O::max_reprojection_px, "px",

@@ -38,7 +38,7 @@ struct Other {
   ImageId image;
   std::shared_ptr<const DepthMap> map;
   Pinhole pinhole;
-  Matrix3 rotation;      // other_cam_from_reference_cam
+  Matrix3 rotation;  // other_cam_from_reference_cam
   Vector3 translation;
 };
 
@@ -103,8 +103,14 @@ class Fusion {
  public:
   Fusion(const Block& block, const TieView& ties, std::span<const ImageId> images, DepthStore& store,
          const ColourSource& colours, const PointSink& sink, const DenseOptions& options, const Run& run)
-      : block_(block), ties_(ties), images_(images.begin(), images.end()), colours_(colours), sink_(sink),
-        options_(options), run_(run), cache_(store, std::size_t(options.memory_mb * 1e6)) {}
+      : block_(block),
+        ties_(ties),
+        images_(images.begin(), images.end()),
+        colours_(colours),
+        sink_(sink),
+        options_(options),
+        run_(run),
+        cache_(store, std::size_t(options.memory_mb * 1e6)) {}
 
   Result<FuseReport> all() {
     std::size_t done = 0;
@@ -190,7 +196,8 @@ class Fusion {
       const double u = other.pinhole.f * there.x() / there.z() + other.pinhole.cx;
       const double v = other.pinhole.f * there.y() / there.z() + other.pinhole.cy;
       if (!(u >= 0 && v >= 0 && u < other.map->depth.width && v < other.map->depth.height)) continue;
-      looking += u > kFramePx && v > kFramePx && u < other.map->depth.width - kFramePx && v < other.map->depth.height - kFramePx;
+      looking += u > kFramePx && v > kFramePx && u < other.map->depth.width - kFramePx &&
+                 v < other.map->depth.height - kFramePx;
       const auto reading = reading_at(*other.map, u, v);
       if (!reading) continue;
       const double off = there.z() - reading->depth;
@@ -226,12 +233,14 @@ class Fusion {
     return along < -kSmallestCosine * ray.norm() ? normal->dot(point) / along : point.z();
   }
 
-  void mark_around(std::size_t other, double u, double v, double depth, double tolerance, std::vector<Mark>& marks) const {
+  void mark_around(std::size_t other, double u, double v, double depth, double tolerance,
+                   std::vector<Mark>& marks) const {
     const DepthMap& map = *others_[other].map;
     const int x0 = int(std::floor(u - 0.5)), y0 = int(std::floor(v - 0.5));
     for (int j = std::max(y0, 0); j <= std::min(y0 + 1, map.depth.height - 1); ++j)
       for (int i = std::max(x0, 0); i <= std::min(x0 + 1, map.depth.width - 1); ++i)
-        if (std::hypot(i + 0.5 - u, j + 0.5 - v) <= kSamePlacePx && std::abs(double(map.depth.at(i, j)) - depth) <= tolerance)
+        if (std::hypot(i + 0.5 - u, j + 0.5 - v) <= kSamePlacePx &&
+            std::abs(double(map.depth.at(i, j)) - depth) <= tolerance)
           marks.push_back({std::uint32_t(other), std::uint32_t(j * map.depth.width + i)});
   }
 
@@ -287,7 +296,8 @@ class Fusion {
 }  // namespace
 
 Result<FuseReport> fuse(const Block& block, const TieView& ties, std::span<const ImageId> images, DepthStore& store,
-                        const ColourSource& colours, const PointSink& sink, const DenseOptions& options, const Run& run) {
+                        const ColourSource& colours, const PointSink& sink, const DenseOptions& options,
+                        const Run& run) {
   if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
   for (const ImageId image : images)
     if (!block.cam_from_world.count(image))

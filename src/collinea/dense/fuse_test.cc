@@ -157,7 +157,8 @@ TEST(Fuse, SmallMemoryChangesNothingWhenFewMapsOverlap) {
   for (const double x : {0.0, 3.0, 6.0}) scene.add_camera(x, 0, 0, Scene::camera());
   scene.add_ties();
   MemoryStore store = true_maps(scene, 0.01f, 0);
-  const std::size_t much = fused(scene, store).points.size(), little = fused(scene, store, {.memory_mb = 50}).points.size();
+  const std::size_t much = fused(scene, store).points.size(),
+                    little = fused(scene, store, {.memory_mb = 50}).points.size();
   EXPECT_EQ(much, little);
 }
 

@@ -79,7 +79,8 @@ TEST(Census, CountsPairsThatChangeTheirOrder) {
         for (int dx = -kRadius; dx <= kRadius; ++dx) {
           const int off = dy * kRegionWidth + dx;
           // equal values do not rise, whichever comes first: count each pair in the order the kernel has
-          if (dy < 0 || (dy == 0 && dx < 0)) twice += (a[centre + off] < a[centre - off]) != (b[centre + off] < b[centre - off]);
+          if (dy < 0 || (dy == 0 && dx < 0))
+            twice += (a[centre + off] < a[centre - off]) != (b[centre + off] < b[centre - off]);
         }
       EXPECT_EQ(int(distance[y * kCell + x]), twice);
     }
@@ -138,7 +139,8 @@ std::vector<int> plain_sums(const std::vector<int>& costs, int width, int height
       std::vector<int> path(costs);
       for (int j = 0; j < height; ++j)
         for (int i = 0; i < width; ++i) {
-          const int y = dy < 0 || (dy == 0 && dx < 0) ? height - 1 - j : j, x = dy < 0 || (dy == 0 && dx < 0) ? width - 1 - i : i;
+          const int y = dy < 0 || (dy == 0 && dx < 0) ? height - 1 - j : j,
+                    x = dy < 0 || (dy == 0 && dx < 0) ? width - 1 - i : i;
           const int px = x - dx, py = y - dy;
           int* here = path.data() + (y * width + x) * labels;
           if (px >= 0 && py >= 0 && px < width && py < height) {
@@ -177,8 +179,8 @@ TEST(Aggregate, EqualsThePlainRecursionAlsoAcrossCells) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int k = 0; k < count; ++k)
-        volume.costs[place(x, y) + std::size_t(k)] = std::uint8_t(
-            costs[std::size_t((y * width + x) * count + k)] = int(random.below(140)));
+        volume.costs[place(x, y) + std::size_t(k)] =
+            std::uint8_t(costs[std::size_t((y * width + x) * count + k)] = int(random.below(140)));
   const GreyImage flat(width, height, 1, 100);
   const auto sums = aggregate(labels, volume, flat, uniform_smoothness(width, height, 8, 60), [] { return false; });
   const auto truth = plain_sums(costs, width, height, count, 8, 60);

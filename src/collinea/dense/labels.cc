@@ -62,8 +62,10 @@ struct Footprint {
 
 Footprint footprint(const Cell& cell, const FloatImage& coarse) {
   constexpr int kAround = 2;  // coarse pixels: edges of objects may have been found that far off
-  return {std::clamp(cell.left / 2 - kAround, 0, coarse.width - 1), std::clamp(cell.top / 2 - kAround, 0, coarse.height - 1),
-          std::min((cell.left + kCell) / 2 + kAround, coarse.width), std::min((cell.top + kCell) / 2 + kAround, coarse.height)};
+  return {std::clamp(cell.left / 2 - kAround, 0, coarse.width - 1),
+          std::clamp(cell.top / 2 - kAround, 0, coarse.height - 1),
+          std::min((cell.left + kCell) / 2 + kAround, coarse.width),
+          std::min((cell.top + kCell) / 2 + kAround, coarse.height)};
 }
 
 bool is_broken(const FloatImage& coarse, const Footprint& at, float step) {

@@ -20,8 +20,8 @@ struct View {
 struct Level {
   const GreyImage* picture = nullptr;
   std::vector<View> views;
-  float step = 0;             ///< inverse depth per label
-  float parallax_px = 1;      ///< of one label, in the neighbours that see most of it
+  float step = 0;         ///< inverse depth per label
+  float parallax_px = 1;  ///< of one label, in the neighbours that see most of it
 };
 
 /// A cell of the reference picture and the views that may show it, ready for comparison. Large: keep one per thread.
@@ -35,9 +35,10 @@ struct CellScene {
 /// Fills in the views that can see the cell somewhere between `low` and `high` beyond scene.inverse_depth.
 void place_views(const Level& level, float low, float high, CellScene& scene);
 
-/// Multi-view matching of the whole picture: census costs (Zabih and Woodfill 1994, opposite pixels compared), the better
-/// half of the views (Kang et al. 2001), semi-global aggregation in tiles, best label. Inverse depth per pixel; NaN where
-/// the picture is empty; everything else gets a value, right or wrong. Result is not to be used when run.stopped().
+/// Multi-view matching of the whole picture: census costs (Zabih and Woodfill 1994, opposite pixels compared), the
+/// better half of the views (Kang et al. 2001), semi-global aggregation in tiles, best label. Inverse depth per pixel;
+/// NaN where the picture is empty; everything else gets a value, right or wrong. Result is not to be used when
+/// run.stopped().
 [[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, const Run& run);
 
 /// The surface measured again, pixel by pixel, by correlation of windows that follow it (7 x 7).

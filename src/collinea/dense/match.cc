@@ -17,8 +17,8 @@ using dense::Level;
 
 constexpr std::size_t kFewestTiePoints = 8;
 constexpr float kParallaxOfLabelPx = 0.8f;
-constexpr int kMargin = 3;                // labels searched beyond the coarse surface
-constexpr double kCoarsestLabels = 100;   // the coarsest level is the first with no more than these
+constexpr int kMargin = 3;               // labels searched beyond the coarse surface
+constexpr double kCoarsestLabels = 100;  // the coarsest level is the first with no more than these
 // Searched beyond the tie points at least, as parts of the inverse depth: trees and masts seldom have tie points.
 constexpr double kLeastFarther = 0.1, kLeastNearer = 0.8;
 constexpr int kSmallestCoarsePatch = 20;  // pixels of a level; what hangs together less is not believed by the next
@@ -203,7 +203,8 @@ class Matching {
   static Labels next_labels(FloatImage coarse, const Level& level) {
     dense::remove_specks(coarse, 3 * level.step, kSmallestCoarsePatch);  // a coarse label is two fine ones
     dense::fill_holes(coarse);
-    return dense::labels_around(dense::median3(coarse), level.picture->width, level.picture->height, level.step, kMargin);
+    return dense::labels_around(dense::median3(coarse), level.picture->width, level.picture->height, level.step,
+                                kMargin);
   }
 
   // Correlation at full resolution and, for what is too rough or has too little texture for small windows, at lower
@@ -211,7 +212,7 @@ class Matching {
   Result<DepthMap> measured(std::array<FloatImage, kMeasuredLevels>& surfaces) const {
     const Level finest = level_at(0);
     dense::Refined result;
-    FloatImage finer;
+    FloatImage finer, finest_surface;
     for (int l = 0; l < kMeasuredLevels && !surfaces[std::size_t(l)].empty(); ++l) {
       const Level level = l == 0 ? finest : level_at(l);
       FloatImage surface = std::move(surfaces[std::size_t(l)]);
@@ -230,9 +231,10 @@ class Matching {
         result = std::move(refined);
       } else {
         keep_textured(*level.picture, refined.inverse_depth);
-        fill_from(refined, 1 << l, result);
+        fill_from(refined, 1 << l, finest_surface, kAgreeing * level.step, result);
       }
       finer = std::move(surface);
+      if (l == 0) finest_surface = finer;
     }
     return finished(finest, result);
   }
@@ -252,18 +254,20 @@ class Matching {
     return result;
   }
 
-  // Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain one.
-  void keep_good(const Level& level, const FloatImage& surface, const FloatImage& certainty, dense::Refined& refined) const {
+  // Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain
+  // one; sigma is not made smaller by that, because both come from the same pictures.
+  void keep_good(const Level& level, const FloatImage& surface, const FloatImage& certainty,
+                 dense::Refined& refined) const {
     const float px = level.step / level.parallax_px;
     auto& w = refined.inverse_depth.data;
     for (std::size_t i = 0; i < w.size(); ++i) {
       float& sigma = refined.sigma.data[i];
       sigma = std::hypot(kSigmaScale * sigma, kSigmaFloorPx * px);
-      if (!(refined.correlation.data[i] >= float(options_.min_correlation) && sigma <= float(options_.max_sigma_px) * px && w[i] > 0))
+      if (!(refined.correlation.data[i] >= float(options_.min_correlation) &&
+            sigma <= float(options_.max_sigma_px) * px && w[i] > 0))
         w[i] = std::numeric_limits<float>::quiet_NaN();
       const float prior = certainty.data[i] * certainty.data[i], part = prior / (prior + sigma * sigma);
       w[i] = surface.data[i] + part * (w[i] - surface.data[i]);
-      sigma *= std::sqrt(part);
     }
   }
 
@@ -286,8 +290,10 @@ class Matching {
           surface.at(x, y) = std::numeric_limits<float>::quiet_NaN();
   }
 
-  // Takes over what four pixels of a coarser measurement say in unison, where it is much better than what there is.
-  static void fill_from(const dense::Refined& coarse, int factor, dense::Refined& result) {
+  // Takes over what four pixels of a coarser measurement say in unison, where it is much better than what there is. It
+  // may not be far from the surface found at full resolution: wide windows reach across the edges of roofs.
+  static void fill_from(const dense::Refined& coarse, int factor, const FloatImage& surface, float reach,
+                        dense::Refined& result) {
     const FloatImage& w = coarse.inverse_depth;
     for (int y = 0; y < result.inverse_depth.height; ++y)
       for (int x = 0; x < result.inverse_depth.width; ++x) {
@@ -298,6 +304,7 @@ class Matching {
         const auto [low, high] = std::minmax({w.at(i, j), w.at(i + 1, j), w.at(i, j + 1), w.at(i + 1, j + 1)});
         const float value = bilinear(w, u, v), sigma = bilinear(coarse.sigma, u, v);
         if (!(high - low <= kUnison * sigma) || !(empty || sigma < kMuchBetter * result.sigma.at(x, y))) continue;
+        if (!(std::abs(value - surface.at(x, y)) <= reach)) continue;
         result.inverse_depth.at(x, y) = value;
         result.sigma.at(x, y) = sigma;
       }
@@ -314,12 +321,12 @@ class Matching {
     return map;
   }
 
-  static constexpr float kAgreeing = 1.5f;        // steps
+  static constexpr float kAgreeing = 1.5f;  // steps
   // What the formula leaves out: errors of interpolation, and that resampled pixels are not independent. From truth.
   static constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f;
   static constexpr float kSmoothSigmaPx = 0.25f;  // of the regularised surface
-  static constexpr float kLeastInside = 0.15f;  // of the variance of a window, in its middle 3 x 3 pixels
-  static constexpr float kUnison = 8;         // sigmas
+  static constexpr float kLeastInside = 0.15f;    // of the variance of a window, in its middle 3 x 3 pixels
+  static constexpr float kUnison = 8;             // sigmas
   static constexpr float kMuchBetter = 0.6f;
   static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;
@@ -335,9 +342,11 @@ class Matching {
 Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
                            const DenseOptions& options, const Run& run) {
   if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
-  if (!block.cam_from_world.count(image)) return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
+  if (!block.cam_from_world.count(image))
+    return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
   Matching matching(options, run);
-  if (auto ready = matching.prepare(block, image, ties, pictures); !ready) return tl::unexpected(std::move(ready).error());
+  if (auto ready = matching.prepare(block, image, ties, pictures); !ready)
+    return tl::unexpected(std::move(ready).error());
   return matching.run();
 }
 

@@ -153,7 +153,8 @@ void CensusDistance(const std::int8_t* region, const std::uint8_t* planes, std::
 void Add(const std::uint8_t* distance, Smallest& s) {
   for (int i = 0; i < kCellPixels; i += int(hn::Lanes(u8))) {
     const auto value = hn::Load(u8, distance + i);
-    const auto first = hn::Load(u8, s.first + i), second = hn::Load(u8, s.second + i), third = hn::Load(u8, s.third + i);
+    const auto first = hn::Load(u8, s.first + i), second = hn::Load(u8, s.second + i),
+               third = hn::Load(u8, s.third + i);
     const auto after_first = hn::Max(first, value);
     const auto after_second = hn::Max(second, after_first);
     hn::Store(hn::Min(first, value), u8, s.first + i);
@@ -166,7 +167,8 @@ void Add(const std::uint8_t* distance, Smallest& s) {
 
 void Cost(const Smallest& s, std::uint8_t* out) {
   for (int i = 0; i < kCellPixels; i += int(hn::Lanes(u8))) {
-    const auto first = hn::Load(u8, s.first + i), second = hn::Load(u8, s.second + i), third = hn::Load(u8, s.third + i);
+    const auto first = hn::Load(u8, s.first + i), second = hn::Load(u8, s.second + i),
+               third = hn::Load(u8, s.third + i);
     const auto count = hn::Load(u8, s.count + i);
     const auto twice = [](auto v) { return hn::SaturatedAdd(v, v); };
     const auto one = twice(hn::SaturatedAdd(twice(first), first));
@@ -202,11 +204,17 @@ HWY_INLINE void window_sums(Product&& product, float* sums) {
 }
 
 constexpr float kWindowPixels = float((2 * kRadius + 1) * (2 * kRadius + 1));
-constexpr float kFlat = 0.02f * kWindowPixels;  // sum of squares below which a window is without texture [grey values^2]
+constexpr float kFlat =
+    0.02f * kWindowPixels;  // sum of squares below which a window is without texture [grey values^2]
 
 void WindowStatisticsOf(const float* region, WindowStatistics& s) {
   window_sums([&](auto n, int i) { return hn::LoadU(n, region + i); }, s.mean);
-  window_sums([&](auto n, int i) { const auto v = hn::LoadU(n, region + i); return hn::Mul(v, v); }, s.inverse_deviation);
+  window_sums(
+      [&](auto n, int i) {
+        const auto v = hn::LoadU(n, region + i);
+        return hn::Mul(v, v);
+      },
+      s.inverse_deviation);
   const auto part = hn::Set(f, 1 / kWindowPixels);
   for (int i = 0; i < kCellPixels; i += int(hn::Lanes(f))) {
     const VF sum = hn::Load(f, s.mean + i), mean = hn::Mul(sum, part);
@@ -225,7 +233,8 @@ void Correlate(const float* reference, const WindowStatistics& of_reference, con
   for (int i = 0; i < kCellPixels; i += int(hn::Lanes(f))) {
     const VF means = hn::Mul(hn::Load(f, of_reference.mean + i), hn::Load(f, of_other.mean + i));
     const VF covariance = hn::Sub(hn::Load(f, products + i), hn::Mul(means, hn::Set(f, kWindowPixels)));
-    const VF scale = hn::Mul(hn::Load(f, of_reference.inverse_deviation + i), hn::Load(f, of_other.inverse_deviation + i));
+    const VF scale =
+        hn::Mul(hn::Load(f, of_reference.inverse_deviation + i), hn::Load(f, of_other.inverse_deviation + i));
     hn::Store(hn::Mul(covariance, scale), f, correlation + i);
   }
 }

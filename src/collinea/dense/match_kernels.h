@@ -8,7 +8,8 @@
 #include "collinea/image/raster.h"
 
 // The inner loops of matching: a cell of kCell x kCell pixels of the reference picture is compared with one other
-// picture at a time. A region is the cell with kRadius pixels around it, rows of kRegionWidth (its last columns are idle).
+// picture at a time. A region is the cell with kRadius pixels around it, rows of kRegionWidth (its last columns are
+// idle).
 namespace collinea::dense {
 
 inline constexpr int kCell = 32;
@@ -19,8 +20,8 @@ inline constexpr int kRegionHeight = kCell + 2 * kRadius;
 inline constexpr int kRegion = kRegionWidth * kRegionHeight;
 inline constexpr int kCensusBits = 24;
 
-/// A picture prepared for bilinear sampling: element (i, j) packs pixels (i-1, j-1), (i, j-1), (i-1, j), (i, j) from the
-/// lowest byte on, so that one load fetches all four; 0 when any of them is missing.
+/// A picture prepared for bilinear sampling: element (i, j) packs pixels (i-1, j-1), (i, j-1), (i-1, j), (i, j) from
+/// the lowest byte on, so that one load fetches all four; 0 when any of them is missing.
 struct Quads {
   int width = 0, height = 0;  ///< of the picture; there are (width + 1) x (height + 1) elements
   std::vector<std::int32_t> data;

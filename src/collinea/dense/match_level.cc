@@ -11,8 +11,8 @@
 namespace collinea::dense {
 namespace {
 
-constexpr int kTileCells = 24;    // a tile is aggregated on its own, which bounds memory
-constexpr int kTileOverlap = 2;   // cells around it that take part, so that its border is nobody's border
+constexpr int kTileCells = 24;   // a tile is aggregated on its own, which bounds memory
+constexpr int kTileOverlap = 2;  // cells around it that take part, so that its border is nobody's border
 
 void reference_region(const GreyImage& picture, int left, int top, std::int8_t* region) {
   for (int j = 0; j < kRegionHeight; ++j)
@@ -31,7 +31,8 @@ struct CostScratch {
   alignas(64) std::array<std::uint8_t, kCellPixels> distance, costs;
 };
 
-void cell_costs(const Level& level, const Labels& labels, const Cell& cell, std::uint8_t* volume, CostScratch& scratch) {
+void cell_costs(const Level& level, const Labels& labels, const Cell& cell, std::uint8_t* volume,
+                CostScratch& scratch) {
   CellScene& scene = scratch.scene;
   scene.left = cell.left;
   scene.top = cell.top;
@@ -63,8 +64,8 @@ CellRange widened(const CellRange& tile, const Labels& labels) {
           std::min(tile.column1 + kTileOverlap, labels.columns), std::min(tile.row1 + kTileOverlap, labels.rows)};
 }
 
-void take_winners(const Level& level, const Labels& labels, const Volume& volume, const std::vector<std::uint16_t>& sums,
-                  const CellRange& tile, FloatImage& result) {
+void take_winners(const Level& level, const Labels& labels, const Volume& volume,
+                  const std::vector<std::uint16_t>& sums, const CellRange& tile, FloatImage& result) {
   for (int row = tile.row0; row < tile.row1; ++row)
     for (int column = tile.column0; column < tile.column1; ++column) {
       const Cell& cell = labels.cell(column, row);

@@ -135,7 +135,8 @@ std::vector<ImageId> TieView::overlapping(ImageId image, int min_shared, int cou
   std::map<ImageId, int> shared;
   for (const std::uint32_t index : own->second) {
     const PointId point = block_.observations[index].point;
-    for (std::size_t i = index; i-- > 0 && block_.observations[i].point == point;) ++shared[block_.observations[i].image];
+    for (std::size_t i = index; i-- > 0 && block_.observations[i].point == point;)
+      ++shared[block_.observations[i].image];
     for (std::size_t i = index + 1; i < block_.observations.size() && block_.observations[i].point == point; ++i)
       ++shared[block_.observations[i].image];
   }

@@ -13,8 +13,8 @@ namespace collinea::dense {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr int kTrials = 5;                // depths tried: 0, +-half, +-whole the search
-constexpr float kHidden = 0.25f;          // a view this much worse than the best one looks at something else
+constexpr int kTrials = 5;        // depths tried: 0, +-half, +-whole the search
+constexpr float kHidden = 0.25f;  // a view this much worse than the best one looks at something else
 constexpr float kWindowPixels = float((2 * kRadius + 1) * (2 * kRadius + 1));
 
 struct alignas(64) Trials {
@@ -74,9 +74,9 @@ std::optional<Curve> curve_of(const RefineScratch& scratch, std::size_t views, s
 }
 
 struct Peak {
-  float at = 0;           // [trials] from the middle one
+  float at = 0;  // [trials] from the middle one
   float correlation = 0;
-  float variance = 0;     // [trials^2]
+  float variance = 0;  // [trials^2]
 };
 
 // The variance is that of least squares matching: residuals between pictures against the squared gradients, both
@@ -102,8 +102,8 @@ void refine_cell(const Level& level, const FloatImage& surface, int left, int to
   scene.top = top;
   for (int j = 0; j < kRegionHeight; ++j)
     for (int i = 0; i < kRegionWidth; ++i)
-      scene.inverse_depth[std::size_t(j * kRegionWidth + i)] =
-          surface.at(std::clamp(left - kRadius + i, 0, surface.width - 1), std::clamp(top - kRadius + j, 0, surface.height - 1));
+      scene.inverse_depth[std::size_t(j * kRegionWidth + i)] = surface.at(
+          std::clamp(left - kRadius + i, 0, surface.width - 1), std::clamp(top - kRadius + j, 0, surface.height - 1));
   place_views(level, -level.step, level.step, scene);
   scratch.trials.resize(level.views.size());
   reference_region(*level.picture, left, top, scratch.reference.data());

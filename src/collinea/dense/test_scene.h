@@ -14,10 +14,10 @@ namespace collinea::test {
 /// A small world for the tests of this module: a sloping ground with a flat-roofed block on it and a blank disc, seen
 /// by cameras that look down from 10 m. Geometry and texture are exact functions, so every depth is known exactly.
 struct Scene {
-  double slope = 0.1;                   // ground: z = slope x
-  double roof = 0;                      // height of the block on |x| < 1, |y| < 0.8 [m]; 0: none
-  double blank_radius = 0;              // of the disc around (-1, 0) without texture [m]
-  double noise = 0;                     // standard deviation of grey values
+  double slope = 0.1;       // ground: z = slope x
+  double roof = 0;          // height of the block on |x| < 1, |y| < 0.8 [m]; 0: none
+  double blank_radius = 0;  // of the disc around (-1, 0) without texture [m]
+  double noise = 0;         // standard deviation of grey values
   Block block;
 
   static double wave(double x, double y) {
@@ -66,7 +66,8 @@ struct Scene {
         const Eigen::Vector3d point(x, y, on_roof ? roof : slope * x);
         std::vector<Observation> rays;
         for (const auto& [id, pose] : block.cam_from_world)
-          if (const auto pixel = project(block.camera_of(id), pose * point); pixel && inside(block.camera_of(id), *pixel))
+          if (const auto pixel = project(block.camera_of(id), pose * point);
+              pixel && inside(block.camera_of(id), *pixel))
             rays.push_back({id, PointId{n}, 0, *pixel, 0.5});
         if (rays.size() < 2) continue;
         block.points[PointId{n}] = {point, {}};
@@ -99,7 +100,8 @@ struct Scene {
           const Eigen::Vector3d direction = world_from_cam.rotation * Eigen::Vector3d(n.x(), n.y(), 1);
           const Hit hit = cast(world_from_cam.translation, direction);
           const Eigen::Vector3d p = world_from_cam.translation + hit.t * direction;
-          picture.at(x, y) = std::uint8_t(std::clamp(grey(p.x(), p.y(), hit.on_roof) + noise * random.normal(), 0.0, 255.0));
+          picture.at(x, y) =
+              std::uint8_t(std::clamp(grey(p.x(), p.y(), hit.on_roof) + noise * random.normal(), 0.0, 255.0));
         }
       return picture;
     };

@@ -45,7 +45,8 @@ std::uint8_t cubic(const GreyImage& picture, float x, float y) {
       across = wx[0] * float(p[0]) + wx[1] * float(p[1]) + wx[2] * float(p[2]) + wx[3] * float(p[3]);
     } else {
       across = 0;
-      for (int i = 0; i < 4; ++i) across += wx[std::size_t(i)] * float(row[std::clamp(x0 - 1 + i, 0, picture.width - 1)]);
+      for (int i = 0; i < 4; ++i)
+        across += wx[std::size_t(i)] * float(row[std::clamp(x0 - 1 + i, 0, picture.width - 1)]);
     }
     sum += wy[std::size_t(j)] * across;
   }
@@ -158,8 +159,8 @@ Result<WorkingPicture> WorkingPictures::make(ImageId image) const {
   COLLINEA_TRY(const GreyImage photo, pixels_(image, shrink));
   const Camera camera = shrunk(original, shrink);
   if (photo.width != camera.width_px || photo.height != camera.height_px)
-    return fail(Errc::kBadInput, block_.images.at(image).file + ": the picture has " + std::to_string(photo.width) + " x " +
-                                     std::to_string(photo.height) + " pixels, its camera " +
+    return fail(Errc::kBadInput, block_.images.at(image).file + ": the picture has " + std::to_string(photo.width) +
+                                     " x " + std::to_string(photo.height) + " pixels, its camera " +
                                      std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
   WorkingPicture result{without_distortion(camera), {}};
   result.levels.push_back(undistorted(photo, camera));

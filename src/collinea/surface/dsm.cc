@@ -12,6 +12,8 @@
 namespace collinea {
 namespace {
 
+constexpr double kWidestHoleCells = 100;  // a tree or a roof that could not be matched, at the usual resolutions
+
 constexpr int kBucketCells = 256;
 constexpr int kTileCells = 512;
 constexpr std::size_t kPointMemory = std::size_t{256} << 20;
@@ -20,7 +22,7 @@ constexpr double kMostCells = 2e10;
 Gridding gridding_of(const DsmOptions& options, double gsd_m) {
   Gridding gridding;
   gridding.cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m);
-  const double widest = options.fill_holes_m ? *options.fill_holes_m / gridding.cell_m : 8.0;
+  const double widest = options.fill_holes_m ? *options.fill_holes_m / gridding.cell_m : kWidestHoleCells;
   gridding.widest_hole_cells = int(std::min(std::floor(widest + 1e-9), double(kTileCells)));
   return gridding;
 }

@@ -31,13 +31,13 @@ using PointSource = std::function<Result<>(std::vector<SurfacePoint>& batch)>;
 
 struct DsmOptions {
   std::optional<double> cell_m;        ///< nothing: the ground size of a pixel of the pictures that were matched
-  std::optional<double> fill_holes_m;  ///< nothing: 8 cells
+  std::optional<double> fill_holes_m;  ///< nothing: 100 cells
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = DsmOptions;
     visit(Field{"cell_m", &O::cell_m, "m", "cell of the surface model; else the ground size of a matched pixel", 1e-6});
-    visit(Field{"fill_holes_m", &O::fill_holes_m, "m", "holes up to this width are filled and marked; else 8 cells",
+    visit(Field{"fill_holes_m", &O::fill_holes_m, "m", "holes up to this width are filled and marked; else 100 cells",
                 0.0});
   }
 };

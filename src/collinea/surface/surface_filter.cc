@@ -64,6 +64,8 @@ std::optional<Cell> first_measured(const SurfaceTile& tile, Cell from, int dx, i
   return std::nullopt;
 }
 
+constexpr double kPinholeCells = 16;  // wider gaps must be enclosed
+
 // The height of an empty cell by the measured ones on both sides along one direction.
 std::optional<Bridge> bridge(const SurfaceTile& tile, Cell cell, int dx, int dy, double cell_m, int widest_cells) {
   const double stride = std::hypot(dx, dy);
@@ -87,6 +89,10 @@ std::optional<Bridge> filled(const SurfaceTile& tile, Cell cell, double cell_m, 
   for (const auto& [dx, dy] : kDirections)
     if (const auto found = bridge(tile, cell, dx, dy, cell_m, widest_cells)) bridges[count++] = *found;
   if (count == 0) return std::nullopt;
+  // A wide gap bridged in one direction only is a bay of the border or the space between two things, not a hole.
+  const auto shortest = std::max_element(bridges.begin(), bridges.begin() + std::ptrdiff_t(count),
+                                         [](const Bridge& a, const Bridge& b) { return a.weight < b.weight; });
+  if (shortest->weight < 1.0 / (kPinholeCells * kPinholeCells) && count < 3) return std::nullopt;
   double lowest = bridges[0].height_m;
   for (std::size_t i = 1; i < count; ++i) lowest = std::min(lowest, bridges[i].height_m);
   Bridge mean{0, 0, 0};

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/app/commands.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "collinea/app/exit_code.h"
+#include "collinea/image/test_folder.h"
+#include "collinea/pipeline/settings.h"
+
+namespace collinea {
+namespace {
+
+struct Outcome {
+  int code = 0;
+  std::string out, err;
+};
+
+// What the program does with these arguments.
+Outcome collinea_with(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "collinea");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.code = dispatch(static_cast<int>(argv.size()), argv.data(), all_commands());
+  outcome.out = ::testing::internal::GetCapturedStdout();
+  outcome.err = ::testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+// A folder with three small photographs of a made-up village in images/.
+void simulate_into(const std::string& folder) {
+  const Outcome made = collinea_with({"simulate", folder, "--strips", "1", "--images-per-strip", "3", "--cross-strips", "0", "--width-px",
+                                      "160", "--height-px", "120", "--gsd-m", "0.5", "--control-points", "2", "--check-points", "1",
+                                      "--progress", "none"});
+  ASSERT_EQ(made.code, 0) << made.err;
+}
+
+TEST(Commands, EveryOneExplainsItself) {
+  for (const Command& command : all_commands()) {
+    const Outcome outcome = collinea_with({command.name, "--help"});
+    EXPECT_EQ(outcome.code, 0) << command.name;
+    EXPECT_NE(outcome.out.find(command.summary.substr(0, 20)), std::string::npos) << command.name << ": " << outcome.out;
+    EXPECT_EQ(outcome.err, "") << command.name;
+  }
+}
+
+TEST(Commands, RunHelpNamesEveryOptionOfEveryStep) {
+  const std::string help = collinea_with({"run", "--help"}).out;
+  Settings settings;
+  Settings::each(settings, [&](const char*, const char* group, auto& options) {
+    std::decay_t<decltype(options)>::describe([&](const auto& field) {
+      std::string flag = "--" + std::string(field.name);
+      std::replace(flag.begin(), flag.end(), '_', '-');
+      EXPECT_NE(help.find(flag), std::string::npos) << group << ": " << flag;
+    });
+  });
+}
+
+TEST(Commands, TheListOfCommandsIsInTheHelp) {
+  const Outcome outcome = collinea_with({"--help"});
+  EXPECT_EQ(outcome.code, 0);
+  for (const Command& command : all_commands()) EXPECT_NE(outcome.out.find(command.name), std::string::npos) << command.name;
+}
+
+TEST(Commands, WrongUsageEndsWithTwoAndWordsOnStderr) {
+  const TestFolder folder;
+  std::filesystem::create_directories(folder / "photos");
+  const std::string photos = (folder / "photos").string(), project = (folder / "project").string();
+  const struct {
+    std::vector<std::string> arguments;
+    const char* named;
+  } cases[] = {
+      {{}, "subcommand"},
+      {{"mapp"}, "\"mapp\""},
+      {{"run"}, "photos"},
+      {{"run", photos}, "--project"},
+      {{"run", photos, "-o", project, "--no-such-flag", "3"}, "--no-such-flag"},
+      {{"run", photos, "-o", project, "--min-points", "many"}, "--min-points"},
+      {{"run", photos, "-o", project, "--min-points", "2"}, "min_points"},
+      {{"run", photos, "-o", project, "--calibration", "much"}, "calibration"},
+      {{"run", photos, "-o", project, "--seed", "-1"}, "--seed"},
+      {{"run", photos, "-o", project, "--threads", "-1"}, "threads"},
+      {{"run", photos, "-o", project, "--progress", "loud"}, "--progress"},
+      {{"run", photos, "-o", project, "--until", "orthofoto"}, "\"orthofoto\""},
+      {{"simulate", project, "--scene", "moon"}, "--scene"},
+      {{"simulate", project, "--strips", "0"}, "strips"},
+  };
+  for (const auto& [arguments, named] : cases) {
+    const Outcome outcome = collinea_with(arguments);
+    EXPECT_EQ(outcome.code, 2) << named;
+    EXPECT_NE(outcome.err.find(named), std::string::npos) << named << ": " << outcome.err;
+    EXPECT_EQ(outcome.out, "") << named;
+  }
+  EXPECT_FALSE(std::filesystem::exists(project));
+}
+
+TEST(Commands, WhatIsNotThereEndsWithThree) {
+  const TestFolder folder;
+  const std::string nothing = (folder / "nothing").string(), project = (folder / "project").string();
+  const std::vector<std::vector<std::string>> cases = {{"run", nothing, "-o", project}, {"import", nothing, "-o", project},
+                                                       {"orient", nothing},             {"report", nothing},
+                                                       {"info", nothing},               {"info", nothing, "--json"},
+                                                       {"export", nothing, project},    {"assess", nothing, nothing}};
+  for (const auto& arguments : cases) {
+    const Outcome outcome = collinea_with(arguments);
+    EXPECT_EQ(outcome.code, 3) << arguments[0] << ": " << outcome.err;
+    EXPECT_NE(outcome.err.find(nothing), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+  EXPECT_FALSE(std::filesystem::exists(nothing));
+}
+
+TEST(Commands, AnErrorIsShownEvenWhereNoProgressIs) {
+  const TestFolder folder;
+  std::filesystem::create_directories(folder / "photos");
+  const Outcome outcome = collinea_with({"run", (folder / "photos").string(), "-o", (folder / "project").string(), "--progress", "none"});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.err.find("0 usable photographs"), std::string::npos) << outcome.err;
+}
+
+TEST(Commands, ImportThenInfo) {
+  const TestFolder folder;
+  simulate_into((folder / "block").string());
+  const std::string images = (folder / "block/images").string(), project = (folder / "project").string();
+  const Outcome imported = collinea_with({"import", images, "-o", project, "--progress", "json"});
+  EXPECT_EQ(imported.code, 0) << imported.err;
+  EXPECT_EQ(imported.out, "");
+  std::istringstream lines(imported.err);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) EXPECT_TRUE(nlohmann::json::accept(line)) << line;
+  EXPECT_GT(count, 1);
+  const Outcome info = collinea_with({"info", project, "--json"});
+  EXPECT_EQ(info.code, 0);
+  EXPECT_EQ(nlohmann::json::parse(info.out).at("images"), 3);
+  EXPECT_EQ(collinea_with({"info", project}).code, 0);
+  std::ifstream log(project + "/log.txt");
+  std::string line;
+  EXPECT_TRUE(std::getline(log, line) && line.find("import   3 images") != std::string::npos) << line;
+}
+
+TEST(Commands, AStepKeepsTheOptionsThatWereNotGiven) {
+  const TestFolder folder;
+  simulate_into((folder / "block").string());
+  const std::string images = (folder / "block/images").string(), project = (folder / "project").string();
+  ASSERT_EQ(collinea_with({"run", images, "-o", project, "--until", "import", "--max-features", "500", "--seed", "7"}).code, 0);
+  const Settings before = read_settings(project).value();
+  const Outcome detected = collinea_with({"detect", project, "--max-features", "600"});
+  EXPECT_EQ(detected.code, 0) << detected.err;
+  const Settings after = read_settings(project).value();
+  EXPECT_EQ(after.detect.max_features, 600);
+  EXPECT_EQ(after.seed, 7u);
+  Settings expected = before;
+  expected.detect.max_features = 600;
+  EXPECT_EQ(options_text(after, "detect"), options_text(expected, "detect"));
+  EXPECT_EQ(options_text(after, "match"), options_text(before, "match"));
+}
+
+TEST(Commands, ExportBeforeOrientationIsNotFound) {
+  const TestFolder folder;
+  simulate_into((folder / "block").string());
+  const std::string project = (folder / "project").string();
+  ASSERT_EQ(collinea_with({"import", (folder / "block/images").string(), "-o", project}).code, 0);
+  const Outcome outcome = collinea_with({"export", project, (folder / "out").string()});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.err.find("not oriented yet"), std::string::npos) << outcome.err;
+}
+
+TEST(ExitCode, IsAsTheHelpSays) {
+  EXPECT_EQ(exit_code(Errc::kBadInput), 2);
+  EXPECT_EQ(exit_code(Errc::kNotFound), 3);
+  EXPECT_EQ(exit_code(Errc::kBadFormat), 4);
+  EXPECT_EQ(exit_code(Errc::kUnsupported), 5);
+  EXPECT_EQ(exit_code(Errc::kIllPosed), 6);
+  EXPECT_EQ(exit_code(Errc::kNotConverged), 7);
+  EXPECT_EQ(exit_code(Errc::kCancelled), 130);
+}
+
+}  // namespace
+}  // namespace collinea

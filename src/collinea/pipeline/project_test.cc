@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/pipeline/project.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/image/test_folder.h"
+#include "collinea/io/file.h"
+#include "collinea/pipeline/export.h"
+#include "collinea/pipeline/info.h"
+#include "collinea/synthetic/write.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The lines of a run that start with the name of a step.
+struct Log {
+  std::vector<std::string> lines;
+
+  [[nodiscard]] Run run(int threads = 1) {
+    return {.log = [this](std::string_view line) { lines.emplace_back(line); }, .threads = threads};
+  }
+  [[nodiscard]] std::vector<std::string> steps_done() const {
+    std::vector<std::string> done;
+    for (const std::string& step : step_names())
+      for (const std::string& line : lines)
+        if (line.starts_with(step + " ") && line.find("up to date") == std::string::npos) done.push_back(step);
+    return done;
+  }
+};
+
+std::string bytes_of(const fs::path& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return std::move(bytes).str();
+}
+
+const std::vector<std::string> kProducts = {"cloud.las",     "cloud.ply", "dsm.tif",         "dsm_sigma.tif",
+                                            "dsm_state.tif", "ortho.tif", "ortho_source.tif"};
+
+// Six small photographs of a made-up village, mapped once. Tests are run one by one, each in a process of its own: what
+// follows on the mapping is therefore one test, made of many small ones.
+class SmallProject : public ::testing::Test {
+ public:
+  void SetUp() override {
+    root_ = fs::path(::testing::TempDir()) / ("collinea_SmallProject_" + std::to_string(::getpid()));
+    fs::remove_all(root_);
+    SurveyOptions options;
+    options.strips = 2;
+    options.images_per_strip = 3;
+    options.cross_strips = 0;
+    options.width_px = 400;
+    options.height_px = 300;
+    options.gsd_m = 0.2;
+    options.principal_x_px = options.principal_y_px = 1;
+    options.control_points = 4;
+    options.check_points = 2;
+    options.gps_sigma_plan_m = 0.5;
+    const auto truth = make_survey(options);
+    ASSERT_TRUE(truth) << truth.error().message;
+    fs::create_directories(root_ / "images");
+    const auto photographs = write_photographs(*truth, root_ / "images", {.threads = 2});
+    ASSERT_TRUE(photographs) << photographs.error().message;
+    ASSERT_TRUE(write_tables(*truth, root_));
+    Log log;
+    const auto done = bring(root_ / "mapped", settings(), log, "report");
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_EQ(log.steps_done(), step_names());
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(root_, ignored);
+  }
+
+  static Settings settings() {
+    Settings settings;
+    settings.photos = (root_ / "images").string();
+    settings.import.control = (root_ / "control.csv").string();
+    return settings;
+  }
+
+  static Result<> bring(const fs::path& folder, const Settings& settings, Log& log, const std::string& last, int threads = 1) {
+    COLLINEA_TRY(Project project, create_project(folder, settings, log.run(threads)));
+    return bring_up_to(project, last);
+  }
+
+  // A copy of the mapped project that a test may change.
+  static fs::path copy(const std::string& name) {
+    fs::copy(root_ / "mapped", root_ / name, fs::copy_options::recursive);
+    return root_ / name;
+  }
+
+  void every_image_is_oriented_and_every_product_there();
+  void projection_centres_are_where_they_were();
+  void info_tells_what_machines_read();
+  void export_writes_every_format_and_refuses_others();
+  void what_is_up_to_date_is_not_done_again();
+  void a_changed_option_redoes_its_step_and_what_follows();
+  void a_changed_control_file_leaves_matching_alone();
+  void a_missing_product_is_made_again();
+  void stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
+  void files_left_half_written_are_swept_and_others_are_not();
+  void a_second_program_is_kept_out_but_may_look();
+  void a_photograph_that_breaks_off_is_named_and_the_rest_goes_on();
+
+  static inline fs::path root_;
+};
+
+void SmallProject::every_image_is_oriented_and_every_product_there() {
+  const auto project = open_project(root_ / "mapped", {});
+  ASSERT_TRUE(project) << project.error().message;
+  const auto block = project->store.read_block();
+  ASSERT_TRUE(block);
+  EXPECT_EQ(block->cam_from_world.size(), 6u);
+  for (const std::string& product : kProducts) EXPECT_GT(fs::file_size(root_ / "mapped/products" / product), 500u) << product;
+  EXPECT_GT(fs::file_size(root_ / "mapped/report/report.html"), 10'000u);
+}
+
+void SmallProject::projection_centres_are_where_they_were() {
+  const auto project = open_project(root_ / "mapped", {});
+  const auto truth = read_truth(root_);
+  ASSERT_TRUE(project && truth);
+  const Block block = project->store.read_block().value();
+  const Georeference& earth = block.georeference.value();
+  const auto frame = LocalFrame::create(earth.crs, earth.origin_latitude_deg, earth.origin_longitude_deg, earth.origin_height_m);
+  ASSERT_TRUE(frame);
+  for (const auto& [id, pose] : block.cam_from_world) {
+    const std::string& file = block.images.at(id).file;
+    EXPECT_LT((frame->map_from_local(centre_of(pose)) - truth->centre_in_map.at(file)).norm(), 2.0) << file;  // ten pixels
+  }
+}
+
+void SmallProject::info_tells_what_machines_read() {
+  const auto project = open_project(root_ / "mapped", {});
+  ASSERT_TRUE(project);
+  const auto text = info_json(project->store);
+  ASSERT_TRUE(text);
+  const auto info = nlohmann::json::parse(*text);
+  EXPECT_EQ(info.at("images"), 6);
+  EXPECT_EQ(info.at("oriented"), 6);
+  EXPECT_GT(info.at("tie_points"), 100);
+  EXPECT_GT(info.at("observations"), info.at("tie_points"));
+  EXPECT_LT(info.at("mean_reprojection_px"), 1.0);
+  EXPECT_NEAR(info.at("gsd_m").get<double>(), 0.2, 0.04);
+  EXPECT_EQ(info.at("control_rmse_m").size(), 3u);
+  EXPECT_EQ(info.at("check_rmse_m").size(), 3u);
+  ASSERT_EQ(info.at("steps").size(), 8u);
+  EXPECT_EQ(info.at("steps")[0].at("name"), "import");
+  EXPECT_NE(info_text(project->store).value().find("6 (6 oriented)"), std::string::npos);
+}
+
+void SmallProject::export_writes_every_format_and_refuses_others() {
+  auto project = open_project(root_ / "mapped", {});
+  ASSERT_TRUE(project);
+  for (const char* format : {"colmap", "opk", "ply"}) ASSERT_TRUE(export_block(*project, root_ / "export", format)) << format;
+  for (const char* file : {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk", "tie_points.ply"})
+    EXPECT_TRUE(fs::exists(root_ / "export" / file)) << file;
+  const auto refused = export_block(*project, root_ / "export", "dwg");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::kBadInput);
+}
+
+void SmallProject::what_is_up_to_date_is_not_done_again() {
+  Log log;
+  ASSERT_TRUE(bring(root_ / "mapped", settings(), log, "report"));
+  EXPECT_TRUE(log.steps_done().empty());
+}
+
+void SmallProject::a_changed_option_redoes_its_step_and_what_follows() {
+  Settings changed = settings();
+  changed.surface.cell_m = 1;
+  Log log;
+  ASSERT_TRUE(bring(copy("option"), changed, log, "report"));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"surface", "ortho", "report"}));
+}
+
+void SmallProject::a_changed_control_file_leaves_matching_alone() {
+  Settings changed = settings();
+  changed.import.control = (root_ / "other_control.csv").string();
+  ASSERT_TRUE(write_file(*changed.import.control, bytes_of(root_ / "control.csv") + "# looked over\n"));
+  Log log;
+  ASSERT_TRUE(bring(copy("control"), changed, log, "orient"));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "orient"}));
+}
+
+void SmallProject::a_missing_product_is_made_again() {
+  const fs::path project = copy("missing");
+  const std::string before = bytes_of(project / "products/ortho.tif");
+  fs::remove(project / "products/ortho.tif");
+  Log log;
+  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
+  EXPECT_EQ(bytes_of(project / "products/ortho.tif"), before);
+}
+
+void SmallProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte() {
+  const fs::path folder = root_ / "stopped";
+  for (const std::string& step : step_names()) {
+    std::stop_source stop;
+    Log log;
+    collinea::Run run = log.run(2);  // not the one of the test's base class
+    run.stop = stop.get_token();
+    run.progress = [&](std::string_view stage, double) {
+      if (stage.starts_with(step)) stop.request_stop();
+    };
+    auto project = create_project(folder, settings(), run);
+    ASSERT_TRUE(project) << project.error().message;
+    const auto stopped = bring_up_to(*project, "report");
+    ASSERT_FALSE(stopped) << step;
+    EXPECT_EQ(stopped.error().code, Errc::kCancelled) << step << ": " << stopped.error().message;
+    EXPECT_NE(stopped.error().message.find("goes on from here"), std::string::npos) << stopped.error().message;
+    EXPECT_FALSE(project->store.read_step(step).value()) << step;
+  }
+  Log log;
+  ASSERT_TRUE(bring(folder, settings(), log, "report", 2));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"report"});
+  for (const std::string& product : kProducts)
+    EXPECT_TRUE(bytes_of(folder / "products" / product) == bytes_of(root_ / "mapped/products" / product)) << product;
+}
+
+void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
+  const fs::path project = copy("swept");
+  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "scratch/points_1_1.bin"}) {
+    fs::create_directories((project / file).parent_path());
+    ASSERT_TRUE(write_file(project / file, "half"));
+  }
+  ASSERT_TRUE(write_file(project / "download.part", "the user's own"));
+  Log log;
+  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  EXPECT_TRUE(log.steps_done().empty());
+  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "scratch"}) EXPECT_FALSE(fs::exists(project / file)) << file;
+  EXPECT_TRUE(fs::exists(project / "download.part"));
+}
+
+void SmallProject::a_second_program_is_kept_out_but_may_look() {
+  Log log;
+  const auto first = create_project(root_ / "mapped", settings(), log.run());
+  ASSERT_TRUE(first);
+  const auto second = create_project(root_ / "mapped", settings(), log.run());
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, Errc::kBadInput);
+  EXPECT_NE(second.error().message.find("another collinea"), std::string::npos) << second.error().message;
+  EXPECT_TRUE(open_project(root_ / "mapped", {}));
+}
+
+void SmallProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() {
+  const fs::path photos = root_ / "with_broken";
+  fs::copy(root_ / "images", photos);
+  const fs::path broken = photos / "IMG_0002.jpg";
+  fs::resize_file(broken, fs::file_size(broken) * 2 / 3);
+  Settings changed = settings();
+  changed.photos = photos.string();
+  Log log;
+  const auto done = bring(root_ / "without_broken", changed, log, "match");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_TRUE(std::any_of(log.lines.begin(), log.lines.end(), [](const std::string& line) {
+    return line.starts_with("skipped IMG_0002.jpg: ") && line.find("incomplete") != std::string::npos;
+  }));
+}
+
+TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
+  every_image_is_oriented_and_every_product_there();
+  projection_centres_are_where_they_were();
+  info_tells_what_machines_read();
+  export_writes_every_format_and_refuses_others();
+  what_is_up_to_date_is_not_done_again();
+  a_changed_option_redoes_its_step_and_what_follows();
+  a_changed_control_file_leaves_matching_alone();
+  a_missing_product_is_made_again();
+  stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
+  files_left_half_written_are_swept_and_others_are_not();
+  a_second_program_is_kept_out_but_may_look();
+  a_photograph_that_breaks_off_is_named_and_the_rest_goes_on();
+}
+
+TEST(Project, ADamagedDatabaseIsNamedWithTheWayOut) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "project.json", R"({"photos": "/p"})"));
+  ASSERT_TRUE(write_file(folder / "block.db", std::string(5000, 'x')));
+  const auto project = open_project(folder / "", {});
+  ASSERT_FALSE(project);
+  EXPECT_EQ(project.error().code, Errc::kBadFormat);
+  EXPECT_NE(project.error().message.find("block.db"), std::string::npos);
+  EXPECT_NE(project.error().message.find("remove that file"), std::string::npos) << project.error().message;
+}
+
+TEST(Project, PhotosThatAreNoFolderAreAnErrorBeforeAnythingIsMade) {
+  const TestFolder folder;
+  Settings settings;
+  settings.photos = (folder / "nothing").string();
+  const auto project = create_project(folder / "project", settings, {});
+  ASSERT_FALSE(project);
+  EXPECT_EQ(project.error().code, Errc::kNotFound);
+  EXPECT_FALSE(fs::exists(folder / "project"));
+}
+
+TEST(Project, AStepThatDoesNotExistIsNamedBesideThoseThatDo) {
+  const auto known = check_step_name("orthophoto");
+  ASSERT_FALSE(known);
+  EXPECT_NE(known.error().message.find("surface, ortho, report"), std::string::npos) << known.error().message;
+  for (const std::string& step : step_names()) EXPECT_TRUE(check_step_name(step)) << step;
+}
+
+}  // namespace
+}  // namespace collinea
