@@ -97,7 +97,8 @@ Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const Adju
   Problem& problem = gathered.problem;
   if (problem.redundancy() < 0)
     return fail(Errc::kIllPosed, std::to_string(problem.unknown_count) + " unknowns but only " +
-                                     std::to_string(problem.observation_count) + " observations: the block cannot be adjusted");
+                                     std::to_string(problem.observation_count) +
+                                     " observations: the block cannot be adjusted");
   Search found = LevenbergMarquardt(problem, options, run).search(std::move(gathered.start));
   if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
   problem.tie_loss.least_curvature = 1;  // statistics are those of the weights

@@ -37,7 +37,8 @@ struct AdjustOptions {
                 "free camera parameters: none | focal | focal_radial (f k1 k2) | brown (f cx cy k1 k2 k3 p1 p2) | "
                 "brown_affinity (and b1 b2)"});
     visit(Field{"loss", &O::loss, "", "robust loss of tie point observations: none | huber | cauchy"});
-    visit(Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
+    visit(
+        Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
     visit(Field{"position_loss", &O::position_loss, "", "robust loss of GNSS positions: none | huber | cauchy"});
     visit(Field{"position_loss_scale_sigmas", &O::position_loss_scale_sigmas, "sigma",
                 "distance from which the loss of positions sets in", 0.01, 1e6});
@@ -78,10 +79,11 @@ struct PositionDifference {
 /// A control or check point after the adjustment.
 struct ControlDifference {
   ControlId point;
-  bool used = false;                ///< it took part; false: check point, intersected from the adjusted images only
-  int rays = 0;                     ///< images it was measured in that are oriented
+  bool used = false;  ///< it took part; false: check point, intersected from the adjusted images only
+  int rays = 0;       ///< images it was measured in that are oriented
   std::optional<Eigen::Vector3d> position_in_world;  ///< nothing when the rays do not intersect
-  Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame
+  Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(
+      std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame
 };
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -89,31 +91,33 @@ using MatrixPd = Eigen::Matrix<double, Camera::kParams, Camera::kParams>;
 
 /// The outcome of a bundle adjustment. Residuals are observed minus computed.
 struct Adjusted {
-  std::map<ImageId, Rigid3> cam_from_world;  ///< of the images that moved
-  std::map<CameraId, Camera> cameras;        ///< that were calibrated
+  std::map<ImageId, Rigid3> cam_from_world;                 ///< of the images that moved
+  std::map<CameraId, Camera> cameras;                       ///< that were calibrated
   std::vector<std::pair<PointId, Eigen::Vector3d>> points;  ///< that moved, ascending [m]
 
-  std::vector<std::uint32_t> observations;    ///< of tie points that took part: their places in Block::observations, ascending
+  std::vector<std::uint32_t>
+      observations;  ///< of tie points that took part: their places in Block::observations, ascending
   std::vector<Eigen::Vector2d> residuals_px;  ///< one for each of them; NaN when the point is not seen by the image
   std::vector<PositionDifference> positions;
-  std::vector<ControlDifference> control;     ///< every control and check point with a ray, ascending
+  std::vector<ControlDifference> control;             ///< every control and check point with a ray, ascending
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
-  std::vector<ImageId> images_left_out;       ///< free, but with too few observations to be determined; not moved
+  std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
 
-  double sigma0 = 0;     ///< a posteriori, of unit weight: 1 when the given sigmas are true
-  long redundancy = 0;   ///< observations (priors too) minus unknowns plus rank defect
+  double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true
+  long redundancy = 0;                            ///< observations (priors too) minus unknowns plus rank defect
   long observation_count = 0, unknown_count = 0;  ///< coordinates; single unknowns
-  int rank_defect = 0;   ///< of the datum: 7 for a free block, 0 when positions, control or held images fix it
-  std::string datum;     ///< what fixes place, attitude and scale, in words
+  int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or held images fix it
+  std::string datum;    ///< what fixes place, attitude and scale, in words
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;  ///< sum of squared whitened residuals after the loss
   bool converged = false;
 
-  /// Covariances by the given sigmas (times sigma0^2 when those are only known up to scale); empty when not asked for or
-  /// when something is not determined (`undetermined` then says what).
-  std::map<ImageId, Matrix6d> pose_covariance;      ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
-  std::map<CameraId, MatrixPd> camera_covariance;   ///< of Camera::params, zero for those held
-  std::vector<Eigen::Matrix3d> point_covariance;    ///< [m^2], parallel to points
+  /// Covariances by the given sigmas (times sigma0^2 when those are only known up to scale); empty when not asked for
+  /// or when something is not determined (`undetermined` then says what).
+  std::map<ImageId, Matrix6d>
+      pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
+  std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
+  std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points
   std::string undetermined;
 };
 
@@ -121,16 +125,16 @@ struct Adjusted {
 /// at once, points eliminated (Schur complement), robust losses by reweighting.
 ///
 /// Observations: tie points; control points (their image measurements, never robust, and their coordinates by sigma_m,
-/// infinite = not given); GNSS positions; and weak ones for the parameters of calibration so that weak geometry does not
-/// run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2 0.5, k3 0.5,
-/// p1 and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false are held.
+/// infinite = not given); GNSS positions; and weak ones for the parameters of calibration so that weak geometry does
+/// not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2 0.5, k3 0.5, p1
+/// and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false are held.
 ///
 /// Datum: a part of the block whose place, attitude or scale nothing fixes keeps them: every step is orthogonal to the
 /// motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do not
 /// depend on that choice; covariances refer to that datum.
 ///
-/// Points with fewer than two rays and images with fewer than three measured points take no part. Errors: kBadInput (options,
-/// sigmas not positive), kIllPosed (nothing to adjust, or more unknowns than observations), kCancelled.
+/// Points with fewer than two rays and images with fewer than three measured points take no part. Errors: kBadInput
+/// (options, sigmas not positive), kIllPosed (nothing to adjust, or more unknowns than observations), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 

@@ -43,12 +43,14 @@ TEST(Lens, AgreesWithTheCameraModel) {
   const bundle::Lens lens = bundle::lens_of(camera.params.data());
   Random random(4);
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector3d point = normal3(random).cwiseProduct(Eigen::Vector3d(0.8, 0.6, 0)) + Eigen::Vector3d(0, 0, 1.7);
+    const Eigen::Vector3d point =
+        normal3(random).cwiseProduct(Eigen::Vector3d(0.8, 0.6, 0)) + Eigen::Vector3d(0, 0, 1.7);
     Matrix23 by_point;
     Matrix2P by_params;
     const auto pixel = project(camera, point, &by_point, &by_params);
     bundle::Projected at;
-    if (bundle::project(lens, point.data(), &at) != pixel.has_value()) continue;  // at the very edge of the field of view
+    if (bundle::project(lens, point.data(), &at) != pixel.has_value())
+      continue;  // at the very edge of the field of view
     if (!pixel) continue;
     Eigen::Matrix<double, 2, 3, Eigen::RowMajor> mine;
     Eigen::Matrix<double, 2, Camera::kParams, Eigen::RowMajor> mine_params;
@@ -74,7 +76,8 @@ TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   const auto residual = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& move, const Eigen::Vector3d& shift) {
     bundle::LinearRay out;
     const Eigen::Vector3d moved_centre = centre + move, moved_point = point + shift;
-    linearise(ray, bundle::frame_of(rotation_by(turn) * pose.rotation, moved_centre.data()), lens, moved_point.data(), Loss{}, &out);
+    linearise(ray, bundle::frame_of(rotation_by(turn) * pose.rotation, moved_centre.data()), lens, moved_point.data(),
+              Loss{}, &out);
     return out;
   };
   const bundle::LinearRay at = residual({0, 0, 0}, {0, 0, 0}, {0, 0, 0});
@@ -123,7 +126,8 @@ TEST(Linearise, GradientIsThatOfTheRobustCost) {
     linearise(ray, frame, lens, point.data(), loss, &at);
     for (int c = 0; c < 3; ++c) {
       const Eigen::Vector3d e = 1e-5 * Eigen::Vector3d::Unit(c), ahead = point + e, back = point - e;
-      const double slope = (cost_of(ray, frame, lens, ahead.data(), loss) - cost_of(ray, frame, lens, back.data(), loss)) / 2e-5;
+      const double slope =
+          (cost_of(ray, frame, lens, ahead.data(), loss) - cost_of(ray, frame, lens, back.data(), loss)) / 2e-5;
       EXPECT_NEAR(at.by_point[c] * at.residual[0] + at.by_point[3 + c] * at.residual[1], -slope / 2, 1e-5);
     }
   }
@@ -165,7 +169,8 @@ TEST(Adjust, SelfCalibrationFindsTheCamera) {
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   const Camera& found = adjusted->cameras.at(CameraId{1});
   for (int k = 0; k < Camera::kParams; ++k)
-    EXPECT_NEAR(found.params[k], camera.params[k], 1e-4 * std::max(1e-3, std::abs(camera.params[k]))) << Camera::kParamNames[k];
+    EXPECT_NEAR(found.params[k], camera.params[k], 1e-4 * std::max(1e-3, std::abs(camera.params[k])))
+        << Camera::kParamNames[k];
   EXPECT_LT(largest_centre_error(*adjusted, truth), 1e-3);
 }
 
@@ -180,7 +185,8 @@ TEST(Adjust, Sigma0IsOneWhenTheSigmasAreTrue) {
   }
 }
 
-/// Mean over independent blocks and its standard deviation, from their own spread: unknowns of one block are correlated.
+/// Mean over independent blocks and its standard deviation, from their own spread: unknowns of one block are
+/// correlated.
 struct Series {
   std::vector<double> values;
   double mean() const { return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size()); }
@@ -200,7 +206,8 @@ Block measured_anew(Block block, AdjustScope& scope, std::uint64_t seed) {
     observation.sigma_px = 0.5;
   }
   for (auto& [id, image] : block.images)
-    image.position = PositionPrior{centre_of(block.cam_from_world.at(id)) + 0.02 * normal3(random), Eigen::Vector3d::Constant(0.02)};
+    image.position =
+        PositionPrior{centre_of(block.cam_from_world.at(id)) + 0.02 * normal3(random), Eigen::Vector3d::Constant(0.02)};
   scope.first_cameras = block.cameras;
   scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
   return block;
@@ -228,11 +235,13 @@ TEST(Adjust, CovarianceMatchesTheRealErrors) {
     poses.values.push_back(sum / double(adjusted->cam_from_world.size()));
     sum = 0;
     for (std::size_t i = 0; i < adjusted->points.size(); ++i) {
-      const Eigen::Vector3d error = adjusted->points[i].second - truth.points.at(adjusted->points[i].first).position_in_world;
+      const Eigen::Vector3d error =
+          adjusted->points[i].second - truth.points.at(adjusted->points[i].first).position_in_world;
       sum += error.dot(adjusted->point_covariance[i].inverse() * error);
     }
     points.values.push_back(sum / double(adjusted->points.size()));
-    const double error = adjusted->cameras.at(CameraId{1}).params[Camera::kF] - truth.cameras.at(CameraId{1}).params[Camera::kF];
+    const double error =
+        adjusted->cameras.at(CameraId{1}).params[Camera::kF] - truth.cameras.at(CameraId{1}).params[Camera::kF];
     focal.values.push_back(error * error / adjusted->camera_covariance.at(CameraId{1})(Camera::kF, Camera::kF));
   }
   EXPECT_NEAR(poses.mean(), 6, 4 * poses.sigma_of_mean());
@@ -247,7 +256,8 @@ TEST(Adjust, RobustLossKeepsOutliersFromDoingHarm) {
   Block block = truth;
   Random random(8);
   for (auto& observation : block.observations)
-    if (random.uniform() < 0.05) observation.pixel += 60 * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
+    if (random.uniform() < 0.05)
+      observation.pixel += 60 * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
   const auto clean = adjust(truth, {}, plain(), kRun);
   AdjustOptions options = plain();
   const auto spoiled = adjust(block, {}, options, kRun);
@@ -299,7 +309,8 @@ TEST(Adjust, TwoUnconnectedPartsHaveFourteenDefects) {
 }
 
 TEST(Adjust, ThreadsDoNotChangeABit) {
-  const Block block = disturbed(test_block({.rows = 5, .columns = 6, .points = 1500, .sigma_px = 0.5, .position_sigma_m = 0.5}), 0.01, 0.3);
+  const Block block = disturbed(
+      test_block({.rows = 5, .columns = 6, .points = 1500, .sigma_px = 0.5, .position_sigma_m = 0.5}), 0.01, 0.3);
   ASSERT_GT(block.observations.size(), 9000u);  // three batches: otherwise threads are not used at all
   AdjustOptions options;
   options.calibration = "brown";
@@ -354,7 +365,8 @@ TEST(Adjust, HeldPointsOrientImages) {  // resection
 
 TEST(Adjust, HeightOnlyControlFixesOnlyHeights) {
   Block block = test_block({.control = 9});
-  for (auto& [id, control] : block.control) control.sigma_m.head<2>().setConstant(std::numeric_limits<double>::infinity());
+  for (auto& [id, control] : block.control)
+    control.sigma_m.head<2>().setConstant(std::numeric_limits<double>::infinity());
   const auto adjusted = adjust(block, {}, plain(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 3);  // two shifts and the turn about the vertical; relief fixes the scale

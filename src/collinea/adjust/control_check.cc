@@ -17,7 +17,7 @@ using bundle::PlacePair;
 
 struct Place {
   ControlId id;
-  PlacePair pair;              // block frame and world frame
+  PlacePair pair;  // block frame and world frame
   Eigen::Vector3d in_map;
 };
 
@@ -93,7 +93,8 @@ bool axes_are_swapped(const Block& block, const std::vector<Place>& places) {
   const double noise = 1e-6 + places.front().pair.sigma_m;
   const bool fits_better = 5 * (exchanged->scatter_m + noise) < as_given->scatter_m && exchanged->upright > 0;
   // On flat ground both fit, but one of them from below.
-  const bool stands_better = exchanged->scatter_m < 2 * as_given->scatter_m + noise && exchanged->upright > 0.5 && as_given->upright < -0.5;
+  const bool stands_better =
+      exchanged->scatter_m < 2 * as_given->scatter_m + noise && exchanged->upright > 0.5 && as_given->upright < -0.5;
   return fits_better || stands_better;
 }
 
@@ -101,10 +102,11 @@ bool axes_are_swapped(const Block& block, const std::vector<Place>& places) {
 
 Finding wrong_point(const ControlPoint& control, ControlId id, const Eigen::Vector3d& off, std::string_view than) {
   Finding finding{"control_point", Finding::kWarning, {}, id, {}, off.norm(), "m"};
-  const std::string_view where = std::hypot(off.x(), off.y()) < 0.2 * std::abs(off.z()) ? "in height "
-                                 : std::abs(off.z()) < 0.2 * std::hypot(off.x(), off.y()) ? "in plan " : "";
-  finding.message = fmt::format("the coordinates of {} are {}{:.{}f} m off {}; the point is not used", control.name, where,
-                                off.norm(), off.norm() < 10 ? 2 : 1, than);
+  const std::string_view where = std::hypot(off.x(), off.y()) < 0.2 * std::abs(off.z())   ? "in height "
+                                 : std::abs(off.z()) < 0.2 * std::hypot(off.x(), off.y()) ? "in plan "
+                                                                                          : "";
+  finding.message = fmt::format("the coordinates of {} are {}{:.{}f} m off {}; the point is not used", control.name,
+                                where, off.norm(), off.norm() < 10 ? 2 : 1, than);
   return finding;
 }
 
@@ -134,8 +136,8 @@ void check_points_among_each_other(const Block& block, std::vector<Place>& place
       off = places[i].pair.in_world - *similarity * places[i].pair.in_block;
     }
     if (worst == places.size()) return;
-    // Seven coordinates of the others are used up by the fit; what the few that are left say of the scatter is uncertain, and the
-    // factor grows as Student's quantiles do (four points: two left, five: five, six: eight).
+    // Seven coordinates of the others are used up by the fit; what the few that are left say of the scatter is
+    // uncertain, and the factor grows as Student's quantiles do (four points: two left, five: five, six: eight).
     const double times = places.size() == 4 ? 20 : places.size() == 5 ? 12 : places.size() == 6 ? 8 : 6;
     const double bending = 2e-3 * size_m(pairs_of(places));
     if (off.norm() < std::max({times * least, 10 * places[worst].pair.sigma_m, bending})) return;
@@ -154,13 +156,15 @@ void name_wrong_check_points(const Block& block, const std::vector<Place>& place
     const Eigen::Vector3d off = place.pair.in_world - *similarity * place.pair.in_block;
     if (off.norm() < std::max(limit_m, 10 * place.pair.sigma_m)) continue;
     Finding finding{"check_point", Finding::kWarning, {}, place.id, {}, off.norm(), "m"};
-    finding.message = fmt::format("check point {} is {:.1f} m off what the control points say", block.control.at(place.id).name, off.norm());
+    finding.message = fmt::format("check point {} is {:.1f} m off what the control points say",
+                                  block.control.at(place.id).name, off.norm());
     diagnosis.findings.push_back(finding);
   }
 }
 
 // Few points: the camera positions judge, as far as they can, after a shift common to all points.
-void check_points_by_positions(const Block& block, std::vector<Place>& places, ControlDiagnosis& diagnosis, std::uint64_t seed) {
+void check_points_by_positions(const Block& block, std::vector<Place>& places, ControlDiagnosis& diagnosis,
+                               std::uint64_t seed) {
   const std::vector<PlacePair> positions = position_pairs(block);
   if (places.size() >= 4 || places.size() < 2 || !bundle::span_a_plane(positions)) return;
   const auto found = bundle::robust_similarity(positions, seed);
@@ -173,8 +177,9 @@ void check_points_by_positions(const Block& block, std::vector<Place>& places, C
     const double apart = (off[0] - off[1]).norm();
     if (apart < limit) return;
     Finding finding{"control_inconsistent", Finding::kWarning, {}, {}, {}, apart, "m"};
-    finding.message = fmt::format("{} and {} contradict each other by {:.1f} m by the camera positions; one of them is wrong",
-                                  block.control.at(places[0].id).name, block.control.at(places[1].id).name, apart);
+    finding.message =
+        fmt::format("{} and {} contradict each other by {:.1f} m by the camera positions; one of them is wrong",
+                    block.control.at(places[0].id).name, block.control.at(places[1].id).name, apart);
     diagnosis.findings.push_back(finding);
     return;
   }
@@ -204,8 +209,8 @@ Eigen::Vector3d median_difference(const std::vector<Eigen::Vector3d>& difference
 }
 
 // Positions minus where the control puts the cameras (or, with little control, minus control seen from positions).
-std::vector<Eigen::Vector3d> position_differences(const std::vector<Place>& places, const std::vector<PlacePair>& positions,
-                                                  std::uint64_t seed) {
+std::vector<Eigen::Vector3d> position_differences(const std::vector<Place>& places,
+                                                  const std::vector<PlacePair>& positions, std::uint64_t seed) {
   std::vector<Eigen::Vector3d> differences;
   const std::vector<PlacePair> control = pairs_of(places);
   if (bundle::span_a_plane(control)) {
@@ -214,12 +219,14 @@ std::vector<Eigen::Vector3d> position_differences(const std::vector<Place>& plac
         differences.push_back(position.in_world - found->world_from_block * position.in_block);
   } else if (bundle::span_a_plane(positions)) {
     if (const auto found = bundle::robust_similarity(positions, seed))
-      for (const PlacePair& point : control) differences.push_back(found->world_from_block * point.in_block - point.in_world);
+      for (const PlacePair& point : control)
+        differences.push_back(found->world_from_block * point.in_block - point.in_world);
   }
   return differences;
 }
 
-void check_positions(const Block& block, const std::vector<Place>& places, ControlDiagnosis& diagnosis, std::uint64_t seed) {
+void check_positions(const Block& block, const std::vector<Place>& places, ControlDiagnosis& diagnosis,
+                     std::uint64_t seed) {
   const std::vector<PlacePair> positions = position_pairs(block);
   if (places.empty() || positions.empty()) return;
   const std::vector<Eigen::Vector3d> differences = position_differences(places, positions, seed);
@@ -230,26 +237,33 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
   for (const PlacePair& position : positions) sigmas.push_back(position.sigma_m);
   const double sigma = median_of(sigmas), count = double(differences.size());
   const double plan = std::hypot(off.x(), off.y());
-  const auto limit = [&](double spread, double least) { return std::max({least, 3 * sigma, 5 * spread / std::sqrt(count)}); };
+  const auto limit = [&](double spread, double least) {
+    return std::max({least, 3 * sigma, 5 * spread / std::sqrt(count)});
+  };
   if (plan > limit(scatter.head<2>().norm(), 500)) {
     Finding finding{"position_crs", Finding::kError, {}, {}, {}, plan, "m"};
-    finding.message = fmt::format("the positions of the images lie {:.1f} km from the control: the coordinate system of the control is "
-                                  "not the one that was named, or its columns are mixed up; positions are not used", plan / 1000);
+    finding.message = fmt::format(
+        "the positions of the images lie {:.1f} km from the control: the coordinate system of the control is "
+        "not the one that was named, or its columns are mixed up; positions are not used",
+        plan / 1000);
     diagnosis.findings.push_back(finding);
     diagnosis.positions_unusable = true;
     return;
   }
   if (plan > limit(scatter.head<2>().norm(), 10)) {
     Finding finding{"position_offset", Finding::kWarning, {}, {}, {}, plan, "m"};
-    finding.message = fmt::format("the positions of the images lie {:.1f} m off the control in plan (east {:+.1f}, north {:+.1f}); "
-                                  "control is used, positions are not", plan, off.x(), off.y());
+    finding.message = fmt::format(
+        "the positions of the images lie {:.1f} m off the control in plan (east {:+.1f}, north {:+.1f}); "
+        "control is used, positions are not",
+        plan, off.x(), off.y());
     diagnosis.findings.push_back(finding);
     diagnosis.positions_unusable = true;
   }
   if (std::abs(off.z()) > std::max({1.0, 1.5 * sigma, 5 * scatter.z() / std::sqrt(count)})) {
     Finding finding{"position_heights", Finding::kNote, {}, {}, {}, std::abs(off.z()), "m"};
-    finding.message = fmt::format("GPS heights lie {:.1f} m {} the control heights (another height reference); heights of control are used",
-                                  std::abs(off.z()), off.z() > 0 ? "above" : "below");
+    finding.message = fmt::format(
+        "GPS heights lie {:.1f} m {} the control heights (another height reference); heights of control are used",
+        std::abs(off.z()), off.z() > 0 ? "above" : "below");
     diagnosis.findings.push_back(finding);
     diagnosis.position_height_shift_m = -off.z();
   }
@@ -263,11 +277,14 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
   for (const auto& [id, point] : bundle::intersect_control(block, diagnosis)) {
     const ControlPoint& control = block.control.at(id);
     if (!control.sigma_m.allFinite()) continue;  // partial control cannot be compared by a similarity
-    places.push_back({id, {point, control.position_in_world, std::sqrt(control.sigma_m.squaredNorm() / 3)}, control.position_in_map});
+    places.push_back({id,
+                      {point, control.position_in_world, std::sqrt(control.sigma_m.squaredNorm() / 3)},
+                      control.position_in_map});
   }
   if (axes_are_swapped(block, places)) {
     Finding finding{"control_axes_swapped", Finding::kError, {}, {}, {}, 0, "m"};
-    finding.message = "the control fits the images only with eastings and northings exchanged: its columns are in the other order";
+    finding.message =
+        "the control fits the images only with eastings and northings exchanged: its columns are in the other order";
     diagnosis.findings.push_back(finding);
     diagnosis.axes_swapped = true;
     return diagnosis;
@@ -288,7 +305,8 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
 void apply(const ControlDiagnosis& diagnosis, Block& block) {
   std::vector<ControlObservation> kept;
   for (std::size_t i = 0; i < block.control_observations.size(); ++i)
-    if (!diagnosis.excluded_observations.contains(i) && !diagnosis.excluded_points.contains(block.control_observations[i].point))
+    if (!diagnosis.excluded_observations.contains(i) &&
+        !diagnosis.excluded_points.contains(block.control_observations[i].point))
       kept.push_back(block.control_observations[i]);
   block.control_observations = std::move(kept);
   for (auto& [id, image] : block.images) {

@@ -29,8 +29,8 @@ struct Finding {
   std::string message;
   std::optional<ControlId> point;
   std::optional<ImageId> image;
-  double size = 0;      ///< of what is wrong
-  std::string unit;     ///< of size: "px" or "m"
+  double size = 0;   ///< of what is wrong
+  std::string unit;  ///< of size: "px" or "m"
 };
 
 /// What was found and what should be done about it before the block is adjusted.
@@ -43,16 +43,16 @@ struct ControlDiagnosis {
   bool axes_swapped = false;           ///< read the control again with eastings and northings exchanged
 };
 
-/// Looks for blunders in the control of an oriented block in any frame, before it is adjusted (of check points, only their
-/// image measurements are looked at; they decide nothing):
-/// image measurements by intersecting each point without one of its rays (a difference of more than six sigmas, three
-/// pixels and four times the rest); coordinates by a robust similarity of the block to the points (four and more), or by the
-/// camera positions when there are fewer; exchanged axes by fitting both ways (exact in flat ground only with
-/// the help of positions or of the cameras' upright); constant offsets of camera positions by the median difference after that fit.
+/// Looks for blunders in the control of an oriented block in any frame, before it is adjusted (of check points, only
+/// their image measurements are looked at; they decide nothing): image measurements by intersecting each point without
+/// one of its rays (a difference of more than six sigmas, three pixels and four times the rest); coordinates by a
+/// robust similarity of the block to the points (four and more), or by the camera positions when there are fewer;
+/// exchanged axes by fitting both ways (exact in flat ground only with the help of positions or of the cameras'
+/// upright); constant offsets of camera positions by the median difference after that fit.
 [[nodiscard]] ControlDiagnosis check_control(const Block& block, std::uint64_t seed = 1);
 
-/// Does what the diagnosis recommends: removes excluded measurements (all those of an excluded point), shifts the heights of
-/// positions, removes positions that are unusable. Exchanged axes are left to the reader of the control.
+/// Does what the diagnosis recommends: removes excluded measurements (all those of an excluded point), shifts the
+/// heights of positions, removes positions that are unusable. Exchanged axes are left to the reader of the control.
 void apply(const ControlDiagnosis& diagnosis, Block& block);
 
 }  // namespace collinea

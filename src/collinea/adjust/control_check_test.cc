@@ -14,7 +14,8 @@ using testing::test_block;
 
 // A realistic block: noise, positions of 2 m, nine points. The frame is arbitrary: the check must not care.
 Block block_with_control(int control = 9, bool own_frame = true, std::uint64_t seed = 1) {
-  Block block = test_block({.rows = 3, .columns = 5, .sigma_px = 0.5, .position_sigma_m = 2, .control = control, .seed = seed});
+  Block block =
+      test_block({.rows = 3, .columns = 5, .sigma_px = 0.5, .position_sigma_m = 2, .control = control, .seed = seed});
   if (own_frame) transform(block, {0.1, rotation_by({1, 2, 0.4}), {5, 6, 7}});
   return block;
 }
@@ -83,7 +84,8 @@ TEST(CheckControl, APointAHundredMetresOffIsNamed) {
     EXPECT_EQ(diagnosis.findings.front().code, "control_point");
     EXPECT_EQ(diagnosis.findings.front().point, id);
     EXPECT_NEAR(diagnosis.findings.front().size, 100, 2);
-    EXPECT_NE(diagnosis.findings.front().message.find("in plan"), std::string::npos) << diagnosis.findings.front().message;
+    EXPECT_NE(diagnosis.findings.front().message.find("in plan"), std::string::npos)
+        << diagnosis.findings.front().message;
     EXPECT_EQ(diagnosis.excluded_points, std::set<ControlId>{id});
   }
 }

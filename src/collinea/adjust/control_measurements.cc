@@ -22,8 +22,8 @@ double largest_residual_px(const Intersection& met) {
 
 struct Suspect {
   std::size_t line;
-  double off_px = 0;        // from where the other rays see the point
-  double rest_px = 0;       // largest residual of the others
+  double off_px = 0;   // from where the other rays see the point
+  double rest_px = 0;  // largest residual of the others
 };
 
 // The ray without which the others agree best, and how far it is off then.
@@ -51,15 +51,18 @@ bool is_wrong(const Suspect& suspect, double sigma_px, std::size_t lines) {
 
 Finding wrong_measurement(const Block& block, const ControlPoint& control, ControlId id, ImageId image, double off_px) {
   Finding finding{"control_measurement", Finding::kWarning, {}, id, image, off_px, "px"};
-  finding.message = fmt::format("{} in {} is off by {:.0f} px: the other images see it elsewhere; this measurement is not used",
-                                control.name, block.images.at(image).file, off_px);
+  finding.message =
+      fmt::format("{} in {} is off by {:.0f} px: the other images see it elsewhere; this measurement is not used",
+                  control.name, block.images.at(image).file, off_px);
   return finding;
 }
 
 Finding disagreement(const ControlPoint& control, ControlId id, std::size_t images, double off_px) {
   Finding finding{"control_measurements_disagree", Finding::kWarning, {}, id, {}, off_px, "px"};
-  finding.message = fmt::format("the measurements of {} in {} images miss each other by up to {:.0f} px, and too few are "
-                                "there to tell which is wrong; the point is not used", control.name, images, off_px);
+  finding.message = fmt::format(
+      "the measurements of {} in {} images miss each other by up to {:.0f} px, and too few are "
+      "there to tell which is wrong; the point is not used",
+      control.name, images, off_px);
   return finding;
 }
 

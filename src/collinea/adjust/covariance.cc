@@ -30,7 +30,8 @@ struct Dependence {
 Eigen::MatrixXd block_of(TileCholesky& inverse, int row, int rows, int column, int columns) {
   Eigen::MatrixXd block(rows, columns);
   for (int c = 0; c < columns; ++c)
-    for (int r = 0; r < rows; ++r) block(r, c) = inverse.at(std::max(row + r, column + c), std::min(row + r, column + c));
+    for (int r = 0; r < rows; ++r)
+      block(r, c) = inverse.at(std::max(row + r, column + c), std::min(row + r, column + c));
   return block;
 }
 
@@ -44,7 +45,8 @@ Eigen::Matrix3d point_covariance(const Problem& problem, const State& state, std
     const Ray& ray = problem.rays[r];
     const int camera = problem.images[ray.image].camera;
     LinearRay linear;
-    linearise(ray, state.frames[ray.image], state.lenses[camera], &state.points[3 * p], problem.loss_of(point), &linear);
+    linearise(ray, state.frames[ray.image], state.lenses[camera], &state.points[3 * p], problem.loss_of(point),
+              &linear);
     normals.add(linear);
     const Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> a(linear.by_point), turn(linear.by_rotation);
     if (static_cast<int>(ray.image) < problem.poses) {
@@ -74,7 +76,8 @@ Eigen::Matrix3d point_covariance(const Problem& problem, const State& state, std
   Eigen::Matrix3d middle = Eigen::Matrix3d::Identity();
   for (const Dependence& one : dependences)
     for (const Dependence& other : dependences)
-      middle += one.z.transpose() * block_of(inverse, one.row, int(one.z.rows()), other.row, int(other.z.rows())) * other.z;
+      middle +=
+          one.z.transpose() * block_of(inverse, one.row, int(one.z.rows()), other.row, int(other.z.rows())) * other.z;
   for (int pass = 0; pass < 2; ++pass) {
     for (int c = 0; c < 3; ++c) normals.backward(middle.col(c).data());
     middle.transposeInPlace();
@@ -90,7 +93,8 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   normals.accumulate(state, 0, run, kDatumStiffness);
   TileCholesky& matrix = normals.matrix();
   if (!matrix.factor(run, kLeastPivot)) {
-    adjusted.undetermined = name_of_unknown(block, problem, matrix.failed_row()) + " is not determined by the observations";
+    adjusted.undetermined =
+        name_of_unknown(block, problem, matrix.failed_row()) + " is not determined by the observations";
     return;
   }
   if (run.stopped()) return;
@@ -98,7 +102,8 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   for (int i = 0; i < problem.poses; ++i) {
     Matrix6d to_world = Matrix6d::Identity();
     to_world.topLeftCorner<3, 3>() = state.rotations[i].conjugate().toRotationMatrix();
-    adjusted.pose_covariance[problem.images[i].id] = to_world * block_of(matrix, 6 * i, 6, 6 * i, 6) * to_world.transpose();
+    adjusted.pose_covariance[problem.images[i].id] =
+        to_world * block_of(matrix, 6 * i, 6, 6 * i, 6) * to_world.transpose();
   }
   for (const ProblemCamera& camera : problem.cameras) {
     if (camera.free.empty()) continue;

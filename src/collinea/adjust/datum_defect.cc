@@ -102,10 +102,12 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
       its.add(place, (Eigen::Map<const Eigen::Array3d>(inverse_sigma) > 0).cast<double>());
       its.control = true;
     }
-    if (point.first_ray < point.first_free && !point.held) {  // seen by held images: their rays fix the point's direction
+    if (point.first_ray < point.first_free &&
+        !point.held) {  // seen by held images: their rays fix the point's direction
       for (std::uint32_t r = point.first_ray; r < point.first_free; ++r) {
         const Eigen::Vector3d ray = (place - centre_in(state, problem.rays[r].image)).normalized();
-        const Matrix37 g = (Eigen::Matrix3d::Identity() - ray * ray.transpose()) * motion_of(place, its.centre, its.size);
+        const Matrix37 g =
+            (Eigen::Matrix3d::Identity() - ray * ray.transpose()) * motion_of(place, its.centre, its.size);
         its.seen += g.transpose() * g;
       }
       its.held = true;
@@ -116,7 +118,8 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
 // Up to kDatumImages poses of the part, each as far as possible from those before.
 std::vector<int> spread_poses(const Part& part, const State& state) {
   std::vector<double> distance(part.poses.size());
-  for (std::size_t i = 0; i < distance.size(); ++i) distance[i] = (centre_in(state, part.poses[i]) - part.centre).norm();
+  for (std::size_t i = 0; i < distance.size(); ++i)
+    distance[i] = (centre_in(state, part.poses[i]) - part.centre).norm();
   std::vector<int> chosen;
   while (chosen.size() < std::min(kDatumImages, part.poses.size())) {
     const auto far = std::max_element(distance.begin(), distance.end()) - distance.begin();
@@ -184,7 +187,8 @@ void find_datum(Problem& problem, const State& start) {
       ++problem.rank_defect;
     }
   }
-  problem.moves_as_one = parts.size() == 1 && !parts.front().held && problem.images.size() == parts.front().poses.size();
+  problem.moves_as_one =
+      parts.size() == 1 && !parts.front().held && problem.images.size() == parts.front().poses.size();
   problem.datum_text = describe_datum(parts, problem.rank_defect);
 }
 

@@ -27,15 +27,21 @@ std::optional<std::vector<int>> free_params(const std::string& calibration) {
 // Standard deviations of the weak observations of calibration.
 double weak_sigma(const Camera& camera, int param) {
   switch (param) {
-    case Camera::kF: return camera.sigma_f_px;
+    case Camera::kF:
+      return camera.sigma_f_px;
     case Camera::kCx:
-    case Camera::kCy: return 0.03 * camera.width_px;
-    case Camera::kK1: return 0.2;
+    case Camera::kCy:
+      return 0.03 * camera.width_px;
+    case Camera::kK1:
+      return 0.2;
     case Camera::kK2:
-    case Camera::kK3: return 0.5;
+    case Camera::kK3:
+      return 0.5;
     case Camera::kP1:
-    case Camera::kP2: return 0.01;
-    default: return 0.005 * camera.focal_px();
+    case Camera::kP2:
+      return 0.01;
+    default:
+      return 0.005 * camera.focal_px();
   }
 }
 
@@ -79,7 +85,8 @@ class Gatherer {
 
   Result<std::vector<int>> camera_freedom() const {
     auto free = free_params(options_.calibration);
-    if (!free) return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
+    if (!free)
+      return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
     return *std::move(free);
   }
 
@@ -103,8 +110,8 @@ class Gatherer {
     if (!(observed.sigma_px > 0) || !std::isfinite(observed.sigma_px) || !observed.pixel.allFinite())
       return fail(Errc::kBadInput, "an observation in " + block_.images.at(observed.image).file +
                                        " has no finite coordinates with a positive standard deviation");
-    rays_.push_back({{observed.pixel.x(), observed.pixel.y()}, 1 / observed.sigma_px, image,
-                     static_cast<std::uint32_t>(source)});
+    rays_.push_back(
+        {{observed.pixel.x(), observed.pixel.y()}, 1 / observed.sigma_px, image, static_cast<std::uint32_t>(source)});
     return {};
   }
 
@@ -113,7 +120,8 @@ class Gatherer {
     const auto begin = rays_.begin() + point.first_ray;
     const auto by_image = [](const Ray& a, const Ray& b) { return a.image < b.image; };
     if (!std::is_sorted(begin, rays_.end(), by_image)) std::stable_sort(begin, rays_.end(), by_image);
-    rays_.erase(std::unique(begin, rays_.end(), [](const Ray& a, const Ray& b) { return a.image == b.image; }), rays_.end());
+    rays_.erase(std::unique(begin, rays_.end(), [](const Ray& a, const Ray& b) { return a.image == b.image; }),
+                rays_.end());
     bool wanted = !scope_.free_images;
     for (auto ray = begin; ray != rays_.end() && !wanted; ++ray) wanted = candidates_[ray->image].free;
     if (begin == rays_.end() || !wanted) {
@@ -325,8 +333,8 @@ class Gatherer {
       if (!image.position) continue;
       if (!(image.position->sigma_m.minCoeff() > 0))
         return fail(Errc::kBadInput, "the position of " + image.file + " has no positive standard deviation");
-      problem.positions.push_back({static_cast<std::uint32_t>(i), image.position->position_in_world,
-                                   image.position->sigma_m.cwiseInverse()});
+      problem.positions.push_back(
+          {static_cast<std::uint32_t>(i), image.position->position_in_world, image.position->sigma_m.cwiseInverse()});
     }
     return {};
   }
@@ -374,14 +382,16 @@ class Gatherer {
 
 Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre) {
   const Eigen::Matrix3d r = rotation.toRotationMatrix();
-  return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2), centre[0], centre[1], centre[2]};
+  return {r(0, 0), r(0, 1), r(0, 2), r(1, 0),   r(1, 1),   r(1, 2),
+          r(2, 0), r(2, 1), r(2, 2), centre[0], centre[1], centre[2]};
 }
 
 Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, const AdjustOptions& options) {
   const auto tie_loss = loss_named(options.loss, options.loss_scale_sigmas);
   const auto position_loss = loss_named(options.position_loss, options.position_loss_scale_sigmas);
   if (!tie_loss || !position_loss)
-    return fail(Errc::kBadInput, "loss = \"" + (tie_loss ? options.position_loss : options.loss) + "\": there is no such loss");
+    return fail(Errc::kBadInput,
+                "loss = \"" + (tie_loss ? options.position_loss : options.loss) + "\": there is no such loss");
   COLLINEA_TRY(ProblemAndStart gathered, Gatherer(block, scope, options).gather());
   gathered.problem.tie_loss = *tie_loss;
   gathered.problem.position_loss = *position_loss;

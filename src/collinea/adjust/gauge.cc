@@ -24,9 +24,11 @@ Eigen::Vector3d centre_in(const State& state, std::size_t image) {
 }
 
 // The observations of place, of a block moved by `moved`, and their derivatives by a further motion.
-GaugeNormals normals_at(const Problem& problem, const State& state, const Similarity3& moved, const Eigen::Vector3d& centre, double size) {
+GaugeNormals normals_at(const Problem& problem, const State& state, const Similarity3& moved,
+                        const Eigen::Vector3d& centre, double size) {
   GaugeNormals normals;
-  const auto add = [&](const Eigen::Vector3d& place, const Eigen::Vector3d& given, const Eigen::Vector3d& inverse_sigma, const Loss& loss) {
+  const auto add = [&](const Eigen::Vector3d& place, const Eigen::Vector3d& given, const Eigen::Vector3d& inverse_sigma,
+                       const Loss& loss) {
     const Eigen::Vector3d now = moved * place, residual = (given - now).cwiseProduct(inverse_sigma);
     const Matrix37 by_motion = (size * inverse_sigma).asDiagonal() * motion_of(now, centre, size);
     const double s = residual.squaredNorm(), weight = loss.weight(s);

@@ -35,7 +35,8 @@ struct Normals {
   bool seen = true;
 };
 
-Normals normals_at(std::span<const SightLine> lines, const Eigen::Vector3d& point, std::vector<Eigen::Vector2d>* residuals) {
+Normals normals_at(std::span<const SightLine> lines, const Eigen::Vector3d& point,
+                   std::vector<Eigen::Vector2d>* residuals) {
   Normals normals;
   if (residuals) residuals->clear();
   for (const SightLine& line : lines) {

@@ -11,9 +11,9 @@ namespace collinea::bundle {
 /// A residual beyond any hope, given to observations whose point is not seen by its image [px].
 inline constexpr double kLost_px = 100;
 
-/// One observation at the current unknowns, everything times weight^1/2: residual = observed - computed, derivatives of the
-/// computed pixel. The centre's derivative is minus by_point. The rotation is by e in the camera frame:
-/// new cam_from_world = rotation_by(e) * cam_from_world.
+/// One observation at the current unknowns, everything times weight^1/2: residual = observed - computed, derivatives of
+/// the computed pixel. The centre's derivative is minus by_point. The rotation is by e in the camera frame: new
+/// cam_from_world = rotation_by(e) * cam_from_world.
 struct LinearRay {
   double residual[2];
   double by_rotation[6];  // 2 x 3 by rows
@@ -42,7 +42,8 @@ inline double cost_of(const Ray& ray, const Frame& frame, const Lens& lens, cons
   Projected at;
   to_camera(frame, point, in_cam);
   if (!project(lens, in_cam, &at)) return lost_cost(ray, loss);
-  const double u = (ray.pixel[0] - at.pixel[0]) * ray.inverse_sigma, v = (ray.pixel[1] - at.pixel[1]) * ray.inverse_sigma;
+  const double u = (ray.pixel[0] - at.pixel[0]) * ray.inverse_sigma,
+               v = (ray.pixel[1] - at.pixel[1]) * ray.inverse_sigma;
   return loss.cost(u * u + v * v);
 }
 

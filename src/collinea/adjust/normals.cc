@@ -139,7 +139,8 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
   Run serial;
   const Run& threads = problem_.rays.size() >= kRaysWorthThreads ? run : serial;
   for (std::size_t b = 0; b < batches_.size() && !run.stopped(); ++b) {
-    parallel_for(threads, chunks_.size(), [&](std::size_t chunk) { linearise_points(state, lambda, batches_[b], chunk); });
+    parallel_for(threads, chunks_.size(),
+                 [&](std::size_t chunk) { linearise_points(state, lambda, batches_[b], chunk); });
     parallel_for(threads, static_cast<std::size_t>(matrix_.tile_rows()),
                  [&](std::size_t row) { add_row(batches_[b], b, row); });
   }
@@ -200,7 +201,8 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
 }
 
 // Camera normals of one ray: matrix += B^T B, right += B^T r, and Wc += B^T A of its point (unless held).
-void Normals::add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc, BorderSums& sums) const {
+void Normals::add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc,
+                             BorderSums& sums) const {
   const std::size_t count = camera.free.size();
   for (std::size_t i = 0; i < count; ++i) {
     const double b0 = b[i], b1 = b[count + i];
@@ -209,13 +211,15 @@ void Normals::add_camera_ray(const LinearRay& linear, const ProblemCamera& camer
     const std::size_t row = static_cast<std::size_t>(camera.border) + i;
     sums.right[row] += b0 * linear.residual[0] + b1 * linear.residual[1];
     sums.diagonal[row] += b0 * b0 + b1 * b1;
-    double* out = &sums.matrix[row * static_cast<std::size_t>(problem_.border) + static_cast<std::size_t>(camera.border)];
+    double* out =
+        &sums.matrix[row * static_cast<std::size_t>(problem_.border) + static_cast<std::size_t>(camera.border)];
     for (std::size_t k = 0; k <= i; ++k) out[k] += b0 * b[k] + b1 * b[count + k];
   }
 }
 
 // Eliminates the point from the equations of the cameras: Zc = Wc L^-T; matrix -= Zc Zc'^T, right -= Zc y.
-void Normals::reduce_cameras(std::size_t p, const PointNormals& normals, const double* y, const Batch& batch, BorderSums& sums) {
+void Normals::reduce_cameras(std::size_t p, const PointNormals& normals, const double* y, const Batch& batch,
+                             BorderSums& sums) {
   const auto border = static_cast<std::size_t>(problem_.border), width = static_cast<std::size_t>(widest_camera_);
   double* zc = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
   const int* cameras = cameras_of_point_.data() + camera_begin_[p];
@@ -234,7 +238,8 @@ void Normals::reduce_cameras(std::size_t p, const PointNormals& normals, const d
       if (other.border > one.border) continue;
       for (std::size_t i = 0; i < one.free.size(); ++i) {
         const double* z = zc + 3 * (a * width + i);
-        double* out = &sums.matrix[(static_cast<std::size_t>(one.border) + i) * border + static_cast<std::size_t>(other.border)];
+        double* out =
+            &sums.matrix[(static_cast<std::size_t>(one.border) + i) * border + static_cast<std::size_t>(other.border)];
         const std::size_t end = a == b ? i + 1 : other.free.size();
         for (std::size_t k = 0; k < end; ++k) {
           const double* q = zc + 3 * (b * width + k);
@@ -263,7 +268,8 @@ void Normals::add_pose_ray(const Batch& batch, std::uint32_t r, std::vector<doub
   for (std::uint32_t other = first_of_ray_[r]; other <= r; ++other)
     blocks.push_back(&matrix_.at(6 * pose, 6 * static_cast<int>(problem_.rays[other].image)));
   bundle::add_pose_ray(ray, &matrix_.at(6 * pose, 6 * pose), right, diagonal, blocks.data(),
-                       blocks.empty() ? nullptr : &pose_rays_[first_of_ray_[r] - base], static_cast<int>(blocks.size()));
+                       blocks.empty() ? nullptr : &pose_rays_[first_of_ray_[r] - base],
+                       static_cast<int>(blocks.size()));
 }
 
 void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
@@ -318,7 +324,8 @@ double Normals::add_weak_cameras(const State& state) {
   return cost;
 }
 
-// A heavy weight on motions that no observation sees: it changes which of many equal solutions is taken, not the residuals.
+// A heavy weight on motions that no observation sees: it changes which of many equal solutions is taken, not the
+// residuals.
 void Normals::add_datum(double stiffness) {
   for (const DatumConstraint& datum : problem_.datum) {
     double known = 0;

@@ -12,8 +12,8 @@ namespace collinea::bundle {
 /// Below this a problem is done before threads have started.
 inline constexpr std::size_t kRaysWorthThreads = 3000;
 
-/// The reduced normal equations of poses and cameras (points eliminated). Work is cut into batches of points that stay in
-/// the cache; within a batch first every point, then every row of tiles is one item, so that sums have one order
+/// The reduced normal equations of poses and cameras (points eliminated). Work is cut into batches of points that stay
+/// in the cache; within a batch first every point, then every row of tiles is one item, so that sums have one order
 /// whatever the number of threads.
 class Normals {
  public:
@@ -39,8 +39,10 @@ class Normals {
   void index_rows();
   void linearise_points(const State& state, double lambda, const Batch& batch, std::size_t chunk);
   void linearise_point(const State& state, double lambda, const Batch& batch, std::size_t point, BorderSums& sums);
-  void add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc, BorderSums& sums) const;
-  void reduce_cameras(std::size_t point, const PointNormals& normals, const double* y, const Batch& batch, BorderSums& sums);
+  void add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc,
+                      BorderSums& sums) const;
+  void reduce_cameras(std::size_t point, const PointNormals& normals, const double* y, const Batch& batch,
+                      BorderSums& sums);
   void add_row(const Batch& batch, std::size_t batch_number, std::size_t tile_row);
   void add_pose_ray(const Batch& batch, std::uint32_t ray, std::vector<double*>& blocks);
   void add_pose_cameras(const Batch& batch, std::uint32_t ray);
@@ -51,14 +53,14 @@ class Normals {
 
   const Problem& problem_;
   TileCholesky matrix_;
-  std::vector<double> right_, diagonal_;   // of poses and cameras
-  std::vector<double> pose_camera_;        // 6 x border of each pose, by columns of 6
+  std::vector<double> right_, diagonal_;  // of poses and cameras
+  std::vector<double> pose_camera_;       // 6 x border of each pose, by columns of 6
   std::vector<BorderSums> chunks_;
   BorderSums border_;
   std::vector<Batch> batches_;
   std::vector<std::uint32_t> row_begin_, row_rays_;  // rays of each batch and tile row
   std::vector<std::uint32_t> first_of_ray_, point_of_ray_;
-  std::vector<std::uint32_t> camera_begin_;          // of each point: the cameras its rays have, in cameras_of_point_
+  std::vector<std::uint32_t> camera_begin_;  // of each point: the cameras its rays have, in cameras_of_point_
   std::vector<int> cameras_of_point_;
   // Of the batch in work:
   std::vector<PoseRay> pose_rays_;

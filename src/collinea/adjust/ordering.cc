@@ -32,9 +32,8 @@ Graph covisibility(int images, const std::vector<std::uint32_t>& first, const st
       }
   }
   for (auto& neighbours : graph)
-    std::sort(neighbours.begin(), neighbours.end(), [&](int a, int b) {
-      return std::pair(graph[a].size(), a) < std::pair(graph[b].size(), b);
-    });
+    std::sort(neighbours.begin(), neighbours.end(),
+              [&](int a, int b) { return std::pair(graph[a].size(), a) < std::pair(graph[b].size(), b); });
   return graph;
 }
 

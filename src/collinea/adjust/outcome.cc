@@ -56,7 +56,8 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
       if (problem.point(p).control < 0) residuals.push_back({ray.source, px});
     }
   }
-  std::sort(residuals.begin(), residuals.end(), [](const Residual& a, const Residual& b) { return a.source < b.source; });
+  std::sort(residuals.begin(), residuals.end(),
+            [](const Residual& a, const Residual& b) { return a.source < b.source; });
   for (const Residual& residual : residuals) {
     adjusted.observations.push_back(residual.source);
     adjusted.residuals_px.push_back(residual.px);
@@ -81,7 +82,8 @@ double weak_camera_squares(const Problem& problem, const State& state) {
   double sum = 0;
   for (std::size_t i = 0; i < problem.cameras.size(); ++i)
     for (const int param : problem.cameras[i].free) {
-      const double residual = (state.cameras[i][param] - problem.cameras[i].given[param]) * problem.cameras[i].inverse_sigma[param];
+      const double residual =
+          (state.cameras[i][param] - problem.cameras[i].given[param]) * problem.cameras[i].inverse_sigma[param];
       sum += residual * residual;
     }
   return sum;
@@ -102,7 +104,8 @@ std::vector<SightLine> adjusted_sight_lines(const Block& block, const Adjusted& 
 }
 
 // Control and check points; answers the weighted squares of the control coordinates.
-double write_control(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state, Adjusted& adjusted) {
+double write_control(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
+                     Adjusted& adjusted) {
   std::map<ControlId, Eigen::Vector3d> estimated;
   double sum = 0;
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
@@ -130,7 +133,8 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
     if (difference.position_in_world) {
       difference.difference_m = *difference.position_in_world - control.position_in_world;
       for (std::size_t i = 0; i < lines.size(); ++i)
-        if (const auto pixel = collinea::project(*lines[i].camera, lines[i].cam_from_world * *difference.position_in_world))
+        if (const auto pixel =
+                collinea::project(*lines[i].camera, lines[i].cam_from_world * *difference.position_in_world))
           adjusted.control_residuals_px[places[i]] = lines[i].pixel - *pixel;
     }
     adjusted.control.push_back(difference);

@@ -21,7 +21,8 @@ struct Ray {
   std::uint32_t source;  ///< place in Block::observations or Block::control_observations
 };
 
-/// An image that takes part. Free images come first, in the order of elimination: image i is then pose i of the unknowns.
+/// An image that takes part. Free images come first, in the order of elimination: image i is then pose i of the
+/// unknowns.
 struct ProblemImage {
   ImageId id;
   int camera;  ///< number in Problem::cameras
@@ -29,10 +30,10 @@ struct ProblemImage {
 
 struct ProblemCamera {
   CameraId id;
-  int border = 0;                ///< where its unknowns begin among all camera unknowns
-  std::vector<int> free;         ///< Camera::Param of each unknown
-  std::array<double, Camera::kParams> given{};           ///< weak observations ...
-  std::array<double, Camera::kParams> inverse_sigma{};   ///< ... and their weights^1/2
+  int border = 0;                                       ///< where its unknowns begin among all camera unknowns
+  std::vector<int> free;                                ///< Camera::Param of each unknown
+  std::array<double, Camera::kParams> given{};          ///< weak observations ...
+  std::array<double, Camera::kParams> inverse_sigma{};  ///< ... and their weights^1/2
 };
 
 /// A tie point or control point with its rays in [first_ray, next point's first_ray): first those of held images, then
@@ -64,7 +65,7 @@ struct Problem {
   std::vector<ProblemImage> images;
   int poses = 0;  ///< free images
   std::vector<ProblemCamera> cameras;
-  int border = 0;  ///< unknowns of all cameras
+  int border = 0;                    ///< unknowns of all cameras
   std::vector<ProblemPoint> points;  ///< ordered by their first free image; one more at the end closes the last
   std::vector<Ray> rays;
   std::vector<ControlCoordinates> control;
@@ -76,7 +77,7 @@ struct Problem {
   std::vector<ImageId> images_left_out;
   bool moves_as_one = false;      ///< one connected part, nothing held: the block can be moved as a whole
   std::size_t first_control = 0;  ///< no point before this one is a control point
-  double extent_m = 0;  ///< size of the block
+  double extent_m = 0;            ///< size of the block
   Loss tie_loss, position_loss;
   long observation_count = 0, unknown_count = 0;
 
@@ -107,10 +108,11 @@ struct ProblemAndStart {
 };
 
 /// Gathers what takes part. Errors as adjust() says.
-[[nodiscard]] Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, const AdjustOptions& options);
+[[nodiscard]] Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope,
+                                             const AdjustOptions& options);
 
-/// Orders the free images so that images which share points are close together (reverse Cuthill-McKee), given the images
-/// of every point by CSR; answers the new number of each.
+/// Orders the free images so that images which share points are close together (reverse Cuthill-McKee), given the
+/// images of every point by CSR; answers the new number of each.
 [[nodiscard]] std::vector<int> elimination_order(int images, const std::vector<std::uint32_t>& first,
                                                  const std::vector<int>& image_of_ray);
 

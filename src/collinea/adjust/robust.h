@@ -17,7 +17,8 @@ struct Loss {
   enum Kind { kNone, kHuber, kCauchy };
   Kind kind = kNone;
   double scale = 1;  ///< k [sigmas]
-  /// Bound from below of curvature(). 1: plain reweighting, safe far from the solution; lower: close to Newton's method.
+  /// Bound from below of curvature(). 1: plain reweighting, safe far from the solution; lower: close to Newton's
+  /// method.
   double least_curvature = 1;
 
   [[nodiscard]] double cost(double s) const {

@@ -54,7 +54,8 @@ std::optional<Similarity3> least_median(const std::vector<PlacePair>& pairs, std
 }
 
 // Pairs count fully within their robust standard deviation times three, beyond not at all.
-std::optional<Similarity3> refined(const std::vector<PlacePair>& pairs, Similarity3 world_from_block, std::vector<double>& weights) {
+std::optional<Similarity3> refined(const std::vector<PlacePair>& pairs, Similarity3 world_from_block,
+                                   std::vector<double>& weights) {
   for (int round = 0; round < 10; ++round) {
     const std::vector<double> distance = distances(pairs, world_from_block);
     const double scatter = middle(distance) / 1.54;  // median of the length of a normal 3-vector
@@ -82,7 +83,8 @@ bool span_a_plane(const std::vector<PlacePair>& pairs) {
     spread += (pair.in_world - mean) * (pair.in_world - mean).transpose();
     variance += pair.sigma_m * pair.sigma_m / double(pairs.size());
   }
-  const Eigen::Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues() / double(pairs.size());
+  const Eigen::Vector3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues() / double(pairs.size());
   return axes[1] > 1e-6 * axes[2] && axes[1] > 4 * variance / double(pairs.size());
 }
 

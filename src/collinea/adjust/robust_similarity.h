@@ -26,7 +26,8 @@ struct RobustSimilarity {
 
 /// Least median of squares over triples, then least squares of those within three robust standard deviations. Nothing
 /// with fewer than three pairs or when those that agree lie on one line.
-[[nodiscard]] std::optional<RobustSimilarity> robust_similarity(const std::vector<PlacePair>& pairs, std::uint64_t seed);
+[[nodiscard]] std::optional<RobustSimilarity> robust_similarity(const std::vector<PlacePair>& pairs,
+                                                                std::uint64_t seed);
 
 [[nodiscard]] std::vector<double> distances(const std::vector<PlacePair>& pairs, const Similarity3& world_from_block);
 

@@ -43,7 +43,8 @@ State with_reduced_moved(const Problem& problem, const State& state, Step& step)
 double squared(const double* residual) { return residual[0] * residual[0] + residual[1] * residual[1]; }
 
 // r := r - J d - B dc: the residual after the step of image and camera, by the linear model.
-void take_step_of_image(const Problem& problem, const State& state, const Step& step, const Ray& ray, LinearRay& linear) {
+void take_step_of_image(const Problem& problem, const State& state, const Step& step, const Ray& ray,
+                        LinearRay& linear) {
   if (static_cast<int>(ray.image) < problem.poses) {
     const double* d = &step.reduced[6ul * ray.image];
     for (int row = 0; row < 2; ++row) {
@@ -110,7 +111,8 @@ double settle_point(const Problem& problem, const State& state, std::size_t p, d
 }
 
 // V d = A^T (r - J d - B dc) for the point; the promise is |r|^2 - |r - J d - B dc - A dp|^2.
-Sums move_point(const Problem& problem, const State& state, double lambda, const Step& step, std::size_t p, State& next) {
+Sums move_point(const Problem& problem, const State& state, double lambda, const Step& step, std::size_t p,
+                State& next) {
   const ProblemPoint& point = problem.point(p);
   const Loss loss = problem.loss_of(point);
   const double* position = &state.points[3 * p];
@@ -121,7 +123,8 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
     LinearRay linear;
-    before += linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
+    before += linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss,
+                        &linear);
     sums.promised += squared(linear.residual);
     take_step_of_image(problem, state, step, ray, linear);
     sums.promised -= squared(linear.residual);
@@ -140,7 +143,8 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
     for (int c = 0; c < 3; ++c) target[c] = position[c] + d[c];
   }
   sums.cost = cost_of_point(problem, next, p, target);
-  // Where the linear model was wrong (outliers, a step too far) a few steps of the point alone are cheaper than another of all.
+  // Where the linear model was wrong (outliers, a step too far) a few steps of the point alone are cheaper than another
+  // of all.
   const double surprise = std::abs(before - sums.cost - sums.promised);
   if (!point.held && surprise > std::max(kSurprise, 0.3 * std::abs(sums.promised))) {
     const double stayed = cost_of_point(problem, next, p, position);
@@ -156,12 +160,15 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
 Sums of_positions(const Problem& problem, const State& state, const State& next, const Step& step) {
   Sums sums;
   for (const GivenPosition& position : problem.positions) {
-    const Eigen::Vector3d centre(state.frames[position.image].data() + 9), after(next.frames[position.image].data() + 9);
+    const Eigen::Vector3d centre(state.frames[position.image].data() + 9),
+        after(next.frames[position.image].data() + 9);
     const Eigen::Vector3d residual = (position.given - centre).cwiseProduct(position.inverse_sigma);
     const Eigen::Vector3d d(&step.reduced[6ul * position.image + 3]);
     const double s = residual.squaredNorm();
-    sums.cost += problem.position_loss.cost((position.given - after).cwiseProduct(position.inverse_sigma).squaredNorm());
-    sums.promised += problem.position_loss.weight(s) * (s - (residual - d.cwiseProduct(position.inverse_sigma)).squaredNorm());
+    sums.cost +=
+        problem.position_loss.cost((position.given - after).cwiseProduct(position.inverse_sigma).squaredNorm());
+    sums.promised +=
+        problem.position_loss.weight(s) * (s - (residual - d.cwiseProduct(position.inverse_sigma)).squaredNorm());
   }
   return sums;
 }

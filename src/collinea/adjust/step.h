@@ -10,9 +10,9 @@ namespace collinea::bundle {
 /// A step of all unknowns and what came of it.
 struct Step {
   std::vector<double> reduced;  ///< 6 of each pose (rotation in the camera frame, centre), then the cameras
-  double squared_length = 0;    ///< of `reduced` in the metric of the reduced normal matrix: squared standard deviations
-  double promised = 0;          ///< decrease of the cost by the linear model
-  double cost = 0;              ///< after the step
+  double squared_length = 0;  ///< of `reduced` in the metric of the reduced normal matrix: squared standard deviations
+  double promised = 0;        ///< decrease of the cost by the linear model
+  double cost = 0;            ///< after the step
   double largest_turn_rad = 0, largest_move_m = 0;
 };
 

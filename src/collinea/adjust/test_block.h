@@ -13,12 +13,12 @@
 namespace collinea::testing {
 
 struct TestBlockOptions {
-  int rows = 3, columns = 4;       ///< images, in strips
+  int rows = 3, columns = 4;  ///< images, in strips
   int points = 200;
   double height_m = 60, spacing_m = 15, relief_m = 8;
-  double sigma_px = 0;             ///< noise added to every measurement; 1 is written as sigma when 0
-  double position_sigma_m = 0;     ///< 0: no GNSS positions
-  int control = 0;                 ///< control points, every third one a check point
+  double sigma_px = 0;          ///< noise added to every measurement; 1 is written as sigma when 0
+  double position_sigma_m = 0;  ///< 0: no GNSS positions
+  int control = 0;              ///< control points, every third one a check point
   double control_sigma_m = 0.01;
   double tilt_rad = 0.15;
   std::uint64_t seed = 1;

@@ -52,7 +52,8 @@ TEST(TileCholesky, SolvesAndInvertsLikeADenseOne) {
     double worst = 0;
     for (int c = 0; c < size; ++c)
       for (int r = c; r < size; ++r)
-        if (c / kTile >= e.tiles.first_tile(r / kTile)) worst = std::max(worst, std::abs(e.tiles.at(r, c) - inverse(r, c)));
+        if (c / kTile >= e.tiles.first_tile(r / kTile))
+          worst = std::max(worst, std::abs(e.tiles.at(r, c) - inverse(r, c)));
     EXPECT_LT(worst, 1e-13);
   }
 }
@@ -121,7 +122,10 @@ TEST(TileKernels, EveryInstructionSetAgreesWithPlainLoops) {
         }
       }
       for (int k = 0; k < 2; ++k)
-        EXPECT_NEAR(columns[6 * k + r], j[r] * a[k] + j[6 + r] * a[2 + k] - z[r] * b[3 * k] - z[6 + r] * b[3 * k + 1] - z[12 + r] * b[3 * k + 2], 1e-13);
+        EXPECT_NEAR(
+            columns[6 * k + r],
+            j[r] * a[k] + j[6 + r] * a[2 + k] - z[r] * b[3 * k] - z[6 + r] * b[3 * k + 1] - z[12 + r] * b[3 * k + 2],
+            1e-13);
     }
     for (int r = 6; r < kTile; ++r) EXPECT_EQ(diagonal_block[r], 2.0);  // nothing beyond the six rows
   }

@@ -91,8 +91,8 @@ HWY_INLINE Six Add(const Six& a, double b, const Six& sum) {
           hn::MulAdd(a.last, hn::Set(kLast, b), sum.last)};
 }
 HWY_INLINE Six Subtract(const Six& a, double b, const Six& sum) {
-  return {hn::NegMulAdd(a.first, hn::Set(kFirst, b), sum.first), hn::NegMulAdd(a.middle, hn::Set(kFirst, b), sum.middle),
-          hn::NegMulAdd(a.last, hn::Set(kLast, b), sum.last)};
+  return {hn::NegMulAdd(a.first, hn::Set(kFirst, b), sum.first),
+          hn::NegMulAdd(a.middle, hn::Set(kFirst, b), sum.middle), hn::NegMulAdd(a.last, hn::Set(kLast, b), sum.last)};
 }
 HWY_INLINE Six AddSquare(const Six& a, const Six& sum) {
   return {hn::MulAdd(a.first, a.first, sum.first), hn::MulAdd(a.middle, a.middle, sum.middle),

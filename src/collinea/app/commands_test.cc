@@ -34,9 +34,10 @@ Outcome collinea_with(std::vector<std::string> arguments) {
 
 // A folder with three small photographs of a made-up village in images/.
 void simulate_into(const std::string& folder) {
-  const Outcome made = collinea_with({"simulate", folder, "--strips", "1", "--images-per-strip", "3", "--cross-strips", "0", "--width-px",
-                                      "160", "--height-px", "120", "--gsd-m", "0.5", "--control-points", "2", "--check-points", "1",
-                                      "--progress", "none"});
+  const Outcome made = collinea_with({"simulate",       folder, "--strips",         "1",   "--images-per-strip", "3",
+                                      "--cross-strips", "0",    "--width-px",       "160", "--height-px",        "120",
+                                      "--gsd-m",        "0.5",  "--control-points", "2",   "--check-points",     "1",
+                                      "--progress",     "none"});
   ASSERT_EQ(made.code, 0) << made.err;
 }
 
@@ -44,7 +45,8 @@ TEST(Commands, EveryOneExplainsItself) {
   for (const Command& command : all_commands()) {
     const Outcome outcome = collinea_with({command.name, "--help"});
     EXPECT_EQ(outcome.code, 0) << command.name;
-    EXPECT_NE(outcome.out.find(command.summary.substr(0, 20)), std::string::npos) << command.name << ": " << outcome.out;
+    EXPECT_NE(outcome.out.find(command.summary.substr(0, 20)), std::string::npos)
+        << command.name << ": " << outcome.out;
     EXPECT_EQ(outcome.err, "") << command.name;
   }
 }
@@ -64,7 +66,8 @@ TEST(Commands, RunHelpNamesEveryOptionOfEveryStep) {
 TEST(Commands, TheListOfCommandsIsInTheHelp) {
   const Outcome outcome = collinea_with({"--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const Command& command : all_commands()) EXPECT_NE(outcome.out.find(command.name), std::string::npos) << command.name;
+  for (const Command& command : all_commands())
+    EXPECT_NE(outcome.out.find(command.name), std::string::npos) << command.name;
 }
 
 TEST(Commands, WrongUsageEndsWithTwoAndWordsOnStderr) {
@@ -102,10 +105,14 @@ TEST(Commands, WrongUsageEndsWithTwoAndWordsOnStderr) {
 TEST(Commands, WhatIsNotThereEndsWithThree) {
   const TestFolder folder;
   const std::string nothing = (folder / "nothing").string(), project = (folder / "project").string();
-  const std::vector<std::vector<std::string>> cases = {{"run", nothing, "-o", project}, {"import", nothing, "-o", project},
-                                                       {"orient", nothing},             {"report", nothing},
-                                                       {"info", nothing},               {"info", nothing, "--json"},
-                                                       {"export", nothing, project},    {"assess", nothing, nothing}};
+  const std::vector<std::vector<std::string>> cases = {{"run", nothing, "-o", project},
+                                                       {"import", nothing, "-o", project},
+                                                       {"orient", nothing},
+                                                       {"report", nothing},
+                                                       {"info", nothing},
+                                                       {"info", nothing, "--json"},
+                                                       {"export", nothing, project},
+                                                       {"assess", nothing, nothing}};
   for (const auto& arguments : cases) {
     const Outcome outcome = collinea_with(arguments);
     EXPECT_EQ(outcome.code, 3) << arguments[0] << ": " << outcome.err;
@@ -118,7 +125,8 @@ TEST(Commands, WhatIsNotThereEndsWithThree) {
 TEST(Commands, AnErrorIsShownEvenWhereNoProgressIs) {
   const TestFolder folder;
   std::filesystem::create_directories(folder / "photos");
-  const Outcome outcome = collinea_with({"run", (folder / "photos").string(), "-o", (folder / "project").string(), "--progress", "none"});
+  const Outcome outcome =
+      collinea_with({"run", (folder / "photos").string(), "-o", (folder / "project").string(), "--progress", "none"});
   EXPECT_EQ(outcome.code, 3);
   EXPECT_NE(outcome.err.find("0 usable photographs"), std::string::npos) << outcome.err;
 }
@@ -147,7 +155,9 @@ TEST(Commands, AStepKeepsTheOptionsThatWereNotGiven) {
   const TestFolder folder;
   simulate_into((folder / "block").string());
   const std::string images = (folder / "block/images").string(), project = (folder / "project").string();
-  ASSERT_EQ(collinea_with({"run", images, "-o", project, "--until", "import", "--max-features", "500", "--seed", "7"}).code, 0);
+  ASSERT_EQ(
+      collinea_with({"run", images, "-o", project, "--until", "import", "--max-features", "500", "--seed", "7"}).code,
+      0);
   const Settings before = read_settings(project).value();
   const Outcome detected = collinea_with({"detect", project, "--max-features", "600"});
   EXPECT_EQ(detected.code, 0) << detected.err;

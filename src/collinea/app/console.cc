@@ -81,8 +81,8 @@ struct Console::State {
     const double elapsed_s = std::chrono::duration<double>(now - stage_start).count();
     const double left_s = done > 0.01 ? elapsed_s * (1 - done) / done : -1;
     if (show == Show::kJson) {
-      fmt::print(stderr, "{{\"stage\":\"{}\",\"done\":{:.4f},\"elapsed_s\":{:.1f},\"left_s\":{}}}\n", json_escaped(name), done,
-                 elapsed_s, left_s < 0 ? "null" : fmt::format("{:.1f}", left_s));
+      fmt::print(stderr, "{{\"stage\":\"{}\",\"done\":{:.4f},\"elapsed_s\":{:.1f},\"left_s\":{}}}\n",
+                 json_escaped(name), done, elapsed_s, left_s < 0 ? "null" : fmt::format("{:.1f}", left_s));
     } else if (show == Show::kBar) {
       constexpr int kWidth = 32;
       const int full = std::clamp(static_cast<int>(done * kWidth + 0.5), 0, kWidth);
@@ -110,7 +110,8 @@ struct Console::State {
     std::fflush(log_file);
   }
 
-  // The handler only writes to a pipe, whichever thread it runs on (libraries start some of their own); this thread reads.
+  // The handler only writes to a pipe, whichever thread it runs on (libraries start some of their own); this thread
+  // reads.
   void watch_signals() {
     COLLINEA_CHECK(::pipe2(wake, O_CLOEXEC) == 0);
     signal_pipe = wake[1];

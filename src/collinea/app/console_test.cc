@@ -20,8 +20,8 @@ TEST(JsonText, IsWhatAParserReadsBack) {
 TEST(JsonText, BytesThatAreNoTextBecomeQuestionMarks) {
   EXPECT_EQ(json_escaped("f\xe4hre"), "f?hre");
   EXPECT_EQ(json_escaped("\xc3"), "?");
-  EXPECT_EQ(json_escaped("\xc0\xaf"), "??");          // a slash, written too long
-  EXPECT_EQ(json_escaped("\xed\xa0\x80"), "???");      // half of a pair of UTF-16
+  EXPECT_EQ(json_escaped("\xc0\xaf"), "??");            // a slash, written too long
+  EXPECT_EQ(json_escaped("\xed\xa0\x80"), "???");       // half of a pair of UTF-16
   EXPECT_EQ(json_escaped("\xf5\x80\x80\x80"), "????");  // beyond the last character
   EXPECT_EQ(json_escaped("two\nlines\t"), "two lines ");
 }

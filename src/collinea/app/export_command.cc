@@ -16,7 +16,8 @@ Command export_command() {
           [asked](Flags& flags) {
             flags.positional("project", asked->project, "project folder");
             flags.positional("folder", asked->folder, "where the files go; made when missing");
-            flags.add("format", asked->format, "", "colmap (text and binary model), opk (omega, phi, kappa) or ply (tie points)");
+            flags.add("format", asked->format, "",
+                      "colmap (text and binary model), opk (omega, phi, kappa) or ply (tie points)");
           },
           [asked] {
             auto project = open_project(asked->project, {});

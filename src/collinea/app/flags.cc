@@ -78,16 +78,17 @@ Given Flags::add(std::string_view name, std::optional<double>& value, std::strin
   return add_value(name, value, unit, help);
 }
 Given Flags::add(std::string_view name, std::optional<std::string>& value, std::string_view unit,
-                std::string_view help) {
+                 std::string_view help) {
   return add_value(name, value, unit, help);
 }
 
 int dispatch(int argc, char** argv, std::span<const Command> commands) {
-  CLI::App app{"collinea: photographs and survey control in; oriented images, point cloud, surface model, orthophoto and\n"
-               "quality report out.\n\n"
-               "exit codes: 0 done, 1 defect in the program, 2 bad input or usage, 3 not found, 4 broken file,\n"
-               "5 unsupported, 6 geometry has no solution, 7 not converged, 130 stopped by the user",
-               "collinea"};
+  CLI::App app{
+      "collinea: photographs and survey control in; oriented images, point cloud, surface model, orthophoto and\n"
+      "quality report out.\n\n"
+      "exit codes: 0 done, 1 defect in the program, 2 bad input or usage, 3 not found, 4 broken file,\n"
+      "5 unsupported, 6 geometry has no solution, 7 not converged, 130 stopped by the user",
+      "collinea"};
   app.set_version_flag("--version", "collinea " COLLINEA_VERSION);
   app.require_subcommand(1);
   for (const Command& command : commands) {
@@ -96,7 +97,8 @@ int dispatch(int argc, char** argv, std::span<const Command> commands) {
     command.declare(flags);
   }
   const std::string_view first = argc > 1 ? argv[1] : "";
-  const bool known = std::any_of(commands.begin(), commands.end(), [&](const Command& command) { return command.name == first; });
+  const bool known =
+      std::any_of(commands.begin(), commands.end(), [&](const Command& command) { return command.name == first; });
   if (!known && !first.empty() && !first.starts_with('-')) {
     fmt::print(stderr, "error: no command is called \"{}\"; `collinea --help` lists them\n", first);
     return exit_code(Errc::kBadInput);

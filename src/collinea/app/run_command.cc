@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
 #include <fmt/format.h>
+#include <filesystem>
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
@@ -42,7 +42,8 @@ Command run_command() {
             flags.add("until", asked->until, "", "last step to do");
             flags.add("seed", asked->settings.seed, "", kSeedHelp);
             flags.add_all(asked->console, "run");
-            Settings::each(asked->settings, [&](const char*, const char* group, auto& options) { flags.add_all(options, group); });
+            Settings::each(asked->settings,
+                           [&](const char*, const char* group, auto& options) { flags.add_all(options, group); });
           },
           [asked] { return run_until(*asked, asked->until); }};
 }

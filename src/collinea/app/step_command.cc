@@ -26,7 +26,8 @@ void declare(const std::shared_ptr<Asked>& asked, const std::string& step, Flags
       asked->changes.push_back([given, member = field.member, from = &options](Settings& settings) {
         if (!given()) return;
         Settings::each(settings, [&](const char*, const char*, auto& target) {
-          if constexpr (std::is_same_v<std::decay_t<decltype(target)>, std::decay_t<decltype(*from)>>) target.*member = from->*member;
+          if constexpr (std::is_same_v<std::decay_t<decltype(target)>, std::decay_t<decltype(*from)>>)
+            target.*member = from->*member;
         });
       });
     });
@@ -51,7 +52,8 @@ int run_step(const Asked& asked, const std::string& step) {
 Command step_command(const std::string& step, const std::string& summary) {
   auto asked = std::make_shared<Asked>();
   return {step, summary + "; earlier steps are done first where they are missing",
-          [asked, step](Flags& flags) { declare(asked, step, flags); }, [asked, step] { return run_step(*asked, step); }};
+          [asked, step](Flags& flags) { declare(asked, step, flags); },
+          [asked, step] { return run_step(*asked, step); }};
 }
 
 }  // namespace collinea

@@ -11,7 +11,8 @@
 
 namespace collinea {
 
-/// A 64-bit fingerprint built up from pieces (FNV-1a with a final mix). Not for security: it tells whether inputs changed.
+/// A 64-bit fingerprint built up from pieces (FNV-1a with a final mix). Not for security: it tells whether inputs
+/// changed.
 class Hash {
  public:
   Hash& add(std::span<const std::byte> bytes);

@@ -35,17 +35,18 @@ using Result = tl::expected<T, Error>;
 
 }  // namespace collinea
 
-#define COLLINEA_CHECK(condition) \
-  do { \
-    if (!(condition)) [[unlikely]] ::collinea::bug(#condition); \
+#define COLLINEA_CHECK(condition)  \
+  do {                             \
+    if (!(condition)) [[unlikely]] \
+      ::collinea::bug(#condition); \
   } while (false)
 
 #define COLLINEA_CONCAT_(a, b) a##b
 #define COLLINEA_CONCAT(a, b) COLLINEA_CONCAT_(a, b)
 
 /// COLLINEA_TRY(const Block block, read_block(path));  -- takes the value or returns the error to our caller.
-#define COLLINEA_TRY(declaration, expression)                                        \
-  auto COLLINEA_CONCAT(collinea_try_, __LINE__) = (expression);                            \
-  if (!COLLINEA_CONCAT(collinea_try_, __LINE__))                                           \
-    return tl::unexpected(std::move(COLLINEA_CONCAT(collinea_try_, __LINE__)).error());    \
+#define COLLINEA_TRY(declaration, expression)                                           \
+  auto COLLINEA_CONCAT(collinea_try_, __LINE__) = (expression);                         \
+  if (!COLLINEA_CONCAT(collinea_try_, __LINE__))                                        \
+    return tl::unexpected(std::move(COLLINEA_CONCAT(collinea_try_, __LINE__)).error()); \
   declaration = *std::move(COLLINEA_CONCAT(collinea_try_, __LINE__))

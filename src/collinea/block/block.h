@@ -46,7 +46,7 @@ struct Image {
 
 /// A tie point: one point of the object seen in two or more images.
 struct TiePoint {
-  Eigen::Vector3d position_in_world;  ///< [m]
+  Eigen::Vector3d position_in_world;     ///< [m]
   std::array<std::uint8_t, 3> colour{};  ///< red, green, blue
 };
 

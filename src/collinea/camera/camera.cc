@@ -8,9 +8,9 @@ namespace collinea {
 namespace {
 
 struct Distorted {
-  double x, y;                    // xd, yd
-  double dx_dx, dx_dy, dy_dy;     // the Jacobian; it is symmetric: d(xd)/dy = d(yd)/dx
-  bool folded;                    // beyond the radius where the radial polynomial stops growing
+  double x, y;                 // xd, yd
+  double dx_dx, dx_dy, dy_dy;  // the Jacobian; it is symmetric: d(xd)/dy = d(yd)/dx
+  bool folded;                 // beyond the radius where the radial polynomial stops growing
 };
 
 Distorted distort(const Camera& camera, double x, double y) {

@@ -10,7 +10,8 @@
 namespace collinea {
 
 /// The interior orientation of a camera with one lens and one focus setting: central projection with the distortion of
-/// Brown (1971) and the affinity and shear of the sensor. With x = X/Z, y = Y/Z, r2 = x^2 + y^2 of a point in the camera frame:
+/// Brown (1971) and the affinity and shear of the sensor. With x = X/Z, y = Y/Z, r2 = x^2 + y^2 of a point in the
+/// camera frame:
 ///     radial = k1 r2 + k2 r2^2 + k3 r2^3
 ///     xd = x + x radial + p1 (r2 + 2 x^2) + 2 p2 x y
 ///     yd = y + y radial + p2 (r2 + 2 y^2) + 2 p1 x y
@@ -26,10 +27,10 @@ struct Camera {
   std::array<double, kParams> params{};
   int width_px = 0;
   int height_px = 0;
-  std::string name;               ///< maker, model, serial: for people
-  double sigma_f_px = 0;          ///< of the focal length before adjustment; 0 = held fixed
-  bool calibrate = true;          ///< false: all parameters are given and held fixed
-  std::string source;             ///< where the first focal length came from: "EXIF 35 mm equivalent", "assumed", "given", ...
+  std::string name;       ///< maker, model, serial: for people
+  double sigma_f_px = 0;  ///< of the focal length before adjustment; 0 = held fixed
+  bool calibrate = true;  ///< false: all parameters are given and held fixed
+  std::string source;     ///< where the first focal length came from: "EXIF 35 mm equivalent", "assumed", "given", ...
 
   [[nodiscard]] double focal_px() const { return params[kF]; }
 };

@@ -45,7 +45,8 @@ TEST(Camera, NormalizedUndoesProject) {
     }
 }
 
-// Central differences of step h have error h^2/6 times the third derivative plus rounding 1e-16/h: 1e-6 relative is safe.
+// Central differences of step h have error h^2/6 times the third derivative plus rounding 1e-16/h: 1e-6 relative is
+// safe.
 TEST(Camera, DerivativesAgreeWithNumericOnes) {
   const Camera camera = distorted_camera();
   Random random(1);

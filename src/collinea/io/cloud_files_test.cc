@@ -111,18 +111,18 @@ TEST_F(CloudFiles, LasBytesLieWhereTheSpecificationPutsThem) {
   const auto u64 = [&](std::size_t at) { return Unpacker(std::string_view(bytes).substr(at)).get<std::uint64_t>(); };
   const auto f64 = [&](std::size_t at) { return Unpacker(std::string_view(bytes).substr(at)).get<double>(); };
   EXPECT_EQ(bytes.substr(0, 4), "LASF");
-  EXPECT_EQ(u16(6), 16);       // global encoding: WKT
+  EXPECT_EQ(u16(6), 16);  // global encoding: WKT
   EXPECT_EQ(u8(24), 1);
   EXPECT_EQ(u8(25), 4);
-  EXPECT_EQ(u16(94), 375);     // header size
-  EXPECT_EQ(u32(100), 2u);     // variable length records
+  EXPECT_EQ(u16(94), 375);  // header size
+  EXPECT_EQ(u32(100), 2u);  // variable length records
   EXPECT_EQ(u8(104), 7);
-  EXPECT_EQ(u16(105), 41);     // 36 + float + byte
-  EXPECT_EQ(u32(107), 0u);     // legacy count
+  EXPECT_EQ(u16(105), 41);  // 36 + float + byte
+  EXPECT_EQ(u32(107), 0u);  // legacy count
   EXPECT_EQ(f64(131), 0.0001);
   EXPECT_EQ(f64(155), std::round(kSite.x()));
-  EXPECT_EQ(u64(247), 3u);     // points
-  EXPECT_EQ(u64(255), 3u);     // first returns
+  EXPECT_EQ(u64(247), 3u);  // points
+  EXPECT_EQ(u64(255), 3u);  // first returns
   EXPECT_EQ(bytes.substr(375 + 2, 15), "LASF_Projection");
   EXPECT_EQ(u16(375 + 18), 2112);
   const std::size_t at = u32(96);
@@ -217,7 +217,8 @@ TEST_F(CloudFiles, NoBytesCrashTheLasReader) {
   for (std::uint64_t trial = 0; trial < 150; ++trial) {
     Random random(9, trial);
     std::string bytes = whole;
-    for (int i = 0; i < 5; ++i) bytes[random.below(trial % 2 ? 400 : std::uint32_t(bytes.size()))] = char(random.bits());
+    for (int i = 0; i < 5; ++i)
+      bytes[random.below(trial % 2 ? 400 : std::uint32_t(bytes.size()))] = char(random.bits());
     if (trial % 3 == 0) bytes.resize(random.below(std::uint32_t(bytes.size())));
     put("b.las", bytes);
     auto reader = LasReader::open(folder_ / "b.las");
@@ -287,7 +288,8 @@ TEST(Ply, NoBytesCrashTheReader) {
     refused += !parse_ply(bytes);
   }
   EXPECT_GT(refused, 1000);
-  EXPECT_FALSE(parse_ply("ply\nformat ascii 1.0\nelement vertex 9223372036854775807\nproperty float x\nend_header\n1\n"));
+  EXPECT_FALSE(
+      parse_ply("ply\nformat ascii 1.0\nelement vertex 9223372036854775807\nproperty float x\nend_header\n1\n"));
 }
 
 }  // namespace

@@ -34,8 +34,8 @@ std::vector<std::string> remarks_on(const Block& block, const std::map<CameraId,
     const double f = camera.params[Camera::kF], b2 = camera.params[Camera::kB2];
     const double worst = std::abs(b2) / f * camera.height_px / 2;
     if (worst > 1e-6)
-      remarks.push_back("camera " + camera.name + ": its shear b2 = " + fixed(b2, 3) +
-                        " px is left out, up to " + fixed(worst, 3) + " px at the picture's edge");
+      remarks.push_back("camera " + camera.name + ": its shear b2 = " + fixed(b2, 3) + " px is left out, up to " +
+                        fixed(worst, 3) + " px at the picture's edge");
   }
   if (block.cam_from_world.size() < block.images.size())
     remarks.push_back(std::to_string(block.images.size() - block.cam_from_world.size()) +
@@ -78,7 +78,8 @@ Model model_of(const Block& block, const std::map<CameraId, Camera>& used) {
 
 Result<Camera> camera_of(const CameraRow& row) {
   const auto& v = row.params;
-  if (row.width_px > 1'000'000 || row.height_px > 1'000'000) return fail(Errc::kBadFormat, "a camera without sensible size");
+  if (row.width_px > 1'000'000 || row.height_px > 1'000'000)
+    return fail(Errc::kBadFormat, "a camera without sensible size");
   Camera camera;
   camera.width_px = int(row.width_px);
   camera.height_px = int(row.height_px);
@@ -210,7 +211,8 @@ Result<Block> read_colmap(const std::filesystem::path& folder) {
   const bool binary = std::filesystem::exists(folder / "cameras.bin");
   const std::string end = binary ? ".bin" : ".txt";
   Model model;
-  COLLINEA_TRY(model.cameras, parsed_file(folder / ("cameras" + end), binary ? parse_cameras_binary : parse_cameras_text));
+  COLLINEA_TRY(model.cameras,
+               parsed_file(folder / ("cameras" + end), binary ? parse_cameras_binary : parse_cameras_text));
   COLLINEA_TRY(model.images, parsed_file(folder / ("images" + end), binary ? parse_images_binary : parse_images_text));
   const auto points = folder / ("points3D" + end);
   if (std::filesystem::exists(points)) {

@@ -19,10 +19,10 @@ enum class ColmapEncoding { kText, kBinary };
 [[nodiscard]] Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folder, const Block& block,
                                                             ColmapEncoding encoding);
 
-/// Reads a COLMAP model, binary if there is one, else text. Models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV,
-/// FULL_OPENCV without denominator. Ids are COLMAP's less one (unless some id is 0: then as they are); the feature of an
-/// observation is its index in COLMAP's list. Without points3D there are only cameras and poses.
-/// Errors: files missing or damaged, other camera models.
+/// Reads a COLMAP model, binary if there is one, else text. Models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL,
+/// OPENCV, FULL_OPENCV without denominator. Ids are COLMAP's less one (unless some id is 0: then as they are); the
+/// feature of an observation is its index in COLMAP's list. Without points3D there are only cameras and poses. Errors:
+/// files missing or damaged, other camera models.
 [[nodiscard]] Result<Block> read_colmap(const std::filesystem::path& folder);
 
 }  // namespace collinea

@@ -137,7 +137,8 @@ Result<std::vector<CameraRow>> parse_cameras_text(std::string_view text) {
     CameraRow camera{.id = 0, .model = -1, .width_px = 0, .height_px = 0, .params = {}};
     for (std::size_t m = 0; m < kModels.size(); ++m)
       if (words[1] == kModels[m].name) camera.model = int(m);
-    if (camera.model < 0) return fail(Errc::kUnsupported, "camera model " + std::string(words[1]) + " is not supported");
+    if (camera.model < 0)
+      return fail(Errc::kUnsupported, "camera model " + std::string(words[1]) + " is not supported");
     const auto id = id_of(words[0]), width = id_of(words[2]), height = id_of(words[3]);
     const std::size_t count = kModels[std::size_t(camera.model)].params;
     camera.params.resize(count);

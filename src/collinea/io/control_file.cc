@@ -263,8 +263,8 @@ Result<ControlFileObservation> csv_observation(int line, const Fields& f, const 
   if (f.size() > 6) return bad_line(line, "too many fields (decimal commas?)");
   if (f[1].empty() || f[2].empty()) return bad_line(line, "an image row needs the id of a point and a file");
   if (!is_finite_number(f[3]) || !is_finite_number(f[4])) return bad_line(line, "x_px and y_px must be numbers");
-  ControlFileObservation seen{std::string(f[1]), std::string(f[2]), {*number(f[3]), *number(f[4])}, defaults.sigma_px,
-                              line};
+  ControlFileObservation seen{
+      std::string(f[1]), std::string(f[2]), {*number(f[3]), *number(f[4])}, defaults.sigma_px, line};
   if (f.size() > 5 && !f[5].empty()) {
     if (!is_finite_number(f[5]) || !(*number(f[5]) > 0)) return bad_line(line, "sigma_px must be a number above 0");
     seen.sigma_px = *number(f[5]);
@@ -367,8 +367,8 @@ Result<> set_check_points(ControlFile& control, std::span<const std::string> nam
       return fail(Errc::kBadInput, "there is no point \"" + name + "\"; there are: " + known);
     }
   for (auto& point : control.points)
-    point.role = std::find(names.begin(), names.end(), point.name) != names.end() ? ControlRole::kCheck
-                                                                                 : ControlRole::kControl;
+    point.role =
+        std::find(names.begin(), names.end(), point.name) != names.end() ? ControlRole::kCheck : ControlRole::kControl;
   return {};
 }
 

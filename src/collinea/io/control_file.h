@@ -39,7 +39,7 @@ struct ControlFileObservation {
 };
 
 struct ControlFile {
-  std::string crs;  ///< what PROJ understands; empty: the file states none
+  std::string crs;                                   ///< what PROJ understands; empty: the file states none
   std::vector<ControlFilePoint> points;              ///< in the order of the file, names differ
   std::vector<ControlFileObservation> observations;  ///< in the order of the file
 };
@@ -48,9 +48,9 @@ struct ControlFile {
 ///
 /// OpenDroneMap's gcp_list.txt. The first line is the CRS ("EPSG:32617", "WGS84 UTM 17N", "+proj=utm ..."), then
 ///     x y z column row image [name]
-/// between white space (or tabs, when names hold blanks); z may be NaN or left out. Rows with one name, or without names
-/// with one x y z, are one point. In files in degrees (EPSG:4326) x is the longitude and y the latitude; they come
-/// back in the UTM zone of their first point, heights unchanged.
+/// between white space (or tabs, when names hold blanks); z may be NaN or left out. Rows with one name, or without
+/// names with one x y z, are one point. In files in degrees (EPSG:4326) x is the longitude and y the latitude; they
+/// come back in the UTM zone of their first point, heights unchanged.
 ///
 /// Our CSV. Rows start with a word; rows without any number are titles; # starts a comment:
 ///     # collinea control, EPSG:32633

@@ -99,7 +99,8 @@ TEST(ControlFile, OpenDroneMapRowsOfOnePlaceAreOnePoint) {
 
 TEST(ControlFile, OpenDroneMapNamesTabsAndMissingHeightsAreUnderstood) {
   const auto control = parse_control(
-      "\xef\xbb\xbf" "epsg:25833\r\n"
+      "\xef\xbb\xbf"
+      "epsg:25833\r\n"
       "500000\t4600000\t12\t1\t2\tmy photo 1.jpg\tP 1\textra\r\n"
       "500000\t4600000\t12\t3\t4\tmy photo 2.jpg\tP 1\r\n"
       "# a remark\r\n"

@@ -11,8 +11,8 @@
 namespace collinea {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 375;  // of LAS 1.4
-constexpr std::uint32_t kMagic = 0x4653414c;    // "LASF"
+constexpr std::size_t kHeaderBytes = 375;     // of LAS 1.4
+constexpr std::uint32_t kMagic = 0x4653414c;  // "LASF"
 constexpr std::uint16_t kWktBit = 1 << 4;
 constexpr std::uint16_t kWktRecord = 2112, kExtraBytesRecord = 4;
 constexpr std::uint8_t kUnsignedChar = 1, kFloat = 9;  // data types of extra bytes
@@ -24,8 +24,8 @@ constexpr std::size_t kPiece = 8192;  // points handled at once
 struct Format {
   std::size_t bytes, colour;
 };
-constexpr std::array<Format, 9> kFormats = {{{20, 0}, {28, 0}, {26, 20}, {34, 28}, {0, 0}, {0, 0}, {30, 0}, {36, 30},
-                                            {38, 30}}};
+constexpr std::array<Format, 9> kFormats = {
+    {{20, 0}, {28, 0}, {26, 20}, {34, 28}, {0, 0}, {0, 0}, {30, 0}, {36, 30}, {38, 30}}};
 
 void put(Packer& packer, const Eigen::Vector3d& v) {
   for (int i = 0; i < 3; ++i) packer.put(v[i]);
@@ -107,14 +107,14 @@ Result<> LasWriter::write(std::span<const CloudPoint> points) {
     header_.lowest = header_.lowest.cwiseMin(kept);
     header_.highest = header_.highest.cwiseMax(kept);
     for (int i = 0; i < 3; ++i) packer.put(std::int32_t(cells[i]));
-    packer.put(std::uint16_t{0});     // intensity
-    packer.put(std::uint8_t{0x11});   // return 1 of 1
-    packer.put(std::uint8_t{0});      // flags
+    packer.put(std::uint16_t{0});    // intensity
+    packer.put(std::uint8_t{0x11});  // return 1 of 1
+    packer.put(std::uint8_t{0});     // flags
     packer.put(point.classification);
-    packer.put(std::uint8_t{0});      // user data
-    packer.put(std::int16_t{0});      // scan angle
-    packer.put(std::uint16_t{0});     // source
-    packer.put(0.0);                  // time
+    packer.put(std::uint8_t{0});   // user data
+    packer.put(std::int16_t{0});   // scan angle
+    packer.put(std::uint16_t{0});  // source
+    packer.put(0.0);               // time
     for (const std::uint8_t channel : point.colour) packer.put(std::uint16_t(channel * 257));
     if (extra_bytes_) {
       packer.put(point.sigma_m);
@@ -134,32 +134,32 @@ std::string LasWriter::header_bytes() const {
   Packer h;
   const bool short_wkt = !header_.wkt.empty() && fits_wkt_in_short_record(header_.wkt);
   h.put_text("LASF", 4);
-  h.put(std::uint16_t{0});       // file source
-  h.put(kWktBit);                // required by point format 7, with or without a CRS
-  h.put_text("", 16);            // GUID
+  h.put(std::uint16_t{0});  // file source
+  h.put(kWktBit);           // required by point format 7, with or without a CRS
+  h.put_text("", 16);       // GUID
   h.put(std::uint8_t{1});
   h.put(std::uint8_t{4});
   h.put_text("photogrammetry", 32);
   h.put_text(header_.software, 32);
-  h.put(std::uint16_t{0});       // day and year of creation: left open, so that equal clouds are equal files
+  h.put(std::uint16_t{0});  // day and year of creation: left open, so that equal clouds are equal files
   h.put(std::uint16_t{0});
   h.put(std::uint16_t(kHeaderBytes));
   h.put(std::uint32_t(points_at_));
   h.put(std::uint32_t((short_wkt ? 1 : 0) + (extra_bytes_ ? 1 : 0)));
   h.put(std::uint8_t(header_.point_format));
   h.put(std::uint16_t(kFormats[7].bytes + (extra_bytes_ ? 5 : 0)));
-  h.put_text("", 4 + 20);        // counts of older versions: must be 0
+  h.put_text("", 4 + 20);  // counts of older versions: must be 0
   put(h, header_.scale);
   put(h, header_.offset);
   for (int i = 0; i < 3; ++i) {
     h.put(header_.points ? header_.highest[i] : 0.0);
     h.put(header_.points ? header_.lowest[i] : 0.0);
   }
-  h.put(std::uint64_t{0});       // waveforms
+  h.put(std::uint64_t{0});  // waveforms
   h.put(long_records_at_);
   h.put(std::uint32_t(long_records_at_ ? 1 : 0));
   h.put(header_.points);
-  h.put(header_.points);         // all are first returns
+  h.put(header_.points);  // all are first returns
   h.put_text("", 14 * 8);
   COLLINEA_CHECK(h.size() == kHeaderBytes);
   return h.bytes();
@@ -199,8 +199,8 @@ Result<LasReader> LasReader::open(const std::filesystem::path& path) {
 Result<std::string> LasReader::bytes_at(std::uint64_t offset, std::uint64_t size) {
   if (offset > file_size_ || size > file_size_ - offset) return fail(Errc::kBadFormat, "truncated or damaged");
   std::string bytes(size, '\0');
-  const bool got = ::fseeko(file_.get(), ::off_t(offset), SEEK_SET) == 0 &&
-                   std::fread(bytes.data(), 1, size, file_.get()) == size;
+  const bool got =
+      ::fseeko(file_.get(), ::off_t(offset), SEEK_SET) == 0 && std::fread(bytes.data(), 1, size, file_.get()) == size;
   if (!got) return fail(Errc::kBadFormat, "cannot be read");
   return bytes;
 }

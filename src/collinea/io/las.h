@@ -23,19 +23,19 @@ struct LasHeader {
   std::uint64_t points = 0;
   Eigen::Vector3d scale = Eigen::Vector3d::Constant(0.001), offset = Eigen::Vector3d::Zero();
   Eigen::Vector3d lowest = Eigen::Vector3d::Zero(), highest = Eigen::Vector3d::Zero();  ///< bounds of the points
-  std::string wkt;                          ///< of the CRS; empty: none stated, or as GeoTIFF keys
+  std::string wkt;  ///< of the CRS; empty: none stated, or as GeoTIFF keys
   std::string software;
-  std::vector<std::string> extra_names;     ///< of extra bytes
+  std::vector<std::string> extra_names;  ///< of extra bytes
 };
 
-/// Writes a LAS 1.4 file (ASPRS 2019), point format 7, point by point: nothing but a small buffer is in memory. Sigma and
-/// number of images are extra bytes "sigma_m" (float) and "images" (unsigned char). The file appears under its name only
-/// by finish(). Normals are not written: LAS has no place for them.
+/// Writes a LAS 1.4 file (ASPRS 2019), point format 7, point by point: nothing but a small buffer is in memory. Sigma
+/// and number of images are extra bytes "sigma_m" (float) and "images" (unsigned char). The file appears under its name
+/// only by finish(). Normals are not written: LAS has no place for them.
 class LasWriter {
  public:
   struct Options {
-    /// Where the points lie, about (their bounds, or a superset): the offset becomes its middle; coordinates are kept to
-    /// 0.1 mm below 100 km, to 1 mm below 1000 km, else coarser.
+    /// Where the points lie, about (their bounds, or a superset): the offset becomes its middle; coordinates are kept
+    /// to 0.1 mm below 100 km, to 1 mm below 1000 km, else coarser.
     Eigen::Vector3d lowest = Eigen::Vector3d::Zero(), highest = Eigen::Vector3d::Zero();
     std::string wkt;          ///< of the CRS, WKT1 as LAS asks for (LocalFrame::wkt1); empty: none
     bool extra_bytes = true;  ///< sigma_m and images

@@ -27,7 +27,8 @@ Eigen::Quaterniond map_from_local_rotation(const LocalFrame& frame, const Eigen:
 Result<std::vector<ExteriorOrientation>> exterior_orientations(const Block& block) {
   std::optional<LocalFrame> frame;
   if (const auto& g = block.georeference) {
-    COLLINEA_TRY(frame, LocalFrame::create(g->crs, g->origin_latitude_deg, g->origin_longitude_deg, g->origin_height_m));
+    COLLINEA_TRY(frame,
+                 LocalFrame::create(g->crs, g->origin_latitude_deg, g->origin_longitude_deg, g->origin_height_m));
   }
   std::vector<ExteriorOrientation> rows;
   for (const auto& [id, cam_from_world] : block.cam_from_world) {

@@ -14,17 +14,18 @@ namespace collinea {
 /// One row of a table of exterior orientations.
 struct ExteriorOrientation {
   std::string file;
-  Eigen::Vector3d centre_in_map;  ///< easting, northing, height [m]; world coordinates when the block has no georeference
-  OmegaPhiKappa angles;           ///< to the axes of the map at this place: grid east, grid north, up
+  Eigen::Vector3d
+      centre_in_map;     ///< easting, northing, height [m]; world coordinates when the block has no georeference
+  OmegaPhiKappa angles;  ///< to the axes of the map at this place: grid east, grid north, up
 };
 
-/// The exterior orientations of all oriented images, in the order of the ids. With a georeference the angles refer to the
-/// map grid at each projection centre, so that meridian convergence and the curvature of the Earth are in them; the
+/// The exterior orientations of all oriented images, in the order of the ids. With a georeference the angles refer to
+/// the map grid at each projection centre, so that meridian convergence and the curvature of the Earth are in them; the
 /// scale of the projection is not. Errors: a CRS that PROJ does not know.
 [[nodiscard]] Result<std::vector<ExteriorOrientation>> exterior_orientations(const Block& block);
 
-/// Writes them as text, one image a line: image X Y Z omega phi kappa [m, deg], ground = Rx(omega) Ry(phi) Rz(kappa) image
-/// with the image frame x right, y up, z backward. Lines that start with # explain it.
+/// Writes them as text, one image a line: image X Y Z omega phi kappa [m, deg], ground = Rx(omega) Ry(phi) Rz(kappa)
+/// image with the image frame x right, y up, z backward. Lines that start with # explain it.
 [[nodiscard]] Result<> write_opk(const std::filesystem::path& path, const Block& block);
 
 }  // namespace collinea

@@ -34,13 +34,14 @@ struct UnsignedOf<8> {
 
 /// The bits of a number in little-endian byte order, whatever the machine's is.
 template <class T>
-  requires std::is_arithmetic_v<T>
+requires std::is_arithmetic_v<T>
 constexpr auto little_endian_bits(T value) {
   using U = typename UnsignedOf<sizeof(T)>::type;
   U bits = std::bit_cast<U>(value);
   if constexpr (std::endian::native == std::endian::big) {
     U turned = 0;
-    for (std::size_t i = 0; i < sizeof(U); ++i) turned = U(turned | U(((bits >> (8 * i)) & 0xff) << (8 * (sizeof(U) - 1 - i))));
+    for (std::size_t i = 0; i < sizeof(U); ++i)
+      turned = U(turned | U(((bits >> (8 * i)) & 0xff) << (8 * (sizeof(U) - 1 - i))));
     bits = turned;
   }
   return bits;
@@ -51,7 +52,7 @@ constexpr auto little_endian_bits(T value) {
 class Packer {
  public:
   template <class T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void put(T value) {
     const auto bits = detail::little_endian_bits(value);
     bytes_.append(reinterpret_cast<const char*>(&bits), sizeof(bits));
@@ -78,8 +79,7 @@ class Unpacker {
   explicit Unpacker(std::string_view bytes) : rest_(bytes) {}
 
   template <class T>
-    requires std::is_arithmetic_v<T>
-  T get() {
+  requires std::is_arithmetic_v<T> T get() {
     using U = typename detail::UnsignedOf<sizeof(T)>::type;
     if (rest_.size() < sizeof(T)) {
       ok_ = false;

@@ -17,13 +17,13 @@ enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDoub
 
 std::optional<Type> type_of(std::string_view word) {
   constexpr std::array<std::array<std::string_view, 2>, 8> kNames = {{{"char", "int8"},
-                                                                     {"uchar", "uint8"},
-                                                                     {"short", "int16"},
-                                                                     {"ushort", "uint16"},
-                                                                     {"int", "int32"},
-                                                                     {"uint", "uint32"},
-                                                                     {"float", "float32"},
-                                                                     {"double", "float64"}}};
+                                                                      {"uchar", "uint8"},
+                                                                      {"short", "int16"},
+                                                                      {"ushort", "uint16"},
+                                                                      {"int", "int32"},
+                                                                      {"uint", "uint32"},
+                                                                      {"float", "float32"},
+                                                                      {"double", "float64"}}};
   for (std::size_t i = 0; i < kNames.size(); ++i)
     if (word == kNames[i][0] || word == kNames[i][1]) return Type(i);
   return std::nullopt;
@@ -53,14 +53,22 @@ double taken(Unpacker& unpacker, bool big) {
 
 double take(Unpacker& unpacker, Type type, bool big) {
   switch (type) {
-    case Type::kInt8: return taken<std::int8_t>(unpacker, big);
-    case Type::kUint8: return taken<std::uint8_t>(unpacker, big);
-    case Type::kInt16: return taken<std::int16_t>(unpacker, big);
-    case Type::kUint16: return taken<std::uint16_t>(unpacker, big);
-    case Type::kInt32: return taken<std::int32_t>(unpacker, big);
-    case Type::kUint32: return taken<std::uint32_t>(unpacker, big);
-    case Type::kFloat: return taken<float>(unpacker, big);
-    case Type::kDouble: return taken<double>(unpacker, big);
+    case Type::kInt8:
+      return taken<std::int8_t>(unpacker, big);
+    case Type::kUint8:
+      return taken<std::uint8_t>(unpacker, big);
+    case Type::kInt16:
+      return taken<std::int16_t>(unpacker, big);
+    case Type::kUint16:
+      return taken<std::uint16_t>(unpacker, big);
+    case Type::kInt32:
+      return taken<std::int32_t>(unpacker, big);
+    case Type::kUint32:
+      return taken<std::uint32_t>(unpacker, big);
+    case Type::kFloat:
+      return taken<float>(unpacker, big);
+    case Type::kDouble:
+      return taken<double>(unpacker, big);
   }
   return 0;
 }

@@ -12,8 +12,8 @@
 
 namespace collinea {
 
-/// Writes points as binary little-endian PLY: x y z (double), nx ny nz (float), red green blue (uchar), sigma_m (float),
-/// images, classification (uchar). Point by point; the file appears under its name only by finish().
+/// Writes points as binary little-endian PLY: x y z (double), nx ny nz (float), red green blue (uchar), sigma_m
+/// (float), images, classification (uchar). Point by point; the file appears under its name only by finish().
 class PlyWriter {
  public:
   /// `comment`: one line for people, such as the CRS.

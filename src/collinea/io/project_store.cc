@@ -55,7 +55,8 @@ Result<> check_tables(Database& database) {
   COLLINEA_TRY(const auto application, database.integer("PRAGMA application_id"));
   COLLINEA_TRY(const auto version, database.integer("PRAGMA user_version"));
   if (application != kApplication) return fail(Errc::kBadFormat, "not a collinea database");
-  if (version > kSchema) return fail(Errc::kUnsupported, "made by a newer collinea: use that, or another project folder");
+  if (version > kSchema)
+    return fail(Errc::kUnsupported, "made by a newer collinea: use that, or another project folder");
   if (version < kSchema) return fail(Errc::kUnsupported, "made by an older collinea: use another project folder");
   return {};
 }

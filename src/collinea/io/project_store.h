@@ -27,7 +27,8 @@ struct StepRecord {
 /// at once (calls are serialised inside). A killed program loses at most the call in work.
 class ProjectStore {
  public:
-  /// Opens PROJECT/block.db, created when missing. Errors: folder cannot be made, not a collinea database, newer schema.
+  /// Opens PROJECT/block.db, created when missing. Errors: folder cannot be made, not a collinea database, newer
+  /// schema.
   static Result<ProjectStore> open(const std::filesystem::path& project);
 
   [[nodiscard]] const std::filesystem::path& folder() const;  ///< PROJECT

@@ -365,8 +365,7 @@ Result<> ProjectStore::write_setup(const Block& block) {
     if (auto written = write_cameras(db, "cameras", block.cameras); !written) return written;
     if (auto written = write_images(db, block.images); !written) return written;
     if (auto written = write_control(db, block.control); !written) return written;
-    if (auto written =
-            write_chunks<ControlObservationRecord>(db, "control_observations", block.control_observations);
+    if (auto written = write_chunks<ControlObservationRecord>(db, "control_observations", block.control_observations);
         !written)
       return written;
     return read_tables(db, true) ? Result<>{} : erase_orientation(db);  // it was of another setup

@@ -72,7 +72,8 @@ class Grower {
       if (run_.stopped()) break;
       block_.forget();
       if (block_.start(pair->first, pair->second, pair->second_from_first) < kMinInitialPoints) continue;
-      const auto adjusted = block_.adjust_all(growing("none", 20), {.use_positions = false, .use_control = false}, run_);
+      const auto adjusted =
+          block_.adjust_all(growing("none", 20), {.use_positions = false, .use_control = false}, run_);
       if (!adjusted) continue;
       block_.filter(options_.max_error_px, run_);
       if (block_.point_count() < kMinInitialPoints) continue;
@@ -95,7 +96,8 @@ class Grower {
       const auto coverage = block_.coverage(image);
       if (coverage.points >= options_.min_points) candidates.push_back({coverage.score, image});
     }
-    std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
     for (const auto& [score, image] : candidates) {
       if (run_.stopped()) return false;
       if (block_.orient_image(image, run_.seed)) {
@@ -161,7 +163,8 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
                         const Run& run) {
   constexpr int kRounds = 5;
   constexpr double kSettled = 1e-3;  // share of rays that came or went
-  AdjustOptions adjust{.calibration = calibration_for(options, reconstruction.poses().size()), .relative_cost_change = 1e-4};
+  AdjustOptions adjust{.calibration = calibration_for(options, reconstruction.poses().size()),
+                       .relative_cost_change = 1e-4};
   for (int round = 0; round < kRounds; ++round) {
     COLLINEA_TRY(const Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
     const int removed = reconstruction.filter(options.max_error_px, run);

@@ -27,7 +27,8 @@ struct OrientOptions {
     visit(Field{"calibration", &O::calibration, "",
                 "camera parameters to find: auto (as many as the block carries), none, focal, focal_radial, brown"});
     visit(Field{"max_error_px", &O::max_error_px, "px", "largest residual of a tie point's image", 0.1});
-    visit(Field{"min_angle_deg", &O::min_angle_deg, "deg", "smallest angle between two rays that fix a tie point", 0.01, 90});
+    visit(Field{"min_angle_deg", &O::min_angle_deg, "deg", "smallest angle between two rays that fix a tie point", 0.01,
+                90});
     visit(Field{"min_points", &O::min_points, "1", "fewest tie points that orient an image", 6});
     visit(Field{"sigma_px", &O::sigma_px, "px", "standard deviation of a tie point's image before adjustment", 1e-3});
     visit(Field{"use_positions", &O::use_positions, "", "use GNSS positions of the images as observations"});

@@ -14,7 +14,7 @@ namespace collinea {
 namespace {
 
 constexpr double kLeastSigmaFactor = 0.1, kMostSigmaFactor = 10;  // of the sigma of tie points
-constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
+constexpr double kControlMisfit = 2.5;                            // of control's own sigma0: what no chance explains
 constexpr int kControlRounds = 3;
 constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
 
@@ -44,11 +44,12 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
     if (empty.images_with_tracks().size() < taken.size() + kSmallestPart) break;
   }
   if (parts.empty())
-    return fail(Errc::kIllPosed, "no two images fit together with enough parallax: are there overlapping photographs of one "
-                                 "scene, taken from different places?");
-  const auto largest = std::max_element(parts.begin(), parts.end(), [](const Reconstruction& a, const Reconstruction& b) {
-    return a.poses().size() < b.poses().size();
-  });
+    return fail(Errc::kIllPosed,
+                "no two images fit together with enough parallax: are there overlapping photographs of one "
+                "scene, taken from different places?");
+  const auto largest = std::max_element(
+      parts.begin(), parts.end(),
+      [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
   Parts result{std::move(*largest), {}, {}};
   for (const Reconstruction& part : parts)
     if (&part != &*largest) result.others.push_back(images_of(part));
@@ -83,14 +84,15 @@ double median_pixel_m(const Block& block) {
 }
 
 std::size_t count_positions(const Block& block) {
-  return static_cast<std::size_t>(std::count_if(block.cam_from_world.begin(), block.cam_from_world.end(), [&](const auto& pose) {
-    return block.images.at(pose.first).position.has_value();
-  }));
+  return static_cast<std::size_t>(
+      std::count_if(block.cam_from_world.begin(), block.cam_from_world.end(),
+                    [&](const auto& pose) { return block.images.at(pose.first).position.has_value(); }));
 }
 
 class Orienter {
  public:
-  Orienter(const Block& setup, const OrientOptions& options, const Run& run) : setup_(setup), options_(options), run_(run) {}
+  Orienter(const Block& setup, const OrientOptions& options, const Run& run)
+      : setup_(setup), options_(options), run_(run) {}
 
   Result<Orientation> orient(std::span<const ImagePair> pairs, const KeypointSource& keypoints) {
     COLLINEA_TRY(Reconstruction empty, Reconstruction::create(setup_, pairs, keypoints, options_));
@@ -123,8 +125,8 @@ class Orienter {
     if (diagnosis.axes_swapped) setup_.control_observations.clear();
   }
 
-  // Adjusts with positions and control. Control that contradicts the block, and itself, by many times its sigma cannot be as
-  // good as stated: it is given the sigma it shows, and that is said.
+  // Adjusts with positions and control. Control that contradicts the block, and itself, by many times its sigma cannot
+  // be as good as stated: it is given the sigma it shows, and that is said.
   Result<> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
     double taken = 1, sigma_m = 0;
     for (int round = 0;; ++round) {
@@ -139,13 +141,15 @@ class Orienter {
       }
     }
     if (taken > 1)
-      result_.findings.push_back(fmt::format("control points contradict the images by {:.1f} times their sigma; it is taken as {:.2g} m. "
-                                             "Look for wrong points, or state the sigma they really have", taken, sigma_m));
+      result_.findings.push_back(
+          fmt::format("control points contradict the images by {:.1f} times their sigma; it is taken as {:.2g} m. "
+                      "Look for wrong points, or state the sigma they really have",
+                      taken, sigma_m));
     return {};
   }
 
-  // The standard deviation of unit weight of control alone: its coordinates and image measurements in sigmas, over what is
-  // left of them after each point's three unknowns. 0 with fewer than three points.
+  // The standard deviation of unit weight of control alone: its coordinates and image measurements in sigmas, over what
+  // is left of them after each point's three unknowns. 0 with fewer than three points.
   [[nodiscard]] double control_misfit(const Adjusted& adjusted) const {
     double sum = 0;
     int measured = 0;
@@ -174,14 +178,17 @@ class Orienter {
   AdjustScope place(Reconstruction& part) {
     AdjustScope scope{.use_positions = options_.use_positions, .use_control = options_.use_control};
     if (setup_.georeference && scope.use_control) examine(part.block());
-    const auto found = setup_.georeference ? datum(part.block(), scope.use_positions, scope.use_control, run_.seed) : std::nullopt;
+    const auto found =
+        setup_.georeference ? datum(part.block(), scope.use_positions, scope.use_control, run_.seed) : std::nullopt;
     if (!found) {
       scope.use_positions = scope.use_control = false;
       part.move_world(readable_gauge(part));
-      result_.gauge = "local gauge without scale, place or north: the unit is the first base, z is up as the pictures stand";
+      result_.gauge =
+          "local gauge without scale, place or north: the unit is the first base, z is up as the pictures stand";
       if (setup_.georeference)
         result_.findings.push_back(
-            "positions and control do not fix the place of the block (fewer than three, or all on one line): local gauge");
+            "positions and control do not fix the place of the block (fewer than three, or all on one line): local "
+            "gauge");
       return scope;
     }
     part.move_world(found->world_from_block);
@@ -198,10 +205,12 @@ class Orienter {
     result_.gsd_m = median_pixel_m(result_.block);
     for (const auto& other : result_.other_parts)
       result_.findings.push_back(fmt::format("{} images hang together but not with the block: {} ... {}", other.size(),
-                                             setup_.images.at(other.front()).file, setup_.images.at(other.back()).file));
+                                             setup_.images.at(other.front()).file,
+                                             setup_.images.at(other.back()).file));
     if (!result_.alone.empty())
       result_.findings.push_back(fmt::format("{} image{} could not be oriented, the first: {}", result_.alone.size(),
-                                             result_.alone.size() == 1 ? "" : "s", setup_.images.at(result_.alone.front()).file));
+                                             result_.alone.size() == 1 ? "" : "s",
+                                             setup_.images.at(result_.alone.front()).file));
   }
 
   Block setup_;  ///< ours: the examination of control may take observations out

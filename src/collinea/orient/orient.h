@@ -9,8 +9,8 @@ namespace collinea {
 struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
   Adjusted adjusted;  ///< of `block`; with covariances of poses and cameras
-  bool georeferenced = false;  ///< false: gauge without place and scale, see adjusted.datum
-  std::string gauge;           ///< what fixes place, attitude and scale, in words
+  bool georeferenced = false;                     ///< false: gauge without place and scale, see adjusted.datum
+  std::string gauge;                              ///< what fixes place, attitude and scale, in words
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
   std::vector<ImageId> alone;                     ///< images that hang together with nothing
   std::vector<std::string> findings;              ///< what the user should know, blunders in control among them
@@ -18,9 +18,9 @@ struct Orientation {
   double gsd_m = 0;  ///< median size of a pixel at the tie points [m, or units of the gauge]
 };
 
-/// Orients a block from verified pairs: incremental growth, the largest of several parts is kept; then datum by positions
-/// (GNSS) and control, examination of control, and a final adjustment with all observations. Errors: no two images fit
-/// together; cancelled.
+/// Orients a block from verified pairs: incremental growth, the largest of several parts is kept; then datum by
+/// positions (GNSS) and control, examination of control, and a final adjustment with all observations. Errors: no two
+/// images fit together; cancelled.
 [[nodiscard]] Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
                                          const KeypointSource& keypoints, const OrientOptions& options, const Run& run);
 

@@ -37,7 +37,8 @@ Result<Orientation> orient(const Matched& input, const Run& run = {}) {
 }
 
 bool mentions(const std::vector<std::string>& texts, const std::string& part) {
-  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return text.find(part) != std::string::npos; });
+  return std::any_of(texts.begin(), texts.end(),
+                     [&](const std::string& text) { return text.find(part) != std::string::npos; });
 }
 
 TEST(Orient, ExactMatchesGiveTheExactBlock) {
@@ -213,7 +214,9 @@ TEST(Orient, ItStopsWhenAsked) {
 
 TEST(Orient, AFailureToReadKeypointsIsHandedOn) {
   const Matched input = matched(small_block());
-  const KeypointSource broken = [](ImageId) -> Result<std::vector<Keypoint>> { return fail(Errc::kBadFormat, "torn page"); };
+  const KeypointSource broken = [](ImageId) -> Result<std::vector<Keypoint>> {
+    return fail(Errc::kBadFormat, "torn page");
+  };
   const auto found = orient(input.setup, input.pairs, broken, {}, {});
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, Errc::kBadFormat);

@@ -17,10 +17,12 @@ namespace {
 constexpr double kAcceptFactor = 1.5;  // a new ray may be that much worse than one that stays: the pose is still young
 constexpr std::size_t kLocalImages = 8;
 constexpr double kGuessedFocal = 0.2;  // relative sigma from which a focal length is hardly known
-constexpr int kNeedCells = 8, kNeededPerCell = 12;  // of a picture's cells: up to 768 tracks an image and what others need
+constexpr int kNeedCells = 8,
+              kNeededPerCell = 12;   // of a picture's cells: up to 768 tracks an image and what others need
 constexpr std::size_t kChunk = 256;  // tracks handed to a thread at once
 
-// Spread of pixels over a picture: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's idea).
+// Spread of pixels over a picture: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's
+// idea).
 class Spread {
  public:
   void add(const Eigen::Vector2d& pixel, const Camera& camera) {
@@ -143,19 +145,20 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
     pixels.push_back(track.rays[ref.ray].pixel);
     points.push_back(*track.point);
   }
-  const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px, .min_inliers = options_.min_points};
+  const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px,
+                                     .min_inliers = options_.min_points};
   const CameraId camera_id = setup_->images.at(image).camera;
-  const bool guessed = camera_of(image).calibrate && camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
-                       std::none_of(poses_.begin(), poses_.end(),
-                                    [&](const auto& pose) { return setup_->images.at(pose.first).camera == camera_id; });
-  const auto found = (guessed ? resect_with_focal : resect)(camera_of(image), pixels, points, resect_options, seed + image.value);
-  if (!found || found->inliers < options_.min_points ||
-      found->inliers < 0.2 * static_cast<double>(points.size()))
+  const bool guessed =
+      camera_of(image).calibrate && camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
+      std::none_of(poses_.begin(), poses_.end(),
+                   [&](const auto& pose) { return setup_->images.at(pose.first).camera == camera_id; });
+  const auto found =
+      (guessed ? resect_with_focal : resect)(camera_of(image), pixels, points, resect_options, seed + image.value);
+  if (!found || found->inliers < options_.min_points || found->inliers < 0.2 * static_cast<double>(points.size()))
     return false;
   poses_[image] = found->cam_from_world;
   if (guessed) cameras_[camera_id] = found->camera;
-  for (std::size_t i = 0; i < refs.size(); ++i)
-    tracks_[refs[i].track].rays[refs[i].ray].active = found->inlier[i] != 0;
+  for (std::size_t i = 0; i < refs.size(); ++i) tracks_[refs[i].track].rays[refs[i].ray].active = found->inlier[i] != 0;
   return true;
 }
 
@@ -241,8 +244,9 @@ int Reconstruction::filter(double max_error_px, const Run& run) {
     bool wide = false;
     for (std::size_t i = 0; i < track.rays.size() && !wide; ++i)
       for (std::size_t j = 0; j < i && !wide; ++j)
-        wide = track.rays[i].active && track.rays[j].active &&
-               angle_at(*track.point, centres.at(track.rays[i].image), centres.at(track.rays[j].image)) >= min_angle_rad;
+        wide =
+            track.rays[i].active && track.rays[j].active &&
+            angle_at(*track.point, centres.at(track.rays[i].image), centres.at(track.rays[j].image)) >= min_angle_rad;
     if (wide) return gone;
     track.point.reset();
     for (Ray& ray : track.rays) ray.active = false;

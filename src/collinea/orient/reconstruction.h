@@ -31,9 +31,9 @@ class Reconstruction {
     bool active = false;
   };
   struct TrackState {
-    std::vector<Ray> rays;                  ///< sorted by image
-    std::optional<Eigen::Vector3d> point;   ///< in world
-    bool asleep = false;                    ///< not looked at: see sleep_surplus
+    std::vector<Ray> rays;                 ///< sorted by image
+    std::optional<Eigen::Vector3d> point;  ///< in world
+    bool asleep = false;                   ///< not looked at: see sleep_surplus
   };
   struct RayRef {
     std::uint32_t track = 0, ray = 0;
@@ -48,8 +48,9 @@ class Reconstruction {
   [[nodiscard]] std::size_t point_count() const;
   [[nodiscard]] const std::vector<ImageId>& images_with_tracks() const { return images_; }
 
-  /// Puts tracks to sleep that growth can do without: kept are, from the longest, those that some image still needs in its part of
-  /// the picture. A block grows as safely on them, in a fraction of the time; wake_all brings the others back.
+  /// Puts tracks to sleep that growth can do without: kept are, from the longest, those that some image still needs in
+  /// its part of the picture. A block grows as safely on them, in a fraction of the time; wake_all brings the others
+  /// back.
   void sleep_surplus();
   void wake_all();
 
@@ -66,7 +67,8 @@ class Reconstruction {
   /// Gives up an image: its rays leave their points.
   void drop_image(ImageId image);
 
-  /// Intersects tracks without a point and adds rays to points, as far as they agree within the error; over the tracks of one image or all.
+  /// Intersects tracks without a point and adds rays to points, as far as they agree within the error; over the tracks
+  /// of one image or all.
   int extend(ImageId image);
   int extend_all(const Run& run);
   /// Switches off rays with large residuals and points with too small an angle. Returns how many rays went.

@@ -79,7 +79,8 @@ inline Block side_by_side(Block first, const Block& second) {
   return first;
 }
 
-/// Root mean square distance of the projection centres from the truth [m]; in place, or after the similarity that fits best.
+/// Root mean square distance of the projection centres from the truth [m]; in place, or after the similarity that fits
+/// best.
 inline double centre_rms_m(const Block& block, const Block& truth, bool aligned) {
   std::vector<Eigen::Vector3d> found, exact;
   for (const auto& [image, pose] : block.cam_from_world) {

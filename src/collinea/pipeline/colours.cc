@@ -24,7 +24,8 @@ Result<> colour_tie_points(const Project& project, Block& block) {
       const int x = std::clamp(static_cast<int>(seen->pixel.x() / kShrink), 0, picture->width - 1);
       const int y = std::clamp(static_cast<int>(seen->pixel.y() / kShrink), 0, picture->height - 1);
       auto& colour = block.points.at(seen->point).colour;
-      for (int c = 0; c < 3; ++c) colour[static_cast<std::size_t>(c)] = picture->at(x, y, picture->channels == 3 ? c : 0);
+      for (int c = 0; c < 3; ++c)
+        colour[static_cast<std::size_t>(c)] = picture->at(x, y, picture->channels == 3 ? c : 0);
     }
   });
   if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");

@@ -60,13 +60,15 @@ class CloudFiles {
     las.lowest.setConstant(std::numeric_limits<double>::infinity());
     las.highest = -las.lowest;
     for (const auto& [id, point] : block.points) {
-      const Eigen::Vector3d on_map = places.frame ? places.frame->map_from_local(point.position_in_world) : point.position_in_world;
+      const Eigen::Vector3d on_map =
+          places.frame ? places.frame->map_from_local(point.position_in_world) : point.position_in_world;
       las.lowest = las.lowest.cwiseMin(on_map);
       las.highest = las.highest.cwiseMax(on_map);
     }
     if (places.frame) las.wkt = places.frame->wkt1();
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(products / "cloud.las", las));
-    COLLINEA_TRY(PlyWriter ply_writer, PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
+    COLLINEA_TRY(PlyWriter ply_writer,
+                 PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
     return CloudFiles(std::move(las_writer), std::move(ply_writer), places);
   }
 
@@ -102,20 +104,24 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const Block block, project.store.read_block());
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
-  WorkingPictures pictures(block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
+  WorkingPictures pictures(
+      block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
   COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", inputs_hash, block, pictures));
   const TieView ties(block);
   json report = {{"skipped", json::array()}};
   COLLINEA_TRY(const std::vector<ImageId> images, match_all(project, block, ties, pictures, folder, report["skipped"]));
 
   COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project.folder / "products", block, places));
-  COLLINEA_TRY(const FuseReport fused,
-               fuse(block, ties, images, folder, [&](ImageId image, int shrink) { return read_colour(photo(image), shrink); },
-                    [&](std::span<const FusedPoint> points) { return cloud.write(points); }, project.settings.densify, project.run));
+  COLLINEA_TRY(const FuseReport fused, fuse(
+                                           block, ties, images, folder,
+                                           [&](ImageId image, int shrink) { return read_colour(photo(image), shrink); },
+                                           [&](std::span<const FusedPoint> points) { return cloud.write(points); },
+                                           project.settings.densify, project.run));
   if (auto finished = cloud.finish(); !finished) return tl::unexpected(finished.error());
   report["depth_maps"] = images.size();
   report["points"] = fused.points;
-  return StepOutput{inputs_hash, json_text(report), fmt::format("{} depth maps, {} points", images.size(), fused.points)};
+  return StepOutput{inputs_hash, json_text(report),
+                    fmt::format("{} depth maps, {} points", images.size(), fused.points)};
 }
 
 }  // namespace collinea

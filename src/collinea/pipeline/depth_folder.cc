@@ -54,7 +54,8 @@ Result<DepthMap> DepthFolder::read(ImageId image) {
   COLLINEA_TRY(map.sigma, read_float_tiff(path(image, "sigma")));
   if (map.depth.width != map.camera.width_px || map.depth.height != map.camera.height_px ||
       map.sigma.width != map.depth.width || map.sigma.height != map.depth.height)
-    return fail(Errc::kBadFormat, path(image, "depth").string() + " has the wrong size: remove the folder depth and run again");
+    return fail(Errc::kBadFormat,
+                path(image, "depth").string() + " has the wrong size: remove the folder depth and run again");
   return map;
 }
 

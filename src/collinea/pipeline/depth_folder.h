@@ -13,8 +13,8 @@ namespace collinea {
 class DepthFolder : public DepthStore {
  public:
   /// Opens the folder for maps made from what `inputs_hash` stands for.
-  static Result<DepthFolder> open(const std::filesystem::path& folder, const std::string& inputs_hash, const Block& block,
-                                  const WorkingPictures& pictures);
+  static Result<DepthFolder> open(const std::filesystem::path& folder, const std::string& inputs_hash,
+                                  const Block& block, const WorkingPictures& pictures);
 
   Result<> write(ImageId image, const DepthMap& map) override;
   Result<DepthMap> read(ImageId image) override;

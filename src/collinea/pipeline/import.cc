@@ -22,9 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kAssumedFocal = 1.2;        // times the longer side: a plain wide-angle lens
-constexpr double kAssumedFocalSigma = 0.3;   // relative
-constexpr double kExifFocalSigma = 0.05;     // relative: EXIF rounds to whole millimetres
+constexpr double kAssumedFocal = 1.2;       // times the longer side: a plain wide-angle lens
+constexpr double kAssumedFocalSigma = 0.3;  // relative
+constexpr double kExifFocalSigma = 0.05;    // relative: EXIF rounds to whole millimetres
 constexpr double kFullFrameDiagonal_mm = 43.2666;
 
 struct Photo {
@@ -35,7 +35,8 @@ struct Photo {
 
 bool looks_like_photo(const fs::path& path) {
   std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".tif" ||
          extension == ".tiff";
 }
@@ -100,7 +101,8 @@ Camera camera_from_header(const PhotoHeader& header) {
     focal_px = *header.focal_mm / *header.pixel_pitch_mm;
     source = "EXIF focal length and pixel pitch";
   }
-  // A picture resampled after it was taken keeps its old pixel pitch: then the two sources disagree and the equivalent wins.
+  // A picture resampled after it was taken keeps its old pixel pitch: then the two sources disagree and the equivalent
+  // wins.
   if (header.focal_35mm_mm && *header.focal_35mm_mm > 0) {
     const double equivalent_px = *header.focal_35mm_mm * diagonal_px / kFullFrameDiagonal_mm;
     if (focal_px == 0 || std::abs(focal_px / equivalent_px - 1) > 0.15) {
@@ -162,9 +164,9 @@ class Importer {
       : folder_(folder), options_(options), camera_params_(std::move(camera_params)) {}
 
   void add(const Photo& photo) {
-    if (!photo.header)
-      return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
-    if (photo.header->width_px < 64 || photo.header->height_px < 64) return skip(photo.file, "smaller than 64 x 64 pixels");
+    if (!photo.header) return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
+    if (photo.header->width_px < 64 || photo.header->height_px < 64)
+      return skip(photo.file, "smaller than 64 x 64 pixels");
     const auto [same, is_new] = file_of_hash_.emplace(photo.hash, photo.file);
     if (!is_new) return skip(photo.file, "the same bytes as " + same->second);
     Image image;
@@ -174,7 +176,8 @@ class Importer {
     image.orientation = photo.header->orientation;
     image.position = position_prior(*photo.header, options_);
     if (photo.header->heading_deg && photo.header->pitch_deg)
-      image.attitude = AttitudePrior{*photo.header->heading_deg, *photo.header->pitch_deg, photo.header->roll_deg.value_or(0)};
+      image.attitude =
+          AttitudePrior{*photo.header->heading_deg, *photo.header->pitch_deg, photo.header->roll_deg.value_or(0)};
     result.block.images[ImageId{static_cast<std::uint32_t>(result.block.images.size())}] = image;
     result.file_hash.push_back(Hash().add(photo.hash).hex());
   }
@@ -185,19 +188,25 @@ class Importer {
   void skip(const std::string& file, const std::string& reason) { result.skipped.push_back({file, reason}); }
 
   CameraId camera_of(const PhotoHeader& header) {
-    const Key key{header.maker, header.model, header.serial, header.lens, header.width_px, header.height_px,
+    const Key key{header.maker,
+                  header.model,
+                  header.serial,
+                  header.lens,
+                  header.width_px,
+                  header.height_px,
                   header.focal_mm.value_or(0)};
     const auto found = cameras_.find(key);
     if (found != cameras_.end()) return found->second;
     const CameraId id{static_cast<std::uint32_t>(cameras_.size())};
     cameras_[key] = id;
-    Camera camera = camera_params_ ? given_camera(*camera_params_, header.width_px, header.height_px)
-                                   : camera_from_header(header);
+    Camera camera =
+        camera_params_ ? given_camera(*camera_params_, header.width_px, header.height_px) : camera_from_header(header);
     camera.name = camera_name(header);
     if (camera.source == "assumed")
-      result.findings.push_back(fmt::format("{} ({} x {} px): no focal length in the files; {:.0f} px assumed, to be found by "
-                                            "self-calibration",
-                                            camera.name, header.width_px, header.height_px, camera.focal_px()));
+      result.findings.push_back(
+          fmt::format("{} ({} x {} px): no focal length in the files; {:.0f} px assumed, to be found by "
+                      "self-calibration",
+                      camera.name, header.width_px, header.height_px, camera.focal_px()));
     result.block.cameras[id] = camera;
     return id;
   }
@@ -239,32 +248,38 @@ Eigen::Vector3d middle_of(const Block& block) {
 
 Result<> place_on_earth(Imported& imported, const ImportOptions& options, const ControlFile& control) {
   Block& block = imported.block;
-  const bool has_gps = std::any_of(block.images.begin(), block.images.end(), [](const auto& entry) { return entry.second.position.has_value(); });
+  const bool has_gps = std::any_of(block.images.begin(), block.images.end(),
+                                   [](const auto& entry) { return entry.second.position.has_value(); });
   std::string crs = options.crs.value_or(control.crs);
   Eigen::Vector3d origin = middle_of(block);
   if (!has_gps) {
     if (control.points.empty()) return {};
     if (crs.empty())
-      return fail(Errc::kBadInput, "the control file names no CRS and the photographs have no GPS: give --crs EPSG:code");
+      return fail(Errc::kBadInput,
+                  "the control file names no CRS and the photographs have no GPS: give --crs EPSG:code");
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const ControlFilePoint& point : control.points) middle += point.position_in_map / double(control.points.size());
+    for (const ControlFilePoint& point : control.points)
+      middle += point.position_in_map / double(control.points.size());
     COLLINEA_TRY(origin, geographic_from_map(crs, middle));
   }
   if (crs.empty()) crs = utm_crs(origin.x(), origin.y());
   origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
-  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, origin.x(), origin.y(), origin.z()).map_error([&](Error error) {
-    return std::move(error).within("CRS \"" + crs + "\"" + (options.crs ? " (--crs)" : ""));
-  }));
+  COLLINEA_TRY(const LocalFrame frame,
+               LocalFrame::create(crs, origin.x(), origin.y(), origin.z()).map_error([&](Error error) {
+                 return std::move(error).within("CRS \"" + crs + "\"" + (options.crs ? " (--crs)" : ""));
+               }));
   block.georeference = Georeference{crs, origin.x(), origin.y(), origin.z()};
   for (auto& [id, image] : block.images)
     if (auto& prior = image.position)
-      prior->position_in_world = frame.local_from_geographic({prior->latitude_deg, prior->longitude_deg, prior->height_m});
+      prior->position_in_world =
+          frame.local_from_geographic({prior->latitude_deg, prior->longitude_deg, prior->height_m});
   return add_control(imported, control, frame);
 }
 
 Result<ControlFile> control_of(const ImportOptions& options) {
   if (!options.control && !options.check.empty())
-    return fail(Errc::kBadInput, "--check " + options.check + ": there is no control file; give it with --control FILE");
+    return fail(Errc::kBadInput,
+                "--check " + options.check + ": there is no control file; give it with --control FILE");
   if (!options.control) return ControlFile{};
   COLLINEA_TRY(ControlFile control, read_control(*options.control, {.sigma_plan_m = options.control_sigma_m,
                                                                     .sigma_height_m = options.control_sigma_m,
@@ -294,8 +309,9 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
   if (imported.block.images.size() < 2)
     return fail(Errc::kNotFound, fmt::format("{} usable photographs (JPEG, TIFF, PNG) in {}{}; at least two are needed",
                                              imported.block.images.size(), photos.string(),
-                                             imported.skipped.empty() ? "" : "; first skipped: " + imported.skipped[0].file +
-                                                                                 ": " + imported.skipped[0].reason));
+                                             imported.skipped.empty() ? ""
+                                                                      : "; first skipped: " + imported.skipped[0].file +
+                                                                            ": " + imported.skipped[0].reason));
   if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
   return imported;
 }

@@ -25,15 +25,20 @@ struct ImportOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = ImportOptions;
-    visit(Field{"crs", &O::crs, "", "projected CRS of the products, EPSG:code (default: that of the control, else the UTM zone)"});
+    visit(Field{"crs", &O::crs, "",
+                "projected CRS of the products, EPSG:code (default: that of the control, else the UTM zone)"});
     visit(Field{"control", &O::control, "", "file of control points: gcp_list.txt or collinea's CSV"});
     visit(Field{"check", &O::check, "", "names of control points that are only compared, separated by commas"});
-    visit(Field{"camera_params", &O::camera_params, "px",
-                "known camera for all images, held fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2]; centre of the first pixel is 0.5"});
-    visit(Field{"gps_sigma_m", &O::gps_sigma_m, "m", "standard deviation of image positions in plan where the file states none", 1e-3});
+    visit(Field{
+        "camera_params", &O::camera_params, "px",
+        "known camera for all images, held fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2]; centre of the first pixel is 0.5"});
+    visit(Field{"gps_sigma_m", &O::gps_sigma_m, "m",
+                "standard deviation of image positions in plan where the file states none", 1e-3});
     visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "the same for heights", 1e-3});
-    visit(Field{"control_sigma_m", &O::control_sigma_m, "m", "standard deviation of control coordinates where the file states none", 1e-6});
-    visit(Field{"control_sigma_px", &O::control_sigma_px, "px", "standard deviation of control measurements where the file states none", 1e-3});
+    visit(Field{"control_sigma_m", &O::control_sigma_m, "m",
+                "standard deviation of control coordinates where the file states none", 1e-6});
+    visit(Field{"control_sigma_px", &O::control_sigma_px, "px",
+                "standard deviation of control measurements where the file states none", 1e-3});
   }
 };
 
@@ -49,9 +54,9 @@ struct Imported {
   std::vector<std::string> findings;  ///< what the user should know: assumed focal lengths, control in no image, ...
 };
 
-/// Reads the headers of all photographs below a folder, groups cameras, and brings positions and control to a local frame.
-/// Broken, duplicate and non-photograph files are skipped and named. Errors: no folder, no photograph at all, bad
-/// control file, CRS unknown.
+/// Reads the headers of all photographs below a folder, groups cameras, and brings positions and control to a local
+/// frame. Broken, duplicate and non-photograph files are skipped and named. Errors: no folder, no photograph at all,
+/// bad control file, CRS unknown.
 [[nodiscard]] Result<Imported> import_photos(const std::filesystem::path& photos, const ImportOptions& options,
                                              const Run& run);
 

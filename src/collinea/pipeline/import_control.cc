@@ -53,8 +53,9 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
       continue;
     }
     if (!inside(block.camera_of(image->second), row.pixel)) {
-      imported.findings.push_back(fmt::format("control {} in {} (line {}): pixel {:.1f}, {:.1f} lies outside the picture; left out",
-                                              row.point, row.file, row.line, row.pixel.x(), row.pixel.y()));
+      imported.findings.push_back(
+          fmt::format("control {} in {} (line {}): pixel {:.1f}, {:.1f} lies outside the picture; left out", row.point,
+                      row.file, row.line, row.pixel.x(), row.pixel.y()));
       continue;
     }
     const ControlId point = by_name.at(row.point);
@@ -62,10 +63,12 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
     block.control_observations.push_back({point, image->second, row.pixel, row.sigma_px});
   }
   for (const auto& [file, rows] : missing)
-    imported.findings.push_back(fmt::format("control file: no photograph is called {} ({} measurements left out)", file, rows));
+    imported.findings.push_back(
+        fmt::format("control file: no photograph is called {} ({} measurements left out)", file, rows));
   for (const auto& [id, point] : block.control)
     if (seen[id] < 2)
-      imported.findings.push_back(fmt::format("control {} is seen in {} image{}: it cannot be used", point.name, seen[id], seen[id] == 1 ? "" : "s"));
+      imported.findings.push_back(fmt::format("control {} is seen in {} image{}: it cannot be used", point.name,
+                                              seen[id], seen[id] == 1 ? "" : "s"));
   return {};
 }
 

@@ -34,8 +34,7 @@ std::string hash_of_pictures(const Imported& imported) {
 }  // namespace
 
 Result<StepOutput> import_step(Project& project, const std::string&) {
-  COLLINEA_TRY(const Imported imported,
-               import_photos(project.settings.photos, project.settings.import, project.run));
+  COLLINEA_TRY(const Imported imported, import_photos(project.settings.photos, project.settings.import, project.run));
   if (auto written = project.store.write_setup(imported.block); !written) return tl::unexpected(written.error());
 
   nlohmann::json report = {{"findings", imported.findings}, {"skipped", nlohmann::json::array()}};
@@ -48,10 +47,11 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
   std::size_t positions = 0;
   for (const auto& [id, image] : imported.block.images) positions += image.position.has_value();
   const Block& block = imported.block;
-  return StepOutput{hash_of_pictures(imported), json_text(report),
-                    fmt::format("{} images, {} camera{}, {} positions, {} control points{}", block.images.size(),
-                                block.cameras.size(), block.cameras.size() == 1 ? "" : "s", positions, block.control.size(),
-                                block.georeference ? ", map " + block.georeference->crs : ", no map: local gauge")};
+  return StepOutput{
+      hash_of_pictures(imported), json_text(report),
+      fmt::format("{} images, {} camera{}, {} positions, {} control points{}", block.images.size(),
+                  block.cameras.size(), block.cameras.size() == 1 ? "" : "s", positions, block.control.size(),
+                  block.georeference ? ", map " + block.georeference->crs : ", no map: local gauge")};
 }
 
 }  // namespace collinea

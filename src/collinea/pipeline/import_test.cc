@@ -40,7 +40,8 @@ void put_photo(const std::filesystem::path& path, const PhotoHeader* header, int
 }
 
 bool mentions(const std::vector<std::string>& texts, const std::string& part) {
-  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return text.find(part) != std::string::npos; });
+  return std::any_of(texts.begin(), texts.end(),
+                     [&](const std::string& text) { return text.find(part) != std::string::npos; });
 }
 
 std::string reason_for(const Imported& imported, const std::string& file) {
@@ -234,7 +235,8 @@ image, B, sub/IMG_3.JPG, 50, 60, 0.3
 image, B, IMG_3.jpg, 51, 61
 image, C, IMG_1.jpg, 60, 45
 image, C, IMG_2.jpg, 60, 46
-)", {.control_sigma_px = 0.7});
+)",
+                                            {.control_sigma_px = 0.7});
   ASSERT_TRUE(imported) << imported.error().message;
   const Block& block = imported->block;
   EXPECT_EQ(block.georeference.value().crs, "EPSG:32633");
@@ -248,7 +250,9 @@ image, C, IMG_2.jpg, 60, 46
   EXPECT_EQ(block.control_observations[0].sigma_px, 0.4);
   EXPECT_EQ(block.control_observations[1].sigma_px, 0.7);
   // The frame lies at the control: distances on the ground are those of the map, but for its scale.
-  EXPECT_NEAR((block.control.at(ControlId{1}).position_in_world - block.control.at(ControlId{0}).position_in_world).norm(), 50.02, 0.05);
+  EXPECT_NEAR(
+      (block.control.at(ControlId{1}).position_in_world - block.control.at(ControlId{0}).position_in_world).norm(),
+      50.02, 0.05);
 }
 
 TEST(ImportControl, RowsThatCannotBeUsedAreNamed) {
@@ -259,7 +263,8 @@ image, B, IMG_9.jpg, 11, 20
 )");
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->block.control_observations.size(), 1u);
-  EXPECT_TRUE(mentions(imported->findings, "control A in IMG_2.jpg (line 6): pixel 500.0, 20.0 lies outside the picture"));
+  EXPECT_TRUE(
+      mentions(imported->findings, "control A in IMG_2.jpg (line 6): pixel 500.0, 20.0 lies outside the picture"));
   EXPECT_TRUE(mentions(imported->findings, "no photograph is called IMG_9.jpg (2 measurements left out)"));
   EXPECT_TRUE(mentions(imported->findings, "control A is seen in 1 image: it cannot be used"));
   EXPECT_TRUE(mentions(imported->findings, "control C is seen in 0 images: it cannot be used"));

@@ -14,9 +14,10 @@ using nlohmann::json;
 Result<json> gather(const ProjectStore& store) {
   COLLINEA_TRY(const Block setup, store.read_setup());
   COLLINEA_TRY(const std::vector<StepRecord> steps, store.read_steps());
-  json info = {{"images", setup.images.size()}, {"oriented", 0},     {"tie_points", 0},        {"observations", 0},
-               {"mean_reprojection_px", nullptr}, {"gsd_m", nullptr}, {"control_rmse_m", nullptr}, {"check_rmse_m", nullptr},
-               {"steps", json::array()}};
+  json info = {
+      {"images", setup.images.size()},   {"oriented", 0},    {"tie_points", 0},           {"observations", 0},
+      {"mean_reprojection_px", nullptr}, {"gsd_m", nullptr}, {"control_rmse_m", nullptr}, {"check_rmse_m", nullptr},
+      {"steps", json::array()}};
   for (const StepRecord& step : steps) {
     info["steps"].push_back({{"name", step.name},
                              {"seconds", step.seconds},
@@ -35,7 +36,8 @@ Result<json> gather(const ProjectStore& store) {
 std::string axes_text(const json& rmse) {
   if (!rmse.is_array()) return "none";
   std::string text;
-  for (const json& axis : rmse) text += (text.empty() ? "" : " / ") + (axis.is_null() ? "-" : fmt::format("{:.3f}", axis.get<double>()));
+  for (const json& axis : rmse)
+    text += (text.empty() ? "" : " / ") + (axis.is_null() ? "-" : fmt::format("{:.3f}", axis.get<double>()));
   return text + " m (east / north / height)";
 }
 
@@ -52,19 +54,22 @@ Result<std::string> info_text(const ProjectStore& store) {
     return info[key].is_null() ? std::string("not known yet") : fmt::format("{:.4g} {}", info[key].get<double>(), unit);
   };
   std::string text;
-  const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<22} {}\n", name, value); };
+  const auto line = [&](const char* name, const std::string& value) {
+    text += fmt::format("{:<22} {}\n", name, value);
+  };
   line("images", fmt::format("{} ({} oriented)", info["images"].get<int>(), info["oriented"].get<int>()));
   line("cameras", std::to_string(info["cameras"].get<int>()));
   line("map", info.value("crs", std::string("none: local gauge")));
-  line("tie points", fmt::format("{} with {} observations", info["tie_points"].get<int>(), info["observations"].get<int>()));
+  line("tie points",
+       fmt::format("{} with {} observations", info["tie_points"].get<int>(), info["observations"].get<int>()));
   line("mean reprojection", number("mean_reprojection_px", "px"));
   line("ground sample", number("gsd_m", "m"));
   line("control RMSE", axes_text(info["control_rmse_m"]));
   line("check RMSE", axes_text(info["check_rmse_m"]));
   for (const json& step : info["steps"])
     line(("step " + step["name"].get<std::string>()).c_str(),
-         fmt::format("{:8.1f} s {:8.1f} CPU-s {:6.0f} MB", step["seconds"].get<double>(), step["cpu_seconds"].get<double>(),
-                     step["peak_memory_bytes"].get<double>() / 1e6));
+         fmt::format("{:8.1f} s {:8.1f} CPU-s {:6.0f} MB", step["seconds"].get<double>(),
+                     step["cpu_seconds"].get<double>(), step["peak_memory_bytes"].get<double>() / 1e6));
   for (const json& finding : info.value("findings", json::array())) line("note", finding.get<std::string>());
   return text;
 }

@@ -37,7 +37,8 @@ Result<ImagePair> match_pair(const Project& project, const Block& setup, Feature
 Result<> match_batch(Project& project, const Block& setup, FeatureCache& cache, std::span<const Ids> batch,
                      const std::string& inputs_hash) {
   std::vector<Result<ImagePair>> matched(batch.size(), fail(Errc::kCancelled, "stopped"));
-  parallel_for(project.run, batch.size(), [&](std::size_t i) { matched[i] = match_pair(project, setup, cache, batch[i]); });
+  parallel_for(project.run, batch.size(),
+               [&](std::size_t i) { matched[i] = match_pair(project, setup, cache, batch[i]); });
   std::vector<ImagePair> pairs;
   for (auto& pair : matched) {
     if (!pair) return tl::unexpected(pair.error());
@@ -81,7 +82,8 @@ Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) 
   COLLINEA_TRY(const auto done_list, project.store.pairs_done(inputs_hash));
   const std::set<Ids> done(done_list.begin(), done_list.end());
   std::vector<Ids> left;
-  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](const Ids& ids) { return !done.contains(ids); });
+  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left),
+               [&](const Ids& ids) { return !done.contains(ids); });
 
   for (std::size_t start = 0; start < left.size(); start += kBatch) {
     const std::span batch(left.data() + start, std::min(kBatch, left.size() - start));
@@ -99,7 +101,8 @@ Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) 
   }
   const nlohmann::json report = {{"pairs", pairs.size()}, {"matches", matches}, {"pairs_by_geometry", by_geometry}};
   const auto verified = pairs.size() - static_cast<std::size_t>(by_geometry["unrelated"]);
-  return StepOutput{inputs_hash, json_text(report), fmt::format("{} of {} pairs verified, {} matches", verified, pairs.size(), matches)};
+  return StepOutput{inputs_hash, json_text(report),
+                    fmt::format("{} of {} pairs verified, {} matches", verified, pairs.size(), matches)};
 }
 
 }  // namespace collinea

@@ -51,7 +51,8 @@ json control_rms(const Orientation& orientation, bool used) {
 
 json position_rms(const Orientation& orientation) {
   std::vector<Eigen::Vector3d> differences;
-  for (const PositionDifference& position : orientation.adjusted.positions) differences.push_back(position.difference_m);
+  for (const PositionDifference& position : orientation.adjusted.positions)
+    differences.push_back(position.difference_m);
   return rms_of(differences);
 }
 
@@ -81,19 +82,24 @@ json numbers(const auto& values) {
 // What only the report needs: differences and sigmas one by one.
 json details_of(const Orientation& orientation) {
   const Adjusted& adjusted = orientation.adjusted;
-  json details = {{"control", json::array()}, {"positions", json::array()}, {"centre_sigma_m", json::object()},
+  json details = {{"control", json::array()},
+                  {"positions", json::array()},
+                  {"centre_sigma_m", json::object()},
                   {"camera_sigma", json::object()}};
   for (const ControlDifference& control : adjusted.control)
-    details["control"].push_back({{"point", control.point.value},
-                                  {"used", control.used},
-                                  {"rays", control.rays},
-                                  {"difference_m", numbers(measured_axes(control, orientation.block.control.at(control.point)))}});
+    details["control"].push_back(
+        {{"point", control.point.value},
+         {"used", control.used},
+         {"rays", control.rays},
+         {"difference_m", numbers(measured_axes(control, orientation.block.control.at(control.point)))}});
   for (const ControlId point : orientation.excluded_control) details["excluded_control"].push_back(point.value);
   for (const PositionDifference& position : adjusted.positions)
-    details["positions"].push_back(
-        {{"image", position.image.value}, {"difference_m", numbers(position.difference_m)}, {"weight", position.weight}});
+    details["positions"].push_back({{"image", position.image.value},
+                                    {"difference_m", numbers(position.difference_m)},
+                                    {"weight", position.weight}});
   for (const auto& [image, covariance] : adjusted.pose_covariance)
-    details["centre_sigma_m"][std::to_string(image.value)] = numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt()));
+    details["centre_sigma_m"][std::to_string(image.value)] =
+        numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt()));
   for (const auto& [camera, covariance] : adjusted.camera_covariance)
     details["camera_sigma"][std::to_string(camera.value)] = numbers(Eigen::VectorXd(covariance.diagonal().cwiseSqrt()));
   return details;
@@ -131,13 +137,15 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   const auto keypoints = [&](ImageId image) { return project.store.read_keypoints(image); };
   COLLINEA_TRY(Orientation orientation, orient(setup, pairs, keypoints, project.settings.orient, project.run));
   if (auto coloured = colour_tie_points(project, orientation.block); !coloured) return tl::unexpected(coloured.error());
-  if (auto written = project.store.write_orientation(orientation.block); !written) return tl::unexpected(written.error());
+  if (auto written = project.store.write_orientation(orientation.block); !written)
+    return tl::unexpected(written.error());
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
   const json report = report_of(orientation, setup.images.size());
-  return StepOutput{inputs_hash, json_text(report),
-                    fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}", orientation.block.cam_from_world.size(),
-                                setup.images.size(), orientation.block.points.size(), mean_residual_px(orientation.adjusted),
-                                orientation.gauge)};
+  return StepOutput{
+      inputs_hash, json_text(report),
+      fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}",
+                  orientation.block.cam_from_world.size(), setup.images.size(), orientation.block.points.size(),
+                  mean_residual_px(orientation.adjusted), orientation.gauge)};
 }
 
 }  // namespace collinea

@@ -33,10 +33,16 @@ const std::array<Step, 8>& steps() {
       {"match", match_step, {"import", "detect"}, {}},
       {"orient", orient_step, {"import", "match"}, {}, true},
       {"densify", densify_step, {"orient"}, {"products/cloud.las", "products/cloud.ply"}},
-      {"surface", surface_step, {"orient", "densify"},
+      {"surface",
+       surface_step,
+       {"orient", "densify"},
        {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif"}},
       {"ortho", ortho_step, {"orient", "surface"}, {"products/ortho.tif", "products/ortho_source.tif"}},
-      {"report", report_step, {"import", "detect", "match", "orient", "densify", "surface", "ortho"}, {"report/report.html"}, true},
+      {"report",
+       report_step,
+       {"import", "detect", "match", "orient", "densify", "surface", "ortho"},
+       {"report/report.html"},
+       true},
   }};
   return all;
 }
@@ -55,7 +61,9 @@ Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
 }
 
 // A step that finds nothing to make says why, and leaves no product.
-bool made_nothing(const std::string& report_json) { return report_json.find("\"skipped_because\"") != std::string::npos; }
+bool made_nothing(const std::string& report_json) {
+  return report_json.find("\"skipped_because\"") != std::string::npos;
+}
 
 bool products_exist(const Project& project, const Step& step, const StepRecord& record) {
   if (made_nothing(record.report_json)) return true;
@@ -86,7 +94,8 @@ Error with_advice(Error error, const fs::path& folder) {
   std::error_code unknown;
   const double left_MB = double(fs::space(folder, unknown).available) / 1e6;
   if (error.code == Errc::kBadInput && !unknown && left_MB < kLittle_MB)
-    error.message += fmt::format(" (only {:.0f} MB are left on the disk: make room and give the command again)", left_MB);
+    error.message +=
+        fmt::format(" (only {:.0f} MB are left on the disk: make room and give the command again)", left_MB);
   if (error.code == Errc::kBadFormat && error.message.find("block.db") != std::string::npos)
     error.message += "; remove that file and give the command again: everything is computed anew";
   return error;
@@ -111,8 +120,9 @@ Result<> do_step(Project& project, const Step& step) {
   project.run.report(step.name, 1);
   if (made_nothing(output.report_json))
     for (const char* product : step.products) fs::remove(project.folder / product);
-  const StepRecord record{step.name,           inputs_hash,        output.output_hash,        cost.seconds(),
-                          cost.cpu_seconds(), cost.peak_memory_bytes(), output.report_json};
+  const StepRecord record{step.name,         inputs_hash,        output.output_hash,
+                          cost.seconds(),    cost.cpu_seconds(), cost.peak_memory_bytes(),
+                          output.report_json};
   if (auto written = project.store.write_step(record); !written) return written;
   project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name, output.summary, record.seconds,
                               record.cpu_seconds, record.peak_memory_bytes / 1e6));

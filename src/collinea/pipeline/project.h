@@ -26,8 +26,10 @@ struct Project {
   }
 };
 
-/// Makes the folder when missing, or opens what is there, for this program alone. `settings` are written to project.json.
-[[nodiscard]] Result<Project> create_project(const std::filesystem::path& folder, const Settings& settings, const Run& run);
+/// Makes the folder when missing, or opens what is there, for this program alone. `settings` are written to
+/// project.json.
+[[nodiscard]] Result<Project> create_project(const std::filesystem::path& folder, const Settings& settings,
+                                             const Run& run);
 /// Opens a project made before, to look at what it holds.
 [[nodiscard]] Result<Project> open_project(const std::filesystem::path& folder, const Run& run);
 
@@ -36,8 +38,8 @@ struct Project {
 /// An error that lists the steps, when none is called so.
 [[nodiscard]] Result<> check_step_name(const std::string& name);
 
-/// Brings everything up to and including `last` up to date: steps whose inputs and options have not changed are skipped, a
-/// step broken off is continued. Log lines say what is done.
+/// Brings everything up to and including `last` up to date: steps whose inputs and options have not changed are
+/// skipped, a step broken off is continued. Log lines say what is done.
 [[nodiscard]] Result<> bring_up_to(Project& project, const std::string& last);
 
 }  // namespace collinea

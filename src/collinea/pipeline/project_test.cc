@@ -86,7 +86,8 @@ class SmallProject : public ::testing::Test {
     return settings;
   }
 
-  static Result<> bring(const fs::path& folder, const Settings& settings, Log& log, const std::string& last, int threads = 1) {
+  static Result<> bring(const fs::path& folder, const Settings& settings, Log& log, const std::string& last,
+                        int threads = 1) {
     COLLINEA_TRY(Project project, create_project(folder, settings, log.run(threads)));
     return bring_up_to(project, last);
   }
@@ -119,7 +120,8 @@ void SmallProject::every_image_is_oriented_and_every_product_there() {
   const auto block = project->store.read_block();
   ASSERT_TRUE(block);
   EXPECT_EQ(block->cam_from_world.size(), 6u);
-  for (const std::string& product : kProducts) EXPECT_GT(fs::file_size(root_ / "mapped/products" / product), 500u) << product;
+  for (const std::string& product : kProducts)
+    EXPECT_GT(fs::file_size(root_ / "mapped/products" / product), 500u) << product;
   EXPECT_GT(fs::file_size(root_ / "mapped/report/report.html"), 10'000u);
 }
 
@@ -129,11 +131,13 @@ void SmallProject::projection_centres_are_where_they_were() {
   ASSERT_TRUE(project && truth);
   const Block block = project->store.read_block().value();
   const Georeference& earth = block.georeference.value();
-  const auto frame = LocalFrame::create(earth.crs, earth.origin_latitude_deg, earth.origin_longitude_deg, earth.origin_height_m);
+  const auto frame =
+      LocalFrame::create(earth.crs, earth.origin_latitude_deg, earth.origin_longitude_deg, earth.origin_height_m);
   ASSERT_TRUE(frame);
   for (const auto& [id, pose] : block.cam_from_world) {
     const std::string& file = block.images.at(id).file;
-    EXPECT_LT((frame->map_from_local(centre_of(pose)) - truth->centre_in_map.at(file)).norm(), 2.0) << file;  // ten pixels
+    EXPECT_LT((frame->map_from_local(centre_of(pose)) - truth->centre_in_map.at(file)).norm(), 2.0)
+        << file;  // ten pixels
   }
 }
 
@@ -159,8 +163,10 @@ void SmallProject::info_tells_what_machines_read() {
 void SmallProject::export_writes_every_format_and_refuses_others() {
   auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
-  for (const char* format : {"colmap", "opk", "ply"}) ASSERT_TRUE(export_block(*project, root_ / "export", format)) << format;
-  for (const char* file : {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk", "tie_points.ply"})
+  for (const char* format : {"colmap", "opk", "ply"})
+    ASSERT_TRUE(export_block(*project, root_ / "export", format)) << format;
+  for (const char* file :
+       {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk", "tie_points.ply"})
     EXPECT_TRUE(fs::exists(root_ / "export" / file)) << file;
   const auto refused = export_block(*project, root_ / "export", "dwg");
   ASSERT_FALSE(refused);
@@ -235,7 +241,8 @@ void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   Log log;
   ASSERT_TRUE(bring(project, settings(), log, "report"));
   EXPECT_TRUE(log.steps_done().empty());
-  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "scratch"}) EXPECT_FALSE(fs::exists(project / file)) << file;
+  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "scratch"})
+    EXPECT_FALSE(fs::exists(project / file)) << file;
   EXPECT_TRUE(fs::exists(project / "download.part"));
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <locale>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -28,7 +29,8 @@ Eigen::Vector3d vector_of(const json& list) {
 void add_orientation(const json& orientation, ReportInput& input) {
   const json& details = orientation.at("details");
   std::set<std::uint32_t> excluded;
-  for (const json& point : details.value("excluded_control", json::array())) excluded.insert(point.get<std::uint32_t>());
+  for (const json& point : details.value("excluded_control", json::array()))
+    excluded.insert(point.get<std::uint32_t>());
   for (const json& row : details.at("control")) {
     const auto point = row.at("point").get<std::uint32_t>();
     input.control.push_back({.point = ControlId{point},
@@ -59,13 +61,21 @@ void add_notes(const std::vector<StepRecord>& steps, ReportInput& input) {
     if (!report.is_object()) continue;
     for (const json& photo : report.value("skipped", json::array()))
       input.skipped.push_back({photo.at("file").get<std::string>(), photo.at("reason").get<std::string>()});
-    for (const json& finding : report.value("findings", json::array())) input.findings.push_back(finding.get<std::string>());
-    if (report.contains("skipped_because")) input.findings.push_back(step.name + ": " + report["skipped_because"].get<std::string>());
+    for (const json& finding : report.value("findings", json::array()))
+      input.findings.push_back(finding.get<std::string>());
+    if (report.contains("skipped_because"))
+      input.findings.push_back(step.name + ": " + report["skipped_because"].get<std::string>());
   }
 }
 
+struct Thousands : std::numpunct<char> {
+  char do_thousands_sep() const override { return ','; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
 std::string cells_text(const json& step) {
-  return fmt::format("cells of {:.3g} m, {} x {}", step.value("cell_m", 0.0), step.value("width", 0), step.value("height", 0));
+  return fmt::format("cells of {:.3g} m, {} x {}", step.value("cell_m", 0.0), step.value("width", 0),
+                     step.value("height", 0));
 }
 
 void add_products(const Project& project, const std::map<std::string, json>& reports, ReportInput& input) {
@@ -75,7 +85,7 @@ void add_products(const Project& project, const std::map<std::string, json>& rep
     if (!missing) input.products.push_back({name, file, bytes, what});
   };
   const auto of = [&](const char* step) { return reports.contains(step) ? reports.at(step) : json::object(); };
-  const std::string points = fmt::format("{} points", of("densify").value("points", 0l));
+  const std::string points = fmt::format(std::locale(std::locale::classic(), new Thousands), "{:L} points", of("densify").value("points", 0l));
   add("Point cloud", "products/cloud.las", points + ", LAS 1.4 in the map, with sigmas");
   add("Point cloud", "products/cloud.ply", points + ", PLY in the local frame, with normals");
   add("Surface model", "products/dsm.tif", cells_text(of("surface")));
@@ -88,6 +98,20 @@ void add_products(const Project& project, const std::map<std::string, json>& rep
   if (of("ortho").contains("cell_m")) input.ortho = project.folder / "products/ortho.tif";
 }
 
+// The folder's name, also of "." and "project/".
+std::string title_of(const Project& project) {
+  std::error_code error;
+  fs::path folder = fs::absolute(project.folder, error).lexically_normal();
+  if (folder.filename().empty()) folder = folder.parent_path();
+  return folder.filename().string();
+}
+
+// Heights follow the control where it took part; receivers give them above the ellipsoid.
+std::string height_reference(const ReportInput& input, const json& orientation) {
+  if (input.crs_name.find(" + ") != std::string::npos) return "";  // the name says it
+  return orientation.at("control_rmse_m").is_null() ? "above the WGS 84 ellipsoid" : "as those of the control points";
+}
+
 }  // namespace
 
 Result<StepOutput> report_step(Project& project, const std::string& inputs_hash) {
@@ -95,7 +119,7 @@ Result<StepOutput> report_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(input.block, project.store.read_block());
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   COLLINEA_TRY(input.steps, project.store.read_steps());
-  input.title = fs::path(project.folder).lexically_normal().filename().string();
+  input.title = title_of(project);
   input.first_cameras = setup.cameras;
   std::map<std::string, json> reports;
   for (const StepRecord& step : input.steps) reports[step.name] = json::parse(step.report_json, nullptr, false);
@@ -104,8 +128,10 @@ Result<StepOutput> report_step(Project& project, const std::string& inputs_hash)
   add_products(project, reports, input);
   if (input.block.georeference) {
     COLLINEA_TRY(input.crs_name, check_crs(input.block.georeference->crs));
+    input.height_reference = height_reference(input, reports.at("orient"));
   }
-  for (const std::string& step : step_names()) input.options.emplace_back(step, options_text(project.settings, step));
+  input.options = chosen_options(project.settings);
+  if (input.options.empty()) input.options.emplace_back("all", "as by default");
   input.versions.emplace_back("collinea", COLLINEA_VERSION);
   if (auto written = write_report(input, project.folder / "report"); !written) return tl::unexpected(written.error());
   return StepOutput{inputs_hash, "{}", "report/report.html"};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -58,7 +59,8 @@ void options_from_json(const json& j, const std::string& group, Options& options
     }
   });
   for (const auto& [name, value] : j.items())
-    if (!known.contains(name)) throw std::invalid_argument("options." + group + "." + name + ": there is no such option");
+    if (!known.contains(name))
+      throw std::invalid_argument("options." + group + "." + name + ": there is no such option");
 }
 
 }  // namespace
@@ -66,7 +68,8 @@ void options_from_json(const json& j, const std::string& group, Options& options
 Result<Settings> read_settings(const std::filesystem::path& project) {
   const std::filesystem::path path = project / "project.json";
   std::ifstream file(path);
-  if (!file) return fail(Errc::kNotFound, path.string() + " is missing: make a project with `collinea run PHOTOS -o PROJECT`");
+  if (!file)
+    return fail(Errc::kNotFound, path.string() + " is missing: make a project with `collinea run PHOTOS -o PROJECT`");
   Settings settings;
   try {
     const json j = json::parse(file);
@@ -79,7 +82,8 @@ Result<Settings> read_settings(const std::filesystem::path& project) {
       if (options.contains(group)) options_from_json(options.at(group), group, group_options);
     });
     for (const auto& [group, values] : options.items())
-      if (!known.contains(group)) throw std::invalid_argument("options." + group + ": there is no such group of options");
+      if (!known.contains(group))
+        throw std::invalid_argument("options." + group + ": there is no such group of options");
   } catch (const std::exception& error) {
     return fail(Errc::kBadFormat, path.string() + ": " + error.what() +
                                       "; correct it, or have it written anew with `collinea run PHOTOS -o PROJECT`");
@@ -106,7 +110,8 @@ Result<> validate_settings(const Settings& settings) {
   });
   const std::string& calibration = settings.orient.calibration;
   if (verdict && std::find(kCalibrations.begin(), kCalibrations.end(), calibration) == kCalibrations.end())
-    return fail(Errc::kBadInput, "orient: calibration = \"" + calibration + "\": choose auto, none, focal, focal_radial or brown");
+    return fail(Errc::kBadInput,
+                "orient: calibration = \"" + calibration + "\": choose auto, none, focal, focal_radial or brown");
   return verdict;
 }
 
@@ -117,6 +122,27 @@ std::string options_text(const Settings& settings, const std::string& step) {
     if (step == owner) j[group] = options_to_json(group_options);
   });
   return json_text(j);
+}
+
+std::vector<std::pair<std::string, std::string>> chosen_options(const Settings& settings) {
+  std::map<std::string, json> defaults;
+  Settings::each(Settings{}, [&](const char*, const char* group, const auto& options) {
+    defaults[group] = options_to_json(options);
+  });
+  std::vector<std::pair<std::string, std::string>> chosen;
+  Settings::each(settings, [&](const char*, const char* group, const auto& options) {
+    const json values = options_to_json(options);
+    std::decay_t<decltype(options)>::describe([&](const auto& field) {
+      const std::string name(field.name);
+      const json& value = values.at(name);
+      if (value == defaults.at(group).at(name)) return;
+      const std::string unit(field.unit == "1" || !value.is_number() ? "" : field.unit);
+      chosen.emplace_back(group + ("." + name),
+                          (value.is_string() ? value.get<std::string>() : json_text(value)) + (unit.empty() ? "" : " " + unit));
+    });
+  });
+  if (settings.seed != Settings{}.seed) chosen.emplace_back("seed", std::to_string(settings.seed));
+  return chosen;
 }
 
 }  // namespace collinea

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "collinea/dense/depth_map.h"
 #include "collinea/epipolar/two_view.h"
@@ -54,5 +56,7 @@ struct Settings {
 [[nodiscard]] Result<> validate_settings(const Settings& settings);
 /// The options of one step and the seed as text, for fingerprints.
 [[nodiscard]] std::string options_text(const Settings& settings, const std::string& step);
+/// The options that are not as they are by default, for people: "orient.max_error_px", "2.5 px".
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> chosen_options(const Settings& settings);
 
 }  // namespace collinea

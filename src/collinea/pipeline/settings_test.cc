@@ -64,10 +64,13 @@ TEST(Settings, WhatIsWrongIsNamedWithItsPlace) {
       {R"({"photos": "/p")", "project.json", Errc::kBadFormat},
       {R"([1, 2])", "project.json", Errc::kBadFormat},
       {R"({"options": {}})", "photos", Errc::kBadFormat},
-      {R"({"photos": "/p", "options": {"orient": {"max_eror_px": 3}}})", "options.orient.max_eror_px", Errc::kBadFormat},
+      {R"({"photos": "/p", "options": {"orient": {"max_eror_px": 3}}})", "options.orient.max_eror_px",
+       Errc::kBadFormat},
       {R"({"photos": "/p", "options": {"orientt": {}}})", "options.orientt", Errc::kBadFormat},
-      {R"({"photos": "/p", "options": {"orient": {"max_error_px": "3"}}})", "options.orient.max_error_px", Errc::kBadFormat},
-      {R"({"photos": "/p", "options": {"orient": {"min_points": 20.5}}})", "options.orient.min_points", Errc::kBadFormat},
+      {R"({"photos": "/p", "options": {"orient": {"max_error_px": "3"}}})", "options.orient.max_error_px",
+       Errc::kBadFormat},
+      {R"({"photos": "/p", "options": {"orient": {"min_points": 20.5}}})", "options.orient.min_points",
+       Errc::kBadFormat},
       {R"({"photos": "/p", "options": {"orient": {"max_error_px": -3}}})", "max_error_px", Errc::kBadInput},
       {R"({"photos": "/p", "options": {"orient": {"calibration": "much"}}})", "calibration", Errc::kBadInput},
   };
@@ -87,6 +90,20 @@ TEST(Settings, ASeedChangesEveryStepAndAnOptionOnlyItsOwn) {
     EXPECT_NE(options_text(seed, step), options_text(before, step)) << step;
     EXPECT_EQ(options_text(option, step) == options_text(before, step), step != std::string("match")) << step;
   }
+}
+
+TEST(Settings, ChosenOptionsAreThoseThatDifferFromTheDefaults) {
+  Settings settings;
+  EXPECT_TRUE(chosen_options(settings).empty());
+  settings.import.crs = "EPSG:25832";
+  settings.orient.max_error_px = 2.5;
+  settings.orient.use_control = false;
+  settings.seed = 9;
+  const std::vector<std::pair<std::string, std::string>> expected = {{"import.crs", "EPSG:25832"},
+                                                                     {"orient.max_error_px", "2.5 px"},
+                                                                     {"orient.use_control", "false"},
+                                                                     {"seed", "9"}};
+  EXPECT_EQ(chosen_options(settings), expected);
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/io/las.h"
-#include "collinea/pipeline/json_text.h"
 #include "collinea/ortho/view.h"
+#include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
 
@@ -33,7 +33,8 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const Places places, places_of(project, block));
   COLLINEA_TRY(LasReader reader, LasReader::open(project.folder / "products/cloud.las"));
   const auto products = project.folder / "products";
-  const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif", products / "dsm_count.tif"};
+  const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
+                       products / "dsm_count.tif"};
   COLLINEA_TRY(const DsmSummary summary,
                build_dsm(points_of(reader), places.frame_or_null(), places.matched_pixel_m, files,
                          project.folder / "scratch", project.settings.surface, project.run, PointFrame::kMap));

@@ -21,7 +21,8 @@ struct MapView {
   Vector2d low, high;
   double pixels_per_unit = 1, width = 0, height = 0;
 
-  MapView(const Vector2d& lowest, const Vector2d& highest, double wanted_width, double most_height) : low(lowest), high(highest) {
+  MapView(const Vector2d& lowest, const Vector2d& highest, double wanted_width, double most_height)
+      : low(lowest), high(highest) {
     const Vector2d size = (high - low).cwiseMax(1e-6);
     pixels_per_unit = std::min((wanted_width - 2 * kMargin) / size.x(), (most_height - 2 * kMargin) / size.y());
     width = wanted_width;
@@ -66,7 +67,8 @@ void draw_scale_and_north(Svg& svg, const MapView& view, const std::string& unit
   svg.line(at + Vector2d(px, -4), at + Vector2d(px, 4), "scale");
   svg.text(at + Vector2d(px / 2, -6), length_text(length, unit), "middle");
   const Vector2d north(view.width - 26, 16);
-  const std::array<Vector2d, 4> needle = {north, north + Vector2d(8, 26), north + Vector2d(0, 20), north + Vector2d(-8, 26)};
+  const std::array<Vector2d, 4> needle = {north, north + Vector2d(8, 26), north + Vector2d(0, 20),
+                                          north + Vector2d(-8, 26)};
   svg.polygon(needle, "needle");
   svg.text(north + Vector2d(0, 42), "N", "middle");
 }
@@ -110,7 +112,8 @@ void draw_control(Svg& svg, const MapView& view, const ReportInput& input, const
     const auto& d = control->difference_m;
     if (std::isfinite(d.x()) && std::isfinite(d.y()))
       svg.arrow(at, at + px_per_unit * Vector2d(d.x(), -d.y()), "plan_arrow");
-    if (std::isfinite(d.z())) svg.arrow(at + Vector2d(-11, 0), at + Vector2d(-11, -px_per_unit * d.z()), "height_arrow");
+    if (std::isfinite(d.z()))
+      svg.arrow(at + Vector2d(-11, 0), at + Vector2d(-11, -px_per_unit * d.z()), "height_arrow");
   }
   if (px_per_unit == 0) return;
   const double length = round_below(longest), px = length * px_per_unit;
@@ -139,8 +142,8 @@ void draw_images(Svg& svg, const MapView& view, const ReportInput& input, const 
 }
 
 constexpr std::array<int, 7> kOverlapFrom = {1, 2, 3, 4, 5, 7, 9};
-constexpr std::array<const char*, 7> kOverlapColours = {"#d7301f", "#fc8d59", "#fdcc8a", "#d9f0d3", "#7fcdbb", "#41a6c4",
-                                                        "#225ea8"};
+constexpr std::array<const char*, 7> kOverlapColours = {"#d7301f", "#fc8d59", "#fdcc8a", "#d9f0d3",
+                                                        "#7fcdbb", "#41a6c4", "#225ea8"};
 
 int overlap_class(int images) {
   int found = -1;
@@ -176,13 +179,15 @@ std::string overlap_map(const Overlap& overlap, const std::string& unit) {
   std::array<std::string, kOverlapFrom.size()> outlines;
   for (int row = 0; row < overlap.rows; ++row)
     for (int column = 0; column < overlap.columns;) {
-      const auto class_at = [&](int c) { return overlap_class(overlap.images[std::size_t(row * overlap.columns + c)]); };
+      const auto class_at = [&](int c) {
+        return overlap_class(overlap.images[std::size_t(row * overlap.columns + c)]);
+      };
       int end = column + 1;
       while (end < overlap.columns && class_at(end) == class_at(column)) ++end;
       if (const int found = class_at(column); found >= 0) {
         const Vector2d at = view(Vector2d(overlap.lower_left + overlap.cell * Vector2d(column, row + 1)));
-        outlines[std::size_t(found)] +=
-            fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", at.x(), at.y(), (end - column) * cell, cell + 0.1, -(end - column) * cell);
+        outlines[std::size_t(found)] += fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", at.x(), at.y(),
+                                                    (end - column) * cell, cell + 0.1, -(end - column) * cell);
       }
       column = end;
     }
@@ -194,7 +199,9 @@ std::string overlap_map(const Overlap& overlap, const std::string& unit) {
     svg.rectangle(x, y, 16, 16, "swatch", kOverlapColours[i]);
     const bool last = i + 1 == kOverlapFrom.size();
     const int from = kOverlapFrom[i], to = last ? from : kOverlapFrom[i + 1] - 1;
-    svg.text({x + 21, y + 13}, last ? fmt::format("{}+", from) : from == to ? std::to_string(from) : fmt::format("{}-{}", from, to));
+    svg.text({x + 21, y + 13}, last         ? fmt::format("{}+", from)
+                               : from == to ? std::to_string(from)
+                                            : fmt::format("{}-{}", from, to));
   }
   return svg.finish();
 }

@@ -131,7 +131,8 @@ std::string residual_pattern(const ResidualGrid& grid, const Camera& camera) {
       if (grid.count[i] < kFewest) continue;
       const Vector2d at(left + (column + 0.5) * cell, 8 + (row + 0.5) * height / grid.rows);
       svg.circle(at, 1.2, "dot");
-      svg.arrow(at, at + grid.mean_px[i] * std::min(drawn_per_px, 2 * cell / std::max(grid.mean_px[i].norm(), 1e-12)), "pattern_arrow");
+      svg.arrow(at, at + grid.mean_px[i] * std::min(drawn_per_px, 2 * cell / std::max(grid.mean_px[i].norm(), 1e-12)),
+                "pattern_arrow");
     }
   const double shown = round_below(typical * 1.2);
   const Vector2d at(left, height + 32);

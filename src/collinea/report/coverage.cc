@@ -45,9 +45,8 @@ double turn(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vec
 
 // Andrew's monotone chain.
 Polygon hull_of(std::vector<Eigen::Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
-  });
+  std::sort(points.begin(), points.end(),
+            [](const auto& a, const auto& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
   if (points.size() < 3) return {};
   Polygon hull;
   for (int half = 0; half < 2; ++half) {

@@ -16,8 +16,8 @@ struct Coverage {
   std::map<ImageId, Polygon> footprints;  ///< oriented images
 };
 
-/// The outlines of the images on the horizontal plane through the median tie point. An image that looks over the horizon, or nearly,
-/// gets the convex hull of its tie points instead.
+/// The outlines of the images on the horizontal plane through the median tie point. An image that looks over the
+/// horizon, or nearly, gets the convex hull of its tie points instead.
 [[nodiscard]] Coverage coverage_of(const Block& block);
 
 /// How many images see each cell of a raster over all footprints; by footprints, so hills count as flat.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "collinea/report/svg.h"
@@ -18,15 +19,14 @@ std::string base64(std::string_view bytes) {
     std::uint32_t triple = 0;
     for (std::size_t k = 0; k < 3; ++k)
       triple = triple << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k <= bytes.size() ? kDigits[triple >> (18 - 6 * k) & 63] : '=';
+    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[triple >> (18 - 6 * k) & 63] : '=';
   }
   return text;
 }
 
 std::string picture(const Preview& preview, const char* name) {
-  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/jpeg;base64,{}\">", name, preview.width,
-                     preview.height, base64(preview.jpeg));
+  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/jpeg;base64,{}\">", name,
+                     preview.width, preview.height, base64(preview.jpeg));
 }
 
 std::string fact(std::string_view name, const std::string& value, bool wide = false) {
@@ -53,7 +53,8 @@ std::string count_text(std::size_t count) {  // 1,234,567
 std::string statement_section(const ReportInput& input, const ReportSummary& s) {
   const bool checked = s.check.points > 0;
   const AxisRms& rms = checked ? s.check : s.control.points ? s.control : s.position;
-  std::string html = fmt::format("<section class=\"statement{}\">\n<p>{}</p>\n", checked ? "" : " unverified", escaped(s.statement));
+  std::string html =
+      fmt::format("<section class=\"statement{}\">\n<p>{}</p>\n", checked ? "" : " unverified", escaped(s.statement));
   if (rms.points > 0) {
     constexpr std::array<const char*, 3> kNames = {"east", "north", "height"};
     const char* kind = checked ? "check points" : s.control.points ? "control points" : "image positions";
@@ -73,6 +74,38 @@ std::string statement_section(const ReportInput& input, const ReportSummary& s) 
   return html;
 }
 
+// "2024-05-01 10:12 to 10:40": the first and the last of the photographs that say so.
+std::string dates_text(const Block& block) {
+  std::string first, last;
+  for (const auto& [id, image] : block.images) {
+    if (image.taken.size() < 16) continue;
+    if (first.empty() || image.taken < first) first = image.taken;
+    if (image.taken > last) last = image.taken;
+  }
+  if (first.empty()) return "";
+  const auto readable = [](std::string time) {  // EXIF writes 2024:05:01 10:12:33.25
+    time.resize(16);
+    time[4] = time[7] = '-';
+    return time;
+  };
+  first = readable(first), last = readable(last);
+  if (first == last) return first;
+  return first + " to " + (first.substr(0, 10) == last.substr(0, 10) ? last.substr(11) : last);
+}
+
+// Of the middle projection centre over the middle tie point; nothing when the pictures do not look down.
+std::optional<double> flying_height(const Block& block, const Coverage& coverage) {
+  std::vector<double> heights;
+  for (const auto& [id, pose] : block.cam_from_world) {
+    if ((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ()).z() > -0.7) continue;
+    heights.push_back(centre_of(pose).z() - coverage.ground_height);
+  }
+  if (2 * heights.size() <= block.cam_from_world.size()) return std::nullopt;
+  const auto middle = heights.begin() + std::ptrdiff_t(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  return *middle;
+}
+
 std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   const Block& block = input.block;
   std::string html = "<dl class=\"facts\">\n";
@@ -81,26 +114,37 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   html += fact("measured image points", count_text(s.residuals.observations));
   html += fact("mean residual", fmt::format("{:.2f} px", s.residuals.mean_px));
   if (std::isfinite(input.sigma0))
-    html += fact("sigma 0 (1: as assumed)", fmt::format("{:.2f}, redundancy {}", input.sigma0, count_text(std::size_t(std::max(0L, input.redundancy)))));
+    html += fact("sigma 0 (1: as assumed)", fmt::format("{:.2f}, redundancy {}", input.sigma0,
+                                                        count_text(std::size_t(std::max(0L, input.redundancy)))));
   if (input.gsd_m) html += fact("ground size of a pixel", pixel_size_text(*input.gsd_m, s.unit));
-  if (const double area = s.overlap.area(3); area > 0) html += fact("area seen by 3 images or more", area_text(area, s.unit));
+  if (const auto height = flying_height(block, s.coverage))
+    html += fact("height above ground", fmt::format("{:.{}f} {}", *height, *height < 20 ? 1 : 0, s.unit));
+  if (const double area = s.overlap.area(3); area > 0)
+    html += fact("area seen by 3 images or more", area_text(area, s.unit));
   html += fact("control / check points", fmt::format("{} / {}", s.control_points, s.check_points));
   const auto& g = block.georeference;
   if (input.georeferenced && g)
-    html += fact("coordinate system", input.crs_name.empty() || input.crs_name == g->crs ? g->crs : input.crs_name + " (" + g->crs + ")", true);
+    html +=
+        fact("coordinate system",
+             input.crs_name.empty() || input.crs_name == g->crs ? g->crs : input.crs_name + " (" + g->crs + ")", true);
   else
     html += fact("coordinate system", "none: a local frame in units of the model", true);
+  if (input.georeferenced && !input.height_reference.empty()) html += fact("heights", input.height_reference, true);
+  if (const std::string dates = dates_text(block); !dates.empty()) html += fact("photographs taken", dates, true);
   if (!input.gauge.empty()) html += fact("place, attitude and scale are fixed by", input.gauge, true);
   return html + "</dl>\n";
 }
 
-std::string products_pictures(const std::optional<Preview>& heights, const std::optional<Preview>& ortho, const std::string& unit) {
+std::string products_pictures(const std::optional<Preview>& heights, const std::optional<Preview>& ortho,
+                              const std::string& unit) {
   if (!heights && !ortho) return "";
   std::string html = "<section><h2>Products</h2>\n<div class=\"pair\">\n";
-  if (ortho) html += "<figure>" + picture(*ortho, "Orthophoto") + "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
+  if (ortho)
+    html += "<figure>" + picture(*ortho, "Orthophoto") + "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
   if (heights)
     html += "<figure>" + picture(*heights, "Surface model") + height_scale(*heights, unit) +
-            "<figcaption>Surface model, reduced; heights in colour, light from the north-west. White: no height.</figcaption></figure>\n";
+            "<figcaption>Surface model, reduced; heights in colour, light from the north-west. White: no "
+            "height.</figcaption></figure>\n";
   return html + "</div></section>\n";
 }
 
@@ -108,27 +152,32 @@ std::string geometry_section(const ReportInput& input, const ReportSummary& s) {
   if (input.block.cam_from_world.empty()) return "";
   const char* lost = s.not_oriented.empty() ? "" : ", red circles: images not oriented, where they say they were";
   std::string html = fmt::format(
-      "<section><h2>The block from above</h2>\n<figure class=\"map\">{}<figcaption>Dots: projection centres; outlines: what they see at "
-      "the median height of the tie points, {:.1f} {}{}. Triangles: control points; circles: check points; arrows: estimated minus "
-      "surveyed, exaggerated.</figcaption></figure>\n",
-      block_map(input, s.coverage, s.unit), s.coverage.ground_height, s.unit, lost);
+      "<section><h2>The block from above</h2>\n<figure class=\"map\">{}<figcaption>Dots: projection centres; outlines: "
+      "what they see at the median height of the tie points{}. Triangles: control points; circles: check points; "
+      "arrows: estimated minus surveyed, exaggerated.</figcaption></figure>\n",
+      block_map(input, s.coverage, s.unit), lost);
   html += "<div class=\"pair\">\n";
   if (s.overlap.columns > 0)
     html += "<figure class=\"map\">" + overlap_map(s.overlap, s.unit) +
-            "<figcaption>Images that see each place. Below 3 a point is hardly checked by others; 5 and more are good.</figcaption></figure>\n";
-  html += "<figure>" + rays_chart(s.residuals) + "<figcaption>Tie points by the number of images that see them.</figcaption></figure>\n";
+            "<figcaption>Images that see each place. Below 3 a point is hardly checked by others; 5 and more are "
+            "good.</figcaption></figure>\n";
+  html += "<figure>" + rays_chart(s.residuals) +
+          "<figcaption>Tie points by the number of images that see them.</figcaption></figure>\n";
   return html + "</div></section>\n";
 }
 
 std::string residual_section(const ReportSummary& s) {
   if (s.residuals.observations == 0) return "";
   return fmt::format(
-      "<section><h2>Image residuals</h2>\n<div class=\"pair\"><figure>{}<figcaption>Residual coordinates of all tie points; dashed: the normal "
+      "<section><h2>Image residuals</h2>\n<div class=\"pair\"><figure>{}<figcaption>Residual coordinates of all tie "
+      "points; dashed: the normal "
       "distribution of the same standard deviation.</figcaption></figure>\n<div><table><tbody>"
       "<tr><td class=\"l\">residuals</td><td>{}</td></tr><tr><td class=\"l\">mean length</td><td>{:.3f} px</td></tr>"
-      "<tr><td class=\"l\">RMS of a coordinate</td><td>{:.3f} px</td></tr><tr><td class=\"l\">largest length</td><td>{:.2f} px</td></tr>"
+      "<tr><td class=\"l\">RMS of a coordinate</td><td>{:.3f} px</td></tr><tr><td class=\"l\">largest "
+      "length</td><td>{:.2f} px</td></tr>"
       "</tbody></table></div></div></section>\n",
-      residual_histogram(s.residuals), count_text(s.residuals.observations), s.residuals.mean_px, s.residuals.rms_px, s.residuals.largest_px);
+      residual_histogram(s.residuals), count_text(s.residuals.observations), s.residuals.mean_px, s.residuals.rms_px,
+      s.residuals.largest_px);
 }
 
 }  // namespace
@@ -136,10 +185,11 @@ std::string residual_section(const ReportSummary& s) {
 std::string report_page(const ReportInput& input, const ReportSummary& s, const std::optional<Preview>& heights,
                         const std::optional<Preview>& ortho) {
   const std::string title = escaped(input.title.empty() ? "Project" : input.title);
-  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
-                     ": quality report</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
-                     style_sheet() + "</style></head>\n<body><main>\n";
-  html += "<header><div><h1>" + title + "</h1>Quality report</div><p>collinea " COLLINEA_VERSION + 
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
+      ": quality report</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
+      style_sheet() + "</style></head>\n<body><main>\n";
+  html += "<header><div><h1>" + title + "</h1>Quality report</div><p>collinea " COLLINEA_VERSION +
           (input.date.empty() ? "" : "<br>" + escaped(input.date)) + "</p></header>\n";
   html += statement_section(input, s);
   html += facts_section(input, s);

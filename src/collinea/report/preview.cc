@@ -24,7 +24,8 @@ Colour ramp(double t) {
   const double at = std::clamp(t, 0.0, 1.0) * (kColours.size() - 1);
   const auto i = std::min(std::size_t(at), kColours.size() - 2);
   Colour colour;
-  for (std::size_t c = 0; c < 3; ++c) colour[c] = kColours[i][c] + (at - double(i)) * (kColours[i + 1][c] - kColours[i][c]);
+  for (std::size_t c = 0; c < 3; ++c)
+    colour[c] = kColours[i][c] + (at - double(i)) * (kColours[i + 1][c] - kColours[i][c]);
   return colour;
 }
 

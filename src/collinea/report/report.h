@@ -16,14 +16,16 @@
 
 namespace collinea {
 
-/// A control or check point after the adjustment. Differences are estimated minus given: east, north, up; NaN = unknown.
+/// A control or check point after the adjustment. Differences are estimated minus given: east, north, up; NaN =
+/// unknown.
 struct ReportControl {
   ControlId point;
   bool used = false;      ///< it took part in the adjustment; false: check point
   bool excluded = false;  ///< meant as control, but found wrong and left out
   int rays = 0;           ///< oriented images it was measured in
   Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  Eigen::Vector3d sigma_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< predicted, of the difference
+  Eigen::Vector3d sigma_m =
+      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< predicted, of the difference
 };
 
 /// The adjusted position of an image minus what its receiver said: east, north, up.
@@ -39,34 +41,36 @@ struct ReportSkipped {
 
 /// A file that was made for the user.
 struct ReportProduct {
-  std::string name;      ///< "Surface model", ...
-  std::string file;      ///< relative to the project folder
+  std::string name;  ///< "Surface model", ...
+  std::string file;  ///< relative to the project folder
   std::uint64_t bytes = 0;
-  std::string what;      ///< "cells of 3.0 cm, 4021 x 3877", "12.3 million points"
+  std::string what;  ///< "cells of 3.0 cm, 4021 x 3877", "12.3 million points"
 };
 
 /// All that a report tells. Residuals of tie points are computed from `block`; images of `block` without a pose are
 /// listed as not oriented. Empty lists and missing values leave their part of the report out.
 struct ReportInput {
-  std::string title;  ///< of the project
-  std::string date;   ///< as it shall be printed; empty: none
-  Block block;        ///< as adjusted
-  std::map<CameraId, Camera> first_cameras;                                   ///< before the adjustment
-  std::map<CameraId, std::array<double, Camera::kParams>> camera_sigma;       ///< of Camera::params; 0 or NaN: held or unknown
-  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;                          ///< of projection centres: east, north, up
+  std::string title;                         ///< of the project
+  std::string date;                          ///< as it shall be printed; empty: none
+  Block block;                               ///< as adjusted
+  std::map<CameraId, Camera> first_cameras;  ///< before the adjustment
+  std::map<CameraId, std::array<double, Camera::kParams>>
+      camera_sigma;                                   ///< of Camera::params; 0 or NaN: held or unknown
+  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up
   std::vector<ReportControl> control;
   std::vector<ReportPosition> positions;
   double sigma0 = std::numeric_limits<double>::quiet_NaN();
   long redundancy = 0;
-  bool georeferenced = false;  ///< false: lengths are in units of the model, not metres
-  std::string crs_name;        ///< "WGS 84 / UTM zone 33N"
-  std::string gauge;           ///< what fixes place, attitude and scale, in words
-  std::optional<double> gsd_m; ///< ground size of a pixel
+  bool georeferenced = false;          ///< false: lengths are in units of the model, not metres
+  std::string crs_name;                ///< "WGS 84 / UTM zone 33N"
+  std::string height_reference;        ///< what heights refer to: "above the WGS 84 ellipsoid"; empty: the CRS says it
+  std::string gauge;                   ///< what fixes place, attitude and scale, in words
+  std::optional<double> gsd_m;         ///< ground size of a pixel
   std::vector<ReportSkipped> skipped;  ///< photographs that are not in the block, and why
   std::vector<std::string> findings;   ///< what the user should know
   std::vector<StepRecord> steps;
   std::vector<ReportProduct> products;
-  std::filesystem::path dsm, ortho;    ///< GeoTIFFs to show; empty: none
+  std::filesystem::path dsm, ortho;                           ///< GeoTIFFs to show; empty: none
   std::vector<std::pair<std::string, std::string>> options;   ///< name, value: those that were chosen
   std::vector<std::pair<std::string, std::string>> versions;  ///< program and libraries
 };

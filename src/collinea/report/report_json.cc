@@ -27,8 +27,11 @@ json rms(const AxisRms& rms) {
 json cameras(const ReportInput& input) {
   json list = json::array();
   for (const auto& [id, camera] : input.block.cameras) {
-    json entry = {{"name", camera.name},       {"width_px", camera.width_px},     {"height_px", camera.height_px},
-                  {"source", camera.source},   {"calibrated", camera.calibrate}};
+    json entry = {{"name", camera.name},
+                  {"width_px", camera.width_px},
+                  {"height_px", camera.height_px},
+                  {"source", camera.source},
+                  {"calibrated", camera.calibrate}};
     const auto first = input.first_cameras.find(id);
     const auto sigma = input.camera_sigma.find(id);
     for (std::size_t i = 0; i < Camera::kParams; ++i) {
@@ -67,7 +70,9 @@ json control(const ReportInput& input) {
   json list = json::array();
   for (const ReportControl& control : input.control)
     list.push_back({{"name", input.block.control.at(control.point).name},
-                    {"role", control.excluded ? "excluded" : control.used ? "control" : "check"},
+                    {"role", control.excluded ? "excluded"
+                             : control.used   ? "control"
+                                              : "check"},
                     {"images", control.rays},
                     {"difference_m", vector(control.difference_m)},
                     {"sigma_m", vector(control.sigma_m)},
@@ -97,7 +102,8 @@ json steps(const ReportInput& input) {
 
 json left_out(const ReportInput& input, const ReportSummary& summary) {
   json list = json::array();
-  for (const ReportSkipped& skipped : input.skipped) list.push_back({{"file", skipped.file}, {"reason", skipped.reason}});
+  for (const ReportSkipped& skipped : input.skipped)
+    list.push_back({{"file", skipped.file}, {"reason", skipped.reason}});
   for (const ImageId id : summary.not_oriented)
     list.push_back({{"file", input.block.images.at(id).file}, {"reason", "not oriented"}});
   return list;
@@ -106,8 +112,10 @@ json left_out(const ReportInput& input, const ReportSummary& summary) {
 json residual_figures(const ResidualStatistics& r) {
   json rays = json::array();
   for (const std::size_t n : r.rays) rays.push_back(n);
-  return {{"observations", r.observations},   {"mean_px", number(r.mean_px)},
-          {"rms_coordinate_px", number(r.rms_px)}, {"largest_px", number(r.largest_px)},
+  return {{"observations", r.observations},
+          {"mean_px", number(r.mean_px)},
+          {"rms_coordinate_px", number(r.rms_px)},
+          {"largest_px", number(r.largest_px)},
           {"tie_points_by_images", rays}};
 }
 
@@ -116,7 +124,8 @@ json residual_figures(const ResidualStatistics& r) {
 std::string report_json(const ReportInput& input, const ReportSummary& s) {
   json products = json::array();
   for (const ReportProduct& product : input.products)
-    products.push_back({{"name", product.name}, {"file", product.file}, {"bytes", product.bytes}, {"what", product.what}});
+    products.push_back(
+        {{"name", product.name}, {"file", product.file}, {"bytes", product.bytes}, {"what", product.what}});
   const json report = {{"title", input.title},
                        {"date", input.date},
                        {"statement", s.statement},

@@ -71,9 +71,11 @@ TEST_F(ReportTest, PageAndJsonTellTheSameFigures) {
 TEST_F(ReportTest, ThePageNeedsNothingFromOutsideAndItsTagsClose) {
   ASSERT_TRUE(write_report(report_of_test_flight(2, 4, 200), folder_));
   const std::string html = page();
-  for (const char* outside : {"http://", "https://", "<script", "@import", "url("}) EXPECT_FALSE(contains(html, outside));
+  for (const char* outside : {"http://", "https://", "<script", "@import", "url("})
+    EXPECT_FALSE(contains(html, outside));
   for (const std::string tag : {"section", "div", "table", "figure", "svg", "tr", "td", "text", "ul", "dl"})
-    EXPECT_EQ(count_of(html, "<" + tag + " ") + count_of(html, "<" + tag + ">"), count_of(html, "</" + tag + ">")) << tag;
+    EXPECT_EQ(count_of(html, "<" + tag + " ") + count_of(html, "<" + tag + ">"), count_of(html, "</" + tag + ">"))
+        << tag;
   EXPECT_TRUE(contains(html, "Quarry north &lt;1&gt;"));
   EXPECT_FALSE(contains(html, "nan"));
 }
@@ -115,7 +117,8 @@ TEST_F(ReportTest, PicturesAreEmbeddedAndMissingOnesBecomeFindings) {
     ASSERT_TRUE(writer) << writer.error().message;
     FloatImage heights(300, 200);
     for (int y = 0; y < 200; ++y)
-      for (int x = 0; x < 300; ++x) heights.at(x, y) = x < 20 ? -9999.0f : 100 + 5 * std::sin(float(x) / 30) * std::cos(float(y) / 20);
+      for (int x = 0; x < 300; ++x)
+        heights.at(x, y) = x < 20 ? -9999.0f : 100 + 5 * std::sin(float(x) / 30) * std::cos(float(y) / 20);
     ASSERT_TRUE(writer->write(0, 0, heights));
     ASSERT_TRUE(writer->finish());
   }

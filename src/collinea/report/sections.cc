@@ -45,7 +45,7 @@ int decimals_of(const AxisRms& rms, const std::string& unit) {
   return unit == "m" ? decimals_for(smallest) : std::clamp(2 - int(std::floor(std::log10(smallest))), 3, 7);
 }
 
-std::string control_row(const ReportInput& input, const ReportControl& control, int decimals) {
+std::string control_row(const ReportInput& input, const ReportControl& control, int decimals, bool with_sigma) {
   const ControlPoint& point = input.block.control.at(control.point);
   const char* role = control.excluded ? "not used" : control.used ? "control" : "check";
   std::string row = control.excluded ? "<tr class=\"out\">" : "<tr>";
@@ -55,15 +55,17 @@ std::string control_row(const ReportInput& input, const ReportControl& control, 
     row += difference_cell(surveyed ? control.difference_m[i] : std::nan(""), control.sigma_m[i], decimals);
   }
   row += cell(control.difference_m.norm(), decimals);
-  for (int i = 0; i < 3; ++i) row += cell(control.sigma_m[i], decimals);
+  for (int i = 0; with_sigma && i < 3; ++i) row += cell(control.sigma_m[i], decimals);
   return row + cell(control_rms_px(input.block, control), 2) + "</tr>\n";
 }
 
 // `what` the mean square is of: "point" or "image".
-std::string rms_row(const AxisRms& rms, const char* name, const char* what, int decimals, int columns_before, int columns_after) {
+std::string rms_row(const AxisRms& rms, const char* name, const char* what, int decimals, int columns_before,
+                    int columns_after) {
   if (rms.points == 0) return "";
   std::string row = "<tr class=\"total\">" + text_cell(name);
-  row += fmt::format("<td class=\"l\" colspan=\"{}\">{} {}{}</td>", columns_before, rms.points, what, rms.points == 1 ? "" : "s");
+  row += fmt::format("<td class=\"l\" colspan=\"{}\">{} {}{}</td>", columns_before, rms.points, what,
+                     rms.points == 1 ? "" : "s");
   for (const auto& axis : rms.axis_m) row += optional_cell(axis, decimals);
   row += optional_cell(rms.spatial_m, decimals);
   for (int i = 0; i < columns_after; ++i) row += "<td></td>";
@@ -91,22 +93,27 @@ std::string one_camera(const ReportInput& input, const ReportSummary& summary, C
   for (const auto& [image, pose] : input.block.cam_from_world) images += input.block.images.at(image).camera == id;
   const double angle = 2 * std::atan(camera.width_px / (2 * camera.focal_px())) * 180 / 3.14159265358979;
   std::string html = fmt::format(
-      "<h3>{}</h3><p>{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: {}.{}</p>\n",
-      escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), camera.width_px, camera.height_px,
-      images, images == 1 ? "" : "s", angle, escaped(camera.source.empty() ? "unknown" : camera.source),
+      "<h3>{}</h3><p>{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
+      "{}.{}</p>\n",
+      escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), camera.width_px,
+      camera.height_px, images, images == 1 ? "" : "s", angle,
+      escaped(camera.source.empty() ? "unknown" : camera.source),
       camera.calibrate ? "" : " All parameters were given and held.");
   html +=
-      "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th class=\"l\">unit</th><th>before</th><th>adjusted</th>"
+      "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th "
+      "class=\"l\">unit</th><th>before</th><th>adjusted</th>"
       "<th>change</th><th>standard deviation</th><th>|value| / st. dev.</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < Camera::kParams; ++i) html += parameter_row(input, id, i);
   html += "</tbody></table>\n<div class=\"pair\">\n";
   const auto first = input.first_cameras.find(id);
   html += "<figure>" + distortion_chart(camera, first == input.first_cameras.end() ? nullptr : &first->second) +
-          "<figcaption>Radial distortion, adjusted (solid) and before (dashed), out to the farthest corner.</figcaption></figure>\n";
+          "<figcaption>Radial distortion, adjusted (solid) and before (dashed), out to the farthest "
+          "corner.</figcaption></figure>\n";
   for (const ResidualGrid& grid : summary.residuals.grids)
     if (grid.camera == id)
       html += "<figure>" + residual_pattern(grid, camera) +
-              "<figcaption>Mean residual vectors over the picture (observed minus computed), exaggerated. Arrows without order are "
+              "<figcaption>Mean residual vectors over the picture (observed minus computed), exaggerated. Arrows "
+              "without order are "
               "noise; a pattern is what the camera model does not explain.</figcaption></figure>\n";
   return html + "</div>\n";
 }
@@ -130,31 +137,41 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
   if (input.control.empty()) return "";
   AxisRms smallest = summary.check.points ? summary.check : summary.control;
   const int decimals = decimals_of(smallest, summary.unit);
-  std::string html = fmt::format(
-      "<section><h2>Control and check points</h2>\n<p>Differences are estimated minus surveyed. Check points took no part in "
-      "the adjustment: they are intersected from the oriented images, and only they show the accuracy of new points. Red: more "
-      "than three times the predicted standard deviation.</p>\n<table><thead><tr><th class=\"l\">point</th><th class=\"l\">role</th><th>images</th>"
-      "<th>east [{0}]</th><th>north [{0}]</th><th>height [{0}]</th><th>3D [{0}]</th>"
-      "<th>&sigma; east</th><th>&sigma; north</th><th>&sigma; height [{0}]</th><th>image [px]</th></tr></thead><tbody>\n",
-      summary.unit);
+  const bool with_sigma = std::any_of(input.control.begin(), input.control.end(),
+                                      [](const ReportControl& control) { return control.sigma_m.array().isFinite().any(); });
+  std::string html =
+      "<section><h2>Control and check points</h2>\n<p>Differences are estimated minus surveyed. Check points took no "
+      "part in the adjustment: they are intersected from the oriented images, and only they show the accuracy of new "
+      "points.";
+  if (with_sigma) html += " Red: more than three times the predicted standard deviation.";
+  html += fmt::format(
+      "</p>\n<table><thead><tr><th class=\"l\">point</th><th class=\"l\">role</th><th>images</th>"
+      "<th>east [{0}]</th><th>north [{0}]</th><th>height [{0}]</th><th>3D [{0}]</th>{1}<th>image [px]</th></tr></thead>"
+      "<tbody>\n",
+      summary.unit,
+      with_sigma ? fmt::format("<th>&sigma; east</th><th>&sigma; north</th><th>&sigma; height [{}]</th>", summary.unit) : "");
   for (const bool used : {false, true})
     for (const ReportControl& control : input.control)
-      if (control.used == used) html += control_row(input, control, decimals);
-  html += rms_row(summary.check, "RMS check", "point", decimals, 2, 4);
-  html += rms_row(summary.control, "RMS control", "point", decimals, 2, 4);
+      if (control.used == used) html += control_row(input, control, decimals, with_sigma);
+  html += rms_row(summary.check, "RMS check", "point", decimals, 2, with_sigma ? 4 : 1);
+  html += rms_row(summary.control, "RMS control", "point", decimals, 2, with_sigma ? 4 : 1);
   return html + "</tbody></table></section>\n";
 }
 
 std::string position_section(const ReportInput& input, const ReportSummary& summary) {
   if (summary.position.points == 0) return "";
-  const auto doubted = std::count_if(input.positions.begin(), input.positions.end(), [](const auto& p) { return p.weight < 0.5; });
+  const auto doubted =
+      std::count_if(input.positions.begin(), input.positions.end(), [](const auto& p) { return p.weight < 0.5; });
   const int decimals = decimals_of(summary.position, summary.unit);
   std::string html = fmt::format(
-      "<section><h2>Image positions</h2>\n<p>Adjusted projection centres minus the positions that the receivers wrote, root mean "
-      "square of {} images.{}</p>\n<table><thead><tr><th class=\"l\"></th><th class=\"l\"></th><th>east [{}]</th><th>north [{}]</th><th>height [{}]</th>"
+      "<section><h2>Image positions</h2>\n<p>Adjusted projection centres minus the positions that the receivers wrote, "
+      "root mean "
+      "square of {} images.{}</p>\n<table><thead><tr><th class=\"l\"></th><th class=\"l\"></th><th>east "
+      "[{}]</th><th>north [{}]</th><th>height [{}]</th>"
       "<th>3D [{}]</th></tr></thead><tbody>\n",
-      summary.position.points, doubted ? fmt::format(" {} positions disagree so much that they hardly count.", doubted) : "",
-      summary.unit, summary.unit, summary.unit, summary.unit);
+      summary.position.points,
+      doubted ? fmt::format(" {} positions disagree so much that they hardly count.", doubted) : "", summary.unit,
+      summary.unit, summary.unit, summary.unit);
   html += rms_row(summary.position, "RMS", "image", decimals, 1, 0);
   return html + "</tbody></table></section>\n";
 }
@@ -173,7 +190,8 @@ std::string image_section(const ReportInput& input, const ReportSummary& summary
   std::string note;
   if (images.size() > kMostImageRows) {
     std::stable_sort(images.begin(), images.end(), [](const auto& a, const auto& b) { return a.rms_px > b.rms_px; });
-    note = fmt::format("<p>The {} images with the largest residuals of {}; all are in report.json.</p>\n", kMostImageRows, images.size());
+    note = fmt::format("<p>The {} images with the largest residuals of {}; all are in report.json.</p>\n",
+                       kMostImageRows, images.size());
     images.resize(kMostImageRows);
   }
   std::map<ImageId, const ReportPosition*> positions;
@@ -181,30 +199,37 @@ std::string image_section(const ReportInput& input, const ReportSummary& summary
   const bool with_sigma = !input.centre_sigma_m.empty(), with_positions = !positions.empty();
   std::string html = "<section><h2>Images</h2>\n" + note;
   html += "<table><thead><tr><th class=\"l\">image</th><th>tie points</th><th>RMS [px]</th><th></th>";
-  if (with_sigma) html += fmt::format("<th>&sigma; E [{0}]</th><th>&sigma; N [{0}]</th><th>&sigma; H [{0}]</th>", summary.unit);
-  if (with_positions) html += fmt::format("<th>&Delta; E [{0}]</th><th>&Delta; N [{0}]</th><th>&Delta; H [{0}]</th>", summary.unit);
+  if (with_sigma)
+    html += fmt::format("<th>&sigma; E [{0}]</th><th>&sigma; N [{0}]</th><th>&sigma; H [{0}]</th>", summary.unit);
+  if (with_positions)
+    html += fmt::format("<th>&Delta; E [{0}]</th><th>&Delta; N [{0}]</th><th>&Delta; H [{0}]</th>", summary.unit);
   html += "</tr></thead><tbody>\n";
   for (const ImageResiduals& image : images) {
-    html += "<tr>" + text_cell(input.block.images.at(image.image).file, "l w") + fmt::format("<td>{}</td>", image.observations) +
-            cell(image.rms_px, 2) +
-            fmt::format("<td><span class=\"meter\"><i style=\"width:{:.0f}%\"></i></span></td>", largest > 0 ? 100 * image.rms_px / largest : 0);
+    html += "<tr>" + text_cell(input.block.images.at(image.image).file, "l w") +
+            fmt::format("<td>{}</td>", image.observations) + cell(image.rms_px, 2) +
+            fmt::format("<td><span class=\"meter\"><i style=\"width:{:.0f}%\"></i></span></td>",
+                        largest > 0 ? 100 * image.rms_px / largest : 0);
     const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(std::nan(""));
     const auto sigma = input.centre_sigma_m.find(image.image);
-    for (int i = 0; with_sigma && i < 3; ++i) html += cell(sigma == input.centre_sigma_m.end() ? unknown[i] : sigma->second[i], 3);
+    for (int i = 0; with_sigma && i < 3; ++i)
+      html += cell(sigma == input.centre_sigma_m.end() ? unknown[i] : sigma->second[i], 3);
     const auto position = positions.find(image.image);
     for (int i = 0; with_positions && i < 3; ++i)
-      html += difference_cell(position == positions.end() ? unknown[i] : position->second->difference_m[i], std::nan(""), 2);
+      html += difference_cell(position == positions.end() ? unknown[i] : position->second->difference_m[i],
+                              std::nan(""), 2);
     html += "</tr>\n";
   }
   html += "</tbody></table>\n";
-  if (with_positions) html += "<p>&Delta;: adjusted projection centre minus the position written by the receiver.</p>\n";
+  if (with_positions)
+    html += "<p>&Delta;: adjusted projection centre minus the position written by the receiver.</p>\n";
   return html + "</section>\n";
 }
 
 std::string left_out_section(const ReportInput& input, const ReportSummary& summary) {
   if (input.skipped.empty() && summary.not_oriented.empty()) return "";
   std::string html =
-      "<section><h2>Images left out</h2>\n<table><thead><tr><th class=\"l\">file</th><th class=\"l\">why</th></tr></thead><tbody>\n";
+      "<section><h2>Images left out</h2>\n<table><thead><tr><th class=\"l\">file</th><th "
+      "class=\"l\">why</th></tr></thead><tbody>\n";
   for (const ReportSkipped& skipped : input.skipped)
     html += "<tr>" + text_cell(skipped.file, "l w") + text_cell(skipped.reason, "l w") + "</tr>\n";
   for (const ImageId id : summary.not_oriented)
@@ -216,7 +241,9 @@ std::string left_out_section(const ReportInput& input, const ReportSummary& summ
 std::string process_section(const ReportInput& input) {
   std::string html;
   if (!input.products.empty()) {
-    html += "<h3>Products</h3><table><thead><tr><th class=\"l\">product</th><th class=\"l\">file</th><th class=\"l\">content</th><th>size</th></tr></thead><tbody>\n";
+    html +=
+        "<h3>Products</h3><table><thead><tr><th class=\"l\">product</th><th class=\"l\">file</th><th "
+        "class=\"l\">content</th><th>size</th></tr></thead><tbody>\n";
     for (const ReportProduct& product : input.products)
       html += "<tr>" + text_cell(product.name) + text_cell(product.file, "l w") + text_cell(product.what, "l w") +
               fmt::format("<td>{}</td></tr>\n", bytes_text(double(product.bytes)));
@@ -240,7 +267,8 @@ std::string process_section(const ReportInput& input) {
     row("all", seconds, cpu, memory, "total");
     html += "</tbody></table>\n";
   }
-  const std::string options = name_value_table(input.options, "Options"), versions = name_value_table(input.versions, "Versions");
+  const std::string options = name_value_table(input.options, "Options that were chosen"),
+                    versions = name_value_table(input.versions, "Versions");
   if (!options.empty() || !versions.empty()) html += "<div class=\"pair\">" + options + versions + "</div>\n";
   return html.empty() ? "" : "<section><h2>Processing</h2>\n" + html + "</section>\n";
 }

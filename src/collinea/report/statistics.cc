@@ -7,7 +7,7 @@
 namespace collinea {
 namespace {
 
-constexpr int kBins = 41;           // odd: one bin is centred on zero
+constexpr int kBins = 41;  // odd: one bin is centred on zero
 constexpr std::size_t kMostRays = 10;
 constexpr int kLongSideCells = 16;  // of a residual grid
 
@@ -43,14 +43,18 @@ class RmsSum {
 
 ResidualGrid empty_grid(CameraId id, const Camera& camera) {
   const double cell = std::max(1.0, std::max(camera.width_px, camera.height_px) / double(kLongSideCells));
-  ResidualGrid grid{id, std::max(1, int(std::lround(camera.width_px / cell))),
-                    std::max(1, int(std::lround(camera.height_px / cell))), {}, {}};
+  ResidualGrid grid{id,
+                    std::max(1, int(std::lround(camera.width_px / cell))),
+                    std::max(1, int(std::lround(camera.height_px / cell))),
+                    {},
+                    {}};
   grid.mean_px.assign(std::size_t(grid.columns * grid.rows), Eigen::Vector2d::Zero());
   grid.count.assign(grid.mean_px.size(), 0);
   return grid;
 }
 
-void add_to_grid(ResidualGrid& grid, const Camera& camera, const Eigen::Vector2d& pixel, const Eigen::Vector2d& residual) {
+void add_to_grid(ResidualGrid& grid, const Camera& camera, const Eigen::Vector2d& pixel,
+                 const Eigen::Vector2d& residual) {
   const int column = std::clamp(int(pixel.x() / camera.width_px * grid.columns), 0, grid.columns - 1);
   const int row = std::clamp(int(pixel.y() / camera.height_px * grid.rows), 0, grid.rows - 1);
   const auto cell = std::size_t(row * grid.columns + column);

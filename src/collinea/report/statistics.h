@@ -38,10 +38,10 @@ struct ResidualGrid {
 /// Residuals of all tie points: observed minus computed.
 struct ResidualStatistics {
   std::size_t observations = 0;
-  double mean_px = 0;          ///< mean length
-  double rms_px = 0;           ///< of single coordinates
+  double mean_px = 0;  ///< mean length
+  double rms_px = 0;   ///< of single coordinates
   double largest_px = 0;
-  double bin_px = 0;           ///< width of a bin of the histogram
+  double bin_px = 0;                   ///< width of a bin of the histogram
   std::vector<std::size_t> histogram;  ///< of single coordinates, centred on 0; the outermost bins take all beyond
   std::vector<ImageResiduals> images;  ///< oriented images, by id
   std::vector<ResidualGrid> grids;     ///< cameras with oriented images

@@ -16,8 +16,7 @@ std::string axes_text(const AxisRms& rms, const std::string& unit) {
   constexpr std::array<const char*, 3> kNames = {"east", "north", "height"};
   std::string text;
   for (std::size_t i = 0; i < 3; ++i)
-    if (rms.axis_m[i])
-      text += (text.empty() ? "" : ", ") + length_text(rms.axis_m[i], unit) + " in " + kNames[i];
+    if (rms.axis_m[i]) text += (text.empty() ? "" : ", ") + length_text(rms.axis_m[i], unit) + " in " + kNames[i];
   return text;
 }
 
@@ -27,8 +26,9 @@ std::string points(int count, const char* kind) {
 
 std::string statement_of(const ReportInput& input, const ReportSummary& s) {
   if (s.check.points > 0)
-    return fmt::format("Compared with {}, which the adjustment did not use, coordinates differ by {} (root mean square).",
-                       points(s.check.points, "independent check"), axes_text(s.check, s.unit));
+    return fmt::format(
+        "Compared with {}, which the adjustment did not use, coordinates differ by {} (root mean square).",
+        points(s.check.points, "independent check"), axes_text(s.check, s.unit));
   if (s.control.points > 0)
     return fmt::format(
         "There is no check point, so the accuracy is not verified independently. The {} used fit to {} (root mean "
@@ -36,7 +36,8 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
         points(s.control.points, "control"), axes_text(s.control, s.unit));
   if (input.georeferenced && s.position.points > 0)
     return fmt::format(
-        "Place and scale come from the satellite positions of the cameras alone; these fit to {} (root mean square of {} "
+        "Place and scale come from the satellite positions of the cameras alone; these fit to {} (root mean square of "
+        "{} "
         "images). An error common to all positions stays unseen: there is no check point.",
         axes_text(s.position, s.unit), s.position.points);
   if (!input.georeferenced)
@@ -48,19 +49,29 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
 void add_cautions(const ReportInput& input, ReportSummary& s) {
   const int n = s.check.points;
   if (n > 0 && n < 20)  // the relative error of a root mean square of n normal values is 1 / sqrt(2 n)
-    s.cautions.push_back(fmt::format("Root mean squares of {} check point{} are themselves uncertain by about {:.0f} %.", n,
-                                     n == 1 ? "" : "s", 100 / std::sqrt(2.0 * n)));
+    s.cautions.push_back(
+        fmt::format("Root mean squares of {} check point{} are themselves uncertain by about {:.0f} %.", n,
+                    n == 1 ? "" : "s", 100 / std::sqrt(2.0 * n)));
   if (s.excluded_points > 0)
-    s.cautions.push_back(points(s.excluded_points, "control") + " contradicted the others and was not used: see the table of control.");
+    s.cautions.push_back(points(s.excluded_points, "control") +
+                         " contradicted the others and was not used: see the table of control.");
   if (!s.not_oriented.empty())
     s.cautions.push_back(fmt::format("{} of {} images could not be oriented: see the list of images left out.",
                                      s.not_oriented.size(), input.block.images.size()));
   int beyond = 0;
   for (const ReportControl& control : input.control)
-    for (int i = 0; i < 3 && !control.excluded; ++i) beyond += std::abs(control.difference_m[i]) > 3 * control.sigma_m[i];
+    for (int i = 0; i < 3 && !control.excluded; ++i)
+      beyond += std::abs(control.difference_m[i]) > 3 * control.sigma_m[i];
   if (beyond > 0)
-    s.cautions.push_back(fmt::format("{} difference{} at control or check points exceed{} three times the predicted standard deviation.",
-                                     beyond, beyond == 1 ? "" : "s", beyond == 1 ? "s" : ""));
+    s.cautions.push_back(
+        fmt::format("{} difference{} at control or check points exceed{} three times the predicted standard deviation.",
+                    beyond, beyond == 1 ? "" : "s", beyond == 1 ? "s" : ""));
+}
+
+// Left out already because it could not be read: it is told with that reason.
+bool skipped(const ReportInput& input, const std::string& file) {
+  return std::any_of(input.skipped.begin(), input.skipped.end(),
+                     [&](const ReportSkipped& photo) { return photo.file == file; });
 }
 
 }  // namespace
@@ -86,7 +97,7 @@ ReportSummary summary_of(const ReportInput& input) {
     ++(control.excluded ? s.excluded_points : control.used ? s.control_points : s.check_points);
   }
   for (const auto& [id, image] : input.block.images)
-    if (!input.block.cam_from_world.contains(id)) s.not_oriented.push_back(id);
+    if (!input.block.cam_from_world.contains(id) && !skipped(input, image.file)) s.not_oriented.push_back(id);
   s.statement = statement_of(input, s);
   add_cautions(input, s);
   return s;

@@ -14,8 +14,11 @@ namespace {
 // Bytes of the UTF-8 sequence that starts here; 0 when it is broken.
 std::size_t sequence_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const std::size_t length = byte(0) < 0x80 ? 1 : byte(0) >= 0xc2 && byte(0) < 0xe0 ? 2 : byte(0) >= 0xe0 && byte(0) < 0xf0 ? 3
-                             : byte(0) >= 0xf0 && byte(0) < 0xf5 ? 4 : 0;
+  const std::size_t length = byte(0) < 0x80                      ? 1
+                             : byte(0) >= 0xc2 && byte(0) < 0xe0 ? 2
+                             : byte(0) >= 0xe0 && byte(0) < 0xf0 ? 3
+                             : byte(0) >= 0xf0 && byte(0) < 0xf5 ? 4
+                                                                 : 0;
   if (length == 0 || text.size() < length) return 0;
   for (std::size_t i = 1; i < length; ++i)
     if ((byte(i) & 0xc0) != 0x80) return 0;
@@ -54,8 +57,8 @@ std::string escaped(std::string_view text) {
 
 Svg::Svg(double width, double height, std::string_view label) {
   body_ = fmt::format(
-      "<svg viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">\n", width,
-      height, escaped(label));
+      "<svg viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">\n",
+      width, height, escaped(label));
 }
 
 void Svg::line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, std::string_view style) {
@@ -80,7 +83,8 @@ void Svg::circle(const Eigen::Vector2d& centre, double radius, std::string_view 
 
 void Svg::rectangle(double x, double y, double width, double height, std::string_view style, std::string_view fill) {
   fmt::format_to(std::back_inserter(body_),
-                 "<rect class=\"{}\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"", style, x, y, width, height);
+                 "<rect class=\"{}\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"", style, x, y, width,
+                 height);
   if (!fill.empty()) fmt::format_to(std::back_inserter(body_), " fill=\"{}\"", fill);
   body_ += "/>\n";
 }
@@ -99,14 +103,16 @@ void Svg::arrow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::str
 }
 
 void Svg::text(const Eigen::Vector2d& at, std::string_view text, std::string_view anchor, std::string_view style) {
-  fmt::format_to(std::back_inserter(body_), "<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n",
-                 style, at.x(), at.y(), anchor, escaped(text));
+  fmt::format_to(std::back_inserter(body_),
+                 "<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", style, at.x(), at.y(),
+                 anchor, escaped(text));
 }
 
 void Svg::vertical_text(const Eigen::Vector2d& at, std::string_view text) {
-  fmt::format_to(std::back_inserter(body_),
-                 "<text class=\"label\" text-anchor=\"middle\" transform=\"translate({:.1f} {:.1f}) rotate(-90)\">{}</text>\n",
-                 at.x(), at.y(), escaped(text));
+  fmt::format_to(
+      std::back_inserter(body_),
+      "<text class=\"label\" text-anchor=\"middle\" transform=\"translate({:.1f} {:.1f}) rotate(-90)\">{}</text>\n",
+      at.x(), at.y(), escaped(text));
 }
 
 std::string Svg::finish() const { return body_ + "</svg>"; }

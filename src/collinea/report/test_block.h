@@ -9,8 +9,8 @@
 
 namespace collinea {
 
-/// A small survey flight with everything a report can show, for tests: `strips` x `per_strip` nadir images 60 m above gentle ground, residuals of
-/// 0.3 px, five control and four check points with differences of 2 and 3 cm.
+/// A small survey flight with everything a report can show, for tests: `strips` x `per_strip` nadir images 60 m above
+/// gentle ground, residuals of 0.3 px, five control and four check points with differences of 2 and 3 cm.
 inline ReportInput report_of_test_flight(int strips, int per_strip, int points) {
   Random random(21);
   ReportInput input;
@@ -75,13 +75,17 @@ inline ReportInput report_of_test_flight(int strips, int per_strip, int points) 
   for (std::uint32_t c = 0; c < 9; ++c) {
     const double x = width * (c % 3) / 2.0, y = height * (c / 3) / 2.0;
     const bool check = c % 2 == 1;
-    ControlPoint point{(check ? "K" : "P") + std::to_string(c + 1), check ? ControlRole::kCheck : ControlRole::kControl,
-                       {500000 + x, 4.98e6 + y, 100 + ground(x, y)}, {x, y, ground(x, y)}, {0.01, 0.01, 0.015}};
+    ControlPoint point{(check ? "K" : "P") + std::to_string(c + 1),
+                       check ? ControlRole::kCheck : ControlRole::kControl,
+                       {500000 + x, 4.98e6 + y, 100 + ground(x, y)},
+                       {x, y, ground(x, y)},
+                       {0.01, 0.01, 0.015}};
     block.control[{c}] = point;
     ReportControl result;
     result.point = {c};
     result.used = !check;
-    result.difference_m = (check ? 0.03 : 0.02) * Eigen::Vector3d(random.normal(), random.normal(), 1.5 * random.normal());
+    result.difference_m =
+        (check ? 0.03 : 0.02) * Eigen::Vector3d(random.normal(), random.normal(), 1.5 * random.normal());
     result.sigma_m = Eigen::Vector3d(0.02, 0.02, 0.03);
     see(point.position_in_world, [&](ImageId image, const Eigen::Vector2d& pixel) {
       block.control_observations.push_back({{c}, image, noisy(pixel), 0.5});
@@ -92,9 +96,11 @@ inline ReportInput report_of_test_flight(int strips, int per_strip, int points) 
   input.sigma0 = 1.04;
   input.redundancy = long(block.observations.size()) * 2 - long(block.points.size()) * 3;
   input.gsd_m = 0.0164;
-  input.skipped = {{"100MEDIA/DJI_0999.JPG", "truncated: ends after 12 % of its rows"}, {"notes.txt", "not a photograph"}};
+  input.skipped = {{"100MEDIA/DJI_0999.JPG", "truncated: ends after 12 % of its rows"},
+                   {"notes.txt", "not a photograph"}};
   input.findings = {"Control point P3 lies 0.4 m outside the images' footprints."};
-  input.steps = {{"import", "a", "b", 0.8, 1.2, 9e7, R"({"images": 40})"}, {"detect", "b", "c", 31.2, 60.1, 8e8, "{}"},
+  input.steps = {{"import", "a", "b", 0.8, 1.2, 9e7, R"({"images": 40})"},
+                 {"detect", "b", "c", 31.2, 60.1, 8e8, "{}"},
                  {"orient", "c", "d", 12.5, 20.4, 6e8, "not json"}};
   input.products = {{"Surface model", "products/dsm.tif", 12'345'678, "cells of 3.0 cm, 4021 x 3877"},
                     {"Point cloud", "products/cloud.las", 1'412'345'678, "34.4 million points, LAS 1.4"}};

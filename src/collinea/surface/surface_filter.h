@@ -29,9 +29,9 @@ void remove_specks(SurfaceTile& tile, double cell_m);
 
 /// Fills empty cells across which measured cells lie opposite each other, along a row, a column or a diagonal, no
 /// more than `widest_cells` apart: linearly between them, or, where they lie on two sides of a step, at the lower one,
-/// because it is the ground beside a wall that no image sees. Gaps wider than 16 cells are filled only where they are enclosed:
-/// bridged in three of the four directions. What a cell becomes depends only on cells up to
-/// widest_cells away.
+/// because it is the ground beside a wall that no image sees. Gaps wider than 16 cells are filled only where they are
+/// enclosed: bridged in three of the four directions. What a cell becomes depends only on cells up to widest_cells
+/// away.
 void fill_holes(SurfaceTile& tile, double cell_m, int widest_cells);
 
 }  // namespace collinea
