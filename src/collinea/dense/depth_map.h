@@ -37,10 +37,10 @@ struct DenseOptions {
   std::optional<std::string> resolution;
   int neighbours = 6;
   double depth_margin = 0.3;
-  double min_correlation = 0.4;
-  double max_sigma_px = 0.5;
+  double min_correlation = 0.3;
+  double max_sigma_px = 0.7;
   int min_images = 3;
-  double max_reprojection_px = 1.0;
+  double max_reprojection_px = 1.5;
   double max_sigmas = 4;
   double memory_mb = 800;
 

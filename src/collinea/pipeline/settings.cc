@@ -126,7 +126,8 @@ std::string options_text(const Settings& settings, const std::string& step) {
 
 std::vector<std::pair<std::string, std::string>> chosen_options(const Settings& settings) {
   std::map<std::string, json> defaults;
-  Settings::each(Settings{}, [&](const char*, const char* group, const auto& options) {
+  const Settings untouched;
+  Settings::each(untouched, [&](const char*, const char* group, const auto& options) {
     defaults[group] = options_to_json(options);
   });
   std::vector<std::pair<std::string, std::string>> chosen;
