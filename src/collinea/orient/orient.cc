@@ -9,6 +9,7 @@
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/orient/incremental.h"
+#include "collinea/orient/strip_datum.h"
 
 namespace collinea {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 constexpr double kLeastSigmaFactor = 0.1, kMostSigmaFactor = 10;  // of the sigma of tie points
 constexpr double kControlMisfit = 2.5;                            // of control's own sigma0: what no chance explains
 constexpr int kControlRounds = 3;
+constexpr double kWeakTurn_rad = 0.03;    // of a block about the line of its positions: attitudes are better
+constexpr double kNoTurn_rad = 0.2;       // not known
 constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
 
 struct Parts {
@@ -178,8 +181,13 @@ class Orienter {
   AdjustScope place(Reconstruction& part) {
     AdjustScope scope{.use_positions = options_.use_positions, .use_control = options_.use_control};
     if (setup_.georeference && scope.use_control) examine(part.block());
-    const auto found =
+    auto found =
         setup_.georeference ? datum(part.block(), scope.use_positions, scope.use_control, run_.seed) : std::nullopt;
+    if (setup_.georeference && scope.use_positions && (!found || found->control.empty())) {
+      const double turn_rad = found ? turn_sigma_rad(part.block(), found->world_from_block.scale) : kNoTurn_rad;
+      if (turn_rad > kWeakTurn_rad && place_strip(part)) return {.use_positions = false, .use_control = false};
+      if (turn_rad >= kNoTurn_rad) found.reset();
+    }
     if (!found) {
       scope.use_positions = scope.use_control = false;
       part.move_world(readable_gauge(part));
@@ -198,6 +206,21 @@ class Orienter {
     if (positions) by += (by.empty() ? "" : " and ") + fmt::format("{} image positions", positions);
     result_.gauge = fmt::format("map {}, fixed by {}", setup_.georeference->crs, by);
     return scope;
+  }
+
+  // Positions on one line take no part in the adjustment: their errors would turn the block about that line.
+  bool place_strip(Reconstruction& part) {
+    const auto found = strip_datum(part.block());
+    if (!found) return false;
+    part.move_world(*found);
+    result_.georeferenced = true;
+    result_.gauge = fmt::format("map {}, fixed by {} image positions on one line and the attitudes of the camera",
+                                setup_.georeference->crs, count_positions(part.block()));
+    result_.findings.push_back(
+        "image positions lie on one line: the tilt across it is that of the attitudes the camera wrote, good to about "
+        "a "
+        "degree. A second strip or three control points would fix it");
+    return true;
   }
 
   void finish(Reconstruction& part) {

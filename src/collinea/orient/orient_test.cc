@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
+#include "collinea/orient/strip_datum.h"
 #include "collinea/orient/test_pairs.h"
 
 namespace collinea {
@@ -181,6 +184,93 @@ TEST(Orient, TwoPositionsDoNotFixThePlaceAndThisIsSaid) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->georeferenced);
   EXPECT_TRUE(mentions(found->findings, "do not fix the place"));
+}
+
+// One strip, flown straight, with the attitudes a gimbal would write.
+Matched straight_strip() {
+  Block block = test_block(
+      {.rows = 1, .columns = 12, .points = 800, .sigma_px = 0.5, .position_sigma_m = 3, .tilt_rad = 0, .seed = 4});
+  for (auto& [id, image] : block.images) image.attitude = AttitudePrior{90, -90, 0};
+  return on_the_map(block);
+}
+
+TEST(Orient, ASingleStripGetsItsTiltFromTheAttitudes) {
+  const Matched input = straight_strip();
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->georeferenced);
+  EXPECT_NE(found->gauge.find("attitudes"), std::string::npos) << found->gauge;
+  EXPECT_TRUE(mentions(found->findings, "on one line"));
+  EXPECT_LT(centre_rms_m(found->block, input.truth, false), 2 * 3);
+  for (const auto& [image, pose] : found->block.cam_from_world)
+    EXPECT_LT((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(), 0.05)
+        << image.value;
+}
+
+TEST(Orient, ASingleStripWithoutAttitudesKeepsItsOwnGauge) {
+  Matched input = straight_strip();
+  for (auto& [id, image] : input.setup.images) image.attitude.reset();
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_FALSE(found->georeferenced);
+  EXPECT_TRUE(mentions(found->findings, "all on one line"));
+}
+
+TEST(StripDatum, ExactPositionsAndAttitudesGiveTheExactFrame) {
+  for (const double pitch_deg : {-90.0, -40.0, 0.0})
+    for (const double roll_deg : {0.0, 25.0, -70.0}) {
+      Block block;
+      const AttitudePrior attitude{0, pitch_deg, roll_deg};  // heading north
+      const double pitch = pitch_deg * std::numbers::pi / 180, roll = roll_deg * std::numbers::pi / 180;
+      // Columns: the camera's axes in the world, before roll.
+      Eigen::Matrix3d world_from_cam;
+      world_from_cam << 1, 0, 0, 0, std::sin(pitch), std::cos(pitch), 0, -std::cos(pitch), std::sin(pitch);
+      world_from_cam = world_from_cam * Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());
+      const Similarity3 world_from_block{3, rotation_by({0.4, -1, 2}), {10, 20, 30}};
+      for (std::uint32_t i = 0; i < 4; ++i) {
+        const ImageId id{i};
+        const Eigen::Vector3d centre(20 * i, 5 * i, 100);
+        const Rigid3 pose{Eigen::Quaterniond(world_from_cam).conjugate(), -(world_from_cam.transpose() * centre)};
+        block.cam_from_world[id] = moved(pose, inverse(world_from_block));
+        block.images[id].position = PositionPrior{centre, Eigen::Vector3d::Constant(0.1)};
+        block.images[id].attitude = attitude;
+      }
+      const auto found = strip_datum(block);
+      ASSERT_TRUE(found) << pitch_deg << " " << roll_deg;
+      EXPECT_NEAR(found->scale, 3, 1e-9);
+      EXPECT_LT(found->rotation.angularDistance(world_from_block.rotation), 1e-7) << pitch_deg << " " << roll_deg;
+      EXPECT_LT((found->translation - world_from_block.translation).norm(), 1e-7);
+    }
+}
+
+TEST(StripDatum, TheTurnIsTheWorseKnownTheStraighterTheLine) {
+  Block block;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d centre(10.0 * i, i % 2 ? 0.5 : -0.5, 0);  // in the block; half as large as in the world
+    block.cam_from_world[{i}] = {Eigen::Quaterniond::Identity(), -centre};
+    block.images[{i}].position = PositionPrior{2 * centre, Eigen::Vector3d::Constant(0.3)};
+  }
+  // Levers of about 1 m, four of them: 0.3 / sqrt(4); the line itself slants a little along the zigzag.
+  EXPECT_NEAR(turn_sigma_rad(block, 2), 0.15, 0.02);
+  block.images.erase({3});
+  block.cam_from_world.erase({3});
+  EXPECT_TRUE(std::isfinite(turn_sigma_rad(block, 2)));
+  block.images.at({0}).position.reset();
+  EXPECT_TRUE(std::isinf(turn_sigma_rad(block, 2)));
+}
+
+TEST(StripDatum, ContradictingAttitudesOrAShortLineGiveNone) {
+  const Block good = [] {
+    Matched input = straight_strip();
+    return input.truth;
+  }();
+  ASSERT_TRUE(strip_datum(good));
+  Block contradicting = good;
+  contradicting.images.begin()->second.attitude->pitch_deg = 30;
+  EXPECT_FALSE(strip_datum(contradicting));
+  Block vague = good;
+  for (auto& [id, image] : vague.images) image.position->sigma_m.setConstant(20);
+  EXPECT_FALSE(strip_datum(vague));
 }
 
 TEST(Orient, NoPairsAreAnErrorInWords) {

@@ -63,8 +63,7 @@ void add_notes(const std::vector<StepRecord>& steps, ReportInput& input) {
       input.skipped.push_back({photo.at("file").get<std::string>(), photo.at("reason").get<std::string>()});
     for (const json& finding : report.value("findings", json::array()))
       input.findings.push_back(finding.get<std::string>());
-    if (report.contains("skipped_because"))
-      input.findings.push_back(step.name + ": " + report["skipped_because"].get<std::string>());
+    if (report.contains("skipped_because")) input.findings.push_back(report["skipped_because"].get<std::string>());
   }
 }
 
@@ -85,7 +84,8 @@ void add_products(const Project& project, const std::map<std::string, json>& rep
     if (!missing) input.products.push_back({name, file, bytes, what});
   };
   const auto of = [&](const char* step) { return reports.contains(step) ? reports.at(step) : json::object(); };
-  const std::string points = fmt::format(std::locale(std::locale::classic(), new Thousands), "{:L} points", of("densify").value("points", 0l));
+  const std::string points =
+      fmt::format(std::locale(std::locale::classic(), new Thousands), "{:L} points", of("densify").value("points", 0l));
   add("Point cloud", "products/cloud.las", points + ", LAS 1.4 in the map, with sigmas");
   add("Point cloud", "products/cloud.ply", points + ", PLY in the local frame, with normals");
   add("Surface model", "products/dsm.tif", cells_text(of("surface")));

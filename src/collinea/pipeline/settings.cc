@@ -138,8 +138,8 @@ std::vector<std::pair<std::string, std::string>> chosen_options(const Settings& 
       const json& value = values.at(name);
       if (value == defaults.at(group).at(name)) return;
       const std::string unit(field.unit == "1" || !value.is_number() ? "" : field.unit);
-      chosen.emplace_back(group + ("." + name),
-                          (value.is_string() ? value.get<std::string>() : json_text(value)) + (unit.empty() ? "" : " " + unit));
+      chosen.emplace_back(group + ("." + name), (value.is_string() ? value.get<std::string>() : json_text(value)) +
+                                                    (unit.empty() ? "" : " " + unit));
     });
   });
   if (settings.seed != Settings{}.seed) chosen.emplace_back("seed", std::to_string(settings.seed));

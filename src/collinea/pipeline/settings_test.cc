@@ -99,10 +99,8 @@ TEST(Settings, ChosenOptionsAreThoseThatDifferFromTheDefaults) {
   settings.orient.max_error_px = 2.5;
   settings.orient.use_control = false;
   settings.seed = 9;
-  const std::vector<std::pair<std::string, std::string>> expected = {{"import.crs", "EPSG:25832"},
-                                                                     {"orient.max_error_px", "2.5 px"},
-                                                                     {"orient.use_control", "false"},
-                                                                     {"seed", "9"}};
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"import.crs", "EPSG:25832"}, {"orient.max_error_px", "2.5 px"}, {"orient.use_control", "false"}, {"seed", "9"}};
   EXPECT_EQ(chosen_options(settings), expected);
 }
 

@@ -58,6 +58,7 @@ std::string length_text(double length, const std::string& unit) {
   return fmt::format("{:g} {}", length, unit);
 }
 
+// A model without a place has no north.
 void draw_scale_and_north(Svg& svg, const MapView& view, const std::string& unit) {
   const double length = round_below(160 / view.pixels_per_unit), px = length * view.pixels_per_unit;
   const Vector2d at(kMargin - 14, view.height - 18);
@@ -66,6 +67,7 @@ void draw_scale_and_north(Svg& svg, const MapView& view, const std::string& unit
   svg.line(at + Vector2d(0, -4), at + Vector2d(0, 4), "scale");
   svg.line(at + Vector2d(px, -4), at + Vector2d(px, 4), "scale");
   svg.text(at + Vector2d(px / 2, -6), length_text(length, unit), "middle");
+  if (unit != "m") return;
   const Vector2d north(view.width - 26, 16);
   const std::array<Vector2d, 4> needle = {north, north + Vector2d(8, 26), north + Vector2d(0, 20),
                                           north + Vector2d(-8, 26)};

@@ -61,6 +61,17 @@ Polygon hull_of(std::vector<Eigen::Vector2d> points) {
   return hull;
 }
 
+// The horizon behind a scene would make a footprint of its own.
+void leave_out_far(std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& centre) {
+  constexpr double kFar = 2;  // times the median distance
+  if (points.empty()) return;
+  std::vector<double> distances;
+  for (const auto& point : points) distances.push_back((point - centre).norm());
+  const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  std::erase_if(points, [&](const auto& point) { return (point - centre).norm() > kFar * *middle; });
+}
+
 bool contains(const Polygon& polygon, const Eigen::Vector2d& p) {
   bool inside = false;
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
@@ -109,6 +120,7 @@ Coverage coverage_of(const Block& block) {
     if (image != sideways.end() && point != block.points.end())
       image->second.push_back(point->second.position_in_world.head<2>());
   }
+  for (auto& [id, points] : sideways) leave_out_far(points, centre_of(block.cam_from_world.at(id)).head<2>());
   for (auto& [id, points] : sideways)
     if (Polygon hull = hull_of(std::move(points)); hull.size() >= 3) coverage.footprints[id] = std::move(hull);
   return coverage;

@@ -17,7 +17,8 @@ struct Coverage {
 };
 
 /// The outlines of the images on the horizontal plane through the median tie point. An image that looks over the
-/// horizon, or nearly, gets the convex hull of its tie points instead.
+/// horizon, or nearly, gets the convex hull of its tie points instead, without those more than twice as far away as
+/// their median.
 [[nodiscard]] Coverage coverage_of(const Block& block);
 
 /// How many images see each cell of a raster over all footprints; by footprints, so hills count as flat.

@@ -122,6 +122,7 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   if (const double area = s.overlap.area(3); area > 0)
     html += fact("area seen by 3 images or more", area_text(area, s.unit));
   html += fact("control / check points", fmt::format("{} / {}", s.control_points, s.check_points));
+  if (const std::string dates = dates_text(block); !dates.empty()) html += fact("photographs taken", dates);
   const auto& g = block.georeference;
   if (input.georeferenced && g)
     html +=
@@ -130,7 +131,6 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   else
     html += fact("coordinate system", "none: a local frame in units of the model", true);
   if (input.georeferenced && !input.height_reference.empty()) html += fact("heights", input.height_reference, true);
-  if (const std::string dates = dates_text(block); !dates.empty()) html += fact("photographs taken", dates, true);
   if (!input.gauge.empty()) html += fact("place, attitude and scale are fixed by", input.gauge, true);
   return html + "</dl>\n";
 }

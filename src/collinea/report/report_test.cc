@@ -212,7 +212,8 @@ TEST(Coverage, AnImageThatLooksSidewaysCoversItsTiePoints) {
   block.cameras[{0}] = ideal_camera(1000, 800, 600);
   block.images[{0}].camera = {0};
   block.cam_from_world[{0}] = {cam_from_world(OmegaPhiKappa{90, 0, 0}), Eigen::Vector3d::Zero()};
-  const std::vector<Eigen::Vector2d> corners = {{0, 10}, {6, 10}, {6, 14}, {0, 14}, {3, 12}};
+  const std::vector<Eigen::Vector2d> corners = {{0, 10}, {6, 10}, {6, 14},
+                                                {0, 14}, {3, 12}, {0, 90}};  // the last: far behind
   for (std::uint32_t i = 0; i < corners.size(); ++i) {
     block.points[{i}] = {{corners[i].x(), corners[i].y(), 0}, {}};
     Observation o;

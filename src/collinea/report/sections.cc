@@ -137,8 +137,9 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
   if (input.control.empty()) return "";
   AxisRms smallest = summary.check.points ? summary.check : summary.control;
   const int decimals = decimals_of(smallest, summary.unit);
-  const bool with_sigma = std::any_of(input.control.begin(), input.control.end(),
-                                      [](const ReportControl& control) { return control.sigma_m.array().isFinite().any(); });
+  const bool with_sigma = std::any_of(input.control.begin(), input.control.end(), [](const ReportControl& control) {
+    return control.sigma_m.array().isFinite().any();
+  });
   std::string html =
       "<section><h2>Control and check points</h2>\n<p>Differences are estimated minus surveyed. Check points took no "
       "part in the adjustment: they are intersected from the oriented images, and only they show the accuracy of new "
@@ -149,7 +150,8 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
       "<th>east [{0}]</th><th>north [{0}]</th><th>height [{0}]</th><th>3D [{0}]</th>{1}<th>image [px]</th></tr></thead>"
       "<tbody>\n",
       summary.unit,
-      with_sigma ? fmt::format("<th>&sigma; east</th><th>&sigma; north</th><th>&sigma; height [{}]</th>", summary.unit) : "");
+      with_sigma ? fmt::format("<th>&sigma; east</th><th>&sigma; north</th><th>&sigma; height [{}]</th>", summary.unit)
+                 : "");
   for (const bool used : {false, true})
     for (const ReportControl& control : input.control)
       if (control.used == used) html += control_row(input, control, decimals, with_sigma);

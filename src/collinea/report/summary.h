@@ -17,7 +17,7 @@ struct ReportSummary {
   Overlap overlap;
   AxisRms check, control, position;
   int check_points = 0, control_points = 0, excluded_points = 0;  ///< measured in at least one oriented image
-  std::vector<ImageId> not_oriented;  ///< without those that could not be read
+  std::vector<ImageId> not_oriented;                              ///< without those that could not be read
   std::string statement;              ///< how good it is, in a sentence or two: what a surveyor signs
   std::vector<std::string> cautions;  ///< what to know before relying on it
 };

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/strip_datum.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace collinea {
+namespace {
+
+constexpr double kAgreement = 0.95;  // mean length of the unit vectors "up": 18 degrees of scatter
+constexpr double kReach = 10;        // of the positions, in standard deviations
+constexpr double kSteepest = 0.7;    // of the line, over its length
+
+// Roll turns the camera clockwise about its axis, as seen from behind.
+Eigen::Vector3d up_in_cam(const AttitudePrior& attitude) {
+  const double pitch = attitude.pitch_deg * std::numbers::pi / 180, roll = attitude.roll_deg * std::numbers::pi / 180;
+  return {-std::cos(pitch) * std::sin(roll), -std::cos(pitch) * std::cos(roll), std::sin(pitch)};
+}
+
+std::optional<Eigen::Vector3d> up_in_block(const Block& block) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::size_t count = 0;
+  for (const auto& [id, pose] : block.cam_from_world)
+    if (const auto& attitude = block.images.at(id).attitude) {
+      sum += pose.rotation.conjugate() * up_in_cam(*attitude);
+      ++count;
+    }
+  if (2 * count < block.cam_from_world.size() || sum.norm() < kAgreement * static_cast<double>(count))
+    return std::nullopt;
+  return sum.normalized();
+}
+
+Eigen::Matrix3d scatter(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& point : points) middle += point / static_cast<double>(points.size());
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const auto& point : points) sum += (point - middle) * (point - middle).transpose();
+  return sum;
+}
+
+double spread(const std::vector<Eigen::Vector3d>& points) {
+  return std::sqrt(scatter(points).trace() / static_cast<double>(points.size()));
+}
+
+struct Stations {
+  std::vector<Eigen::Vector3d> in_block, in_world;
+  double sigma_m = 0;  ///< the largest
+};
+
+Stations stations_of(const Block& block) {
+  Stations stations;
+  for (const auto& [id, pose] : block.cam_from_world) {
+    const auto& position = block.images.at(id).position;
+    if (!position || !position->sigma_m.allFinite()) continue;
+    stations.in_block.push_back(centre_of(pose));
+    stations.in_world.push_back(position->position_in_world);
+    stations.sigma_m = std::max(stations.sigma_m, position->sigma_m.maxCoeff());
+  }
+  return stations;
+}
+
+}  // namespace
+
+double turn_sigma_rad(const Block& block, double world_per_block) {
+  const Stations stations = stations_of(block);
+  if (stations.in_block.size() < 3) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter(stations.in_block)).eigenvalues();
+  return stations.sigma_m / (world_per_block * std::sqrt(std::max(0.0, axes[0]) + std::max(0.0, axes[1])));
+}
+
+std::optional<Similarity3> strip_datum(const Block& block) {
+  auto [in_block, in_world, sigma_m] = stations_of(block);
+  const auto up = up_in_block(block);
+  if (!up || in_world.size() < 2) return std::nullopt;
+  const Eigen::Vector3d line = in_world.back() - in_world.front();
+  const double length_m = spread(in_world), length = spread(in_block);
+  if (!(length_m > kReach * sigma_m) || !(length > 0) || std::abs(line.z()) > kSteepest * line.norm())
+    return std::nullopt;
+  // A mast on every camera, as high as the line is long, keeps the fit from turning about the line.
+  for (std::size_t i = 0, count = in_world.size(); i < count; ++i) {
+    in_block.emplace_back(in_block[i] + length * *up);
+    in_world.emplace_back(in_world[i] + length_m * Eigen::Vector3d::UnitZ());
+  }
+  return align(in_block, in_world);
+}
+
+}  // namespace collinea

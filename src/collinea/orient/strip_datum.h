@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "collinea/block/block.h"
+#include "collinea/geometry/similarity3.h"
+
+namespace collinea {
+
+/// The datum of a single strip: positions on one line fix place, scale and direction, but not the turn about the line;
+/// that comes from the attitudes the camera wrote. Good to about a degree across the line. Nothing when fewer than half
+/// of the images have an attitude, when these contradict each other, when the positions do not reach over ten times
+/// their standard deviation, or when the line is vertical.
+[[nodiscard]] std::optional<Similarity3> strip_datum(const Block& block);
+
+/// How well the positions of the images fix the turn of the block about the line through them: standard deviation
+/// [rad]. The stations count as they lie in the block, so that the errors of the positions do not look like a width.
+/// Infinite with fewer than three positions.
+[[nodiscard]] double turn_sigma_rad(const Block& block, double world_per_block);
+
+}  // namespace collinea
