@@ -22,7 +22,7 @@ struct Candidate {
   std::array<double, kCells * kCells> worth{};  // per cell, in [0, 1]
 };
 
-// How useful rays at this angle are: below 5 degrees depth is weak, above 25 the pictures grow too different.
+// How useful rays at this angle are: below 6 degrees depth is weak, above 25 the pictures grow too different.
 double worth_of_angle(double angle_rad) {
   const double deg = angle_rad * 180 / std::numbers::pi;
   if (deg < 6) return deg / 6;

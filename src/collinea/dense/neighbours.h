@@ -22,7 +22,7 @@ class TieView {
   /// Tie points in front of the image's camera, in the order of their ids.
   [[nodiscard]] std::vector<SeenPoint> seen_by(ImageId image) const;
 
-  /// Up to `count` images to match `image` with, best first: they see the same tie points, from 5 to 25 degrees aside,
+  /// Up to `count` images to match `image` with, best first: they see the same tie points, from 6 to 25 degrees aside,
   /// cover all of the image, and lie on different sides of it. Fewer (or none) when the block has no more.
   [[nodiscard]] std::vector<ImageId> neighbours(ImageId image, int count) const;
 

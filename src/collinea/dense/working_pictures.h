@@ -34,7 +34,7 @@ struct WorkingPicture {
 /// Half the size, by the mean of 2 x 2 pixels; 0 where one of them is 0.
 [[nodiscard]] GreyImage halved(const GreyImage& picture);
 
-/// Every other picture for matching, made on demand and kept until `memory` is full (least recently used go first).
+/// The pictures for matching, made on demand and kept until half of `memory_mb` is full (least recently used go first).
 /// Thread-safe. The block must outlive it.
 class WorkingPictures {
  public:

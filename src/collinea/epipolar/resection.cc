@@ -208,7 +208,7 @@ std::vector<int> agreeing(const View& view, const Measured& measured, double max
   return items;
 }
 
-// The last word: full model, all who agree, twice, because refinement may bring more to agree.
+// The last word: full model, all who agree, three times, because refinement may bring more to agree.
 template <int N>
 std::optional<Resection> concluded(View view, const Measured& measured, const ResectOptions& options) {
   for (int round = 0; round < 3; ++round) {

@@ -34,7 +34,7 @@ class LocalFrame {
 
   [[nodiscard]] const std::string& crs() const;
   [[nodiscard]] std::string wkt1() const;  ///< WKT1 (GDAL) of the CRS, for GeoTIFF
-  [[nodiscard]] std::string wkt2() const;  ///< WKT2:2015/2019, for LAS
+  [[nodiscard]] std::string wkt2() const;  ///< WKT2:2019, for people and other programs
   [[nodiscard]] std::string crs_name() const;
 
   /// The coordinate operation used between the map and WGS84, chosen once for the origin, and its accuracy by PROJ's

@@ -62,7 +62,7 @@ class Reconstruction {
     int points = 0;
   };
   [[nodiscard]] Coverage coverage(ImageId image) const;
-  /// Resection of one image on the points it shares with the block, then new rays for those points.
+  /// Resection of one image on the points it shares with the block; rays that agree become active.
   bool orient_image(ImageId image, std::uint64_t seed);
   /// Gives up an image: its rays leave their points.
   void drop_image(ImageId image);
