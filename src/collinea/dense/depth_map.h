@@ -27,6 +27,7 @@ class DepthStore {
   virtual ~DepthStore() = default;
   virtual Result<> write(ImageId image, const DepthMap& map) = 0;
   virtual Result<DepthMap> read(ImageId image) = 0;
+  [[nodiscard]] virtual bool has(ImageId image) const = 0;
 };
 
 /// The grey pixels of a photograph as it was taken, at 1/shrink of its size (shrink 1, 2, 4 or 8; size rounded up;
@@ -37,10 +38,10 @@ struct DenseOptions {
   std::optional<std::string> resolution;
   int neighbours = 6;
   double depth_margin = 0.3;
-  double min_correlation = 0.3;
-  double max_sigma_px = 0.7;
+  double min_correlation = 0.5;
+  double max_sigma_px = 0.5;
   int min_images = 3;
-  double max_reprojection_px = 1.5;
+  double max_reprojection_px = 1.0;
   double max_sigmas = 4;
   double memory_mb = 800;
 

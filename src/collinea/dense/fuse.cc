@@ -22,6 +22,8 @@ constexpr int kFewestShared = 6;         // tie points
 constexpr double kFramePx = 6;           // at the border of a picture little is measured
 constexpr double kSharedSource = 4;      // depths of one surface point come from the same pictures: not independent
 constexpr double kSamePlacePx = 0.63;    // smaller: places are written twice; larger: gaps where one image takes over
+constexpr double kWidestAngle = 0.5;     // [rad] images farther aside may see something else: they need not agree
+constexpr double kRoughReach = 2;        // sigmas, where these are larger than max_reprojection_px: rough surfaces
 constexpr double kSmallestCosine = 0.1;  // between ray and normal, to move a depth along the surface
 
 using Matrix3 = Eigen::Matrix3d;
@@ -196,15 +198,18 @@ class Fusion {
       const double u = other.pinhole.f * there.x() / there.z() + other.pinhole.cx;
       const double v = other.pinhole.f * there.y() / there.z() + other.pinhole.cy;
       if (!(u >= 0 && v >= 0 && u < other.map->depth.width && v < other.map->depth.height)) continue;
-      looking += u > kFramePx && v > kFramePx && u < other.map->depth.width - kFramePx &&
-                 v < other.map->depth.height - kFramePx;
+      looking += angle_between(other, ray, z) < kWidestAngle && u > kFramePx && v > kFramePx &&
+                 u < other.map->depth.width - kFramePx && v < other.map->depth.height - kFramePx;
       const auto reading = reading_at(*other.map, u, v);
       if (!reading) continue;
       const double off = there.z() - reading->depth;
       const double tolerance = options_.max_sigmas * std::hypot(sigma, reading->sigma);
       const Vector3 back = other.rotation.transpose() * (other.pinhole.ray(u, v) * reading->depth - other.translation);
       const Eigen::Vector2d shift = pinhole.f * (back.head<2>() / back.z() - ray.head<2>());
-      if (std::abs(off) > tolerance || !(shift.norm() <= options_.max_reprojection_px)) {
+      const double in_px = shift.norm() / std::max(std::abs(off), 1e-12);
+      const double reach_px =
+          std::max(options_.max_reprojection_px, kRoughReach * in_px * std::max(sigma, reading->sigma));
+      if (std::abs(off) > tolerance || !(shift.norm() <= reach_px)) {
         looking_through += off < 0;
         continue;
       }
@@ -224,6 +229,12 @@ class Fusion {
     point.sigma = float(std::min(std::sqrt(kSharedSource / weights), sigma) * ray.norm());
     point.images = std::uint8_t(std::min(agreeing, 255));
     return point;
+  }
+
+  // Between the two rays to the point at depth z.
+  static double angle_between(const Other& other, const Vector3& ray, double z) {
+    const Vector3 from_other = ray * z + other.rotation.transpose() * other.translation;
+    return std::atan2(ray.cross(from_other).norm(), ray.dot(from_other));
   }
 
   // Where the surface through `point` meets the ray.

@@ -24,6 +24,7 @@ class MemoryStore : public DepthStore {
     if (!maps.count(image)) return fail(Errc::kNotFound, "no such map");
     return maps.at(image);
   }
+  bool has(ImageId image) const override { return maps.count(image) > 0; }
   std::map<ImageId, DepthMap> maps;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <vector>
 
@@ -14,14 +15,16 @@ namespace collinea::dense {
 struct View {
   Quads quads;
   Transfer transfer;
+  Eigen::Vector3f centre_in_cam = Eigen::Vector3f::Zero();  ///< of projection, in the reference camera
 };
 
 /// A picture and its neighbours at one level of the pyramid.
 struct Level {
   const GreyImage* picture = nullptr;
   std::vector<View> views;
-  float step = 0;         ///< inverse depth per label
-  float parallax_px = 1;  ///< of one label, in the neighbours that see most of it
+  float focal_px = 1, cx = 0, cy = 0;  ///< of the reference picture
+  float step = 0;                      ///< inverse depth per label
+  float parallax_px = 1;               ///< of one label, in the neighbours that see most of it
 };
 
 /// A cell of the reference picture and the views that may show it, ready for comparison. Large: keep one per thread.

@@ -8,6 +8,8 @@
 #include <limits>
 
 #include "collinea/dense/level.h"
+#include "collinea/dense/overview.h"
+#include "collinea/dense/window_variance.h"
 
 namespace collinea {
 namespace {
@@ -22,8 +24,12 @@ constexpr double kCoarsestLabels = 100;  // the coarsest level is the first with
 // Searched beyond the tie points at least, as parts of the inverse depth: trees and masts seldom have tie points.
 constexpr double kLeastFarther = 0.1, kLeastNearer = 0.8;
 constexpr int kSmallestCoarsePatch = 20;  // pixels of a level; what hangs together less is not believed by the next
-constexpr int kMeasuredLevels = 3;        // the finest of the pyramid
-constexpr double kPlanePart = 0.5;        // a plane is worth taking when it leaves less than this of the range
+constexpr int kOverviewPx = 512;          // width of an overview at most
+constexpr int kOverviewsCompared = 12;
+constexpr int kFewestShared = 6;        // tie points
+constexpr float kOverviewReach = 1.5f;  // steps within which overviews agree
+constexpr int kMeasuredLevels = 3;      // the finest of the pyramid
+constexpr double kPlanePart = 0.5;      // a plane is worth taking when it leaves less than this of the range
 
 Eigen::Matrix3d calibration(const Camera& camera) {
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
@@ -137,28 +143,70 @@ class Matching {
       neighbours_.push_back(std::move(neighbour));
     }
     if (neighbours_.empty()) return fail(Errc::kIllPosed, file + ": no other image sees its tie points");
+    start_ = start_surface(soundings_, options_.depth_margin);
     return {};
   }
 
-  Result<DepthMap> run() {
-    start_ = start_surface(soundings_, options_.depth_margin);
-    const int coarsest = coarsest_level();
+  Result<DepthMap> overview() const {
+    const int last = overview_level(reference_->camera);
     FloatImage surface;
-    std::array<FloatImage, kMeasuredLevels> surfaces;
-    for (int l = coarsest; l >= 0; --l) {
-      const Level level = level_at(l);
-      surface = dense::match_level(level, l == coarsest ? start_labels(level, l) : next_labels(surface, level), run_);
-      if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
-      if (l < kMeasuredLevels) surfaces[std::size_t(l)] = surface;
+    if (auto matched = match(coarsest_level(), last, surface, nullptr); !matched)
+      return tl::unexpected(std::move(matched).error());
+    DepthMap map{camera_of_level(reference_->camera, last), surface, surface};
+    const float step = level_at(last).step;
+    for (std::size_t i = 0; i < surface.data.size(); ++i) {
+      map.depth.data[i] = 1 / surface.data[i];
+      map.sigma.data[i] = step / (surface.data[i] * surface.data[i]);
     }
-    return measured(surfaces);
+    return map;
+  }
+
+  // `agreed`: what the overviews say, on their level; empty when there are none, NaN where they disagree.
+  Result<DepthMap> run(const FloatImage& agreed) {
+    std::array<FloatImage, kMeasuredLevels> surfaces;
+    FloatImage surface = agreed;
+    dense::fill_holes(surface);
+    int from = coarsest_level();
+    if (!agreed.empty()) {
+      const int level = overview_level(reference_->camera);
+      if (level < kMeasuredLevels) surfaces[std::size_t(level)] = surface;
+      from = level - 1;
+    }
+    if (auto matched = match(from, 0, surface, &surfaces); !matched) return tl::unexpected(std::move(matched).error());
+    return measured(surfaces, agreed);
+  }
+
+  Result<FloatImage> agreed_overview(const Block& block, ImageId image, const TieView& ties, DepthStore& store) const {
+    COLLINEA_TRY(const DepthMap own, store.read(image));
+    const Rigid3& pose = block.cam_from_world.at(image);
+    std::vector<dense::PlacedMap> others;
+    for (const ImageId id : ties.overlapping(image, kFewestShared, kOverviewsCompared)) {
+      if (!store.has(id)) continue;
+      dense::PlacedMap other;
+      COLLINEA_TRY(other.map, store.read(id));
+      other.reference_from_cam = pose * inverse(block.cam_from_world.at(id));
+      others.push_back(std::move(other));
+    }
+    return dense::agreed_surface(own, others, kOverviewReach * level_at(overview_level(reference_->camera)).step);
   }
 
  private:
+  // From one level to another, both included; starts with the tie points when `surface` is empty.
+  Result<> match(int from, int to, FloatImage& surface, std::array<FloatImage, kMeasuredLevels>* surfaces) const {
+    for (int l = from; l >= to; --l) {
+      const Level level = level_at(l);
+      surface = dense::match_level(level, surface.empty() ? start_labels(level, l) : next_labels(surface, level), run_);
+      if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
+      if (surfaces && l < kMeasuredLevels) (*surfaces)[std::size_t(l)] = surface;
+    }
+    return {};
+  }
+
   Level level_at(int l) const {
     Level level;
     level.picture = &reference_->levels[std::size_t(l)];
-    const Eigen::Matrix3d back = calibration(camera_of_level(reference_->camera, l)).inverse();
+    const Eigen::Matrix3d own = calibration(camera_of_level(reference_->camera, l)), back = own.inverse();
+    level.focal_px = float(own(0, 0)), level.cx = float(own(0, 2)), level.cy = float(own(1, 2));
     const double scale = std::ldexp(1.0, -l);
     std::vector<Sounding> here = soundings_;
     for (Sounding& s : here) s.x *= scale, s.y *= scale;
@@ -168,7 +216,8 @@ class Matching {
       const Eigen::Matrix3d k = calibration(camera_of_level(n.picture->camera, nl));
       const Eigen::Matrix3d h = k * n.from_reference.rotation.toRotationMatrix() * back;
       const Eigen::Vector3d b = k * n.from_reference.translation;
-      dense::View view{dense::quads_of(n.picture->levels[std::size_t(nl)]), {}};
+      dense::View view{dense::quads_of(n.picture->levels[std::size_t(nl)]), {}, {}};
+      view.centre_in_cam = centre_of(n.from_reference).cast<float>();
       for (int i = 0; i < 9; ++i) view.transfer.h[std::size_t(i)] = float(h(i / 3, i % 3));
       for (int i = 0; i < 3; ++i) view.transfer.b[std::size_t(i)] = float(b[i]);
       px_per_w.push_back(sensitivity(h, b, here));
@@ -189,7 +238,7 @@ class Matching {
       labels /= 2;
       ++l;
     }
-    return l;
+    return std::max(l, overview_level(reference_->camera));
   }
 
   Labels start_labels(const Level& level, int l) const {
@@ -209,7 +258,7 @@ class Matching {
 
   // Correlation at full resolution and, for what is too rough or has too little texture for small windows, at lower
   // ones, where the same windows reach farther and the noise of the pixels averages out.
-  Result<DepthMap> measured(std::array<FloatImage, kMeasuredLevels>& surfaces) const {
+  Result<DepthMap> measured(std::array<FloatImage, kMeasuredLevels>& surfaces, const FloatImage& agreed) const {
     const Level finest = level_at(0);
     dense::Refined result;
     FloatImage finer, finest_surface;
@@ -236,6 +285,7 @@ class Matching {
       finer = std::move(surface);
       if (l == 0) finest_surface = finer;
     }
+    if (!agreed.empty()) dense::fill_rough(finest, agreed, result);
     return finished(finest, result);
   }
 
@@ -274,15 +324,8 @@ class Matching {
   // Wide windows also measure beside the texture they catch; there the surface is not seen, and stays empty.
   static void keep_textured(const GreyImage& picture, FloatImage& surface) {
     const auto variance = [&](int x, int y, int reach) {
-      float sum = 0, squares = 0;
-      int count = 0;
-      for (int j = std::max(y - reach, 0); j <= std::min(y + reach, picture.height - 1); ++j)
-        for (int i = std::max(x - reach, 0); i <= std::min(x + reach, picture.width - 1); ++i, ++count) {
-          const float value = float(picture.at(i, j)) - 128;
-          sum += value;
-          squares += value * value;
-        }
-      return (squares - sum * sum / float(count)) / float(count);
+      return dense::variance_around(x, y, reach, picture.width, picture.height,
+                                    [&](int i, int j) { return float(picture.at(i, j)) - 128; });
     };
     for (int y = 0; y < surface.height; ++y)
       for (int x = 0; x < surface.width; ++x)
@@ -339,22 +382,48 @@ class Matching {
 
 }  // namespace
 
-Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
-                           const DenseOptions& options, const Run& run) {
+int overview_level(const Camera& working_camera) {
+  int level = 0;
+  while ((working_camera.width_px >> level) > kOverviewPx) ++level;
+  return level;
+}
+
+namespace {
+
+Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
+                          const DenseOptions& options, const Run& run) {
   if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
   if (!block.cam_from_world.count(image))
     return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
   Matching matching(options, run);
   if (auto ready = matching.prepare(block, image, ties, pictures); !ready)
     return tl::unexpected(std::move(ready).error());
-  return matching.run();
+  return matching;
+}
+
+}  // namespace
+
+Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
+                          const DenseOptions& options, const Run& run) {
+  COLLINEA_TRY(const Matching matching, prepared(block, image, ties, pictures, options, run));
+  return matching.overview();
+}
+
+Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
+                           DepthStore* overviews, const DenseOptions& options, const Run& run) {
+  COLLINEA_TRY(Matching matching, prepared(block, image, ties, pictures, options, run));
+  FloatImage agreed;
+  if (overviews && overviews->has(image)) {
+    COLLINEA_TRY(agreed, matching.agreed_overview(block, image, ties, *overviews));
+  }
+  return matching.run(agreed);
 }
 
 Result<DepthMap> depth_map(const Block& block, ImageId image, const PixelSource& pixels, const DenseOptions& options,
                            const Run& run) {
   const TieView ties(block);
   WorkingPictures pictures(block, pixels, options);
-  return depth_map(block, image, ties, pictures, options, run);
+  return depth_map(block, image, ties, pictures, nullptr, options, run);
 }
 
 }  // namespace collinea

@@ -8,16 +8,26 @@
 
 namespace collinea {
 
+/// The level of the pyramid of a working picture on which its overview is made.
+[[nodiscard]] int overview_level(const Camera& working_camera);
+
+/// A first, coarse idea of the surface, from small pictures. Every pixel with a grey value has a depth, right or wrong:
+/// only together the overviews of several images tell which. Errors as of depth_map.
+[[nodiscard]] Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties,
+                                        WorkingPictures& pictures, const DenseOptions& options, const Run& run);
+
 /// The depth of every pixel of one oriented image, measured against its neighbours: coarse to fine, at each level a
 /// sweep along the rays of the image around the surface of the level above, with semi-global regularisation; at the
-/// last one correlation to a fraction of a pixel. What is not measured well (options.min_correlation, max_sigma_px) is
-/// left empty. sigma is that of matching, poses taken as exact; on pictures of known truth it is right within a factor
-/// of 1.7. Memory: about 120 bytes per pixel of the working picture, besides `pictures`. Images do not depend on each
-/// other: the caller may run several at once (pictures and ties are shared and thread-safe) or leave the threads to
-/// this function, with the same result. Errors: kIllPosed when the image has no neighbours or too few tie points,
-/// kCancelled, what the pictures say.
+/// last one correlation to a fraction of a pixel. It starts from what the `overviews` of the image and of those around
+/// it agree on (those missing are left out), or, when it is null or has none of the image, from nothing. What is not
+/// measured well (options.min_correlation, max_sigma_px) is left empty. sigma is that of matching, poses taken as
+/// exact; on pictures of known truth it is right within a factor of 1.7. Memory: about 120 bytes per pixel of the
+/// working picture, besides `pictures`. Images do not depend on each other: the caller may run several at once
+/// (pictures and ties are shared and thread-safe) or leave the threads to this function, with the same result. Errors:
+/// kIllPosed when the image has no neighbours or too few tie points, kCancelled, what the pictures say.
 [[nodiscard]] Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties,
-                                         WorkingPictures& pictures, const DenseOptions& options, const Run& run);
+                                         WorkingPictures& pictures, DepthStore* overviews, const DenseOptions& options,
+                                         const Run& run);
 
 /// The same for a single image, with nothing kept.
 [[nodiscard]] Result<DepthMap> depth_map(const Block& block, ImageId image, const PixelSource& pixels,

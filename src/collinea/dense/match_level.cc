@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,12 @@ namespace {
 
 constexpr int kTileCells = 24;   // a tile is aggregated on its own, which bounds memory
 constexpr int kTileOverlap = 2;  // cells around it that take part, so that its border is nobody's border
+
+// Rays farther apart see leaves, grass and edges too differently to tell anything, and with every such view chance has
+// one try more. The views nearest to the reference are used all the same when there are no others. One choice serves
+// all labels of a cell: chance must have the same number of tries at every depth.
+constexpr float kWidestAngle = 0.5f;  // [rad]
+constexpr int kFewestViews = 2;
 
 void reference_region(const GreyImage& picture, int left, int top, std::int8_t* region) {
   for (int j = 0; j < kRegionHeight; ++j)
@@ -31,6 +38,40 @@ struct CostScratch {
   alignas(64) std::array<std::uint8_t, kCellPixels> distance, costs;
 };
 
+// Whether a placed view shows the whole cell `shift` beyond its surface.
+bool shows_all(const View& view, const Carried& carried, float shift) {
+  const auto& b = view.transfer.b;
+  for (const int corner : {0, kRegionWidth - 1, kRegion - kRegionWidth, kRegion - 1}) {
+    const float z = carried.z[corner] + shift * b[2];
+    const float x = (carried.x[corner] + shift * b[0]) / z, y = (carried.y[corner] + shift * b[1]) / z;
+    if (!(z > 0 && x >= 0 && y >= 0 && x <= float(view.quads.width) && y <= float(view.quads.height))) return false;
+  }
+  return true;
+}
+
+// Which of the placed views to compare when the cell lies about `shift` beyond its surface: those at small angles.
+// Positions in scene.views.
+std::vector<std::size_t> views_at_small_angles(const Level& level, const CellScene& scene, float shift) {
+  const float middle = scene.inverse_depth[std::size_t(kRegionHeight / 2 * kRegionWidth + kRegionWidth / 2)];
+  const float x = float(scene.left) + 0.5f * kCell, y = float(scene.top) + 0.5f * kCell;
+  const Eigen::Vector3f ray((x - level.cx) / level.focal_px, (y - level.cy) / level.focal_px, 1);
+  const Eigen::Vector3f point = ray / (middle + shift);
+  std::vector<std::pair<float, std::size_t>> by_angle;
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    const Eigen::Vector3f other = point - level.views[std::size_t(scene.views[v])].centre_in_cam;
+    by_angle.emplace_back(std::atan2(point.cross(other).norm(), point.dot(other)), v);
+  }
+  std::sort(by_angle.begin(), by_angle.end());
+  std::vector<std::size_t> chosen;
+  int whole = 0;
+  for (const auto& [angle, v] : by_angle) {
+    if (angle > kWidestAngle && whole >= kFewestViews) break;
+    chosen.push_back(v);
+    whole += shows_all(level.views[std::size_t(scene.views[v])], scene.carried[v], shift);
+  }
+  return chosen;
+}
+
 void cell_costs(const Level& level, const Labels& labels, const Cell& cell, std::uint8_t* volume,
                 CostScratch& scratch) {
   CellScene& scene = scratch.scene;
@@ -43,12 +84,13 @@ void cell_costs(const Level& level, const Labels& labels, const Cell& cell, std:
   place_views(level, 0, float(cell.labels - 1) * labels.step, scene);
   reference_region(*level.picture, cell.left, cell.top, scratch.region.data());
   census(scratch.region.data(), scratch.planes.data());
+  const auto views = views_at_small_angles(level, scene, float(cell.labels) * labels.step / 2);
   for (int k = 0; k < cell.labels; ++k) {
     clear(scratch.smallest);
-    for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    const float w = float(k) * labels.step;
+    for (const std::size_t v : views) {
       const View& view = level.views[std::size_t(scene.views[v])];
       const auto& b = view.transfer.b;
-      const float w = float(k) * labels.step;
       sample(view.quads, scene.carried[v], w * b[0], w * b[1], w * b[2], scratch.sampled.data());
       census_distance(scratch.sampled.data(), scratch.planes.data(), scratch.distance.data());
       add(scratch.distance.data(), scratch.smallest);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -21,11 +22,11 @@ namespace {
 
 using nlohmann::json;
 
-// Depth maps of all oriented images; those found in the folder are kept. Returns the images that have one.
-Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
-                                       WorkingPictures& pictures, DepthFolder& folder, json& left_out) {
-  std::vector<ImageId> images;
-  for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
+using MakeMap = std::function<Result<DepthMap>(ImageId image, const Run& run)>;
+
+// Maps of all oriented images; those found in the folder are kept. One outcome for each of `images`.
+std::vector<Result<>> make_maps(const Project& project, const std::vector<ImageId>& images, DepthFolder& folder,
+                                const char* what, const MakeMap& make) {
   std::vector<Result<>> outcomes(images.size());
   std::atomic<std::size_t> done = 0;
   Run one_thread = project.run;  // images side by side use the processor better than threads within one
@@ -33,10 +34,26 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   one_thread.progress = nullptr;
   parallel_for(project.run, images.size(), [&](std::size_t i) {
     if (!folder.has(images[i])) {
-      const auto map = depth_map(block, images[i], ties, pictures, project.settings.densify, one_thread);
+      const auto map = make(images[i], one_thread);
       outcomes[i] = map ? folder.write(images[i], *map) : tl::unexpected(map.error());
     }
-    project.run.report("densify: depth maps", double(++done) / double(images.size()));
+    project.run.report(what, double(++done) / double(images.size()));
+  });
+  return outcomes;
+}
+
+// Overviews of all images first, then depth maps. Returns the images that have one.
+Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
+                                       WorkingPictures& pictures, DepthFolder& overviews, DepthFolder& folder,
+                                       json& left_out) {
+  std::vector<ImageId> images;
+  for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
+  const DenseOptions& options = project.settings.densify;
+  make_maps(project, images, overviews, "densify: overviews",
+            [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, options, run); });
+  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
+  const auto outcomes = make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
+    return depth_map(block, image, ties, pictures, &overviews, options, run);
   });
   if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
   std::vector<ImageId> matched;
@@ -107,9 +124,12 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   WorkingPictures pictures(
       block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
   COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", inputs_hash, block, pictures));
+  COLLINEA_TRY(DepthFolder overviews,
+               DepthFolder::open(project.folder / "depth" / "overview", inputs_hash, block, pictures));
   const TieView ties(block);
   json report = {{"skipped", json::array()}};
-  COLLINEA_TRY(const std::vector<ImageId> images, match_all(project, block, ties, pictures, folder, report["skipped"]));
+  COLLINEA_TRY(const std::vector<ImageId> images,
+               match_all(project, block, ties, pictures, overviews, folder, report["skipped"]));
 
   COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project.folder / "products", block, places));
   COLLINEA_TRY(const FuseReport fused, fuse(

@@ -52,6 +52,7 @@ Result<DepthMap> DepthFolder::read(ImageId image) {
   COLLINEA_TRY(map.camera, pictures_->camera(image));
   COLLINEA_TRY(map.depth, read_float_tiff(path(image, "depth")));
   COLLINEA_TRY(map.sigma, read_float_tiff(path(image, "sigma")));
+  while (map.camera.width_px > map.depth.width && map.camera.width_px > 1) map.camera = camera_of_level(map.camera, 1);
   if (map.depth.width != map.camera.width_px || map.depth.height != map.camera.height_px ||
       map.sigma.width != map.depth.width || map.sigma.height != map.depth.height)
     return fail(Errc::kBadFormat,

@@ -9,7 +9,8 @@
 
 namespace collinea {
 
-/// PROJECT/depth: a depth map and its sigmas for each image, as float TIFFs. Maps made from other inputs are removed.
+/// A folder with a depth map and its sigmas for each image, as float TIFFs. Maps made from other inputs are removed.
+/// Maps may be of any level of the working picture's pyramid.
 class DepthFolder : public DepthStore {
  public:
   /// Opens the folder for maps made from what `inputs_hash` stands for.
@@ -18,7 +19,7 @@ class DepthFolder : public DepthStore {
 
   Result<> write(ImageId image, const DepthMap& map) override;
   Result<DepthMap> read(ImageId image) override;
-  [[nodiscard]] bool has(ImageId image) const;
+  [[nodiscard]] bool has(ImageId image) const override;
 
  private:
   DepthFolder(std::filesystem::path folder, const Block& block, const WorkingPictures& pictures)

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "collinea/dense/depth_map.h"
+#include "collinea/dense/level.h"
+#include "collinea/geometry/rigid3.h"
+
+namespace collinea::dense {
+
+/// The overview of another image, placed by the one it is compared with.
+struct PlacedMap {
+  DepthMap map;
+  Rigid3 reference_from_cam;
+};
+
+/// Inverse depths on which the overview `own` and those of the other images agree within `reach`. Of several surfaces
+/// along a ray the nearest one that at least three images confirm, or two when one of them is `own`: what lies in
+/// front hides the rest. NaN where no images agree.
+[[nodiscard]] FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& others, float reach);
+
+/// Leaves and grass look different from everywhere: windows do not correlate, though small pictures agree on the
+/// surface. Where `result`, of the finest level, has nothing and the picture has texture, it gets the surface `agreed`
+/// upon, with a sigma from the size of its pixels and its roughness.
+void fill_rough(const Level& finest, const FloatImage& agreed, Refined& result);
+
+}  // namespace collinea::dense
