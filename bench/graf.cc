@@ -5,7 +5,7 @@
 // FOLDER holds img1.png ... img6.png and H1to2p ... H1to6p. Both detectors give the same number of features, COUNT.
 //   repeatability  features of the first picture, in the part that the other sees, with a feature of the other within
 //                  2.5 px and half an octave, one to one, over the smaller number of features in the common part
-//   correct        matches (nearest both ways, ratio 0.8 both ways) within 3 px of the homography
+//   correct        matches (nearest both ways, ratio 0.8 both ways) within 5 px of the homography
 //   inlier ratio   correct over all matches
 #include <fmt/format.h>
 
@@ -26,7 +26,9 @@ namespace {
 
 using collinea::Match;
 
-constexpr double kSamePlace_px = 2.5, kSameScale_octaves = 0.5, kCorrect_px = 3, kRatio = 0.8;
+constexpr double kSamePlace_px = 2.5, kSameScale_octaves = 0.5, kRatio = 0.8;
+// The homographies themselves are off by 3 px in parts (the matches of either detector agree on that between 1 and 2).
+constexpr double kCorrect_px = 5;
 
 struct Spot {
   Eigen::Vector2d place_px;  // the centre of the first pixel is (0, 0), as in the homographies
