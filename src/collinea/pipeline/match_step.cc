@@ -52,8 +52,12 @@ std::optional<ImagePair> match_guided(const Picture& first, const Picture& secon
   const auto near =
       guide(first.camera, first.features.keypoints, second.camera, second.features.keypoints, sketch, settings.verify);
   if (!near) return std::nullopt;
-  const auto putative = match_among(first.features.descriptors, second.features.descriptors, near->begin,
-                                    near->candidates, settings.match);
+  // Near the line a rival is looked for among a hundredth of the features only, and a wrong match is not found out by
+  // the geometry: it must be the more distinct.
+  MatchOptions strict = settings.match;
+  strict.max_ratio *= strict.max_ratio;
+  const auto putative =
+      match_among(first.features.descriptors, second.features.descriptors, near->begin, near->candidates, strict);
   ImagePair pair = verified(first, second, putative, settings.verify, seed);
   if (pair.matches.size() < sketch.matches.size()) return std::nullopt;
   return pair;
