@@ -12,6 +12,8 @@ constexpr double kDirectionWindow = 1.5;  // its standard deviation, in blurs of
 constexpr double kCell = 3;               // width of a descriptor's cell, in blurs of the feature
 // The scale of a feature is not exact, and slanted surfaces have none: patches of several sizes stand for all of them.
 constexpr double kPatchSizes[] = {1 / 1.5, 1, 1.5};
+// A cell is at least two blurs wide: the gradients of a quarter of it differ little from row to row.
+constexpr double kRowsOfCell = 4;
 constexpr float kLeastPeak = 0.8f;     // of the highest
 constexpr float kLargestValue = 0.2f;  // of the norm
 constexpr float kNorm = 512;
@@ -79,7 +81,9 @@ Descriptor describe_patch(const BlurredImage& image, float x, float y, double bl
   std::array<float, 128> pooled{};
   for (const double size : kPatchSizes) {
     std::array<float, 128> histogram;
-    gradient_patch(image, x, y, angle_rad, static_cast<float>(size * kCell * blur_px), histogram.data());
+    const double cell_px = size * kCell * blur_px;
+    gradient_patch(image, x, y, angle_rad, static_cast<float>(cell_px),
+                   std::max(1, static_cast<int>(cell_px / kRowsOfCell)), histogram.data());
     float squares = 0;
     for (const float value : histogram) squares += value * value;
     const float scale = squares > 0 ? 1 / std::sqrt(squares) : 0;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/feature/scale_space.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <new>
 
 #include "collinea/base/result.h"
 
@@ -12,6 +16,19 @@ namespace {
 constexpr double kBlurOfPhoto_px = 0.5;
 // Bilinear interpolation half-way between a pixel's centre and its edge spreads by 3/4 * 1/4 pixels squared.
 constexpr double kBlurOfUpsampling_px2 = 0.1875;
+
+// Large planes ask for large pages: every octave would else meet thousands of page faults.
+float* memory(std::size_t count) {
+  constexpr std::size_t kPage = std::size_t{1} << 21;
+  const std::size_t bytes = count * sizeof(float);
+  const bool large = bytes >= 4 * kPage;
+  void* data = large ? std::aligned_alloc(kPage, (bytes + kPage - 1) / kPage * kPage) : std::malloc(bytes);
+  if (!data) throw std::bad_alloc();
+#ifdef MADV_HUGEPAGE
+  if (large) madvise(data, bytes, MADV_HUGEPAGE);  // a wish: it may fail
+#endif
+  return static_cast<float*>(data);
+}
 
 std::vector<float> gaussian_taps(double sigma_px) {
   const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma_px)));
@@ -87,8 +104,10 @@ Plane::Plane(int width, int height) : width_(width), height_(height) {
   stride_ = (width + kRowSlack + 15) / 16 * 16;
   // Rows at multiples of 4096 bytes would compete for the same lines of the cache.
   if (stride_ % 1024 == 0) stride_ += 16;
-  data_.reset(new float[static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height)]);
+  data_.reset(memory(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height)));
 }
+
+void Plane::Free::operator()(float* data) const { std::free(data); }
 
 double blur_of_level(double level) { return kFirstBlur_px * std::exp2(level / kSteps); }
 

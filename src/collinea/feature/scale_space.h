@@ -29,7 +29,10 @@ class Plane {
  private:
   int width_ = 0, height_ = 0;
   std::ptrdiff_t stride_ = 0;
-  std::unique_ptr<float[]> data_;
+  struct Free {
+    void operator()(float* data) const;
+  };
+  std::unique_ptr<float[], Free> data_;
 };
 
 /// Levels of blur in one octave of Lowe (2004): three whole steps, and what the differences at their two ends need.

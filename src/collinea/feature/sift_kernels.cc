@@ -228,7 +228,8 @@ HWY_INLINE void scatter(const Shares& shares, int count, float row_weight, float
   }
 }
 
-void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, float* histogram) {
+void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, int row_step,
+                    float* histogram) {
   const D d;
   const DI di;
   const int n = static_cast<int>(hn::Lanes(d));
@@ -247,7 +248,8 @@ void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad
 
   float grids[2][kGridSize] = {};
   Shares shares;
-  for (int row = y0; row <= y1; ++row) {
+  const int phase = (static_cast<int>(std::lround(y)) - y0) % row_step;
+  for (int row = y0 + (phase + row_step) % row_step; row <= y1; row += row_step) {
     const float dy = row - y;
     int begin = x0, end = x1;
     clip_to_band(c, s * dy, kHalfPatch, x, &begin, &end);
@@ -322,8 +324,9 @@ void direction_histogram(const BlurredImage& image, float x, float y, float sigm
   HWY_DYNAMIC_DISPATCH(direction_histogram)(image, x, y, sigma, histogram);
 }
 
-void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, float* histogram) {
-  HWY_DYNAMIC_DISPATCH(gradient_patch)(image, x, y, angle_rad, cell_px, histogram);
+void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, int row_step,
+                    float* histogram) {
+  HWY_DYNAMIC_DISPATCH(gradient_patch)(image, x, y, angle_rad, cell_px, row_step, histogram);
 }
 
 }  // namespace collinea

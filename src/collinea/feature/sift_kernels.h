@@ -42,7 +42,9 @@ inline constexpr int kDirectionBins = 36;
 void direction_histogram(const BlurredImage& image, float x, float y, float sigma, float* histogram);
 
 /// The 4 x 4 x 8 gradient histogram [row][column][direction] of a patch round (x, y), turned by angle_rad, whose cells
-/// are cell_px wide, before any normalisation. cell_px <= 18.
-void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, float* histogram);
+/// are cell_px wide, before any normalisation. Of the rows of pixels every row_step-th is looked at, the one nearest to
+/// y among them. cell_px <= 18.
+void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad, float cell_px, int row_step,
+                    float* histogram);
 
 }  // namespace collinea

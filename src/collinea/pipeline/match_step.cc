@@ -9,6 +9,8 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
+#include "collinea/epipolar/guide.h"
+#include "collinea/match/guided.h"
 #include "collinea/pipeline/feature_cache.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
@@ -19,18 +21,68 @@ namespace {
 constexpr std::size_t kCachedImages = 200;  // about 1.3 MB each
 constexpr std::size_t kBatch = 32;          // pairs written at once: what a kill can cost
 
+constexpr std::size_t kLeastScouts = 1000;  // features from which a guide is sought; fewer are soon matched as they are
+
 using Ids = ImageIdPair;
 
+struct Picture {
+  const Camera& camera;
+  const Features& features;
+
+  [[nodiscard]] std::span<const Descriptor> strongest(std::size_t count) const {
+    return std::span(features.descriptors).first(std::min(count, features.descriptors.size()));
+  }
+};
+
+ImagePair verified(const Picture& first, const Picture& second, std::span<const Match> putative,
+                   const VerifyOptions& options, std::uint64_t seed) {
+  ImagePair pair =
+      verify(first.camera, first.features.keypoints, second.camera, second.features.keypoints, putative, options, seed);
+  pair.putative = static_cast<int>(putative.size());
+  return pair;
+}
+
+// The strongest features find the epipolar geometry; all are then looked for near their epipolar lines. Nothing where
+// the strongest do not fix the geometry.
+std::optional<ImagePair> match_guided(const Picture& first, const Picture& second, std::size_t scouts,
+                                      const Settings& settings, std::uint64_t seed) {
+  const ImagePair sketch =
+      verified(first, second, match_descriptors(first.strongest(scouts), second.strongest(scouts), settings.match),
+               settings.verify, seed);
+  const auto near =
+      guide(first.camera, first.features.keypoints, second.camera, second.features.keypoints, sketch, settings.verify);
+  if (!near) return std::nullopt;
+  // Near the line a rival is looked for among a hundredth of the features only, and a wrong match is not found out by
+  // the geometry: it must be the more distinct.
+  MatchOptions strict = settings.match;
+  strict.max_ratio *= strict.max_ratio;
+  const auto putative =
+      match_among(first.features.descriptors, second.features.descriptors, near->begin, near->candidates, strict);
+  ImagePair pair = verified(first, second, putative, settings.verify, seed);
+  if (pair.matches.size() < sketch.matches.size()) return std::nullopt;
+  return pair;
+}
+
+// With a guide, found from a quarter of the features or a half, or without.
+ImagePair match_pictures(const Picture& first, const Picture& second, const Settings& settings, std::uint64_t seed) {
+  const std::size_t count = std::min(first.features.keypoints.size(), second.features.keypoints.size());
+  for (const std::size_t part : {4, 2})
+    if (count / part >= kLeastScouts)
+      if (auto pair = match_guided(first, second, count / part, settings, seed)) return *std::move(pair);
+  return verified(first, second,
+                  match_descriptors(first.features.descriptors, second.features.descriptors, settings.match),
+                  settings.verify, seed);
+}
+
 Result<ImagePair> match_pair(const Project& project, const Block& setup, FeatureCache& cache, Ids ids) {
-  COLLINEA_TRY(const auto first, cache.of(ids.first));
-  COLLINEA_TRY(const auto second, cache.of(ids.second));
-  const auto putative = match_descriptors(first->descriptors, second->descriptors, project.settings.match);
+  COLLINEA_TRY(const auto first_features, cache.of(ids.first));
+  COLLINEA_TRY(const auto second_features, cache.of(ids.second));
+  const Picture first{setup.camera_of(ids.first), *first_features},
+      second{setup.camera_of(ids.second), *second_features};
   const std::uint64_t seed = Hash().add(project.run.seed).add(ids.first.value).add(ids.second.value).value();
-  ImagePair pair = verify(setup.camera_of(ids.first), first->keypoints, setup.camera_of(ids.second), second->keypoints,
-                          putative, project.settings.verify, seed);
+  ImagePair pair = match_pictures(first, second, project.settings, seed);
   pair.first = ids.first;
   pair.second = ids.second;
-  pair.putative = static_cast<int>(putative.size());
   return pair;
 }
 
