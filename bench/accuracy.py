@@ -8,14 +8,13 @@ usage: bench/accuracy.py [--data DIR] [--out DIR] [--only NAME,...] [--collinea 
 Needs python3-numpy.
 """
 import argparse
-import glob
 import json
 import os
 import subprocess
 import sys
 import time
 
-import numpy as np
+from truth import STRECHA, centre_errors, strecha_centres
 
 parser = argparse.ArgumentParser()
 root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -24,9 +23,6 @@ parser.add_argument("--out", default=os.path.join(root, "build", "bench-accuracy
 parser.add_argument("--only", default="")
 parser.add_argument("--collinea", default=os.path.join(root, "build", "release", "bin", "collinea"))
 args = parser.parse_args()
-
-STRECHA = {"fountain-P11": "2759.48,2764.16,1521.19,1007.31", "Herz-Jesus-P8": "1379.74,1382.08,760.595,503.655",
-           "entry-P10": "1379.74,1382.08,760.595,503.655", "castle-P19": "1379.74,1382.08,760.595,503.655"}
 
 
 def collinea(*words):
@@ -43,49 +39,10 @@ def info(project):
     return json.loads(out) if out else {}
 
 
-def similarity(a, b):
-    """Umeyama (1991): scale, rotation, translation with b = s R a + t."""
-    ma, mb = a.mean(0), b.mean(0)
-    u, d, vt = np.linalg.svd((b - mb).T @ (a - ma))
-    s = np.diag([1, 1, np.sign(np.linalg.det(u) * np.linalg.det(vt))])
-    r = u @ s @ vt
-    scale = (d * np.diag(s)).sum() / ((a - ma) ** 2).sum()
-    return scale, r, mb - scale * r @ ma
-
-
-def centres_of_model(folder):
-    centres = {}
-    lines = [l for l in open(os.path.join(folder, "images.txt")) if not l.startswith("#")]
-    for line in lines[0::2]:
-        p = line.split()
-        if len(p) < 10:
-            continue
-        w, x, y, z = map(float, p[1:5])
-        r = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                      [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-        centres[os.path.splitext(os.path.basename(p[9]))[0]] = -r.T @ np.array(list(map(float, p[5:8])))
-    return centres
-
-
-def strecha_centres(folder):
-    centres = {}
-    for f in glob.glob(os.path.join(folder, "gt_dense_cameras", "*.camera")):
-        rows = [list(map(float, l.split())) for l in open(f) if l.strip()]
-        centres[os.path.basename(f).split(".")[0]] = np.array(rows[7])
-    return centres
-
-
-def centre_errors(project, truth):
+def oriented_centre_errors(project, truth):
     folder = os.path.join(project, "colmap")
     collinea("export", project, folder, "--format", "colmap")
-    found = centres_of_model(folder)
-    names = sorted(set(found) & set(truth))
-    if len(names) < 3:
-        return None
-    a, b = np.array([found[n] for n in names]), np.array([truth[n] for n in names])
-    s, r, t = similarity(a, b)
-    return np.linalg.norm(b - (s * a @ r.T + t), axis=1)
+    return centre_errors(folder, truth)
 
 
 def row(*cells):
@@ -122,7 +79,7 @@ def strecha(name):
         for kind, extra in (("known camera", ["--camera-params", STRECHA[name]]), ("self-calibrated", [])):
             project = os.path.join(out, kind.split()[0])
             collinea("run", os.path.join(data, "images"), "-o", project, "--until", "orient", *extra)
-            i, e = info(project), centre_errors(project, truth)
+            i, e = info(project), oriented_centre_errors(project, truth)
             text = "none" if e is None else f"centres mean {1000 * e.mean():.2f} mm, max {1000 * e.max():.2f} mm"
             row(name + ", " + kind, oriented(i), text, cost(i))
     return bench

@@ -86,14 +86,15 @@ class RobustSearch {
       }
     }
     if (!best_) return std::nullopt;
-    improve(4, size_);
+    improve(4, kFinalSupport);
     return RobustFit<Model>{*best_, support(*best_, threshold_px2_, size_), best_score_.cost, trial};
   }
 
  private:
-  static constexpr int kBlock = 32;          // items between two looks at the sequential test
-  static constexpr int kLocalSupport = 400;  // items a local improvement looks at
-  static constexpr double kLogReject = 7;    // a good model is lost with a chance of exp(-7)
+  static constexpr int kBlock = 32;           // items between two looks at the sequential test
+  static constexpr int kLocalSupport = 400;   // items a local improvement looks at
+  static constexpr int kFinalSupport = 1500;  // items the last one looks at: more do not change who is an inlier
+  static constexpr double kLogReject = 7;     // a good model is lost with a chance of exp(-7)
 
   struct Score {
     double cost = 0;

@@ -47,8 +47,7 @@ class Verification {
  public:
   Verification(const Camera& first, const Camera& second, const VerifyOptions& options, Random& random)
       : first_(first), second_(second), options_(options), random_(random) {
-    const int size = std::max({first.width_px, first.height_px, second.width_px, second.height_px});
-    threshold_px_ = options.max_error_px * std::max(1.0, size / kReferenceSize_px);
+    threshold_px_ = largest_error_px(first, second, options);
   }
 
   [[nodiscard]] Finding find(const Prepared& prepared) {
@@ -419,6 +418,11 @@ Prepared without_stationary(const Prepared& all) {
 }
 
 }  // namespace
+
+double largest_error_px(const Camera& first, const Camera& second, const VerifyOptions& options) {
+  const int size = std::max({first.width_px, first.height_px, second.width_px, second.height_px});
+  return options.max_error_px * std::max(1.0, size / kReferenceSize_px);
+}
 
 ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
                  std::span<const Keypoint> second, std::span<const Match> putative, const VerifyOptions& options,

@@ -28,6 +28,9 @@ struct VerifyOptions {
   }
 };
 
+/// max_error_px for the size of these pictures.
+[[nodiscard]] double largest_error_px(const Camera& first, const Camera& second, const VerifyOptions& options);
+
 /// What two pictures have to do with each other, from putative matches between their keypoints (Match indexes into both
 /// spans). The answer's image ids are left empty for the caller to fill in.
 ///   - An essential matrix is looked for (five_point, Sampson error); when a focal length is merely assumed (sigma_f >

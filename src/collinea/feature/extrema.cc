@@ -72,13 +72,19 @@ bool is_edge(const Differences::Quadratic& q, double ratio) {
   return determinant <= 0 || trace * trace * ratio > (ratio + 1) * (ratio + 1) * determinant;
 }
 
+// Two curvatures that differ let the place slip along the ridge: 1 for equal ones, 2 sqrt(r) / (r + 1) for a ratio r.
+double roundness(const Differences::Quadratic& q) {
+  const double determinant = q.xx * q.yy - q.xy * q.xy;
+  return 2 * std::sqrt(std::max(0.0, determinant)) / std::abs(q.xx + q.yy);
+}
+
 struct Located {
   Place place;
   Extremum extremum;
 };
 
 // Follows the quadratic from pixel to pixel until its summit belongs to the pixel it was taken at.
-std::optional<Located> located(const Octave& octave, Place place, double least_strength, double edge_ratio) {
+std::optional<Located> located(const Octave& octave, Place place, double least_contrast, double edge_ratio) {
   const Differences differences(octave);
   const int width = octave[0].width(), height = octave[0].height();
   // A little more than half a pixel: a summit between two pixels must not be passed on for ever.
@@ -90,11 +96,11 @@ std::optional<Located> located(const Octave& octave, Place place, double least_s
     const Place next{place.level + step(offset->level), place.y + step(offset->y), place.x + step(offset->x)};
     if (next == place) {
       const double value = q.value + (q.gx * offset->x + q.gy * offset->y + q.gl * offset->level) / 2;
-      const double strength = std::abs(value) / kWhite;
-      if (strength < least_strength || is_edge(q, edge_ratio)) return std::nullopt;
+      const double contrast = std::abs(value) / kWhite;
+      if (contrast < least_contrast || is_edge(q, edge_ratio)) return std::nullopt;
       return Located{place,
                      {static_cast<float>(place.x + offset->x), static_cast<float>(place.y + offset->y),
-                      static_cast<float>(place.level + offset->level), static_cast<float>(strength)}};
+                      static_cast<float>(place.level + offset->level), static_cast<float>(contrast * roundness(q))}};
     }
     place = next;
     if (place.level < 1 || place.level > kSteps || place.x < kBorder_px || place.y < kBorder_px ||
@@ -105,11 +111,11 @@ std::optional<Located> located(const Octave& octave, Place place, double least_s
 }
 
 // Pixels larger or smaller than all their neighbours in x, y and level.
-std::vector<Place> candidates(const Octave& octave, double least_strength) {
+std::vector<Place> candidates(const Octave& octave, double least_contrast) {
   constexpr int kDifferences = kLevels - 1;
   const int width = octave[0].width(), height = octave[0].height();
   // The sampled extremum is smaller than the true one between the pixels.
-  const float threshold = static_cast<float>(0.8 * least_strength * kWhite);
+  const float threshold = static_cast<float>(0.8 * least_contrast * kWhite);
   Plane ring(width, 3 * kDifferences);
   const auto ring_row = [&](int level, int y) { return ring.row(3 * level + y % 3); };
   const auto fill = [&](int y) {
@@ -135,11 +141,11 @@ std::vector<Place> candidates(const Octave& octave, double least_strength) {
 
 }  // namespace
 
-std::vector<Extremum> find_extrema(const Octave& octave, double least_strength, double edge_ratio) {
+std::vector<Extremum> find_extrema(const Octave& octave, double least_contrast, double edge_ratio) {
   if (octave[0].width() <= 2 * kBorder_px || octave[0].height() <= 2 * kBorder_px) return {};
   std::vector<Located> found;
-  for (const Place& place : candidates(octave, least_strength))
-    if (const auto one = located(octave, place, least_strength, edge_ratio)) found.push_back(*one);
+  for (const Place& place : candidates(octave, least_contrast))
+    if (const auto one = located(octave, place, least_contrast, edge_ratio)) found.push_back(*one);
   // Two candidates may have moved to the same place.
   std::ranges::sort(found, {}, &Located::place);
   const auto same = std::ranges::unique(found, {}, &Located::place);

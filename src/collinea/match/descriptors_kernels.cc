@@ -67,6 +67,8 @@ HWY_INLINE V multiply_add(V sum, V a, V b) {
 // A tile's sums stay in registers only when its loops are written out; -O2 does not do that by itself.
 #undef COLLINEA_UNROLL
 #define COLLINEA_UNROLL _Pragma("GCC unroll 4")
+#undef COLLINEA_UNROLL_ALL
+#define COLLINEA_UNROLL_ALL _Pragma("GCC unroll 16")
 
 // Elements of neighbouring dimensions that one lane holds, and lanes that a descriptor fills.
 constexpr std::size_t kGroup = sizeof(std::int32_t) / sizeof(Element);
@@ -224,12 +226,48 @@ void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t*
   }
 }
 
+#if HWY_TARGET == HWY_SCALAR
+void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const std::uint32_t* which, std::size_t count,
+                       std::int32_t* distances) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t* other = all + which[i] * kSize;
+    std::int32_t sum = 0;
+    for (std::size_t k = 0; k < kSize; ++k) {
+      const std::int32_t difference = std::int32_t{one[k]} - other[k];
+      sum += difference * difference;
+    }
+    distances[i] = sum;
+  }
+}
+#else
+void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const std::uint32_t* which, std::size_t count,
+                       std::int32_t* distances) {
+  const hn::Repartition<std::int16_t, D> shorts;
+  const hn::Rebind<std::uint8_t, decltype(shorts)> bytes;
+  constexpr std::size_t kParts = kSize / (2 * kLanes);
+  hn::Vec<decltype(shorts)> widened[kParts];
+  COLLINEA_UNROLL_ALL
+  for (std::size_t p = 0; p < kParts; ++p) widened[p] = hn::PromoteTo(shorts, hn::LoadU(bytes, one + p * 2 * kLanes));
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t* other = all + which[i] * kSize;
+    V even = hn::Zero(kInts), odd = hn::Zero(kInts);
+    COLLINEA_UNROLL_ALL
+    for (std::size_t p = 0; p < kParts; ++p) {
+      const auto difference = hn::Sub(hn::PromoteTo(shorts, hn::LoadU(bytes, other + p * 2 * kLanes)), widened[p]);
+      even = hn::ReorderWidenMulAccumulate(kInts, difference, difference, even, odd);
+    }
+    distances[i] = hn::GetLane(hn::SumOfLanes(kInts, hn::Add(even, odd)));
+  }
+}
+#endif
+
 }  // namespace collinea::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace collinea {
 HWY_EXPORT(nearest_two);
+HWY_EXPORT(squared_distances);
 
 void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
                  NearestTwo* of_a, NearestTwo* of_b) {
@@ -239,6 +277,11 @@ void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t*
     return;
   }
   HWY_DYNAMIC_DISPATCH(nearest_two)(a, count_a, b, count_b, of_a, of_b);
+}
+
+void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const std::uint32_t* which, std::size_t count,
+                       std::int32_t* distances) {
+  HWY_DYNAMIC_DISPATCH(squared_distances)(one, all, which, count, distances);
 }
 }  // namespace collinea
 #endif

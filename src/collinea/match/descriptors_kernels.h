@@ -24,4 +24,9 @@ struct NearestTwo {
 void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
                  NearestTwo* of_a, NearestTwo* of_b);
 
+/// distances[k] = squared Euclidean distance of `one` from the descriptor which[k] of `all`, for k in [0, count). Exact
+/// for all bytes.
+void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const std::uint32_t* which, std::size_t count,
+                       std::int32_t* distances);
+
 }  // namespace collinea

@@ -99,6 +99,18 @@ TEST_P(EveryTarget, TheLargestBytesDoNotOverflow) {
   expect_nearest_two_by_definition(a, b);
 }
 
+TEST_P(EveryTarget, SquaredDistancesAgreeWithTheDefinition) {
+  auto some = random_descriptors(9, 5, 256);
+  some[3].fill(255);
+  some[4].fill(0);
+  const std::vector<std::uint32_t> which = {8, 0, 3, 4, 4, 7};
+  for (const std::size_t i : {0, 3, 4}) {
+    std::vector<std::int32_t> distances(which.size());
+    squared_distances(some[i].data(), some.front().data(), which.data(), which.size(), distances.data());
+    for (std::size_t k = 0; k < which.size(); ++k) EXPECT_EQ(distances[k], squared_distance(some[i], some[which[k]]));
+  }
+}
+
 Descriptor unit_with(std::size_t dimension, std::uint8_t value, std::size_t other = 0, std::uint8_t other_value = 0) {
   Descriptor descriptor{};
   descriptor[other] = other_value;

@@ -10,6 +10,8 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
+#include "collinea/epipolar/guide.h"
+#include "collinea/match/guided.h"
 #include "collinea/match/partners.h"
 #include "collinea/match/retrieval.h"
 #include "collinea/pipeline/feature_cache.h"
@@ -25,10 +27,53 @@ constexpr std::size_t kClosureBatch = 256;
 constexpr std::size_t kClosureMatches = 200;
 constexpr int kJoiningRounds = 3;
 
+constexpr std::size_t kLeastScouts = 1000;  // features from which a guide is sought; fewer are soon matched as they are
+
 using Ids = ImageIdPair;
 
-std::uint64_t seed_of(const Project& project, Ids ids) {
-  return Hash().add(project.run.seed).add(ids.first.value).add(ids.second.value).value();
+struct Picture {
+  const Camera& camera;
+  const Features& features;
+
+  [[nodiscard]] std::span<const Descriptor> strongest(std::size_t count) const {
+    return std::span(features.descriptors).first(std::min(count, features.descriptors.size()));
+  }
+};
+
+ImagePair verify_pictures(const Picture& first, const Picture& second, std::span<const Match> putative,
+                          const VerifyOptions& options, std::uint64_t seed) {
+  ImagePair pair =
+      verify(first.camera, first.features.keypoints, second.camera, second.features.keypoints, putative, options, seed);
+  pair.putative = static_cast<int>(putative.size());
+  return pair;
+}
+
+// The strongest features find the epipolar geometry; all are then looked for near their epipolar lines. Nothing where
+// the strongest do not fix the geometry.
+std::optional<ImagePair> match_guided(const Picture& first, const Picture& second, std::size_t scouts,
+                                      const Settings& settings, std::uint64_t seed) {
+  const ImagePair sketch = verify_pictures(
+      first, second, match_descriptors(first.strongest(scouts), second.strongest(scouts), settings.match),
+      settings.verify, seed);
+  const auto near =
+      guide(first.camera, first.features.keypoints, second.camera, second.features.keypoints, sketch, settings.verify);
+  if (!near) return std::nullopt;
+  const auto putative = match_among(first.features.descriptors, second.features.descriptors, near->begin,
+                                    near->candidates, settings.match);
+  ImagePair pair = verify_pictures(first, second, putative, settings.verify, seed);
+  if (pair.matches.size() < sketch.matches.size()) return std::nullopt;
+  return pair;
+}
+
+// With a guide, found from a quarter of the features or a half, or without.
+ImagePair match_pictures(const Picture& first, const Picture& second, const Settings& settings, std::uint64_t seed) {
+  const std::size_t count = std::min(first.features.keypoints.size(), second.features.keypoints.size());
+  for (const std::size_t part : {4, 2})
+    if (count / part >= kLeastScouts)
+      if (auto pair = match_guided(first, second, count / part, settings, seed)) return *std::move(pair);
+  return verify_pictures(first, second,
+                         match_descriptors(first.features.descriptors, second.features.descriptors, settings.match),
+                         settings.verify, seed);
 }
 
 // Searches, verifies and stores pairs, and knows all that are stored.
@@ -68,19 +113,26 @@ class Matcher {
 
  private:
   Result<ImagePair> searched_pair(Ids ids) {
-    COLLINEA_TRY(const auto first, cache_.of(ids.first));
-    COLLINEA_TRY(const auto second, cache_.of(ids.second));
-    return verified_pair(ids, match_descriptors(first->descriptors, second->descriptors, project_.settings.match));
+    return from_pictures(ids, [&](const Picture& first, const Picture& second, std::uint64_t seed) {
+      return match_pictures(first, second, project_.settings, seed);
+    });
   }
 
   Result<ImagePair> verified_pair(Ids ids, const std::vector<Match>& putative) {
+    return from_pictures(ids, [&](const Picture& first, const Picture& second, std::uint64_t seed) {
+      return verify_pictures(first, second, putative, project_.settings.verify, seed);
+    });
+  }
+
+  template <class Work>
+  Result<ImagePair> from_pictures(Ids ids, Work&& work) {
     COLLINEA_TRY(const auto first, cache_.of(ids.first));
     COLLINEA_TRY(const auto second, cache_.of(ids.second));
-    ImagePair pair = verify(setup_.camera_of(ids.first), first->keypoints, setup_.camera_of(ids.second),
-                            second->keypoints, putative, project_.settings.verify, seed_of(project_, ids));
+    const std::uint64_t seed = Hash().add(project_.run.seed).add(ids.first.value).add(ids.second.value).value();
+    ImagePair pair =
+        work(Picture{setup_.camera_of(ids.first), *first}, Picture{setup_.camera_of(ids.second), *second}, seed);
     pair.first = ids.first;
     pair.second = ids.second;
-    pair.putative = static_cast<int>(putative.size());
     return pair;
   }
 

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// Our features beside OpenCV's SIFT on pictures of a plane with known homographies (Mikolajczyk et al., IJCV 2005).
+//
+// usage: collinea_bench_graf FOLDER [COUNT ...]
+// FOLDER holds img1.png ... img6.png and H1to2p ... H1to6p. Both detectors give the same number of features, COUNT.
+//   repeatability  features of the first picture, in the part that the other sees, with a feature of the other within
+//                  2.5 px and half an octave, one to one, over the smaller number of features in the common part
+//   correct        matches (nearest both ways, ratio 0.8 both ways) within 5 px of the homography
+//   inlier ratio   correct over all matches
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "collinea/feature/sift.h"
+#include "collinea/match/descriptors.h"
+
+namespace {
+
+using collinea::Match;
+
+constexpr double kSamePlace_px = 2.5, kSameScale_octaves = 0.5, kRatio = 0.8;
+// The homographies themselves are off by 3 px in parts (the matches of either detector agree on that between 1 and 2).
+constexpr double kCorrect_px = 5;
+
+struct Spot {
+  Eigen::Vector2d place_px;  // the centre of the first pixel is (0, 0), as in the homographies
+  double scale_px;
+};
+
+struct Found {
+  std::vector<Spot> spots;
+  collinea::Features ours;  // of one detector
+  cv::Mat theirs;           // or of the other
+};
+
+Found by_collinea(const cv::Mat& picture, int count) {
+  collinea::GreyImage image(picture.cols, picture.rows);
+  for (int y = 0; y < picture.rows; ++y) std::copy_n(picture.ptr(y), picture.cols, image.row(y));
+  Found found;
+  found.ours = collinea::detect_sift(image, {.max_features = count});
+  for (const auto& k : found.ours.keypoints) found.spots.push_back({{k.x - 0.5, k.y - 0.5}, k.scale_px});
+  return found;
+}
+
+Found by_opencv(const cv::Mat& picture, int count) {
+  Found found;
+  std::vector<cv::KeyPoint> keypoints;
+  const auto sift = cv::SIFT::create(count);
+  sift->detectAndCompute(picture, {}, keypoints, found.theirs);
+  const int kept = std::min(count, static_cast<int>(keypoints.size()));  // of equally strong ones it returns more
+  std::vector<int> order(keypoints.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::ranges::stable_sort(order, std::ranges::greater{},
+                           [&](int i) { return keypoints[static_cast<std::size_t>(i)].response; });
+  cv::Mat descriptors(kept, found.theirs.cols, found.theirs.type());
+  for (int i = 0; i < kept; ++i) {
+    const auto& k = keypoints[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
+    found.spots.push_back({{k.pt.x, k.pt.y}, k.size / 2});
+    found.theirs.row(order[static_cast<std::size_t>(i)]).copyTo(descriptors.row(i));
+  }
+  found.theirs = descriptors;
+  return found;
+}
+
+std::vector<int> distinct_nearest(const cv::Mat& a, const cv::Mat& b) {
+  std::vector<std::vector<cv::DMatch>> two;
+  cv::BFMatcher(cv::NORM_L2).knnMatch(a, b, two, 2);
+  std::vector<int> nearest(two.size(), -1);
+  for (std::size_t i = 0; i < two.size(); ++i)
+    if (two[i].size() == 2 && two[i][0].distance < kRatio * two[i][1].distance) nearest[i] = two[i][0].trainIdx;
+  return nearest;
+}
+
+std::vector<Match> matches_of(const Found& a, const Found& b) {
+  if (a.theirs.empty())
+    return collinea::match_descriptors(a.ours.descriptors, b.ours.descriptors, {.max_ratio = kRatio});
+  const std::vector<int> of_a = distinct_nearest(a.theirs, b.theirs), of_b = distinct_nearest(b.theirs, a.theirs);
+  std::vector<Match> matches;
+  for (std::size_t i = 0; i < of_a.size(); ++i)
+    if (of_a[i] >= 0 && of_b[static_cast<std::size_t>(of_a[i])] == static_cast<int>(i))
+      matches.emplace_back(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(of_a[i]));
+  return matches;
+}
+
+Eigen::Vector2d mapped(const Eigen::Matrix3d& h, const Eigen::Vector2d& p) {
+  return (h * p.homogeneous()).hnormalized();
+}
+
+// How much longer a short distance is after the mapping.
+double enlargement(const Eigen::Matrix3d& h, const Eigen::Vector2d& p) {
+  const Eigen::Vector2d at = mapped(h, p), right = mapped(h, p + Eigen::Vector2d(1, 0)),
+                        down = mapped(h, p + Eigen::Vector2d(0, 1));
+  Eigen::Matrix2d jacobian;
+  jacobian << right - at, down - at;
+  return std::sqrt(std::abs(jacobian.determinant()));
+}
+
+// Spots of a where b looks too, as they appear in b.
+std::vector<Spot> common(const std::vector<Spot>& spots, const Eigen::Matrix3d& h, const cv::Mat& other) {
+  std::vector<Spot> seen;
+  for (const Spot& s : spots) {
+    const Eigen::Vector2d p = mapped(h, s.place_px);
+    if (p.x() >= 0 && p.y() >= 0 && p.x() <= other.cols - 1 && p.y() <= other.rows - 1)
+      seen.push_back({p, s.scale_px * enlargement(h, s.place_px)});
+  }
+  return seen;
+}
+
+double repeatability(const Found& a, const Found& b, const Eigen::Matrix3d& h, const cv::Mat& first,
+                     const cv::Mat& second) {
+  const std::vector<Spot> from_a = common(a.spots, h, second);
+  const std::size_t of_b = common(b.spots, h.inverse(), first).size();
+  struct Close {
+    double distance_px;
+    std::size_t i, j;
+    auto operator<=>(const Close&) const = default;
+  };
+  std::vector<Close> close;
+  for (std::size_t i = 0; i < from_a.size(); ++i)
+    for (std::size_t j = 0; j < b.spots.size(); ++j) {
+      const double distance_px = (from_a[i].place_px - b.spots[j].place_px).norm();
+      if (distance_px < kSamePlace_px &&
+          std::abs(std::log2(from_a[i].scale_px / b.spots[j].scale_px)) < kSameScale_octaves)
+        close.push_back({distance_px, i, j});
+    }
+  std::ranges::sort(close);
+  std::vector<bool> used_a(from_a.size()), used_b(b.spots.size());
+  std::size_t count = 0;
+  for (const Close& c : close) {
+    if (used_a[c.i] || used_b[c.j]) continue;
+    used_a[c.i] = used_b[c.j] = true;
+    ++count;
+  }
+  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, std::min(from_a.size(), of_b)));
+}
+
+Eigen::Matrix3d homography_in(const std::string& file) {
+  Eigen::Matrix3d h;
+  std::ifstream in(file);
+  for (int i = 0; i < 9; ++i) in >> h(i / 3, i % 3);
+  return h;
+}
+
+struct Score {
+  double repeatability = 0;
+  int correct = 0, all = 0;
+
+  [[nodiscard]] double inlier_ratio() const { return all > 0 ? double(correct) / all : 0; }
+};
+
+Score score(const Found& a, const Found& b, const Eigen::Matrix3d& h, const cv::Mat& first, const cv::Mat& second) {
+  Score s;
+  s.repeatability = repeatability(a, b, h, first, second);
+  for (const auto& [i, j] : matches_of(a, b)) {
+    ++s.all;
+    s.correct += (mapped(h, a.spots[i].place_px) - b.spots[j].place_px).norm() < kCorrect_px;
+  }
+  return s;
+}
+
+void compare(const std::string& folder, int count) {
+  const auto picture = [&](int k) { return cv::imread(fmt::format("{}/img{}.png", folder, k), cv::IMREAD_GRAYSCALE); };
+  const cv::Mat first = picture(1);
+  const Found ours_first = by_collinea(first, count), theirs_first = by_opencv(first, count);
+  for (int k = 2; k <= 6; ++k) {
+    const cv::Mat second = picture(k);
+    const Eigen::Matrix3d h = homography_in(fmt::format("{}/H1to{}p", folder, k));
+    const Found ours_second = by_collinea(second, count), theirs_second = by_opencv(second, count);
+    const Score ours = score(ours_first, ours_second, h, first, second);
+    const Score theirs = score(theirs_first, theirs_second, h, first, second);
+    fmt::print("| 1-{} | {} / {} | {} / {} | {:.3f} / {:.3f} | {} / {} | {:.3f} / {:.3f} | {} |\n", k,
+               ours_first.spots.size(), theirs_first.spots.size(), ours_second.spots.size(), theirs_second.spots.size(),
+               ours.repeatability, theirs.repeatability, ours.correct, theirs.correct, ours.inlier_ratio(),
+               theirs.inlier_ratio(),
+               ours.repeatability >= theirs.repeatability && ours.correct >= theirs.correct &&
+                       ours.inlier_ratio() >= theirs.inlier_ratio()
+                   ? "none lower"
+                   : "lower");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    fmt::print(stderr, "usage: collinea_bench_graf FOLDER [COUNT ...]\n");
+    return 2;
+  }
+  std::vector<int> counts;
+  for (int i = 2; i < argc; ++i) counts.push_back(std::atoi(argv[i]));
+  if (counts.empty()) counts = {1000, 2000};
+  fmt::print(
+      "| pictures | features of the first, ours / OpenCV | of the second | repeatability | correct | inlier ratio | "
+      "ours |\n");
+  fmt::print("|---|---|---|---|---|---|---|\n");
+  for (const int count : counts) compare(argv[1], count);
+  return 0;
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "collinea/block/features.h"
+#include "collinea/camera/camera.h"
+#include "collinea/epipolar/two_view.h"
+
+namespace collinea {
+
+/// For each keypoint of the first picture those of the second that lie near its epipolar line:
+/// candidates[begin[i]] to candidates[begin[i + 1] - 1], each once.
+struct Guide {
+  std::vector<std::uint32_t> begin;  ///< one more than keypoints
+  std::vector<std::uint32_t> candidates;
+};
+
+/// The guide that verified matches of some of the keypoints give to all of them: within twice the largest error of a
+/// match from the line. Nothing when the pair is not kGeneral, or when its matches are too few to fix the lines well.
+[[nodiscard]] std::optional<Guide> guide(const Camera& camera_first, std::span<const Keypoint> first,
+                                         const Camera& camera_second, std::span<const Keypoint> second,
+                                         const ImagePair& verified, const VerifyOptions& options);
+
+}  // namespace collinea

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/epipolar/guide.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "collinea/epipolar/essential.h"
+#include "collinea/epipolar/scene_for_tests.h"
+
+namespace collinea {
+namespace {
+
+using namespace scene;
+
+Camera lens(double sigma_f_px = 0) {
+  Camera camera = ideal_camera(2000, 3000, 2000);
+  camera.params[Camera::kK1] = -0.05;
+  camera.sigma_f_px = sigma_f_px;
+  return camera;
+}
+
+// `count` points seen by both cameras; keypoint i of one is keypoint i of the other.
+struct Pictures {
+  std::vector<Keypoint> first, second;
+  ImagePair verified;
+  Rigid3 motion;
+
+  Pictures(const Camera& camera, std::size_t count, std::size_t matched, Random& random)
+      : motion(random_motion(random)) {
+    while (first.size() < count) {
+      const Eigen::Vector3d x = random_point(random);
+      const auto a = project(camera, x), b = project(camera, motion * x);
+      if (!a || !b || !inside(camera, *a) || !inside(camera, *b)) continue;
+      first.push_back({static_cast<float>(a->x()), static_cast<float>(a->y())});
+      second.push_back({static_cast<float>(b->x()), static_cast<float>(b->y())});
+    }
+    verified.geometry = PairGeometry::kGeneral;
+    verified.second_from_first = motion;
+    for (std::uint32_t i = 0; i < matched; ++i) verified.matches.emplace_back(i, i);
+  }
+  [[nodiscard]] std::optional<Guide> guided(const Camera& camera) const {
+    return guide(camera, first, camera, second, verified, {});
+  }
+};
+
+std::span<const std::uint32_t> candidates_of(const Guide& guide, std::size_t i) {
+  return std::span(guide.candidates).subspan(guide.begin[i], guide.begin[i + 1] - guide.begin[i]);
+}
+
+// Distance of keypoint j from the epipolar line of keypoint i, on the picture freed from distortion.
+double distance_px(const Camera& camera, const Pictures& p, std::size_t i, std::size_t j) {
+  const Eigen::Vector3d line =
+      essential_matrix(p.motion) * normalized(camera, {p.first[i].x, p.first[i].y}).homogeneous();
+  const Eigen::Vector2d at = normalized(camera, {p.second[j].x, p.second[j].y});
+  return camera.focal_px() * std::abs(line.dot(at.homogeneous())) / line.head<2>().norm();
+}
+
+TEST(Guide, GivesExactlyTheKeypointsNearTheLine) {
+  const Camera camera = lens();
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {  // lines of all slopes, epipoles inside and outside the picture
+    Random random(seed);
+    const Pictures p(camera, 300, 40, random);
+    const auto found = p.guided(camera);
+    ASSERT_TRUE(found);
+    ASSERT_EQ(found->begin.size(), p.first.size() + 1);
+    for (std::size_t i = 0; i < p.first.size(); ++i) {
+      std::vector<std::uint32_t> candidates(candidates_of(*found, i).begin(), candidates_of(*found, i).end());
+      std::ranges::sort(candidates);
+      std::vector<std::uint32_t> expected;
+      for (std::uint32_t j = 0; j < p.second.size(); ++j)
+        if (distance_px(camera, p, i, j) < 2 * VerifyOptions{}.max_error_px) expected.push_back(j);
+      ASSERT_EQ(candidates, expected) << "keypoint " << i << ", seed " << seed;
+    }
+  }
+}
+
+TEST(Guide, OfADoubtfulFocalLengthComesFromTheMatchesThemselves) {
+  Random random(9);
+  const Pictures p(lens(), 300, 60, random);
+  const auto found = [&] {
+    Camera wrong = lens(300);
+    wrong.params[Camera::kF] *= 1.1;  // and the motion that was given belongs to another focal length
+    return p.guided(wrong);
+  }();
+  ASSERT_TRUE(found);
+  std::size_t kept = 0;
+  for (std::uint32_t i = 0; i < p.first.size(); ++i) kept += std::ranges::count(candidates_of(*found, i), i) == 1;
+  EXPECT_GE(kept, 297u);
+  EXPECT_LT(found->candidates.size(), 0.05 * 300 * 300);
+}
+
+TEST(Guide, NeedsParallaxAndEnoughMatches) {
+  Random random(10);
+  Pictures p(lens(), 100, 24, random);
+  EXPECT_FALSE(p.guided(lens()));
+  p.verified.matches.emplace_back(24, 24);
+  EXPECT_TRUE(p.guided(lens()));
+  EXPECT_FALSE(p.guided(lens(300)));  // two unknowns more
+  for (const PairGeometry other : {PairGeometry::kNone, PairGeometry::kPlanar, PairGeometry::kRotation}) {
+    p.verified.geometry = other;
+    EXPECT_FALSE(p.guided(lens()));
+  }
+}
+
+TEST(Guide, HasNoCandidatesWhereThereAreNoKeypoints) {
+  Random random(11);
+  const Camera camera = lens();
+  const Pictures p(camera, 50, 40, random);
+  const auto found = guide(camera, {}, camera, p.second, p.verified, {});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->begin, std::vector<std::uint32_t>{0});
+  EXPECT_TRUE(found->candidates.empty());
+}
+
+}  // namespace
+}  // namespace collinea
