@@ -17,7 +17,7 @@ Command export_command() {
             flags.positional("project", asked->project, "project folder");
             flags.positional("folder", asked->folder, "where the files go; made when missing");
             flags.add("format", asked->format, "",
-                      "colmap (text and binary model), opk (omega, phi, kappa) or ply (tie points)");
+                      "colmap (text and binary model), bundler, opk (omega, phi, kappa) or ply (tie points)");
           },
           [asked] {
             auto project = open_project(asked->project, {});

@@ -2,6 +2,10 @@
 #include "collinea/io/opk.h"
 
 #include <Eigen/SVD>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
 
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/io/file.h"
@@ -20,6 +24,20 @@ Eigen::Quaterniond map_from_local_rotation(const LocalFrame& frame, const Eigen:
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(derivative, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose())).normalized();
+}
+
+// The numbers are the last six words; file names may hold blanks.
+std::optional<ExteriorOrientation> row_of(const std::vector<std::string_view>& words) {
+  if (words.size() < 7) return std::nullopt;
+  std::array<double, 6> v{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto value = number(words[words.size() - 6 + i]);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    v[i] = *value;
+  }
+  const std::string_view last = words[words.size() - 7];
+  const std::string file(words[0].data(), last.data() + last.size());
+  return ExteriorOrientation{file, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
 }
 
 }  // namespace
@@ -43,6 +61,52 @@ Result<std::vector<ExteriorOrientation>> exterior_orientations(const Block& bloc
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+Result<std::vector<ExteriorOrientation>> read_opk(const std::filesystem::path& path) {
+  COLLINEA_TRY(const std::string text, read_file(path));
+  std::vector<ExteriorOrientation> rows;
+  std::map<std::string, std::size_t> line_of;
+  const auto lines = lines_of(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto words = words_of(lines[i]);
+    if (words.empty() || words[0].starts_with('#')) continue;
+    auto row = row_of(words);
+    const std::string place = path.string() + ": line " + std::to_string(i + 1) + ": ";
+    if (!row)
+      return fail(Errc::kBadFormat, place + "not an orientation: image X Y Z omega phi kappa, in metres and degrees");
+    const auto [earlier, is_new] = line_of.emplace(row->file, i + 1);
+    if (!is_new)
+      return fail(Errc::kBadFormat,
+                  place + row->file + " is there twice, first in line " + std::to_string(earlier->second));
+    rows.push_back(*std::move(row));
+  }
+  if (rows.empty()) return fail(Errc::kBadFormat, path.string() + ": no orientation in it");
+  return rows;
+}
+
+Result<std::map<ImageId, Rigid3>> poses_of(const std::vector<ExteriorOrientation>& rows, const Block& block) {
+  std::optional<LocalFrame> frame;
+  if (const auto& g = block.georeference) {
+    COLLINEA_TRY(frame,
+                 LocalFrame::create(g->crs, g->origin_latitude_deg, g->origin_longitude_deg, g->origin_height_m));
+  }
+  std::map<std::string, const ExteriorOrientation*> by_file;
+  for (const ExteriorOrientation& row : rows) by_file[row.file] = &row;
+  std::map<ImageId, Rigid3> poses;
+  for (const auto& [id, image] : block.images) {
+    const auto found = by_file.find(image.file);
+    if (found == by_file.end()) continue;
+    Eigen::Quaterniond rotation = cam_from_world(found->second->angles);
+    Eigen::Vector3d centre = found->second->centre_in_map;
+    if (frame) {
+      centre = frame->local_from_map(centre);
+      if (!centre.allFinite()) return fail(Errc::kBadInput, image.file + ": its place is outside of " + frame->crs());
+      rotation = rotation * map_from_local_rotation(*frame, centre);
+    }
+    poses[id] = {rotation, -(rotation * centre)};
+  }
+  return poses;
 }
 
 Result<> write_opk(const std::filesystem::path& path, const Block& block) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -27,5 +28,14 @@ struct ExteriorOrientation {
 /// Writes them as text, one image a line: image X Y Z omega phi kappa [m, deg], ground = Rx(omega) Ry(phi) Rz(kappa)
 /// image with the image frame x right, y up, z backward. Lines that start with # explain it.
 [[nodiscard]] Result<> write_opk(const std::filesystem::path& path, const Block& block);
+
+/// Reads such a table, from here or elsewhere: fields parted by blanks or tabs, lines that start with # left out.
+/// Errors name file and line: not a number, an image twice, nothing at all.
+[[nodiscard]] Result<std::vector<ExteriorOrientation>> read_opk(const std::filesystem::path& path);
+
+/// The inverse of exterior_orientations: the poses of those images of `block` that the table names (by the file as in
+/// the block), in its world frame. Errors: a CRS that PROJ does not know, a place outside of it.
+[[nodiscard]] Result<std::map<ImageId, Rigid3>> poses_of(const std::vector<ExteriorOrientation>& rows,
+                                                         const Block& block);
 
 }  // namespace collinea

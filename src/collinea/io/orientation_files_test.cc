@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 
 #include "collinea/base/random.h"
 #include "collinea/geodesy/local_frame.h"
+#include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
 #include "collinea/io/colmap_model.h"
 #include "collinea/io/file.h"
@@ -228,6 +230,150 @@ TEST_F(OrientationFiles, TheOpkTableIsReadable) {
   EXPECT_NE(text.find("flight 1/photo2.jpg\t40.0000\t5.0000\t100.0000\t3.0000000\t-2.0000000\t60.0000000\n"),
             std::string::npos)
       << text;
+}
+
+TEST_F(OrientationFiles, AnOpkTableComesBackAsPosesInTheWorldFrame) {
+  Block block = nadir_block();
+  for (const bool on_earth : {false, true}) {
+    if (on_earth) block.georeference = Georeference{"EPSG:32633", 45, 17.5, 100};
+    ASSERT_TRUE(write_opk(folder_ / "opk.txt", block));
+    const auto rows = read_opk(folder_ / "opk.txt");
+    ASSERT_TRUE(rows) << rows.error().message;
+    const auto poses = poses_of(*rows, block);
+    ASSERT_TRUE(poses) << poses.error().message;
+    ASSERT_EQ(poses->size(), 3u);
+    for (const auto& [id, pose] : block.cam_from_world) {  // written with 0.1 mm and 1e-7 degrees
+      EXPECT_LT((centre_of(poses->at(id)) - centre_of(pose)).norm(), 1.5e-4);
+      EXPECT_LT(angle_between(poses->at(id).rotation, pose.rotation), 1e-8);
+    }
+  }
+}
+
+TEST_F(OrientationFiles, WhatIsWrongInAnOpkTableIsNamedByItsLine) {
+  const auto error_of = [&](const std::string& text) {
+    EXPECT_TRUE(write_file(folder_ / "opk.txt", text));
+    const auto rows = read_opk(folder_ / "opk.txt");
+    return rows ? std::string("none") : rows.error().message;
+  };
+  EXPECT_EQ(error_of("# c\nmy photo.jpg 1 2 3 4 5 6\r\nb.jpg\t1\t2\t3\t4\t5\t6\n"), "none");
+  EXPECT_EQ(read_opk(folder_ / "opk.txt")->at(0).file, "my photo.jpg");
+  EXPECT_NE(error_of("a.jpg 1 2 3 4 5 6\n\nb.jpg 1 2 3 4 5\n").find("line 3"), std::string::npos);
+  EXPECT_NE(error_of("a.jpg 1 2 3 4 5 nan\n").find("line 1"), std::string::npos);
+  EXPECT_NE(error_of("a.jpg 1 2 3 4 5 6\na.jpg 1 2 3 4 5 6\n").find("line 2"), std::string::npos);
+  EXPECT_NE(error_of("# nothing\n"), "none");
+  EXPECT_EQ(read_opk(folder_ / "missing.txt").error().code, Errc::kNotFound);
+}
+
+// Bundler's documentation, in its own words: P = R X + t, p = -P / P.z, p' = f r(p) p, from the middle, y up.
+TEST_F(OrientationFiles, BundlerFilesMeanWhatBundlerMeans) {
+  const Block block = nadir_block();
+  const auto remarks = write_bundler(folder_, block);
+  ASSERT_TRUE(remarks) << remarks.error().message;
+  EXPECT_EQ(remarks->size(), 1u);  // principal point and tangential terms were taken into the observations
+  std::ifstream file(folder_ / "bundle.out");
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, "# Bundle file v0.3");
+  std::size_t cameras = 0, points = 0;
+  file >> cameras >> points;
+  ASSERT_EQ(cameras, 3u);
+  EXPECT_EQ(points, block.points.size());
+  std::vector<std::array<double, 15>> camera(cameras);
+  for (auto& values : camera)
+    for (double& value : values) file >> value;
+  int looked_at = 0;
+  for (std::size_t i = 0; i < points; ++i) {
+    Eigen::Vector3d X;
+    int red = 0, green = 0, blue = 0;
+    std::size_t views = 0;
+    file >> X[0] >> X[1] >> X[2] >> red >> green >> blue >> views;
+    for (std::size_t v = 0; v < views; ++v) {
+      std::size_t c = 0, key = 0;
+      Eigen::Vector2d seen;
+      file >> c >> key >> seen[0] >> seen[1];
+      const auto& w = camera.at(c);
+      const Eigen::Vector3d P = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&w[3]) * X +
+                                Eigen::Vector3d(w[12], w[13], w[14]);
+      EXPECT_LT(P.z(), 0);
+      const Eigen::Vector2d p = -P.head<2>() / P.z();
+      const double r2 = p.squaredNorm();
+      EXPECT_LT((w[0] * (1 + w[1] * r2 + w[2] * r2 * r2) * p - seen).norm(), 1e-9);
+      ++looked_at;
+    }
+  }
+  EXPECT_TRUE(file);
+  EXPECT_EQ(std::size_t(looked_at), block.observations.size());
+}
+
+TEST_F(OrientationFiles, ABundlerModelComesBackExactly) {
+  Block block = nadir_block();
+  auto& p = block.cameras[{0}].params;
+  for (const int param : {Camera::kK3, Camera::kP1, Camera::kP2, Camera::kB1}) p[param] = 0;
+  p[Camera::kCx] = 600;
+  const auto remarks = write_bundler(folder_, block);
+  ASSERT_TRUE(remarks);
+  EXPECT_TRUE(remarks->empty());
+  const auto back = read_bundler(folder_, [](const std::string&) { return PictureSize{1200, 800}; });
+  ASSERT_TRUE(back) << back.error().message;
+  ASSERT_EQ(back->images.size(), 3u);
+  for (const auto& [id, pose] : block.cam_from_world) {
+    EXPECT_EQ(back->images.at(id).file, block.images.at(id).file);
+    EXPECT_EQ(back->camera_of(id).params, block.camera_of(id).params);
+    EXPECT_LT((back->cam_from_world.at(id).translation - pose.translation).norm(), 1e-12);
+    EXPECT_LT(angle_between(back->cam_from_world.at(id).rotation, pose.rotation), 1e-7);
+  }
+  ASSERT_EQ(back->points.size(), block.points.size());
+  ASSERT_EQ(back->observations.size(), block.observations.size());
+  std::vector<Eigen::Vector3d> ours, theirs;
+  for (const auto& [id, point] : block.points) ours.push_back(point.position_in_world);
+  for (const auto& [id, point] : back->points) theirs.push_back(point.position_in_world);
+  EXPECT_EQ(ours, theirs);
+  for (std::size_t i = 0; i < block.observations.size(); ++i) {
+    EXPECT_EQ(back->observations[i].image, block.observations[i].image);
+    EXPECT_LT((back->observations[i].pixel - block.observations[i].pixel).norm(), 1e-9);
+  }
+}
+
+TEST_F(OrientationFiles, WhatIsWrongInABundlerFileIsNamedByItsLine) {
+  fs::create_directories(folder_);
+  const auto size_of = [](const std::string&) { return PictureSize{100, 80}; };
+  const std::string good = "90 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n";
+  const auto error_of = [&](const std::string& text) {
+    EXPECT_TRUE(write_file(folder_ / "list.txt", "my photo.jpg 0 90.5\n"));
+    EXPECT_TRUE(write_file(folder_ / "bundle.out", text));
+    const auto block = read_bundler(folder_, size_of);
+    return block ? "none: " + block->images.at({0}).file : block.error().message;
+  };
+  EXPECT_EQ(error_of("# Bundle file v0.3\n1 0\n" + good), "none: my photo.jpg");
+  EXPECT_EQ(error_of("# Bundle file v0.3\n1 0\n0 0 0 0 0 0 0 0 0 0 0 0 0 0 0\n"), "none: my photo.jpg");
+  EXPECT_NE(error_of("# Bundle file v0.3\n2 0\n" + good).find("list.txt"), std::string::npos);
+  EXPECT_NE(error_of("# Bundle file v0.3\n1 0\n90 0 0\n1 0 x\n").find("line 4"), std::string::npos);
+  EXPECT_NE(error_of("# Bundle file v0.3\n1 0\n90 0 0\n1 0 1\n0 1 0\n0 0 1\n0 0 0\n").find("rotation"),
+            std::string::npos);
+  EXPECT_NE(error_of("# Bundle file v0.3\n1 1\n" + good + "1 2 3\n1 2 3\n1 4 0 0 0\n").find("line 10"),
+            std::string::npos);
+  EXPECT_NE(error_of("# Bundle file v0.3\n1 1000\n" + good).find("ends"), std::string::npos);
+}
+
+TEST_F(OrientationFiles, NoBytesCrashTheBundlerAndOpkReaders) {
+  const Block block = nadir_block();
+  ASSERT_TRUE(write_bundler(folder_, block));
+  ASSERT_TRUE(write_opk(folder_ / "opk.txt", block));
+  int refused = 0;
+  for (std::uint64_t trial = 0; trial < 90; ++trial) {
+    Random random(13, trial);
+    const auto path = folder_ / std::array{"bundle.out", "list.txt", "opk.txt"}[trial % 3];
+    const std::string whole = *read_file(path);
+    std::string bytes = whole;
+    for (int i = 0; i < 4; ++i) bytes[random.below(std::uint32_t(bytes.size()))] = char(random.bits());
+    if (trial % 2) bytes.resize(random.below(std::uint32_t(bytes.size())));
+    ASSERT_TRUE(write_file(path, bytes));
+    refused += trial % 3 == 2 ? !read_opk(path) : !read_bundler(folder_, [](const std::string&) {
+      return PictureSize{1200, 800};
+    });
+    ASSERT_TRUE(write_file(path, whole));
+  }
+  EXPECT_GT(refused, 30);
 }
 
 }  // namespace

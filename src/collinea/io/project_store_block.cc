@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The block of a ProjectStore: what was set up, and what the orientation made of it.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "collinea/io/packed.h"
 #include "collinea/io/project_store.h"
@@ -184,6 +186,7 @@ Result<> write_image(Statement& insert, ImageId id, const Image& image) {
     put(position, p->position_in_world);
     put(position, p->sigma_m);
     for (const double value : {p->latitude_deg, p->longitude_deg, p->height_m}) position.put(value);
+    position.put(p->height_above_start_m.value_or(std::numeric_limits<double>::quiet_NaN()));
     insert.bind_blob(position.bytes());
   } else {
     insert.bind_null();
@@ -217,6 +220,8 @@ Result<Image> image_of_row(const Statement& row) {
     get(unpacker, p.position_in_world);
     get(unpacker, p.sigma_m);
     for (double* value : {&p.latitude_deg, &p.longitude_deg, &p.height_m}) unpacker.get(*value);
+    const double height_m = unpacker.left() > 0 ? unpacker.get<double>() : std::nan("");  // older projects have none
+    if (std::isfinite(height_m)) p.height_above_start_m = height_m;
     if (!unpacker.done()) return damaged("position of " + image.file);
   }
   if (!row.is_null(6)) {

@@ -7,12 +7,15 @@
 #include <numbers>
 #include <set>
 
+#include "collinea/match/position_tree.h"
+
 namespace collinea {
 namespace {
 
 constexpr int kSectors = 8;
 constexpr int kPerSector = 2;
-constexpr double kSectorReach = 3;  // times the usual distance of neighbours
+constexpr std::size_t kSectorReach = 128;  // nearest images among which a sector looks
+constexpr double kFlattest_deg = -15;      // of the optical axis: farther out a degree is a footprint's size
 
 class PairSet {
  public:
@@ -76,112 +79,83 @@ void add_sequence(const Block& setup, const PairOptions& options, PairSet& pairs
   }
 }
 
-struct Station {
-  ImageId image;
-  Eigen::Vector3d position_m;
-  double footprint_m = 0;  // the shorter side on the ground; 0 when not known
+struct Stations {
+  std::vector<ImageId> images;
+  std::vector<Eigen::Vector3d> positions_m;
 };
 
-std::vector<Station> stations_of(const Block& setup, const PairOptions& options) {
-  std::vector<Station> stations;
-  for (const auto& [id, image] : setup.images) {
-    if (!image.position) continue;
-    Station& station = stations.emplace_back(Station{id, image.position->position_in_world});
-    const auto camera = setup.cameras.find(image.camera);
-    if (options.height_above_ground_m && camera != setup.cameras.end() && camera->second.focal_px() > 0)
-      station.footprint_m = *options.height_above_ground_m *
-                            std::min(camera->second.width_px, camera->second.height_px) / camera->second.focal_px();
-  }
-  return stations;
+void add_nearest(const Stations& stations, std::size_t count, PairSet& pairs) {
+  const PositionTree tree(stations.positions_m);
+  for (std::uint32_t i = 0; i < stations.images.size(); ++i)
+    for (const PositionTree::Neighbour& other : tree.nearest(i, count))
+      pairs.add(stations.images[i], stations.images[other.index]);
 }
 
-struct Neighbour {
-  double distance_m;
-  std::size_t station;
-  friend auto operator<=>(const Neighbour&, const Neighbour&) = default;
-};
-
-// All others, the nearest `count` of them sorted in front.
-std::vector<Neighbour> neighbours_of(std::size_t i, const std::vector<Station>& stations, std::size_t count) {
-  std::vector<Neighbour> others;
-  others.reserve(stations.size());
-  for (std::size_t j = 0; j < stations.size(); ++j)
-    if (j != i) others.push_back({(stations[j].position_m - stations[i].position_m).norm(), j});
-  std::ranges::partial_sort(others, others.begin() + static_cast<std::ptrdiff_t>(std::min(count, others.size())));
-  return others;
+// Dense strips fill the list of the nearest with images of the strip itself.
+void add_by_sector(const Stations& stations, PairSet& pairs) {
+  const PositionTree tree(stations.positions_m);
+  for (std::uint32_t i = 0; i < stations.images.size(); ++i) {
+    std::array<int, kSectors> taken{};
+    for (const PositionTree::Neighbour& other : tree.nearest(i, kSectorReach)) {
+      const Eigen::Vector3d step_m = stations.positions_m[other.index] - stations.positions_m[i];
+      const double turns = std::atan2(step_m.y(), step_m.x()) / (2 * std::numbers::pi) + 1;
+      int& count = taken[static_cast<std::size_t>(std::lround(turns * kSectors)) % kSectors];
+      if (count++ < kPerSector) pairs.add(stations.images[i], stations.images[other.index]);
+    }
+  }
 }
 
-// The median over the stations of the distance to the last of its nearest neighbours.
-double usual_reach_m(const std::vector<Station>& stations, std::size_t count) {
-  std::vector<double> distances_m;
-  for (std::size_t i = 0; i < stations.size(); ++i) {
-    const std::vector<Neighbour> others = neighbours_of(i, stations, count);
-    if (!others.empty()) distances_m.push_back(others[std::min(count, others.size()) - 1].distance_m);
-  }
-  if (distances_m.empty()) return 0;
-  const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
-  std::ranges::nth_element(distances_m, middle);
-  return *middle;
-}
-
-void add_by_sector(std::size_t i, const std::vector<Station>& stations, double reach_m, PairSet& pairs) {
-  std::array<std::vector<Neighbour>, kSectors> sectors;
-  for (std::size_t j = 0; j < stations.size(); ++j) {
-    const Eigen::Vector3d step_m = stations[j].position_m - stations[i].position_m;
-    const double distance_m = std::hypot(step_m.x(), step_m.y());
-    if (j == i || distance_m > reach_m) continue;
-    const double turns = std::atan2(step_m.y(), step_m.x()) / (2 * std::numbers::pi) + 1;
-    sectors[static_cast<std::size_t>(std::lround(turns * kSectors)) % kSectors].push_back({distance_m, j});
-  }
-  for (std::vector<Neighbour>& sector : sectors) {
-    const std::size_t count = std::min<std::size_t>(kPerSector, sector.size());
-    std::ranges::partial_sort(sector, sector.begin() + static_cast<std::ptrdiff_t>(count));
-    for (std::size_t k = 0; k < count; ++k) pairs.add(stations[i].image, stations[sector[k].station].image);
-  }
+// Where the optical axis meets the ground. Nothing without height, or when that is too far away to mean anything.
+std::optional<Eigen::Vector3d> looked_at(const Image& image, const PairOptions& options) {
+  const std::optional<double> height_m =
+      options.height_above_ground_m ? options.height_above_ground_m : image.position->height_above_start_m;
+  if (!image.attitude || !height_m || *height_m <= 0 || image.attitude->pitch_deg > kFlattest_deg) return std::nullopt;
+  constexpr double kRadians = std::numbers::pi / 180;
+  const double heading = image.attitude->heading_deg * kRadians;
+  const double forward_m = *height_m / std::tan(-image.attitude->pitch_deg * kRadians);
+  return image.position->position_in_world +
+         Eigen::Vector3d(std::sin(heading) * forward_m, std::cos(heading) * forward_m, -*height_m);
 }
 
 void add_by_position(const Block& setup, const PairOptions& options, PairSet& pairs) {
-  const std::vector<Station> stations = stations_of(setup, options);
-  const auto count = static_cast<std::size_t>(std::max(1, options.neighbours));
-  const double reach_m = kSectorReach * usual_reach_m(stations, count);
-  for (std::size_t i = 0; i < stations.size(); ++i) {
-    const std::vector<Neighbour> others = neighbours_of(i, stations, 4 * count);
-    for (std::size_t k = 0; k < std::min(4 * count, others.size()); ++k) {
-      const Station& other = stations[others[k].station];
-      const double largest_m = std::min(stations[i].footprint_m, other.footprint_m) * (1 - options.min_overlap);
-      if (k < count || others[k].distance_m < largest_m) pairs.add(stations[i].image, other.image);
+  Stations stations, places;
+  for (const auto& [id, image] : setup.images) {
+    if (!image.position) continue;
+    stations.images.push_back(id);
+    stations.positions_m.push_back(image.position->position_in_world);
+    if (const auto place = looked_at(image, options)) {
+      places.images.push_back(id);
+      places.positions_m.push_back(*place);
     }
-    add_by_sector(i, stations, reach_m, pairs);
   }
-}
-
-bool is_small(const Block& setup, const PairOptions& options) {
-  return setup.images.size() < static_cast<std::size_t>(std::max(0, options.exhaustive_below));
+  const auto count = static_cast<std::size_t>(std::max(0, options.neighbours));
+  add_nearest(stations, count, pairs);
+  add_nearest(places, count, pairs);
+  if (count > 0) add_by_sector(stations, pairs);
 }
 
 }  // namespace
 
-std::vector<ImageIdPair> select_pairs(const Block& setup, const PairOptions& options) {
+bool all_pairs_wanted(const Block& setup, const PairOptions& options) {
+  return options.pairs == "all" ||
+         setup.images.size() < static_cast<std::size_t>(std::max(0, options.exhaustive_below));
+}
+
+std::vector<ImageIdPair> all_pairs(const Block& setup) {
+  std::vector<ImageIdPair> pairs;
+  for (auto a = setup.images.begin(); a != setup.images.end(); ++a)
+    for (auto b = std::next(a); b != setup.images.end(); ++b) pairs.emplace_back(a->first, b->first);
+  return pairs;
+}
+
+std::vector<ImageIdPair> candidate_pairs(const Block& setup, const PairOptions& options) {
   PairSet pairs;
-  if (is_small(setup, options)) {
-    for (const auto& [a, one] : setup.images)
-      for (const auto& [b, other] : setup.images) pairs.add(a, b);
-    return pairs.sorted();
-  }
   add_by_position(setup, options, pairs);
   add_sequence(setup, options, pairs);
   return pairs.sorted();
 }
 
-std::vector<ImageId> images_to_preselect(const Block& setup, const PairOptions& options) {
-  std::vector<ImageId> images;
-  if (is_small(setup, options)) return images;
-  for (const auto& [id, image] : setup.images)
-    if (!image.position) images.push_back(id);
-  return images;
-}
-
-std::vector<ImageIdPair> joined(std::span<const ImageIdPair> a, std::span<const ImageIdPair> b) {
+std::vector<ImageIdPair> joined(const std::vector<ImageIdPair>& a, const std::vector<ImageIdPair>& b) {
   std::vector<ImageIdPair> all;
   std::ranges::set_union(a, b, std::back_inserter(all));
   return all;

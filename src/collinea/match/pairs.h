@@ -1,83 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
+#include <array>
 #include <optional>
-#include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "collinea/base/options.h"
-#include "collinea/base/run.h"
 #include "collinea/block/block.h"
-#include "collinea/block/features.h"
 
 namespace collinea {
 
 using ImageIdPair = std::pair<ImageId, ImageId>;  ///< first < second
 
+/// What PairOptions::pairs may be.
+inline constexpr std::array<std::string_view, 2> kPairChoices = {"auto", "all"};
+
 struct PairOptions {
-  int exhaustive_below = 50;
-  int neighbours = 12;
+  std::string pairs = "auto";
+  int exhaustive_below = 10;
+  int partners = 8;
+  int sure_partners = 3;
+  double max_linked = 0.5;
+  int candidates = 60;
+  int neighbours = 24;
   int sequence_overlap = 6;
   std::optional<double> height_above_ground_m;
-  double min_overlap = 0.3;
+  int features = 512;
+  int min_matches = 5;
+  bool closure = true;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = PairOptions;
+    visit(Field{"pairs", &O::pairs, "",
+                "which pairs are searched for matches: auto (each image with its best partners) or all"});
     visit(Field{"exhaustive_below", &O::exhaustive_below, "1",
                 "blocks of fewer images than this are matched all with all", 0});
-    visit(Field{"neighbours", &O::neighbours, "1", "nearest images by position that each image is matched with", 1,
+    visit(Field{"partners", &O::partners, "1", "most partners that each image is searched with", 1, 1000});
+    visit(Field{"sure_partners", &O::sure_partners, "1",
+                "partners that each image is searched with at once; the others only where tie points lack", 1, 1000});
+    visit(Field{"max_linked", &O::max_linked, "1",
+                "further partners are left out when tie points hold more than this part of the matches of a first look",
+                0.0, 1.0});
+    visit(Field{"candidates", &O::candidates, "1",
+                "most similar images that each image is compared with in a first look", 1, 10000});
+    visit(Field{"neighbours", &O::neighbours, "1", "nearest images by position that each image is compared with", 0,
                 1000});
     visit(Field{"sequence_overlap", &O::sequence_overlap, "1",
-                "images before and after in the order of taking that each image is matched with", 0, 1000});
+                "images before and after in the order of taking that each image is compared with", 0, 1000});
     visit(Field{"height_above_ground_m", &O::height_above_ground_m, "m",
-                "flying height, for the size of the footprints; by default the neighbours' spacing decides", 0.0});
-    visit(Field{"min_overlap", &O::min_overlap, "1",
-                "with a flying height: overlap of two footprints from which their images are matched", 0.0, 1.0});
+                "flying height, for the place that a tilted camera looks at; by default that above take-off", 0.0});
+    visit(
+        Field{"features", &O::features, "1", "features of each image, the largest, that a first look uses", 16, 8192});
+    visit(Field{"min_matches", &O::min_matches, "1", "fewest matches of a partner in a first look", 1, 8192});
+    visit(Field{"closure", &O::closure, "",
+                "verify the pairs that follow from tie points too, without a search of their own"});
   }
 };
 
-/// The pairs of images that are worth matching: all, when the images are few; else
-/// - the nearest by position, in space and, so that the strips beside are not forgotten, two in each eighth of the
-/// compass
-///   up to three times the usual distance of neighbours;
-/// - with a flying height, those whose footprints overlap (taken as vertical, four times as many as `neighbours` at
-/// most);
+/// Whether every image is to be searched with every other: asked for, or the block is small.
+[[nodiscard]] bool all_pairs_wanted(const Block& setup, const PairOptions& options);
+[[nodiscard]] std::vector<ImageIdPair> all_pairs(const Block& setup);
+
+/// The pairs that deserve a look by what is known before any feature is compared, their number growing as that of the
+/// images:
+/// - the `neighbours` nearest by position, in space and by the place looked at (position, attitude and height above
+///   ground; cameras that look at the horizon have none), and, so that the strips beside are not forgotten, two in each
+///   eighth of the compass among the 128 nearest;
 /// - those next to each other in the order of taking (by time where all have one, else by file name; numbers count as
 ///   numbers), and for images without position those 2, 4, 8 ... times as far away, so that loops may close.
-/// Images without position need preselect_pairs besides: see images_to_preselect.
 /// Sorted, each pair once.
-[[nodiscard]] std::vector<ImageIdPair> select_pairs(const Block& setup, const PairOptions& options);
-
-/// The images that select_pairs knows too little of: those without position in a block that is not matched all with
-/// all.
-[[nodiscard]] std::vector<ImageId> images_to_preselect(const Block& setup, const PairOptions& options);
-
-struct PreselectOptions {
-  int features = 256;
-  int partners = 20;
-  int min_matches = 5;
-
-  template <class Visit>
-  static void describe(Visit&& visit) {
-    using O = PreselectOptions;
-    visit(Field{"features", &O::features, "1", "features of each image, the largest, that are looked at", 1, 8192});
-    visit(Field{"partners", &O::partners, "1", "most partners taken for one image", 1, 1000});
-    visit(Field{"min_matches", &O::min_matches, "1", "fewest matches of a partner", 1, 8192});
-  }
-};
-
-/// Finds partners by what the images show: the largest features of each image of `wanted` are matched with those of all
-/// of `images`, and the images with the most matches are its partners. `features_of` is called once for each image,
-/// from one thread at a time. Sorted, each pair once. Memory: 128 bytes a feature looked at; time: about 0.1 ms a pair.
-/// Errors: those of features_of; cancelled.
-[[nodiscard]] Result<std::vector<ImageIdPair>> preselect_pairs(
-    std::span<const ImageId> wanted, std::span<const ImageId> images,
-    const std::function<Result<Features>(ImageId)>& features_of, const PreselectOptions& options, const Run& run);
+[[nodiscard]] std::vector<ImageIdPair> candidate_pairs(const Block& setup, const PairOptions& options);
 
 /// The union of two sorted lists of pairs.
-[[nodiscard]] std::vector<ImageIdPair> joined(std::span<const ImageIdPair> a, std::span<const ImageIdPair> b);
+[[nodiscard]] std::vector<ImageIdPair> joined(const std::vector<ImageIdPair>& a, const std::vector<ImageIdPair>& b);
 
 }  // namespace collinea

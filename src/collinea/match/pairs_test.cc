@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "collinea/base/random.h"
+#include "collinea/match/position_tree.h"
 
 namespace collinea {
 namespace {
@@ -50,19 +52,22 @@ void expect_sorted_and_once(const std::vector<ImageIdPair>& pairs) {
   }
 }
 
-TEST(SelectPairs, FewImagesAreMatchedAllWithAll) {
-  const auto pairs = select_pairs(sequence(20), {});
-  EXPECT_EQ(pairs.size(), 190u);
-  expect_sorted_and_once(pairs);
-  EXPECT_TRUE(images_to_preselect(sequence(20), {}).empty());
-  EXPECT_TRUE(select_pairs({}, {}).empty());
-  EXPECT_TRUE(select_pairs(sequence(1), {}).empty());
+TEST(AllPairs, AreForSmallBlocksAndForWhoAsks) {
+  EXPECT_EQ(all_pairs(sequence(20)).size(), 190u);
+  expect_sorted_and_once(all_pairs(sequence(20)));
+  EXPECT_TRUE(all_pairs({}).empty());
+  EXPECT_TRUE(all_pairs(sequence(1)).empty());
+  PairOptions options;
+  EXPECT_TRUE(all_pairs_wanted(sequence(9), options));
+  EXPECT_FALSE(all_pairs_wanted(sequence(10), options));
+  options.pairs = "all";
+  EXPECT_TRUE(all_pairs_wanted(sequence(500), options));
 }
 
-TEST(SelectPairs, NeighboursInSpaceArePairsAndFarOnesAreNot) {
+TEST(CandidatePairs, NeighboursInSpaceAreCandidatesAndFarOnesAreNot) {
   const std::uint32_t per_strip = 20;
   const Block block = strips(8, per_strip);
-  const auto pairs = select_pairs(block, {});
+  const auto pairs = candidate_pairs(block, {});
   expect_sorted_and_once(pairs);
   for (std::uint32_t strip = 0; strip + 1 < 8; ++strip)
     for (std::uint32_t i = 0; i < per_strip; ++i) {
@@ -72,18 +77,16 @@ TEST(SelectPairs, NeighboursInSpaceArePairsAndFarOnesAreNot) {
   for (const auto& [a, b] : pairs) {
     const double distance_m =
         (block.images.at(a).position->position_in_world - block.images.at(b).position->position_in_world).norm();
-    EXPECT_LT(distance_m, 130);
+    EXPECT_LT(distance_m, 170);
   }
-  EXPECT_LT(pairs.size(), block.images.size() * 16);
-  EXPECT_TRUE(images_to_preselect(block, {}).empty());
 }
 
-// With 3 m between exposures the twelve nearest all lie in the same strip.
-TEST(SelectPairs, StripsBesideAreFoundEvenWhenTheStripItselfIsDense) {
+// With 3 m between exposures the 24 nearest all lie in the same strip.
+TEST(CandidatePairs, StripsBesideAreFoundEvenWhenTheStripItselfIsDense) {
   const std::uint32_t per_strip = 60;
   PairOptions options;
   options.sequence_overlap = 0;
-  const auto pairs = select_pairs(strips(3, per_strip, 40, 3), options);
+  const auto pairs = candidate_pairs(strips(3, per_strip, 40, 3), options);
   int without = 0;
   for (std::uint32_t i = 0; i < per_strip; ++i) {
     bool any = false;
@@ -93,114 +96,85 @@ TEST(SelectPairs, StripsBesideAreFoundEvenWhenTheStripItselfIsDense) {
   EXPECT_EQ(without, 0);
 }
 
-TEST(SelectPairs, AFlyingHeightAddsThePairsWhoseFootprintsOverlap) {
-  const Block block = strips(6, 20);
-  PairOptions options;
-  options.neighbours = 8;
-  const auto without = select_pairs(block, options);
-  options.height_above_ground_m = 60;  // footprint 80 m x 60 m: up to 42 m apart
-  const auto pairs = select_pairs(block, options);
-  for (const auto& [a, one] : block.images)
-    for (const auto& [b, other] : block.images)
-      if (a < b && (one.position->position_in_world - other.position->position_in_world).norm() < 42) {
-        EXPECT_TRUE(has(pairs, a.value, b.value));
-      }
-  EXPECT_GT(pairs.size(), without.size());
+// The list of four times as many images has four times as many pairs, and a little for the edges.
+TEST(CandidatePairs, GrowAsTheNumberOfImages) {
+  const auto small = candidate_pairs(strips(25, 40), {}), large = candidate_pairs(strips(50, 80), {});
+  expect_sorted_and_once(large);
+  EXPECT_LT(large.size(), 4.2 * small.size());
+  EXPECT_LT(large.size(), 4000u * 32);
 }
 
-TEST(SelectPairs, WithoutPositionsTheOrderOfTakingCountsAndNumbersCountAsNumbers) {
+// A ring of oblique pictures 100 m above and 100 m outside of what they all look at: the nearest by position are those
+// beside, but opposite ones show the same place.
+TEST(CandidatePairs, TiltedCamerasAreNeighboursByWhatTheyLookAt) {
+  Block block;
+  constexpr std::uint32_t kRings = 6, kPerRing = 12;
+  for (std::uint32_t i = 0; i < kRings * kPerRing; ++i) {
+    const double angle = 2 * std::numbers::pi * (i % kPerRing) / kPerRing;
+    Image& image = block.images[ImageId{i}] = image_of("A" + std::to_string(i) + ".jpg");
+    const Eigen::Vector3d middle(150.0 * (i / kPerRing), 0, 100);
+    image.position = PositionPrior{middle + 100 * Eigen::Vector3d(std::sin(angle), std::cos(angle), 0), {2, 2, 4}};
+    image.position->height_above_start_m = 100;
+    image.attitude = AttitudePrior{angle * 180 / std::numbers::pi + 180, -45, 0};
+  }
+  PairOptions options;
+  options.neighbours = kPerRing - 1;
+  options.sequence_overlap = 0;
+  const auto pairs = candidate_pairs(block, options);
+  for (std::uint32_t i = 0; i < kRings * kPerRing; ++i)
+    for (std::uint32_t j = i + 1; j < kRings * kPerRing; ++j)
+      if (i / kPerRing == j / kPerRing) {
+        EXPECT_TRUE(has(pairs, i, j)) << i << " " << j;
+      }
+  const auto by_position = [&] {
+    for (auto& [id, image] : block.images) image.attitude.reset();
+    return candidate_pairs(block, options);
+  }();
+  EXPECT_FALSE(has(by_position, 12, 18));
+}
+
+TEST(CandidatePairs, WithoutPositionsTheOrderOfTakingCountsAndNumbersCountAsNumbers) {
   Block block = sequence(120);  // IMG_0 ... IMG_119: as text, IMG_10 would follow IMG_1
-  const auto pairs = select_pairs(block, {});
+  const auto pairs = candidate_pairs(block, {});
   expect_sorted_and_once(pairs);
   for (std::uint32_t i = 0; i + 6 < 120; ++i)
     for (std::uint32_t step = 1; step <= 6; ++step) EXPECT_TRUE(has(pairs, i, i + step));
   EXPECT_FALSE(has(pairs, 10, 17));
   EXPECT_TRUE(has(pairs, 10, 10 + 96));
-  EXPECT_EQ(images_to_preselect(block, {}).size(), 120u);
 
   // Times win over names, when all images have one.
   for (auto& [id, image] : block.images)
     image.taken = "2024:05:01 10:" + std::to_string(10 + (id.value * 7) % 120 / 2) + ":" +
                   std::to_string(10 + (id.value * 7) % 2 * 30);
-  const auto timed = select_pairs(block, {});
+  const auto timed = candidate_pairs(block, {});
   EXPECT_TRUE(has(timed, 0, 103));  // 103 * 7 = 721 = 1 (mod 120)
   EXPECT_FALSE(has(timed, 0, 1));
   block.images[ImageId{3}].taken.clear();
-  EXPECT_EQ(select_pairs(block, {}), pairs);
+  EXPECT_EQ(candidate_pairs(block, {}), pairs);
 }
 
-TEST(SelectPairs, ManyImagesAtOnePlaceDoNotBecomeAllWithAll) {
+TEST(CandidatePairs, ManyImagesAtOnePlaceDoNotBecomeAllWithAll) {
   Block block = sequence(400);
   for (auto& [id, image] : block.images) image.position = PositionPrior{{0, 0, 0}, {5, 5, 10}};
-  EXPECT_LT(select_pairs(block, {}).size(), 400u * 24);
+  EXPECT_LT(candidate_pairs(block, {}).size(), 400u * 36);
 }
 
-// Images in groups of five that see the same 300 things, a little changed; none of the groups' images are neighbours by
-// number.
-struct Library {
-  static constexpr std::uint32_t kGroups = 9, kPerGroup = 5, kCount = kGroups * kPerGroup;
-
-  static Features features(ImageId image) {
-    Random things(1000 + image.value % kGroups), change(image.value);
-    Features features;
-    for (std::uint32_t i = 0; i < 300; ++i) {
-      Descriptor descriptor;
-      for (std::uint8_t& value : descriptor) value = static_cast<std::uint8_t>(things.below(80) + change.below(10));
-      features.descriptors.push_back(descriptor);
-      features.keypoints.push_back({.scale_px = static_cast<float>(1 + i % 50), .strength = 1});
-    }
-    return features;
+TEST(PositionTree, FindsWhatLookingAtAllFinds) {
+  Random random(5);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 300; ++i)  // on a lattice: many equal distances
+    points.emplace_back(random.below(8), random.below(8), random.below(3));
+  const PositionTree tree(points);
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    std::vector<PositionTree::Neighbour> all;
+    for (std::uint32_t j = 0; j < points.size(); ++j)
+      if (j != i) all.push_back({(points[j] - points[i]).squaredNorm(), j});
+    std::ranges::sort(all);
+    all.resize(17);
+    EXPECT_EQ(tree.nearest(i, 17), all);
   }
-  static std::vector<ImageId> images() {
-    std::vector<ImageId> list;
-    for (std::uint32_t i = 0; i < kCount; ++i) list.push_back(ImageId{i});
-    return list;
-  }
-};
-
-TEST(PreselectPairs, ImagesThatShowTheSameAreFound) {
-  const auto images = Library::images();
-  collinea::Run run;
-  PreselectOptions options;
-  options.features = 40;
-  const auto pairs = preselect_pairs(images, images, Library::features, options, run);
-  ASSERT_TRUE(pairs);
-  expect_sorted_and_once(*pairs);
-  EXPECT_EQ(pairs->size(), std::size_t{Library::kGroups * 10});
-  for (const auto& [a, b] : *pairs) EXPECT_EQ(a.value % Library::kGroups, b.value % Library::kGroups);
-  run.threads = 3;
-  EXPECT_EQ(preselect_pairs(images, images, Library::features, options, run).value(), *pairs);
-}
-
-TEST(PreselectPairs, OnlyTheWantedImagesGetPartnersAndNotMoreThanAskedFor) {
-  const auto images = Library::images();
-  PreselectOptions options;
-  options.features = 40;
-  options.partners = 2;
-  const std::vector wanted{ImageId{4}, ImageId{20}};
-  const auto pairs = preselect_pairs(wanted, images, Library::features, options, {});
-  ASSERT_TRUE(pairs);
-  EXPECT_EQ(pairs->size(), 4u);
-  for (const auto& [a, b] : *pairs) EXPECT_TRUE(a == wanted[0] || b == wanted[0] || a == wanted[1] || b == wanted[1]);
-}
-
-TEST(PreselectPairs, ErrorsAndStopsArePassedOn) {
-  const auto images = Library::images();
-  const auto broken = [](ImageId image) -> Result<Features> {
-    if (image.value == 7) return fail(Errc::kNotFound, "no features");
-    return Features{};
-  };
-  const auto failed = preselect_pairs(images, images, broken, {}, {});
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().code, Errc::kNotFound);
-
-  std::stop_source source;
-  source.request_stop();
-  collinea::Run run;
-  run.stop = source.get_token();
-  const auto stopped = preselect_pairs(images, images, Library::features, {}, run);
-  ASSERT_FALSE(stopped);
-  EXPECT_EQ(stopped.error().code, Errc::kCancelled);
+  EXPECT_TRUE(PositionTree({{1, 2, 3}}).nearest(0, 4).empty());
+  EXPECT_TRUE(tree.nearest(3, 0).empty());
 }
 
 TEST(Joined, IsTheUnion) {

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/ply.h"
@@ -17,6 +18,12 @@ Result<> export_colmap(const Project& project, const std::filesystem::path& fold
     if (encoding == ColmapEncoding::kText)
       for (const std::string& remark : *remarks) project.run.say("note: " + remark);
   }
+  return {};
+}
+
+Result<> export_bundler(const Project& project, const std::filesystem::path& folder, const Block& block) {
+  COLLINEA_TRY(const auto remarks, write_bundler(folder, block));
+  for (const std::string& remark : remarks) project.run.say("note: " + remark);
   return {};
 }
 
@@ -42,9 +49,10 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   if (format == "colmap") return export_colmap(project, folder, block);
+  if (format == "bundler") return export_bundler(project, folder, block);
   if (format == "opk") return write_opk(folder / "orientation.opk", block);
   if (format == "ply") return export_tie_points(folder, block);
-  return fail(Errc::kBadInput, "--format " + format + ": choose colmap, opk or ply");
+  return fail(Errc::kBadInput, "--format " + format + ": choose colmap, bundler, opk or ply");
 }
 
 }  // namespace collinea

@@ -139,6 +139,7 @@ std::optional<PositionPrior> position_prior(const PhotoHeader& header, const Imp
   prior.latitude_deg = *header.latitude_deg;
   prior.longitude_deg = *header.longitude_deg;
   prior.height_m = header.height_m.value_or(0);
+  prior.height_above_start_m = header.relative_height_m;
   prior.sigma_m = {header.sigma_east_m.value_or(plan), header.sigma_north_m.value_or(plan),
                    header.height_m ? header.sigma_height_m.value_or(height) : std::numeric_limits<double>::infinity()};
   prior.sigma_m = prior.sigma_m.cwiseMax(0.005);  // no receiver is better; zeros stand for "unknown"

@@ -112,6 +112,9 @@ Result<> validate_settings(const Settings& settings) {
   if (verdict && std::find(kCalibrations.begin(), kCalibrations.end(), calibration) == kCalibrations.end())
     return fail(Errc::kBadInput,
                 "orient: calibration = \"" + calibration + "\": choose auto, none, focal, focal_radial or brown");
+  const std::string& pairs = settings.pairs.pairs;
+  if (verdict && std::find(kPairChoices.begin(), kPairChoices.end(), pairs) == kPairChoices.end())
+    return fail(Errc::kBadInput, "match: pairs = \"" + pairs + "\": choose auto or all");
   return verdict;
 }
 

@@ -25,7 +25,6 @@ struct Settings {
   ImportOptions import;
   SiftOptions detect;
   PairOptions pairs;
-  PreselectOptions preselect;
   MatchOptions match;
   VerifyOptions verify;
   OrientOptions orient;
@@ -39,7 +38,6 @@ struct Settings {
     visit("import", "import", self.import);
     visit("detect", "detect", self.detect);
     visit("match", "pairs", self.pairs);
-    visit("match", "preselect", self.preselect);
     visit("match", "match", self.match);
     visit("match", "verify", self.verify);
     visit("orient", "orient", self.orient);
