@@ -14,7 +14,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kLeastSigmaFactor = 0.1, kMostSigmaFactor = 10;  // of the sigma of tie points
+constexpr double kLeastSigma0 = 1e-3;                             // of exact data
 constexpr double kControlMisfit = 2.5;                            // of control's own sigma0: what no chance explains
 constexpr int kControlRounds = 3;
 constexpr double kWeakTurn_rad = 0.03;    // of a block about the line of its positions: attitudes are better
@@ -106,19 +106,27 @@ class Orienter {
     Reconstruction& part = parts.largest;
     part.wake_all();
     part.extend_all(run_);
-    COLLINEA_TRY(const Adjusted free_net, settle(part, {.use_positions = false, .use_control = false}, options_, run_));
-    // Nothing but tie points took part: their sigma is what they show among each other.
-    part.set_sigma_px(options_.sigma_px * std::clamp(free_net.sigma0, kLeastSigmaFactor, kMostSigmaFactor));
+    COLLINEA_TRY(const Adjusted free_net, settle(part, {.use_positions = false, .use_control = false}, options_, true, run_));
+    take_sigma(part, free_net.sigma0);
     const AdjustScope scope = place(part);
     if (result_.georeferenced)
       if (auto tied = tie_to_ground(part, scope); !tied) return tl::unexpected(tied.error());
-    AdjustOptions final_options{.calibration = calibration_for(options_, part.poses().size()), .covariances = true};
+    AdjustOptions final_options = settled_options(part, options_);
+    final_options.covariances = true;
     COLLINEA_TRY(result_.adjusted, part.adjust_all(final_options, scope, run_));
     finish(part);
     return std::move(result_);
   }
 
  private:
+  // Nothing but tie points took part: their sigma is what they show among each other. The loss sets in where it did.
+  static void take_sigma(Reconstruction& part, double sigma0) {
+    TieNoise noise = part.noise();
+    noise.sigma_px *= sigma0;
+    noise.loss_scale_sigmas /= std::max(sigma0, kLeastSigma0);
+    part.set_noise(noise);
+  }
+
   // What is wrong with control or positions is named and left out, for good.
   void examine(const Block& block) {
     const ControlDiagnosis diagnosis = check_control(block, run_.seed);
@@ -133,7 +141,7 @@ class Orienter {
   Result<> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
     double taken = 1, sigma_m = 0;
     for (int round = 0;; ++round) {
-      COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, run_));
+      COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, false, run_));
       const double factor = control_misfit(tied);
       if (factor < kControlMisfit || round == kControlRounds) break;
       taken *= factor;
