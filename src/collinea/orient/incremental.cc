@@ -170,21 +170,18 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
   constexpr int kRounds = 5;
   constexpr double kSettled = 1e-3;      // share of rays that came or went
   constexpr double kNoiseSettled = 0.2;  // change of their sigma
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 1;; ++round) {
     AdjustOptions adjust = settled_options(reconstruction, options);
     adjust.relative_cost_change = 1e-4;
-    COLLINEA_TRY(const Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
+    COLLINEA_TRY(Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
     const int removed = reconstruction.filter(options.max_error_px, run);
     const int added = reconstruction.extend_all(run);
-    double change = 0;
-    if (const auto shown = learn_noise ? reconstruction.shown_noise() : std::nullopt) {
-      change = std::abs(shown->sigma_px / reconstruction.noise().sigma_px - 1);
-      reconstruction.set_noise(*shown);
-    }
-    if (removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size()) && change < kNoiseSettled) break;
+    const auto shown = learn_noise ? reconstruction.shown_noise() : std::nullopt;
+    const double change = shown ? std::abs(shown->sigma_px / reconstruction.noise().sigma_px - 1) : 0;
+    const bool settled = removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size());
+    if ((settled && change < kNoiseSettled) || round == kRounds) return adjusted;
+    if (shown) reconstruction.set_noise(*shown);
   }
-  // What is returned belongs to the rays that are left.
-  return reconstruction.adjust_all(settled_options(reconstruction, options), scope, run);
 }
 
 }  // namespace collinea

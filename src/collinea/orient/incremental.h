@@ -17,7 +17,7 @@ namespace collinea {
 [[nodiscard]] AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options);
 
 /// Global adjustment, rejection of bad rays and intersection of what was left, until little changes. With
-/// `learn_noise` size and shape of the tie points' errors are taken from what they show.
+/// `learn_noise` size and shape of the tie points' errors are taken from what they show. Coarse: to 1e-4 of the cost.
 [[nodiscard]] Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope,
                                       const OrientOptions& options, bool learn_noise, const Run& run);
 

@@ -8,6 +8,7 @@
 
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
+#include "collinea/adjust/intersect.h"
 #include "collinea/orient/incremental.h"
 #include "collinea/orient/strip_datum.h"
 
@@ -136,9 +137,31 @@ class Orienter {
     if (diagnosis.axes_swapped) setup_.control_observations.clear();
   }
 
+  // Rays to one control point that miss each other by many times their sigma were not measured as well as stated.
+  void weigh_measurements(const Block& block) {
+    double squares = 0, redundancy = 0, sigma_px = 0;
+    for (const auto& [id, point] : block.control) {
+      const std::vector<SightLine> lines = sight_lines(block, id);
+      const auto met = intersect(lines);
+      if (lines.size() < 2 || !met) continue;
+      const double left = 2 * static_cast<double>(lines.size()) - 3;
+      squares += met->sigma0 * met->sigma0 * left;
+      redundancy += left;
+    }
+    const double factor = redundancy < 3 ? 0 : std::sqrt(squares / redundancy);
+    if (factor < kControlMisfit) return;
+    for (ControlObservation& seen : setup_.control_observations)
+      sigma_px = std::max(sigma_px, seen.sigma_px *= factor);
+    result_.findings.push_back(
+        fmt::format("image measurements of control points miss each other by {:.1f} times their sigma; it is taken as "
+                    "{:.2g} px. Look for marks that do not show the same place in all images",
+                    factor, sigma_px));
+  }
+
   // Adjusts with positions and control. Control that contradicts the block, and itself, by many times its sigma cannot
   // be as good as stated: it is given the sigma it shows, and that is said.
   Result<> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
+    if (scope.use_control) weigh_measurements(part.block());
     double taken = 1, sigma_m = 0;
     for (int round = 0;; ++round) {
       COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, false, run_));
