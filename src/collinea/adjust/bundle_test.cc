@@ -255,8 +255,8 @@ TEST(Adjust, CovarianceMatchesTheRealErrors) {
 // poses in a free block, times sigma0, are as long as their covariance says. Without sigma0 they would be
 // 1.5 times too long.
 TEST(Adjust, Sigma0TurnsCovariancesOfARobustEstimateIntoTrueOnes) {
-  AdjustOptions options{.calibration = "none", .loss = "cauchy", .loss_scale_sigmas = std::sqrt(5.0),
-                        .covariances = true};
+  AdjustOptions options{
+      .calibration = "none", .loss = "cauchy", .loss_scale_sigmas = std::sqrt(5.0), .covariances = true};
   Series poses, bare;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     const Block truth = test_block({.rows = 2, .columns = 3, .points = 100, .seed = seed});

@@ -87,7 +87,8 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
     adjusted.observations.push_back(residual.source);
     adjusted.residuals_px.push_back(residual.px);
   }
-  return sum + tie.value(1 - static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count));
+  return sum +
+         tie.value(1 - static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count));
 }
 
 double write_positions(const Problem& problem, const State& state, Adjusted& adjusted) {

@@ -9,8 +9,8 @@ namespace collinea {
 
 /// How precisely the images of tie points are measured: size and shape of their errors.
 struct TieNoise {
-  double sigma_px = 0.5;  ///< of each coordinate of a feature found at a scale of 2 px; others times sigma_factor
-  std::string loss = "huber";     ///< the shape, as AdjustOptions::loss has it
+  double sigma_px = 0.5;       ///< of each coordinate of a feature found at a scale of 2 px; others times sigma_factor
+  std::string loss = "huber";  ///< the shape, as AdjustOptions::loss has it
   double loss_scale_sigmas = 2;
 };
 

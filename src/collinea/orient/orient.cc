@@ -11,12 +11,13 @@
 #include "collinea/adjust/intersect.h"
 #include "collinea/orient/incremental.h"
 #include "collinea/orient/strip_datum.h"
+#include "collinea/orient/weak_cases.h"
 
 namespace collinea {
 namespace {
 
-constexpr double kLeastSigma0 = 1e-3;                             // of exact data
-constexpr double kControlMisfit = 2.5;                            // of control's own sigma0: what no chance explains
+constexpr double kLeastSigma0 = 1e-3;   // of exact data
+constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
 constexpr int kControlRounds = 3;
 constexpr double kWeakTurn_rad = 0.03;    // of a block about the line of its positions: attitudes are better
 constexpr double kNoTurn_rad = 0.2;       // not known
@@ -47,10 +48,7 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
     parts.push_back(std::move(part));
     if (empty.images_with_tracks().size() < taken.size() + kSmallestPart) break;
   }
-  if (parts.empty())
-    return fail(Errc::kIllPosed,
-                "no two images fit together with enough parallax: are there overlapping photographs of one "
-                "scene, taken from different places?");
+  if (parts.empty()) return fail(Errc::kIllPosed, why_nothing(pairs));
   const auto largest = std::max_element(
       parts.begin(), parts.end(),
       [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
@@ -107,7 +105,8 @@ class Orienter {
     Reconstruction& part = parts.largest;
     part.wake_all();
     part.extend_all(run_);
-    COLLINEA_TRY(const Adjusted free_net, settle(part, {.use_positions = false, .use_control = false}, options_, true, run_));
+    COLLINEA_TRY(const Adjusted free_net,
+                 settle(part, {.use_positions = false, .use_control = false}, options_, true, run_));
     take_sigma(part, free_net.sigma0);
     const AdjustScope scope = place(part);
     if (result_.georeferenced)
@@ -116,6 +115,8 @@ class Orienter {
     final_options.covariances = true;
     COLLINEA_TRY(result_.adjusted, part.adjust_all(final_options, scope, run_));
     finish(part);
+    for (std::string& finding : weak_cases(result_.block, setup_, pairs, result_.adjusted))
+      result_.findings.push_back(std::move(finding));
     return std::move(result_);
   }
 
@@ -150,8 +151,7 @@ class Orienter {
     }
     const double factor = redundancy < 3 ? 0 : std::sqrt(squares / redundancy);
     if (factor < kControlMisfit) return;
-    for (ControlObservation& seen : setup_.control_observations)
-      sigma_px = std::max(sigma_px, seen.sigma_px *= factor);
+    for (ControlObservation& seen : setup_.control_observations) sigma_px = std::max(sigma_px, seen.sigma_px *= factor);
     result_.findings.push_back(
         fmt::format("image measurements of control points miss each other by {:.1f} times their sigma; it is taken as "
                     "{:.2g} px. Look for marks that do not show the same place in all images",

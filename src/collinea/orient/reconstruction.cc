@@ -18,9 +18,9 @@ constexpr double kAcceptFactor = 1.5;  // a new ray may be that much worse than 
 constexpr std::size_t kLocalImages = 8;
 constexpr double kGuessedFocal = 0.2;  // relative sigma from which a focal length is hardly known
 constexpr int kNeedCells = 8,
-              kNeededPerCell = 12;   // of a picture's cells: up to 768 tracks an image and what others need
+              kNeededPerCell = 12;  // of a picture's cells: up to 768 tracks an image and what others need
 constexpr double kLeastSigma = 0.01, kMostSigma = 10;  // of the errors of tie points, over what the options say
-constexpr std::size_t kChunk = 256;  // tracks handed to a thread at once
+constexpr std::size_t kChunk = 256;                    // tracks handed to a thread at once
 
 // Spread of pixels over a picture: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's
 // idea).
@@ -314,8 +314,7 @@ Block Reconstruction::block_of(const std::set<ImageId>& images) const {
     block.points.emplace_hint(block.points.end(), point, TiePoint{*track.point, {}});
     for (const Ray& ray : track.rays)
       if (ray.active)
-        block.observations.push_back(
-            {ray.image, point, ray.feature, ray.pixel, noise_.sigma_px * ray.sigma_factor});
+        block.observations.push_back({ray.image, point, ray.feature, ray.pixel, noise_.sigma_px * ray.sigma_factor});
   }
   for (const Observation& seen : block.observations)
     if (!block.images.contains(seen.image)) {
