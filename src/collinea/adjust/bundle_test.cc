@@ -251,6 +251,42 @@ TEST(Adjust, CovarianceMatchesTheRealErrors) {
   EXPECT_NEAR(focal.mean(), 1, 4 * focal.sigma_of_mean());
 }
 
+// Errors of Student's distribution with three degrees of freedom and the loss that goes with it: the whitened errors of
+// poses in a free block, times sigma0, are as long as their covariance says. Without sigma0 they would be
+// 1.5 times too long.
+TEST(Adjust, Sigma0TurnsCovariancesOfARobustEstimateIntoTrueOnes) {
+  AdjustOptions options{
+      .calibration = "none", .loss = "cauchy", .loss_scale_sigmas = std::sqrt(5.0), .covariances = true};
+  Series poses, bare;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const Block truth = test_block({.rows = 2, .columns = 3, .points = 100, .seed = seed});
+    Block block = truth;
+    Random random(seed, 5);
+    for (Observation& observation : block.observations) {
+      double chi2 = 0;
+      for (int k = 0; k < 3; ++k) chi2 += std::pow(random.normal(), 2);
+      const double u = random.normal(), v = random.normal();
+      observation.pixel += 0.3 * std::sqrt(3 / chi2) * Eigen::Vector2d(u, v);
+      observation.sigma_px = 0.3 * std::sqrt(3.0 / 5);
+    }
+    AdjustScope scope{.fixed_images = {block.images.begin()->first, block.images.rbegin()->first}};
+    const auto adjusted = adjust(block, scope, options, kRun);
+    ASSERT_TRUE(adjusted) << adjusted.error().message;
+    double sum = 0;
+    for (const auto& [id, pose] : adjusted->cam_from_world) {
+      const Rigid3& exact = truth.cam_from_world.at(id);
+      Eigen::Matrix<double, 6, 1> error;
+      error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
+      sum += error.dot(adjusted->pose_covariance.at(id).inverse() * error);
+    }
+    bare.values.push_back(sum / double(adjusted->cam_from_world.size()));
+    poses.values.push_back(bare.values.back() / std::pow(adjusted->sigma0, 2));
+  }
+  EXPECT_NEAR(poses.mean(), 6, 6 * 0.21);  // a tenth of the sigmas: the correction holds for many rays a point
+  EXPECT_LT(4 * poses.sigma_of_mean(), 0.8);
+  EXPECT_GT(bare.mean(), 6 + 4 * bare.sigma_of_mean());
+}
+
 TEST(Adjust, RobustLossKeepsOutliersFromDoingHarm) {
   const Block truth = test_block({.sigma_px = 0.5, .control = 9, .seed = 3});
   Block block = truth;

@@ -31,6 +31,27 @@ void write_unknowns(const Block& block, const Problem& problem, const State& sta
   std::sort(adjusted.points.begin(), adjusted.points.end(), [](auto& a, auto& b) { return a.first < b.first; });
 }
 
+// Squares of tie points such that sigma0^2 times the inverse normal equations is the covariance of the robust estimate:
+// K^2 sum w^2 s mean(w) / m^2, m the mean slope of the weighted residuals, K = 1 + u/n var(slope) / m^2 for u unknowns
+// determined by n observations (Huber 1981, 7.6).
+struct RobustSquares {
+  double squares = 0, weights = 0, slopes = 0, squared_slopes = 0, count = 0;
+  void add(const Loss& loss, double s) {
+    const double across = loss.weight(s), along = loss.slope(s);
+    squares += across * across * s;
+    weights += across;
+    slopes += (across + along) / 2;
+    squared_slopes += (across * across + along * along) / 2;
+    ++count;
+  }
+  [[nodiscard]] double value(double unknowns_per_observation) const {
+    if (count == 0) return 0;
+    const double mean = slopes / count, variance = squared_slopes / count - mean * mean;
+    const double k = 1 + unknowns_per_observation * variance / (mean * mean);
+    return k * k * squares * (weights / count) / (mean * mean);
+  }
+};
+
 // Residuals of the tie points in the order of the block; answers the weighted sum of squares of all rays.
 double write_tie_residuals(const Problem& problem, const State& state, Adjusted& adjusted) {
   struct Residual {
@@ -40,6 +61,7 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
   std::vector<Residual> residuals;
   residuals.reserve(problem.rays.size());
   double sum = 0;
+  RobustSquares tie;
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
     const Loss loss = problem.loss_of(problem.point(p));
     for (std::uint32_t r = problem.point(p).first_ray; r < problem.end_ray(p); ++r) {
@@ -51,7 +73,10 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
       if (project(state.lenses[problem.images[ray.image].camera], in_cam, &at)) {
         px = {ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]};
         const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
-        sum += loss.weight(s) * s;
+        if (problem.point(p).control < 0)
+          tie.add(loss, s);
+        else
+          sum += s;
       }
       if (problem.point(p).control < 0) residuals.push_back({ray.source, px});
     }
@@ -62,7 +87,8 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
     adjusted.observations.push_back(residual.source);
     adjusted.residuals_px.push_back(residual.px);
   }
-  return sum;
+  return sum +
+         tie.value(1 - static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count));
 }
 
 double write_positions(const Problem& problem, const State& state, Adjusted& adjusted) {

@@ -31,6 +31,12 @@ struct Loss {
     if (kind == kNone || (kind == kHuber && s <= k2)) return 1;
     return kind == kHuber ? scale / std::sqrt(s) : 1 / (1 + s / k2);
   }
+  /// How weight(s) * residual grows with the residual along it; across it, it grows with weight(s).
+  [[nodiscard]] double slope(double s) const {
+    const double k2 = scale * scale;
+    if (kind == kNone || (kind == kHuber && s <= k2)) return 1;
+    return kind == kHuber ? 0 : weight(s) * (k2 - s) / (k2 + s);
+  }
   /// The second derivative of the cost along the residual, relative to weight(s): 1 + 2 s weight'(s) / weight(s)
   /// (Triggs et al. 2000), bounded from below; 1 for gross outliers, whose flat cost would send their points far away.
   [[nodiscard]] double curvature(double s) const {

@@ -159,20 +159,29 @@ Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs, 
   return Grower(reconstruction, pairs, exclude, options, run).grow();
 }
 
+AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options) {
+  return {.calibration = calibration_for(options, reconstruction.poses().size()),
+          .loss = reconstruction.noise().loss,
+          .loss_scale_sigmas = reconstruction.noise().loss_scale_sigmas};
+}
+
 Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope, const OrientOptions& options,
-                        const Run& run) {
+                        bool learn_noise, const Run& run) {
   constexpr int kRounds = 5;
-  constexpr double kSettled = 1e-3;  // share of rays that came or went
-  AdjustOptions adjust{.calibration = calibration_for(options, reconstruction.poses().size()),
-                       .relative_cost_change = 1e-4};
-  for (int round = 0; round < kRounds; ++round) {
-    COLLINEA_TRY(const Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
+  constexpr double kSettled = 1e-3;      // share of rays that came or went
+  constexpr double kNoiseSettled = 0.2;  // change of their sigma
+  for (int round = 1;; ++round) {
+    AdjustOptions adjust = settled_options(reconstruction, options);
+    adjust.relative_cost_change = 1e-4;
+    COLLINEA_TRY(Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
     const int removed = reconstruction.filter(options.max_error_px, run);
     const int added = reconstruction.extend_all(run);
-    if (removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size())) break;
+    const auto shown = learn_noise ? reconstruction.shown_noise() : std::nullopt;
+    const double change = shown ? std::abs(shown->sigma_px / reconstruction.noise().sigma_px - 1) : 0;
+    const bool settled = removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size());
+    if ((settled && change < kNoiseSettled) || round == kRounds) return adjusted;
+    if (shown) reconstruction.set_noise(*shown);
   }
-  adjust.relative_cost_change = 1e-7;
-  return reconstruction.adjust_all(adjust, scope, run);  // what is returned belongs to the rays that are left
 }
 
 }  // namespace collinea

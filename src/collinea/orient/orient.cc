@@ -8,14 +8,16 @@
 
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
+#include "collinea/adjust/intersect.h"
 #include "collinea/orient/incremental.h"
 #include "collinea/orient/strip_datum.h"
+#include "collinea/orient/weak_cases.h"
 
 namespace collinea {
 namespace {
 
-constexpr double kLeastSigmaFactor = 0.1, kMostSigmaFactor = 10;  // of the sigma of tie points
-constexpr double kControlMisfit = 2.5;                            // of control's own sigma0: what no chance explains
+constexpr double kLeastSigma0 = 1e-3;   // of exact data
+constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
 constexpr int kControlRounds = 3;
 constexpr double kWeakTurn_rad = 0.03;    // of a block about the line of its positions: attitudes are better
 constexpr double kNoTurn_rad = 0.2;       // not known
@@ -46,10 +48,7 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
     parts.push_back(std::move(part));
     if (empty.images_with_tracks().size() < taken.size() + kSmallestPart) break;
   }
-  if (parts.empty())
-    return fail(Errc::kIllPosed,
-                "no two images fit together with enough parallax: are there overlapping photographs of one "
-                "scene, taken from different places?");
+  if (parts.empty()) return fail(Errc::kIllPosed, why_nothing(pairs));
   const auto largest = std::max_element(
       parts.begin(), parts.end(),
       [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
@@ -106,19 +105,30 @@ class Orienter {
     Reconstruction& part = parts.largest;
     part.wake_all();
     part.extend_all(run_);
-    COLLINEA_TRY(const Adjusted free_net, settle(part, {.use_positions = false, .use_control = false}, options_, run_));
-    // Nothing but tie points took part: their sigma is what they show among each other.
-    part.set_sigma_px(options_.sigma_px * std::clamp(free_net.sigma0, kLeastSigmaFactor, kMostSigmaFactor));
+    COLLINEA_TRY(const Adjusted free_net,
+                 settle(part, {.use_positions = false, .use_control = false}, options_, true, run_));
+    take_sigma(part, free_net.sigma0);
     const AdjustScope scope = place(part);
     if (result_.georeferenced)
       if (auto tied = tie_to_ground(part, scope); !tied) return tl::unexpected(tied.error());
-    AdjustOptions final_options{.calibration = calibration_for(options_, part.poses().size()), .covariances = true};
+    AdjustOptions final_options = settled_options(part, options_);
+    final_options.covariances = true;
     COLLINEA_TRY(result_.adjusted, part.adjust_all(final_options, scope, run_));
     finish(part);
+    for (std::string& finding : weak_cases(result_.block, setup_, pairs, result_.adjusted))
+      result_.findings.push_back(std::move(finding));
     return std::move(result_);
   }
 
  private:
+  // Nothing but tie points took part: their sigma is what they show among each other. The loss sets in where it did.
+  static void take_sigma(Reconstruction& part, double sigma0) {
+    TieNoise noise = part.noise();
+    noise.sigma_px *= sigma0;
+    noise.loss_scale_sigmas /= std::max(sigma0, kLeastSigma0);
+    part.set_noise(noise);
+  }
+
   // What is wrong with control or positions is named and left out, for good.
   void examine(const Block& block) {
     const ControlDiagnosis diagnosis = check_control(block, run_.seed);
@@ -128,12 +138,33 @@ class Orienter {
     if (diagnosis.axes_swapped) setup_.control_observations.clear();
   }
 
+  // Rays to one control point that miss each other by many times their sigma were not measured as well as stated.
+  void weigh_measurements(const Block& block) {
+    double squares = 0, redundancy = 0, sigma_px = 0;
+    for (const auto& [id, point] : block.control) {
+      const std::vector<SightLine> lines = sight_lines(block, id);
+      const auto met = intersect(lines);
+      if (lines.size() < 2 || !met) continue;
+      const double left = 2 * static_cast<double>(lines.size()) - 3;
+      squares += met->sigma0 * met->sigma0 * left;
+      redundancy += left;
+    }
+    const double factor = redundancy < 3 ? 0 : std::sqrt(squares / redundancy);
+    if (factor < kControlMisfit) return;
+    for (ControlObservation& seen : setup_.control_observations) sigma_px = std::max(sigma_px, seen.sigma_px *= factor);
+    result_.findings.push_back(
+        fmt::format("image measurements of control points miss each other by {:.1f} times their sigma; it is taken as "
+                    "{:.2g} px. Look for marks that do not show the same place in all images",
+                    factor, sigma_px));
+  }
+
   // Adjusts with positions and control. Control that contradicts the block, and itself, by many times its sigma cannot
   // be as good as stated: it is given the sigma it shows, and that is said.
   Result<> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
+    if (scope.use_control) weigh_measurements(part.block());
     double taken = 1, sigma_m = 0;
     for (int round = 0;; ++round) {
-      COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, run_));
+      COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, false, run_));
       const double factor = control_misfit(tied);
       if (factor < kControlMisfit || round == kControlRounds) break;
       taken *= factor;

@@ -164,6 +164,20 @@ TEST(Orient, AWronglySurveyedPointIsNamedAndNotUsed) {
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
 }
 
+TEST(Orient, SloppyMarksAreWeighedByWhatTheyShowAndTheCoordinatesAreNotBlamed) {
+  Matched input = on_the_map(small_block(0.5, 9));
+  Random random(6);
+  for (ControlObservation& seen : input.setup.control_observations) {
+    const double du = random.normal(), dv = random.normal();
+    seen.pixel += 4 * Eigen::Vector2d(du, dv);  // stated: 0.5 px
+  }
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(mentions(found->findings, "image measurements of control points miss each other"));
+  EXPECT_FALSE(mentions(found->findings, "control points contradict"));
+  EXPECT_LT(centre_rms_m(found->block, input.truth, false), 10 * kPixel_m);  // marks err by 4 pixels
+}
+
 TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {
   const Matched input = matched(small_block());
   const auto found = orient(input);

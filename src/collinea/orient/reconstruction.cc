@@ -18,8 +18,9 @@ constexpr double kAcceptFactor = 1.5;  // a new ray may be that much worse than 
 constexpr std::size_t kLocalImages = 8;
 constexpr double kGuessedFocal = 0.2;  // relative sigma from which a focal length is hardly known
 constexpr int kNeedCells = 8,
-              kNeededPerCell = 12;   // of a picture's cells: up to 768 tracks an image and what others need
-constexpr std::size_t kChunk = 256;  // tracks handed to a thread at once
+              kNeededPerCell = 12;  // of a picture's cells: up to 768 tracks an image and what others need
+constexpr double kLeastSigma = 0.01, kMostSigma = 10;  // of the errors of tie points, over what the options say
+constexpr std::size_t kChunk = 256;                    // tracks handed to a thread at once
 
 // Spread of pixels over a picture: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's
 // idea).
@@ -55,6 +56,7 @@ Result<Reconstruction> Reconstruction::create(const Block& setup, std::span<cons
   Reconstruction result;
   result.setup_ = &setup;
   result.options_ = options;
+  result.noise_.sigma_px = options.sigma_px;
   result.cameras_ = setup.cameras;
   std::map<ImageId, std::vector<Keypoint>> keypoints_of;
   for (const Track& track : merge_tracks(pairs)) {
@@ -66,7 +68,7 @@ Result<Reconstruction> Reconstruction::create(const Block& setup, std::span<cons
       }
       const Keypoint& keypoint = keypoints_of.at(image).at(feature);
       result.rays_of_[image].push_back({number, static_cast<std::uint32_t>(state.rays.size())});
-      state.rays.push_back({image, feature, {keypoint.x, keypoint.y}, false});
+      state.rays.push_back({image, feature, {keypoint.x, keypoint.y}, sigma_factor(keypoint.scale_px), false});
     }
     result.tracks_.push_back(std::move(state));
   }
@@ -261,6 +263,26 @@ int Reconstruction::filter(double max_error_px, const Run& run) {
   return total;
 }
 
+void Reconstruction::set_noise(const TieNoise& noise) {
+  noise_ = noise;
+  noise_.sigma_px = std::clamp(noise.sigma_px, kLeastSigma * options_.sigma_px, kMostSigma * options_.sigma_px);
+}
+
+std::optional<TieNoise> Reconstruction::shown_noise() const {
+  std::vector<double> squared_px2;
+  for (const TrackState& track : tracks_) {
+    if (!track.point) continue;
+    const auto rays = static_cast<double>(
+        std::count_if(track.rays.begin(), track.rays.end(), [](const Ray& ray) { return ray.active; }));
+    if (rays < 3) continue;
+    const double left = (2 * rays - 3) / (2 * rays);  // of the squared errors, after three unknowns of the point
+    for (const Ray& ray : track.rays)
+      if (const auto error = ray.active ? error_px(ray, *track.point) : std::nullopt)
+        squared_px2.push_back(std::pow(*error / ray.sigma_factor, 2) / left);
+  }
+  return fit_noise(squared_px2);
+}
+
 std::vector<ImageId> Reconstruction::neighbours_of(ImageId image, std::size_t count) const {
   std::map<ImageId, int> shared;
   for (const RayRef& ref : rays_of(image)) {
@@ -291,7 +313,8 @@ Block Reconstruction::block_of(const std::set<ImageId>& images) const {
     const PointId point{number};
     block.points.emplace_hint(block.points.end(), point, TiePoint{*track.point, {}});
     for (const Ray& ray : track.rays)
-      if (ray.active) block.observations.push_back({ray.image, point, ray.feature, ray.pixel, options_.sigma_px});
+      if (ray.active)
+        block.observations.push_back({ray.image, point, ray.feature, ray.pixel, noise_.sigma_px * ray.sigma_factor});
   }
   for (const Observation& seen : block.observations)
     if (!block.images.contains(seen.image)) {

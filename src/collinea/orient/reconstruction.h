@@ -13,6 +13,7 @@
 #include "collinea/block/block.h"
 #include "collinea/block/features.h"
 #include "collinea/geometry/similarity3.h"
+#include "collinea/orient/noise.h"
 #include "collinea/orient/options.h"
 
 namespace collinea {
@@ -28,6 +29,7 @@ class Reconstruction {
     ImageId image;
     std::uint32_t feature = 0;
     Eigen::Vector2d pixel;
+    double sigma_factor = 1;  ///< of its feature's scale
     bool active = false;
   };
   struct TrackState {
@@ -81,8 +83,12 @@ class Reconstruction {
   /// The oriented part as a block; with control observations and the setup's priors.
   [[nodiscard]] Block block() const;
   void move_world(const Similarity3& new_from_old);
-  /// What tie point observations are taken for from now on.
-  void set_sigma_px(double sigma_px) { options_.sigma_px = sigma_px; }
+  /// What the errors of tie points are taken for. At first: sigma_px of the options and Huber's loss.
+  [[nodiscard]] const TieNoise& noise() const { return noise_; }
+  /// Their sigma is kept between a hundredth and ten times sigma_px.
+  void set_noise(const TieNoise& noise);
+  /// What the points with three rays and more show of it; nothing when there are too few.
+  [[nodiscard]] std::optional<TieNoise> shown_noise() const;
   void take(const Adjusted& adjusted);
   void forget();  ///< back to no pose and no point
 
@@ -96,6 +102,7 @@ class Reconstruction {
 
   const Block* setup_ = nullptr;
   OrientOptions options_;
+  TieNoise noise_;
   std::vector<ImageId> images_;
   std::vector<TrackState> tracks_;
   std::map<ImageId, std::vector<RayRef>> rays_of_;
