@@ -81,6 +81,12 @@ class Reconstruction {
   /// The oriented part as a block; with control observations and the setup's priors.
   [[nodiscard]] Block block() const;
   void move_world(const Similarity3& new_from_old);
+  /// Puts images in place; nothing else.
+  void place(const std::map<ImageId, Rigid3>& poses);
+  /// Gives up images with fewer active rays.
+  void drop_loose(int least_rays);
+  /// How far a ray may miss its point from now on.
+  void set_max_error_px(double max_error_px) { options_.max_error_px = max_error_px; }
   /// What tie point observations are taken for from now on.
   void set_sigma_px(double sigma_px) { options_.sigma_px = sigma_px; }
   void take(const Adjusted& adjusted);

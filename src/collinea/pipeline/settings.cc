@@ -112,6 +112,9 @@ Result<> validate_settings(const Settings& settings) {
   if (verdict && std::find(kCalibrations.begin(), kCalibrations.end(), calibration) == kCalibrations.end())
     return fail(Errc::kBadInput,
                 "orient: calibration = \"" + calibration + "\": choose auto, none, focal, focal_radial or brown");
+  const std::string& mode = settings.orient.mode;
+  if (verdict && std::find(kOrientModes.begin(), kOrientModes.end(), mode) == kOrientModes.end())
+    return fail(Errc::kBadInput, "orient: mode = \"" + mode + "\": choose auto, incremental or global");
   return verdict;
 }
 
