@@ -114,7 +114,7 @@ TEST(AveragePositions, ACameraWithoutPositionIsPlacedByItsDirections) {
 
 Block survey() {
   return testing::test_block(
-      {.rows = 4, .columns = 7, .points = 1500, .sigma_px = 0.3, .position_sigma_m = 0.5, .control = 0});
+      {.rows = 4, .columns = 7, .points = 700, .sigma_px = 0.3, .position_sigma_m = 0.5, .control = 0});
 }
 
 TEST(OrientGlobally, FindsWhatGrowthFinds) {

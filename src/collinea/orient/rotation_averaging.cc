@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "collinea/geometry/rotation.h"
@@ -16,6 +17,28 @@ using Quaternions = std::vector<Eigen::Quaterniond>;
 constexpr int kAbsoluteRounds = 6, kRobustRounds = 10;
 constexpr double kLeastAngle_rad = 1e-3;  // below it the absolute value is taken as a square: what pairs are good to
 constexpr double kSettled_rad = 1e-5;
+
+// The share of triangles over each pair that close; half for pairs that are in none. A wrong pair closes hardly any.
+std::vector<double> share_of_closed_triangles(int count, std::span<const RelativeRotation> pairs) {
+  constexpr double kClosed_rad = 0.05;
+  std::vector<std::map<int, Eigen::Quaterniond>> other_from(static_cast<std::size_t>(count));
+  for (const RelativeRotation& pair : pairs) {
+    other_from[pair.first][pair.second] = pair.second_from_first;
+    other_from[pair.second][pair.first] = pair.second_from_first.conjugate();
+  }
+  std::vector<double> shares;
+  for (const RelativeRotation& pair : pairs) {
+    double closed = 0.5, all = 1;
+    for (const auto& [third, third_from_first] : other_from[pair.first]) {
+      const auto back = other_from[pair.second].find(third);
+      if (third == pair.second || back == other_from[pair.second].end()) continue;
+      all += 1;
+      closed += third_from_first.angularDistance(back->second * pair.second_from_first) < kClosed_rad;
+    }
+    shares.push_back(closed / all);
+  }
+  return shares;
+}
 
 // The heaviest pairs that join everything, as a walk: each pair leads from a camera reached to a new one.
 Quaternions along_a_tree(int count, std::span<const RelativeRotation> pairs) {
@@ -94,7 +117,10 @@ double turn_all(std::span<const RelativeRotation> pairs, const std::vector<Eigen
 
 }  // namespace
 
-std::vector<Eigen::Quaterniond> average_rotations(int count, std::span<const RelativeRotation> pairs, const Run& run) {
+std::vector<Eigen::Quaterniond> average_rotations(int count, std::span<const RelativeRotation> given, const Run& run) {
+  std::vector<RelativeRotation> pairs(given.begin(), given.end());
+  const std::vector<double> shares = share_of_closed_triangles(count, given);
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].weight *= shares[i] * shares[i];
   Quaternions rotations = along_a_tree(count, pairs);
   if (pairs.empty()) return rotations;
   std::vector<Eigen::Vector3d> residuals(pairs.size());
