@@ -20,3 +20,7 @@ if(COLLINEA_TESTS)
   include(GoogleTest)
   enable_testing()
 endif()
+
+if(COLLINEA_BENCH)
+  find_package(Ceres 2.1 REQUIRED)
+endif()

@@ -98,7 +98,8 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
     return;
   }
   if (run.stopped()) return;
-  matrix.invert();
+  matrix.invert(run);
+  if (run.stopped()) return;
   for (int i = 0; i < problem.poses; ++i) {
     Matrix6d to_world = Matrix6d::Identity();
     to_world.topLeftCorner<3, 3>() = state.rotations[i].conjugate().toRotationMatrix();

@@ -11,7 +11,7 @@ namespace {
 
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
-constexpr std::size_t kDatumImages = 8;
+constexpr std::size_t kDatumImages = 8, kLeastDatumCandidates = 64;
 constexpr double kSeen = 1e-9;  // of the largest eigenvalue: 3e-5 in angle or relative scale
 
 Eigen::Vector3d centre_in(const State& state, std::size_t image) {
@@ -115,17 +115,20 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
   }
 }
 
-// Up to kDatumImages poses of the part, each as far as possible from those before.
+// Up to kDatumImages poses of the part, each as far as possible from those before; of a large part among those that are
+// eliminated last, where the ties between them cost nothing.
 std::vector<int> spread_poses(const Part& part, const State& state) {
-  std::vector<double> distance(part.poses.size());
-  for (std::size_t i = 0; i < distance.size(); ++i)
-    distance[i] = (centre_in(state, part.poses[i]) - part.centre).norm();
+  const auto last = static_cast<std::size_t>(4 * std::sqrt(static_cast<double>(part.poses.size())));
+  const std::size_t candidates = std::min(part.poses.size(), std::max(kLeastDatumCandidates, last));
+  const std::vector<int> poses(part.poses.end() - static_cast<std::ptrdiff_t>(candidates), part.poses.end());
+  std::vector<double> distance(poses.size());
+  for (std::size_t i = 0; i < distance.size(); ++i) distance[i] = (centre_in(state, poses[i]) - part.centre).norm();
   std::vector<int> chosen;
-  while (chosen.size() < std::min(kDatumImages, part.poses.size())) {
+  while (chosen.size() < std::min(kDatumImages, poses.size())) {
     const auto far = std::max_element(distance.begin(), distance.end()) - distance.begin();
-    chosen.push_back(part.poses[far]);
+    chosen.push_back(poses[far]);
     for (std::size_t i = 0; i < distance.size(); ++i)
-      distance[i] = std::min(distance[i], (centre_in(state, part.poses[i]) - centre_in(state, part.poses[far])).norm());
+      distance[i] = std::min(distance[i], (centre_in(state, poses[i]) - centre_in(state, poses[far])).norm());
     distance[far] = -1;
   }
   std::sort(chosen.begin(), chosen.end());
@@ -183,7 +186,6 @@ void find_datum(Problem& problem, const State& start) {
     const std::vector<int> poses = spread_poses(one, start);
     for (int k = 0; k < 7 && eigen.eigenvalues()[k] <= kSeen * largest; ++k) {
       problem.datum.push_back(constraint(one, start, poses, eigen.eigenvectors().col(k)));
-      for (const int pose : poses) problem.first_pose[pose] = std::min(problem.first_pose[pose], poses.front());
       ++problem.rank_defect;
     }
   }

@@ -4,7 +4,9 @@
 #include <numeric>
 
 #include "collinea/adjust/intersect.h"
+#include "collinea/adjust/ordering.h"
 #include "collinea/adjust/problem.h"
+#include "collinea/adjust/tile_kernels.h"
 
 namespace collinea::bundle {
 namespace {
@@ -63,7 +65,6 @@ class Gatherer {
     lay_out_images();
     lay_out_cameras(free);
     if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
-    find_envelope();
     count();
     return std::move(out_);
   }
@@ -228,20 +229,31 @@ class Gatherer {
     return {};
   }
 
-  // Free images are numbered in the order of elimination, held ones after them.
-  void order_images() {
-    std::vector<int> free_number(candidates_.size(), -1), compact;
-    int free = 0;
-    for (std::size_t i = 0; i < candidates_.size(); ++i)
-      if (candidates_[i].free && !candidates_[i].out) free_number[i] = free++;
+  [[nodiscard]] std::vector<int> order_of_free(int free, const std::vector<int>& free_number) const {
+    std::vector<int> order(static_cast<std::size_t>(free));
+    std::iota(order.begin(), order.end(), 0);
+    if (free <= 2 * kPosesOfTile) return order;  // two tiles: nothing to gain
     std::vector<std::uint32_t> first{0};
+    std::vector<int> image_of_ray;
     for (const CandidatePoint& point : points_) {
       if (point.out || point.held) continue;
       for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r)
-        if (free_number[rays_[r].image] >= 0) compact.push_back(free_number[rays_[r].image]);
-      first.push_back(static_cast<std::uint32_t>(compact.size()));
+        if (free_number[rays_[r].image] >= 0) image_of_ray.push_back(free_number[rays_[r].image]);
+      first.push_back(static_cast<std::uint32_t>(image_of_ray.size()));
     }
-    const std::vector<int> order = elimination_order(free, first, compact);
+    std::vector<Eigen::Vector3d> centres;
+    for (std::size_t i = 0; i < candidates_.size(); ++i)
+      if (free_number[i] >= 0) centres.push_back(centre_of(block_.cam_from_world.at(candidates_[i].id)));
+    return elimination_order(covisibility(free, first, image_of_ray), centres, kPosesOfTile);
+  }
+
+  // Free images are numbered in the order of elimination, held ones after them.
+  void order_images() {
+    std::vector<int> free_number(candidates_.size(), -1);
+    int free = 0;
+    for (std::size_t i = 0; i < candidates_.size(); ++i)
+      if (candidates_[i].free && !candidates_[i].out) free_number[i] = free++;
+    const std::vector<int> order = order_of_free(free, free_number);
     new_number_.assign(candidates_.size(), kNobody);
     std::uint32_t held = static_cast<std::uint32_t>(free);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -337,20 +349,6 @@ class Gatherer {
           {static_cast<std::uint32_t>(i), image.position->position_in_world, image.position->sigma_m.cwiseInverse()});
     }
     return {};
-  }
-
-  void find_envelope() {
-    Problem& problem = out_.problem;
-    problem.first_pose.resize(problem.poses);
-    std::iota(problem.first_pose.begin(), problem.first_pose.end(), 0);
-    for (std::size_t p = 0; p < problem.point_count(); ++p) {
-      if (problem.point(p).held) continue;
-      const std::uint32_t first = problem.point(p).first_free;
-      for (std::uint32_t r = first; r < problem.end_ray(p); ++r) {
-        int& pose = problem.first_pose[problem.rays[r].image];
-        pose = std::min(pose, static_cast<int>(problem.rays[first].image));
-      }
-    }
   }
 
   void count() {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "collinea/base/parallel.h"
 
@@ -14,18 +15,37 @@ constexpr std::size_t kRaysInBatch = 4096;
 constexpr std::size_t kMostChunks = 16;  // of a batch
 constexpr int kMostBorderForChunks = 160;
 
-std::vector<int> envelope(const Problem& problem) {
-  const int size = 6 * problem.poses + problem.border, rows = (size + kTile - 1) / kTile;
-  std::vector<int> first(rows);
-  for (int i = 0; i < rows; ++i) first[i] = i;
-  for (int pose = 0; pose < problem.poses; ++pose) {
-    const int column = 6 * problem.first_pose[pose] / kTile;
-    int& row = first[6 * pose / kTile];
-    row = std::min(row, column);
+// Tiles whose images share a point or a datum constraint; the rows of the cameras are full.
+TilePattern pattern_of(const Problem& problem) {
+  const auto rows = static_cast<std::size_t>((6 * problem.poses + problem.border + kTile - 1) / kTile);
+  std::vector<std::vector<bool>> held(rows);
+  for (std::size_t i = 0; i < rows; ++i) held[i].resize(i + 1);
+  std::vector<int> tiles;
+  const auto tie_all = [&] {
+    for (std::size_t a = 0; a < tiles.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b) held[std::max(tiles[a], tiles[b])][std::min(tiles[a], tiles[b])] = true;
+    tiles.clear();
+  };
+  const auto add = [&](int pose) {
+    const int tile = pose / kPosesOfTile;
+    if (tiles.empty() || tiles.back() != tile) tiles.push_back(tile);
+  };
+  for (std::size_t p = 0; p < problem.point_count(); ++p) {
+    if (problem.point(p).held) continue;
+    for (std::uint32_t r = problem.point(p).first_free; r < problem.end_ray(p); ++r)
+      add(static_cast<int>(problem.rays[r].image));
+    tie_all();
   }
-  if (problem.border > 0)
-    for (int i = 6 * problem.poses / kTile; i < rows; ++i) first[i] = 0;
-  return first;
+  for (const DatumConstraint& datum : problem.datum) {
+    for (const int pose : datum.poses) add(pose);
+    tie_all();
+  }
+  TilePattern pattern(rows);
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (held[i][k] || (problem.border > 0 && static_cast<int>(i + 1) * kTile > 6 * problem.poses))
+        pattern[i].push_back(static_cast<int>(k));
+  return pattern;
 }
 
 void keep(const LinearRay& linear, PoseRay& out) {
@@ -54,7 +74,7 @@ void reduce(const PointNormals& normals, const double* y, PoseRay& ray) {
 }  // namespace
 
 Normals::Normals(const Problem& problem)
-    : problem_(problem), matrix_(6 * problem.poses + problem.border, envelope(problem)) {
+    : problem_(problem), matrix_(6 * problem.poses + problem.border, pattern_of(problem)) {
   right_.resize(static_cast<std::size_t>(matrix_.tile_rows()) * kTile);
   diagonal_.resize(right_.size());
   pose_camera_.resize(6ul * static_cast<std::size_t>(problem.poses) * static_cast<std::size_t>(problem.border));
@@ -99,29 +119,36 @@ void Normals::cut_batches() {
 }
 
 void Normals::index_rows() {
-  const auto rows = static_cast<std::size_t>(matrix_.tile_rows());
   const auto poses = static_cast<std::uint32_t>(problem_.poses);
   first_of_ray_.resize(problem_.rays.size());
   point_of_ray_.resize(problem_.rays.size());
-  row_begin_.assign(batches_.size() * rows + 1, 0);
-  for (int fill = 0; fill < 2; ++fill) {
-    std::vector<std::uint32_t> next(row_begin_.begin(), row_begin_.end() - 1);
-    for (std::size_t b = 0; b < batches_.size(); ++b)
-      for (std::size_t p = batches_[b].first_point; p < batches_[b].end_point; ++p)
-        for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
-          first_of_ray_[r] = problem_.point(p).held ? r + 1 : problem_.point(p).first_free;  // held: no partners
-          point_of_ray_[r] = static_cast<std::uint32_t>(p);
-          if (problem_.rays[r].image >= poses) continue;
-          const std::size_t slot = b * rows + 6ul * problem_.rays[r].image / kTile;
-          if (fill == 0)
-            ++row_begin_[slot + 1];
-          else
-            row_rays_[next[slot]++] = r;
-        }
-    if (fill == 0) {
-      for (std::size_t i = 1; i < row_begin_.size(); ++i) row_begin_[i] += row_begin_[i - 1];
-      row_rays_.resize(row_begin_.back());
+  std::vector<std::uint32_t> count(static_cast<std::size_t>(matrix_.tile_rows()), 0);
+  for (Batch& batch : batches_) {
+    std::vector<int> rows;
+    const auto each_ray = [&](auto&& take) {
+      for (std::uint32_t r = problem_.point(batch.first_point).first_ray; r < problem_.point(batch.end_point).first_ray;
+           ++r)
+        if (problem_.rays[r].image < poses) take(r, static_cast<int>(problem_.rays[r].image) / kPosesOfTile);
+    };
+    each_ray([&](std::uint32_t, int row) {
+      if (count[row]++ == 0) rows.push_back(row);
+    });
+    std::sort(rows.begin(), rows.end());
+    batch.first_row = batch_rows_.size();
+    auto next = static_cast<std::uint32_t>(row_rays_.size());
+    for (const int row : rows) {
+      batch_rows_.push_back({row, next, next + count[row]});
+      next += std::exchange(count[row], batch_rows_.back().first_ray);  // from here on: where the next ray goes
     }
+    batch.end_row = batch_rows_.size();
+    row_rays_.resize(next);
+    each_ray([&](std::uint32_t r, int row) { row_rays_[count[row]++] = r; });
+    for (const int row : rows) count[row] = 0;
+    for (std::size_t p = batch.first_point; p < batch.end_point; ++p)
+      for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
+        first_of_ray_[r] = problem_.point(p).held ? r + 1 : problem_.point(p).first_free;  // held: no partners
+        point_of_ray_[r] = static_cast<std::uint32_t>(p);
+      }
   }
 }
 
@@ -141,8 +168,8 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
   for (std::size_t b = 0; b < batches_.size() && !run.stopped(); ++b) {
     parallel_for(threads, chunks_.size(),
                  [&](std::size_t chunk) { linearise_points(state, lambda, batches_[b], chunk); });
-    parallel_for(threads, static_cast<std::size_t>(matrix_.tile_rows()),
-                 [&](std::size_t row) { add_row(batches_[b], b, row); });
+    parallel_for(threads, batches_[b].end_row - batches_[b].first_row,
+                 [&](std::size_t row) { add_row(batches_[b], batch_rows_[batches_[b].first_row + row]); });
   }
   border_ = chunks_[0];
   for (std::size_t c = 1; c < chunks_.size(); ++c) {
@@ -249,25 +276,32 @@ void Normals::reduce_cameras(std::size_t p, const PointNormals& normals, const d
     }
 }
 
-void Normals::add_row(const Batch& batch, std::size_t batch_number, std::size_t tile_row) {
-  const std::size_t slot = batch_number * static_cast<std::size_t>(matrix_.tile_rows()) + tile_row;
-  std::vector<double*> blocks;
-  for (std::uint32_t s = row_begin_[slot]; s < row_begin_[slot + 1]; ++s) {
-    add_pose_ray(batch, row_rays_[s], blocks);
+void Normals::add_row(const Batch& batch, const BatchRow& row) {
+  thread_local std::vector<double*> tile_of;  // by tile column; only those of this row are looked at
+  thread_local std::vector<double*> blocks;
+  tile_of.resize(std::max(tile_of.size(), static_cast<std::size_t>(row.tile_row) + 1));
+  double* tile = matrix_.tiles(row.tile_row);
+  for (const int column : matrix_.columns(row.tile_row)) {
+    tile_of[static_cast<std::size_t>(column)] = tile;
+    tile += kTileSize;
+  }
+  for (std::uint32_t s = row.first_ray; s < row.end_ray; ++s) {
+    add_pose_ray(batch, row_rays_[s], tile_of.data(), blocks);
     if (problem_.border > 0) add_pose_cameras(batch, row_rays_[s]);
   }
 }
 
-void Normals::add_pose_ray(const Batch& batch, std::uint32_t r, std::vector<double*>& blocks) {
+void Normals::add_pose_ray(const Batch& batch, std::uint32_t r, double* const* tile_of, std::vector<double*>& blocks) {
   const std::uint32_t base = problem_.point(batch.first_point).first_ray;
   const PoseRay& ray = pose_rays_[r - base];
-  const auto pose = static_cast<int>(problem_.rays[r].image);
-  double* diagonal = &diagonal_[6ul * static_cast<std::size_t>(pose)];
-  double* right = &right_[6ul * static_cast<std::size_t>(pose)];
+  const std::uint32_t pose = problem_.rays[r].image;
+  const auto block_of = [&](std::uint32_t other) {
+    return tile_of[other / kPosesOfTile] + 6 * (other % kPosesOfTile * kTile + pose % kPosesOfTile);
+  };
   blocks.clear();
   for (std::uint32_t other = first_of_ray_[r]; other <= r; ++other)
-    blocks.push_back(&matrix_.at(6 * pose, 6 * static_cast<int>(problem_.rays[other].image)));
-  bundle::add_pose_ray(ray, &matrix_.at(6 * pose, 6 * pose), right, diagonal, blocks.data(),
+    blocks.push_back(block_of(problem_.rays[other].image));
+  bundle::add_pose_ray(ray, block_of(pose), &right_[6ul * pose], &diagonal_[6ul * pose], blocks.data(),
                        blocks.empty() ? nullptr : &pose_rays_[first_of_ray_[r] - base],
                        static_cast<int>(blocks.size()));
 }

@@ -29,6 +29,11 @@ class Normals {
  private:
   struct Batch {
     std::size_t first_point, end_point;
+    std::size_t first_row = 0, end_row = 0;  // in batch_rows_
+  };
+  struct BatchRow {  // the rays of a batch in the images of one tile row
+    int tile_row;
+    std::uint32_t first_ray, end_ray;  // in row_rays_
   };
   struct BorderSums {  // of one chunk of points
     std::vector<double> matrix, right, diagonal;
@@ -43,8 +48,8 @@ class Normals {
                       BorderSums& sums) const;
   void reduce_cameras(std::size_t point, const PointNormals& normals, const double* y, const Batch& batch,
                       BorderSums& sums);
-  void add_row(const Batch& batch, std::size_t batch_number, std::size_t tile_row);
-  void add_pose_ray(const Batch& batch, std::uint32_t ray, std::vector<double*>& blocks);
+  void add_row(const Batch& batch, const BatchRow& row);
+  void add_pose_ray(const Batch& batch, std::uint32_t ray, double* const* tile_of, std::vector<double*>& blocks);
   void add_pose_cameras(const Batch& batch, std::uint32_t ray);
   double add_positions(const State& state);
   double add_weak_cameras(const State& state);
@@ -58,7 +63,8 @@ class Normals {
   std::vector<BorderSums> chunks_;
   BorderSums border_;
   std::vector<Batch> batches_;
-  std::vector<std::uint32_t> row_begin_, row_rays_;  // rays of each batch and tile row
+  std::vector<BatchRow> batch_rows_;
+  std::vector<std::uint32_t> row_rays_;
   std::vector<std::uint32_t> first_of_ray_, point_of_ray_;
   std::vector<std::uint32_t> camera_begin_;  // of each point: the cameras its rays have, in cameras_of_point_
   std::vector<int> cameras_of_point_;

@@ -71,7 +71,6 @@ struct Problem {
   std::vector<ControlCoordinates> control;
   std::vector<GivenPosition> positions;
   std::vector<DatumConstraint> datum;
-  std::vector<int> first_pose;  ///< of each free image: the first one it shares a point or a datum constraint with
   int rank_defect = 0;
   std::string datum_text;
   std::vector<ImageId> images_left_out;
@@ -111,12 +110,7 @@ struct ProblemAndStart {
 [[nodiscard]] Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope,
                                              const AdjustOptions& options);
 
-/// Orders the free images so that images which share points are close together (reverse Cuthill-McKee), given the
-/// images of every point by CSR; answers the new number of each.
-[[nodiscard]] std::vector<int> elimination_order(int images, const std::vector<std::uint32_t>& first,
-                                                 const std::vector<int>& image_of_ray);
-
-/// Fills datum, rank_defect, datum_text and extends first_pose for it.
+/// Fills datum, rank_defect and datum_text.
 void find_datum(Problem& problem, const State& start);
 
 }  // namespace collinea::bundle

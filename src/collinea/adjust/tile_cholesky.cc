@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "collinea/base/parallel.h"
@@ -43,16 +44,97 @@ void multiply_by_transposed(double* tile, const double* right) {
 
 }  // namespace
 
-TileCholesky::TileCholesky(int size, std::vector<int> first_tile) : size_(size), first_(std::move(first_tile)) {
-  COLLINEA_CHECK(static_cast<int>(first_.size()) == (size + kTile - 1) / kTile);
-  row_begin_.resize(first_.size() + 1, 0);
-  for (int i = 0; i < tile_rows(); ++i) {
-    COLLINEA_CHECK(first_[i] >= 0 && first_[i] <= i);
-    row_begin_[i + 1] = row_begin_[i] + static_cast<std::size_t>(i - first_[i] + 1);
+// Those of the matrix; and of each column its rows but the first also in the column of that first one (its parent in
+// the elimination tree).
+std::vector<std::vector<int>> factor_columns(const TilePattern& pattern) {
+  const int rows = static_cast<int>(pattern.size());
+  std::vector<std::vector<int>> below(pattern.size());
+  for (int i = 0; i < rows; ++i)
+    for (const int column : pattern[i]) {
+      COLLINEA_CHECK(column >= 0 && column <= i);
+      if (column < i) below[column].push_back(i);
+    }
+  for (auto& column : below) {
+    std::sort(column.begin(), column.end());
+    column.erase(std::unique(column.begin(), column.end()), column.end());
+    if (column.empty()) continue;
+    auto& parent = below[column.front()];
+    parent.insert(parent.end(), column.begin() + 1, column.end());
   }
-  tiles_.resize(row_begin_.back() * kTileSize);
-  diagonal_inverses_.resize(first_.size() * kTileSize);
+  return below;
+}
+
+TileCholesky::TileCholesky(int size, const TilePattern& pattern) : size_(size) {
+  COLLINEA_CHECK(static_cast<int>(pattern.size()) == (size + kTile - 1) / kTile);
+  lay_out(pattern);
+  tiles_.resize(columns_.size() * kTileSize);
+  diagonal_inverses_.resize(pattern.size() * kTileSize);
   clear();
+}
+
+void TileCholesky::lay_out(const TilePattern& pattern) {
+  const std::vector<std::vector<int>> below = factor_columns(pattern);
+  const std::size_t rows = pattern.size();
+  row_begin_.assign(rows + 1, 0);
+  below_begin_.assign(rows + 1, 0);
+  for (std::size_t k = 0; k < rows; ++k) {
+    below_begin_[k + 1] = below_begin_[k] + below[k].size();
+    ++row_begin_[k + 1];
+    for (const int row : below[k]) ++row_begin_[static_cast<std::size_t>(row) + 1];
+  }
+  std::partial_sum(row_begin_.begin(), row_begin_.end(), row_begin_.begin());
+  columns_.resize(row_begin_.back());
+  std::vector<std::size_t> next(row_begin_.begin(), row_begin_.end() - 1);
+  for (std::size_t k = 0; k < rows; ++k) {  // ascending: so are the columns of every row, and the diagonal is the last
+    columns_[next[k]++] = static_cast<int>(k);
+    for (const int row : below[k]) {
+      below_.push_back({row, next[static_cast<std::size_t>(row)]});
+      columns_[next[static_cast<std::size_t>(row)]++] = static_cast<int>(k);
+    }
+  }
+  find_subtrees(below);
+}
+
+// Cuts the elimination tree into subtrees of at most a sixteenth of the work each, and what is above them.
+void TileCholesky::find_subtrees(const std::vector<std::vector<int>>& below) {
+  constexpr double kShare = 1.0 / 16;
+  const std::size_t rows = below.size();
+  std::vector<double> work(rows);
+  double total = 0;
+  for (std::size_t k = 0; k < rows; ++k) {
+    const double tiles = 1.0 + static_cast<double>(below[k].size());
+    total += tiles * tiles;
+    work[k] += tiles * tiles;  // with its descendants, which come before it
+    if (!below[k].empty()) work[static_cast<std::size_t>(below[k].front())] += work[k];
+  }
+  std::vector<int> subtree(rows, -1);
+  for (std::size_t k = rows; k-- > 0;) {
+    if (work[k] > kShare * total) continue;
+    const int parent = below[k].empty() ? -1 : subtree[static_cast<std::size_t>(below[k].front())];
+    subtree[k] = parent;
+    if (parent >= 0) continue;
+    subtree[k] = static_cast<int>(subtrees_.size());
+    subtrees_.emplace_back();
+  }
+  for (std::size_t k = 0; k < rows; ++k)
+    (subtree[k] >= 0 ? subtrees_[static_cast<std::size_t>(subtree[k])] : top_).push_back(static_cast<int>(k));
+}
+
+std::size_t TileCholesky::find(int row, int column) const {
+  const std::size_t begin = row_begin_[row], end = row_begin_[row + 1];
+  if (column == row) return end - 1;
+  const std::size_t guess = begin + static_cast<std::size_t>(column);  // of a full row
+  if (guess < end && columns_[guess] == column) return guess;
+  const auto found = std::lower_bound(columns_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                      columns_.begin() + static_cast<std::ptrdiff_t>(end), column);
+  const auto at = static_cast<std::size_t>(found - columns_.begin());
+  return at < end && columns_[at] == column ? at : kNowhere;
+}
+
+std::size_t TileCholesky::place(int row, int column) const {
+  const std::size_t found = find(row, column);
+  COLLINEA_CHECK(found != kNowhere);
+  return found;
 }
 
 void TileCholesky::clear() {
@@ -60,16 +142,14 @@ void TileCholesky::clear() {
   for (int i = size_; i < tile_rows() * kTile; ++i) at(i, i) = 1;
 }
 
-bool TileCholesky::factor_diagonal(int row, double least_pivot) {
-  double* t = tile(row, row);
+// The first row whose pivot is too small; -1 when there is none.
+int TileCholesky::factor_diagonal(int row, double least_pivot) {
+  double* t = tile(diagonal(row));
   for (int j = 0; j < kTile; ++j) {
     double* pivot_column = t + j * kTile;
     const double pivot = pivot_column[j];
     const double original = diagonal_inverses_[static_cast<std::size_t>(row) * kTileSize + j];
-    if (!(pivot > least_pivot * original) || !std::isfinite(pivot)) {
-      failed_row_ = row * kTile + j;
-      return false;
-    }
+    if (!(pivot > least_pivot * original) || !std::isfinite(pivot)) return row * kTile + j;
     const double root = std::sqrt(pivot), scale = 1 / root;
     pivot_column[j] = root;
     for (int i = j + 1; i < kTile; ++i) pivot_column[i] *= scale;
@@ -79,42 +159,73 @@ bool TileCholesky::factor_diagonal(int row, double least_pivot) {
       for (int i = c; i < kTile; ++i) column[i] -= value * pivot_column[i];
     }
   }
-  return true;
+  return -1;
+}
+
+// Tile at row_end of `row`, in `column`, minus the products of what both rows hold before it. Stretches where both have
+// the same columns side by side go to the kernel at once.
+void TileCholesky::subtract_common(int row, std::size_t row_end, int column) {
+  std::size_t a = row_begin_[row], b = row_begin_[column];
+  const std::size_t b_end = diagonal(column);
+  while (a < row_end && b < b_end) {
+    if (columns_[a] != columns_[b]) {
+      ++(columns_[a] < columns_[b] ? a : b);
+      continue;
+    }
+    std::size_t count = 1;
+    while (a + count < row_end && b + count < b_end && columns_[a + count] == columns_[b + count]) ++count;
+    subtract_product(tile(row_end), tile(a), tile(b), static_cast<int>(count) * kTile);
+    a += count;
+    b += count;
+  }
+}
+
+int TileCholesky::factor_column(int j, double least_pivot, const Run& run) {
+  constexpr std::size_t kTilesWorthThreads = 1600;  // products
+  const std::size_t first = row_begin_[j], on_diagonal = diagonal(j);
+  double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(j) * kTileSize;
+  for (int i = 0; i < kTile; ++i) inverse[i] = tile(on_diagonal)[i * kTile + i];  // kept for the test of the pivots
+  subtract_product(tile(on_diagonal), tile(first), tile(first), static_cast<int>(on_diagonal - first) * kTile);
+  if (const int failed = factor_diagonal(j, least_pivot); failed >= 0) return failed;
+  invert_triangle(tile(on_diagonal), inverse);
+  Run serial;
+  const std::span<const Below> rows = below(j);
+  parallel_for(rows.size() * (on_diagonal - first) > kTilesWorthThreads ? run : serial, rows.size(),
+               [&](std::size_t i) {
+                 subtract_common(rows[i].row, rows[i].place, j);
+                 multiply_by_transposed(tile(rows[i].place), inverse);
+               });
+  return -1;
 }
 
 bool TileCholesky::factor(const Run& run, double least_pivot) {
-  constexpr int kRowsWorthThreads = 12;
+  std::vector<int> failed(subtrees_.size(), -1);
   Run serial;
-  for (int j = 0; j < tile_rows() && !run.stopped(); ++j) {
-    double* diagonal = tile(j, j);
-    double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(j) * kTileSize;
-    for (int i = 0; i < kTile; ++i) inverse[i] = diagonal[i * kTile + i];  // kept for the test of the pivots
-    subtract_product(diagonal, tile(j, first_[j]), tile(j, first_[j]), (j - first_[j]) * kTile);
-    if (!factor_diagonal(j, least_pivot)) return false;
-    invert_triangle(diagonal, inverse);
-
-    const auto finish_tile = [&](std::size_t below) {
-      const int i = j + 1 + static_cast<int>(below);
-      if (first_[i] > j) return;
-      const int from = std::max(first_[i], first_[j]);
-      if (from < j) subtract_product(tile(i, j), tile(i, from), tile(j, from), (j - from) * kTile);
-      multiply_by_transposed(tile(i, j), inverse);
-    };
-    const int below = tile_rows() - 1 - j;
-    parallel_for(below >= kRowsWorthThreads && j - first_[j] >= kRowsWorthThreads / 2 ? run : serial,
-                 static_cast<std::size_t>(below), finish_tile);
-  }
+  serial.stop = run.stop;
+  parallel_for(run, subtrees_.size(), [&](std::size_t s) {
+    for (const int j : subtrees_[s]) {
+      if (run.stopped()) return;
+      if ((failed[s] = factor_column(j, least_pivot, serial)) >= 0) return;
+    }
+  });
   failed_row_ = -1;
-  return true;
+  for (const int row : failed)
+    if (row >= 0 && (failed_row_ < 0 || row < failed_row_)) failed_row_ = row;
+  for (std::size_t i = 0; i < top_.size() && failed_row_ < 0 && !run.stopped(); ++i)
+    failed_row_ = factor_column(top_[i], least_pivot, run);
+  return failed_row_ < 0;
 }
 
 void TileCholesky::solve(double* x) const {
   std::array<double, kTile> part;
   for (int i = 0; i < tile_rows(); ++i) {
     double* xi = x + i * kTile;
-    const double* columns = tile(i, first_[i]);
-    for (int k = first_[i] * kTile; k < i * kTile; ++k, columns += kTile)
-      for (int r = 0; r < kTile; ++r) xi[r] -= columns[r] * x[k];
+    for (std::size_t t = row_begin_[i]; t < diagonal(i); ++t) {
+      const double* values = tile(t);
+      const double* xk = x + columns_[t] * kTile;
+      for (int c = 0; c < kTile; ++c, values += kTile)
+        for (int r = 0; r < kTile; ++r) xi[r] -= values[r] * xk[c];
+    }
     const double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(i) * kTileSize;
     part.fill(0);
     for (int c = 0; c < kTile; ++c)
@@ -130,11 +241,14 @@ void TileCholesky::solve(double* x) const {
       part[c] = sum;
     }
     std::copy(part.begin(), part.end(), xi);
-    const double* columns = tile(i, first_[i]);
-    for (int k = first_[i] * kTile; k < i * kTile; ++k, columns += kTile) {
-      double sum = 0;
-      for (int r = 0; r < kTile; ++r) sum += columns[r] * xi[r];
-      x[k] -= sum;
+    for (std::size_t t = row_begin_[i]; t < diagonal(i); ++t) {
+      const double* values = tile(t);
+      double* xk = x + columns_[t] * kTile;
+      for (int c = 0; c < kTile; ++c, values += kTile) {
+        double sum = 0;
+        for (int r = 0; r < kTile; ++r) sum += values[r] * xi[r];
+        xk[c] -= sum;
+      }
     }
   }
 }
@@ -142,47 +256,45 @@ void TileCholesky::solve(double* x) const {
 // From the last column to the first: with M(j) = L(j,k) L(k,k)^-1, the inverse Z has
 //     Z(i,k) = -sum over j > k of Z(i,j) M(j)  and  Z(k,k) = L(k,k)^-T L(k,k)^-1 - sum over j > k of M(j)^T Z(j,k).
 // The rows that hold column k hold every tile Z(i,j) that is asked for.
-void TileCholesky::invert() {
-  std::vector<int> rows;
-  std::vector<double> transposed_m, above;
-  std::array<double, kTileSize> inverse_t, z_t, m_t, sum;
-  for (int k = tile_rows() - 1; k >= 0; --k) {
-    rows.clear();
-    for (int i = k + 1; i < tile_rows(); ++i)
-      if (first_[i] <= k) rows.push_back(i);
-    const double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(k) * kTileSize;
-    transpose(inverse, inverse_t.data());
-    transposed_m.assign(rows.size() * kTileSize, 0.0);
-    for (std::size_t a = 0; a < rows.size(); ++a) {  // M^T by columns = M by rows
-      std::array<double, kTileSize> m;
-      std::copy_n(tile(rows[a], k), kTileSize, m.data());
-      multiply_by_transposed(m.data(), inverse_t.data());
-      transpose(m.data(), transposed_m.data() + a * kTileSize);
-    }
-    above.assign(rows.size() * kTileSize, 0.0);  // Z(i,k)
-    for (std::size_t a = 0; a < rows.size(); ++a)
-      for (std::size_t b = 0; b < rows.size(); ++b) {
-        const int i = std::max(rows[a], rows[b]), j = std::min(rows[a], rows[b]);
-        const double* z = tile(i, j);
-        if (rows[a] < rows[b]) {
-          transpose(z, z_t.data());
-          z = z_t.data();
-        }
-        subtract_product(above.data() + a * kTileSize, z, transposed_m.data() + b * kTileSize, kTile);
-      }
-    sum.fill(0);
-    std::array<double, kTileSize> negative;
-    for (int n = 0; n < kTileSize; ++n) negative[n] = -inverse_t[n];
-    subtract_product(sum.data(), negative.data(), inverse_t.data(), kTile);
-    for (std::size_t a = 0; a < rows.size(); ++a) {
-      transpose(above.data() + a * kTileSize, m_t.data());
-      subtract_product(sum.data(), transposed_m.data() + a * kTileSize, m_t.data(), kTile);
-    }
-    for (int c = 0; c < kTile; ++c)  // the whole tile, symmetric to the last bit
-      for (int r = 0; r < kTile; ++r) tile(k, k)[c * kTile + r] = r >= c ? sum[c * kTile + r] : sum[r * kTile + c];
-    for (std::size_t a = 0; a < rows.size(); ++a)
-      std::copy_n(above.data() + a * kTileSize, kTileSize, tile(rows[a], k));
+void TileCholesky::invert_column(int k, const Run& run) {
+  constexpr std::size_t kRowsWorthThreads = 8;
+  const std::span<const Below> rows = below(k);
+  const double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(k) * kTileSize;
+  std::array<double, kTileSize> inverse_t, m_t, sum, negative;
+  transpose(inverse, inverse_t.data());
+  std::vector<double> transposed_m(rows.size() * kTileSize), above(rows.size() * kTileSize, 0.0);
+  for (std::size_t a = 0; a < rows.size(); ++a) {  // M^T by columns = M by rows
+    multiply_by_transposed(tile(rows[a].place), inverse_t.data());
+    transpose(tile(rows[a].place), transposed_m.data() + a * kTileSize);
   }
+  Run serial;
+  parallel_for(rows.size() >= kRowsWorthThreads ? run : serial, rows.size(), [&](std::size_t a) {  // Z(i,k)
+    std::array<double, kTileSize> z_t;
+    for (std::size_t b = 0; b < rows.size(); ++b) {
+      const double* z = tile(place(std::max(rows[a].row, rows[b].row), std::min(rows[a].row, rows[b].row)));
+      if (a < b) {
+        transpose(z, z_t.data());
+        z = z_t.data();
+      }
+      subtract_product(above.data() + a * kTileSize, z, transposed_m.data() + b * kTileSize, kTile);
+    }
+  });
+  sum.fill(0);
+  for (int n = 0; n < kTileSize; ++n) negative[n] = -inverse_t[n];
+  subtract_product(sum.data(), negative.data(), inverse_t.data(), kTile);
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    transpose(above.data() + a * kTileSize, m_t.data());
+    subtract_product(sum.data(), transposed_m.data() + a * kTileSize, m_t.data(), kTile);
+  }
+  double* on_diagonal = tile(diagonal(k));
+  for (int c = 0; c < kTile; ++c)  // the whole tile, symmetric to the last bit
+    for (int r = 0; r < kTile; ++r) on_diagonal[c * kTile + r] = r >= c ? sum[c * kTile + r] : sum[r * kTile + c];
+  for (std::size_t a = 0; a < rows.size(); ++a)
+    std::copy_n(above.data() + a * kTileSize, kTileSize, tile(rows[a].place));
+}
+
+void TileCholesky::invert(const Run& run) {
+  for (int k = tile_rows() - 1; k >= 0 && !run.stopped(); --k) invert_column(k, run);
 }
 
 }  // namespace collinea::bundle

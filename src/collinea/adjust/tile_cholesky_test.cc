@@ -5,6 +5,7 @@
 #include <hwy/targets.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 #include "collinea/base/random.h"
 
@@ -13,31 +14,42 @@ namespace {
 
 const Run kRun;
 
-// Positive definite with zeros outside an envelope of tiles; the last rows (a border) are full.
+// Positive definite with zeros outside some tiles; the last rows (a border) are full.
 struct Example {
   Eigen::MatrixXd dense;
   TileCholesky tiles;
 };
 
+// Tile rows that hang together as a tree does: two halves that meet only in the last quarter.
+TilePattern halves(int rows) {
+  TilePattern pattern(static_cast<std::size_t>(rows));
+  for (int i = 1; i < rows; ++i)
+    for (int k = 0; k < i; ++k) {
+      const bool separator = 4 * i >= 3 * rows, same_half = (8 * i < 3 * rows) == (8 * k < 3 * rows);
+      if (i == rows - 1 || ((separator || same_half) && (i - k < 3 || (i + k) % 5 == 0)))
+        pattern[static_cast<std::size_t>(i)].push_back(k);
+    }
+  return pattern;
+}
+
 Example example(int size) {
   const int rows = (size + kTile - 1) / kTile;
-  std::vector<int> first(rows);
-  for (int i = 0; i < rows; ++i) first[i] = i == rows - 1 ? 0 : std::max(0, i - 1 - i % 2);
+  const TilePattern pattern = halves(rows);
   Random random(3);
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(size, size);
+  TileCholesky tiles(size, pattern);
   for (int c = 0; c < size; ++c)
-    for (int r = c; r < size; ++r)
-      if (c / kTile >= first[r / kTile]) dense(r, c) = dense(c, r) = random.normal();
-  dense.diagonal().array() += 4 * std::sqrt(size) + 10;
-  TileCholesky tiles(size, first);
-  for (int c = 0; c < size; ++c)
-    for (int r = c; r < size; ++r)
-      if (c / kTile >= first[r / kTile]) tiles.at(r, c) = dense(r, c);
+    for (int r = c; r < size; ++r) {
+      const auto& columns = pattern[static_cast<std::size_t>(r / kTile)];
+      if (r / kTile == c / kTile || std::find(columns.begin(), columns.end(), c / kTile) != columns.end())
+        dense(r, c) = dense(c, r) = tiles.at(r, c) = random.normal();
+    }
+  for (int i = 0; i < size; ++i) tiles.at(i, i) = dense(i, i) += 4 * std::sqrt(size) + 10;
   return {dense, tiles};
 }
 
 TEST(TileCholesky, SolvesAndInvertsLikeADenseOne) {
-  for (const int size : {1, 6, 47, 48, 49, 250, 600}) {
+  for (const int size : {1, 6, 47, 48, 49, 250, 600, 1000}) {
     Example e = example(size);
     ASSERT_TRUE(e.tiles.factor(kRun));
     std::vector<double> x(e.tiles.tile_rows() * kTile, 0.0);
@@ -47,33 +59,47 @@ TEST(TileCholesky, SolvesAndInvertsLikeADenseOne) {
     e.tiles.solve(x.data());
     const Eigen::VectorXd expected = e.dense.llt().solve(right);
     EXPECT_LT((Eigen::Map<Eigen::VectorXd>(x.data(), size) - expected).norm(), 1e-12 * expected.norm());
-    e.tiles.invert();
+    e.tiles.invert(kRun);
     const Eigen::MatrixXd inverse = e.dense.llt().solve(Eigen::MatrixXd::Identity(size, size));
     double worst = 0;
     for (int c = 0; c < size; ++c)
       for (int r = c; r < size; ++r)
-        if (c / kTile >= e.tiles.first_tile(r / kTile))
-          worst = std::max(worst, std::abs(e.tiles.at(r, c) - inverse(r, c)));
+        if (e.tiles.holds(r / kTile, c / kTile)) worst = std::max(worst, std::abs(e.tiles.at(r, c) - inverse(r, c)));
     EXPECT_LT(worst, 1e-13);
   }
+}
+
+TEST(TileCholesky, HoldsNothingBetweenPartsThatMeetLater) {
+  const TileCholesky tiles(24 * kTile, halves(24));
+  for (int i = 9; i < 18; ++i)
+    for (int k = 0; k < 9; ++k) EXPECT_FALSE(tiles.holds(i, k)) << i << " " << k;
+  EXPECT_TRUE(tiles.holds(20, 0) || tiles.holds(21, 0));
 }
 
 TEST(TileCholesky, ThreadsDoNotChangeABit) {
   collinea::Run three;
   three.threads = 3;
   Example a = example(1500), b = example(1500);
-  std::vector<int> dense_rows(a.tiles.tile_rows(), 0);
-  TileCholesky full(1500, dense_rows), other(1500, dense_rows);
-  for (int c = 0; c < 1500; ++c)
-    for (int r = c; r < 1500; ++r) full.at(r, c) = other.at(r, c) = a.dense(r, c);
-  ASSERT_TRUE(full.factor(kRun) && other.factor(three));
-  for (int c = 0; c < 1500; ++c)
-    for (int r = c; r < 1500; ++r) ASSERT_EQ(full.at(r, c), other.at(r, c));
+  const auto expect_same = [&] {
+    for (int c = 0; c < 1500; ++c)
+      for (int r = c; r < 1500; ++r)
+        if (a.tiles.holds(r / kTile, c / kTile)) {
+          ASSERT_EQ(a.tiles.at(r, c), b.tiles.at(r, c));
+        }
+  };
+  ASSERT_TRUE(a.tiles.factor(kRun) && b.tiles.factor(three));
+  expect_same();
+  a.tiles.invert(kRun);
+  b.tiles.invert(three);
+  expect_same();
 }
 
 TEST(TileCholesky, NamesTheRowThatIsNotDetermined) {
   Example e = example(100);
-  for (int i = 0; i < 100; ++i) e.tiles.at(std::max(i, 70), std::min(i, 70)) = 0;
+  for (int i = 0; i < 100; ++i) {
+    const int row = std::max(i, 70), column = std::min(i, 70);
+    if (e.tiles.holds(row / kTile, column / kTile)) e.tiles.at(row, column) = 0;
+  }
   EXPECT_FALSE(e.tiles.factor(kRun));
   EXPECT_EQ(e.tiles.failed_row(), 70);
 }

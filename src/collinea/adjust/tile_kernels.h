@@ -3,9 +3,11 @@
 
 namespace collinea::bundle {
 
-/// Side of the square tiles in which the reduced normal matrix is kept: eight poses of six unknowns.
-inline constexpr int kTile = 48;
+/// Side of the square tiles in which the reduced normal matrix is kept: four poses of six unknowns. Larger tiles would
+/// hold more zeros, smaller ones would leave vector registers empty.
+inline constexpr int kTile = 24;
 inline constexpr int kTileSize = kTile * kTile;
+inline constexpr int kPosesOfTile = kTile / 6;
 
 /// c -= a b^T. c is a tile, a and b have kTile rows and `columns` columns; all by columns.
 void subtract_product(double* c, const double* a, const double* b, int columns);

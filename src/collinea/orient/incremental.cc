@@ -47,7 +47,12 @@ class Grower {
       : block_(reconstruction), pairs_(pairs), exclude_(exclude), options_(options), run_(run) {}
 
   Result<> grow() {
-    if (!start()) return run_.stopped() ? fail(Errc::kCancelled, "stopped") : Result<>{};
+    if (!block_.poses().empty()) {
+      images_at_global_ = static_cast<double>(block_.poses().size());
+      stuck_ = true;  // it was adjusted as a whole: no need to do so before an image is added
+    } else if (!start()) {
+      return run_.stopped() ? fail(Errc::kCancelled, "stopped") : Result<>{};
+    }
     for (;;) {
       if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
       if (add_next_image()) {

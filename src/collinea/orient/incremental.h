@@ -7,7 +7,8 @@ namespace collinea {
 
 /// Orients as many images as hang together: an initial pair with parallax and support, then image after image by
 /// resection, intersection of new points, local and, at growing intervals, global adjustment with self-calibration and
-/// rejection of bad rays. The result lies in an arbitrary gauge. Images given in `exclude` stay out. Nothing was
+/// rejection of bad rays. The result lies in an arbitrary gauge. Where images are in place already, growth goes on from
+/// them. Images given in `exclude` stay out. Nothing was
 /// oriented: an empty reconstruction. After Schoenberger & Frahm (2016), Structure-from-motion revisited; without their
 /// camera-specific retriangulation.
 [[nodiscard]] Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs,

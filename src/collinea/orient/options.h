@@ -12,7 +12,11 @@ namespace collinea {
 /// What OrientOptions::calibration may be.
 inline constexpr std::array<std::string_view, 5> kCalibrations = {"auto", "none", "focal", "focal_radial", "brown"};
 
+/// What OrientOptions::mode may be.
+inline constexpr std::array<std::string_view, 3> kOrientModes = {"auto", "incremental", "global"};
+
 struct OrientOptions {
+  std::string mode = "auto";
   std::string calibration = "auto";
   double max_error_px = 3;
   double min_angle_deg = 1.5;
@@ -24,6 +28,9 @@ struct OrientOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = OrientOptions;
+    visit(Field{"mode", &O::mode, "",
+                "how the block begins: incremental (image after image), global (all at once, from image positions), "
+                "auto (global from 300 images on when nearly all have positions)"});
     visit(Field{"calibration", &O::calibration, "",
                 "camera parameters to find: auto (as many as the block carries), none, focal, focal_radial, brown"});
     visit(Field{"max_error_px", &O::max_error_px, "px", "largest residual of a tie point's image", 0.1});

@@ -9,6 +9,7 @@
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
+#include "collinea/orient/global.h"
 #include "collinea/orient/incremental.h"
 #include "collinea/orient/strip_datum.h"
 #include "collinea/orient/weak_cases.h"
@@ -25,6 +26,7 @@ constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as o
 
 struct Parts {
   Reconstruction largest;
+  bool in_world = false;  // it was placed by the positions of its images
   std::vector<std::vector<ImageId>> others;
   std::vector<ImageId> alone;
 };
@@ -35,13 +37,25 @@ std::vector<ImageId> images_of(const Reconstruction& part) {
   return images;
 }
 
+bool begins_globally(const Block& setup, const OrientOptions& options) {
+  return options.mode == "global" || (options.mode == "auto" && options.use_positions && worth_global(setup));
+}
+
 // Grows parts until no new one with three images comes up; the largest is kept.
 Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<const ImagePair> pairs,
                          const OrientOptions& options, const Run& run) {
   std::vector<Reconstruction> parts;
   std::set<ImageId> taken;
+  bool placed = false;  // the first part
   for (;;) {
     Reconstruction part = empty;
+    if (parts.empty() && begins_globally(setup, options)) {
+      COLLINEA_TRY(placed, place_globally(part, setup, pairs, options, run));
+      if (!placed && options.mode == "global")
+        return fail(Errc::kIllPosed,
+                    "the positions of the images do not fix the block (too few, all on one line, or they contradict "
+                    "the pairs): orient with --mode incremental");
+    }
     if (auto grown = grow(part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
     if (part.poses().size() < (parts.empty() ? 2 : kSmallestPart)) break;
     for (const auto& [image, pose] : part.poses()) taken.insert(image);
@@ -52,7 +66,7 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
   const auto largest = std::max_element(
       parts.begin(), parts.end(),
       [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
-  Parts result{std::move(*largest), {}, {}};
+  Parts result{std::move(*largest), placed && largest == parts.begin(), {}, {}};
   for (const Reconstruction& part : parts)
     if (&part != &*largest) result.others.push_back(images_of(part));
   for (const auto& [image, data] : setup.images)
@@ -105,9 +119,10 @@ class Orienter {
     Reconstruction& part = parts.largest;
     part.wake_all();
     part.extend_all(run_);
-    COLLINEA_TRY(const Adjusted free_net,
-                 settle(part, {.use_positions = false, .use_control = false}, options_, true, run_));
-    take_sigma(part, free_net.sigma0);
+    // A part that lies in the world by its positions keeps them: without them a large block only sways.
+    const AdjustScope by_itself{.use_positions = parts.in_world && options_.use_positions, .use_control = false};
+    COLLINEA_TRY(const Adjusted settled, settle(part, by_itself, options_, true, run_));
+    take_sigma(part, settled.sigma0);
     const AdjustScope scope = place(part);
     if (result_.georeferenced)
       if (auto tied = tie_to_ground(part, scope); !tied) return tl::unexpected(tied.error());
@@ -121,7 +136,7 @@ class Orienter {
   }
 
  private:
-  // Nothing but tie points took part: their sigma is what they show among each other. The loss sets in where it did.
+  // Hardly anything but tie points took part: their sigma is what they show among each other. The loss sets in where it did.
   static void take_sigma(Reconstruction& part, double sigma0) {
     TieNoise noise = part.noise();
     noise.sigma_px *= sigma0;

@@ -18,9 +18,9 @@ struct Orientation {
   double gsd_m = 0;  ///< median size of a pixel at the tie points [m, or units of the gauge]
 };
 
-/// Orients a block from verified pairs: incremental growth, the largest of several parts is kept; then datum by
-/// positions (GNSS) and control, examination of control, and a final adjustment with all observations. Errors: no two
-/// images fit together; cancelled.
+/// Orients a block from verified pairs: growth image by image, or from all at once (options.mode); the largest of
+/// several parts is kept; then datum by positions (GNSS) and control, examination of control, and a final adjustment
+/// with all observations. Errors: no two images fit together; cancelled.
 [[nodiscard]] Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
                                          const KeypointSource& keypoints, const OrientOptions& options, const Run& run);
 

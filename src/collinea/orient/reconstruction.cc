@@ -58,19 +58,23 @@ Result<Reconstruction> Reconstruction::create(const Block& setup, std::span<cons
   result.options_ = options;
   result.noise_.sigma_px = options.sigma_px;
   result.cameras_ = setup.cameras;
-  std::map<ImageId, std::vector<Keypoint>> keypoints_of;
   for (const Track& track : merge_tracks(pairs)) {
     TrackState state;
     const auto number = static_cast<std::uint32_t>(result.tracks_.size());
     for (const auto& [image, feature] : track.features) {
-      if (!keypoints_of.contains(image)) {
-        COLLINEA_TRY(keypoints_of[image], keypoints(image));
-      }
-      const Keypoint& keypoint = keypoints_of.at(image).at(feature);
       result.rays_of_[image].push_back({number, static_cast<std::uint32_t>(state.rays.size())});
-      state.rays.push_back({image, feature, {keypoint.x, keypoint.y}, sigma_factor(keypoint.scale_px), false});
+      state.rays.push_back({image, feature, Eigen::Vector2d::Zero(), 1, false});
     }
     result.tracks_.push_back(std::move(state));
+  }
+  for (const auto& [image, rays] : result.rays_of_) {  // the keypoints of one image at a time
+    COLLINEA_TRY(const std::vector<Keypoint> found, keypoints(image));
+    for (const RayRef& ref : rays) {
+      Ray& ray = result.tracks_[ref.track].rays[ref.ray];
+      const Keypoint& keypoint = found.at(ray.feature);
+      ray.pixel = {keypoint.x, keypoint.y};
+      ray.sigma_factor = sigma_factor(keypoint.scale_px);
+    }
   }
   for (const auto& [image, rays] : result.rays_of_) result.images_.push_back(image);
   return result;
@@ -368,6 +372,21 @@ void Reconstruction::move_world(const Similarity3& new_from_old) {
   for (auto& [image, pose] : poses_) pose = moved(pose, new_from_old);
   for (TrackState& track : tracks_)
     if (track.point) track.point = new_from_old * *track.point;
+}
+
+void Reconstruction::place(const std::map<ImageId, Rigid3>& poses) {
+  for (const auto& [image, pose] : poses) poses_[image] = pose;
+}
+
+void Reconstruction::drop_loose(int least_rays) {
+  std::vector<ImageId> loose;
+  for (const auto& [image, pose] : poses_) {
+    const auto active = std::count_if(rays_of(image).begin(), rays_of(image).end(), [&](const RayRef& ref) {
+      return tracks_[ref.track].rays[ref.ray].active;
+    });
+    if (active < least_rays) loose.push_back(image);
+  }
+  for (const ImageId image : loose) drop_image(image);
 }
 
 void Reconstruction::forget() {

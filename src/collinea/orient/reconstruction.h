@@ -89,6 +89,12 @@ class Reconstruction {
   void set_noise(const TieNoise& noise);
   /// What the points with three rays and more show of it; nothing when there are too few.
   [[nodiscard]] std::optional<TieNoise> shown_noise() const;
+  /// Puts images in place; nothing else.
+  void place(const std::map<ImageId, Rigid3>& poses);
+  /// Gives up images with fewer active rays.
+  void drop_loose(int least_rays);
+  /// How far a ray may miss its point from now on.
+  void set_max_error_px(double max_error_px) { options_.max_error_px = max_error_px; }
   void take(const Adjusted& adjusted);
   void forget();  ///< back to no pose and no point
 

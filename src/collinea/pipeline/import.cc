@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr double kAssumedFocal = 1.2;       // times the longer side: a plain wide-angle lens
 constexpr double kAssumedFocalSigma = 0.3;  // relative
-constexpr double kExifFocalSigma = 0.05;    // relative: EXIF rounds to whole millimetres
 constexpr double kFullFrameDiagonal_mm = 43.2666;
 
 struct Photo {

@@ -42,6 +42,9 @@ struct ImportOptions {
   }
 };
 
+/// Relative standard deviation of a focal length from the header of a photograph: EXIF rounds to whole millimetres.
+inline constexpr double kExifFocalSigma = 0.05;
+
 /// A photograph that did not become part of the block, and why.
 struct SkippedPhoto {
   std::string file, reason;

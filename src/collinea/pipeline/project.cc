@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <functional>
 
@@ -173,6 +174,13 @@ Result<> check_step_name(const std::string& name) {
     known += (known.empty() ? "" : ", ") + std::string(step.name);
   }
   return fail(Errc::kBadInput, "no step is called \"" + name + "\": choose one of " + known);
+}
+
+Result<> record_done(Project& project, const std::string& name, const StepOutput& output) {
+  if (auto known = check_step_name(name); !known) return known;
+  const Step& step = *std::find_if(steps().begin(), steps().end(), [&](const Step& s) { return name == s.name; });
+  COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
+  return project.store.write_step({name, inputs_hash, output.output_hash, 0, 0, 0, output.report_json});
 }
 
 Result<> bring_up_to(Project& project, const std::string& last) {

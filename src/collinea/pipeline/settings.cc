@@ -115,6 +115,9 @@ Result<> validate_settings(const Settings& settings) {
   const std::string& pairs = settings.pairs.pairs;
   if (verdict && std::find(kPairChoices.begin(), kPairChoices.end(), pairs) == kPairChoices.end())
     return fail(Errc::kBadInput, "match: pairs = \"" + pairs + "\": choose auto or all");
+  const std::string& mode = settings.orient.mode;
+  if (verdict && std::find(kOrientModes.begin(), kOrientModes.end(), mode) == kOrientModes.end())
+    return fail(Errc::kBadInput, "orient: mode = \"" + mode + "\": choose auto, incremental or global");
   return verdict;
 }
 

@@ -14,6 +14,10 @@ struct StepOutput {
   std::string summary;      ///< one line for people
 };
 
+/// Records a step as done with what the store holds already, so that the later ones go on from it. The steps before it
+/// must be recorded.
+Result<> record_done(Project& project, const std::string& step, const StepOutput& output);
+
 /// The steps. `inputs_hash` is the fingerprint of all that the step reads; work done under another one is not reused.
 Result<StepOutput> import_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> detect_step(Project& project, const std::string& inputs_hash);

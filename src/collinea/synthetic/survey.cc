@@ -26,11 +26,14 @@ struct Plan {
   int cross_strips = 0, per_cross = 0;
 };
 
+// Two cross strips of a quarter of the images; in large blocks of fewer, as soon as they reach from side to side.
 void choose_strips(Plan& plan, int images) {
   plan.cross_strips = images >= 12 ? 2 : 0;
-  plan.per_cross = plan.cross_strips ? std::max(2, images / 8) : 0;
+  const auto across = [&](int rest) { return std::max(1, int(std::lround(std::sqrt(rest / 2.0)))); };
+  const int reach = 2 + int(across(images) * plan.spacing_m / (kCrossHeight * plan.base_m));
+  plan.per_cross = plan.cross_strips ? std::max(2, std::min(images / 8, reach)) : 0;
   const int rest = images - plan.cross_strips * plan.per_cross;
-  plan.strips = std::max(1, int(std::lround(std::sqrt(rest / 2.0))));
+  plan.strips = across(rest);
   plan.per_strip = (rest + plan.strips - 1) / plan.strips;
   plan.dropped = plan.strips * plan.per_strip - rest;
 }

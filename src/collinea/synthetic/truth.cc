@@ -51,7 +51,9 @@ struct Candidate {
   std::vector<std::pair<std::size_t, Eigen::Vector2d>> pixels;  // index of the view, exact place
 };
 
-Candidate sample(const Scene& scene, const std::vector<View>& views, std::size_t from, Random& random) {
+// A place that `from` shows; of the other images that show it, each finds it with the chance `found_share`.
+Candidate sample(const Scene& scene, const std::vector<View>& views, std::size_t from, double found_share,
+                 Random& random) {
   const View& view = views[from];
   Candidate candidate;
   const auto hit =
@@ -60,7 +62,8 @@ Candidate sample(const Scene& scene, const std::vector<View>& views, std::size_t
   candidate.point = hit->point;
   candidate.albedo = scene.albedo(*hit, 0.05);
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (const auto pixel = see(scene, views[i], hit->point, 0)) candidate.pixels.emplace_back(i, *pixel);
+    if (const auto pixel = see(scene, views[i], hit->point, 0))
+      if (i == from || random.uniform() < found_share) candidate.pixels.emplace_back(i, *pixel);
   return candidate;
 }
 
@@ -101,13 +104,13 @@ Result<Block> observations_only(const Truth& truth, const ObservationOptions& op
     std::vector<std::size_t> sources;
     for (std::size_t i = 0; i < views.size(); ++i) {
       const int missing = options.points_per_image * round / kRounds - count[i];
-      const int draws = round < kRounds ? (missing + 3) / 4 : 2 * missing;
+      const int draws = round < kRounds ? (missing + 3) / 4 : int(2 * missing / options.found_share);
       sources.insert(sources.end(), std::size_t(std::max(0, draws)), i);
     }
     std::vector<Candidate> candidates(sources.size());
     parallel_for(run, sources.size(), [&](std::size_t i) {
       Random random(options.seed, item + i);
-      candidates[i] = sample(truth.scene, views, sources[i], random);
+      candidates[i] = sample(truth.scene, views, sources[i], options.found_share, random);
     });
     if (run.stopped()) return fail(Errc::kCancelled, "sampling tie points was stopped");
     for (std::size_t i = 0; i < sources.size(); ++i) {

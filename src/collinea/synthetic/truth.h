@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
@@ -45,14 +46,32 @@ struct Truth {
 /// The surface point shown at a pixel; nothing where the sky is.
 [[nodiscard]] std::optional<Hit> shown_at(const Truth& truth, ImageId image, const Eigen::Vector2d& pixel);
 
+/// What detection and matching would find in pictures that are never made.
 struct ObservationOptions {
-  int points_per_image = 300;  ///< at least so many observations in each image, where the scene allows
-  double noise_px = 0.3;       ///< standard deviation of each image coordinate
+  int points_per_image = 200;
+  double noise_px = 0.5;
+  double found_share = 0.5;
+  double matched_share = 0.8;
+  double wrong_share = 0.04;
   std::uint64_t seed = 1;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = ObservationOptions;
+    visit(Field{"points_per_image", &O::points_per_image, "1",
+                "at least so many features in each image, where the scene allows", 8, 100000});
+    visit(Field{"noise_px", &O::noise_px, "px", "standard deviation of each coordinate of a feature", 0.0, 100});
+    visit(
+        Field{"found_share", &O::found_share, "1", "chance that a point is found in an image that shows it", 0.01, 1});
+    visit(Field{"matched_share", &O::matched_share, "1",
+                "chance that a point found in two images is matched between them", 0.01, 1});
+    visit(Field{"wrong_share", &O::wrong_share, "1",
+                "share of matches that lead to another feature, close to the epipolar line", 0.0, 1});
+  }
 };
 
-/// The block of the truth with tie points and observations, without pictures: surface points, visible in two images or
-/// more, at their exact places; their image points exactly projected plus normal noise.
+/// The block of the truth with tie points and observations, without pictures: surface points, found in two images or
+/// more, at their exact places; their image points exactly projected plus normal noise. Nothing of matching takes part.
 [[nodiscard]] Result<Block> observations_only(const Truth& truth, const ObservationOptions& options, const Run& run);
 
 }  // namespace collinea

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/global.h"
+
+#include <gtest/gtest.h>
+
+#include "collinea/base/random.h"
+#include "collinea/geometry/rotation.h"
+#include "collinea/orient/orient.h"
+#include "collinea/orient/position_averaging.h"
+#include "collinea/orient/rotation_averaging.h"
+#include "collinea/orient/test_pairs.h"
+
+namespace collinea {
+namespace {
+
+const collinea::Run kRun;
+
+// Cameras turned at random; pairs of each with the next four, exact but for `noise_rad`.
+struct Rotations {
+  std::vector<Eigen::Quaterniond> exact;
+  std::vector<RelativeRotation> pairs;
+
+  // The largest angle to the truth after the best turn of the whole, which is that of camera 0.
+  [[nodiscard]] double worst_rad(const std::vector<Eigen::Quaterniond>& found) const {
+    double worst = 0;
+    const Eigen::Quaterniond world = found[0].conjugate() * exact[0];
+    for (std::size_t i = 0; i < exact.size(); ++i)
+      worst = std::max(worst, found[i].angularDistance(exact[i] * world.conjugate()));
+    return worst;
+  }
+};
+
+Rotations rotations(int count, double noise_rad) {
+  Random random(5);
+  Rotations result;
+  for (int i = 0; i < count; ++i) result.exact.push_back(rotation_by(2 * testing::normal3(random)));
+  for (int i = 0; i < count; ++i)
+    for (int k = i + 1; k <= std::min(i + 4, count - 1); ++k)
+      result.pairs.push_back(
+          {i, k,
+           (rotation_by(noise_rad * testing::normal3(random)) * result.exact[k] * result.exact[i].conjugate())
+               .normalized(),
+           1});
+  return result;
+}
+
+TEST(AverageRotations, ExactPairsGiveExactRotations) {
+  const Rotations r = rotations(40, 0);
+  EXPECT_LT(r.worst_rad(average_rotations(40, r.pairs, kRun)), 1e-9);
+}
+
+TEST(AverageRotations, WrongPairsDoNoHarm) {
+  Rotations r = rotations(40, 1e-3);
+  const double without = r.worst_rad(average_rotations(40, r.pairs, kRun));
+  for (std::size_t i = 3; i < r.pairs.size(); i += 10) r.pairs[i].second_from_first = rotation_by({0.5, -1, 0.3});
+  EXPECT_LT(r.worst_rad(average_rotations(40, r.pairs, kRun)), 2 * without + 1e-3);
+}
+
+// Cameras on a grid with directions to their neighbours in a frame that is turned against the world.
+struct Places {
+  std::vector<Eigen::Vector3d> exact;
+  std::vector<RelativeDirection> directions;  // in the world
+  std::vector<ReceivedPosition> received;
+};
+
+Places places(int rows, int columns, double sigma_m, double noise_rad) {
+  Random random(6);
+  Places p;
+  for (int i = 0; i < rows * columns; ++i) {
+    p.exact.emplace_back(20.0 * (i % columns), 35.0 * (i / columns), 100 + random.normal());
+    p.received.push_back({p.exact[i] + sigma_m * testing::normal3(random), Eigen::Vector3d::Constant(sigma_m)});
+  }
+  for (int i = 0; i < rows * columns; ++i)
+    for (const int k : {i + 1, i + columns, i + columns + 1})
+      if (k < rows * columns && (k == i + columns || i % columns + 1 < columns)) {
+        const Eigen::Vector3d base = (p.exact[k] - p.exact[i]).normalized();
+        p.directions.push_back({i, k, (rotation_by(noise_rad * testing::normal3(random)) * base).normalized()});
+      }
+  return p;
+}
+
+TEST(WorldFromDirections, FindsTheTurnDespiteWrongPositions) {
+  Places p = places(5, 8, 0.5, 0.002);
+  p.received[11].position_in_world += Eigen::Vector3d(60, -40, 20);
+  const Eigen::Quaterniond world_from_frame = rotation_by({0.4, -1.1, 2});
+  for (RelativeDirection& pair : p.directions) pair.direction = world_from_frame.conjugate() * pair.direction;
+  const auto found = world_from_directions(p.directions, p.received);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->angularDistance(world_from_frame), 0.02);
+}
+
+TEST(WorldFromDirections, OneStripFixesNoTurn) {
+  const Places p = places(1, 12, 0.05, 0);
+  EXPECT_FALSE(world_from_directions(p.directions, p.received));
+}
+
+TEST(AveragePositions, DirectionsMakePositionsBetter) {
+  const Places p = places(6, 10, 1.5, 0.005);
+  const auto found = average_positions(p.directions, p.received, kRun);
+  double before = 0, after = 0;
+  for (std::size_t i = 0; i < p.exact.size(); ++i) {
+    before += (p.received[i].position_in_world - p.exact[i]).squaredNorm();
+    after += (found[i] - p.exact[i]).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(after), 0.5 * std::sqrt(before));
+}
+
+TEST(AveragePositions, ACameraWithoutPositionIsPlacedByItsDirections) {
+  Places p = places(5, 8, 0.1, 0);
+  p.received[18] = {};
+  const auto found = average_positions(p.directions, p.received, kRun);
+  EXPECT_LT((found[18] - p.exact[18]).norm(), 0.5);
+}
+
+Block survey() {
+  return testing::test_block(
+      {.rows = 4, .columns = 7, .points = 700, .sigma_px = 0.3, .position_sigma_m = 0.5, .control = 0});
+}
+
+TEST(OrientGlobally, FindsWhatGrowthFinds) {
+  testing::Matched matched = testing::matched(survey());
+  matched.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  std::map<std::string, Block> found;
+  for (const char* mode : {"incremental", "global"}) {
+    OrientOptions options;
+    options.mode = mode;
+    const auto done = orient(matched.setup, matched.pairs, matched.source(), options, kRun);
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_EQ(done->block.cam_from_world.size(), 28u);
+    found[mode] = done->block;
+  }
+  EXPECT_LT(testing::centre_rms_m(found.at("global"), found.at("incremental"), false), 0.01);
+}
+
+TEST(OrientGlobally, DoesNotDependOnThreads) {
+  testing::Matched matched = testing::matched(survey());
+  matched.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  OrientOptions options;
+  options.mode = "global";
+  std::vector<Block> found;
+  for (const int threads : {1, 2}) {
+    collinea::Run run;
+    run.threads = threads;
+    found.push_back(orient(matched.setup, matched.pairs, matched.source(), options, run)->block);
+  }
+  for (const auto& [image, pose] : found[0].cam_from_world) {
+    EXPECT_EQ(pose.translation, found[1].cam_from_world.at(image).translation);
+    EXPECT_EQ(pose.rotation.coeffs(), found[1].cam_from_world.at(image).rotation.coeffs());
+  }
+  ASSERT_EQ(found[0].observations.size(), found[1].observations.size());
+}
+
+TEST(OrientGlobally, SaysWhenPositionsDoNotFixTheBlock) {
+  const testing::Matched matched = testing::matched(testing::test_block({.points = 600}));  // none
+  OrientOptions options;
+  options.mode = "global";
+  const auto done = orient(matched.setup, matched.pairs, matched.source(), options, kRun);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::kIllPosed);
+}
+
+}  // namespace
+}  // namespace collinea
