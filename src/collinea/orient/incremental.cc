@@ -14,7 +14,8 @@ constexpr int kInitialPairsTried = 30;
 constexpr int kMinInitialPoints = 40;
 constexpr double kEnoughParallax_rad = 8 * std::numbers::pi / 180;
 constexpr double kGlobalGrowth = 1.2;  // a global adjustment each time the block has grown by this factor
-constexpr int kMaxFailures = 3;        // resections of one image before it is left for good
+constexpr std::size_t kImagesToCalibrate = 3;
+constexpr int kMaxFailures = 3;  // resections of one image before it is left for good
 
 // Support counts only as far as it comes with parallax; beyond some degrees more parallax does not help.
 double worth_as_start(const ImagePair& pair) {
@@ -38,6 +39,16 @@ std::vector<const ImagePair*> initial_pairs(std::span<const ImagePair> pairs, co
 // While the block grows, what is adjusted now is adjusted again: a coarse minimum is enough.
 AdjustOptions growing(std::string calibration, int max_iterations) {
   return {.calibration = std::move(calibration), .max_iterations = max_iterations, .relative_cost_change = 1e-3};
+}
+
+// What a young block is adjusted with: the fewer images, the fewer camera parameters, because bad matches are still
+// among the good.
+std::string young_calibration(const OrientOptions& options, std::size_t images) {
+  if (options.calibration != "auto") return options.calibration;
+  if (images < 3) return "none";
+  if (images < 5) return "focal";
+  if (images < 8) return "focal_radial";
+  return "brown";
 }
 
 class Grower {
@@ -123,7 +134,7 @@ class Grower {
 
   Result<> global(int rounds) {
     for (int round = 0; round < rounds; ++round) {
-      const AdjustOptions adjust = growing(calibration_for(options_, block_.poses().size()), 20);
+      const AdjustOptions adjust = growing(young_calibration(options_, block_.poses().size()), 20);
       if (auto adjusted = block_.adjust_all(adjust, {.use_positions = false, .use_control = false}, run_); !adjusted)
         return tl::unexpected(adjusted.error());
       block_.filter(options_.max_error_px, run_);
@@ -151,21 +162,15 @@ class Grower {
 
 }  // namespace
 
-std::string calibration_for(const OrientOptions& options, std::size_t images) {
-  if (options.calibration != "auto") return options.calibration;
-  if (images < 3) return "none";
-  if (images < 5) return "focal";
-  if (images < 8) return "focal_radial";
-  return "brown";
-}
-
 Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs, const std::set<ImageId>& exclude,
               const OrientOptions& options, const Run& run) {
   return Grower(reconstruction, pairs, exclude, options, run).grow();
 }
 
 AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options) {
-  return {.calibration = calibration_for(options, reconstruction.poses().size()),
+  const bool calibrates = options.calibration == "auto" && reconstruction.poses().size() >= kImagesToCalibrate;
+  const std::string automatic = calibrates ? "brown" : "none";
+  return {.calibration = options.calibration == "auto" ? automatic : options.calibration,
           .loss = reconstruction.noise().loss,
           .loss_scale_sigmas = reconstruction.noise().loss_scale_sigmas};
 }

@@ -14,15 +14,13 @@ namespace collinea {
 [[nodiscard]] Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs,
                             const std::set<ImageId>& exclude, const OrientOptions& options, const Run& run);
 
-/// How a grown block is adjusted: with all camera parameters it carries, and the noise its tie points have.
+/// How a grown block is adjusted: with the noise its tie points have and, from three images on, with all camera
+/// parameters: a parameter that is held counts as exactly known, and f with its sigma pays for what it really is.
 [[nodiscard]] AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options);
 
 /// Global adjustment, rejection of bad rays and intersection of what was left, until little changes. With
 /// `learn_noise` size and shape of the tie points' errors are taken from what they show. Coarse: to 1e-4 of the cost.
 [[nodiscard]] Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope,
                                       const OrientOptions& options, bool learn_noise, const Run& run);
-
-/// How many camera parameters a block of so many images carries: a word for AdjustOptions::calibration.
-[[nodiscard]] std::string calibration_for(const OrientOptions& options, std::size_t images);
 
 }  // namespace collinea

@@ -32,7 +32,7 @@ struct OrientOptions {
                 "how the block begins: incremental (image after image), global (all at once, from image positions), "
                 "auto (global from 300 images on when nearly all have positions)"});
     visit(Field{"calibration", &O::calibration, "",
-                "camera parameters to find: auto (as many as the block carries), none, focal, focal_radial, brown"});
+                "camera parameters to find: auto (all of brown from three images on), none, focal, focal_radial, brown"});
     visit(Field{"max_error_px", &O::max_error_px, "px", "largest residual of a tie point's image", 0.1});
     visit(Field{"min_angle_deg", &O::min_angle_deg, "deg", "smallest angle between two rays that fix a tie point", 0.01,
                 90});

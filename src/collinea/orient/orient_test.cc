@@ -68,6 +68,26 @@ TEST(Orient, NoiseOfHalfAPixelMovesCentresByAboutAPixel) {
   EXPECT_GT(found->block.points.size(), 400u);
 }
 
+// e' C^-1 e of f, cx, cy is chi-squared with three degrees of freedom: mean 3, deviation of the mean of 12 sqrt(6 /
+// 12). With the principal point held in the middle, off by 6 and 4 px, f alone would be wrong by tens of its sigmas.
+TEST(Orient, TheCameraOfASmallBlockIsAsGoodAsItsSigmasSay) {
+  constexpr int kBlocks = 12;
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+    const Matched input = matched(test_block({.rows = 2, .columns = 3, .points = 250, .sigma_px = 0.5, .seed = seed}));
+    const auto found = orient(input);
+    ASSERT_TRUE(found) << found.error().message;
+    const Camera &camera = found->block.cameras.begin()->second, &exact = input.truth.cameras.begin()->second;
+    const Eigen::Vector3d error(camera.params[Camera::kF] - exact.params[Camera::kF],
+                                camera.params[Camera::kCx] - exact.params[Camera::kCx],
+                                camera.params[Camera::kCy] - exact.params[Camera::kCy]);
+    const Eigen::Matrix3d covariance = found->adjusted.camera_covariance.begin()->second.topLeftCorner<3, 3>();
+    sum += error.dot(covariance.inverse() * error) / kBlocks;
+  }
+  EXPECT_GT(sum, 3 - 4 * std::sqrt(6.0 / kBlocks) / 2);
+  EXPECT_LT(sum, 3 + 4 * std::sqrt(6.0 / kBlocks));
+}
+
 TEST(Orient, ObservationsOfTheResultAreSortedAndBelongToPointsAndPoses) {
   const auto found = orient(matched(small_block()));
   ASSERT_TRUE(found) << found.error().message;
