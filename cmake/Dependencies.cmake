@@ -20,7 +20,3 @@ if(COLLINEA_TESTS)
   include(GoogleTest)
   enable_testing()
 endif()
-
-if(COLLINEA_BENCH)
-  find_package(Ceres 2.1 REQUIRED)
-endif()

@@ -109,9 +109,9 @@ Result<bool> place_globally(Reconstruction& block, const Block& setup, std::span
   for (std::size_t round = 0; round < kTolerances.size(); ++round) {
     block.set_max_error_px(kTolerances[round] * options.max_error_px);
     block.extend_all(run);
-    const AdjustOptions adjust{.calibration = calibration_for(options, block.poses().size()),
-                               .max_iterations = 10,
-                               .relative_cost_change = 1e-2};
+    AdjustOptions adjust = settled_options(block, options);
+    adjust.max_iterations = 10;
+    adjust.relative_cost_change = 1e-2;
     if (auto adjusted = block.adjust_all(adjust, {.use_control = false}, run); !adjusted) {
       if (run.stopped()) return tl::unexpected(adjusted.error());
       block.forget();
