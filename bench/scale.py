@@ -6,19 +6,17 @@ usage: bench/scale.py [--images N,N,...] [--mode auto|incremental|global] [--out
   --images    sizes (default 500,1000,2000,4000)
   --mode      how the block begins (default auto)
   --out       where the projects and plot.svg go (default build/bench-scale); blocks simulated there are used again
-Prints a table, and the exponent of time and memory against size by least squares in logarithms. Needs python3-numpy;
-the plot needs python3-matplotlib and is left out without it. Times are those that the step records: of the processor,
+Prints a table, and the exponent of time and memory against size by least squares in logarithms. Times are those that the step records: of the processor,
 all threads, and by the clock.
 """
 import argparse
 import json
+import math
 import os
 import re
 import shutil
 import subprocess
 import sys
-
-import numpy as np
 
 root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 parser = argparse.ArgumentParser()
@@ -58,26 +56,36 @@ def oriented(images):
 
 
 def exponent(sizes, values):
-    return np.polyfit(np.log(sizes), np.log(values), 1)[0]
+    x, y = [math.log(v) for v in sizes], [math.log(v) for v in values]
+    mx, my = sum(x) / len(x), sum(y) / len(y)
+    return sum((a - mx) * (b - my) for a, b in zip(x, y)) / sum((a - mx) ** 2 for a in x)
 
 
 def plot(sizes, cpu_s, memory_gib):
-    try:
-        import matplotlib
-        matplotlib.use("svg")
-        from matplotlib import pyplot
-    except ImportError:
-        return print("no plot: python3-matplotlib is not there")
-    figure, left = pyplot.subplots(figsize=(6, 4))
-    left.loglog(sizes, cpu_s, "o-", label="processor time [s]")
-    left.loglog(sizes, cpu_s[0] * np.array(sizes) / sizes[0], ":", color="grey", label="proportional to size")
-    left.set_xlabel("images")
-    left.set_ylabel("s")
-    right = left.twinx()
-    right.loglog(sizes, memory_gib, "s--", color="tab:red", label="peak memory [GiB]")
-    right.set_ylabel("GiB")
-    figure.legend(loc="upper left", bbox_to_anchor=(0.13, 0.87))
-    figure.savefig(os.path.join(args.out, "plot.svg"))
+    """plot.svg: both against size, logarithmic, each over its first value; dotted: in proportion to size."""
+    width, height, edge = 480, 360, 50
+    decades = math.log10(sizes[-1] / sizes[0]) * 1.3
+
+    def at(size, ratio):
+        x = edge + (width - 2 * edge) * math.log10(size / sizes[0]) / math.log10(sizes[-1] / sizes[0])
+        return f"{x:.1f},{height - edge - (height - 2 * edge) * math.log10(ratio) / decades:.1f}"
+
+    def line(values, style):
+        points = " ".join(at(s, v / values[0]) for s, v in zip(sizes, values))
+        return f'<polyline points="{points}" fill="none" stroke-width="2" {style}/>'
+
+    text = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" '
+            'font-size="12">', '<rect width="100%" height="100%" fill="white"/>',
+            line(sizes, 'stroke="grey" stroke-dasharray="2 4"'), line(cpu_s, 'stroke="#1060a0"'),
+            line(memory_gib, 'stroke="#c04020"')]
+    for size, seconds, gib in zip(sizes, cpu_s, memory_gib):
+        x = at(size, 1).split(",")[0]
+        text.append(f'<text x="{x}" y="{height - edge + 18}" text-anchor="middle">{size}</text>')
+        text.append(f'<text x="{x}" y="{height - edge + 32}" text-anchor="middle" fill="#1060a0">{seconds:.1f} s</text>')
+        text.append(f'<text x="{x}" y="{height - edge + 46}" text-anchor="middle" fill="#c04020">{gib:.2f} GiB</text>')
+    text.append(f'<text x="{edge}" y="25">images against processor time (blue) and memory (red); dotted: proportional</text>')
+    with open(os.path.join(args.out, "plot.svg"), "w") as file:
+        file.write("\n".join(text + ["</svg>", ""]))
 
 
 os.makedirs(args.out, exist_ok=True)
