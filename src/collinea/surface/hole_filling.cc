@@ -15,6 +15,10 @@ using Distances = Raster<std::uint16_t>;
 constexpr int kBlock = HoleFilling::kBlock;
 constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max() / 4;  // sums of two do not overflow
 
+// What is lower hides no more than a few cells from the usual cameras: beside it there is no hole for that reason, and
+// rough ground or leaves need not be followed down to their lowest points.
+constexpr double kStepCells = 10;
+
 // Rows, columns, diagonals.
 constexpr std::array<std::array<int, 2>, 4> kLines = {{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
 
@@ -127,7 +131,7 @@ Mask measured_cells(const SurfaceTile& tile) {
 HeightLevel rims(const SurfaceTile& tile, const Mask& measured, std::int64_t column, std::int64_t row, double cell_m) {
   constexpr int kAround = (2 * HoleFilling::kRim + 1) * (2 * HoleFilling::kRim + 1);
   const Distances around = set_around(measured, HoleFilling::kRim);
-  HeightLevel level(column, row, measured.width, measured.height, cell_m);
+  HeightLevel level(column, row, measured.width, measured.height, cell_m, kStepCells * cell_m);
   for (std::size_t i = 0; i < measured.data.size(); ++i) {
     if (!measured.data[i] || around.data[i] == kAround) continue;
     level.height_m.data[i] = tile.height_m.data[i];
@@ -138,7 +142,7 @@ HeightLevel rims(const SurfaceTile& tile, const Mask& measured, std::int64_t col
 }
 
 HeightLevel part_of(const HeightLevel& level, std::int64_t column, std::int64_t row, int width, int height) {
-  HeightLevel part(column, row, width, height, level.cell_m);
+  HeightLevel part(column, row, width, height, level.cell_m, level.step_m);
   for (int y = 0; y < height; ++y) {
     const int v = int(std::clamp<std::int64_t>(row + y - level.row, 0, level.weight.height - 1));
     for (int x = 0; x < width; ++x) {
@@ -160,14 +164,14 @@ HoleFilling::HoleFilling(std::int64_t column, std::int64_t row, std::int64_t wid
   const std::int64_t left = floor_div(column, kBlock) - 1, top = floor_div(row, kBlock) - 1;
   const std::int64_t right = floor_div(column + width - 1, kBlock) + 1,
                      bottom = floor_div(row + height - 1, kBlock) + 1;
-  blocks_ = HeightLevel(left, top, int(right - left + 1), int(bottom - top + 1), kBlock * cell_m);
+  blocks_ = HeightLevel(left, top, int(right - left + 1), int(bottom - top + 1), kBlock * cell_m, kStepCells * cell_m);
   solid_ = Mask(blocks_.weight.width, blocks_.weight.height);
 }
 
 void HoleFilling::add(const SurfaceTile& tile, const CellWindow& inside) {
   const Mask measured = measured_cells(tile);
   HeightLevel finest = rims(tile, measured, inside.column - kRim, inside.row - kRim, cell_m_);
-  HeightLevel level(inside.column, inside.row, inside.width, inside.height, cell_m_);
+  HeightLevel level(inside.column, inside.row, inside.width, inside.height, cell_m_, kStepCells * cell_m_);
   std::vector<int> counts(std::size_t(inside.width / kBlock) * std::size_t(inside.height / kBlock), 0);
   for (int y = 0; y < inside.height; ++y) {
     std::copy_n(finest.height_m.row(y + kRim) + kRim, inside.width, level.height_m.row(y));

@@ -21,17 +21,18 @@ struct Part {
 };
 
 // One surface: a slope, and noise no larger than that.
-double tolerance_m(double sigma_m, double cell_m) {
-  return kSteepest * cell_m + std::min(3 * sigma_m, kSteepest * cell_m);
+double tolerance_m(double sigma_m, const HeightLevel& level) {
+  const double slope_m = kSteepest * level.cell_m;
+  return std::max(level.step_m, slope_m + std::min(3 * sigma_m, slope_m));
 }
 
-// The lowest surface among parts that lie within a cell of `cell_m` or two of each other. Sorts them.
-Part lowest_surface(std::span<Part> parts, double cell_m) {
+// The lowest surface among parts that lie within a cell of the level or two of each other. Sorts them.
+Part lowest_surface(std::span<Part> parts, const HeightLevel& level) {
   std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.height_m < b.height_m; });
   double total = 0;
   for (const Part& p : parts) total += p.weight;
   for (std::size_t low = 0;; ++low) {
-    const double top_m = parts[low].height_m + tolerance_m(parts[low].sigma_m, cell_m);
+    const double top_m = parts[low].height_m + tolerance_m(parts[low].sigma_m, level);
     std::size_t end = low;
     double weight = 0;
     for (; end < parts.size() && parts[end].height_m <= top_m; ++end) weight += parts[end].weight;
@@ -58,7 +59,7 @@ int clamped(std::int64_t i, int size) { return int(std::clamp<std::int64_t>(i, 0
 // with them, so that steps stay at the rims of holes and none are made up inside.
 void smooth(HeightLevel& level) {
   const int width = level.height_m.width, height = level.height_m.height;
-  const auto most_m = float(kSteepest * level.cell_m);
+  const auto most_m = float(tolerance_m(0, level));
   FloatImage before;
   for (int round = 0; round < kSmoothings; ++round) {
     before = level.height_m;
@@ -88,7 +89,7 @@ void fill_top(HeightLevel& top) {
   for (std::size_t i = 0; i < top.weight.data.size(); ++i)
     if (top.weight.data[i] > 0)
       parts.push_back({double(top.height_m.data[i]), double(top.sigma_m.data[i]), double(top.weight.data[i])});
-  const Part lowest = lowest_surface(parts, top.cell_m);
+  const Part lowest = lowest_surface(parts, top);
   for (std::size_t i = 0; i < top.weight.data.size(); ++i) {
     if (top.weight.data[i] > 0) continue;
     top.height_m.data[i] = float(lowest.height_m);
@@ -98,10 +99,12 @@ void fill_top(HeightLevel& top) {
 
 }  // namespace
 
-HeightLevel::HeightLevel(std::int64_t first_column, std::int64_t first_row, int width, int height, double cell)
+HeightLevel::HeightLevel(std::int64_t first_column, std::int64_t first_row, int width, int height, double cell,
+                         double step)
     : column(first_column),
       row(first_row),
       cell_m(cell),
+      step_m(step),
       height_m(width, height, 1, kNoHeight),
       sigma_m(width, height, 1, kNoHeight),
       weight(width, height) {}
@@ -109,7 +112,7 @@ HeightLevel::HeightLevel(std::int64_t first_column, std::int64_t first_row, int 
 HeightLevel coarser(const HeightLevel& fine) {
   const std::int64_t column = half(fine.column), row = half(fine.row);
   HeightLevel result(column, row, int(half(fine.column + fine.weight.width - 1) - column + 1),
-                     int(half(fine.row + fine.weight.height - 1) - row + 1), 2 * fine.cell_m);
+                     int(half(fine.row + fine.weight.height - 1) - row + 1), 2 * fine.cell_m, fine.step_m);
   for (int y = 0; y < result.weight.height; ++y) {
     for (int x = 0; x < result.weight.width; ++x) {
       std::array<Part, 4> parts;
@@ -123,7 +126,7 @@ HeightLevel coarser(const HeightLevel& fine) {
           parts[count++] = {double(fine.height_m.at(int(u), int(v))), double(fine.sigma_m.at(int(u), int(v))), weight};
       }
       if (count == 0) continue;
-      const Part lowest = lowest_surface(std::span(parts).first(count), fine.cell_m);
+      const Part lowest = lowest_surface(std::span(parts).first(count), fine);
       result.height_m.at(x, y) = float(lowest.height_m);
       result.sigma_m.at(x, y) = float(lowest.sigma_m);
       result.weight.at(x, y) = float(lowest.weight);
@@ -148,7 +151,7 @@ void fill_from(const HeightLevel& coarse, HeightLevel& fine) {
       };
       // The farthest of the four has less than a tenth of the weight: alone it does not decide.
       std::array<Part, 4> parts = {part(u0, v0, 9), part(u1, v0, 3), part(u0, v1, 3), part(u1, v1, 1)};
-      const Part lowest = lowest_surface(parts, coarse.cell_m);
+      const Part lowest = lowest_surface(parts, coarse);
       fine.height_m.at(x, y) = float(lowest.height_m);
       fine.sigma_m.at(x, y) = float(std::sqrt(lowest.sigma_m * lowest.sigma_m + blur_m * blur_m));
     }

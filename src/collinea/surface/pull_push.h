@@ -13,11 +13,12 @@ namespace collinea {
 struct HeightLevel {
   std::int64_t column = 0, row = 0;  ///< of its upper-left cell, in cells of this level
   double cell_m = 1;                 ///< of this level
+  double step_m = 0;                 ///< heights that differ by less belong to one surface
   FloatImage height_m, sigma_m;
   FloatImage weight;  ///< cells of the raster that made it; 0: nothing known, or filled in from coarser levels
 
   HeightLevel() = default;
-  HeightLevel(std::int64_t first_column, std::int64_t first_row, int width, int height, double cell);
+  HeightLevel(std::int64_t first_column, std::int64_t first_row, int width, int height, double cell, double step);
 };
 
 /// The next coarser level. Of four cells the lowest counts, together with those that a slope joins to it: where roof
