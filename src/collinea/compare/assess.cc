@@ -117,6 +117,9 @@ std::string table(const Assessment& a) {
     const double unit_m = a.gsd_m.value_or(a.surface->cell_m);
     text += line("surface model, all", a.surface->overall, unit_m);
     text += line("surface model, smooth ground", a.surface->smooth_ground, unit_m);
+    if (a.surface->smooth_measured.cells) text += line("  measured cells", a.surface->smooth_measured, unit_m);
+    if (a.surface->smooth_interpolated.cells)
+      text += line("  interpolated cells", a.surface->smooth_interpolated, unit_m);
     text += fmt::format(
         "surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell "
         "{:.4g} m\n",

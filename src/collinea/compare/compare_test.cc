@@ -132,6 +132,24 @@ TEST(SurfaceErrors, BiasNoiseHolesAndEdgesAreToldApart) {
   EXPECT_NEAR(errors->completeness, 0.9, 1e-3);
 }
 
+TEST(SurfaceErrors, MeasuredAndInterpolatedCellsAreToldApart) {
+  const auto model = [](double x, double y) { return height_at(x, y) + (x < 10 ? 1.0f : 0.1f); };
+  const StateReader state = [](int column, int, int width, int height) -> Result<Raster<std::uint8_t>> {
+    Raster<std::uint8_t> states(width, height, 1, 1);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) states.at(x, y) = column + x < 100 ? 2 : 1;
+    return states;
+  };
+  const auto errors =
+      surface_errors(field_of(0.1, 400, model), state, field_of(0.1, 400, height_at), {}, nullptr, collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_NEAR(errors->smooth_interpolated.rmse_m, 1, 1e-5);
+  EXPECT_NEAR(errors->smooth_measured.rmse_m, 0.1, 1e-5);
+  EXPECT_EQ(errors->smooth_interpolated.cells, 40'000u);
+  EXPECT_EQ(errors->smooth_measured.cells + errors->smooth_interpolated.cells, errors->smooth_ground.cells);
+  EXPECT_EQ(errors->smooth_interpolated.share_gross, 1);
+}
+
 TEST(SurfaceErrors, OnlyWhatThreeCamerasSeeMustBeThere) {
   Survey survey;
   const std::vector<View> views = views_of(survey.block, nullptr);

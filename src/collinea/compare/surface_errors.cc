@@ -85,7 +85,7 @@ class Assessor {
   std::span<const View> views_;
   const LocalFrame* frame_;
   const Run& run_;
-  std::vector<float> overall_, smooth_;
+  std::vector<float> overall_, smooth_measured_, smooth_interpolated_;
   std::size_t found_ = 0, measured_ = 0, seen_ = 0, seen_found_ = 0;
 };
 
@@ -105,9 +105,10 @@ void Assessor::add_cell(const FloatImage& heights, const Raster<std::uint8_t>& s
   const float truth = true_height(strip.heights_m, u, v, rough), z = heights.at(x, y);
   if (std::isnan(truth) || std::isnan(z)) return;
   ++found_;
-  measured_ += states.empty() || states.at(x, y) == std::uint8_t(CellState::kMeasured);
+  const bool measured = states.empty() || states.at(x, y) == std::uint8_t(CellState::kMeasured);
+  measured_ += measured;
   overall_.push_back(z - truth);
-  if (!rough) smooth_.push_back(z - truth);
+  if (!rough) (measured ? smooth_measured_ : smooth_interpolated_).push_back(z - truth);
 }
 
 bool Assessor::seen_by_enough(const HeightWindow& window, double x, double y, float z,
@@ -178,7 +179,13 @@ Result<SurfaceErrors> Assessor::all() {
   SurfaceErrors errors;
   errors.cell_m = model_.grid.cell_m;
   errors.overall = height_errors(overall_, 3 * errors.cell_m);
-  errors.smooth_ground = height_errors(smooth_, 3 * errors.cell_m);
+  std::vector<float> smooth = smooth_measured_;
+  smooth.insert(smooth.end(), smooth_interpolated_.begin(), smooth_interpolated_.end());
+  errors.smooth_ground = height_errors(smooth, 3 * errors.cell_m);
+  if (state_) {
+    errors.smooth_measured = height_errors(smooth_measured_, 3 * errors.cell_m);
+    errors.smooth_interpolated = height_errors(smooth_interpolated_, 3 * errors.cell_m);
+  }
   const double cells = double(true_cells) * std::pow(truth_.grid.cell_m / model_.grid.cell_m, 2);
   errors.completeness = std::min(1.0, double(found_) / cells);
   errors.completeness_measured = std::min(1.0, double(measured_) / cells);

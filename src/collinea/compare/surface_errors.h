@@ -20,10 +20,11 @@ struct HeightErrors {
 };
 
 struct SurfaceErrors {
-  double cell_m = 0;                 ///< of the assessed model
-  HeightErrors overall;              ///< cells with a height in both
-  HeightErrors smooth_ground;        ///< of these, where the true slope is below 0.3 and no step lies within 3 cells
-  double completeness = 0;           ///< share of the true surface with a height in the model
+  double cell_m = 0;           ///< of the assessed model
+  HeightErrors overall;        ///< cells with a height in both
+  HeightErrors smooth_ground;  ///< of these, where the true slope is below 0.3 and no step lies within 3 cells
+  HeightErrors smooth_measured, smooth_interpolated;  ///< parts of smooth_ground; no cells when it is not known which
+  double completeness = 0;                            ///< share of the true surface with a height in the model
   double completeness_measured = 0;  ///< the same, interpolated cells not counted; equal when it is not known which
   double completeness_seen = 0;      ///< share where at least three images see the true surface; 0 without views
   std::size_t cells_seen = 0;        ///< looked at for that

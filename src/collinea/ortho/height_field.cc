@@ -9,6 +9,7 @@ namespace collinea {
 namespace {
 
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
+constexpr double kMostUncertainCells = 10;
 constexpr int kSide = HeightWindow::kCeilingReach;
 
 FloatImage block_maxima(const FloatImage& heights_m) {
@@ -20,6 +21,26 @@ FloatImage block_maxima(const FloatImage& heights_m) {
       if (row[x] > block[x / kSide]) block[x / kSide] = row[x];  // false for NaN
   }
   return blocks;
+}
+
+// The lowest of the cells up to r rows and columns away.
+FloatImage lowest_around(const FloatImage& heights_m, int r) {
+  FloatImage rows = heights_m, result = heights_m;
+  for (int y = 0; y < heights_m.height; ++y) {
+    const float* from = heights_m.row(y);
+    float* to = rows.row(y);
+    for (int d = -r; d <= r; ++d)
+      for (int x = std::max(0, -d); x < std::min(heights_m.width, heights_m.width - d); ++x)
+        to[x] = std::min(to[x], from[x + d]);
+  }
+  for (int y = 0; y < heights_m.height; ++y) {
+    float* to = result.row(y);
+    for (int v = std::max(0, y - r); v <= std::min(heights_m.height - 1, y + r); ++v) {
+      const float* from = rows.row(v);
+      for (int x = 0; x < heights_m.width; ++x) to[x] = std::min(to[x], from[x]);
+    }
+  }
+  return result;
 }
 
 FloatImage dilated(const FloatImage& blocks) {
@@ -83,9 +104,20 @@ Result<HeightOverview> overview(const HeightField& field, const Run& run) {
   return result;
 }
 
-HeightWindow::HeightWindow(FloatImage heights_m, int column, int row, double cell_m)
+HeightWindow::HeightWindow(FloatImage heights_m, int column, int row, double cell_m, const FloatImage& sigma_m)
     : heights_m_(std::move(heights_m)), column_(column), row_(row), cell_m_(cell_m) {
-  const FloatImage blocks = block_maxima(heights_m_);
+  // A surface of which next to nothing is known still hides: else what stands behind an unseen roof would be painted
+  // with its walls.
+  constexpr float kSigmas = 3;
+  const auto most_m = float(kMostUncertainCells * cell_m);
+  occluders_m_ = heights_m_;
+  for (std::size_t i = 0; i < occluders_m_.data.size(); ++i) {
+    float& z = occluders_m_.data[i];
+    if (!sigma_m.empty()) z -= std::min(kSigmas * sigma_m.data[i], most_m);
+    if (std::isnan(z)) z = kNothing;
+  }
+  wide_m_ = lowest_around(occluders_m_, kThin);
+  const FloatImage blocks = block_maxima(occluders_m_);
   ceiling_m_ = dilated(blocks);
   highest_m_ = kNothing;
   for (const float z : blocks.data) highest_m_ = std::max(highest_m_, z);
@@ -113,8 +145,8 @@ float HeightWindow::ceiling_m(double x, double y) const {
   return ceiling_m_.at(column, row);
 }
 
-bool HeightWindow::hides(double x, double y, double height_m, double camera_x, double camera_y,
-                         double camera_height_m) const {
+bool HeightWindow::hides(const FloatImage& occluders_m, double x, double y, double height_m, double camera_x,
+                         double camera_y, double camera_height_m) const {
   const double run = std::hypot(camera_x - x, camera_y - y), rise = camera_height_m - height_m;
   if (!(rise > 0)) return true;
   if (run < 1) return false;
@@ -129,7 +161,7 @@ bool HeightWindow::hides(double x, double y, double height_m, double camera_x, d
       s += kCeilingReach;
       continue;
     }
-    if (heights_m_.at(column, row) > line_m) return true;
+    if (occluders_m.at(column, row) > line_m) return true;
     s += 0.75;
   }
   return false;

@@ -17,10 +17,13 @@ namespace collinea {
 struct HeightField {
   MapGrid grid;
   std::function<Result<FloatImage>(int column, int row, int width, int height)> read;
+  std::function<Result<FloatImage>(int column, int row, int width, int height)> read_sigma = {};  ///< null: exact
 };
 
-/// A surface model in a GeoTIFF (no data value as stated in the file).
-[[nodiscard]] Result<HeightField> open_height_field(const std::filesystem::path& path);
+/// A surface model in a GeoTIFF (no data value as stated in the file); with the standard deviations of its heights when
+/// `sigma_path` is given and there.
+[[nodiscard]] Result<HeightField> open_height_field(const std::filesystem::path& path,
+                                                    const std::filesystem::path& sigma_path = {});
 
 /// A place of the surface, in continuous cells of its raster.
 struct SurfacePlace {
@@ -42,8 +45,8 @@ struct HeightOverview {
 class HeightWindow {
  public:
   HeightWindow() = default;
-  /// `column`, `row`: of the upper-left cell of `heights_m` in the field.
-  HeightWindow(FloatImage heights_m, int column, int row, double cell_m);
+  /// `column`, `row`: of the upper-left cell of `heights_m` in the field. `sigma_m`: of the heights, or empty.
+  HeightWindow(FloatImage heights_m, int column, int row, double cell_m, const FloatImage& sigma_m = {});
 
   [[nodiscard]] int column() const { return column_; }
   [[nodiscard]] int row() const { return row_; }
@@ -54,17 +57,33 @@ class HeightWindow {
   [[nodiscard]] float at(double x, double y) const;
 
   /// True when the surface rises above the straight line from the place at height_m (on it or above) towards a camera
-  /// at (camera_x, camera_y, camera_height_m). One cell of height is granted to roughness. Cells without height hide
-  /// nothing.
+  /// at (camera_x, camera_y, camera_height_m), also when it is three of its sigmas lower (but no more than ten cells).
+  /// One cell of height is granted to roughness. Cells without height hide nothing.
   [[nodiscard]] bool hides(double x, double y, double height_m, double camera_x, double camera_y,
-                           double camera_height_m) const;
+                           double camera_height_m) const {
+    return hides(occluders_m_, x, y, height_m, camera_x, camera_y, camera_height_m);
+  }
 
-  /// The highest height of all cells no further than kCeilingReach cells from the place, or a greater one.
+  /// The same, but only what is more than 2 kThin cells wide both ways hides: not the twigs of a tree, nor single
+  /// high cells.
+  [[nodiscard]] bool hides_by_wide_things(double x, double y, double height_m, double camera_x, double camera_y,
+                                          double camera_height_m) const {
+    return hides(wide_m_, x, y, height_m, camera_x, camera_y, camera_height_m);
+  }
+  static constexpr int kThin = 2;
+
+  /// The greatest height at which any cell no further than kCeilingReach cells from the place hides something, or more.
   [[nodiscard]] float ceiling_m(double x, double y) const;
   static constexpr int kCeilingReach = 16;
 
  private:
-  FloatImage heights_m_, ceiling_m_;
+  [[nodiscard]] bool hides(const FloatImage& occluders_m, double x, double y, double height_m, double camera_x,
+                           double camera_y, double camera_height_m) const;
+
+  FloatImage heights_m_;
+  FloatImage occluders_m_;  // no higher than the surface certainly is; minus infinity where nothing is
+  FloatImage wide_m_;       // the lowest of these around
+  FloatImage ceiling_m_;
   int column_ = 0, row_ = 0;
   double cell_m_ = 1;
   float highest_m_ = 0;

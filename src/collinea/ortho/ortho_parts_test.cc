@@ -34,6 +34,30 @@ TEST(HeightWindow, ATowerHidesWhatLiesBehindIt) {
   EXPECT_TRUE(window.hides(38.5, 50.5, 5, 1000, 50.5, 900));  // from the other side
 }
 
+// What may be lower than it seems hides less, down to ten cells: of the shadow of 20 m, 14 m with a sigma of 2 m, and
+// half with a sigma beyond all use.
+TEST(HeightWindow, AnUncertainTowerHidesLess) {
+  const auto hidden = [&](float sigma_m, double x) {
+    const HeightWindow window(flat_with_tower(), 0, 0, 1, FloatImage(100, 100, 1, sigma_m));
+    return window.hides(x, 50.5, 5, x - 1000, 50.5, 1005);
+  };
+  EXPECT_TRUE(hidden(2, 71.5));
+  EXPECT_FALSE(hidden(2, 75.5));
+  EXPECT_TRUE(hidden(50, 67.5));
+  EXPECT_FALSE(hidden(50, 71.5));
+}
+
+TEST(HeightWindow, ThinThingsAreToldFromWideOnes) {
+  FloatImage heights = flat_with_tower();
+  for (int y = 40; y < 60; ++y)
+    for (int x = 84; x < 88; ++x) heights.at(x, y) = 25;  // a wall of four cells
+  const HeightWindow window(heights, 0, 0, 1);
+  const auto wide = [&](double x) { return window.hides_by_wide_things(x, 50.5, 5, x - 1000, 50.5, 1005); };
+  EXPECT_TRUE(window.hides(90.5, 50.5, 5, 90.5 - 1000, 50.5, 1005));
+  EXPECT_FALSE(wide(90.5));
+  EXPECT_TRUE(wide(65.5));
+}
+
 TEST(HeightWindow, HeightsAreBilinearOnSlopesAndSharpAtSteps) {
   FloatImage heights(20, 20);
   for (int y = 0; y < 20; ++y)

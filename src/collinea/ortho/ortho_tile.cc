@@ -212,7 +212,11 @@ Result<std::optional<OrthoPatch>> make_patch(const OrthoScene& scene, const Area
   const Area window = surface_area(scene, area, occluder_reach(scene, views, patch.lattice, area, range));
   if (window.width <= 0 || window.height <= 0) return std::nullopt;
   COLLINEA_TRY(FloatImage heights, scene.surface->read(window.column, window.row, window.width, window.height));
-  patch.surface = HeightWindow(std::move(heights), window.column, window.row, scene.surface->grid.cell_m);
+  FloatImage sigmas;
+  if (scene.surface->read_sigma) {
+    COLLINEA_TRY(sigmas, scene.surface->read_sigma(window.column, window.row, window.width, window.height));
+  }
+  patch.surface = HeightWindow(std::move(heights), window.column, window.row, scene.surface->grid.cell_m, sigmas);
   patch.heights_m = heights_of(patch, area);
   return patch;
 }

@@ -9,16 +9,19 @@
 
 namespace collinea {
 
-Result<HeightField> open_height_field(const std::filesystem::path& path) {
+namespace {
+
+using ReadFloats = std::function<Result<FloatImage>(int column, int row, int width, int height)>;
+
+Result<ReadFloats> open_floats(const std::filesystem::path& path, MapGrid& grid) {
   struct Shared {
     std::mutex mutex;
     GeoTiffReader reader;
   };
   COLLINEA_TRY(GeoTiffReader reader, GeoTiffReader::open(path));
   const auto shared = std::shared_ptr<Shared>(new Shared{{}, std::move(reader)});
-  HeightField field;
-  field.grid = shared->reader.grid();
-  field.read = [shared](int column, int row, int width, int height) -> Result<FloatImage> {
+  grid = shared->reader.grid();
+  return [shared](int column, int row, int width, int height) -> Result<FloatImage> {
     const std::lock_guard lock(shared->mutex);
     COLLINEA_TRY(FloatImage heights, shared->reader.read_float(column, row, width, height));
     if (const auto nodata = shared->reader.nodata())
@@ -26,6 +29,18 @@ Result<HeightField> open_height_field(const std::filesystem::path& path) {
         if (z == float(*nodata)) z = std::numeric_limits<float>::quiet_NaN();
     return heights;
   };
+}
+
+}  // namespace
+
+Result<HeightField> open_height_field(const std::filesystem::path& path, const std::filesystem::path& sigma_path) {
+  HeightField field;
+  COLLINEA_TRY(field.read, open_floats(path, field.grid));
+  if (sigma_path.empty() || !std::filesystem::exists(sigma_path)) return field;
+  MapGrid grid;
+  COLLINEA_TRY(field.read_sigma, open_floats(sigma_path, grid));
+  if (grid.width != field.grid.width || grid.height != field.grid.height)
+    return fail(Errc::kBadInput, sigma_path.string() + " does not fit on " + path.string());
   return field;
 }
 

@@ -109,7 +109,8 @@ void label_whole_block(const OrthoPatch& patch, int block_x, int block_y, std::i
       if (!std::isnan(patch.heights_m.at(x, y))) labels.at(x, y) = view;
 }
 
-// The cheapest view that sees the cell; where none does, the cheapest that just about does.
+// The cheapest view that sees the cell; where none does, the cheapest that just about does; else one of the cheapest
+// that only small things keep from it.
 std::int16_t cheapest_that_sees(std::span<const std::int16_t> candidates, std::span<float> costs, int x, int y,
                                 Visibility& visibility) {
   std::array<std::int16_t, 4 * kBest> tried;
@@ -121,6 +122,8 @@ std::int16_t cheapest_that_sees(std::span<const std::int16_t> candidates, std::s
   }
   for (std::size_t i = 0; i < candidates.size(); ++i)
     if (visibility.sees_barely(tried[i], x, y)) return tried[i];
+  for (std::size_t i = 0; i < std::min(kBest, candidates.size()); ++i)
+    if (visibility.sees_past_small_things(tried[i], x, y)) return tried[i];
   return kNoView;
 }
 

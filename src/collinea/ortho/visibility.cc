@@ -40,6 +40,26 @@ bool Visibility::sees_barely(int view, int x, int y) {
   return 5 * hidden_around(v, x, y, rim_cells_) <= (2 * rim_cells_ + 1) * (2 * rim_cells_ + 1);
 }
 
+bool Visibility::sees_past_small_things(int view, int x, int y) const {
+  const View& from = *views_[std::size_t(view)];
+  const float height_m = patch_.heights_m.at(x, y);
+  if (std::isnan(height_m)) return false;
+  const auto pixel = pixel_of(from, patch_.world_at(x, y));
+  if (!pixel || !well_inside(from, *pixel)) return false;
+  const double u = patch_.surface_x(patch_.grid.east_of(patch_.column + x + 0.5));
+  const double v = patch_.surface_y(patch_.grid.north_of(patch_.row + y + 0.5));
+  const double camera_x = patch_.surface_x(from.centre_in_map.x()), camera_y = patch_.surface_y(from.centre_in_map.y());
+  const auto hidden = [&](int dx, int dy) {
+    return patch_.surface.hides_by_wide_things(u + dx, v + dy, double(height_m), camera_x + dx, camera_y + dy,
+                                               from.centre_in_map.z());
+  };
+  if (hidden(0, 0)) return false;
+  // Wide things have lost so much at their edges: it is made up for here, and two cells more are kept away from them.
+  for (const int r : {HeightWindow::kThin, HeightWindow::kThin + 2})
+    if (hidden(-r, -r) || hidden(r, -r) || hidden(-r, r) || hidden(r, r)) return false;
+  return true;
+}
+
 int Visibility::hidden_around(std::size_t view, int x, int y, int radius) {
   int hidden = 0;
   for (int j = std::max(0, y - radius); j <= std::min(patch_.heights_m.height - 1, y + radius); ++j)

@@ -53,6 +53,9 @@ class Visibility {
   /// are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden place it is no
   /// help.
   [[nodiscard]] bool sees_barely(int view, int x, int y);
+  /// True when only small things stand between the view and a cell (HeightWindow::hides_by_wide_things), and its line
+  /// of sight passes wide ones at two cells or more. Places beside walls are not seen by this rule either.
+  [[nodiscard]] bool sees_past_small_things(int view, int x, int y) const;
   /// True when the view sees all cells of a block that have a height.
   [[nodiscard]] bool sees_block(int view, int block_x, int block_y) {
     return final_state(std::size_t(view), block_x, block_y) == State::kAll;

@@ -18,7 +18,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
                       "the images do not look down on the scene: no orthophoto"};
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto products = project.folder / "products";
-  COLLINEA_TRY(const HeightField surface, open_height_field(products / "dsm.tif"));
+  COLLINEA_TRY(const HeightField surface, open_height_field(products / "dsm.tif", products / "dsm_sigma.tif"));
   const auto pixels = [&](ImageId image, int shrink) {
     return read_colour(project.photo(block.images.at(image)), shrink);
   };

@@ -7,24 +7,25 @@
 #include <string>
 
 #include "collinea/base/parallel.h"
+#include "collinea/surface/hole_filling.h"
+#include "collinea/surface/measured_tiles.h"
 #include "collinea/surface/point_buckets.h"
 
 namespace collinea {
 namespace {
 
-constexpr double kWidestHoleCells = 100;  // a tree or a roof that could not be matched, at the usual resolutions
+constexpr double kWidestHoleCells = 250;  // trees and roofs that could not be matched, at the usual resolutions
+constexpr double kWidestOfAll = 100'000;
 
 constexpr int kBucketCells = 256;
 constexpr int kTileCells = 512;
 constexpr std::size_t kPointMemory = std::size_t{256} << 20;
+constexpr std::size_t kTileMemory = std::size_t{256} << 20;
 constexpr double kMostCells = 2e10;
 
-Gridding gridding_of(const DsmOptions& options, double gsd_m) {
-  Gridding gridding;
-  gridding.cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m);
-  const double widest = options.fill_holes_m ? *options.fill_holes_m / gridding.cell_m : kWidestHoleCells;
-  gridding.widest_hole_cells = int(std::min(std::floor(widest + 1e-9), double(kTileCells)));
-  return gridding;
+int widest_hole_cells(const DsmOptions& options, double cell_m) {
+  const double widest = options.fill_holes_m ? *options.fill_holes_m / cell_m : kWidestHoleCells;
+  return int(std::min(std::floor(widest + 1e-9), kWidestOfAll));
 }
 
 // One batch on the map (by `frame`, or as it is when that is null) and in cells. Chunks are independent, so threads do
@@ -121,53 +122,87 @@ void tally(const SurfaceTile& tile, DsmSummary& summary) {
   }
 }
 
-struct Tile {
-  CellWindow window;
-  Result<SurfaceTile> surface;
-};
-
-Result<SurfaceTile> make_tile(const PointBuckets& buckets, const CellWindow& window, const Gridding& gridding) {
-  const int margin = margin_cells(gridding);
-  COLLINEA_TRY(auto points, buckets.points_in({window.column - margin, window.row - margin, window.width + 2 * margin,
-                                               window.height + 2 * margin}));
-  if (points.empty()) return SurfaceTile(window.width, window.height);
-  return grid_window(std::move(points), window, gridding);
-}
-
-std::vector<Tile> tiles_of(const Extent& extent) {
-  std::vector<Tile> tiles;
-  for (std::int64_t y = 0; y < extent.height; y += kTileCells)
-    for (std::int64_t x = 0; x < extent.width; x += kTileCells)
-      tiles.push_back({{extent.west + x, extent.north + y, int(std::min<std::int64_t>(kTileCells, extent.width - x)),
-                        int(std::min<std::int64_t>(kTileCells, extent.height - y))},
-                       SurfaceTile()});
-  return tiles;
-}
-
-// Tiles are made side by side, a few at a time, and handed on in their order.
-Result<> make_tiles(const PointBuckets& buckets, const Extent& extent, const Gridding& gridding,
-                    const SurfaceSink& sink, DsmSummary& summary, const Run& run) {
-  std::vector<Tile> tiles = tiles_of(extent);
+// Makes items side by side, a few at a time, and hands them on in their order.
+template <class Make, class Take>
+Result<> in_order(std::size_t count, const Run& run, double done_before, double done_after, Make&& make, Take&& take) {
   const std::size_t at_once = std::size_t(4 * std::max(1, run.threads));
-  for (std::size_t begin = 0; begin < tiles.size(); begin += at_once) {
-    const std::size_t end = std::min(begin + at_once, tiles.size());
-    parallel_for(run, end - begin, [&](std::size_t i) {
-      tiles[begin + i].surface = make_tile(buckets, tiles[begin + i].window, gridding);
-    });
+  std::vector<Result<SurfaceTile>> made(at_once);
+  for (std::size_t begin = 0; begin < count; begin += at_once) {
+    const std::size_t end = std::min(begin + at_once, count);
+    parallel_for(run, end - begin, [&](std::size_t i) { made[i] = make(begin + i); });
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     for (std::size_t i = begin; i < end; ++i) {
-      Tile& tile = tiles[i];
-      if (!tile.surface) return tl::unexpected(std::move(tile.surface).error());
-      tally(*tile.surface, summary);
-      if (auto taken =
-              sink.take(int(tile.window.column - extent.west), int(tile.window.row - extent.north), *tile.surface);
-          !taken)
-        return taken;
-      tile.surface = SurfaceTile();
+      auto& tile = made[i - begin];
+      if (!tile) return tl::unexpected(std::move(tile).error());
+      if (auto taken = take(i, std::move(*tile)); !taken) return taken;
     }
-    run.report("surface", double(end) / double(tiles.size()));
+    run.report("surface", done_before + (done_after - done_before) * double(end) / double(count));
   }
   return {};
+}
+
+CellWindow widened(const CellWindow& window, int margin) {
+  return {window.column - margin, window.row - margin, window.width + 2 * margin, window.height + 2 * margin};
+}
+
+// Measures a square of the model and shows it to `holes`. Without points: no rasters.
+Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const CellWindow& square, double cell_m,
+                                  HoleFilling& holes) {
+  constexpr int kRim = HoleFilling::kRim;
+  const CellWindow wide = widened(square, kRim);
+  COLLINEA_TRY(auto points, buckets.points_in(widened(wide, margin_cells())));
+  if (points.empty()) return SurfaceTile();
+  const SurfaceTile tile = measure_window(std::move(points), wide, cell_m);
+  holes.add(tile, square);
+  return cropped(tile, {kRim, kRim, square.width, square.height});
+}
+
+Result<> measure_all(const PointBuckets& buckets, const Extent& extent, double cell_m, MeasuredTiles& tiles,
+                     HoleFilling& holes, const Run& run) {
+  constexpr int kCells = MeasuredTiles::kCells;
+  static_assert(kCells % HoleFilling::kBlock == 0);
+  std::vector<MeasuredTiles::Place> places;
+  for (std::int64_t row = floor_div(extent.north, kCells); row * kCells < extent.north + extent.height; ++row)
+    for (std::int64_t column = floor_div(extent.west, kCells); column * kCells < extent.west + extent.width; ++column)
+      places.emplace_back(column, row);
+  return in_order(
+      places.size(), run, 0, 0.8,
+      [&](std::size_t i) {
+        const CellWindow square{places[i].first * kCells, places[i].second * kCells, kCells, kCells};
+        return measured_tile(buckets, square, cell_m, holes);
+      },
+      [&](std::size_t i, SurfaceTile tile) -> Result<> {
+        return tile.state.empty() ? Result<>{} : tiles.add(places[i], std::move(tile));
+      });
+}
+
+Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const HoleFilling& holes,
+                      const SurfaceSink& sink, DsmSummary& summary, const Run& run) {
+  std::vector<CellWindow> windows;
+  for (std::int64_t y = 0; y < extent.height; y += kTileCells)
+    for (std::int64_t x = 0; x < extent.width; x += kTileCells)
+      windows.push_back({extent.west + x, extent.north + y, int(std::min<std::int64_t>(kTileCells, extent.width - x)),
+                         int(std::min<std::int64_t>(kTileCells, extent.height - y))});
+  return in_order(
+      windows.size(), run, 0.8, 1,
+      [&](std::size_t i) -> Result<SurfaceTile> {
+        COLLINEA_TRY(const SurfaceTile measured, tiles.window(HoleFilling::with_margin(windows[i])));
+        return holes.filled(measured, windows[i]);
+      },
+      [&](std::size_t i, const SurfaceTile& tile) {
+        tally(tile, summary);
+        return sink.take(int(windows[i].column - extent.west), int(windows[i].row - extent.north), tile);
+      });
+}
+
+Result<> make_model(const PointBuckets& buckets, const Extent& extent, int widest_hole, const SurfaceSink& sink,
+                    const std::filesystem::path& scratch, DsmSummary& summary, const Run& run) {
+  const double cell_m = summary.grid.cell_m;
+  MeasuredTiles tiles(scratch, kTileMemory);
+  HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
+  if (auto measured = measure_all(buckets, extent, cell_m, tiles, holes, run); !measured) return measured;
+  holes.prepare();
+  return fill_windows(tiles, extent, holes, sink, summary, run);
 }
 
 }  // namespace
@@ -185,23 +220,23 @@ Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame,
   if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
   if (!options.cell_m && !(gsd_m > 0 && std::isfinite(gsd_m)))
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
-  const Gridding gridding = gridding_of(options, gsd_m);
+  const double cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m);
   PointBuckets buckets(scratch, kBucketCells, kPointMemory);
   DsmSummary summary;
   if (auto collected =
-          collect(points, point_frame == PointFrame::kMap ? nullptr : frame, gridding.cell_m, buckets, summary, run);
+          collect(points, point_frame == PointFrame::kMap ? nullptr : frame, cell_m, buckets, summary, run);
       !collected)
     return tl::unexpected(std::move(collected).error());
   drop_strays(buckets, summary);
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");
   COLLINEA_TRY(const Extent extent, extent_of(buckets));
-  summary.grid.cell_m = gridding.cell_m;
-  summary.grid.west_m = double(extent.west) * gridding.cell_m;
-  summary.grid.north_m = -double(extent.north) * gridding.cell_m;
+  summary.grid.cell_m = cell_m;
+  summary.grid.west_m = double(extent.west) * cell_m;
+  summary.grid.north_m = -double(extent.north) * cell_m;
   summary.grid.width = int(extent.width), summary.grid.height = int(extent.height);
   if (frame) summary.grid.wkt = frame->wkt1();
   if (auto begun = sink.begin(summary.grid); !begun) return tl::unexpected(std::move(begun).error());
-  if (auto made = make_tiles(buckets, extent, gridding, sink, summary, run); !made)
+  if (auto made = make_model(buckets, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run); !made)
     return tl::unexpected(std::move(made).error());
   summary.mean_sigma_m = summary.measured_cells ? std::sqrt(summary.mean_sigma_m / double(summary.measured_cells)) : 0;
   return summary;

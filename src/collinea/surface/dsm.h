@@ -31,13 +31,13 @@ using PointSource = std::function<Result<>(std::vector<SurfacePoint>& batch)>;
 
 struct DsmOptions {
   std::optional<double> cell_m;        ///< nothing: the ground size of a pixel of the pictures that were matched
-  std::optional<double> fill_holes_m;  ///< nothing: 100 cells
+  std::optional<double> fill_holes_m;  ///< nothing: 250 cells
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = DsmOptions;
     visit(Field{"cell_m", &O::cell_m, "m", "cell of the surface model; else the ground size of a matched pixel", 1e-6});
-    visit(Field{"fill_holes_m", &O::fill_holes_m, "m", "holes up to this width are filled and marked; else 100 cells",
+    visit(Field{"fill_holes_m", &O::fill_holes_m, "m", "holes up to this width are filled and marked; else 250 cells",
                 0.0});
   }
 };
@@ -67,9 +67,9 @@ struct SurfaceSink {
 
 /// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit), in the map of `frame`, or
 /// in the plane x, y of the world when `frame` is null (then `point_frame` does not matter). Cell edges lie on
-/// multiples of the cell size. `gsd_m` is the ground size of a pixel of the matched pictures. Points are kept in
-/// `scratch` beyond 256 MB of them. The same cloud gives the same bits in any order and with any number of threads.
-/// Errors: no points, raster too large, disk, cancelled.
+/// multiples of the cell size. `gsd_m` is the ground size of a pixel of the matched pictures. Points and
+/// measured cells are kept in `scratch` beyond 256 MB of each. The same cloud gives the same bits in any order and with
+/// any number of threads. Errors: no points, raster too large, disk, cancelled.
 Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
                              const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
                              PointFrame point_frame = PointFrame::kWorld);

@@ -82,31 +82,17 @@ SurfaceTile measure(const SortedPoints& sorted, double cell_m) {
   return tile;
 }
 
-template <class T>
-Raster<T> cropped(const Raster<T>& from, int margin) {
-  Raster<T> to(from.width - 2 * margin, from.height - 2 * margin);
-  for (int y = 0; y < to.height; ++y) std::copy_n(from.row(y + margin) + margin, to.width, to.row(y));
-  return to;
-}
-
 }  // namespace
 
-int margin_cells(const Gridding& gridding) { return kReachCells + kSmallestPatch + gridding.widest_hole_cells; }
+int margin_cells() { return kReachCells + kSmallestPatch; }
 
-SurfaceTile grid_window(std::vector<GridPoint> points, const CellWindow& window, const Gridding& gridding) {
-  const int margin = margin_cells(gridding);
+SurfaceTile measure_window(std::vector<GridPoint> points, const CellWindow& window, double cell_m) {
+  const int margin = margin_cells();
   const CellWindow wide{window.column - margin, window.row - margin, window.width + 2 * margin,
                         window.height + 2 * margin};
-  SurfaceTile tile = measure(SortedPoints(std::move(points), wide), gridding.cell_m);
-  remove_specks(tile, gridding.cell_m);
-  fill_holes(tile, gridding.cell_m, gridding.widest_hole_cells);
-  const int border = margin - kReachCells;
-  SurfaceTile result;
-  result.height_m = cropped(tile.height_m, border);
-  result.sigma_m = cropped(tile.sigma_m, border);
-  result.state = cropped(tile.state, border);
-  result.count = cropped(tile.count, border);
-  return result;
+  SurfaceTile tile = measure(SortedPoints(std::move(points), wide), cell_m);
+  remove_specks(tile, cell_m);
+  return cropped(tile, {kSmallestPatch, kSmallestPatch, window.width, window.height});
 }
 
 }  // namespace collinea

@@ -23,18 +23,15 @@ struct CellWindow {
   int width = 0, height = 0;
 };
 
-struct Gridding {
-  double cell_m = 1;
-  int widest_hole_cells = 0;  ///< holes up to this width are filled; 0: none
-};
+/// Rounds down, also below zero.
+[[nodiscard]] constexpr std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0); }
 
 /// How far outside a window points still matter to it [cells].
-[[nodiscard]] int margin_cells(const Gridding& gridding);
+[[nodiscard]] int margin_cells();
 
-/// The surface model of a window: CellFit for every cell, then specks removed and small holes filled. `points` are all
-/// of the window and its margin, in any order. The result is the same, bit for bit, for every order of the points and
-/// for every way to cut the raster into windows.
-[[nodiscard]] SurfaceTile grid_window(std::vector<GridPoint> points, const CellWindow& window,
-                                      const Gridding& gridding);
+/// The measured surface in a window: CellFit for every cell, then specks removed. `points` are all of the window and
+/// its margin, in any order. The result is the same, bit for bit, for every order of the points and for every way to
+/// cut the raster into windows.
+[[nodiscard]] SurfaceTile measure_window(std::vector<GridPoint> points, const CellWindow& window, double cell_m);
 
 }  // namespace collinea

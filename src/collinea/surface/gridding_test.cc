@@ -48,13 +48,13 @@ double share(const SurfaceTile& tile, CellState state) {
 }
 
 const CellWindow kWindow{0, 0, 40, 40};
-const Gridding kPlain{0.1, 0};
+constexpr double kCell = 0.1;
 
 // Only float storage of heights near 3 m (half a unit in the last place: 1.2e-7 m) and the rounding of the fit are
 // left.
 TEST(Gridding, MeetsAnInclinedPlane) {
   const auto plane = [](double x, double y) { return 1.0 + 0.03 * x - 0.02 * y; };
-  const SurfaceTile tile = grid_window(spread(plane), kWindow, kPlain);
+  const SurfaceTile tile = measure_window(spread(plane), kWindow, kCell);
   EXPECT_EQ(share(tile, CellState::kMeasured), 1);
   double worst = 0;
   for (int y = 0; y < 40; ++y)
@@ -65,9 +65,9 @@ TEST(Gridding, MeetsAnInclinedPlane) {
 // Weighting must take the upper tail for noise, not for a level: the mean error over 1600 cells stays within four of
 // its sigmas (about 0.02 m / sqrt(cells), neighbours share points: taken as 400 independent cells).
 TEST(Gridding, NoiseDoesNotLiftFlatGround) {
-  const SurfaceTile tile = grid_window(sprinkle(
-                                           -20, 60, 4, [](double, double) { return 5; }, kSigma),
-                                       kWindow, kPlain);
+  const SurfaceTile tile = measure_window(sprinkle(
+                                              -20, 60, 4, [](double, double) { return 5; }, kSigma),
+                                          kWindow, kCell);
   double sum = 0, squares = 0, claimed = 0;
   for (std::size_t i = 0; i < tile.height_m.data.size(); ++i) {
     const double error = tile.height_m.data[i] - 5.0;
@@ -80,7 +80,7 @@ TEST(Gridding, NoiseDoesNotLiftFlatGround) {
 
 TEST(Gridding, AStepKeepsBothLevels) {
   const auto step = [](double x, double) { return x < 20 ? 0.0 : 3.0; };
-  const SurfaceTile tile = grid_window(spread(step), kWindow, kPlain);
+  const SurfaceTile tile = measure_window(spread(step), kWindow, kCell);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 40; ++x) ASSERT_NEAR(tile.height_m.at(x, y), x < 20 ? 0.0 : 3.0, 1e-6) << x << ' ' << y;
 }
@@ -89,7 +89,7 @@ TEST(Gridding, PointsOnAWallGiveTheRoof) {
   auto points = sprinkle(-20, 60, 3, [](double x, double) { return x < 20 ? 0.0 : 3.0; });
   Random random(9);
   for (int i = 0; i < 80 * 40; ++i) points.push_back({20.3, random.uniform(-20, 60), random.uniform(0, 3), kSigma, 0});
-  const SurfaceTile tile = grid_window(std::move(points), kWindow, kPlain);
+  const SurfaceTile tile = measure_window(std::move(points), kWindow, kCell);
   for (int y = 0; y < 40; ++y) {
     EXPECT_NEAR(tile.height_m.at(20, y), 3, 0.1) << y;  // one cell: the rim of the roof may bend a little
     EXPECT_NEAR(tile.height_m.at(18, y), 0, 0.02) << y;
@@ -100,7 +100,7 @@ TEST(Gridding, PointsOnAWallGiveTheRoof) {
 TEST(Gridding, SinglePointsAboveAndBelowAreIgnored) {
   auto points = sprinkle(-20, 60, 3, [](double, double) { return 0; });
   for (int i = 2; i < 40; i += 6) points.push_back({i + 0.5, i + 0.4, i % 4 ? 2.0 : -2.0, kSigma, 0});
-  const SurfaceTile tile = grid_window(std::move(points), kWindow, kPlain);
+  const SurfaceTile tile = measure_window(std::move(points), kWindow, kCell);
   for (const float z : tile.height_m.data) ASSERT_NEAR(z, 0, 1e-6);
 }
 
@@ -108,7 +108,7 @@ TEST(Gridding, ASmallClumpOfWrongPointsIsRemoved) {
   auto points = sprinkle(-20, 60, 3, [](double, double) { return 0; });
   Random random(5);
   for (int i = 0; i < 12; ++i) points.push_back({10 + random.uniform(0, 2), 10 + random.uniform(0, 2), 4.0, kSigma, 0});
-  const SurfaceTile tile = grid_window(std::move(points), kWindow, kPlain);
+  const SurfaceTile tile = measure_window(std::move(points), kWindow, kCell);
   for (std::size_t i = 0; i < tile.state.data.size(); ++i) {
     const bool measured = tile.state.data[i] == std::uint8_t(CellState::kMeasured);
     ASSERT_NEAR(measured ? tile.height_m.data[i] : 0, 0, 1e-6);
@@ -118,16 +118,15 @@ TEST(Gridding, ASmallClumpOfWrongPointsIsRemoved) {
 
 TEST(Gridding, AChimneyOfFourCellsStays) {
   const auto chimney = [](double x, double y) { return x >= 18 && x < 22 && y >= 18 && y < 22 ? 2.0 : 0.0; };
-  const SurfaceTile tile = grid_window(sprinkle(-20, 60, 3, chimney), kWindow, kPlain);
+  const SurfaceTile tile = measure_window(sprinkle(-20, 60, 3, chimney), kWindow, kCell);
   EXPECT_NEAR(tile.height_m.at(19, 19), 2, 1e-6);
   EXPECT_NEAR(tile.height_m.at(20, 20), 2, 1e-6);
   EXPECT_NEAR(tile.height_m.at(15, 20), 0, 1e-6);
 }
 
 TEST(Gridding, ASparseCloudStillGivesASurface) {
-  const SurfaceTile tile = grid_window(sprinkle(-20, 60, 0.6, [](double, double) { return 1; }), kWindow, {0.1, 4});
+  const SurfaceTile tile = measure_window(sprinkle(-20, 60, 0.6, [](double, double) { return 1; }), kWindow, kCell);
   EXPECT_GT(share(tile, CellState::kMeasured), 0.85);
-  EXPECT_GT(share(tile, CellState::kMeasured) + share(tile, CellState::kInterpolated), 0.99);
 }
 
 std::vector<GridPoint> with_hole(double from, double to) {
@@ -138,40 +137,21 @@ std::vector<GridPoint> with_hole(double from, double to) {
 }
 
 TEST(Gridding, HolesHaveNoHeight) {
-  const SurfaceTile tile = grid_window(with_hole(15, 25), kWindow, kPlain);
+  const SurfaceTile tile = measure_window(with_hole(15, 25), kWindow, kCell);
   EXPECT_TRUE(is(tile, CellState::kEmpty, 20, 20));
   EXPECT_EQ(tile.height_m.at(20, 20), kNoHeight);
   EXPECT_EQ(tile.count.at(20, 20), 0);
   EXPECT_TRUE(is(tile, CellState::kMeasured, 13, 20));
 }
 
-TEST(Gridding, SmallHolesAreFilledAndMarkedWideOnesStay) {
-  const SurfaceTile filled = grid_window(with_hole(15, 25), kWindow, {0.1, 10});
-  EXPECT_TRUE(is(filled, CellState::kInterpolated, 20, 20));
-  EXPECT_NEAR(filled.height_m.at(20, 20), 0.02 * 20.5, 1e-6);
-  EXPECT_EQ(filled.count.at(20, 20), 0);
-  EXPECT_TRUE(is(grid_window(with_hole(15, 25), kWindow, {0.1, 5}), CellState::kEmpty, 20, 20));
-}
-
-TEST(Gridding, AHoleBesideAWallGetsTheHeightOfTheGround) {
-  auto points = sprinkle(-20, 60, 3, [](double x, double) { return x < 20 ? 0.0 : 3.0; });
-  std::erase_if(points, [](const GridPoint& p) { return p.column >= 14 && p.column < 20; });
-  const SurfaceTile tile = grid_window(std::move(points), kWindow, {0.1, 8});
-  for (int x = 16; x < 18; ++x) {
-    EXPECT_TRUE(is(tile, CellState::kInterpolated, x, 20));
-    EXPECT_NEAR(tile.height_m.at(x, 20), 0, 1e-6);
-  }
-}
-
 TEST(Gridding, NeitherTheOrderOfPointsNorTheCutIntoWindowsMatters) {
   const auto hills = [](double x, double y) { return std::sin(0.3 * x) + (y > 17 ? 2 : 0); };
   auto points = sprinkle(-30, 70, 1.2, hills, 0.05);
-  const Gridding gridding{0.1, 3};
-  const SurfaceTile whole = grid_window(points, kWindow, gridding);
+  const SurfaceTile whole = measure_window(points, kWindow, kCell);
   std::reverse(points.begin(), points.end());
   for (int y = 0; y < 40; y += 10) {
     for (int x = 0; x < 40; x += 20) {
-      const SurfaceTile part = grid_window(points, {x, y, 20, 10}, gridding);
+      const SurfaceTile part = measure_window(points, {x, y, 20, 10}, kCell);
       for (int j = 0; j < 10; ++j) {
         for (int i = 0; i < 20; ++i) {
           ASSERT_EQ(part.height_m.at(i, j), whole.height_m.at(x + i, y + j)) << x + i << ' ' << y + j;

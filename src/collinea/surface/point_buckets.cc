@@ -10,8 +10,6 @@
 namespace collinea {
 namespace {
 
-std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0); }
-
 bool within(const GridPoint& p, const CellWindow& window) {
   return p.column >= double(window.column) && p.row >= double(window.row) &&
          p.column < double(window.column + window.width) && p.row < double(window.row + window.height);

@@ -20,18 +20,17 @@ struct SurfaceTile {
 };
 constexpr float kNoHeight = -9999;
 
+/// A part of a tile; column and row count from its upper-left cell.
+struct TilePart {
+  int column, row, width, height;
+};
+[[nodiscard]] SurfaceTile cropped(const SurfaceTile& tile, const TilePart& part);
+
 /// Smaller patches of cells are specks.
 constexpr int kSmallestPatch = 9;
 
 /// Empties the cells that belong to a patch of fewer than kSmallestPatch cells: a patch is connected (8 neighbours)
 /// without a step in height. What a cell becomes depends only on cells up to kSmallestPatch away.
 void remove_specks(SurfaceTile& tile, double cell_m);
-
-/// Fills empty cells across which measured cells lie opposite each other, along a row, a column or a diagonal, no
-/// more than `widest_cells` apart: linearly between them, or, where they lie on two sides of a step, at the lower one,
-/// because it is the ground beside a wall that no image sees. Gaps wider than 16 cells are filled only where they are
-/// enclosed: bridged in three of the four directions. What a cell becomes depends only on cells up to widest_cells
-/// away.
-void fill_holes(SurfaceTile& tile, double cell_m, int widest_cells);
 
 }  // namespace collinea
