@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Accuracy of the main job on blocks with known truth, as one table.
 
-usage: bench/accuracy.py [--data DIR] [--out DIR] [--only NAME,...] [--collinea PROGRAM]
+usage: bench/accuracy.py [--data DIR] [--out DIR] [--only NAME,...] [--collinea PROGRAM] [--killed]
   --data  folder of the real blocks (default ../shared/data); blocks that are not there are skipped, saying so
   --out   where the projects go (default build/bench-accuracy); projects found there are continued
+  --killed  also runs each block again with bad files added, killed three times and resumed, and on one thread
+            (bench/resume.py; depth maps at a quarter of the resolution): the products must be the same, bit for bit
 Needs python3-numpy.
 """
 import argparse
@@ -22,6 +24,7 @@ parser.add_argument("--data", default=os.path.join(os.path.dirname(root), "share
 parser.add_argument("--out", default=os.path.join(root, "build", "bench-accuracy"))
 parser.add_argument("--only", default="")
 parser.add_argument("--collinea", default=os.path.join(root, "build", "release", "bin", "collinea"))
+parser.add_argument("--killed", action="store_true")
 args = parser.parse_args()
 
 
@@ -136,6 +139,21 @@ BLOCKS = {
                      lambda i: points(i) + f", control {axes(i.get('control_rmse_m'))} m"),
 }
 
+def killed(name, out):
+    photos, control = os.path.join(args.data, "strecha2008" if name in STRECHA else "", name, "images"), None
+    if name == "demo":
+        photos, control = os.path.join(out, "block", "images"), os.path.join(out, "block", "control.csv")
+    elif os.path.exists(os.path.join(args.data, name, "gcp_list.txt")):
+        control = os.path.join(args.data, name, "gcp_list.txt")
+    words = [sys.executable, os.path.join(root, "bench", "resume.py"), photos, "--out", os.path.join(out, "killed"),
+             "--collinea", args.collinea] + (["--control", control] if control else [])
+    done = subprocess.run([*words, "--", "--resolution", "quarter"], stdout=subprocess.PIPE, text=True)
+    lines = done.stdout.splitlines()
+    different = [l.split()[-1] for l in lines if l.startswith("DIFFERENT") or l.startswith("NOT NAMED")]
+    text = f"{sum(l.startswith('same') for l in lines)} files the same, {sum(l.startswith('named') for l in lines)} bad photographs named"
+    row(name + ", killed 3 times, 1 thread", "failed" if done.returncode else "same", text + "".join(", DIFFERENT " + d for d in different), "-")
+
+
 row("block", "oriented", "result", "cost")
 row("---", "---", "---", "---")
 for name, bench in BLOCKS.items():
@@ -148,4 +166,5 @@ for name, bench in BLOCKS.items():
     out = os.path.join(args.out, name)
     os.makedirs(out, exist_ok=True)
     bench(out)
-sys.exit(0)
+    if args.killed:
+        killed(name, out)

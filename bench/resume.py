@@ -22,8 +22,9 @@ parser.add_argument("--control")
 parser.add_argument("--out", default=os.path.join(root, "build", "bench-resume"))
 parser.add_argument("--seed", type=int, default=1)
 parser.add_argument("--collinea", default=os.path.join(root, "build", "release", "bin", "collinea"))
-parser.add_argument("options", nargs="*")
-args = parser.parse_args()
+ours = sys.argv[1:sys.argv.index("--")] if "--" in sys.argv else sys.argv[1:]
+args = parser.parse_args(ours)
+args.options = sys.argv[len(ours) + 2:]
 rng = random.Random(args.seed)
 
 shutil.rmtree(args.out, ignore_errors=True)
