@@ -24,6 +24,7 @@ namespace {
 constexpr double kLeastSigma0 = 1e-3;   // of exact data
 constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
 constexpr int kControlRounds = 3;
+constexpr double kFewFit = 0.5;         // of the tie points: wrong matches alone are far fewer
 constexpr int kHeldRounds = 2;          // points that fit appear in the first, those they outvoted go in the second
 constexpr double kWeakTurn_rad = 0.03;  // of a block about the line of its positions: attitudes are better
 constexpr double kNoTurn_rad = 0.2;     // not known
@@ -140,6 +141,11 @@ class Orienter {
     if (part.point_count() == 0)
       return fail(Errc::kIllPosed, "no tie point fits the poses of " + given.source +
                                        ": they are not of these photographs, or their cameras are wrong");
+    if (static_cast<double>(part.point_count()) < kFewFit * static_cast<double>(part.track_count()))
+      result_.findings.push_back(
+          fmt::format("only {} of {} tie points fit the poses of {}: these are of other photographs, or in another "
+                      "convention, or their cameras are wrong",
+                      part.point_count(), part.track_count(), given.source));
     for (const auto& [image, data] : setup_.images)
       if (!given.cam_from_world.contains(image)) result_.alone.push_back(image);
     if (options_.refine_orientation) return settle_in_world(part, pairs, false);
@@ -293,6 +299,16 @@ class Orienter {
     return used.size() < 3 || redundancy < 3 ? 0 : std::sqrt(sum / redundancy);
   }
 
+  // Positions that do not tell the tilt must not change it: the attitudes do or, without any, it stays to two degrees.
+  static std::map<ImageId, GivenVertical> kept_level(const Reconstruction& part) {
+    auto verticals = verticals_by_attitude(part.block());
+    if (!verticals.empty()) return verticals;
+    const double sigma_rad = 2 / kDegrees * std::sqrt(static_cast<double>(part.poses().size()));
+    for (const auto& [image, pose] : part.poses())
+      verticals[image] = {pose.rotation * Eigen::Vector3d::UnitZ(), sigma_rad};
+    return verticals;
+  }
+
   // A model from elsewhere stays where it lies when that is the map, or when nothing here knows better.
   bool stays_as_given(const Reconstruction& part) {
     const bool in_map = setup_.georeference && (given_->in_world || lies_in_world(part.block()));
@@ -311,6 +327,7 @@ class Orienter {
     if (given_ && stays_as_given(part)) {
       scope.use_positions &= result_.georeferenced;
       scope.use_control &= result_.georeferenced;
+      if (scope.use_positions && turn_sigma_rad(part.block(), 1) > kWeakTurn_rad) scope.verticals = kept_level(part);
       return scope;
     }
     auto found =
