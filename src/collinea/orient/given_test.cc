@@ -42,6 +42,7 @@ TEST(OrientAsGiven, PosesAndCamerasStayToTheBitAndPointsAreIntersected) {
   EXPECT_EQ(found->block.cameras.begin()->second.params, input.truth.cameras.begin()->second.params);
   EXPECT_GT(found->block.points.size(), 450u);
   EXPECT_NEAR(found->adjusted.sigma0, 1, 0.15);
+  EXPECT_TRUE(found->findings.empty()) << found->findings.front();
   EXPECT_FALSE(found->georeferenced);
   EXPECT_NE(found->gauge.find("as given by elsewhere"), std::string::npos) << found->gauge;
 }
@@ -94,6 +95,30 @@ TEST(OrientAsGiven, RefiningMendsPosesThatAreALittleOff) {
   EXPECT_LT(centre_rms_m(refined->block, input.truth, true), 2 * kPixel_m);
   EXPECT_GT(held->adjusted.sigma0, 1.1 * refined->adjusted.sigma0);
   EXPECT_FALSE(refined->adjusted.pose_covariance.empty());
+}
+
+TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
+  const Matched input = small();
+  GivenOrientation given = truth_of(input);
+  given.cam_from_world = testing::disturbed(input.truth, 0.01, 0.5).cam_from_world;
+  const auto found = take(input, given);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_FALSE(found->findings.empty());
+  EXPECT_NE(found->findings.front().find("tie points fit the poses of elsewhere"), std::string::npos);
+}
+
+TEST(OrientAsGiven, RefiningAStripLeavesItsTiltToTheAttitudes) {
+  Block block = test_block(
+      {.rows = 1, .columns = 10, .points = 600, .sigma_px = 0.5, .position_sigma_m = 3, .tilt_rad = 0, .seed = 4});
+  for (auto& [id, image] : block.images) image.attitude = AttitudePrior{90, -90, 0};
+  Matched input = matched(block);
+  input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  const auto found = take(input, truth_of(input), true);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->georeferenced);
+  for (const auto& [image, pose] : found->block.cam_from_world)
+    EXPECT_LT((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(), 0.05)
+        << image.value;
 }
 
 TEST(OrientAsGiven, NoPosesAndPosesOfSomethingElseAreErrorsInWords) {
