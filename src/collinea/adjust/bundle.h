@@ -54,6 +54,12 @@ struct AdjustOptions {
   }
 };
 
+/// Where up is in the frame of a camera: by the attitude it wrote down, or by how pictures are held.
+struct GivenVertical {
+  Eigen::Vector3d up_in_cam;  ///< unit vector
+  double sigma_rad = 0;
+};
+
 /// What takes part and what is held. As it stands: everything moves, everything known is used.
 struct AdjustScope {
   /// Nothing: every oriented image moves. Otherwise only these move; other images that see the same points take part,
@@ -65,7 +71,8 @@ struct AdjustScope {
   /// The cameras as they were before any adjustment: the values of the weak observations below. A camera that is not
   /// named counts as it stands in the block.
   std::map<CameraId, Camera> first_cameras;
-  bool use_positions = true;  ///< Image::position
+  std::map<ImageId, GivenVertical> verticals;  ///< observations of the attitudes of images
+  bool use_positions = true;                   ///< Image::position
   bool use_control = true;    ///< ControlRole::kControl; when false they are treated as check points
 };
 
@@ -125,7 +132,7 @@ struct Adjusted {
 /// at once, points eliminated (Schur complement), robust losses by reweighting.
 ///
 /// Observations: tie points; control points (their image measurements, never robust, and their coordinates by sigma_m,
-/// infinite = not given); GNSS positions; and weak ones for the parameters of calibration so that weak geometry does
+/// infinite = not given); GNSS positions; scope.verticals; and weak ones for the parameters of calibration so that weak geometry does
 /// not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2 0.5, k3 0.5, p1
 /// and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false are held.
 ///

@@ -399,6 +399,56 @@ TEST(Adjust, HeldPointsOrientImages) {  // resection
   EXPECT_LT(largest_centre_error(*adjusted, truth), 1e-6);
 }
 
+TEST(Adjust, VerticalsHoldTheTurnThatPositionsOnOneLineLeaveOpen) {
+  Block truth = test_block({.rows = 1, .columns = 8, .tilt_rad = 0.3});
+  AdjustScope scope;
+  std::uint32_t number = 0;
+  for (auto& [id, pose] : truth.cam_from_world) {  // on an exact line; the measurements are made anew
+    pose.translation = -(pose.rotation * Eigen::Vector3d(12.0 * number++, 0, 60));
+    truth.images.at(id).position = PositionPrior{centre_of(pose), Eigen::Vector3d::Constant(0.2)};
+    scope.verticals[id] = {pose.rotation * Eigen::Vector3d::UnitZ(), 0.02};
+  }
+  for (Observation& seen : truth.observations) {
+    const auto pixel = project(truth.camera_of(seen.image),
+                               truth.cam_from_world.at(seen.image) * truth.points.at(seen.point).position_in_world);
+    ASSERT_TRUE(pixel);
+    seen.pixel = *pixel;
+  }
+  const Block start = disturbed(truth, 0.03, 0.5);
+  const auto without = adjust(start, {}, plain(), kRun), with = adjust(start, scope, plain(), kRun);
+  ASSERT_TRUE(without && with);
+  EXPECT_EQ(without->rank_defect, 1);
+  EXPECT_EQ(with->rank_defect, 0);
+  EXPECT_EQ(with->observation_count, without->observation_count + 16);
+  EXPECT_NE(with->datum.find("attitudes"), std::string::npos) << with->datum;
+  EXPECT_TRUE(with->converged);
+  EXPECT_LT(with->iterations, 15);
+  EXPECT_LT(with->sigma0, 1e-5);
+  EXPECT_LT(largest_centre_error(*with, truth), 1e-4);
+  for (const auto& [id, pose] : with->cam_from_world)
+    EXPECT_LT(pose.rotation.angularDistance(truth.cam_from_world.at(id).rotation), 1e-6);
+}
+
+TEST(Adjust, TheSigmaOfATurnIsThatOfItsVerticals) {
+  Block block = test_block({.rows = 1, .columns = 8, .sigma_px = 0.1});
+  AdjustScope scope;
+  std::uint32_t number = 0;
+  for (const auto& [id, pose] : block.cam_from_world) {
+    // All the positions can tell of the turn about the line is put out of reach.
+    block.images.at(id).position = PositionPrior{centre_of(pose), {0.2, 1e4, 1e4}};
+    scope.verticals[id] = {pose.rotation * Eigen::Vector3d::UnitZ(), 0.02};
+    ++number;
+  }
+  AdjustOptions options = plain();
+  options.covariances = true;
+  const auto adjusted = adjust(block, scope, options, kRun);
+  ASSERT_TRUE(adjusted);
+  for (const auto& [id, covariance] : adjusted->pose_covariance)
+    EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.02 / std::sqrt(number), 0.001);
+  scope.verticals.begin()->second.sigma_rad = 0;
+  EXPECT_EQ(adjust(block, scope, options, kRun).error().code, Errc::kBadInput);
+}
+
 TEST(Adjust, HeightOnlyControlFixesOnlyHeights) {
   Block block = test_block({.control = 9});
   for (auto& [id, control] : block.control)

@@ -197,10 +197,13 @@ void check_points_by_positions(const Block& block, std::vector<Place>& places, C
 double median_of(std::vector<double> values) { return bundle::middle(std::move(values)); }
 
 Eigen::Vector3d median_difference(const std::vector<Eigen::Vector3d>& differences, Eigen::Vector3d& scatter) {
-  Eigen::Vector3d median;
+  Eigen::Vector3d median = Eigen::Vector3d::Zero();
+  scatter.setZero();
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values, apart;
-    for (const auto& difference : differences) values.push_back(difference[axis]);
+    for (const auto& difference : differences)
+      if (std::isfinite(difference[axis])) values.push_back(difference[axis]);
+    if (values.empty()) continue;
     median[axis] = median_of(values);
     for (const double value : values) apart.push_back(std::abs(value - median[axis]));
     scatter[axis] = 1.4826 * median_of(apart);
@@ -208,16 +211,22 @@ Eigen::Vector3d median_difference(const std::vector<Eigen::Vector3d>& difference
   return median;
 }
 
-// Positions minus where the control puts the cameras (or, with little control, minus control seen from positions).
-std::vector<Eigen::Vector3d> position_differences(const std::vector<Place>& places,
-                                                  const std::vector<PlacePair>& positions, std::uint64_t seed) {
+// Positions minus where the control puts the cameras (or, with little control, minus control seen from positions); NaN
+// for heights that were not given.
+std::vector<Eigen::Vector3d> position_differences(const Block& block, const std::vector<Place>& places,
+                                                  std::uint64_t seed) {
   std::vector<Eigen::Vector3d> differences;
   const std::vector<PlacePair> control = pairs_of(places);
   if (bundle::span_a_plane(control)) {
-    if (const auto found = bundle::robust_similarity(control, seed))
-      for (const PlacePair& position : positions)
-        differences.push_back(position.in_world - found->world_from_block * position.in_block);
-  } else if (bundle::span_a_plane(positions)) {
+    const auto found = bundle::robust_similarity(control, seed);
+    if (!found) return differences;
+    for (const auto& [id, pose] : block.cam_from_world) {
+      const auto& position = block.images.at(id).position;
+      if (!position || !position->sigma_m.head<2>().allFinite()) continue;
+      differences.push_back(position->position_in_world - found->world_from_block * centre_of(pose));
+      if (!std::isfinite(position->sigma_m.z())) differences.back().z() = std::nan("");
+    }
+  } else if (const auto positions = position_pairs(block); bundle::span_a_plane(positions)) {
     if (const auto found = bundle::robust_similarity(positions, seed))
       for (const PlacePair& point : control)
         differences.push_back(found->world_from_block * point.in_block - point.in_world);
@@ -227,14 +236,16 @@ std::vector<Eigen::Vector3d> position_differences(const std::vector<Place>& plac
 
 void check_positions(const Block& block, const std::vector<Place>& places, ControlDiagnosis& diagnosis,
                      std::uint64_t seed) {
-  const std::vector<PlacePair> positions = position_pairs(block);
-  if (places.empty() || positions.empty()) return;
-  const std::vector<Eigen::Vector3d> differences = position_differences(places, positions, seed);
+  if (places.empty()) return;
+  const std::vector<Eigen::Vector3d> differences = position_differences(block, places, seed);
   if (differences.empty()) return;
   Eigen::Vector3d scatter;
   const Eigen::Vector3d off = median_difference(differences, scatter);
   std::vector<double> sigmas;
-  for (const PlacePair& position : positions) sigmas.push_back(position.sigma_m);
+  for (const auto& [id, pose] : block.cam_from_world)
+    if (const auto& position = block.images.at(id).position; position && position->sigma_m.head<2>().allFinite())
+      sigmas.push_back(std::isfinite(position->sigma_m.z()) ? std::sqrt(position->sigma_m.squaredNorm() / 3)
+                                                            : std::sqrt(position->sigma_m.head<2>().squaredNorm() / 2));
   const double sigma = median_of(sigmas), count = double(differences.size());
   const double plan = std::hypot(off.x(), off.y());
   const auto limit = [&](double spread, double least) {

@@ -166,6 +166,21 @@ TEST(CheckControl, KilometresApartIsAnotherCoordinateSystem) {
   EXPECT_TRUE(diagnosis.positions_unusable);
 }
 
+TEST(CheckControl, PositionsWithoutHeightsAreComparedInPlanOnly) {
+  Block block = block_with_control();
+  for (auto& [id, image] : block.images) {
+    image.position->position_in_world.z() = 5000;  // not given
+    image.position->sigma_m.z() = std::numeric_limits<double>::infinity();
+  }
+  EXPECT_TRUE(check_control(block).findings.empty());
+  for (auto& [id, image] : block.images) image.position->position_in_world.y() += 40;
+  const ControlDiagnosis diagnosis = check_control(block);
+  ASSERT_EQ(diagnosis.findings.size(), 1u);
+  EXPECT_EQ(diagnosis.findings.front().code, "position_offset");
+  EXPECT_NEAR(diagnosis.findings.front().size, 40, 3);
+  EXPECT_EQ(diagnosis.position_height_shift_m, 0);
+}
+
 TEST(CheckControl, NothingToCheckIsNoFinding) {
   EXPECT_TRUE(check_control(Block{}).findings.empty());
   Block block = block_with_control(0);

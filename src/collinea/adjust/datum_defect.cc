@@ -49,7 +49,7 @@ struct Part {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double size = 1;
   Matrix7 seen = Matrix7::Zero();  // which motions something observes
-  bool held = false, positions = false, control = false;
+  bool held = false, positions = false, control = false, verticals = false;
 
   void add(const Eigen::Vector3d& point, const Eigen::Vector3d& axes = Eigen::Vector3d::Ones()) {
     const Matrix37 g = axes.asDiagonal() * motion_of(point, centre, size);
@@ -85,6 +85,11 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
     Part& its = parts[part[position.image]];
     its.add(centre_in(state, position.image), (position.inverse_sigma.array() > 0).cast<double>());
     its.positions = true;
+  }
+  for (const GivenUp& given : problem.verticals) {  // turns about the two level axes
+    Part& its = parts[part[given.image]];
+    its.seen.diagonal().segment<2>(3).array() += 1;
+    its.verticals = true;
   }
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
     if (part_of_point[p] < 0) continue;
@@ -153,14 +158,18 @@ DatumConstraint constraint(const Part& part, const State& state, const std::vect
 }
 
 std::string describe_datum(const std::vector<Part>& parts, int defect) {
-  bool held = false, positions = false, control = false;
-  for (const Part& part : parts) held |= part.held, positions |= part.positions, control |= part.control;
+  bool held = false, positions = false, control = false, verticals = false;
+  for (const Part& part : parts) {
+    held |= part.held, positions |= part.positions;
+    control |= part.control, verticals |= part.verticals;
+  }
   std::string text;
   const auto name = [&](bool there, const char* what) {
     if (there) text += (text.empty() ? "" : ", ") + std::string(what);
   };
   name(control, "control points");
   name(positions, "camera positions");
+  name(verticals, "attitudes");
   name(held, "held images or points");
   if (defect == 0) return text.empty() ? "nothing to be fixed" : text;
   text = text.empty() ? "free network" : "partly " + text;

@@ -65,6 +65,7 @@ class Gatherer {
     lay_out_images();
     lay_out_cameras(free);
     if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
+    if (Result<> taken = take_verticals(); !taken) return tl::unexpected(taken.error());
     count();
     return std::move(out_);
   }
@@ -351,11 +352,26 @@ class Gatherer {
     return {};
   }
 
+  Result<> take_verticals() {
+    Problem& problem = out_.problem;
+    for (int i = 0; i < problem.poses; ++i) {
+      const auto given = scope_.verticals.find(problem.images[i].id);
+      if (given == scope_.verticals.end()) continue;
+      const auto& [up_in_cam, sigma_rad] = given->second;
+      if (!(sigma_rad > 0) || !(std::abs(up_in_cam.norm() - 1) < 1e-6))
+        return fail(Errc::kBadInput, "the vertical of " + block_.images.at(given->first).file +
+                                         " is no direction with a positive standard deviation");
+      problem.verticals.push_back({static_cast<std::uint32_t>(i), up_in_cam, 1 / sigma_rad});
+    }
+    return {};
+  }
+
   void count() {
     Problem& problem = out_.problem;
     problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.border;
     for (const GivenPosition& position : problem.positions)
       problem.observation_count += (position.inverse_sigma.array() > 0).count();
+    problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
     problem.unknown_count = 6L * problem.poses + problem.border;
     for (std::size_t p = 0; p < problem.point_count(); ++p) {
       problem.unknown_count += problem.point(p).held ? 0 : 3;

@@ -38,6 +38,16 @@ GaugeNormals normals_at(const Problem& problem, const State& state, const Simila
   };
   for (const GivenPosition& position : problem.positions)
     add(centre_in(state, position.image), position.given, position.inverse_sigma, problem.position_loss);
+  for (const GivenUp& given : problem.verticals) {
+    const Eigen::Matrix3d cam_from_world =
+        (state.rotations[given.image] * moved.rotation.conjugate()).toRotationMatrix();
+    const Eigen::Vector3d residual = given.residual(cam_from_world.col(2));
+    // A world turned by w sees its old z axis turned by -w.
+    const Eigen::Matrix3d by_turn = given.inverse_sigma * cam_from_world * skew(Eigen::Vector3d::UnitZ());
+    normals.matrix.block<3, 3>(3, 3) += by_turn.transpose() * by_turn;
+    normals.right.segment<3>(3) += by_turn.transpose() * residual;
+    normals.cost += residual.squaredNorm();
+  }
   for (std::size_t p = problem.first_control; p < problem.point_count(); ++p) {
     if (problem.point(p).control < 0) continue;
     const ControlCoordinates& control = problem.control[problem.point(p).control];

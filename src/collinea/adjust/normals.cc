@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "collinea/base/parallel.h"
+#include "collinea/geometry/rotation.h"
 
 namespace collinea::bundle {
 namespace {
@@ -178,7 +179,7 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
     for (std::size_t i = 0; i < border_.right.size(); ++i) border_.diagonal[i] += chunks_[c].diagonal[i];
     border_.cost += chunks_[c].cost;
   }
-  const double cost = border_.cost + add_positions(state) + add_weak_cameras(state);
+  const double cost = border_.cost + add_positions(state) + add_verticals(state) + add_weak_cameras(state);
   add_datum(datum_stiffness);
   assemble(lambda);
   return cost;
@@ -336,6 +337,24 @@ double Normals::add_positions(const State& state) {
       matrix_.at(row, row) += weight * w * w;
       diagonal_[static_cast<std::size_t>(row)] += weight * w * w;
       right_[static_cast<std::size_t>(row)] += weight * w * residual[c];
+    }
+  }
+  return cost;
+}
+
+double Normals::add_verticals(const State& state) {
+  double cost = 0;
+  for (const GivenUp& given : problem_.verticals) {
+    const Eigen::Vector3d up = z_in_cam(state.frames[given.image]), residual = given.residual(up);
+    cost += residual.squaredNorm();
+    const Eigen::Matrix3d by_turn = -given.inverse_sigma * skew(up);  // of the computed direction
+    const Eigen::Matrix3d square = by_turn.transpose() * by_turn;
+    const Eigen::Vector3d right = by_turn.transpose() * residual;
+    const int first = 6 * static_cast<int>(given.image);
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c <= r; ++c) matrix_.at(first + r, first + c) += square(r, c);
+      diagonal_[static_cast<std::size_t>(first + r)] += square(r, r);
+      right_[static_cast<std::size_t>(first + r)] += right[r];
     }
   }
   return cost;

@@ -52,6 +52,7 @@ class Normals {
   void add_pose_ray(const Batch& batch, std::uint32_t ray, double* const* tile_of, std::vector<double*>& blocks);
   void add_pose_cameras(const Batch& batch, std::uint32_t ray);
   double add_positions(const State& state);
+  double add_verticals(const State& state);
   double add_weak_cameras(const State& state);
   void add_datum(double stiffness);
   void assemble(double lambda);

@@ -104,6 +104,13 @@ double write_positions(const Problem& problem, const State& state, Adjusted& adj
   return sum;
 }
 
+double vertical_squares(const Problem& problem, const State& state) {
+  double sum = 0;
+  for (const GivenUp& given : problem.verticals)
+    sum += given.residual(z_in_cam(state.frames[given.image])).squaredNorm();
+  return sum;
+}
+
 double weak_camera_squares(const Problem& problem, const State& state) {
   double sum = 0;
   for (std::size_t i = 0; i < problem.cameras.size(); ++i)
@@ -175,6 +182,7 @@ void describe_outcome(const Block& block, const AdjustScope& scope, const Proble
   write_unknowns(block, problem, state, adjusted);
   double squares = write_tie_residuals(problem, state, adjusted);
   squares += write_positions(problem, state, adjusted);
+  squares += vertical_squares(problem, state);
   squares += weak_camera_squares(problem, state);
   squares += write_control(block, scope, problem, state, adjusted);
   adjusted.sigma0 = adjusted.redundancy > 0 ? std::sqrt(squares / static_cast<double>(adjusted.redundancy)) : 0;

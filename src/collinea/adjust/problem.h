@@ -54,6 +54,18 @@ struct GivenPosition {
   Eigen::Vector3d given, inverse_sigma;
 };
 
+/// The direction of the world's z axis in the camera; a difference counts across it only (two observations).
+struct GivenUp {
+  std::uint32_t image;
+  Eigen::Vector3d up_in_cam;
+  double inverse_sigma;
+
+  /// Given minus computed, in sigmas: the chord, along which nothing pulls for small angles.
+  [[nodiscard]] Eigen::Vector3d residual(const Eigen::Vector3d& z_in_cam) const {
+    return inverse_sigma * (up_in_cam - z_in_cam);
+  }
+};
+
 /// Directions in which the poses of some images must not move together, because nothing observes that motion.
 struct DatumConstraint {
   std::vector<int> poses;
@@ -70,6 +82,7 @@ struct Problem {
   std::vector<Ray> rays;
   std::vector<ControlCoordinates> control;
   std::vector<GivenPosition> positions;
+  std::vector<GivenUp> verticals;
   std::vector<DatumConstraint> datum;
   int rank_defect = 0;
   std::string datum_text;
@@ -98,6 +111,9 @@ struct State {
   std::vector<Lens> lenses;
   std::vector<double> points;  ///< 3 of each point
 };
+
+/// The world's z axis in the camera.
+[[nodiscard]] inline Eigen::Vector3d z_in_cam(const Frame& frame) { return {frame[2], frame[5], frame[8]}; }
 
 [[nodiscard]] Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre);
 

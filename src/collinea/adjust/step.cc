@@ -173,6 +173,17 @@ Sums of_positions(const Problem& problem, const State& state, const State& next,
   return sums;
 }
 
+Sums of_verticals(const Problem& problem, const State& state, const State& next, const Step& step) {
+  Sums sums;
+  for (const GivenUp& given : problem.verticals) {
+    const Eigen::Vector3d up = z_in_cam(state.frames[given.image]), residual = given.residual(up);
+    const Eigen::Vector3d turn(&step.reduced[6ul * given.image]);
+    sums.cost += given.residual(z_in_cam(next.frames[given.image])).squaredNorm();
+    sums.promised += residual.squaredNorm() - (residual - given.inverse_sigma * turn.cross(up)).squaredNorm();
+  }
+  return sums;
+}
+
 Sums of_weak_cameras(const Problem& problem, const State& state, const State& next) {
   Sums sums;
   for (std::size_t i = 0; i < problem.cameras.size(); ++i)
@@ -201,6 +212,7 @@ State moved(const Problem& problem, const State& state, double lambda, Step& ste
     }
   });
   sums.push_back(of_positions(problem, state, next, step));
+  sums.push_back(of_verticals(problem, state, next, step));
   sums.push_back(of_weak_cameras(problem, state, next));
   step.cost = step.promised = 0;
   for (const Sums& one : sums) {

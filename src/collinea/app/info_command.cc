@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <filesystem>
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
@@ -20,9 +19,7 @@ Command info_command() {
             flags.add("json", asked->json, "", "as JSON, for machines");
           },
           [asked] {
-            if (!std::filesystem::exists(std::filesystem::path(asked->project) / "block.db"))
-              return complain({Errc::kNotFound, asked->project + " is not a project: no block.db in it"});
-            const auto store = ProjectStore::open(asked->project);
+            const auto store = ProjectStore::open_to_read(asked->project);
             if (!store) return complain(store.error());
             const auto text = asked->json ? info_json(*store) : info_text(*store);
             if (!text) return complain(text.error());

@@ -2,7 +2,10 @@
 #include "collinea/geodesy/local_frame.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <utility>
 
 #include "collinea/geodesy/ellipsoid.h"
 #include "collinea/geodesy/map_projection.h"
@@ -10,10 +13,32 @@
 namespace collinea {
 namespace {
 
-constexpr std::size_t kChunk = 4096;  // points transformed at a time: stays in the cache
+constexpr double kMostStretch = 0.05;  // of a map; national grids stay below 0.01
+constexpr std::size_t kChunk = 4096;   // points transformed at a time: stays in the cache
 
 bool on_earth(double latitude_deg, double longitude_deg, double height_m) {
   return std::abs(latitude_deg) <= 90 && std::abs(longitude_deg) <= 180 && std::abs(height_m) < 1e6;
+}
+
+// How many units of the map a metre on the ground is here, at most and at least.
+std::pair<double, double> scales_of(const LocalFrame& frame) {
+  constexpr double kStep_m = 10;
+  const Eigen::Vector3d here = frame.map_from_local(Eigen::Vector3d::Zero().eval());
+  const double east = (frame.map_from_local(Eigen::Vector3d(kStep_m, 0, 0)) - here).head<2>().norm() / kStep_m;
+  const double north = (frame.map_from_local(Eigen::Vector3d(0, kStep_m, 0)) - here).head<2>().norm() / kStep_m;
+  return {std::max(east, north), std::min(east, north)};
+}
+
+// Maps for the screen and of whole continents stretch lengths: surface model and orthophoto would have false sizes.
+Result<> check_scale(const LocalFrame& frame, double latitude_deg, double longitude_deg) {
+  const auto [most, least] = scales_of(frame);
+  const bool web = frame.wkt2().find("Pseudo Mercator") != std::string::npos;
+  if (!web && most < 1 + kMostStretch && least > 1 - kMostStretch) return {};
+  std::array<char, 16> times{};
+  std::snprintf(times.data(), times.size(), "%.3f", std::abs(most - 1) > std::abs(1 - least) ? most : least);
+  return fail(Errc::kUnsupported, frame.crs_name() + " is no map to measure in: a metre on the ground is " +
+                                      times.data() + " of its units here. Use a map of the place, such as " +
+                                      utm_crs(latitude_deg, longitude_deg) + " (the UTM zone) or the national grid");
 }
 
 }  // namespace
@@ -53,6 +78,8 @@ Result<LocalFrame> LocalFrame::create(const std::string& crs, double origin_lati
     return fail(Errc::kBadInput, "latitude " + std::to_string(origin_latitude_deg) + ", longitude " +
                                      std::to_string(origin_longitude_deg) + " cannot be mapped in " +
                                      transforms.projection->name + ": wrong CRS for this place?");
+  if (const Result<> verdict = check_scale(frame, origin_latitude_deg, origin_longitude_deg); !verdict)
+    return tl::unexpected(verdict.error());
   return frame;
 }
 

@@ -20,7 +20,7 @@ namespace collinea {
 class LocalFrame {
  public:
   /// `crs`: a projected or compound CRS in metres as PROJ understands it ("EPSG:32633"). Errors: unknown CRS, not
-  /// projected, not in metres, grid missing (named).
+  /// projected, not in metres, grid missing (named), lengths stretched by more than a twentieth or Web Mercator.
   static Result<LocalFrame> create(const std::string& crs, double origin_latitude_deg, double origin_longitude_deg,
                                    double origin_height_m);
 

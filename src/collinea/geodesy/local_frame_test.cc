@@ -106,6 +106,21 @@ TEST(LocalFrame, UnusableReferenceSystemsAreRefusedInWords) {
   EXPECT_EQ(check_crs("EPSG:32633").value(), "WGS 84 / UTM zone 33N");
 }
 
+TEST(LocalFrame, MapsWhoseMetresAreNoneAreRefusedAndABetterOneIsNamed) {
+  for (const char* crs : {"EPSG:3857", "EPSG:3395", "EPSG:3857+5773"}) {
+    const auto frame = LocalFrame::create(crs, 48, 15, 300);
+    if (!frame && frame.error().message.find("grid") != std::string::npos) continue;  // no geoid here
+    ASSERT_FALSE(frame) << crs;
+    EXPECT_EQ(frame.error().code, Errc::kUnsupported);
+    EXPECT_NE(frame.error().message.find("EPSG:32633"), std::string::npos) << frame.error().message;
+    EXPECT_NE(frame.error().message.find("1.49"), std::string::npos) << frame.error().message;
+  }
+  EXPECT_FALSE(LocalFrame::create("EPSG:3857", 0.1, 15, 300));  // nearly true to scale, but for nobody's use
+  EXPECT_TRUE(LocalFrame::create("EPSG:3035", 35, 33, 300));    // Europe's, at its far end
+  // Surveyed points in it are places all the same.
+  EXPECT_TRUE(geographic_from_map("EPSG:3857", {1669792.36, 6106854.83, 300}));
+}
+
 TEST(LocalFrame, AnOriginThatIsNoPlaceIsRefused) {
   EXPECT_FALSE(LocalFrame::create("EPSG:32633", 95, 15, 0));
   EXPECT_FALSE(LocalFrame::create("EPSG:32633", 45, std::nan(""), 0));

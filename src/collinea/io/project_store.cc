@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/project_store.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 
@@ -170,6 +172,25 @@ Result<ProjectStore> ProjectStore::open(const std::filesystem::path& project) {
   COLLINEA_TRY(store.state_->database, Database::open(file).map_error(with_name));
   COLLINEA_TRY([[maybe_unused]] const auto ready,
                prepare(store.state_->database).map([] { return true; }).map_error(with_name));
+  return store;
+}
+
+Result<ProjectStore> ProjectStore::open_to_read(const std::filesystem::path& project) {
+  const std::filesystem::path file = project / "block.db";
+  if (!std::filesystem::exists(file))
+    return fail(Errc::kNotFound, project.string() + " is not a project: no block.db in it");
+  const bool writable = ::access(project.c_str(), W_OK) == 0 && ::access(file.c_str(), W_OK) == 0;
+  return writable ? open(project) : open_read_only(project);
+}
+
+Result<ProjectStore> ProjectStore::open_read_only(const std::filesystem::path& project) {
+  ProjectStore store;
+  store.state_->folder = project;
+  const std::filesystem::path file = project / "block.db";
+  const auto with_name = [&](Error e) { return std::move(e).within(file.string()); };
+  COLLINEA_TRY(store.state_->database, Database::open_read_only(file).map_error(with_name));
+  COLLINEA_TRY([[maybe_unused]] const auto ready,
+               check_tables(store.state_->database).map([] { return true; }).map_error(with_name));
   return store;
 }
 

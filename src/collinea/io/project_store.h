@@ -31,6 +31,12 @@ class ProjectStore {
   /// schema.
   static Result<ProjectStore> open(const std::filesystem::path& project);
 
+  /// Opens what is there to look at it, also where the folder cannot be written: every write is an error then. Errors:
+  /// no block.db, and as above.
+  static Result<ProjectStore> open_to_read(const std::filesystem::path& project);
+  /// The same without a try to write, wherever it is.
+  static Result<ProjectStore> open_read_only(const std::filesystem::path& project);
+
   [[nodiscard]] const std::filesystem::path& folder() const;  ///< PROJECT
 
   /// Georeference, cameras, images and control with its observations: what is known before orientation. Replaces all

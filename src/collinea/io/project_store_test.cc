@@ -309,6 +309,34 @@ TEST_F(ProjectStoreTest, StepsAreKeptInTheOrderTheyWereWritten) {
   EXPECT_FALSE(store.read_step("import")->has_value());
 }
 
+TEST_F(ProjectStoreTest, CanBeReadWhereNothingCanBeWritten) {
+  const StepRecord step{"orient", "in", "out", 1, 2, 3, "{}"};
+  ASSERT_TRUE(open().write_step(step));
+  fs::rename(folder_, folder_.string() + " 100% #1?");
+  const fs::path folder = folder_.string() + " 100% #1?";
+  const auto files = [&] { return std::distance(fs::directory_iterator(folder), fs::directory_iterator()); };
+  const auto before = files();
+  {
+    auto store = ProjectStore::open_read_only(folder);
+    ASSERT_TRUE(store) << store.error().message;
+    const auto found = store->read_step("orient");
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ((*found)->output_hash, "out");
+    EXPECT_TRUE(store->read_setup());
+    EXPECT_EQ(store->write_step(step).error().code, Errc::kBadInput);
+    EXPECT_EQ(files(), before);
+  }
+  fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);
+  {
+    const auto store = ProjectStore::open_to_read(folder);
+    EXPECT_TRUE(store && store->read_steps());
+  }
+  fs::permissions(folder, fs::perms::owner_all);
+  fs::remove_all(folder);
+  EXPECT_EQ(ProjectStore::open_to_read(folder).error().code, Errc::kNotFound);
+  EXPECT_FALSE(fs::exists(folder));
+}
+
 TEST_F(ProjectStoreTest, ManyThreadsMayWriteAtOnce) {
   ProjectStore store = open();
   std::vector<int> failures(4, 0);

@@ -111,6 +111,28 @@ Result<Database> Database::open(const std::filesystem::path& path) {
   return database;
 }
 
+Result<Database> Database::open_read_only(const std::filesystem::path& path) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(path).string())
+    if (c == '%' || c == '?' || c == '#') {
+      constexpr std::string_view kHex = "0123456789ABCDEF";
+      uri += {'%', kHex[static_cast<unsigned char>(c) / 16], kHex[static_cast<unsigned char>(c) % 16]};
+    } else {
+      uri += c;
+    }
+  std::error_code none;
+  const auto journal = std::filesystem::file_size(path.string() + "-wal", none);
+  uri += !none && journal > 0 ? "?mode=ro" : "?immutable=1";  // an empty journal needs no lock file
+  sqlite3* raw = nullptr;
+  const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
+  const int code = sqlite3_open_v2(uri.c_str(), &raw, flags, nullptr);
+  Database database;
+  database.database_.reset(raw);
+  if (code != SQLITE_OK) return failure(raw, code);
+  sqlite3_busy_timeout(raw, kBusyTimeout_ms);
+  return database;
+}
+
 Result<> Database::execute(const std::string& sql) {
   const int code = sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) return failure(database_.get(), code);

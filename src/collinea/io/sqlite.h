@@ -51,6 +51,9 @@ class Database {
  public:
   /// Opens or creates; the file is looked at only by the first statement.
   static Result<Database> open(const std::filesystem::path& path);
+  /// For reading only, without any file made beside it. What another program has not yet moved from its journal into
+  /// the file is seen when that journal can be read.
+  static Result<Database> open_read_only(const std::filesystem::path& path);
 
   Result<> execute(const std::string& sql);  ///< one or more statements, no parameters
   Result<Statement> prepare(std::string_view sql);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,8 @@ struct OrientOptions {
   double sigma_px = 0.5;
   bool use_positions = true;
   bool use_control = true;
+  std::optional<std::string> orientation;
+  bool refine_orientation = false;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -31,8 +34,9 @@ struct OrientOptions {
     visit(Field{"mode", &O::mode, "",
                 "how the block begins: incremental (image after image), global (all at once, from image positions), "
                 "auto (global from 300 images on when nearly all have positions)"});
-    visit(Field{"calibration", &O::calibration, "",
-                "camera parameters to find: auto (all of brown from three images on), none, focal, focal_radial, brown"});
+    visit(
+        Field{"calibration", &O::calibration, "",
+              "camera parameters to find: auto (all of brown from three images on), none, focal, focal_radial, brown"});
     visit(Field{"max_error_px", &O::max_error_px, "px", "largest residual of a tie point's image", 0.1});
     visit(Field{"min_angle_deg", &O::min_angle_deg, "deg", "smallest angle between two rays that fix a tie point", 0.01,
                 90});
@@ -40,6 +44,12 @@ struct OrientOptions {
     visit(Field{"sigma_px", &O::sigma_px, "px", "standard deviation of a tie point's image before adjustment", 1e-3});
     visit(Field{"use_positions", &O::use_positions, "", "use GNSS positions of the images as observations"});
     visit(Field{"use_control", &O::use_control, "", "use control points as observations"});
+    visit(
+        Field{"orientation", &O::orientation, "",
+              "take cameras and poses from another program: folder of a COLMAP model, Bundler's folder or bundle.out, "
+              "or a table of omega, phi, kappa"});
+    visit(Field{"refine_orientation", &O::refine_orientation, "",
+                "adjust the orientation that was taken; otherwise it is held as it is"});
   }
 };
 

@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
 #include "collinea/orient/incremental.h"
+#include "collinea/orient/level_datum.h"
 #include "collinea/orient/strip_datum.h"
 #include "collinea/orient/weak_cases.h"
 
@@ -20,8 +24,11 @@ namespace {
 constexpr double kLeastSigma0 = 1e-3;   // of exact data
 constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
 constexpr int kControlRounds = 3;
-constexpr double kWeakTurn_rad = 0.03;    // of a block about the line of its positions: attitudes are better
-constexpr double kNoTurn_rad = 0.2;       // not known
+constexpr double kFewFit = 0.5;         // of the tie points: wrong matches alone are far fewer
+constexpr int kHeldRounds = 2;          // points that fit appear in the first, those they outvoted go in the second
+constexpr double kWeakTurn_rad = 0.03;  // of a block about the line of its positions: attitudes are better
+constexpr double kNoTurn_rad = 0.2;     // not known
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
 
 struct Parts {
@@ -119,8 +126,54 @@ class Orienter {
     Reconstruction& part = parts.largest;
     part.wake_all();
     part.extend_all(run_);
+    return settle_in_world(part, pairs, parts.in_world);
+  }
+
+  // The tie points of poses that are there; these are adjusted only when that was asked for.
+  Result<Orientation> orient_from(const GivenOrientation& given, std::span<const ImagePair> pairs,
+                                  const KeypointSource& keypoints) {
+    given_ = &given;
+    for (const auto& [id, camera] : given.cameras) setup_.cameras.at(id) = camera;
+    COLLINEA_TRY(Reconstruction part, Reconstruction::create(setup_, pairs, keypoints, options_));
+    part.place(given.cam_from_world);
+    part.extend_all(run_);
+    if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
+    if (part.point_count() == 0)
+      return fail(Errc::kIllPosed, "no tie point fits the poses of " + given.source +
+                                       ": they are not of these photographs, or their cameras are wrong");
+    if (static_cast<double>(part.point_count()) < kFewFit * static_cast<double>(part.track_count()))
+      result_.findings.push_back(
+          fmt::format("only {} of {} tie points fit the poses of {}: these are of other photographs, or in another "
+                      "convention, or their cameras are wrong",
+                      part.point_count(), part.track_count(), given.source));
+    for (const auto& [image, data] : setup_.images)
+      if (!given.cam_from_world.contains(image)) result_.alone.push_back(image);
+    if (options_.refine_orientation) return settle_in_world(part, pairs, false);
+    return hold(part);
+  }
+
+ private:
+  // Poses stay; cameras that nobody gave and points are estimated on them.
+  Result<Orientation> hold(Reconstruction& part) {
+    AdjustScope held{.use_positions = false, .use_control = false};
+    for (const auto& [image, pose] : part.poses()) held.fixed_images.insert(image);
+    AdjustOptions adjust = settled_options(part, options_);
+    if (!given_->cameras.empty()) adjust.calibration = "none";
+    for (int round = 0; round < kHeldRounds; ++round) {
+      if (auto adjusted = part.adjust_all(adjust, held, run_); !adjusted) return tl::unexpected(adjusted.error());
+      part.filter(options_.max_error_px, run_);
+      part.extend_all(run_);
+      if (const auto shown = part.shown_noise()) part.set_noise(*shown);
+    }
+    place(part);
+    COLLINEA_TRY(result_.adjusted, part.adjust_all(adjust, held, run_));
+    finish(part);
+    return std::move(result_);
+  }
+
+  Result<Orientation> settle_in_world(Reconstruction& part, std::span<const ImagePair> pairs, bool in_world) {
     // A part that lies in the world by its positions keeps them: without them a large block only sways.
-    const AdjustScope by_itself{.use_positions = parts.in_world && options_.use_positions, .use_control = false};
+    const AdjustScope by_itself{.use_positions = in_world && options_.use_positions, .use_control = false};
     COLLINEA_TRY(const Adjusted settled, settle(part, by_itself, options_, true, run_));
     take_sigma(part, settled.sigma0);
     const AdjustScope scope = place(part);
@@ -135,8 +188,8 @@ class Orienter {
     return std::move(result_);
   }
 
- private:
-  // Hardly anything but tie points took part: their sigma is what they show among each other. The loss sets in where it did.
+  // Hardly anything but tie points took part: their sigma is what they show among each other. The loss sets in where it
+  // did.
   static void take_sigma(Reconstruction& part, double sigma0) {
     TieNoise noise = part.noise();
     noise.sigma_px *= sigma0;
@@ -144,9 +197,32 @@ class Orienter {
     part.set_noise(noise);
   }
 
+  // Control whose columns are in the other order, put right; nothing where that leads far from the block's place.
+  [[nodiscard]] std::optional<std::map<ControlId, ControlPoint>> with_exchanged_axes() const {
+    constexpr double kFar_m = 1e5;
+    const Georeference& map = *setup_.georeference;
+    const auto frame =
+        LocalFrame::create(map.crs, map.origin_latitude_deg, map.origin_longitude_deg, map.origin_height_m);
+    if (!frame) return std::nullopt;
+    auto control = setup_.control;
+    for (auto& [id, point] : control) {
+      std::swap(point.position_in_map.x(), point.position_in_map.y());
+      std::swap(point.sigma_m.x(), point.sigma_m.y());
+      point.position_in_world = frame->local_from_map(point.position_in_map);
+      if (!(point.position_in_world.norm() < kFar_m)) return std::nullopt;
+    }
+    return control;
+  }
+
   // What is wrong with control or positions is named and left out, for good.
-  void examine(const Block& block) {
-    const ControlDiagnosis diagnosis = check_control(block, run_.seed);
+  void examine(Block block) {
+    ControlDiagnosis diagnosis = check_control(block, run_.seed);
+    if (diagnosis.axes_swapped)
+      if (auto control = with_exchanged_axes()) {
+        result_.findings.push_back(diagnosis.findings.front().message + "; they are used exchanged back");
+        block.control = setup_.control = *std::move(control);
+        diagnosis = check_control(block, run_.seed);
+      }
     for (const Finding& finding : diagnosis.findings) result_.findings.push_back(finding.message);
     result_.excluded_control = diagnosis.excluded_points;
     apply(diagnosis, setup_);
@@ -223,22 +299,52 @@ class Orienter {
     return used.size() < 3 || redundancy < 3 ? 0 : std::sqrt(sum / redundancy);
   }
 
+  // Positions that do not tell the tilt must not change it: the attitudes do or, without any, it stays to two degrees.
+  static std::map<ImageId, GivenVertical> kept_level(const Reconstruction& part) {
+    auto verticals = verticals_by_attitude(part.block());
+    if (!verticals.empty()) return verticals;
+    const double sigma_rad = 2 / kDegrees * std::sqrt(static_cast<double>(part.poses().size()));
+    for (const auto& [image, pose] : part.poses())
+      verticals[image] = {pose.rotation * Eigen::Vector3d::UnitZ(), sigma_rad};
+    return verticals;
+  }
+
+  // A model from elsewhere stays where it lies when that is the map, or when nothing here knows better.
+  bool stays_as_given(const Reconstruction& part) {
+    const bool in_map = setup_.georeference && (given_->in_world || lies_in_world(part.block()));
+    const bool knows_better = setup_.georeference && !in_map && (options_.use_positions || options_.use_control);
+    if (knows_better) return false;
+    result_.georeferenced = in_map;
+    result_.gauge = in_map ? fmt::format("map {}, as given by {}", setup_.georeference->crs, given_->source)
+                           : fmt::format("local gauge, as given by {}", given_->source);
+    return true;
+  }
+
   // Brings the part into the frame of control or positions, where there are enough of them.
   AdjustScope place(Reconstruction& part) {
     AdjustScope scope{.use_positions = options_.use_positions, .use_control = options_.use_control};
     if (setup_.georeference && scope.use_control) examine(part.block());
+    if (given_ && stays_as_given(part)) {
+      scope.use_positions &= result_.georeferenced;
+      scope.use_control &= result_.georeferenced;
+      if (scope.use_positions && turn_sigma_rad(part.block(), 1) > kWeakTurn_rad) scope.verticals = kept_level(part);
+      return scope;
+    }
     auto found =
         setup_.georeference ? datum(part.block(), scope.use_positions, scope.use_control, run_.seed) : std::nullopt;
     if (setup_.georeference && scope.use_positions && (!found || found->control.empty())) {
       const double turn_rad = found ? turn_sigma_rad(part.block(), found->world_from_block.scale) : kNoTurn_rad;
-      if (turn_rad > kWeakTurn_rad && place_strip(part)) return {.use_positions = false, .use_control = false};
+      if (turn_rad > kWeakTurn_rad && place_strip(part, scope)) return scope;
+      if (turn_rad >= kNoTurn_rad && place_level(part, scope)) return scope;
       if (turn_rad >= kNoTurn_rad) found.reset();
     }
     if (!found) {
       scope.use_positions = scope.use_control = false;
-      part.move_world(readable_gauge(part));
+      if (!given_) part.move_world(readable_gauge(part));
       result_.gauge =
-          "local gauge without scale, place or north: the unit is the first base, z is up as the pictures stand";
+          given_
+              ? fmt::format("local gauge, as given by {}", given_->source)
+              : "local gauge without scale, place or north: the unit is the first base, z is up as the pictures stand";
       if (setup_.georeference)
         result_.findings.push_back(
             "positions and control do not fix the place of the block (fewer than three, or all on one line): local "
@@ -254,18 +360,40 @@ class Orienter {
     return scope;
   }
 
-  // Positions on one line take no part in the adjustment: their errors would turn the block about that line.
-  bool place_strip(Reconstruction& part) {
+  // Positions on one line: the turn about it is held by the attitudes, with their sigma.
+  bool place_strip(Reconstruction& part, AdjustScope& scope) {
     const auto found = strip_datum(part.block());
     if (!found) return false;
     part.move_world(*found);
+    scope.verticals = verticals_by_attitude(part.block());
     result_.georeferenced = true;
     result_.gauge = fmt::format("map {}, fixed by {} image positions on one line and the attitudes of the camera",
                                 setup_.georeference->crs, count_positions(part.block()));
     result_.findings.push_back(
         "image positions lie on one line: the tilt across it is that of the attitudes the camera wrote, good to about "
-        "a "
-        "degree. A second strip or three control points would fix it");
+        "a degree. A second strip or three control points would fix it");
+    return true;
+  }
+
+  // Positions that tell no tilt, without heights or too close together: what is level comes from the pictures.
+  bool place_level(Reconstruction& part, AdjustScope& scope) {
+    const auto found = level_datum(part.block());
+    if (!found) return false;
+    part.move_world(found->world_from_block);
+    scope.verticals = found->verticals;
+    result_.georeferenced = true;
+    result_.gauge = fmt::format("map {}, fixed by {} image positions{}, level by {}", setup_.georeference->crs,
+                                found->positions, found->heights ? "" : " in plan", found->level_by);
+    result_.findings.push_back(fmt::format(
+        "image positions {}: what is level comes from {}, good to about {:.0f} degrees; the scale is good to {:.2g} %, "
+        "north to {:.2g} degrees. Three control points would fix all of it",
+        found->heights ? "reach too little for their errors to tell how the block is tilted" : "have no heights",
+        found->level_by, std::max(1.0, found->level_sigma_rad * kDegrees), 100 * found->turn_sigma_rad,
+        found->turn_sigma_rad * kDegrees));
+    result_.relative_heights = found->heights == 0;
+    if (result_.relative_heights)
+      result_.findings.push_back(
+          "heights are relative: zero is that of the middle camera, because no image has a height");
     return true;
   }
 
@@ -285,6 +413,7 @@ class Orienter {
   Block setup_;  ///< ours: the examination of control may take observations out
   const OrientOptions& options_;
   const Run& run_;
+  const GivenOrientation* given_ = nullptr;  ///< nothing: the poses are found here
   Orientation result_;
 };
 
@@ -293,6 +422,13 @@ class Orienter {
 Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs, const KeypointSource& keypoints,
                            const OrientOptions& options, const Run& run) {
   return Orienter(setup, options, run).orient(pairs, keypoints);
+}
+
+Result<Orientation> orient_as_given(const Block& setup, std::span<const ImagePair> pairs,
+                                    const KeypointSource& keypoints, const GivenOrientation& given,
+                                    const OrientOptions& options, const Run& run) {
+  if (given.cam_from_world.empty()) return fail(Errc::kBadInput, given.source + " has no pose of any photograph");
+  return Orienter(setup, options, run).orient_from(given, pairs, keypoints);
 }
 
 }  // namespace collinea

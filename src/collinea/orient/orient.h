@@ -10,6 +10,7 @@ struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
   Adjusted adjusted;  ///< of `block`; with covariances of poses and cameras
   bool georeferenced = false;                     ///< false: gauge without place and scale, see adjusted.datum
+  bool relative_heights = false;                  ///< georeferenced in plan, but nothing told a height
   std::string gauge;                              ///< what fixes place, attitude and scale, in words
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
   std::vector<ImageId> alone;                     ///< images that hang together with nothing

@@ -5,6 +5,8 @@
 
 #include <numbers>
 
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/orient/level_datum.h"
 #include "collinea/orient/strip_datum.h"
 #include "collinea/orient/test_pairs.h"
 
@@ -184,6 +186,24 @@ TEST(Orient, AWronglySurveyedPointIsNamedAndNotUsed) {
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
 }
 
+TEST(Orient, ControlWithExchangedColumnsIsNamedAndUsedTheRightWayRound) {
+  Matched input = on_the_map(small_block(0.5, 9, 0.3));
+  const Georeference& map = *input.setup.georeference;
+  const auto frame =
+      LocalFrame::create(map.crs, map.origin_latitude_deg, map.origin_longitude_deg, map.origin_height_m);
+  ASSERT_TRUE(frame);
+  for (auto& [id, point] : input.setup.control) {
+    point.position_in_map = frame->map_from_local(point.position_in_world);
+    std::swap(point.position_in_map.x(), point.position_in_map.y());
+    point.position_in_world = frame->local_from_map(point.position_in_map);  // wherever that is
+  }
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(mentions(found->findings, "used exchanged back"));
+  EXPECT_NE(found->gauge.find("control points"), std::string::npos) << found->gauge;
+  EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
+}
+
 TEST(Orient, SloppyMarksAreWeighedByWhatTheyShowAndTheCoordinatesAreNotBlamed) {
   Matched input = on_the_map(small_block(0.5, 9));
   Random random(6);
@@ -248,6 +268,130 @@ TEST(Orient, ASingleStripWithoutAttitudesKeepsItsOwnGauge) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->georeferenced);
   EXPECT_TRUE(mentions(found->findings, "all on one line"));
+}
+
+// A degree of error that all attitudes of a flight down have in common, in a random direction.
+void write_attitudes(Block& block, Random& random) {
+  const double x_deg = random.normal(), y_deg = random.normal();
+  const AttitudePrior attitude{90, -90 + std::hypot(x_deg, y_deg), std::atan2(x_deg, y_deg) * 180 / std::numbers::pi};
+  for (auto& [id, image] : block.images) image.attitude = attitude;
+}
+
+// e' C^-1 e of one pose is chi-squared with six degrees of freedom: mean 6, deviation of the mean of 10 sqrt(12 / 10).
+// The same of the turn about the line of flight alone: mean 1, deviation sqrt(2 / 10).
+TEST(Orient, ASingleStripErrsAsItsSigmasSay) {
+  constexpr int kStrips = 10;
+  double pose_sum = 0, turn_sum = 0;
+  for (std::uint64_t seed = 1; seed <= kStrips; ++seed) {
+    Block block = test_block({.rows = 1,
+                              .columns = 8,
+                              .points = 250,
+                              .sigma_px = 0.5,
+                              .position_sigma_m = 0.4,
+                              .tilt_rad = 0,
+                              .seed = seed});
+    Random random(100 + seed);
+    write_attitudes(block, random);
+    const Matched input = on_the_map(block);
+    const auto found = orient(input);
+    ASSERT_TRUE(found) << found.error().message;
+    ASSERT_TRUE(found->georeferenced);
+    const ImageId middle{13};
+    const Rigid3 &pose = found->block.cam_from_world.at(middle), &exact = input.truth.cam_from_world.at(middle);
+    Eigen::Matrix<double, 6, 1> error;
+    error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
+    const Matrix6d& covariance = found->adjusted.pose_covariance.at(middle);
+    pose_sum += error.dot(covariance.ldlt().solve(error)) / kStrips;
+    turn_sum += error[0] * error[0] / covariance(0, 0) / kStrips;
+    EXPECT_GT(std::sqrt(covariance(0, 0)), 0.005);  // 17 mrad of the attitudes, and what the positions add
+  }
+  EXPECT_GT(pose_sum, 6 - 3 * std::sqrt(12.0 / kStrips));
+  EXPECT_LT(pose_sum, 6 + 4 * std::sqrt(12.0 / kStrips));
+  EXPECT_GT(turn_sum, 0.15);
+  EXPECT_LT(turn_sum, 1 + 4 * std::sqrt(2.0 / kStrips));
+}
+
+Matched without_heights(double sigma_m) {
+  Matched input = on_the_map(small_block(0.5, 0, sigma_m));
+  for (auto& [id, image] : input.setup.images) {
+    image.position->position_in_world.z() = 0;
+    image.position->sigma_m.z() = std::numeric_limits<double>::infinity();
+  }
+  return input;
+}
+
+double turn_deg(const Orientation& found, const Block& truth, const Eigen::Vector3d& axis) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& [image, pose] : found.block.cam_from_world)
+    mean += rotation_vector(pose.rotation.conjugate() * truth.cam_from_world.at(image).rotation) /
+            static_cast<double>(found.block.cam_from_world.size());
+  return mean.dot(axis) * 180 / std::numbers::pi;
+}
+
+TEST(Orient, PositionsWithoutHeightsPlaceTheBlockInPlan) {
+  const Matched input = without_heights(0.3);
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->georeferenced);
+  EXPECT_NE(found->gauge.find("8 image positions in plan, level by"), std::string::npos) << found->gauge;
+  EXPECT_TRUE(mentions(found->findings, "heights are relative"));
+  for (const auto& [image, pose] : found->block.cam_from_world)
+    EXPECT_LT((centre_of(pose) - centre_of(input.truth.cam_from_world.at(image))).head<2>().norm(), 1) << image.value;
+  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitZ()), 0, 1.5);
+  // Each picture is held up to 0.15 rad askew; eight of them say what is level.
+  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitX()), 0, 9);
+  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitY()), 0, 9);
+  EXPECT_NEAR(found->gsd_m, kPixel_m, 0.1 * kPixel_m);
+}
+
+TEST(Orient, PositionsTooVagueToTellTheTiltLeaveItToThePictures) {
+  const Matched input = on_the_map(small_block(0.5, 0, 9));
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->georeferenced);
+  EXPECT_NE(found->gauge.find("level by"), std::string::npos) << found->gauge;
+  EXPECT_TRUE(mentions(found->findings, "north to"));
+  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitX()), 0, 9);
+  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitY()), 0, 9);
+}
+
+TEST(Orient, PositionsThatDoNotTellTheScaleAreNoPlace) {
+  const auto found = orient(on_the_map(small_block(0.5, 0, 60)));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_FALSE(found->georeferenced);
+}
+
+// Pictures taken level, on a ring about something: the edges of the pictures tell what is level.
+TEST(LevelDatum, AWalkRoundAThingIsLevelledByTheEdgesOfItsPictures) {
+  Block block;
+  const Similarity3 world_from_block{3, rotation_by({0.4, -1, 2}), {10, 20, 30}};
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 12;
+    const Eigen::Vector3d centre(5 * std::cos(angle), 5 * std::sin(angle), 1.5);
+    Eigen::Matrix3d cam_from_world;  // 20 degrees down
+    const Eigen::Vector3d forward = Eigen::Vector3d(-std::cos(angle), -std::sin(angle), -0.36).normalized();
+    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+    cam_from_world << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+    const bool upright = i % 2;  // every other one with the camera turned by a quarter
+    const Eigen::Quaterniond rotation =
+        Eigen::AngleAxisd(upright ? std::numbers::pi / 2 : 0, Eigen::Vector3d::UnitZ()) *
+        Eigen::Quaterniond(cam_from_world);
+    block.cam_from_world[{i}] = moved({rotation, -(rotation * centre)}, inverse(world_from_block));
+    block.images[{i}].orientation = upright ? 8 : 1;
+    block.images[{i}].position =
+        PositionPrior{{centre.x(), centre.y(), 0}, {0.5, 0.5, std::numeric_limits<double>::infinity()}};
+  }
+  const auto found = level_datum(block);
+  ASSERT_TRUE(found);
+  EXPECT_NE(found->level_by.find("edges"), std::string::npos) << found->level_by;
+  EXPECT_NEAR(found->world_from_block.scale, 3, 1e-6);
+  EXPECT_LT(found->world_from_block.rotation.angularDistance(world_from_block.rotation), 1e-6);
+  EXPECT_LT((found->world_from_block.translation - world_from_block.translation).head<2>().norm(), 1e-6);
+  EXPECT_NEAR(found->turn_sigma_rad, 0.5 / (5 * std::sqrt(12.0)), 1e-6);
+  EXPECT_EQ(found->heights, 0u);
+  for (auto& [id, image] : block.images) image.position->position_in_world.y() = 0;  // on a line
+  for (auto& [id, pose] : block.cam_from_world) pose.translation = -(pose.rotation * Eigen::Vector3d(id.value, 0, 0));
+  EXPECT_FALSE(level_datum(block));
 }
 
 TEST(StripDatum, ExactPositionsAndAttitudesGiveTheExactFrame) {

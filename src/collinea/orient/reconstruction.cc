@@ -91,6 +91,12 @@ std::size_t Reconstruction::point_count() const {
       std::count_if(tracks_.begin(), tracks_.end(), [](const TrackState& track) { return track.point.has_value(); }));
 }
 
+std::size_t Reconstruction::track_count() const {
+  return static_cast<std::size_t>(std::count_if(tracks_.begin(), tracks_.end(), [&](const TrackState& track) {
+    return std::count_if(track.rays.begin(), track.rays.end(), [&](const Ray& ray) { return oriented(ray.image); }) > 1;
+  }));
+}
+
 std::optional<double> Reconstruction::error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const {
   const auto pixel = project(camera_of(ray.image), poses_.at(ray.image) * point_in_world);
   if (!pixel) return std::nullopt;
@@ -381,9 +387,8 @@ void Reconstruction::place(const std::map<ImageId, Rigid3>& poses) {
 void Reconstruction::drop_loose(int least_rays) {
   std::vector<ImageId> loose;
   for (const auto& [image, pose] : poses_) {
-    const auto active = std::count_if(rays_of(image).begin(), rays_of(image).end(), [&](const RayRef& ref) {
-      return tracks_[ref.track].rays[ref.ray].active;
-    });
+    const auto active = std::count_if(rays_of(image).begin(), rays_of(image).end(),
+                                      [&](const RayRef& ref) { return tracks_[ref.track].rays[ref.ray].active; });
     if (active < least_rays) loose.push_back(image);
   }
   for (const ImageId image : loose) drop_image(image);

@@ -48,6 +48,8 @@ class Reconstruction {
   [[nodiscard]] const std::map<ImageId, Rigid3>& poses() const { return poses_; }
   [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras_.at(setup_->images.at(image).camera); }
   [[nodiscard]] std::size_t point_count() const;
+  /// Tracks that two and more oriented images see: how many points there could be.
+  [[nodiscard]] std::size_t track_count() const;
   [[nodiscard]] const std::vector<ImageId>& images_with_tracks() const { return images_; }
 
   /// Puts tracks to sleep that growth can do without: kept are, from the longest, those that some image still needs in

@@ -10,9 +10,10 @@
 namespace collinea {
 namespace {
 
-constexpr double kAgreement = 0.95;  // mean length of the unit vectors "up": 18 degrees of scatter
-constexpr double kReach = 10;        // of the positions, in standard deviations
-constexpr double kSteepest = 0.7;    // of the line, over its length
+constexpr double kAgreement = 0.95;                       // mean length of the unit vectors "up": 18 degrees of scatter
+constexpr double kReach = 10;                             // of the positions, in standard deviations
+constexpr double kSteepest = 0.7;                         // of the line, over its length
+constexpr double kAttitude_rad = std::numbers::pi / 180;  // common to all images: mounting, gimbal
 
 // Roll turns the camera clockwise about its axis, as seen from behind.
 Eigen::Vector3d up_in_cam(const AttitudePrior& attitude) {
@@ -63,6 +64,14 @@ Stations stations_of(const Block& block) {
 }
 
 }  // namespace
+
+std::map<ImageId, GivenVertical> verticals_by_attitude(const Block& block) {
+  std::map<ImageId, GivenVertical> verticals;
+  for (const auto& [id, pose] : block.cam_from_world)
+    if (const auto& attitude = block.images.at(id).attitude) verticals[id] = {up_in_cam(*attitude), kAttitude_rad};
+  for (auto& [id, vertical] : verticals) vertical.sigma_rad *= std::sqrt(static_cast<double>(verticals.size()));
+  return verticals;
+}
 
 double turn_sigma_rad(const Block& block, double world_per_block) {
   const Stations stations = stations_of(block);

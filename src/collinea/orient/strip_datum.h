@@ -2,8 +2,10 @@
 #pragma once
 
 #include <limits>
+#include <map>
 #include <optional>
 
+#include "collinea/adjust/bundle.h"
 #include "collinea/block/block.h"
 #include "collinea/geometry/similarity3.h"
 
@@ -14,6 +16,10 @@ namespace collinea {
 /// of the images have an attitude, when these contradict each other, when the positions do not reach over ten times
 /// their standard deviation, or when the line is vertical.
 [[nodiscard]] std::optional<Similarity3> strip_datum(const Block& block);
+
+/// What the attitudes of the cameras say of the vertical, as observations for the adjustment. Mounting and gimbal err
+/// in all images alike: the mean of all is good to a degree, however many there are.
+[[nodiscard]] std::map<ImageId, GivenVertical> verticals_by_attitude(const Block& block);
 
 /// How well the positions of the images fix the turn of the block about the line through them: standard deviation
 /// [rad]. The stations count as they lie in the block, so that the errors of the positions do not look like a width.

@@ -237,13 +237,16 @@ std::vector<std::string> names_in(const std::string& list) {
 // The middle of the block: where the world frame gets its origin, rounded so that it reads well.
 Eigen::Vector3d middle_of(const Block& block) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  int count = 0;
+  int count = 0, heights = 0;
   for (const auto& [id, image] : block.images)
-    if (image.position) {
-      sum += Eigen::Vector3d(image.position->latitude_deg, image.position->longitude_deg, image.position->height_m);
+    if (const auto& position = image.position) {
+      sum.head<2>() += Eigen::Vector2d(position->latitude_deg, position->longitude_deg);
       ++count;
+      if (!std::isfinite(position->sigma_m.z())) continue;
+      sum.z() += position->height_m;
+      ++heights;
     }
-  return sum / std::max(1, count);
+  return {sum.x() / std::max(1, count), sum.y() / std::max(1, count), sum.z() / std::max(1, heights)};
 }
 
 Result<> place_on_earth(Imported& imported, const ImportOptions& options, const ControlFile& control) {

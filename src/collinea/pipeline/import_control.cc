@@ -3,26 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
+#include "collinea/pipeline/image_names.h"
 
 namespace collinea {
 namespace {
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-// An image is named by its path below the photo folder or by its file name alone, in any letter case.
-std::map<std::string, ImageId> images_by_name(const Block& block) {
-  std::map<std::string, ImageId> by_name;
-  for (const auto& [id, image] : block.images) {
-    by_name.emplace(lower(image.file), id);
-    by_name.emplace(lower(std::filesystem::path(image.file).filename().string()), id);
-  }
-  return by_name;
-}
 
 // Points surveyed in another CRS than the map's come by way of geographic coordinates.
 Result<Eigen::Vector3d> in_world(const ControlFilePoint& point, const std::string& crs, const LocalFrame& frame) {
@@ -43,16 +27,16 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
     COLLINEA_TRY(const Eigen::Vector3d world, in_world(point, control.crs, frame));
     block.control[id] = {point.name, point.role, frame.map_from_local(world), world, point.sigma_m};
   }
-  const auto images = images_by_name(block);
+  const ImageNames images(block);
   std::map<std::string, int> missing;
   std::map<ControlId, int> seen;
   for (const ControlFileObservation& row : control.observations) {
-    const auto image = images.find(lower(std::filesystem::path(row.file).generic_string()));
-    if (image == images.end()) {
+    const auto image = images.find(row.file);
+    if (!image) {
       ++missing[row.file];
       continue;
     }
-    if (!inside(block.camera_of(image->second), row.pixel)) {
+    if (!inside(block.camera_of(*image), row.pixel)) {
       imported.findings.push_back(
           fmt::format("control {} in {} (line {}): pixel {:.1f}, {:.1f} lies outside the picture; left out", row.point,
                       row.file, row.line, row.pixel.x(), row.pixel.y()));
@@ -60,7 +44,7 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
     }
     const ControlId point = by_name.at(row.point);
     ++seen[point];
-    block.control_observations.push_back({point, image->second, row.pixel, row.sigma_px});
+    block.control_observations.push_back({point, *image, row.pixel, row.sigma_px});
   }
   for (const auto& [file, rows] : missing)
     imported.findings.push_back(

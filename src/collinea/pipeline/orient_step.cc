@@ -8,6 +8,7 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/pipeline/colours.h"
+#include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
 
@@ -49,10 +50,17 @@ json control_rms(const Orientation& orientation, bool used) {
   return rms_of(differences);
 }
 
+Eigen::Vector3d measured_axes(const PositionDifference& position, const Block& block) {
+  Eigen::Vector3d difference = position.difference_m;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!std::isfinite(block.images.at(position.image).position->sigma_m[axis])) difference[axis] = std::nan("");
+  return difference;
+}
+
 json position_rms(const Orientation& orientation) {
   std::vector<Eigen::Vector3d> differences;
   for (const PositionDifference& position : orientation.adjusted.positions)
-    differences.push_back(position.difference_m);
+    differences.push_back(measured_axes(position, orientation.block));
   return rms_of(differences);
 }
 
@@ -95,7 +103,7 @@ json details_of(const Orientation& orientation) {
   for (const ControlId point : orientation.excluded_control) details["excluded_control"].push_back(point.value);
   for (const PositionDifference& position : adjusted.positions)
     details["positions"].push_back({{"image", position.image.value},
-                                    {"difference_m", numbers(position.difference_m)},
+                                    {"difference_m", numbers(measured_axes(position, orientation.block))},
                                     {"weight", position.weight}});
   for (const auto& [image, covariance] : adjusted.pose_covariance)
     details["centre_sigma_m"][std::to_string(image.value)] =
@@ -118,6 +126,7 @@ json report_of(const Orientation& orientation, std::size_t images) {
                  {"redundancy", adjusted.redundancy},
                  {"georeferenced", orientation.georeferenced},
                  {"gauge", orientation.gauge},
+                 {"relative_heights", orientation.relative_heights},
                  {"control_rmse_m", control_rms(orientation, true)},
                  {"check_rmse_m", control_rms(orientation, false)},
                  {"position_rms_m", position_rms(orientation)},
@@ -129,13 +138,28 @@ json report_of(const Orientation& orientation, std::size_t images) {
   return report;
 }
 
+// By our own means, or from another program's.
+Result<Orientation> orientation_of(Project& project, const Block& setup, const std::vector<ImagePair>& pairs) {
+  const auto keypoints = [&](ImageId image) { return project.store.read_keypoints(image); };
+  const OrientOptions& options = project.settings.orient;
+  if (!options.orientation) return orient(setup, pairs, keypoints, options, project.run);
+  COLLINEA_TRY(const ReadOrientation read, read_orientation(*options.orientation, setup));
+  COLLINEA_TRY(Orientation orientation, orient_as_given(setup, pairs, keypoints, read.given, options, project.run));
+  orientation.findings.insert(orientation.findings.begin(), read.remarks.begin(), read.remarks.end());
+  orientation.findings.insert(orientation.findings.begin(),
+                              fmt::format("{} of the {} images is taken from {}{}",
+                                          read.given.cameras.empty() ? "orientation" : "orientation and camera",
+                                          read.given.cam_from_world.size(), read.given.source,
+                                          options.refine_orientation ? ", and adjusted" : ", and held as given"));
+  return orientation;
+}
+
 }  // namespace
 
 Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   COLLINEA_TRY(const std::vector<ImagePair> pairs, project.store.read_pairs());
-  const auto keypoints = [&](ImageId image) { return project.store.read_keypoints(image); };
-  COLLINEA_TRY(Orientation orientation, orient(setup, pairs, keypoints, project.settings.orient, project.run));
+  COLLINEA_TRY(Orientation orientation, orientation_of(project, setup, pairs));
   if (auto coloured = colour_tie_points(project, orientation.block); !coloured) return tl::unexpected(coloured.error());
   if (auto written = project.store.write_orientation(orientation.block); !written)
     return tl::unexpected(written.error());

@@ -9,6 +9,7 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/pipeline/cost.h"
+#include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/step.h"
 
 namespace collinea {
@@ -52,6 +53,8 @@ Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
   Hash hash;
   hash.add(COLLINEA_VERSION).add(step.name).add(options_text(project.settings, step.name));
   if (step.reads.empty()) hash.add(fingerprint_of_sources(project.settings.photos, project.settings.import));
+  if (const auto& given = project.settings.orient.orientation; given && step.name == std::string_view("orient"))
+    hash.add(fingerprint_of_orientation(*given));
   for (const char* earlier : step.reads) {
     COLLINEA_TRY(const auto record, project.store.read_step(earlier));
     COLLINEA_CHECK(record.has_value());
@@ -155,7 +158,8 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
 
 Result<Project> open_project(const fs::path& folder, const Run& run) {
   COLLINEA_TRY(const Settings settings, read_settings(folder));
-  COLLINEA_TRY(ProjectStore store, open_store(folder));
+  COLLINEA_TRY(ProjectStore store, ProjectStore::open_to_read(folder).map_error(
+                                       [&](Error error) { return with_advice(std::move(error), folder); }));
   Project project{folder, settings, std::move(store), run};
   project.run.seed = settings.seed;
   return project;

@@ -109,6 +109,7 @@ std::string title_of(const Project& project) {
 // Heights follow the control where it took part; receivers give them above the ellipsoid.
 std::string height_reference(const ReportInput& input, const json& orientation) {
   if (input.crs_name.find(" + ") != std::string::npos) return "";  // the name says it
+  if (orientation.at("relative_heights").get<bool>()) return "relative, zero at the middle camera";
   return orientation.at("control_rmse_m").is_null() ? "above the WGS 84 ellipsoid" : "as those of the control points";
 }
 

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/given.h"
+
+#include <gtest/gtest.h>
+
+#include "collinea/orient/test_pairs.h"
+
+namespace collinea {
+namespace {
+
+using testing::centre_rms_m;
+using testing::Matched;
+using testing::matched;
+using testing::test_block;
+
+constexpr double kPixel_m = 60.0 / 1500;
+
+Matched small(double position_sigma_m = 0) {
+  return matched(test_block(
+      {.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .position_sigma_m = position_sigma_m, .seed = 3}));
+}
+
+GivenOrientation truth_of(const Matched& input) {
+  return {input.truth.cam_from_world, input.truth.cameras, false, "elsewhere"};
+}
+
+Result<Orientation> take(const Matched& input, const GivenOrientation& given, bool refine = false) {
+  OrientOptions options;
+  options.refine_orientation = refine;
+  return orient_as_given(input.setup, input.pairs, input.source(), given, options, {});
+}
+
+TEST(OrientAsGiven, PosesAndCamerasStayToTheBitAndPointsAreIntersected) {
+  const Matched input = small();
+  const auto found = take(input, truth_of(input));
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->block.cam_from_world.size(), 8u);
+  for (const auto& [image, pose] : found->block.cam_from_world) {
+    EXPECT_EQ(pose.rotation.coeffs(), input.truth.cam_from_world.at(image).rotation.coeffs());
+    EXPECT_EQ(pose.translation, input.truth.cam_from_world.at(image).translation);
+  }
+  EXPECT_EQ(found->block.cameras.begin()->second.params, input.truth.cameras.begin()->second.params);
+  EXPECT_GT(found->block.points.size(), 450u);
+  EXPECT_NEAR(found->adjusted.sigma0, 1, 0.15);
+  EXPECT_TRUE(found->findings.empty()) << found->findings.front();
+  EXPECT_FALSE(found->georeferenced);
+  EXPECT_NE(found->gauge.find("as given by elsewhere"), std::string::npos) << found->gauge;
+}
+
+TEST(OrientAsGiven, ImagesThatAreNotGivenAreNamed) {
+  const Matched input = small();
+  GivenOrientation given = truth_of(input);
+  const ImageId left_out = given.cam_from_world.begin()->first;
+  given.cam_from_world.erase(left_out);
+  const auto found = take(input, given);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->block.cam_from_world.size(), 7u);
+  EXPECT_EQ(found->alone, std::vector{left_out});
+}
+
+TEST(OrientAsGiven, AnArbitraryFrameIsBroughtToTheMapAndOneThatIsTheMapStays) {
+  Matched input = small(0.3);
+  input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  GivenOrientation given = truth_of(input);
+  const auto stays = take(input, given);
+  ASSERT_TRUE(stays) << stays.error().message;
+  EXPECT_TRUE(stays->georeferenced);
+  EXPECT_EQ(centre_rms_m(stays->block, input.truth, false), 0);
+  const Similarity3 elsewhere{0.1, rotation_by({1, 2, -0.4}), {5, 6, 7}};
+  for (auto& [image, pose] : given.cam_from_world) pose = moved(pose, elsewhere);
+  const auto moved_home = take(input, given);
+  ASSERT_TRUE(moved_home) << moved_home.error().message;
+  EXPECT_TRUE(moved_home->georeferenced);
+  EXPECT_LT(centre_rms_m(moved_home->block, input.truth, false), 3 * 0.3);
+  EXPECT_LT(centre_rms_m(moved_home->block, input.truth, true), 1e-9);
+}
+
+TEST(OrientAsGiven, WithoutCamerasTheseAreCalibratedOnThePosesThatStay) {
+  const Matched input = small();
+  GivenOrientation given = truth_of(input);
+  given.cameras.clear();
+  const auto found = take(input, given);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(centre_rms_m(found->block, input.truth, false), 0);
+  EXPECT_NEAR(found->block.cameras.begin()->second.focal_px(), input.truth.cameras.begin()->second.focal_px(), 1);
+}
+
+TEST(OrientAsGiven, RefiningMendsPosesThatAreALittleOff) {
+  const Matched input = small();
+  GivenOrientation given = truth_of(input);
+  given.cam_from_world = testing::disturbed(input.truth, 0.0005, 0.03).cam_from_world;
+  const auto held = take(input, given), refined = take(input, given, true);
+  ASSERT_TRUE(held) << held.error().message;
+  ASSERT_TRUE(refined) << refined.error().message;
+  EXPECT_LT(centre_rms_m(refined->block, input.truth, true), 2 * kPixel_m);
+  EXPECT_GT(held->adjusted.sigma0, 1.1 * refined->adjusted.sigma0);
+  EXPECT_FALSE(refined->adjusted.pose_covariance.empty());
+}
+
+TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
+  const Matched input = small();
+  GivenOrientation given = truth_of(input);
+  given.cam_from_world = testing::disturbed(input.truth, 0.01, 0.5).cam_from_world;
+  const auto found = take(input, given);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_FALSE(found->findings.empty());
+  EXPECT_NE(found->findings.front().find("tie points fit the poses of elsewhere"), std::string::npos);
+}
+
+TEST(OrientAsGiven, RefiningAStripLeavesItsTiltToTheAttitudes) {
+  Block block = test_block(
+      {.rows = 1, .columns = 10, .points = 600, .sigma_px = 0.5, .position_sigma_m = 3, .tilt_rad = 0, .seed = 4});
+  for (auto& [id, image] : block.images) image.attitude = AttitudePrior{90, -90, 0};
+  Matched input = matched(block);
+  input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  const auto found = take(input, truth_of(input), true);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->georeferenced);
+  for (const auto& [image, pose] : found->block.cam_from_world)
+    EXPECT_LT((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(), 0.05)
+        << image.value;
+}
+
+TEST(OrientAsGiven, NoPosesAndPosesOfSomethingElseAreErrorsInWords) {
+  const Matched input = small();
+  EXPECT_EQ(take(input, {.source = "nothing"}).error().code, Errc::kBadInput);
+  GivenOrientation given = truth_of(input);
+  for (auto& [image, pose] : given.cam_from_world) pose = {};
+  const auto found = take(input, given);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, Errc::kIllPosed);
+  EXPECT_NE(found.error().message.find("elsewhere"), std::string::npos) << found.error().message;
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/orient/given.h"
+
+namespace collinea {
+
+/// An orientation read from files, and remarks on what could not be taken as it is there.
+struct ReadOrientation {
+  GivenOrientation given;
+  std::vector<std::string> remarks;
+};
+
+/// Reads the orientation of images of `setup` (named by path or file name) from a folder with a COLMAP model, from a
+/// folder with Bundler's bundle.out and list.txt or that file itself, or from a table of omega, phi, kappa. Cameras of
+/// a model made on pictures of another size are scaled. Errors: no such file, damaged (with its line), an image that is
+/// not among the photographs, cameras of another shape.
+[[nodiscard]] Result<ReadOrientation> read_orientation(const std::filesystem::path& path, const Block& setup);
+
+/// What those files look like from outside: changes when anything in them does.
+[[nodiscard]] std::string fingerprint_of_orientation(const std::filesystem::path& path);
+
+}  // namespace collinea
