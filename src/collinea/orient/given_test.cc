@@ -104,7 +104,7 @@ TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
   const auto found = take(input, given);
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_FALSE(found->findings.empty());
-  EXPECT_NE(found->findings.front().find("tie points fit the poses of elsewhere"), std::string::npos);
+  EXPECT_NE(found->findings.front().find("measurements of tie points fit the poses of elsewhere"), std::string::npos);
 }
 
 TEST(OrientAsGiven, RefiningAStripLeavesItsTiltToTheAttitudes) {

@@ -141,11 +141,12 @@ class Orienter {
     if (part.point_count() == 0)
       return fail(Errc::kIllPosed, "no tie point fits the poses of " + given.source +
                                        ": they are not of these photographs, or their cameras are wrong");
-    if (static_cast<double>(part.point_count()) < kFewFit * static_cast<double>(part.track_count()))
-      result_.findings.push_back(
-          fmt::format("only {} of {} tie points fit the poses of {}: these are of other photographs, or in another "
-                      "convention, or their cameras are wrong",
-                      part.point_count(), part.track_count(), given.source));
+    const auto rays = part.ray_count();
+    if (static_cast<double>(rays.active) < kFewFit * static_cast<double>(rays.all))
+      result_.findings.push_back(fmt::format(
+          "only {} of {} measurements of tie points fit the poses of {}: these are of other photographs, or "
+          "in another convention, or their cameras are wrong",
+          rays.active, rays.all, given.source));
     for (const auto& [image, data] : setup_.images)
       if (!given.cam_from_world.contains(image)) result_.alone.push_back(image);
     if (options_.refine_orientation) return settle_in_world(part, pairs, false);

@@ -91,10 +91,19 @@ std::size_t Reconstruction::point_count() const {
       std::count_if(tracks_.begin(), tracks_.end(), [](const TrackState& track) { return track.point.has_value(); }));
 }
 
-std::size_t Reconstruction::track_count() const {
-  return static_cast<std::size_t>(std::count_if(tracks_.begin(), tracks_.end(), [&](const TrackState& track) {
-    return std::count_if(track.rays.begin(), track.rays.end(), [&](const Ray& ray) { return oriented(ray.image); }) > 1;
-  }));
+Reconstruction::RayCount Reconstruction::ray_count() const {
+  RayCount count;
+  for (const TrackState& track : tracks_) {
+    std::size_t all = 0, active = 0;
+    for (const Ray& ray : track.rays) {
+      all += oriented(ray.image);
+      active += ray.active;
+    }
+    if (all < 2) continue;
+    count.all += all;
+    count.active += active;
+  }
+  return count;
 }
 
 std::optional<double> Reconstruction::error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const {

@@ -48,8 +48,11 @@ class Reconstruction {
   [[nodiscard]] const std::map<ImageId, Rigid3>& poses() const { return poses_; }
   [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras_.at(setup_->images.at(image).camera); }
   [[nodiscard]] std::size_t point_count() const;
-  /// Tracks that two and more oriented images see: how many points there could be.
-  [[nodiscard]] std::size_t track_count() const;
+  /// Rays of oriented images in tracks that two and more of them see, and how many of these are active.
+  struct RayCount {
+    std::size_t all = 0, active = 0;
+  };
+  [[nodiscard]] RayCount ray_count() const;
   [[nodiscard]] const std::vector<ImageId>& images_with_tracks() const { return images_; }
 
   /// Puts tracks to sleep that growth can do without: kept are, from the longest, those that some image still needs in
