@@ -5,12 +5,12 @@
 // FOLDER holds img1.png ... img6.png and H1to2p ... H1to6p. A PICTURE is warped by homographies of our own instead, so
 // that the truth is exact. Both detectors give the same number of features: COUNT, or, where it is 0 or more than there
 // are, as many in each picture as OpenCV's SIFT finds there without a limit. Default: 1000, 2000 and 0. Ours twice:
-// with the default part spread evenly over the picture, which helps orientation and costs repeatability here, and, as
-// OpenCV's, the strongest.
+// with the part spread evenly over the picture that is the default, and the strongest alone, as OpenCV's.
 //   repeatability  features of the first picture, in the part that the other sees, with a feature of the other within
 //                  2.5 px and half an octave, one to one, over the smaller number of features in the common part
-//   correct        matches (nearest both ways, ratio 0.8 both ways) within 5 px of the homography, 2.5 px where it is
-//   ours inlier ratio   correct over all matches
+//   correct        matches (nearest both ways, ratio 0.8 both ways) within 5 px of the homography
+//                  (2.5 px where it is exact)
+//   inlier ratio   correct over all matches
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>

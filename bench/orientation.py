@@ -129,7 +129,8 @@ def accuracy_blocks():
     for name, camera in truth.STRECHA.items():
         yield name, data("strecha2008", name), (camera, None), truth.strecha_centres, 1000, "mm"
     yield ("park_gate", data("park_gate"), (None,),
-           lambda f: truth.park_gate_centres(os.path.join(f, "P_reference_halfres.txt")), 1, "units of the reference")
+           lambda f: truth.park_gate_centres(os.path.join(f, "P_reference_halfres.txt")), 1000,
+           "thousandths of the reference's unit")
 
 
 def shown_errors(model, oriented, images, centres, factor, unit):
