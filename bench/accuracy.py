@@ -16,7 +16,9 @@ import subprocess
 import sys
 import time
 
-from truth import STRECHA, centre_errors, strecha_centres
+import numpy as np
+
+from truth import STRECHA, centre_errors, park_gate_centres, strecha_centres
 
 parser = argparse.ArgumentParser()
 root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -89,17 +91,10 @@ def strecha(name):
 
 
 def park_gate(out):
-    """Against the published cameras, which are listed in the order of unpadded names: 0, 1, 10, 11, ... Their own model
-    has no distortion, so that differences of 0.2 % of the spread are not all ours."""
     data = os.path.join(args.data, "park_gate")
-    rows = [l.split() for l in open(os.path.join(data, "P_reference_halfres.txt")) if not l.startswith("#") and l.strip()]
-    truth = {}
-    for name in sorted(p[0].split(".")[0] for p in rows):
-        listed = sorted(map(str, range(len(rows))))[int(name)]
-        p = np.array(list(map(float, rows[int(listed)][1:13]))).reshape(3, 4)
-        truth[name] = -np.linalg.solve(p[:, :3], p[:, 3])
+    truth = park_gate_centres(os.path.join(data, "P_reference_halfres.txt"))
     collinea("run", os.path.join(data, "images"), "-o", out, "--until", "orient")
-    i, e = info(out), centre_errors(out, truth)
+    i, e = info(out), oriented_centre_errors(out, truth)
     spread = np.linalg.norm(np.std(list(truth.values()), axis=0))
     text = "none" if e is None else f"centres mean {100 * e.mean() / spread:.2f} %, max {100 * e.max() / spread:.2f} % of their spread"
     row("park_gate, self-calibrated", oriented(i), text, cost(i))

@@ -1,21 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our features beside OpenCV's SIFT on pictures of a plane with known homographies (Mikolajczyk et al., IJCV 2005).
 //
-// usage: collinea_bench_graf FOLDER [COUNT ...]
-// FOLDER holds img1.png ... img6.png and H1to2p ... H1to6p. Both detectors give the same number of features, COUNT.
+// usage: collinea_bench_graf FOLDER|PICTURE [COUNT ...]
+// FOLDER holds img1.png ... img6.png and H1to2p ... H1to6p. A PICTURE is warped by homographies of our own instead, so
+// that the truth is exact. Both detectors give the same number of features: COUNT, or, where it is 0 or more than there
+// are, as many in each picture as OpenCV's SIFT finds there without a limit. Default: 1000, 2000 and 0. Ours twice:
+// with the part spread evenly over the picture that is the default, and the strongest alone, as OpenCV's.
 //   repeatability  features of the first picture, in the part that the other sees, with a feature of the other within
 //                  2.5 px and half an octave, one to one, over the smaller number of features in the common part
 //   correct        matches (nearest both ways, ratio 0.8 both ways) within 5 px of the homography
+//                  (2.5 px where it is exact)
 //   inlier ratio   correct over all matches
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -27,8 +34,10 @@ namespace {
 using collinea::Match;
 
 constexpr double kSamePlace_px = 2.5, kSameScale_octaves = 0.5, kRatio = 0.8;
-// The homographies themselves are off by 3 px in parts (the matches of either detector agree on that between 1 and 2).
-constexpr double kCorrect_px = 5;
+// The homographies of graf are off by 3 px in parts (the matches of either detector agree on that between 1 and 2).
+constexpr double kCorrectMeasured_px = 5, kCorrectExact_px = 2.5;
+// Fewer correct matches of both say nothing about either.
+constexpr int kTooFew = 5;
 
 struct Spot {
   Eigen::Vector2d place_px;  // the centre of the first pixel is (0, 0), as in the homographies
@@ -41,11 +50,11 @@ struct Found {
   cv::Mat theirs;           // or of the other
 };
 
-Found by_collinea(const cv::Mat& picture, int count) {
+Found by_collinea(const cv::Mat& picture, int count, double even_share) {
   collinea::GreyImage image(picture.cols, picture.rows);
   for (int y = 0; y < picture.rows; ++y) std::copy_n(picture.ptr(y), picture.cols, image.row(y));
   Found found;
-  found.ours = collinea::detect_sift(image, {.max_features = count});
+  found.ours = collinea::detect_sift(image, {.max_features = count, .even_share = even_share});
   for (const auto& k : found.ours.keypoints) found.spots.push_back({{k.x - 0.5, k.y - 0.5}, k.scale_px});
   return found;
 }
@@ -55,7 +64,8 @@ Found by_opencv(const cv::Mat& picture, int count) {
   std::vector<cv::KeyPoint> keypoints;
   const auto sift = cv::SIFT::create(count);
   sift->detectAndCompute(picture, {}, keypoints, found.theirs);
-  const int kept = std::min(count, static_cast<int>(keypoints.size()));  // of equally strong ones it returns more
+  const int all = static_cast<int>(keypoints.size()),
+            kept = count > 0 ? std::min(count, all) : all;  // it may give more
   std::vector<int> order(keypoints.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   std::ranges::stable_sort(order, std::ranges::greater{},
@@ -156,51 +166,117 @@ struct Score {
   [[nodiscard]] double inlier_ratio() const { return all > 0 ? double(correct) / all : 0; }
 };
 
-Score score(const Found& a, const Found& b, const Eigen::Matrix3d& h, const cv::Mat& first, const cv::Mat& second) {
+struct View {
+  std::string name;
+  cv::Mat picture;
+  Eigen::Matrix3d from_first;
+};
+
+struct Views {
+  cv::Mat first;
+  std::vector<View> others;
+  double correct_px = 0;
+};
+
+Score score(const Found& a, const Found& b, const View& view, const Views& views) {
   Score s;
-  s.repeatability = repeatability(a, b, h, first, second);
+  s.repeatability = repeatability(a, b, view.from_first, views.first, view.picture);
   for (const auto& [i, j] : matches_of(a, b)) {
     ++s.all;
-    s.correct += (mapped(h, a.spots[i].place_px) - b.spots[j].place_px).norm() < kCorrect_px;
+    s.correct += (mapped(view.from_first, a.spots[i].place_px) - b.spots[j].place_px).norm() < views.correct_px;
   }
   return s;
 }
 
-void compare(const std::string& folder, int count) {
-  const auto picture = [&](int k) { return cv::imread(fmt::format("{}/img{}.png", folder, k), cv::IMREAD_GRAYSCALE); };
-  const cv::Mat first = picture(1);
-  const Found ours_first = by_collinea(first, count), theirs_first = by_opencv(first, count);
-  for (int k = 2; k <= 6; ++k) {
-    const cv::Mat second = picture(k);
-    const Eigen::Matrix3d h = homography_in(fmt::format("{}/H1to{}p", folder, k));
-    const Found ours_second = by_collinea(second, count), theirs_second = by_opencv(second, count);
-    const Score ours = score(ours_first, ours_second, h, first, second);
-    const Score theirs = score(theirs_first, theirs_second, h, first, second);
-    fmt::print("| 1-{} | {} / {} | {} / {} | {:.3f} / {:.3f} | {} / {} | {:.3f} / {:.3f} | {} |\n", k,
-               ours_first.spots.size(), theirs_first.spots.size(), ours_second.spots.size(), theirs_second.spots.size(),
-               ours.repeatability, theirs.repeatability, ours.correct, theirs.correct, ours.inlier_ratio(),
-               theirs.inlier_ratio(),
-               ours.repeatability >= theirs.repeatability && ours.correct >= theirs.correct &&
-                       ours.inlier_ratio() >= theirs.inlier_ratio()
-                   ? "none lower"
-                   : "lower");
+const char* verdict(const Score& ours, const Score& theirs) {
+  if (ours.correct < kTooFew && theirs.correct < kTooFew) return "too few to tell";
+  return ours.repeatability >= theirs.repeatability && ours.correct >= theirs.correct &&
+                 ours.inlier_ratio() >= theirs.inlier_ratio()
+             ? "none lower"
+             : "lower";
+}
+
+// As many features of both: `count`, or all that OpenCV finds where these are fewer or `count` is 0.
+std::pair<Found, Found> features_of(const cv::Mat& picture, int count, double even_share) {
+  Found theirs = by_opencv(picture, count);
+  Found ours = by_collinea(picture, static_cast<int>(theirs.spots.size()), even_share);
+  return {std::move(ours), std::move(theirs)};
+}
+
+void compare(const Views& views, int count, double even_share) {
+  const auto [ours_first, theirs_first] = features_of(views.first, count, even_share);
+  for (const View& view : views.others) {
+    const auto [ours_second, theirs_second] = features_of(view.picture, count, even_share);
+    const Score ours = score(ours_first, ours_second, view, views);
+    const Score theirs = score(theirs_first, theirs_second, view, views);
+    fmt::print("| {} | {} | {} / {} | {} / {} | {:.3f} / {:.3f} | {} / {} | {:.3f} / {:.3f} | {} |\n", even_share,
+               view.name, ours_first.spots.size(), theirs_first.spots.size(), ours_second.spots.size(),
+               theirs_second.spots.size(), ours.repeatability, theirs.repeatability, ours.correct, theirs.correct,
+               ours.inlier_ratio(), theirs.inlier_ratio(), verdict(ours, theirs));
   }
+}
+
+Views measured_views(const std::string& folder) {
+  const auto picture = [&](int k) { return cv::imread(fmt::format("{}/img{}.png", folder, k), cv::IMREAD_GRAYSCALE); };
+  Views views{.first = picture(1), .others = {}, .correct_px = kCorrectMeasured_px};
+  for (int k = 2; k <= 6; ++k)
+    views.others.push_back({fmt::format("1-{}", k), picture(k), homography_in(fmt::format("{}/H1to{}p", folder, k))});
+  return views;
+}
+
+// The picture as a camera sees it that is turned by `roll_deg` about its axis, comes nearer by `zoom`, and stands at
+// `tilt_deg` from the upright to the picture, two of its widths away.
+Eigen::Matrix3d seen_obliquely(const cv::Mat& picture, double tilt_deg, double roll_deg, double zoom) {
+  constexpr double kDegree = 3.14159265358979323846 / 180;
+  const double focal = 2.0 * picture.cols;
+  Eigen::Matrix3d to_middle = Eigen::Matrix3d::Identity();
+  to_middle.col(2) << -0.5 * picture.cols, -0.5 * picture.rows, 1;
+  const Eigen::Matrix3d turned = (Eigen::AngleAxisd(tilt_deg * kDegree, Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(roll_deg * kDegree, Eigen::Vector3d::UnitZ()))
+                                     .toRotationMatrix();
+  Eigen::Matrix3d plane = turned;  // columns: the plane's axes, and where its middle is
+  plane.col(2) << 0, 0, focal / zoom;
+  const Eigen::Matrix3d camera = Eigen::Vector3d(focal, focal, 1).asDiagonal();
+  return to_middle.inverse() * camera * plane * to_middle;
+}
+
+Views simulated_views(const std::string& file) {
+  constexpr double kSize_px = 1000, kSmoothed = 0.8;  // warped at a moderate size, smooth enough for the interpolation
+  cv::Mat picture = cv::imread(file, cv::IMREAD_GRAYSCALE);
+  cv::resize(picture, picture, {}, kSize_px / picture.cols, kSize_px / picture.cols, cv::INTER_AREA);
+  cv::GaussianBlur(picture, picture, {}, kSmoothed);
+  Views views{.first = picture, .others = {}, .correct_px = kCorrectExact_px};
+  for (const auto& [tilt_deg, roll_deg, zoom] :
+       {std::array{20., 10., 1.}, std::array{40., 0., 1.}, std::array{55., 20., 1.}, std::array{0., 45., 0.6},
+        std::array{0., 90., 0.8}, std::array{30., 150., 0.7}}) {
+    View view{.name = fmt::format("tilt {}, roll {}, zoom {}", tilt_deg, roll_deg, zoom),
+              .picture = {},
+              .from_first = seen_obliquely(picture, tilt_deg, roll_deg, zoom)};
+    cv::Mat h(3, 3, CV_64F);
+    for (int i = 0; i < 9; ++i) h.at<double>(i / 3, i % 3) = view.from_first(i / 3, i % 3);
+    cv::warpPerspective(picture, view.picture, h, picture.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
+    views.others.push_back(view);
+  }
+  return views;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: collinea_bench_graf FOLDER [COUNT ...]\n");
+    fmt::print(stderr, "usage: collinea_bench_graf FOLDER|PICTURE [COUNT ...]\n");
     return 2;
   }
   std::vector<int> counts;
   for (int i = 2; i < argc; ++i) counts.push_back(std::atoi(argv[i]));
-  if (counts.empty()) counts = {1000, 2000};
+  if (counts.empty()) counts = {1000, 2000, 0};
   fmt::print(
-      "| pictures | features of the first, ours / OpenCV | of the second | repeatability | correct | inlier ratio | "
+      "| evenly spread | pictures | features of the first, ours / OpenCV | of the second | repeatability | correct | "
+      "inlier ratio | "
       "ours |\n");
-  fmt::print("|---|---|---|---|---|---|---|\n");
-  for (const int count : counts) compare(argv[1], count);
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  const Views views = std::filesystem::is_directory(argv[1]) ? measured_views(argv[1]) : simulated_views(argv[1]);
+  for (const int count : counts)
+    for (const double even_share : {collinea::SiftOptions{}.even_share, 0.0}) compare(views, count, even_share);
   return 0;
 }

@@ -2,16 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """From photographs to oriented images: collinea and COLMAP on the same images, as tables of medians.
 
-usage: bench/orientation.py [--data DIR] [--out DIR] [--sections NAME,...] [--only BLOCK,...] [--repeats N]
-                            [--peer-cache DIR] [--collinea PROGRAM] [--graf PROGRAM]
-  --data        folder of the real blocks (default ../shared/data); blocks that are not there are skipped, saying so
-  --out         where projects go (default build/bench-orientation); what is there is removed first
-  --sections    speed: processor time, wall time and memory of every stage; accuracy: errors of the centres;
-                features: repeatability and matches on known homographies (default: all)
-  --only        blocks of a section
-  --repeats     runs of each program on each block (default 3)
-  --peer-cache  folder of COLMAP's results, used and added to: its runs take minutes
-  --graf        collinea_bench_graf, built where CMake is given -DCOLLINEA_BENCH=ON and finds OpenCV
+usage: bench/orientation.py [--only SECTION,...] [--blocks BLOCK,...] [--data DIR] [--out DIR] [--repeats N]
+                            [--peer-repeats N] [--peer-cache DIR] [--collinea PROGRAM]
+  --only          sections (default: all)
+                    speed     processor time, wall time and memory of every stage
+                    accuracy  errors of the projection centres
+                    control   marks measured in pictures: how far from their common point
+                    features  repeatability and matches on known homographies, beside OpenCV's SIFT
+                    pairs     what the selection of pairs finds, and its cost (bench/pairs.py)
+                    bundle    the bundle adjustment beside Ceres (bench/bundle)
+                    scale     time and memory against the number of images (bench/scale.py)
+  --blocks        blocks of the sections speed and accuracy
+  --data          folder of the real blocks (default ../shared/data); blocks that are not there are skipped, saying so
+  --out           where projects go (default build/bench-orientation); what is there is removed first
+  --repeats       runs of ours on each block where costs are shown (default 3)
+  --peer-repeats  runs of COLMAP where costs are shown (default: as many as of ours)
+  --peer-cache    folder of COLMAP's results, used and added to: its runs take minutes
+Sections features and bundle need the programs built where CMake is given -DCOLLINEA_BENCH=ON and finds OpenCV or Ceres;
+they are looked for beside the program.
 Needs python3-numpy and colmap (COLMAP runs on the processor with its defaults; one camera for all images; exhaustive
 pairs). Processor time is user + system of the processes; ratios are ours over COLMAP's.
 """
@@ -21,8 +29,11 @@ import shutil
 import subprocess
 import sys
 
+import numpy as np
+
 import measure
 import peer_colmap
+import rays
 import truth
 
 parser = argparse.ArgumentParser()
@@ -30,13 +41,14 @@ root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 program = os.path.join(root, "build", "release", "bin", "collinea")
 parser.add_argument("--data", default=os.path.join(os.path.dirname(root), "shared", "data"))
 parser.add_argument("--out", default=os.path.join(root, "build", "bench-orientation"))
-parser.add_argument("--sections", default="")
 parser.add_argument("--only", default="")
+parser.add_argument("--blocks", default="")
 parser.add_argument("--repeats", type=int, default=3)
+parser.add_argument("--peer-repeats", type=int, default=0)
 parser.add_argument("--peer-cache", default="")
 parser.add_argument("--collinea", default=program)
-parser.add_argument("--graf", default=program + "_bench_graf")
 args = parser.parse_args()
+PEER_REPEATS = args.peer_repeats or args.repeats
 
 SCEAUX = "2905.88,2905.88,1416,1064"
 STAGES = ("detect", "match", "orient")
@@ -47,7 +59,7 @@ def data(*parts):
 
 
 def wanted(name, folder):
-    if args.only and name not in args.only.split(","):
+    if args.blocks and name not in args.blocks.split(","):
         return False
     if not os.path.isdir(folder):
         print(f"{name}: skipped, no {folder}")
@@ -70,16 +82,16 @@ def run_ours(images, camera_params, project, extra_detect=()):
     return costs, model
 
 
-def ours(name, images, camera_params, extra_detect=()):
-    """`repeats` runs: median cost of each stage and the model of the last."""
-    runs = [run_ours(images, camera_params, os.path.join(args.out, name), extra_detect) for _ in range(args.repeats)]
+def ours(name, images, camera_params, repeats, extra_detect=()):
+    """Median cost of each stage and the model of the last."""
+    runs = [run_ours(images, camera_params, os.path.join(args.out, name), extra_detect) for _ in range(repeats)]
     costs = {stage: measure.median_cost([r[0][stage] for r in runs]) for stage in runs[0][0]}
     costs["all"] = measure.median_cost([sum(r[0].values(), measure.Cost()) for r in runs])
     return costs, runs[-1][1]
 
 
-def peer(name, images, camera_params):
-    runs = peer_colmap.runs(name, images, camera_params, args.repeats, args.out, args.peer_cache)
+def peer(name, images, camera_params, repeats):
+    runs = peer_colmap.runs(name, images, camera_params, repeats, args.out, args.peer_cache)
     costs = {stage: measure.median_cost([r.costs[stage] for r in runs]) for stage in STAGES}
     costs["all"] = measure.median_cost([sum(r.costs.values(), measure.Cost()) for r in runs])
     return costs, runs[-1]
@@ -96,7 +108,7 @@ def cost_rows(name, mine, others):
 
 
 def speed():
-    print(f"\nCost, medians of {args.repeats} runs on {peer_colmap.machine()}\n")
+    print(f"\nCost, medians of {args.repeats} runs ({PEER_REPEATS} of COLMAP) on {peer_colmap.machine()}\n")
     measure.head("block", "program", "detect CPU-s", "match + verify CPU-s", "orient CPU-s", "all CPU-s", "all wall s",
                  "peak MB")
     for name, folder, camera in (("sceaux_castle", data("sceaux_castle"), SCEAUX),
@@ -104,20 +116,21 @@ def speed():
         if not wanted(name, folder):
             continue
         images = os.path.join(folder, "images")
-        others, run = peer(name, images, camera)
-        mine, _ = ours(name, images, camera)
+        others, run = peer(name, images, camera, PEER_REPEATS)
+        mine, _ = ours(name, images, camera, args.repeats)
         cost_rows(name, mine, others)
         count = round(run.features)
-        same, _ = ours(name + "-same", images, camera, ["--max-features", count])
+        same, _ = ours(name + "-same", images, camera, args.repeats, ["--max-features", count])
         cost_rows(f"{name}, {count} features an image", same, others)
 
 
 def accuracy_blocks():
+    """name, folder, cameras to run with (None: found by the block itself), true centres, their factor and unit"""
     for name, camera in truth.STRECHA.items():
-        folder = data("strecha2008", name)
-        yield name, folder, camera, lambda f: truth.strecha_centres(f), 1000, "mm"
-    yield ("park_gate", data("park_gate"), "1234.537,1247.617,488.137,316.756",
-           lambda f: truth.camera_matrix_centres(os.path.join(f, "P_reference_halfres.txt")), 1, "units of the reference")
+        yield name, data("strecha2008", name), (camera, None), truth.strecha_centres, 1000, "mm"
+    yield ("park_gate", data("park_gate"), (None,),
+           lambda f: truth.park_gate_centres(os.path.join(f, "P_reference_halfres.txt")), 1000,
+           "thousandths of the reference's unit")
 
 
 def shown_errors(model, oriented, images, centres, factor, unit):
@@ -129,35 +142,85 @@ def shown_errors(model, oriented, images, centres, factor, unit):
 def accuracy():
     print("\nMean error of the projection centres after the best similarity\n")
     measure.head("block", "camera", "COLMAP oriented", "COLMAP error", "collinea oriented", "collinea error")
-    for name, folder, camera, centres_in, factor, unit in accuracy_blocks():
+    for name, folder, cameras, centres_in, factor, unit in accuracy_blocks():
         if not wanted(name, folder):
             continue
         images, centres = os.path.join(folder, "images"), centres_in(folder)
         count = len([f for f in os.listdir(images) if f.lower().endswith((".jpg", ".png"))])
-        for kind, params in (("known", camera), ("self-calibrated", None)):
-            label = name if params else name + "-self"
-            _, run = peer(label, images, params)
-            _, model = ours(label, images, params)
+        for params in cameras:
+            kind, label = ("known", name) if params else ("self-calibrated", name + "-self")
+            _, run = peer(label, images, params, 1)
+            _, model = ours(label, images, params, 1)
             found = len(truth.centres_of_model(model))
             measure.row(name, kind, *shown_errors(run.model, run.oriented, count, centres, factor, unit),
                         *shown_errors(model, found, count, centres, factor, unit))
 
 
+def control():
+    """The marks of oppaiyama lie on toys, at another place of the toy from each side: that alone is some pixels."""
+    folder = data("oppaiyama")
+    if not os.path.isdir(folder):
+        print(f"control: skipped, no {folder}")
+        return
+    print("\nMarks of oppaiyama: distances from their common point\n")
+    measure.head("oriented", "marks", "rays", "median px", "90 % px", "largest px")
+    images = os.path.join(folder, "images")
+    _, model = ours("oppaiyama", images, None, 1)
+    by_mark = rays.errors_px(model, os.path.join(folder, "gcp_list.txt"))
+    errors = np.concatenate(list(by_mark.values())) if by_mark else np.full(1, np.nan)
+    measure.row(f"{len(truth.centres_of_model(model))}/{len(os.listdir(images))}", len(by_mark), len(errors),
+                *(f"{np.quantile(errors, q):.2f}" for q in (0.5, 0.9, 1)))
+
+
+def beside(name):
+    """A program of the benchmarks, or None, saying so."""
+    path = os.path.join(os.path.dirname(os.path.abspath(args.collinea)), name)
+    if not os.path.exists(path):
+        print(f"skipped, no {path}")
+        return None
+    return path
+
+
 def features():
-    folder = data("oxford_graf", "graf")
-    if not wanted("graf", folder):
-        return
-    if not os.path.exists(args.graf):
-        print(f"features: skipped, no {args.graf}")
-        return
-    print("\nFeatures of the first graf picture found again in the others, as many of each detector\n", flush=True)
-    subprocess.run([args.graf, folder], check=True)
+    compared = beside("collinea_bench_graf")
+    views = [("graf", data("oxford_graf", "graf")),
+             ("fountain-P11 0000.jpg, warped", data("strecha2008", "fountain-P11", "images", "0000.jpg")),
+             ("sceaux_castle 100_7104.JPG, warped", data("sceaux_castle", "images", "100_7104.JPG"))]
+    for name, path in views if compared else ():
+        if not os.path.exists(path):
+            print(f"features: skipped, no {path}")
+            continue
+        print(f"\nFeatures of the first picture found again in the others, as many of each detector: {name}\n", flush=True)
+        subprocess.run([compared, path], check=True)
 
 
-SECTIONS = {"speed": speed, "accuracy": accuracy, "features": features}
+def script(name, *words):
+    print(flush=True)
+    subprocess.run([sys.executable, os.path.join(root, "bench", name), "--collinea", args.collinea, "--out",
+                    os.path.join(args.out, name.split(".")[0]), *words], check=True)
+
+
+def pairs():
+    script("pairs.py", "--data", args.data, "--repeats", str(args.repeats))
+
+
+def bundle():
+    compared = beside("collinea_bundle_bench")
+    if compared:
+        print(flush=True)
+        subprocess.run([compared, "--repeats", str(args.repeats)], check=True)
+
+
+def scale():
+    script("scale.py")
+
+
+SECTIONS = {f.__name__: f for f in (speed, accuracy, control, features, pairs, bundle, scale)}
 
 if __name__ == "__main__":
-    for chosen in args.sections.split(",") if args.sections else SECTIONS:
-        if chosen not in SECTIONS:
-            sys.exit(f"no section {chosen}; there are {', '.join(SECTIONS)}")
-        SECTIONS[chosen]()
+    chosen = args.only.split(",") if args.only else list(SECTIONS)
+    unknown = [name for name in chosen if name not in SECTIONS]
+    if unknown:
+        sys.exit(f"no section {', '.join(unknown)}; there are {', '.join(SECTIONS)}")
+    for name in chosen:
+        SECTIONS[name]()
