@@ -5,6 +5,7 @@
 #include <ceres/rotation.h>
 
 #include <array>
+#include <cmath>
 #include <ctime>
 #include <map>
 
@@ -16,23 +17,72 @@ namespace {
 
 constexpr int kLens = 8;  // f cx cy k1 k2 k3 p1 p2, as in Camera::params
 
-// Angle-axis and centre of a pose; the mathematics of camera/camera.h without affinity.
-struct ImagePoint {
-  double u, v, inverse_sigma;
+// Angle-axis and centre of a pose; the mathematics of camera/camera.h without affinity, with analytic derivatives.
+class ImagePoint : public ceres::SizedCostFunction<2, 6, kLens, 3> {
+ public:
+  explicit ImagePoint(const Observation& seen)
+      : u_(seen.pixel.x()), v_(seen.pixel.y()), inverse_sigma_(1 / seen.sigma_px) {}
 
-  template <class T>
-  bool operator()(const T* pose, const T* lens, const T* point, T* residual) const {
-    const T d[3] = {point[0] - pose[3], point[1] - pose[4], point[2] - pose[5]};
-    T p[3];
-    ceres::AngleAxisRotatePoint(pose, d, p);
-    const T x = p[0] / p[2], y = p[1] / p[2], r2 = x * x + y * y;
-    const T radial = 1.0 + r2 * (lens[3] + r2 * (lens[4] + r2 * lens[5]));
-    const T xd = x * radial + lens[6] * (r2 + 2.0 * x * x) + 2.0 * lens[7] * x * y;
-    const T yd = y * radial + lens[7] * (r2 + 2.0 * y * y) + 2.0 * lens[6] * x * y;
-    residual[0] = (lens[1] + lens[0] * xd - u) * inverse_sigma;
-    residual[1] = (lens[2] + lens[0] * yd - v) * inverse_sigma;
+  bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
+    const Eigen::Map<const Eigen::Vector3d> turn(blocks[0]), centre(blocks[0] + 3), point(blocks[2]);
+    const double* lens = blocks[1];
+    const Eigen::Vector3d d = point - centre;
+    double r[9];
+    ceres::AngleAxisToRotationMatrix(turn.data(), r);
+    const Eigen::Map<const Eigen::Matrix3d> rotation(r);
+    const Eigen::Vector3d p = rotation * d;
+    const double x = p[0] / p[2], y = p[1] / p[2], r2 = x * x + y * y;
+    const double radial = 1 + r2 * (lens[3] + r2 * (lens[4] + r2 * lens[5]));
+    const double xd = x * radial + lens[6] * (r2 + 2 * x * x) + 2 * lens[7] * x * y;
+    const double yd = y * radial + lens[7] * (r2 + 2 * y * y) + 2 * lens[6] * x * y;
+    residual[0] = (lens[1] + lens[0] * xd - u_) * inverse_sigma_;
+    residual[1] = (lens[2] + lens[0] * yd - v_) * inverse_sigma_;
+    if (!jacobians) return true;
+    const double scale = lens[0] * inverse_sigma_;
+    const double slope = 2 * (lens[3] + r2 * (2 * lens[4] + 3 * r2 * lens[5]));  // of radial, by x over x
+    Eigen::Matrix2d by_image;
+    by_image(0, 0) = radial + slope * x * x + 6 * lens[6] * x + 2 * lens[7] * y;
+    by_image(0, 1) = slope * x * y + 2 * lens[6] * y + 2 * lens[7] * x;
+    by_image(1, 0) = by_image(0, 1);
+    by_image(1, 1) = radial + slope * y * y + 6 * lens[7] * y + 2 * lens[6] * x;
+    Eigen::Matrix<double, 2, 3> by_camera;
+    by_camera << 1 / p[2], 0, -x / p[2], 0, 1 / p[2], -y / p[2];
+    const Eigen::Matrix<double, 2, 3> by_point = scale * by_image * by_camera * rotation;
+    if (jacobians[0]) {
+      Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> by_pose(jacobians[0]);
+      by_pose.leftCols<3>() = -by_point * cross(d) * right_jacobian(turn);
+      by_pose.rightCols<3>() = -by_point;
+    }
+    if (jacobians[1]) {
+      const double s = inverse_sigma_, x_radial = scale * x * r2, y_radial = scale * y * r2;
+      const double rows[2][kLens] = {{s * xd, s, 0, x_radial, x_radial * r2, x_radial * r2 * r2,
+                                      scale * (r2 + 2 * x * x), scale * 2 * x * y},
+                                     {s * yd, 0, s, y_radial, y_radial * r2, y_radial * r2 * r2, scale * 2 * x * y,
+                                      scale * (r2 + 2 * y * y)}};
+      std::copy_n(&rows[0][0], 2 * kLens, jacobians[1]);
+    }
+    if (jacobians[2]) {
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> target(jacobians[2]);
+      target = by_point;
+    }
     return true;
   }
+
+ private:
+  static Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
+    Eigen::Matrix3d m;
+    m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
+    return m;
+  }
+  // R(w + e) = R(w) R(J e)
+  static Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w) {
+    const double angle = w.norm();
+    const Eigen::Matrix3d m = cross(w);
+    if (angle < 1e-4) return Eigen::Matrix3d::Identity() - 0.5 * m;
+    return Eigen::Matrix3d::Identity() - (1 - std::cos(angle)) / (angle * angle) * m +
+           (angle - std::sin(angle)) / (angle * angle * angle) * m * m;
+  }
+  double u_, v_, inverse_sigma_;
 };
 
 struct Position {
@@ -67,8 +117,9 @@ class Watch : public ceres::IterationCallback {
  public:
   explicit Watch(double wanted_cost) : wanted_cost_(wanted_cost), begin_(cpu_seconds()) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    if (seconds < 0 && 2 * summary.cost <= wanted_cost_) seconds = this->elapsed();
-    return ceres::SOLVER_CONTINUE;
+    if (2 * summary.cost > wanted_cost_) return ceres::SOLVER_CONTINUE;
+    seconds = elapsed();
+    return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
   [[nodiscard]] double elapsed() const { return cpu_seconds() - begin_; }
   double seconds = -1;
@@ -117,9 +168,7 @@ CeresOutcome ceres_bundle(const Block& block, const Block& first_cameras, CeresS
   auto* tie_loss = new ceres::HuberLoss(ours.loss_scale_sigmas);
   auto* position_loss = new ceres::HuberLoss(ours.position_loss_scale_sigmas);
   for (const Observation& seen : block.observations)
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ImagePoint, 2, 6, kLens, 3>(
-                                 new ImagePoint{seen.pixel.x(), seen.pixel.y(), 1 / seen.sigma_px}),
-                             tie_loss, poses.at(seen.image).data(),
+    problem.AddResidualBlock(new ImagePoint(seen), tie_loss, poses.at(seen.image).data(),
                              lenses.at(block.images.at(seen.image).camera).data(), points.at(seen.point).data());
   for (const auto& [id, pose] : block.cam_from_world)
     if (const auto& position = block.images.at(id).position)

@@ -22,7 +22,7 @@ struct CeresOutcome {
 };
 
 /// The adjustment of adjust() with calibration = "brown" and its default losses, as a problem of Ceres: points
-/// eliminated first, automatic derivatives of fixed size. `wanted_cost`: see seconds_to_cost.
+/// eliminated first, analytic derivatives of image points. Ends as soon as the cost is at most `wanted_cost`.
 [[nodiscard]] CeresOutcome ceres_bundle(const Block& block, const Block& first_cameras, CeresSolver solver, int threads,
                                         double wanted_cost);
 

@@ -40,8 +40,8 @@ Eigen::Vector3d normal3(Random& random) {
   return {x, y, z};
 }
 
-// One image point in a hundred is wrong by up to 50 px.
-Block block_of(int images, const Run& run) {
+// A share of the image points is wrong by up to 50 px.
+Block block_of(int images, double wrong_share, const Run& run) {
   SurveyOptions survey;
   survey.images = images;
   survey.control_points = survey.check_points = 0;
@@ -49,7 +49,7 @@ Block block_of(int images, const Run& run) {
   Block block = observations_only(*truth, {}, run).value();
   Random random(3);
   for (Observation& seen : block.observations)
-    if (random.uniform() < 0.01) seen.pixel += 50 * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
+    if (random.uniform() < wrong_share) seen.pixel += 50 * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
   return block;
 }
 
@@ -77,7 +77,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-void row(const Block& block, const char* start, const char* solver, double seconds, double ratio, int iterations,
+void row(const Block& block, const std::string& start, const char* solver, double seconds, double ratio, int iterations,
          double cost, const std::string& note) {
   fmt::print("| {} | {} | {} | {} | {:.3f} | {} | {} | {:.2f} | {} |\n", block.cam_from_world.size(),
              block.observations.size() / block.cam_from_world.size(), start, solver, seconds,
@@ -85,8 +85,9 @@ void row(const Block& block, const char* start, const char* solver, double secon
   std::fflush(stdout);
 }
 
-void compare(const Block& exact, const StartErrors& errors, const Asked& asked, const Run& run) {
+void compare(const Block& exact, const StartErrors& errors, double wrong_share, const Asked& asked, const Run& run) {
   const Block block = start_of(exact, errors);
+  const std::string start = fmt::format("{}, {:g} % wrong", errors.name, 100 * wrong_share);
   std::vector<double> times;
   Result<Adjusted> ours;
   for (int i = 0; i < asked.repeats; ++i) {
@@ -99,7 +100,7 @@ void compare(const Block& exact, const StartErrors& errors, const Asked& asked, 
     return;
   }
   const double seconds = median(times);
-  row(block, errors.name, "collinea", seconds, 0, ours->iterations, ours->final_cost,
+  row(block, start, "collinea", seconds, 0, ours->iterations, ours->final_cost,
       fmt::format("sigma0 {:.3f}", ours->sigma0));
   if (asked.only_ours) return;
   const struct {
@@ -117,7 +118,7 @@ void compare(const Block& exact, const StartErrors& errors, const Asked& asked, 
       to_cost.push_back(outcome.seconds_to_cost);
     }
     const double theirs = median(to_cost);
-    row(block, errors.name, name, theirs, theirs / seconds, outcome.iterations, outcome.final_cost,
+    row(block, start, name, theirs, theirs / seconds, outcome.iterations, outcome.final_cost,
         fmt::format("{}all {:.2f} s: derivatives {:.2f}, linear {:.2f}", outcome.reached ? "" : "never at that cost; ",
                     outcome.seconds, outcome.jacobian_seconds, outcome.linear_seconds));
   }
@@ -156,7 +157,9 @@ int main(int argc, char** argv) {
   fmt::print("| images | points an image | start | solver | s | Ceres over ours | iterations | cost | |\n");
   fmt::print("|---|---|---|---|---|---|---|---|---|\n");
   for (const int images : asked.images) {
-    const collinea::Block block = block_of(images, run);
-    for (const StartErrors& errors : kStarts) compare(block, errors, asked, run);
+    for (const double wrong_share : {0.01, 0.0}) {
+      const collinea::Block block = block_of(images, wrong_share, run);
+      for (const StartErrors& errors : kStarts) compare(block, errors, wrong_share, asked, run);
+    }
   }
 }

@@ -16,7 +16,7 @@ using bundle::Problem;
 using bundle::State;
 using bundle::Step;
 
-constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-12, kMostDamping = 1e12;
+constexpr double kLeastDamping = 1e-12, kMostDamping = 1e12;
 
 // Once a step gains less than this part, the robust loss is taken with its curvature: reweighting alone creeps.
 constexpr double kNear = 0.05, kLeastCurvature = 0.1;
@@ -33,7 +33,7 @@ struct Search {
 class LevenbergMarquardt {
  public:
   LevenbergMarquardt(Problem& problem, const AdjustOptions& options, const Run& run)
-      : problem_(problem), options_(options), run_(run), normals_(problem) {}
+      : problem_(problem), options_(options), run_(run), normals_(problem), damping_(options.first_damping) {}
 
   Search search(State start) {
     Search at{std::move(start)};
@@ -86,7 +86,7 @@ class LevenbergMarquardt {
   const Run& run_;
   Normals normals_;
   Step step_;
-  double damping_ = kFirstDamping, growth_ = 2;
+  double damping_, growth_ = 2;
 };
 
 }  // namespace

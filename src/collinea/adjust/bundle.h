@@ -24,6 +24,7 @@ struct AdjustOptions {
   std::string position_loss = "huber";
   double position_loss_scale_sigmas = 3;
   int max_iterations = 50;
+  double first_damping = 1e-4;
   double relative_cost_change = 1e-7;
   double parameter_change = 1e-9;
   double step_sigmas = 0.01;
@@ -43,6 +44,10 @@ struct AdjustOptions {
     visit(Field{"position_loss_scale_sigmas", &O::position_loss_scale_sigmas, "sigma",
                 "distance from which the loss of positions sets in", 0.01, 1e6});
     visit(Field{"max_iterations", &O::max_iterations, "1", "upper bound of linearisations", 1, 10000});
+    visit(Field{"first_damping", &O::first_damping, "1",
+                "damping of the first step, over each diagonal element of the normal equations; less where the start "
+                "is good",
+                1e-12, 1});
     visit(Field{"relative_cost_change", &O::relative_cost_change, "1",
                 "stop when a step lowers the cost by a smaller part than this", 0, 1});
     visit(Field{"parameter_change", &O::parameter_change, "1",

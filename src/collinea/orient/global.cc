@@ -25,6 +25,7 @@ struct Part {
   std::vector<ImageId> images;
   std::vector<RelativeRotation> rotations;
   std::vector<RelativeDirection> directions;  // in the frame of the first camera
+  std::vector<Eigen::Vector3d> seen_by_second;  // the same directions in the frame of the second
 };
 
 std::vector<ImageId> largest_part(const std::vector<ImageId>& images, std::span<const ImagePair> pairs) {
@@ -57,8 +58,10 @@ Part part_of(const std::vector<ImageId>& images, std::span<const ImagePair> pair
     if (!moves && pair.geometry != PairGeometry::kRotation) continue;  // no motion was found
     part.rotations.push_back({first->second, second->second, pair.second_from_first.rotation,
                               std::sqrt(static_cast<double>(pair.matches.size()))});
-    if (moves)
-      part.directions.push_back({first->second, second->second, centre_of(pair.second_from_first).normalized()});
+    if (!moves) continue;
+    const Eigen::Vector3d direction = centre_of(pair.second_from_first).normalized();
+    part.directions.push_back({first->second, second->second, direction});
+    part.seen_by_second.push_back(pair.second_from_first.rotation * direction);
   }
   return part;
 }
@@ -73,16 +76,40 @@ std::vector<ReceivedPosition> received_by(const Part& part, const Block& setup) 
   return received;
 }
 
+// The bases between cameras as each of the two sees them and as the receivers have them.
+std::vector<SeenDirection> bases_of(const Part& part, const std::vector<Eigen::Vector3d>& in_first,
+                                    const std::vector<ReceivedPosition>& received) {
+  std::vector<SeenDirection> bases;
+  for (std::size_t i = 0; i < part.directions.size(); ++i) {
+    const RelativeDirection& pair = part.directions[i];
+    const ReceivedPosition &first = received[pair.first], &second = received[pair.second];
+    const Eigen::Vector3d base = second.position_in_world - first.position_in_world;
+    const double sigma_m = std::sqrt((first.sigma_m.squaredNorm() + second.sigma_m.squaredNorm()) / 3);
+    if (!std::isfinite(sigma_m) || !(base.norm() > 0)) continue;
+    const double sigma_rad = std::hypot(sigma_m / base.norm(), kDirectionSigma_rad);
+    bases.push_back({pair.first, in_first[i], base.normalized(), sigma_rad});
+    bases.push_back({pair.second, part.seen_by_second[i], base.normalized(), sigma_rad});
+  }
+  return bases;
+}
+
 // Poses in the world of the positions; nothing when these do not fix the attitude of the whole.
 std::optional<std::map<ImageId, Rigid3>> poses_of(Part part, const Block& setup, const Run& run) {
   const std::vector<ReceivedPosition> received = received_by(part, setup);
   std::vector<Eigen::Quaterniond> rotations =
       average_rotations(static_cast<int>(part.images.size()), part.rotations, run);
-  for (RelativeDirection& pair : part.directions) pair.direction = rotations[pair.first].conjugate() * pair.direction;
+  std::vector<Eigen::Vector3d> in_first;
+  for (RelativeDirection& pair : part.directions) {
+    in_first.push_back(pair.direction);
+    pair.direction = rotations[pair.first].conjugate() * pair.direction;
+  }
   const auto world_from_frame = world_from_directions(part.directions, received);
   if (!world_from_frame) return std::nullopt;
   for (Eigen::Quaterniond& rotation : rotations) rotation = (rotation * world_from_frame->conjugate()).normalized();
   for (RelativeDirection& pair : part.directions) pair.direction = *world_from_frame * pair.direction;
+  turn_towards(part.rotations, bases_of(part, in_first, received), rotations, run);
+  for (std::size_t i = 0; i < in_first.size(); ++i)
+    part.directions[i].direction = rotations[part.directions[i].first].conjugate() * in_first[i];
   const std::vector<Eigen::Vector3d> centres = average_positions(part.directions, received, run);
   std::map<ImageId, Rigid3> poses;
   for (std::size_t i = 0; i < part.images.size(); ++i)

@@ -56,6 +56,35 @@ TEST(AverageRotations, WrongPairsDoNoHarm) {
   EXPECT_LT(r.worst_rad(average_rotations(40, r.pairs, kRun)), 2 * without + 1e-3);
 }
 
+// A strip whose pairs all pitch by a little too much, as with a wrong lens, with the bases between its cameras.
+TEST(TurnTowards, TakesAwayWhatErrorsCommonToAllPairsAddUpTo) {
+  constexpr int kCount = 40;
+  const Eigen::Vector3d across(0, 0, 1);  // of the line x and of the side line y below
+  std::vector<RelativeRotation> pairs;
+  std::vector<SeenDirection> directions;
+  std::vector<Eigen::Quaterniond> cameras;
+  for (int i = 0; i < kCount; ++i) {
+    cameras.push_back(rotation_by(0.02 * (i - kCount / 2) * across));  // bent; the truth is no rotation at all
+    if (i > 0) pairs.push_back({i - 1, i, rotation_by(0.02 * across), 1});
+    for (const Eigen::Vector3d& base : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)})
+      directions.push_back({i, base, base, 0.05});
+  }
+  turn_towards(pairs, directions, cameras, kRun);
+  for (int i = 0; i < kCount; ++i)
+    EXPECT_LT(cameras[i].angularDistance(Eigen::Quaterniond::Identity()), i > 5 && i < kCount - 6 ? 0.01 : 0.03) << i;
+}
+
+TEST(TurnTowards, AWrongDirectionDoesNoHarm) {
+  std::vector<SeenDirection> directions;
+  std::vector<Eigen::Quaterniond> cameras{rotation_by({0.1, -0.05, 0.2})};
+  for (const Eigen::Vector3d& base : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(-1, 0, 0),
+                                      Eigen::Vector3d(0, -1, 0)})
+    directions.push_back({0, base, base, 0.02});
+  directions.push_back({0, {0, 0, 1}, {1, 0, 0}, 0.02});
+  turn_towards({}, directions, cameras, kRun);
+  EXPECT_LT(cameras[0].angularDistance(Eigen::Quaterniond::Identity()), 0.02);
+}
+
 // Cameras on a grid with directions to their neighbours in a frame that is turned against the world.
 struct Places {
   std::vector<Eigen::Vector3d> exact;

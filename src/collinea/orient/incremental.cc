@@ -183,6 +183,7 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
   for (int round = 1;; ++round) {
     AdjustOptions adjust = settled_options(reconstruction, options);
     adjust.relative_cost_change = 1e-4;
+    adjust.first_damping = kSettledDamping;
     COLLINEA_TRY(Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
     const int removed = reconstruction.filter(options.max_error_px, run);
     const int added = reconstruction.extend_all(run);

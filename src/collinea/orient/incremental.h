@@ -5,6 +5,10 @@
 
 namespace collinea {
 
+/// First damping of the adjustment of a whole block that is near its minimum: what bends it as a whole, which hardly any
+/// residual sees, must not be held back.
+inline constexpr double kSettledDamping = 1e-8;
+
 /// Orients as many images as hang together: an initial pair with parallax and support, then image after image by
 /// resection, intersection of new points, local and, at growing intervals, global adjustment with self-calibration and
 /// rejection of bad rays. The result lies in an arbitrary gauge. Where images are in place already, growth goes on from

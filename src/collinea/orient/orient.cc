@@ -181,6 +181,7 @@ class Orienter {
     if (result_.georeferenced)
       if (auto tied = tie_to_ground(part, scope); !tied) return tl::unexpected(tied.error());
     AdjustOptions final_options = settled_options(part, options_);
+    final_options.first_damping = kSettledDamping;
     final_options.covariances = true;
     COLLINEA_TRY(result_.adjusted, part.adjust_all(final_options, scope, run_));
     finish(part);

@@ -11,7 +11,6 @@
 namespace collinea {
 namespace {
 
-constexpr double kDirectionSigma_rad = std::numbers::pi / 180;  // of a pair's direction, lens not yet known
 constexpr double kBaseOfSigmas = 3;   // bases that count reach over so many standard deviations of a difference
 constexpr double kLeastAcross = 0.1;  // of a frame of directions: second singular value over the first
 

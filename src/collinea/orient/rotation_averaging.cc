@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "collinea/geometry/rotation.h"
@@ -141,6 +142,36 @@ std::vector<Eigen::Quaterniond> average_rotations(int count, std::span<const Rel
     if (round > kAbsoluteRounds && turned < kSettled_rad) break;
   }
   return rotations;
+}
+
+void turn_towards(std::span<const RelativeRotation> pairs, std::span<const SeenDirection> directions,
+                  std::vector<Eigen::Quaterniond>& cam_from_world, const Run& run) {
+  constexpr int kRounds = 3, kMostIterations = 300;
+  constexpr double kTolerance = 1e-2;
+  constexpr double kPairSigma_rad = std::numbers::pi / 60;  // of a pair's rotation, as kDirectionSigma_rad: the same in all pairs
+  const auto weight_of = [](double off_rad, double sigma_rad) {  // Cauchy's loss, scale 2
+    return 1 / (sigma_rad * sigma_rad + off_rad * off_rad / 4);
+  };
+  for (int round = 0; round < kRounds && !run.stopped(); ++round) {
+    SparseNormals normals(cam_from_world.size());
+    for (const RelativeRotation& pair : pairs) {
+      const Eigen::Vector3d off = residual(pair, cam_from_world);
+      normals.add_difference(pair.first, pair.second,
+                             weight_of(off.norm(), kPairSigma_rad) * Eigen::Matrix3d::Identity(), off);
+    }
+    for (const SeenDirection& seen : directions) {
+      const Eigen::Vector3d now = cam_from_world[seen.camera].conjugate() * seen.in_camera;
+      const Eigen::Vector3d turn = seen.in_world.cross(now);
+      const double off_rad = std::atan2(turn.norm(), now.dot(seen.in_world));
+      normals.add_value(seen.camera,
+                        weight_of(off_rad, seen.sigma_rad) * (Eigen::Matrix3d::Identity() - now * now.transpose()),
+                        turn);
+    }
+    std::vector<Eigen::Vector3d> turns(cam_from_world.size(), Eigen::Vector3d::Zero());
+    normals.solve(turns, kTolerance, kMostIterations);
+    for (std::size_t i = 0; i < turns.size(); ++i)
+      cam_from_world[i] = (cam_from_world[i] * rotation_by(turns[i])).normalized();
+  }
 }
 
 }  // namespace collinea

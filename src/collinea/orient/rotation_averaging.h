@@ -24,4 +24,16 @@ struct RelativeRotation {
 [[nodiscard]] std::vector<Eigen::Quaterniond> average_rotations(int count, std::span<const RelativeRotation> pairs,
                                                                 const Run& run);
 
+/// A direction that a camera sees and that is known in the world.
+struct SeenDirection {
+  int camera;
+  Eigen::Vector3d in_camera, in_world;  ///< of length one
+  double sigma_rad;
+};
+
+/// Turns the cameras so that the pairs keep their relative rotations and the directions are met, by least squares with
+/// robust weights. It takes away what small errors common to all pairs add up to over a large block.
+void turn_towards(std::span<const RelativeRotation> pairs, std::span<const SeenDirection> directions,
+                  std::vector<Eigen::Quaterniond>& cam_from_world, const Run& run);
+
 }  // namespace collinea
