@@ -37,10 +37,11 @@ void add_measurement(const Block& block, const Problem& problem, const State& st
 }  // namespace
 
 void predict_check_points(const Block& block, const Problem& problem, const State& state, const TileCholesky& factor,
-                          Adjusted& adjusted) {
+                          const Run& run, Adjusted& adjusted) {
   std::map<ImageId, int> number;
   for (std::size_t i = 0; i < problem.images.size(); ++i) number[problem.images[i].id] = static_cast<int>(i);
   for (ControlDifference& check : adjusted.control) {
+    if (run.stopped()) return;
     if (check.used || !check.position_in_world) continue;
     PointSystem system(problem);
     for (const ControlObservation& seen : block.control_observations)

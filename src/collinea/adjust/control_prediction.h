@@ -9,7 +9,7 @@ namespace collinea::bundle {
 /// Covariances of check points and of their differences, with the Cholesky factor of the reduced normal equations: the
 /// images' uncertainty with all its correlations, their own measurements, and the survey.
 void predict_check_points(const Block& block, const Problem& problem, const State& state, const TileCholesky& factor,
-                          Adjusted& adjusted);
+                          const Run& run, Adjusted& adjusted);
 
 /// The same of the control points that took part, with the selected inverse. Their differences are residuals, smaller
 /// than their errors: the variance of the survey less that of the adjusted point.

@@ -44,7 +44,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
     return;
   }
   if (run.stopped()) return;
-  predict_check_points(block, problem, state, matrix, adjusted);
+  predict_check_points(block, problem, state, matrix, run, adjusted);
   matrix.invert(run);
   if (run.stopped()) return;
   predict_control_points(problem, state, matrix, adjusted);
