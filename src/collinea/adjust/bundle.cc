@@ -110,8 +110,8 @@ Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const Adju
   adjusted.iterations = found.iterations;
   adjusted.converged = found.converged;
   bundle::describe_outcome(block, scope, problem, found.state, adjusted);
-  if (options.covariances || options.point_covariances) {
-    bundle::add_covariances(block, problem, found.state, options.point_covariances, run, adjusted);
+  if (options.covariances || options.point_covariances || options.reliability) {
+    bundle::add_covariances(block, problem, found.state, options, run, adjusted);
     if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
   }
   return adjusted;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "collinea/adjust/reliability.h"
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
@@ -30,6 +31,10 @@ struct AdjustOptions {
   double step_sigmas = 0.01;
   bool covariances = false;
   bool point_covariances = false;
+  bool reliability = false;
+  double false_alarm = 0.001;
+  double power = 0.8;
+  bool sigma0_known = false;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -56,6 +61,13 @@ struct AdjustOptions {
                 "stop when a step of images and cameras is shorter than this many of their standard deviations", 0, 1});
     visit(Field{"covariances", &O::covariances, "", "compute covariances of poses and cameras"});
     visit(Field{"point_covariances", &O::point_covariances, "", "compute covariances of points too"});
+    visit(
+        Field{"reliability", &O::reliability, "", "test every observation for a blunder, and say what would be found"});
+    visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",
+                1e-12, 0.5});
+    visit(Field{"power", &O::power, "1", "probability with which a minimal detectable blunder is found", 0.5, 0.999});
+    visit(Field{"sigma0_known", &O::sigma0_known, "",
+                "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
   }
 };
 
@@ -96,6 +108,10 @@ struct ControlDifference {
   std::optional<Eigen::Vector3d> position_in_world;  ///< nothing when the rays do not intersect
   Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(
       std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame
+  /// With covariances: of position_in_world [m^2], by the given sigmas (of a check point without its survey) ...
+  std::optional<Eigen::Matrix3d> covariance_m2;
+  /// ... and what difference_m is expected to be: sigma0 counts, and for check points the survey. NaN: not known.
+  Eigen::Vector3d difference_sigma_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -131,6 +147,7 @@ struct Adjusted {
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points
   std::string undetermined;
+  std::optional<Reliability> reliability;  ///< when asked for and everything is determined
 };
 
 /// Least-squares bundle adjustment (Brown 1958; Triggs et al. 2000): Levenberg-Marquardt on images, cameras and points

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "collinea/adjust/problem.h"
+#include "collinea/adjust/tile_cholesky.h"
 
 namespace collinea::bundle {
 
@@ -9,8 +10,12 @@ namespace collinea::bundle {
 void describe_outcome(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
                       Adjusted& adjusted);
 
-/// Fills pose, camera and (when wanted) point covariances, or says what is not determined.
-void add_covariances(const Block& block, const Problem& problem, const State& state, bool of_points, const Run& run,
-                     Adjusted& adjusted);
+/// Fills pose, camera and (when wanted) point covariances and reliability, or says what is not determined.
+void add_covariances(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
+                     const Run& run, Adjusted& adjusted);
+
+/// Fills Adjusted::reliability, by the selected inverse.
+void add_reliability(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
+                     TileCholesky& inverse, const Run& run, Adjusted& adjusted);
 
 }  // namespace collinea::bundle

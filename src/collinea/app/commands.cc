@@ -15,6 +15,7 @@ std::vector<Command> all_commands() {
       step_command("ortho", "orthophoto (Cloud-Optimised GeoTIFF)"),
       step_command("report", "quality report (HTML and JSON)"),
       info_command(),
+      adjust_command(),
       export_command(),
       simulate_command(),
       assess_command(),

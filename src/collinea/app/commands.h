@@ -16,6 +16,7 @@ Command import_command();
 /// detect, match, orient, densify, surface, ortho, report: the same command for every step after import.
 Command step_command(const std::string& step, const std::string& summary);
 Command info_command();
+Command adjust_command();
 Command export_command();
 Command simulate_command();
 Command assess_command();

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace collinea {
@@ -11,13 +12,41 @@ namespace {
 
 using nlohmann::json;
 
+// Control and check points with their differences, what those are expected to be, and whether they are beyond thrice
+// that.
+json control_points(const json& orientation, const Block& setup) {
+  json list = json::array();
+  for (const json& row : orientation.at("details").at("control")) {
+    const auto point = setup.control.find(ControlId{row.at("point").get<std::uint32_t>()});
+    if (point == setup.control.end()) continue;
+    const json &differences = row.at("difference_m"), sigmas = row.value("sigma_m", json::array());
+    bool beyond = false;
+    for (std::size_t axis = 0; axis < sigmas.size(); ++axis)
+      if (differences.at(axis).is_number() && sigmas[axis].is_number())
+        beyond |= std::abs(differences[axis].get<double>()) > 3 * sigmas[axis].get<double>();
+    list.push_back({{"name", point->second.name},
+                    {"role", row.at("used").get<bool>() ? "control" : "check"},
+                    {"images", row.at("rays")},
+                    {"difference_m", differences},
+                    {"sigma_m", sigmas},
+                    {"beyond_3_sigma", beyond}});
+  }
+  return list;
+}
+
 Result<json> gather(const ProjectStore& store) {
   COLLINEA_TRY(const Block setup, store.read_setup());
   COLLINEA_TRY(const std::vector<StepRecord> steps, store.read_steps());
-  json info = {
-      {"images", setup.images.size()},   {"oriented", 0},    {"tie_points", 0},           {"observations", 0},
-      {"mean_reprojection_px", nullptr}, {"gsd_m", nullptr}, {"control_rmse_m", nullptr}, {"check_rmse_m", nullptr},
-      {"steps", json::array()}};
+  json info = {{"images", setup.images.size()},
+               {"oriented", 0},
+               {"tie_points", 0},
+               {"observations", 0},
+               {"mean_reprojection_px", nullptr},
+               {"gsd_m", nullptr},
+               {"control_rmse_m", nullptr},
+               {"check_rmse_m", nullptr},
+               {"control_points", json::array()},
+               {"steps", json::array()}};
   for (const StepRecord& step : steps) {
     info["steps"].push_back({{"name", step.name},
                              {"seconds", step.seconds},
@@ -27,6 +56,7 @@ Result<json> gather(const ProjectStore& store) {
     const json orientation = json::parse(step.report_json, nullptr, false);
     for (const auto& [key, value] : orientation.items())
       if (key != "details") info[key] = value;
+    if (orientation.contains("details")) info["control_points"] = control_points(orientation, setup);
   }
   info["cameras"] = setup.cameras.size();
   if (setup.georeference) info["crs"] = setup.georeference->crs;

@@ -99,7 +99,8 @@ json details_of(const Orientation& orientation) {
         {{"point", control.point.value},
          {"used", control.used},
          {"rays", control.rays},
-         {"difference_m", numbers(measured_axes(control, orientation.block.control.at(control.point)))}});
+         {"difference_m", numbers(measured_axes(control, orientation.block.control.at(control.point)))},
+         {"sigma_m", numbers(control.difference_sigma_m)}});
   for (const ControlId point : orientation.excluded_control) details["excluded_control"].push_back(point.value);
   for (const PositionDifference& position : adjusted.positions)
     details["positions"].push_back({{"image", position.image.value},

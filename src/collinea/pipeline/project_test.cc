@@ -155,6 +155,14 @@ void SmallProject::info_tells_what_machines_read() {
   EXPECT_NEAR(info.at("gsd_m").get<double>(), 0.2, 0.04);
   EXPECT_EQ(info.at("control_rmse_m").size(), 3u);
   EXPECT_EQ(info.at("check_rmse_m").size(), 3u);
+  ASSERT_FALSE(info.at("control_points").empty());
+  for (const auto& point : info.at("control_points")) {
+    ASSERT_EQ(point.at("sigma_m").size(), 3u);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_GT(point.at("sigma_m").at(axis).get<double>(), 0) << point;
+      EXPECT_LT(point.at("sigma_m").at(axis).get<double>(), 1) << point;
+    }
+  }
   ASSERT_EQ(info.at("steps").size(), 8u);
   EXPECT_EQ(info.at("steps")[0].at("name"), "import");
   EXPECT_NE(info_text(project->store).value().find("6 (6 oriented)"), std::string::npos);

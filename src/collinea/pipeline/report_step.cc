@@ -26,6 +26,8 @@ Eigen::Vector3d vector_of(const json& list) {
   return vector;
 }
 
+const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::nan(""));
+
 void add_orientation(const json& orientation, ReportInput& input) {
   const json& details = orientation.at("details");
   std::set<std::uint32_t> excluded;
@@ -37,7 +39,8 @@ void add_orientation(const json& orientation, ReportInput& input) {
                              .used = row.at("used").get<bool>(),
                              .excluded = excluded.contains(point),
                              .rays = row.at("rays").get<int>(),
-                             .difference_m = vector_of(row.at("difference_m"))});
+                             .difference_m = vector_of(row.at("difference_m")),
+                             .sigma_m = row.contains("sigma_m") ? vector_of(row.at("sigma_m")) : kUnknown});
   }
   for (const json& row : details.at("positions"))
     input.positions.push_back({ImageId{row.at("image").get<std::uint32_t>()}, vector_of(row.at("difference_m")),

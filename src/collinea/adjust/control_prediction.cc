@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/control_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "collinea/adjust/point_cofactor.h"
+
+namespace collinea::bundle {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+double variance_factor(const Adjusted& adjusted) {
+  return adjusted.redundancy > 0 ? adjusted.sigma0 * adjusted.sigma0 : 1;
+}
+
+// The measurement in an image that takes part, or in one that is only oriented and counts as exact.
+void add_measurement(const Block& block, const Problem& problem, const State& state,
+                     const std::map<ImageId, int>& number, const ControlObservation& seen,
+                     const Eigen::Vector3d& position, PointSystem& system) {
+  const auto its = number.find(seen.image);
+  const int image = its == number.end() ? -1 : its->second;
+  const Rigid3& pose = block.cam_from_world.at(seen.image);
+  const Eigen::Vector3d centre = centre_of(pose);
+  const Frame frame = image >= 0 ? state.frames[image] : frame_of(pose.rotation.normalized(), centre.data());
+  const Lens lens =
+      image >= 0 ? state.lenses[problem.images[image].camera] : lens_of(block.camera_of(seen.image).params.data());
+  const Ray ray{{seen.pixel.x(), seen.pixel.y()}, 1 / seen.sigma_px, 0, 0};
+  LinearRay linear;
+  linearise(ray, frame, lens, position.data(), Loss{}, &linear);
+  system.add(linear, image, state);
+}
+
+}  // namespace
+
+void predict_check_points(const Block& block, const Problem& problem, const State& state, const TileCholesky& factor,
+                          const Run& run, Adjusted& adjusted) {
+  std::map<ImageId, int> number;
+  for (std::size_t i = 0; i < problem.images.size(); ++i) number[problem.images[i].id] = static_cast<int>(i);
+  for (ControlDifference& check : adjusted.control) {
+    if (run.stopped()) return;
+    if (check.used || !check.position_in_world) continue;
+    PointSystem system(problem);
+    for (const ControlObservation& seen : block.control_observations)
+      if (seen.point == check.point && block.cam_from_world.contains(seen.image))
+        add_measurement(block, problem, state, number, seen, *check.position_in_world, system);
+    system.close(false, nullptr, nullptr);
+    if (!system.determined()) continue;
+    check.covariance_m2 = system.covariance_by_solving(factor);
+    const Eigen::Vector3d survey = block.control.at(check.point).sigma_m;
+    for (int axis = 0; axis < 3; ++axis)
+      check.difference_sigma_m[axis] =
+          std::isfinite(survey[axis])
+              ? std::sqrt(variance_factor(adjusted) * (*check.covariance_m2)(axis, axis) + survey[axis] * survey[axis])
+              : kUnknown;
+  }
+}
+
+void predict_control_points(const Problem& problem, const State& state, TileCholesky& inverse, Adjusted& adjusted) {
+  for (std::size_t p = problem.first_control; p < problem.point_count(); ++p) {
+    const ProblemPoint& point = problem.point(p);
+    if (point.control < 0) continue;
+    const auto its = std::find_if(adjusted.control.begin(), adjusted.control.end(),
+                                  [&](const ControlDifference& c) { return c.point == ControlId{point.id}; });
+    if (its == adjusted.control.end()) continue;
+    const Eigen::Matrix3d covariance = PointSystem(problem, state, p).covariance(inverse);
+    its->covariance_m2 = covariance;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double w = problem.control[point.control].inverse_sigma[axis];
+      if (!(w > 0)) continue;
+      const double redundancy = std::clamp(1 - w * w * covariance(axis, axis), 0.0, 1.0);
+      its->difference_sigma_m[axis] = std::sqrt(variance_factor(adjusted) * redundancy) / w;
+    }
+  }
+}
+
+}  // namespace collinea::bundle

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace collinea {
+
+/// The two-sided limit of a standard normal variable: exceeded in absolute value with probability `alpha` (0 < alpha <
+/// 1).
+[[nodiscard]] double normal_limit(double alpha);
+/// The same of Pope's tau (1976), a residual divided by its estimated standard deviation, with `redundancy` degrees of
+/// freedom in all: sqrt(redundancy) at most, and exactly that for one.
+[[nodiscard]] double tau_limit(double alpha, long redundancy);
+
+}  // namespace collinea

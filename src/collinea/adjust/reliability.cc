@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/reliability.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/adjust/outcome.h"
+#include "collinea/adjust/point_cofactor.h"
+#include "collinea/adjust/quantiles.h"
+#include "collinea/base/parallel.h"
+
+namespace collinea {
+
+double GroupSums::sigma_factor() const {
+  constexpr double kLeastRedundancy = 3;
+  return redundancy < kLeastRedundancy ? 1 : std::sqrt(std::max(squares, 0.0) / redundancy);
+}
+
+namespace bundle {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoRedundancy = 1e-6;  // rounding of the selected inverse: nothing checks such an observation
+constexpr std::size_t kMostSuspects = 1000;
+
+class Examiner {
+ public:
+  Examiner(const Problem& problem, const State& state, const AdjustOptions& options, TileCholesky& inverse,
+           const Run& run, const Adjusted& adjusted)
+      : problem_(problem), state_(state), inverse_(inverse), run_(run), adjusted_(adjusted) {
+    out_.false_alarm = options.false_alarm;
+    out_.power = options.power;
+    out_.sigma0_known = options.sigma0_known;
+    const bool known = options.sigma0_known || adjusted.redundancy < 1;
+    sigma0_ = known ? 1 : std::max(adjusted.sigma0, 1e-12);
+    out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
+    out_.delta0 = normal_limit(options.false_alarm) + normal_limit(2 * (1 - options.power));
+  }
+
+  Reliability examine(const Block& block) {
+    compute_leverages();
+    by_source_.assign(block.observations.size(), Eigen::Vector2d::Zero());
+    if (run_.stopped()) return out_;
+    for (std::size_t p = 0; p < problem_.point_count(); ++p) take_rays(p, block);
+    out_.tie_redundancy.reserve(adjusted_.observations.size());
+    for (const std::uint32_t source : adjusted_.observations) out_.tie_redundancy.push_back(by_source_[source]);
+    for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p)
+      if (problem_.point(p).control >= 0) take_control(p);
+    take_positions();
+    take_weak_cameras();
+    // What sigma0 makes of the tie points, whose losses are taken for what they are worth.
+    double others = weak_squares_;
+    for (std::size_t g = 1; g < kObservationGroups; ++g) others += out_.groups[g].squares;
+    sums(ObservationGroup::kTieImages).squares =
+        adjusted_.sigma0 * adjusted_.sigma0 * double(adjusted_.redundancy) - others;
+    std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
+                     [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
+    if (out_.suspects.size() > kMostSuspects) out_.suspects.resize(kMostSuspects);
+    return std::move(out_);
+  }
+
+ private:
+  GroupSums& sums(ObservationGroup group) { return out_.groups[static_cast<std::size_t>(group)]; }
+
+  void compute_leverages() {
+    leverages_.resize(problem_.rays.size());
+    parallel_for(run_, problem_.point_count(), [&](std::size_t p) {
+      const std::vector<Eigen::Matrix2d> all = PointSystem(problem_, state_, p).leverages(inverse_);
+      for (std::size_t k = 0; k < all.size(); ++k) leverages_[problem_.point(p).first_ray + k] = all[k].diagonal();
+    });
+  }
+
+  // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (below 1 by a robust loss).
+  // The observation is tested as the others foretell it, by its full sigma: v / r has the variance
+  // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss.
+  void test(TestedObservation one, double leverage, double weight) {
+    const double r = std::clamp(1 - leverage, 0.0, 1.0);
+    GroupSums& group = sums(one.group);
+    ++group.observations;
+    group.redundancy += 1 - leverage;
+    out_.redundancy_sum += 1 - leverage;
+    one.redundancy = r;
+    one.least_blunder = one.effect = one.effect_in_sigmas = kInfinity;
+    if (r > kNoRedundancy) {
+      const double spread = sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r));
+      one.blunder = one.residual / r;
+      one.w = one.blunder / spread;
+      one.least_blunder = out_.delta0 * spread;
+      one.effect = one.least_blunder * leverage;
+      one.effect_in_sigmas = one.least_blunder / (sigma0_ * one.sigma) * std::sqrt(weight * std::max(leverage, 0.0));
+      ++out_.tested;
+      if (std::abs(one.w) > out_.limit) {
+        ++out_.rejected;
+        out_.suspects.push_back(one);
+      }
+    }
+    if (one.group != ObservationGroup::kTieImages) out_.others.push_back(one);
+    if (out_.suspects.size() > 20 * kMostSuspects) trim();
+  }
+
+  void trim() {
+    std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
+                     [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
+    out_.suspects.resize(kMostSuspects);
+  }
+
+  void take_rays(std::size_t p, const Block& block) {
+    const bool tie = problem_.point(p).control < 0;
+    const Loss loss = problem_.loss_of(problem_.point(p));
+    for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
+      const Ray& ray = problem_.rays[r];
+      double in_cam[3];
+      Projected at{};
+      to_camera(state_.frames[ray.image], &state_.points[3 * p], in_cam);
+      const bool seen = project(state_.lenses[problem_.images[ray.image].camera], in_cam, &at);
+      const Eigen::Vector2d px(ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]);
+      const double weight = seen ? loss.weight(px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma) : 1;
+      if (tie) by_source_[ray.source] = Eigen::Vector2d::Ones() - leverages_[r];
+      for (int axis = 0; axis < 2; ++axis) {
+        TestedObservation one;
+        one.group = tie ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
+        one.source = ray.source;
+        one.axis = axis;
+        one.sigma = tie ? block.observations[ray.source].sigma_px : block.control_observations[ray.source].sigma_px;
+        one.residual = seen ? px[axis] : 0;
+        if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
+        test(one, leverages_[r][axis], weight);
+      }
+    }
+  }
+
+  void take_control(std::size_t p) {
+    const ProblemPoint& point = problem_.point(p);
+    const ControlCoordinates& given = problem_.control[point.control];
+    const Eigen::Matrix3d q = PointSystem(problem_, state_, p).covariance(inverse_);
+    Eigen::Vector3d difference, weights;
+    for (int axis = 0; axis < 3; ++axis) {
+      difference[axis] = state_.points[3 * p + static_cast<std::size_t>(axis)] - given.given[axis];
+      const double w = given.inverse_sigma[axis];
+      weights[axis] = w * w;
+      if (!(w > 0)) continue;
+      TestedObservation one;
+      one.group = axis < 2 ? ObservationGroup::kControlPlan : ObservationGroup::kControlHeight;
+      one.source = point.id;
+      one.axis = axis;
+      one.residual = -difference[axis];
+      one.sigma = 1 / w;
+      sums(one.group).squares += std::pow(difference[axis] * w, 2);
+      test(one, w * w * q(axis, axis), 1);
+    }
+    leave_out(ControlId{point.id}, q, difference, weights);
+  }
+
+  // Without its own coordinates the point lies at given + (I - Q P)^-1 d, with the covariance Q (I - P Q)^-1: exact for
+  // linear equations.
+  void leave_out(ControlId id, const Eigen::Matrix3d& q, const Eigen::Vector3d& difference,
+                 const Eigen::Vector3d& weights) {
+    const Eigen::Matrix3d p = weights.asDiagonal();
+    const Eigen::FullPivLU<Eigen::Matrix3d> lu(Eigen::Matrix3d::Identity() - q * p);
+    if (lu.matrixLU().diagonal().cwiseAbs().minCoeff() < kNoRedundancy) return;
+    const Eigen::Vector3d known = (weights.array() > 0).select(difference, 0);
+    const Eigen::Vector3d moved = lu.solve(known);
+    const Eigen::Matrix3d without = lu.solve(q);
+    LeftOutPoint point{id, Eigen::Vector3d::Constant(kNaN), Eigen::Vector3d::Constant(kNaN)};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(weights[axis] > 0)) continue;
+      point.difference_m[axis] = moved[axis];
+      point.difference_sigma_m[axis] =
+          std::sqrt(std::max(sigma0_ * sigma0_ * without(axis, axis) + 1 / weights[axis], 0.0));
+    }
+    out_.left_out.push_back(point);
+  }
+
+  void take_positions() {
+    for (const GivenPosition& position : problem_.positions) {
+      const Eigen::Vector3d residual = position.given - Eigen::Vector3d(state_.frames[position.image].data() + 9);
+      const double weight = problem_.position_loss.weight(residual.cwiseProduct(position.inverse_sigma).squaredNorm());
+      for (int axis = 0; axis < 3; ++axis) {
+        const double w = position.inverse_sigma[axis];
+        if (!(w > 0)) continue;
+        const int row = 6 * static_cast<int>(position.image) + 3 + axis;
+        TestedObservation one;
+        one.group = axis < 2 ? ObservationGroup::kPositionPlan : ObservationGroup::kPositionHeight;
+        one.source = problem_.images[position.image].id.value;
+        one.axis = axis;
+        one.residual = residual[axis];
+        one.sigma = 1 / w;
+        sums(one.group).squares += weight * std::pow(residual[axis] * w, 2);
+        test(one, weight * w * w * inverse_.at(row, row), weight);
+      }
+    }
+  }
+
+  void take_weak_cameras() {
+    for (std::size_t i = 0; i < problem_.cameras.size(); ++i) {
+      const ProblemCamera& camera = problem_.cameras[i];
+      for (std::size_t k = 0; k < camera.free.size(); ++k) {
+        const int row = 6 * problem_.poses + camera.border + static_cast<int>(k), param = camera.free[k];
+        const double w = camera.inverse_sigma[param];
+        out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
+        weak_squares_ += std::pow((state_.cameras[i][param] - camera.given[param]) * w, 2);
+      }
+    }
+  }
+
+  const Problem& problem_;
+  const State& state_;
+  TileCholesky& inverse_;
+  const Run& run_;
+  const Adjusted& adjusted_;
+  double sigma0_ = 1, weak_squares_ = 0;
+  std::vector<Eigen::Vector2d> leverages_;  // of each ray
+  std::vector<Eigen::Vector2d> by_source_;  // redundancy of each of Block::observations
+  Reliability out_;
+};
+
+}  // namespace
+
+void add_reliability(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
+                     TileCholesky& inverse, const Run& run, Adjusted& adjusted) {
+  Reliability found = Examiner(problem, state, options, inverse, run, adjusted).examine(block);
+  if (!run.stopped()) adjusted.reliability = std::move(found);
+}
+
+}  // namespace bundle
+}  // namespace collinea

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/base/id.h"
+
+namespace collinea {
+
+/// Kinds of observations, each with a sigma of its own that may be wrong.
+enum class ObservationGroup {
+  kTieImages,
+  kControlImages,
+  kControlPlan,
+  kControlHeight,
+  kPositionPlan,
+  kPositionHeight
+};
+inline constexpr std::size_t kObservationGroups = 6;
+inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = {
+    "tie points in images", "control in images", "control, plan",
+    "control, height",      "positions, plan",   "positions, height"};
+
+/// One measured coordinate and what the others say of it. Units: px in images, m on the ground.
+struct TestedObservation {
+  ObservationGroup group{};
+  std::uint32_t source = 0;     ///< place in Block::observations or Block::control_observations, ControlId or ImageId
+  int axis = 0;                 ///< 0 column or east, 1 row or north, 2 height
+  double residual = 0;          ///< observed minus adjusted
+  double sigma = 0;             ///< as given
+  double redundancy = 0;        ///< r: the part of a blunder that its own residual shows, 0 to 1
+  double w = 0;                 ///< residual / its sigma: Baarda's w, or Pope's tau when sigma0 is estimated
+  double blunder = 0;           ///< the most probable one: residual / r
+  double least_blunder = 0;     ///< minimal detectable blunder (with the stated level and power); infinite when r = 0
+  double effect = 0;            ///< of a blunder just not found on the adjusted value of the same coordinate
+  double effect_in_sigmas = 0;  ///< Baarda's lambda^1/2: largest effect on anything, in standard deviations of that
+};
+
+/// What a surveyed point would have been found to be off by, had its coordinates not taken part.
+struct LeftOutPoint {
+  ControlId point;
+  Eigen::Vector3d difference_m;        ///< estimated minus given; NaN on axes not surveyed
+  Eigen::Vector3d difference_sigma_m;  ///< expected of it, with sigma0
+};
+
+/// Sums over one group, as variance components need them.
+struct GroupSums {
+  long observations = 0;
+  double redundancy = 0;
+  double squares = 0;  ///< weighted squares of residuals
+  /// The factor by which the given sigmas should be multiplied; 1 when too little is left to tell (redundancy < 3).
+  [[nodiscard]] double sigma_factor() const;
+};
+
+/// Reliability of an adjustment (Baarda 1968; Pope 1976; Foerstner 1983).
+struct Reliability {
+  double false_alarm = 0, power = 0;            ///< as asked for
+  bool sigma0_known = false;                    ///< tests by w with sigma0 = 1; otherwise by tau
+  double limit = 0;                             ///< of |w| or tau
+  double delta0 = 0;                            ///< shift of w that is found with that power
+  long tested = 0, rejected = 0;                ///< coordinates; beyond the limit
+  double redundancy_sum = 0;                    ///< over all observations, weak ones too: equals Adjusted::redundancy
+  std::vector<Eigen::Vector2d> tie_redundancy;  ///< parallel to Adjusted::observations
+  std::vector<TestedObservation>
+      others;  ///< control (images, coordinates) and positions, every one that has a residual
+  std::vector<TestedObservation> suspects;  ///< beyond the limit, worst first, 1000 at most
+  std::vector<LeftOutPoint> left_out;       ///< every control point without whose coordinates the block is determined
+  std::array<GroupSums, kObservationGroups> groups;
+};
+
+}  // namespace collinea

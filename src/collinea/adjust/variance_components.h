@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "collinea/adjust/bundle.h"
+
+namespace collinea {
+
+/// By what the given sigmas of each group of observations are to be multiplied.
+using SigmaFactors = std::array<double, kObservationGroups>;
+
+/// The outcome of estimating variance components.
+struct VarianceComponents {
+  SigmaFactors factors;  ///< 1 for groups with too little redundancy to tell
+  SigmaFactors sigma;    ///< standard deviation of each factor, from its redundancy; 0 where not estimated
+  int iterations = 0;
+  bool converged = false;
+  Adjusted adjusted;  ///< with the factors, with reliability
+};
+
+/// The block with the sigmas of each group multiplied.
+[[nodiscard]] Block with_sigmas(const Block& block, const SigmaFactors& factors);
+
+/// Variance components (Helmert 1907 in the simplified form of Foerstner 1979): adjust, take each group's factor from
+/// its squares over its redundancy, adjust again, until no factor changes by more than 1 % (at most 20 times). Control
+/// in images and tie points in images count separately. Errors: those of adjust(); kIllPosed when something is not
+/// determined.
+[[nodiscard]] Result<VarianceComponents> estimate_variance_components(const Block& block, const AdjustScope& scope,
+                                                                      const AdjustOptions& options, const Run& run);
+
+}  // namespace collinea

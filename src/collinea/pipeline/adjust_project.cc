@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/pipeline/adjust_project.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "collinea/adjust/control_check.h"
+#include "collinea/report/adjustment_report.h"
+
+namespace collinea {
+namespace {
+
+using nlohmann::json;
+
+Result<json> orient_report(const Project& project) {
+  COLLINEA_TRY(const std::vector<StepRecord> steps, project.store.read_steps());
+  for (const StepRecord& step : steps)
+    if (step.name == "orient") return json::parse(step.report_json, nullptr, false);
+  return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
+}
+
+// The least set that holds every parameter that had a standard deviation after orientation.
+std::string calibration_of(const json& orientation) {
+  std::string calibration = "none";
+  const auto free = [](const json& sigma, int param) {
+    const json& value = sigma.at(static_cast<std::size_t>(param));
+    return value.is_number() && value.get<double>() > 0;
+  };
+  const std::pair<const char*, int> steps[] = {
+      {"focal", Camera::kF}, {"focal_radial", Camera::kK1}, {"brown", Camera::kCx}, {"brown_affinity", Camera::kB1}};
+  std::size_t most = 0;
+  for (const auto& [camera, sigma] : orientation.at("details").at("camera_sigma").items())
+    for (std::size_t i = 0; i < std::size(steps); ++i)
+      if (i + 1 > most && free(sigma, steps[i].second)) {
+        most = i + 1;
+        calibration = steps[i].first;
+      }
+  return calibration;
+}
+
+AdjustOptions options_of(const AdjustProjectOptions& asked, const json& orientation) {
+  AdjustOptions options;
+  options.calibration = asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration;
+  options.loss = options.position_loss = asked.loss;
+  options.loss_scale_sigmas = asked.loss_scale_sigmas;
+  options.reliability = options.covariances = options.point_covariances = true;
+  options.false_alarm = asked.false_alarm;
+  options.power = asked.power;
+  options.sigma0_known = asked.sigma0_known;
+  return options;
+}
+
+// One line for the user.
+std::string outcome_text(const Adjusted& adjusted, const std::filesystem::path& folder) {
+  std::string text =
+      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
+  if (adjusted.reliability)
+    text +=
+        fmt::format("; {} of {} observations suspected", adjusted.reliability->rejected, adjusted.reliability->tested);
+  else
+    text += "; no standard deviations: " + adjusted.undetermined;
+  return text + "; " + (folder / "adjustment.html").string();
+}
+
+}  // namespace
+
+Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
+  if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
+  COLLINEA_TRY(const json orientation, orient_report(project));
+  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  AdjustmentReport report;
+  COLLINEA_TRY(report.block, project.store.read_block());
+  const AdjustScope scope{.first_cameras = setup.cameras,
+                          .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
+                          .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
+  if (scope.use_positions && scope.use_control) apply(check_control(report.block, project.settings.seed), report.block);
+  const AdjustOptions options = options_of(asked, orientation);
+  if (asked.variance_components) {
+    COLLINEA_TRY(report.components, estimate_variance_components(report.block, scope, options, project.run));
+    if (!report.components->converged)
+      project.run.say("note: the variance components have not settled; the last ones are used");
+    report.adjusted = report.components->adjusted;
+    report.block = with_sigmas(report.block, report.components->factors);
+  } else {
+    COLLINEA_TRY(report.adjusted, adjust(report.block, scope, options, project.run));
+  }
+  apply(report.adjusted, report.block);
+  std::error_code error;
+  report.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
+  const auto folder = project.folder / "adjustment";
+  if (auto written = write_adjustment(report, folder); !written) return tl::unexpected(written.error());
+  return outcome_text(report.adjusted, folder);
+}
+
+}  // namespace collinea

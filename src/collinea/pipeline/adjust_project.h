@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "collinea/base/options.h"
+#include "collinea/pipeline/project.h"
+
+namespace collinea {
+
+/// How an oriented project is adjusted again.
+struct AdjustProjectOptions {
+  std::string calibration = "auto";
+  std::string loss = "huber";
+  double loss_scale_sigmas = 2;
+  bool use_positions = true;
+  bool use_control = true;
+  bool variance_components = false;
+  double false_alarm = 0.001;
+  double power = 0.8;
+  bool sigma0_known = false;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = AdjustProjectOptions;
+    visit(
+        Field{"calibration", &O::calibration, "",
+              "free camera parameters: auto (those of orient) | none | focal | focal_radial | brown | brown_affinity"});
+    visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions: none | huber | cauchy"});
+    visit(
+        Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
+    visit(Field{"use_positions", &O::use_positions, "", "use the positions of images where orient did"});
+    visit(Field{"use_control", &O::use_control, "",
+                "use control points where orient did; otherwise they are all check points"});
+    visit(Field{"variance_components", &O::variance_components, "",
+                "estimate the standard deviations of each group of observations, and use them"});
+    visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",
+                1e-12, 0.5});
+    visit(Field{"power", &O::power, "1", "probability with which a minimal detectable blunder is found", 0.5, 0.999});
+    visit(Field{"sigma0_known", &O::sigma0_known, "",
+                "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
+  }
+};
+
+/// Adjusts the oriented block of a project once more and writes report and tables to PROJECT/adjustment. The project
+/// itself stays as it is. Answers a line for the user. Errors: not oriented yet; those of adjust().
+[[nodiscard]] Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& options);
+
+}  // namespace collinea

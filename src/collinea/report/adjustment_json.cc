@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "collinea/report/adjustment_report.h"
+
+namespace collinea {
+namespace {
+
+using nlohmann::json;
+
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+json vector(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
+
+json control(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const ControlDifference& one : report.adjusted.control)
+    list.push_back({{"name", report.block.control.at(one.point).name},
+                    {"role", one.used ? "control" : "check"},
+                    {"images", one.rays},
+                    {"difference_m", vector(one.difference_m)},
+                    {"sigma_m", vector(one.difference_sigma_m)}});
+  return list;
+}
+
+json tested(const std::vector<TestedObservation>& observations, const Block& block) {
+  json list = json::array();
+  for (const TestedObservation& one : observations)
+    list.push_back({{"observation", name_of(one, block)},
+                    {"unit", unit_of(one)},
+                    {"residual", number(one.residual)},
+                    {"sigma", number(one.sigma)},
+                    {"redundancy", number(one.redundancy)},
+                    {"w", number(one.w)},
+                    {"blunder", number(one.blunder)},
+                    {"least_detectable_blunder", number(one.least_blunder)},
+                    {"effect", number(one.effect)},
+                    {"effect_in_sigmas", number(one.effect_in_sigmas)}});
+  return list;
+}
+
+json groups(const AdjustmentReport& report, const Reliability& tests) {
+  json list = json::array();
+  for (std::size_t g = 0; g < kObservationGroups; ++g) {
+    const GroupSums& sums = tests.groups[g];
+    if (sums.observations == 0) continue;
+    json one = {{"group", kObservationGroupNames[g]},
+                {"observations", sums.observations},
+                {"redundancy", number(sums.redundancy)},
+                {"sigma_factor", number(sums.sigma_factor())}};
+    if (report.components) {
+      one["applied_factor"] = number(report.components->factors[g]);
+      one["applied_factor_sigma"] = number(report.components->sigma[g]);
+    }
+    list.push_back(one);
+  }
+  return list;
+}
+
+json reliability(const AdjustmentReport& report, const Reliability& tests) {
+  json left_out = json::array();
+  for (const LeftOutPoint& one : tests.left_out)
+    left_out.push_back({{"name", report.block.control.at(one.point).name},
+                        {"difference_m", vector(one.difference_m)},
+                        {"sigma_m", vector(one.difference_sigma_m)}});
+  return {{"false_alarm", tests.false_alarm},
+          {"power", tests.power},
+          {"test", tests.sigma0_known ? "w" : "tau"},
+          {"limit", tests.limit},
+          {"tested", tests.tested},
+          {"rejected", tests.rejected},
+          {"groups", groups(report, tests)},
+          {"suspects", tested(tests.suspects, report.block)},
+          {"control_and_positions", tested(tests.others, report.block)},
+          {"left_out", left_out}};
+}
+
+}  // namespace
+
+std::string adjustment_json(const AdjustmentReport& report) {
+  const Adjusted& adjusted = report.adjusted;
+  json j = {{"sigma0", adjusted.sigma0},
+            {"redundancy", adjusted.redundancy},
+            {"observations", adjusted.observation_count},
+            {"unknowns", adjusted.unknown_count},
+            {"rank_defect", adjusted.rank_defect},
+            {"datum", adjusted.datum},
+            {"converged", adjusted.converged},
+            {"undetermined", adjusted.undetermined},
+            {"control_points", control(report)}};
+  if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
+  return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace collinea

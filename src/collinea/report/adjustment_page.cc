@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "collinea/report/adjustment_report.h"
+#include "collinea/report/page.h"
+#include "collinea/report/svg.h"
+
+namespace collinea {
+namespace {
+
+constexpr std::size_t kMostRows = 50;
+
+std::string cell(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("<td>{:.{}f}</td>", value, decimals) : std::string("<td>\xe2\x80\x93</td>");
+}
+
+std::string text_cell(std::string_view text) { return fmt::format("<td class=\"l\">{}</td>", escaped(text)); }
+
+// A signed difference, marked beyond three of its standard deviations.
+std::string difference_cell(double value, double sigma) {
+  if (!std::isfinite(value)) return cell(value, 4);
+  return fmt::format("<td{}>{:+.4f}</td>", std::abs(value) > 3 * sigma ? " class=\"bad\"" : "", value);
+}
+
+std::string head(std::initializer_list<const char*> titles) {
+  std::string html = "<table><thead><tr>";
+  bool first = true;
+  for (const char* title : titles) {
+    html += fmt::format("<th{}>{}</th>", first ? " class=\"l\"" : "", title);
+    first = false;
+  }
+  return html + "</tr></thead><tbody>\n";
+}
+
+std::string summary(const Adjusted& adjusted) {
+  std::string html = "<section><h2>Adjustment</h2>\n" + head({"", ""});
+  const auto row = [&](const char* name, const std::string& value) {
+    html += "<tr>" + text_cell(name) + "<td>" + escaped(value) + "</td></tr>\n";
+  };
+  row("sigma 0 (1: as assumed)", fmt::format("{:.3f}", adjusted.sigma0));
+  row("observations", std::to_string(adjusted.observation_count));
+  row("unknowns", std::to_string(adjusted.unknown_count));
+  row("redundancy", std::to_string(adjusted.redundancy));
+  row("datum", adjusted.datum);
+  row("converged", adjusted.converged ? "yes" : "no");
+  html += "</tbody></table>\n";
+  if (!adjusted.undetermined.empty())
+    html += "<p>There are no standard deviations: " + escaped(adjusted.undetermined) + ".</p>\n";
+  return html + "</section>\n";
+}
+
+std::string control_table(const AdjustmentReport& report) {
+  if (report.adjusted.control.empty()) return "";
+  std::string html =
+      "<section><h2>Control and check points</h2>\n<p>Estimated minus surveyed. &sigma;: what the difference is "
+      "expected to be. Red: more than three times that.</p>\n" +
+      head({"point", "role", "images", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
+            "&sigma; height"});
+  for (const bool used : {false, true})
+    for (const ControlDifference& one : report.adjusted.control) {
+      if (one.used != used) continue;
+      const ControlPoint& point = report.block.control.at(one.point);
+      html +=
+          "<tr>" + text_cell(point.name) + text_cell(used ? "control" : "check") + fmt::format("<td>{}</td>", one.rays);
+      for (int i = 0; i < 3; ++i)
+        html += difference_cell(std::isfinite(point.sigma_m[i]) ? one.difference_m[i] : std::nan(""),
+                                one.difference_sigma_m[i]);
+      for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], 4);
+      html += "</tr>\n";
+    }
+  return html + "</tbody></table></section>\n";
+}
+
+std::string left_out_table(const AdjustmentReport& report, const Reliability& tests) {
+  if (tests.left_out.empty()) return "";
+  std::string html =
+      "<section><h2>Each control point against the others</h2>\n<p>What the difference would be, had the coordinates "
+      "of "
+      "the point not taken part (leave-one-out).</p>\n" +
+      head({"point", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north", "&sigma; height"});
+  for (const LeftOutPoint& one : tests.left_out) {
+    html += "<tr>" + text_cell(report.block.control.at(one.point).name);
+    for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i]);
+    for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], 4);
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></section>\n";
+}
+
+std::string group_table(const AdjustmentReport& report, const Reliability& tests) {
+  std::string html =
+      "<section><h2>Groups of observations</h2>\n<p>Factor: by what the standard deviations should be multiplied to "
+      "agree with the residuals. Applied: by what they were.</p>\n" +
+      head({"group", "observations", "redundancy", "factor", "applied"});
+  for (std::size_t g = 0; g < kObservationGroups; ++g) {
+    const GroupSums& sums = tests.groups[g];
+    if (sums.observations == 0) continue;
+    html += "<tr>" + text_cell(kObservationGroupNames[g]) + fmt::format("<td>{}</td>", sums.observations) +
+            cell(sums.redundancy, 1) + cell(sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(), 2) +
+            cell(report.components ? report.components->factors[g] : 1, 2) + "</tr>\n";
+  }
+  return html + "</tbody></table></section>\n";
+}
+
+std::string test_rows(const std::vector<TestedObservation>& observations, const Block& block, double limit) {
+  std::string html = head({"observation", "unit", "residual", "&sigma; given", "redundancy", "w", "blunder",
+                           "least detectable", "its effect", "in &sigma;"});
+  for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
+    const TestedObservation& one = observations[i];
+    const int decimals = std::string_view(unit_of(one)) == "px" ? 2 : 4;
+    html += "<tr>" + text_cell(name_of(one, block)) + text_cell(unit_of(one)) + cell(one.residual, decimals) +
+            cell(one.sigma, decimals) + cell(one.redundancy, 2) +
+            fmt::format("<td{}>{:+.1f}</td>", std::abs(one.w) > limit ? " class=\"bad\"" : "", one.w) +
+            cell(one.blunder, decimals) + cell(one.least_blunder, decimals) + cell(one.effect, decimals) +
+            cell(one.effect_in_sigmas, 1) + "</tr>\n";
+  }
+  return html + "</tbody></table>\n";
+}
+
+std::string tests_section(const AdjustmentReport& report, const Reliability& tests) {
+  std::string html = fmt::format(
+      "<section><h2>Suspected blunders</h2>\n<p>Of {} observations {} exceed the limit {:.2f} of {}; about {:.0f} "
+      "would "
+      "do so by chance (level {:g}). Test again after taking out the worst: one blunder spoils its neighbours.{}</p>\n",
+      tests.tested, tests.rejected, tests.limit, tests.sigma0_known ? "Baarda's w" : "Pope's tau",
+      tests.false_alarm * double(tests.tested), tests.false_alarm,
+      tests.suspects.size() > kMostRows ? " The worst are shown; suspects.csv has more." : "");
+  if (!tests.suspects.empty()) html += test_rows(tests.suspects, report.block, tests.limit);
+  html += "</section>\n";
+  std::vector<TestedObservation> surveyed;
+  for (const TestedObservation& one : tests.others)
+    if (one.group == ObservationGroup::kControlPlan || one.group == ObservationGroup::kControlHeight)
+      surveyed.push_back(one);
+  if (!surveyed.empty())
+    html += fmt::format(
+                "<section><h2>Reliability of control</h2>\n<p>A blunder of the least detectable size is found with a "
+                "probability of {:.0f} %; its effect is how far it would move the adjusted coordinate unnoticed.</p>\n",
+                100 * tests.power) +
+            test_rows(surveyed, report.block, tests.limit) + "</section>\n";
+  return html;
+}
+
+}  // namespace
+
+std::string adjustment_page(const AdjustmentReport& report) {
+  const std::string title = escaped(report.title.empty() ? "Project" : report.title);
+  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
+                     ": adjustment</title>\n<style>" + style_sheet() +
+                     "</style></head>\n<body><main>\n<header><div><h1>" + title +
+                     "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
+  html += summary(report.adjusted) + control_table(report);
+  if (report.adjusted.reliability) {
+    const Reliability& tests = *report.adjusted.reliability;
+    html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);
+  }
+  return html +
+         "<footer>All figures are also in adjustment.json and the tables beside it.</footer>\n</main></body></html>\n";
+}
+
+}  // namespace collinea

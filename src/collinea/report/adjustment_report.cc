@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/adjustment_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "collinea/io/file.h"
+#include "collinea/io/opk.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kDegrees = 180 / 3.14159265358979323846;
+
+// Names may hold commas and quotes.
+std::string in_quotes(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format(",{:.10g}", value) : ","; }
+
+double scale_of(const Adjusted& adjusted) { return adjusted.redundancy > 0 ? adjusted.sigma0 : 1; }
+
+Result<std::string> poses_csv(const AdjustmentReport& report) {
+  COLLINEA_TRY(const std::vector<ExteriorOrientation> rows, exterior_orientations(report.block));
+  std::string text =
+      "image,x_m,y_m,z_m,omega_deg,phi_deg,kappa_deg,sigma_x_m,sigma_y_m,sigma_z_m,sigma_turn_about_x_deg,"
+      "sigma_turn_about_y_deg,sigma_turn_about_z_deg\n";
+  auto image = report.block.cam_from_world.begin();
+  for (const ExteriorOrientation& row : rows) {
+    text += in_quotes(row.file);
+    for (int i = 0; i < 3; ++i) text += number(row.centre_in_map[i]);
+    for (const double angle : {row.angles.omega_deg, row.angles.phi_deg, row.angles.kappa_deg}) text += number(angle);
+    const auto covariance = report.adjusted.pose_covariance.find((image++)->first);
+    for (int i = 0; i < 6; ++i) {
+      const int k = (i + 3) % 6;  // the centre first
+      const double sigma = covariance == report.adjusted.pose_covariance.end()
+                               ? std::nan("")
+                               : std::sqrt(covariance->second(k, k)) * scale_of(report.adjusted);
+      text += number(i < 3 ? sigma : sigma * kDegrees);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string cameras_csv(const AdjustmentReport& report) {
+  std::string text = "camera,parameter,unit,value,sigma\n";
+  for (const auto& [id, camera] : report.block.cameras) {
+    const auto covariance = report.adjusted.camera_covariance.find(id);
+    for (int k = 0; k < Camera::kParams; ++k)
+      text += in_quotes(camera.name) + fmt::format(",{},{}", Camera::kParamNames[k], Camera::kParamUnits[k]) +
+              number(camera.params[k]) +
+              number(covariance == report.adjusted.camera_covariance.end()
+                         ? 0
+                         : std::sqrt(covariance->second(k, k)) * scale_of(report.adjusted)) +
+              "\n";
+  }
+  return text;
+}
+
+std::string points_csv(const AdjustmentReport& report) {
+  std::string text = "point,x_in_world_m,y_in_world_m,z_in_world_m,sigma_x_m,sigma_y_m,sigma_z_m\n";
+  const Adjusted& adjusted = report.adjusted;
+  for (std::size_t i = 0; i < adjusted.points.size(); ++i) {
+    text += std::to_string(adjusted.points[i].first.value);
+    for (int c = 0; c < 3; ++c) text += number(adjusted.points[i].second[c]);
+    for (int c = 0; c < 3; ++c)
+      text += number(i < adjusted.point_covariance.size()
+                         ? std::sqrt(adjusted.point_covariance[i](c, c)) * scale_of(adjusted)
+                         : std::nan(""));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string control_csv(const AdjustmentReport& report) {
+  std::string text =
+      "point,role,images,difference_x_m,difference_y_m,difference_z_m,sigma_x_m,sigma_y_m,sigma_z_m,"
+      "left_out_x_m,left_out_y_m,left_out_z_m,left_out_sigma_x_m,left_out_sigma_y_m,left_out_sigma_z_m\n";
+  for (const ControlDifference& control : report.adjusted.control) {
+    const ControlPoint& point = report.block.control.at(control.point);
+    text += in_quotes(point.name) + (control.used ? ",control," : ",check,") + std::to_string(control.rays);
+    for (int i = 0; i < 3; ++i)
+      text += number(std::isfinite(point.sigma_m[i]) ? control.difference_m[i] : std::nan(""));
+    for (int i = 0; i < 3; ++i) text += number(control.difference_sigma_m[i]);
+    Eigen::Vector3d left_out = Eigen::Vector3d::Constant(std::nan("")), sigma = left_out;
+    if (report.adjusted.reliability)
+      for (const LeftOutPoint& one : report.adjusted.reliability->left_out)
+        if (one.point == control.point) left_out = one.difference_m, sigma = one.difference_sigma_m;
+    for (int i = 0; i < 3; ++i) text += number(left_out[i]);
+    for (int i = 0; i < 3; ++i) text += number(sigma[i]);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string observations_csv(const AdjustmentReport& report, const std::vector<TestedObservation>& observations) {
+  std::string text =
+      "observation,group,unit,residual,sigma,redundancy,w,blunder,least_detectable_blunder,its_effect,"
+      "its_effect_in_sigmas\n";
+  for (const TestedObservation& one : observations) {
+    text += in_quotes(name_of(one, report.block)) + "," +
+            in_quotes(kObservationGroupNames[static_cast<std::size_t>(one.group)]) + "," + unit_of(one);
+    for (const double value : {one.residual, one.sigma, one.redundancy, one.w, one.blunder, one.least_blunder,
+                               one.effect, one.effect_in_sigmas})
+      text += number(value);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+const char* unit_of(const TestedObservation& one) {
+  return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";
+}
+
+std::string name_of(const TestedObservation& one, const Block& block) {
+  constexpr const char* kInImage[] = {"column", "row"};
+  constexpr const char* kOnGround[] = {"east", "north", "height"};
+  switch (one.group) {
+    case ObservationGroup::kTieImages: {
+      const Observation& seen = block.observations[one.source];
+      return fmt::format("tie point {} in {}, {}", seen.point.value, block.images.at(seen.image).file,
+                         kInImage[one.axis]);
+    }
+    case ObservationGroup::kControlImages: {
+      const ControlObservation& seen = block.control_observations[one.source];
+      return fmt::format("{} in {}, {}", block.control.at(seen.point).name, block.images.at(seen.image).file,
+                         kInImage[one.axis]);
+    }
+    case ObservationGroup::kControlPlan:
+    case ObservationGroup::kControlHeight:
+      return fmt::format("{}, {}", block.control.at(ControlId{one.source}).name, kOnGround[one.axis]);
+    case ObservationGroup::kPositionPlan:
+    case ObservationGroup::kPositionHeight:
+      return fmt::format("position of {}, {}", block.images.at(ImageId{one.source}).file, kOnGround[one.axis]);
+  }
+  return "";
+}
+
+Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder) {
+  COLLINEA_TRY(const std::string poses, poses_csv(report));
+  static const Reliability kNone;
+  const Reliability& tests = report.adjusted.reliability ? *report.adjusted.reliability : kNone;
+  const std::pair<const char*, std::string> files[] = {{"poses.csv", poses},
+                                                       {"cameras.csv", cameras_csv(report)},
+                                                       {"points.csv", points_csv(report)},
+                                                       {"control.csv", control_csv(report)},
+                                                       {"observations.csv", observations_csv(report, tests.others)},
+                                                       {"suspects.csv", observations_csv(report, tests.suspects)},
+                                                       {"adjustment.json", adjustment_json(report)},
+                                                       {"adjustment.html", adjustment_page(report)}};
+  for (const auto& [name, text] : files)
+    if (auto written = write_file(folder / name, text); !written) return written;
+  return {};
+}
+
+}  // namespace collinea

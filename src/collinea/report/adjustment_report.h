@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "collinea/adjust/variance_components.h"
+#include "collinea/base/result.h"
+
+namespace collinea {
+
+/// All that the report of an adjustment tells.
+struct AdjustmentReport {
+  std::string title;
+  Block block;                                   ///< as adjusted, with the sigmas that were used
+  Adjusted adjusted;                             ///< with covariances and reliability
+  std::optional<VarianceComponents> components;  ///< when they were estimated and applied
+};
+
+/// Writes into the folder: adjustment.html (for people), adjustment.json (the same figures), and the tables poses.csv,
+/// cameras.csv, points.csv, control.csv, observations.csv (control and positions, each with its test) and suspects.csv.
+/// Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ does not know.
+[[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder);
+
+// Its parts.
+[[nodiscard]] std::string adjustment_page(const AdjustmentReport& report);
+[[nodiscard]] std::string adjustment_json(const AdjustmentReport& report);
+
+/// What was measured, in words: "tie point 17 in IMG_2.jpg, row", "gcp3, height", "position of IMG_2.jpg, east".
+[[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
+[[nodiscard]] const char* unit_of(const TestedObservation& observation);
+
+}  // namespace collinea
