@@ -55,10 +55,9 @@ class ImagePoint : public ceres::SizedCostFunction<2, 6, kLens, 3> {
     }
     if (jacobians[1]) {
       const double s = inverse_sigma_, x_radial = scale * x * r2, y_radial = scale * y * r2;
-      const double rows[2][kLens] = {{s * xd, s, 0, x_radial, x_radial * r2, x_radial * r2 * r2,
-                                      scale * (r2 + 2 * x * x), scale * 2 * x * y},
-                                     {s * yd, 0, s, y_radial, y_radial * r2, y_radial * r2 * r2, scale * 2 * x * y,
-                                      scale * (r2 + 2 * y * y)}};
+      const double rows[2][kLens] = {
+          {s * xd, s, 0, x_radial, x_radial * r2, x_radial * r2 * r2, scale * (r2 + 2 * x * x), scale * 2 * x * y},
+          {s * yd, 0, s, y_radial, y_radial * r2, y_radial * r2 * r2, scale * 2 * x * y, scale * (r2 + 2 * y * y)}};
       std::copy_n(&rows[0][0], 2 * kLens, jacobians[1]);
     }
     if (jacobians[2]) {

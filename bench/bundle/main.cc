@@ -49,7 +49,8 @@ Block block_of(int images, double wrong_share, const Run& run) {
   Block block = observations_only(*truth, {}, run).value();
   Random random(3);
   for (Observation& seen : block.observations)
-    if (random.uniform() < wrong_share) seen.pixel += 50 * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
+    if (random.uniform() < wrong_share)
+      seen.pixel += 50 * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
   return block;
 }
 

@@ -90,7 +90,7 @@ struct AdjustScope {
   std::map<CameraId, Camera> first_cameras;
   std::map<ImageId, GivenVertical> verticals;  ///< observations of the attitudes of images
   bool use_positions = true;                   ///< Image::position
-  bool use_control = true;    ///< ControlRole::kControl; when false they are treated as check points
+  bool use_control = true;                     ///< ControlRole::kControl; when false they are treated as check points
 };
 
 /// The position of an image against what its receiver said.
@@ -154,9 +154,10 @@ struct Adjusted {
 /// at once, points eliminated (Schur complement), robust losses by reweighting.
 ///
 /// Observations: tie points; control points (their image measurements, never robust, and their coordinates by sigma_m,
-/// infinite = not given); GNSS positions; scope.verticals; and weak ones for the parameters of calibration so that weak geometry does
-/// not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2 0.5, k3 0.5, p1
-/// and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false are held.
+/// infinite = not given); GNSS positions; scope.verticals; and weak ones for the parameters of calibration so that weak
+/// geometry does not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2
+/// 0.5, k3 0.5, p1 and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false
+/// are held.
 ///
 /// Datum: a part of the block whose place, attitude or scale nothing fixes keeps them: every step is orthogonal to the
 /// motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do not

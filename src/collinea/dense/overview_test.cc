@@ -55,7 +55,8 @@ TEST(AgreedSurface, IsEmptyWhereNobodyElseLooks) {
 TEST(FillRough, GivesTexturedHolesTheAgreedSurface) {
   GreyImage picture(80, 40);
   for (int y = 0; y < 40; ++y)
-    for (int x = 0; x < 80; ++x) picture.at(x, y) = std::uint8_t(x < 40 ? 128 + 40 * ((x * 7 + y * 3) % 5 - 2) / 2 : 128);
+    for (int x = 0; x < 80; ++x)
+      picture.at(x, y) = std::uint8_t(x < 40 ? 128 + 40 * ((x * 7 + y * 3) % 5 - 2) / 2 : 128);
   Level level;
   level.picture = &picture;
   level.step = 0.001f;
@@ -65,7 +66,7 @@ TEST(FillRough, GivesTexturedHolesTheAgreedSurface) {
   FloatImage agreed(20, 10, 1, 0.1f);
   for (int j = 0; j < 10; ++j) agreed.at(5, j) = kNaN;
   fill_rough(level, agreed, result);
-  EXPECT_FLOAT_EQ(result.inverse_depth.at(5, 5), 0.2f);   // measured: stays
+  EXPECT_FLOAT_EQ(result.inverse_depth.at(5, 5), 0.2f);  // measured: stays
   EXPECT_FLOAT_EQ(result.inverse_depth.at(10, 20), 0.1f);
   EXPECT_NEAR(result.sigma.at(10, 20), 0.4f * 4 * 0.001f, 1e-6f);
   EXPECT_TRUE(std::isnan(result.inverse_depth.at(22, 20)));  // the overviews do not agree

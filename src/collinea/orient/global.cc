@@ -24,7 +24,7 @@ constexpr double kLeastPlaced = 0.5;  // of the part's images must hold, or the 
 struct Part {
   std::vector<ImageId> images;
   std::vector<RelativeRotation> rotations;
-  std::vector<RelativeDirection> directions;  // in the frame of the first camera
+  std::vector<RelativeDirection> directions;    // in the frame of the first camera
   std::vector<Eigen::Vector3d> seen_by_second;  // the same directions in the frame of the second
 };
 

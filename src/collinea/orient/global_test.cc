@@ -77,8 +77,8 @@ TEST(TurnTowards, TakesAwayWhatErrorsCommonToAllPairsAddUpTo) {
 TEST(TurnTowards, AWrongDirectionDoesNoHarm) {
   std::vector<SeenDirection> directions;
   std::vector<Eigen::Quaterniond> cameras{rotation_by({0.1, -0.05, 0.2})};
-  for (const Eigen::Vector3d& base : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(-1, 0, 0),
-                                      Eigen::Vector3d(0, -1, 0)})
+  for (const Eigen::Vector3d& base :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, -1, 0)})
     directions.push_back({0, base, base, 0.02});
   directions.push_back({0, {0, 0, 1}, {1, 0, 0}, 0.02});
   turn_towards({}, directions, cameras, kRun);

@@ -5,8 +5,8 @@
 
 namespace collinea {
 
-/// First damping of the adjustment of a whole block that is near its minimum: what bends it as a whole, which hardly any
-/// residual sees, must not be held back.
+/// First damping of the adjustment of a whole block that is near its minimum: what bends it as a whole, which hardly
+/// any residual sees, must not be held back.
 inline constexpr double kSettledDamping = 1e-8;
 
 /// Orients as many images as hang together: an initial pair with parallax and support, then image after image by

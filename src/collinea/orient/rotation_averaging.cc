@@ -148,7 +148,8 @@ void turn_towards(std::span<const RelativeRotation> pairs, std::span<const SeenD
                   std::vector<Eigen::Quaterniond>& cam_from_world, const Run& run) {
   constexpr int kRounds = 3, kMostIterations = 300;
   constexpr double kTolerance = 1e-2;
-  constexpr double kPairSigma_rad = std::numbers::pi / 60;  // of a pair's rotation, as kDirectionSigma_rad: the same in all pairs
+  constexpr double kPairSigma_rad =
+      std::numbers::pi / 60;  // of a pair's rotation, as kDirectionSigma_rad: the same in all pairs
   const auto weight_of = [](double off_rad, double sigma_rad) {  // Cauchy's loss, scale 2
     return 1 / (sigma_rad * sigma_rad + off_rad * off_rad / 4);
   };

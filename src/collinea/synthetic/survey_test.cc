@@ -175,7 +175,8 @@ TEST(Survey, GimbalAnglesTellTheHeading) {
 }
 
 TEST(Survey, ObservationsAreProjectionsPlusNoise) {
-  const Block block = *observations_only(survey(), {.points_per_image = 60, .noise_px = 0.4, .found_share = 0.7, .seed = 3}, {});
+  const Block block =
+      *observations_only(survey(), {.points_per_image = 60, .noise_px = 0.4, .found_share = 0.7, .seed = 3}, {});
   std::map<ImageId, int> count;
   std::map<PointId, int> rays;
   double squares = 0;
