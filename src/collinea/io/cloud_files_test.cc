@@ -89,7 +89,7 @@ TEST_F(CloudFiles, LasComesBackWithinItsResolution) {
     const CloudPoint& back = i < 7 ? (*first)[i] : (*rest)[i - 7];
     ASSERT_LT((back.position - points[i].position).cwiseAbs().maxCoeff(), 0.5001e-4);
     ASSERT_EQ(back.colour, points[i].colour);
-    ASSERT_NEAR(back.sigma_m, points[i].sigma_m, 0.002 * points[i].sigma_m);
+    ASSERT_NEAR(back.sigma_m, points[i].sigma_m, 0.004 * points[i].sigma_m);
     ASSERT_EQ(back.images, points[i].images);
     ASSERT_EQ(back.classification, 2);
     lowest = lowest.cwiseMin(back.position);

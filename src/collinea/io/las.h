@@ -30,9 +30,9 @@ struct LasHeader {
 };
 
 /// Writes a LAS 1.4 file (ASPRS 2019), point format 7, point by point: nothing but a small buffer is in memory. Sigma
-/// and number of images are extra bytes "sigma_m" (float, kept to 0.2 %) and "images" (unsigned char). The file appears under its name
-/// only by finish(). Normals are not written: LAS has no place for them. A compressed file (LAZ) holds the same
-/// records.
+/// and number of images are extra bytes "sigma_m" (float, kept to 0.4 %) and "images" (unsigned char). The file appears
+/// under its name only by finish(). Normals are not written: LAS has no place for them. A compressed file (LAZ) holds
+/// the same records.
 class LasWriter {
  public:
   struct Options {
