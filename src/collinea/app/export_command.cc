@@ -16,8 +16,10 @@ Command export_command() {
           [asked](Flags& flags) {
             flags.positional("project", asked->project, "project folder");
             flags.positional("folder", asked->folder, "where the files go; made when missing");
-            flags.add("format", asked->format, "",
-                      "colmap (text and binary model), bundler, opk (omega, phi, kappa) or ply (tie points)");
+            flags.add(
+                "format", asked->format, "",
+                "colmap (text and binary model), bundler, opk (omega, phi, kappa), ply (tie points), las or laz (dense "
+                "cloud)");
           },
           [asked] {
             auto project = open_project(asked->project, {});

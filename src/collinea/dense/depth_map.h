@@ -44,6 +44,7 @@ struct DenseOptions {
   double max_reprojection_px = 1.0;
   double max_sigmas = 4;
   double memory_mb = 800;
+  std::string cloud = "las";
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -64,6 +65,7 @@ struct DenseOptions {
                 "largest disagreement of two depth maps, as parallax", 0.01, 20});
     visit(Field{"max_sigmas", &O::max_sigmas, "1", "the same, in standard deviations of the two depths", 1, 100});
     visit(Field{"memory_mb", &O::memory_mb, "MB", "for pictures or depth maps kept at hand", 50, 1e6});
+    visit(Field{"cloud", &O::cloud, "", "form of the cloud in the map: las, or laz (a sixth of the size, no loss)"});
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -14,10 +15,13 @@ namespace {
 constexpr std::size_t kHeaderBytes = 375;     // of LAS 1.4
 constexpr std::uint32_t kMagic = 0x4653414c;  // "LASF"
 constexpr std::uint16_t kWktBit = 1 << 4;
-constexpr std::uint16_t kWktRecord = 2112, kExtraBytesRecord = 4;
+constexpr std::uint16_t kWktRecord = 2112, kExtraBytesRecord = 4, kLazRecord = 22204;
 constexpr std::uint8_t kUnsignedChar = 1, kFloat = 9;  // data types of extra bytes
 constexpr std::size_t kDescriptorBytes = 192;
-constexpr std::size_t kPiece = 8192;  // points handled at once
+constexpr std::size_t kPiece = 8192;    // points handled at once
+constexpr std::size_t kExtraBytes = 5;  // sigma_m and images
+constexpr std::string_view kLazUser = "laszip encoded";
+constexpr int kCompressedBit = 0x80;  // of the point format
 
 // Bytes of the point formats 0..8 without extra bytes, and where the colour lies in them (0: none). Formats 4, 5 hold
 // waveforms.
@@ -60,6 +64,12 @@ double scale_for(const Eigen::Vector3d& lowest, const Eigen::Vector3d& highest) 
   return std::max(1.0, extent / 1e9);
 }
 
+// To eight significant bits: more are noise, and noise cannot be compressed.
+float rounded(float sigma) {
+  const auto bits = std::bit_cast<std::uint32_t>(sigma);
+  return std::isfinite(sigma) ? std::bit_cast<float>((bits + 0x8000u) & 0xffff0000u) : sigma;
+}
+
 bool fits_wkt_in_short_record(const std::string& wkt) { return wkt.size() + 1 <= 65535; }
 
 }  // namespace
@@ -90,9 +100,17 @@ Result<LasWriter> LasWriter::create(const std::filesystem::path& path, const Opt
     put_extra_bytes_descriptor(records, kFloat, "sigma_m", "standard deviation [m]");
     put_extra_bytes_descriptor(records, kUnsignedChar, "images", "images that agree");
   }
+  if (options.compressed) {
+    const LazLayout layout{true, false, options.extra_bytes ? kExtraBytes : 0};
+    const std::string description = laz_description(layout);
+    put_record_header(records, kLazUser, kLazRecord, description.size(), false, "compression");
+    records.put_bytes(description);
+    writer.laz_.emplace(layout, options.run);
+  }
   writer.points_at_ = kHeaderBytes + records.size();
   writer.file_.write(std::string(kHeaderBytes, '\0'));  // its counts and bounds are known at the end
   writer.file_.write(records.bytes());
+  if (writer.laz_) writer.laz_->begin(writer.file_);
   return writer;
 }
 
@@ -115,18 +133,23 @@ Result<> LasWriter::write(std::span<const CloudPoint> points) {
     packer.put(std::int16_t{0});   // scan angle
     packer.put(std::uint16_t{0});  // source
     packer.put(0.0);               // time
-    for (const std::uint8_t channel : point.colour) packer.put(std::uint16_t(channel * 257));
+    for (const std::uint8_t channel : point.colour) packer.put(std::uint16_t(channel * 256));
     if (extra_bytes_) {
-      packer.put(point.sigma_m);
+      packer.put(rounded(point.sigma_m));
       packer.put(point.images);
     }
     ++header_.points;
     if (packer.size() > kPiece * 36) {
-      file_.write(packer.bytes());
+      if (auto written = write_records(packer.bytes()); !written) return written;
       packer.clear();
     }
   }
-  file_.write(packer.bytes());
+  return write_records(packer.bytes());
+}
+
+Result<> LasWriter::write_records(std::string_view records) {
+  if (laz_) return laz_->add(records, file_);
+  file_.write(records);
   return {};
 }
 
@@ -145,9 +168,9 @@ std::string LasWriter::header_bytes() const {
   h.put(std::uint16_t{0});
   h.put(std::uint16_t(kHeaderBytes));
   h.put(std::uint32_t(points_at_));
-  h.put(std::uint32_t((short_wkt ? 1 : 0) + (extra_bytes_ ? 1 : 0)));
-  h.put(std::uint8_t(header_.point_format));
-  h.put(std::uint16_t(kFormats[7].bytes + (extra_bytes_ ? 5 : 0)));
+  h.put(std::uint32_t((short_wkt ? 1 : 0) + (extra_bytes_ ? 1 : 0) + (laz_ ? 1 : 0)));
+  h.put(std::uint8_t(header_.point_format | (laz_ ? kCompressedBit : 0)));
+  h.put(std::uint16_t(kFormats[7].bytes + (extra_bytes_ ? kExtraBytes : 0)));
   h.put_text("", 4 + 20);  // counts of older versions: must be 0
   put(h, header_.scale);
   put(h, header_.offset);
@@ -166,6 +189,9 @@ std::string LasWriter::header_bytes() const {
 }
 
 Result<> LasWriter::finish() {
+  if (laz_) {
+    if (auto finished = laz_->finish(file_); !finished) return finished;
+  }
   if (!header_.wkt.empty() && !fits_wkt_in_short_record(header_.wkt)) {
     long_records_at_ = file_.size();
     Packer record;
@@ -238,16 +264,50 @@ Result<> LasReader::read_header() {
   if (major != 1 || header_.minor_version > 4) return fail(Errc::kUnsupported, "a LAS version we do not know");
   const bool new_header = header_.minor_version == 4 && header_bytes >= kHeaderBytes;
   if (new_header) header_.points = points;
-  if (header_.point_format & 0x80) return fail(Errc::kUnsupported, "compressed (LAZ): convert it to LAS first");
+  compressed_ = header_.point_format & kCompressedBit;
+  header_.point_format &= kCompressedBit - 1;
+  if (compressed_ && header_.point_format < 6)
+    return fail(Errc::kUnsupported, "compressed (LAZ) with a point format before LAS 1.4: convert it to LAS first");
   if (std::size_t(header_.point_format) >= kFormats.size() || kFormats[std::size_t(header_.point_format)].bytes == 0)
     return fail(Errc::kUnsupported, "point format " + std::to_string(header_.point_format) + " is not supported");
   base_bytes_ = kFormats[std::size_t(header_.point_format)].bytes;
   if (record_bytes_ < base_bytes_ || header_bytes < kOldHeaderBytes) return fail(Errc::kBadFormat, "damaged header");
-  if (points_at_ > file_size_ || header_.points > (file_size_ - points_at_) / record_bytes_)
+  if (points_at_ > file_size_ || (!compressed_ && header_.points > (file_size_ - points_at_) / record_bytes_))
     return fail(Errc::kBadFormat, "truncated: it ends before its last point");
   if (!header_.scale.allFinite() || !header_.offset.allFinite()) return fail(Errc::kBadFormat, "damaged header");
   if (auto read = read_records(header_bytes, records, false); !read) return read;
-  return new_header ? read_records(long_at, long_records, true) : Result<>{};
+  if (new_header) {
+    if (auto read = read_records(long_at, long_records, true); !read) return read;
+  }
+  return compressed_ ? find_chunks() : Result<>{};
+}
+
+LazLayout LasReader::layout() const {
+  return {header_.point_format >= 7, header_.point_format == 8, record_bytes_ - base_bytes_};
+}
+
+Result<> LasReader::find_chunks() {
+  const auto read = [&](std::uint64_t offset, std::uint64_t size) { return bytes_at(offset, size); };
+  auto chunks = laz_chunks(laz_description_, layout(), points_at_, header_.points, file_size_, read);
+  if (!chunks) return tl::unexpected(std::move(chunks).error());
+  chunks_ = std::move(*chunks);
+  return {};
+}
+
+// Of the expanded chunk what is left of it; of a LAS file what is asked for.
+Result<std::string> LasReader::records(std::size_t count) {
+  if (!compressed_) return bytes_at(points_at_ + next_ * record_bytes_, count * record_bytes_);
+  if (expanded_from_ == expanded_.size()) {
+    COLLINEA_CHECK(next_chunk_ < chunks_.size());
+    const LazChunk& chunk = chunks_[next_chunk_++];
+    COLLINEA_TRY(const std::string bytes, bytes_at(chunk.at, chunk.bytes));
+    COLLINEA_TRY(std::string expanded, expand_laz_chunk(bytes, chunk.points, layout()));
+    expanded_ = std::move(expanded);
+    expanded_from_ = 0;
+  }
+  std::string bytes = expanded_.substr(expanded_from_, count * record_bytes_);
+  expanded_from_ += bytes.size();
+  return bytes;
 }
 
 Result<> LasReader::read_records(std::uint64_t at, std::uint32_t count, bool extended) {
@@ -259,11 +319,13 @@ Result<> LasReader::read_records(std::uint64_t at, std::uint32_t count, bool ext
     const std::string user = until_zero(h.get_bytes(16));
     const auto id = h.get<std::uint16_t>();
     const std::uint64_t length = extended ? h.get<std::uint64_t>() : h.get<std::uint16_t>();
-    const bool wkt = user == "LASF_Projection" && id == kWktRecord;
-    if (wkt || (user == "LASF_Spec" && id == kExtraBytesRecord)) {
-      COLLINEA_TRY(const std::string content, bytes_at(at + head, length));
+    const bool wkt = user == "LASF_Projection" && id == kWktRecord, laz = user == kLazUser && id == kLazRecord;
+    if (wkt || laz || (user == "LASF_Spec" && id == kExtraBytesRecord)) {
+      COLLINEA_TRY(std::string content, bytes_at(at + head, length));
       if (wkt)
         header_.wkt = until_zero(content);
+      else if (laz)
+        laz_description_ = std::move(content);
       else
         note_extra_bytes(content);
     }
@@ -313,9 +375,9 @@ Result<std::vector<CloudPoint>> LasReader::read(std::size_t count) {
   count = std::size_t(std::min<std::uint64_t>(count, header_.points - next_));
   points.reserve(count);
   while (points.size() < count) {
-    const std::size_t piece = std::min(count - points.size(), kPiece);
-    auto bytes = bytes_at(points_at_ + next_ * record_bytes_, piece * record_bytes_);
+    auto bytes = records(std::min(count - points.size(), kPiece));
     if (!bytes) return tl::unexpected(std::move(bytes).error().within(name_));
+    const std::size_t piece = bytes->size() / record_bytes_;
     for (std::size_t i = 0; i < piece; ++i)
       points.push_back(point_of(std::string_view(*bytes).substr(i * record_bytes_, record_bytes_)));
     next_ += piece;

@@ -13,6 +13,7 @@
 #include "collinea/base/result.h"
 #include "collinea/io/cloud_point.h"
 #include "collinea/io/file.h"
+#include "collinea/io/laz.h"
 
 namespace collinea {
 
@@ -29,8 +30,9 @@ struct LasHeader {
 };
 
 /// Writes a LAS 1.4 file (ASPRS 2019), point format 7, point by point: nothing but a small buffer is in memory. Sigma
-/// and number of images are extra bytes "sigma_m" (float) and "images" (unsigned char). The file appears under its name
-/// only by finish(). Normals are not written: LAS has no place for them.
+/// and number of images are extra bytes "sigma_m" (float, kept to 0.4 %) and "images" (unsigned char). The file appears
+/// under its name only by finish(). Normals are not written: LAS has no place for them. A compressed file (LAZ) holds
+/// the same records.
 class LasWriter {
  public:
   struct Options {
@@ -39,6 +41,8 @@ class LasWriter {
     Eigen::Vector3d lowest = Eigen::Vector3d::Zero(), highest = Eigen::Vector3d::Zero();
     std::string wkt;          ///< of the CRS, WKT1 as LAS asks for (LocalFrame::wkt1); empty: none
     bool extra_bytes = true;  ///< sigma_m and images
+    bool compressed = false;  ///< LAZ: then with run.threads, and run.stop is looked at
+    Run run = {};
   };
   static Result<LasWriter> create(const std::filesystem::path& path, const Options& options);
 
@@ -51,14 +55,19 @@ class LasWriter {
   LasWriter(OutputFile file, const Options& options);
   [[nodiscard]] std::string header_bytes() const;
 
+  Result<> write_records(std::string_view records);
+
   OutputFile file_;
   LasHeader header_;
   bool extra_bytes_;
+  std::optional<LazStream> laz_;
   std::uint64_t points_at_ = 0, long_records_at_ = 0;
 };
 
 /// Reads LAS 1.0 to 1.4, point formats 0 to 3 and 6 to 8, piece by piece. Colours are taken as 16 bits; of the extra
-/// bytes only sigma_m and images are looked at. Errors: not LAS, compressed (LAZ), damaged, truncated.
+/// bytes only sigma_m and images are looked at. Compressed files (LAZ) are read when they are of point formats 6 to 8
+/// and hold one return for each pulse, as clouds of photographs do. Errors: not LAS, another compression, damaged,
+/// truncated.
 class LasReader {
  public:
   static Result<LasReader> open(const std::filesystem::path& path);
@@ -72,6 +81,9 @@ class LasReader {
   Result<> read_records(std::uint64_t at, std::uint32_t count, bool extended);
   void note_extra_bytes(std::string_view descriptors);
   Result<std::string> bytes_at(std::uint64_t offset, std::uint64_t size);
+  Result<> find_chunks();
+  [[nodiscard]] LazLayout layout() const;
+  Result<std::string> records(std::size_t count);  // from next_, at most
   [[nodiscard]] CloudPoint point_of(std::string_view record) const;
 
   struct Close {
@@ -82,6 +94,12 @@ class LasReader {
   std::uint64_t file_size_ = 0, points_at_ = 0, next_ = 0;
   std::size_t record_bytes_ = 0, base_bytes_ = 0;
   std::optional<std::size_t> sigma_at_, images_at_;  // within a record
+  bool compressed_ = false;
+  std::string laz_description_;
+  std::vector<LazChunk> chunks_;  // compressed files only
+  std::size_t next_chunk_ = 0;
+  std::string expanded_;           // the records of the chunk before next_chunk_
+  std::size_t expanded_from_ = 0;  // byte of it that is next
   LasHeader header_;
 };
 

@@ -72,7 +72,8 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
 // Both cloud files at once: LAS in the map, PLY in the world frame.
 class CloudFiles {
  public:
-  static Result<CloudFiles> create(const std::filesystem::path& products, const Block& block, const Places& places) {
+  static Result<CloudFiles> create(const Project& project, const Block& block, const Places& places) {
+    const std::filesystem::path products = project.folder / "products";
     LasWriter::Options las;
     las.lowest.setConstant(std::numeric_limits<double>::infinity());
     las.highest = -las.lowest;
@@ -83,7 +84,10 @@ class CloudFiles {
       las.highest = las.highest.cwiseMax(on_map);
     }
     if (places.frame) las.wkt = places.frame->wkt1();
-    COLLINEA_TRY(LasWriter las_writer, LasWriter::create(products / "cloud.las", las));
+    las.compressed = project.settings.densify.cloud == "laz";
+    las.run = project.run;
+    for (const char* earlier : {"cloud.las", "cloud.laz"}) std::filesystem::remove(products / earlier);
+    COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     COLLINEA_TRY(PlyWriter ply_writer,
                  PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
     return CloudFiles(std::move(las_writer), std::move(ply_writer), places);
@@ -118,6 +122,8 @@ class CloudFiles {
 }  // namespace
 
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
+  if (const std::string& form = project.settings.densify.cloud; form != "las" && form != "laz")
+    return fail(Errc::kBadInput, "cloud = " + form + ": must be las or laz");
   COLLINEA_TRY(const Block block, project.store.read_block());
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
@@ -131,7 +137,7 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const std::vector<ImageId> images,
                match_all(project, block, ties, pictures, overviews, folder, report["skipped"]));
 
-  COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project.folder / "products", block, places));
+  COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project, block, places));
   COLLINEA_TRY(const FuseReport fused, fuse(
                                            block, ties, images, folder,
                                            [&](ImageId image, int shrink) { return read_colour(photo(image), shrink); },

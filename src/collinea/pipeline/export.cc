@@ -5,6 +5,7 @@
 
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
+#include "collinea/io/las.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/ply.h"
 
@@ -39,6 +40,25 @@ Result<> export_tie_points(const std::filesystem::path& folder, const Block& blo
   return writer.finish();
 }
 
+Result<> export_cloud(const Project& project, const std::filesystem::path& folder, const std::string& form) {
+  if (!std::filesystem::exists(project.cloud()))
+    return fail(Errc::kNotFound, "there is no cloud yet: collinea densify " + project.folder.string());
+  COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
+  const LasHeader& header = reader.header();
+  LasWriter::Options options{header.lowest, header.highest, header.wkt};
+  options.compressed = form == "laz";
+  options.run = project.run;
+  COLLINEA_TRY(LasWriter writer, LasWriter::create(folder / ("cloud." + form), options));
+  constexpr std::size_t kPiece = 100'000;
+  for (std::uint64_t done = 0; done < header.points;) {
+    COLLINEA_TRY(const std::vector<CloudPoint> points, reader.read(kPiece));
+    if (auto written = writer.write(points); !written) return written;
+    done += points.size();
+    if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
+  }
+  return writer.finish();
+}
+
 }  // namespace
 
 Result<> export_block(Project& project, const std::filesystem::path& folder, const std::string& format) {
@@ -52,7 +72,8 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   if (format == "bundler") return export_bundler(project, folder, block);
   if (format == "opk") return write_opk(folder / "orientation.opk", block);
   if (format == "ply") return export_tie_points(folder, block);
-  return fail(Errc::kBadInput, "--format " + format + ": choose colmap, bundler, opk or ply");
+  if (format == "las" || format == "laz") return export_cloud(project, folder, format);
+  return fail(Errc::kBadInput, "--format " + format + ": choose colmap, bundler, opk, ply, las or laz");
 }
 
 }  // namespace collinea

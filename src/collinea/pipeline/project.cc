@@ -27,6 +27,8 @@ struct Step {
   bool reads_control = false;         ///< control, map and position sigmas: all that import was given
 };
 
+constexpr const char* kCloud = "products/cloud.las or .laz, as asked for";
+
 // The only place that knows the order of work.
 const std::array<Step, 8>& steps() {
   static const std::array<Step, 8> all = {{
@@ -34,7 +36,7 @@ const std::array<Step, 8>& steps() {
       {"detect", detect_step, {"import"}, {}},
       {"match", match_step, {"import", "detect"}, {}},
       {"orient", orient_step, {"import", "match"}, {}, true},
-      {"densify", densify_step, {"orient"}, {"products/cloud.las", "products/cloud.ply"}},
+      {"densify", densify_step, {"orient"}, {kCloud, "products/cloud.ply"}},
       {"surface",
        surface_step,
        {"orient", "densify"},
@@ -69,10 +71,14 @@ bool made_nothing(const std::string& report_json) {
   return report_json.find("\"skipped_because\"") != std::string::npos;
 }
 
+fs::path product_path(const Project& project, const char* product) {
+  return product == std::string_view(kCloud) ? project.cloud() : project.folder / product;
+}
+
 bool products_exist(const Project& project, const Step& step, const StepRecord& record) {
   if (made_nothing(record.report_json)) return true;
   for (const char* product : step.products)
-    if (!fs::exists(project.folder / product)) return false;
+    if (!fs::exists(product_path(project, product))) return false;
   return true;
 }
 
@@ -123,7 +129,7 @@ Result<> do_step(Project& project, const Step& step) {
   if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: {}", step.name, kStopped));
   project.run.report(step.name, 1);
   if (made_nothing(output.report_json))
-    for (const char* product : step.products) fs::remove(project.folder / product);
+    for (const char* product : step.products) fs::remove(product_path(project, product));
   const StepRecord record{step.name,         inputs_hash,        output.output_hash,
                           cost.seconds(),    cost.cpu_seconds(), cost.peak_memory_bytes(),
                           output.report_json};

@@ -24,6 +24,10 @@ struct Project {
   [[nodiscard]] std::filesystem::path photo(const Image& image) const {
     return std::filesystem::path(settings.photos) / image.file;
   }
+  /// The cloud in the map, in the form that was asked for.
+  [[nodiscard]] std::filesystem::path cloud() const {
+    return folder / "products" / ("cloud." + settings.densify.cloud);
+  }
 };
 
 /// Makes the folder when missing, or opens what is there, for this program alone. `settings` are written to

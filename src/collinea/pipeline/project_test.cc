@@ -102,6 +102,7 @@ class SmallProject : public ::testing::Test {
   void projection_centres_are_where_they_were();
   void info_tells_what_machines_read();
   void export_writes_every_format_and_refuses_others();
+  void a_compressed_cloud_gives_the_same_surface();
   void what_is_up_to_date_is_not_done_again();
   void a_changed_option_redoes_its_step_and_what_follows();
   void a_changed_control_file_leaves_matching_alone();
@@ -171,14 +172,30 @@ void SmallProject::info_tells_what_machines_read() {
 void SmallProject::export_writes_every_format_and_refuses_others() {
   auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
-  for (const char* format : {"colmap", "opk", "ply"})
+  for (const char* format : {"colmap", "opk", "ply", "las", "laz"})
     ASSERT_TRUE(export_block(*project, root_ / "export", format)) << format;
   for (const char* file :
-       {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk", "tie_points.ply"})
+       {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk", "tie_points.ply", "cloud.laz"})
     EXPECT_TRUE(fs::exists(root_ / "export" / file)) << file;
+  EXPECT_TRUE(bytes_of(root_ / "export/cloud.las").size() == bytes_of(root_ / "mapped/products/cloud.las").size());
   const auto refused = export_block(*project, root_ / "export", "dwg");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::kBadInput);
+}
+
+void SmallProject::a_compressed_cloud_gives_the_same_surface() {
+  fs::copy(root_ / "mapped", root_ / "compressed", fs::copy_options::recursive);
+  Settings changed = settings();
+  changed.densify.cloud = "laz";
+  Log log;
+  ASSERT_TRUE(bring(root_ / "compressed", changed, log, "surface"));
+  const fs::path products = root_ / "compressed/products";
+  EXPECT_FALSE(fs::exists(products / "cloud.las"));  // that of the earlier setting is not left beside
+  EXPECT_LT(5 * fs::file_size(products / "cloud.laz"), fs::file_size(root_ / "mapped/products/cloud.las"));
+  EXPECT_TRUE(bytes_of(products / "dsm.tif") == bytes_of(root_ / "mapped/products/dsm.tif"));
+  changed.densify.cloud = "laz2";
+  EXPECT_FALSE(bring(root_ / "compressed", changed, log, "densify"));
+  fs::remove_all(root_ / "compressed");
 }
 
 void SmallProject::what_is_up_to_date_is_not_done_again() {
@@ -285,6 +302,7 @@ TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   projection_centres_are_where_they_were();
   info_tells_what_machines_read();
   export_writes_every_format_and_refuses_others();
+  a_compressed_cloud_gives_the_same_surface();
   what_is_up_to_date_is_not_done_again();
   a_changed_option_redoes_its_step_and_what_follows();
   a_changed_control_file_leaves_matching_alone();

@@ -31,7 +31,7 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
     return StepOutput{inputs_hash, R"({"skipped_because": "the images do not look down: no surface model"})",
                       "the images do not look down on the scene: no surface model"};
   COLLINEA_TRY(const Places places, places_of(project, block));
-  COLLINEA_TRY(LasReader reader, LasReader::open(project.folder / "products/cloud.las"));
+  COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
                        products / "dsm_count.tif"};
