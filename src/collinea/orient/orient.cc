@@ -29,7 +29,7 @@ constexpr int kHeldRounds = 2;          // points that fit appear in the first, 
 constexpr double kWeakTurn_rad = 0.03;  // of a block about the line of its positions: attitudes are better
 constexpr double kNoTurn_rad = 0.2;     // not known
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
+constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one; of two each stands alone
 
 struct Parts {
   Reconstruction largest;
@@ -48,7 +48,7 @@ bool begins_globally(const Block& setup, const OrientOptions& options) {
   return options.mode == "global" || (options.mode == "auto" && options.use_positions && worth_global(setup));
 }
 
-// Grows parts until no new one with three images comes up; the largest is kept.
+// Grows parts until no two images are left that fit together; the largest is kept.
 Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<const ImagePair> pairs,
                          const OrientOptions& options, const Run& run) {
   std::vector<Reconstruction> parts;
@@ -64,18 +64,23 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
                     "the pairs): orient with --mode incremental");
     }
     if (auto grown = grow(part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
-    if (part.poses().size() < (parts.empty() ? 2 : kSmallestPart)) break;
+    if (part.poses().size() < 2) break;
     for (const auto& [image, pose] : part.poses()) taken.insert(image);
     parts.push_back(std::move(part));
-    if (empty.images_with_tracks().size() < taken.size() + kSmallestPart) break;
+    if (empty.images_with_tracks().size() < taken.size() + 2) break;
   }
   if (parts.empty()) return fail(Errc::kIllPosed, why_nothing(pairs));
   const auto largest = std::max_element(
       parts.begin(), parts.end(),
       [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
   Parts result{std::move(*largest), placed && largest == parts.begin(), {}, {}};
-  for (const Reconstruction& part : parts)
-    if (&part != &*largest) result.others.push_back(images_of(part));
+  for (const Reconstruction& part : parts) {
+    if (&part == &*largest) continue;
+    if (part.poses().size() >= kSmallestPart)
+      result.others.push_back(images_of(part));
+    else
+      for (const auto& [image, pose] : part.poses()) taken.erase(image);
+  }
   for (const auto& [image, data] : setup.images)
     if (!taken.contains(image)) result.alone.push_back(image);
   return result;

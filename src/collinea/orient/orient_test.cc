@@ -132,6 +132,18 @@ TEST(Orient, TheLargestOfTwoPartsIsKeptAndTheOtherIsNamed) {
   EXPECT_TRUE(mentions(found->findings, "4 images hang together but not with the block"));
 }
 
+// The pair with the most matches starts the first part, and the second, before the block of eight comes up.
+TEST(Orient, StrongPairsThatHangTogetherWithNothingDoNotHideTheBlock) {
+  const Block first = test_block({.rows = 1, .columns = 2, .points = 3000, .sigma_px = 0.5, .seed = 7});
+  const Block second = test_block({.rows = 1, .columns = 2, .points = 2500, .sigma_px = 0.5, .seed = 8});
+  const auto found = orient(matched(testing::side_by_side(testing::side_by_side(small_block(), first), second, 2000)));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->block.cam_from_world.size(), 8u);
+  EXPECT_TRUE(found->other_parts.empty());
+  ASSERT_EQ(found->alone.size(), 4u);
+  for (const ImageId image : found->alone) EXPECT_GE(image.value, 1000u);
+}
+
 TEST(Orient, AnImageThatMatchesNothingIsNamed) {
   Matched input = matched(small_block());
   input.setup.images[ImageId{77}] = {"stranger.jpg", input.setup.images.begin()->second.camera, "", {}, {}, 1};
