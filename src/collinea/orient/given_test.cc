@@ -107,6 +107,32 @@ TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
   EXPECT_NE(found->findings.front().find("measurements of tie points fit the poses of elsewhere"), std::string::npos);
 }
 
+// One pose of eight is turned by a quarter of a right angle: nothing its image shows fits there.
+TEST(OrientAsGiven, AnImageWhosePoseNothingFitsIsNotOriented) {
+  Matched input = matched(
+      test_block({.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .control = 9, .seed = 3}));
+  input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  GivenOrientation given = truth_of(input);
+  const ImageId wrong{12};
+  Rigid3& pose = given.cam_from_world.at(wrong);
+  pose.rotation = rotation_by({0.4, 0, 0}) * pose.rotation;
+  pose.translation = rotation_by({0.4, 0, 0}) * pose.translation;
+  const auto refined = take(input, given, true);
+  ASSERT_TRUE(refined) << refined.error().message;
+  EXPECT_EQ(refined->alone, std::vector{wrong});
+  EXPECT_EQ(refined->block.cam_from_world.size(), 7u);
+  EXPECT_TRUE(refined->adjusted.images_left_out.empty());
+  EXPECT_TRUE(refined->excluded_control.empty());
+  ASSERT_EQ(refined->findings.size(), 1u) << refined->findings.back();
+  EXPECT_NE(refined->findings[0].find("1 image could not be oriented, the first: IMG_2.jpg"), std::string::npos);
+  const auto held = take(input, given);
+  ASSERT_TRUE(held) << held.error().message;
+  EXPECT_EQ(held->block.cam_from_world.size(), 8u);
+  EXPECT_TRUE(std::any_of(held->findings.begin(), held->findings.end(), [](const std::string& finding) {
+    return finding.find("fit the pose of 1 image, the first: IMG_2.jpg") != std::string::npos;
+  }));
+}
+
 TEST(OrientAsGiven, RefiningAStripLeavesItsTiltToTheAttitudes) {
   Block block = test_block(
       {.rows = 1, .columns = 10, .points = 600, .sigma_px = 0.5, .position_sigma_m = 3, .tilt_rad = 0, .seed = 4});

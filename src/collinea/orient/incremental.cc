@@ -187,6 +187,9 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
     COLLINEA_TRY(Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
     const int removed = reconstruction.filter(options.max_error_px, run);
     const int added = reconstruction.extend_all(run);
+    reconstruction.drop_loose(options.min_points);
+    if (reconstruction.poses().size() < 2)
+      return fail(Errc::kIllPosed, fmt::format("no two images keep {} tie points that fit", options.min_points));
     const auto shown = learn_noise ? reconstruction.shown_noise() : std::nullopt;
     const double change = shown ? std::abs(shown->sigma_px / reconstruction.noise().sigma_px - 1) : 0;
     const bool settled = removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size());

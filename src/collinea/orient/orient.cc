@@ -35,7 +35,6 @@ struct Parts {
   Reconstruction largest;
   bool in_world = false;  // it was placed by the positions of its images
   std::vector<std::vector<ImageId>> others;
-  std::vector<ImageId> alone;
 };
 
 std::vector<ImageId> images_of(const Reconstruction& part) {
@@ -73,16 +72,9 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
   const auto largest = std::max_element(
       parts.begin(), parts.end(),
       [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
-  Parts result{std::move(*largest), placed && largest == parts.begin(), {}, {}};
-  for (const Reconstruction& part : parts) {
-    if (&part == &*largest) continue;
-    if (part.poses().size() >= kSmallestPart)
-      result.others.push_back(images_of(part));
-    else
-      for (const auto& [image, pose] : part.poses()) taken.erase(image);
-  }
-  for (const auto& [image, data] : setup.images)
-    if (!taken.contains(image)) result.alone.push_back(image);
+  Parts result{std::move(*largest), placed && largest == parts.begin(), {}};
+  for (const Reconstruction& part : parts)
+    if (&part != &*largest && part.poses().size() >= kSmallestPart) result.others.push_back(images_of(part));
   return result;
 }
 
@@ -127,7 +119,6 @@ class Orienter {
     empty.sleep_surplus();
     COLLINEA_TRY(Parts parts, grow_parts(setup_, std::move(empty), pairs, options_, run_));
     result_.other_parts = std::move(parts.others);
-    result_.alone = std::move(parts.alone);
     Reconstruction& part = parts.largest;
     part.wake_all();
     part.extend_all(run_);
@@ -152,8 +143,6 @@ class Orienter {
           "only {} of {} measurements of tie points fit the poses of {}: these are of other photographs, or "
           "in another convention, or their cameras are wrong",
           rays.active, rays.all, given.source));
-    for (const auto& [image, data] : setup_.images)
-      if (!given.cam_from_world.contains(image)) result_.alone.push_back(image);
     if (options_.refine_orientation) return settle_in_world(part, pairs, false);
     return hold(part);
   }
@@ -171,10 +160,22 @@ class Orienter {
       part.extend_all(run_);
       if (const auto shown = part.shown_noise()) part.set_noise(*shown);
     }
+    doubt_loose(part);
     place(part);
     COLLINEA_TRY(result_.adjusted, part.adjust_all(adjust, held, run_));
     finish(part);
     return std::move(result_);
+  }
+
+  // Given poses that hardly a tie point fits are held all the same, but that is said.
+  void doubt_loose(const Reconstruction& part) {
+    std::vector<ImageId> loose;
+    for (const auto& [image, pose] : part.poses())
+      if (part.active_rays(image) < options_.min_points) loose.push_back(image);
+    if (!loose.empty())
+      result_.findings.push_back(fmt::format(
+          "fewer than {} tie points fit the pose of {} image{}, the first: {}. Nothing here speaks for these poses",
+          options_.min_points, loose.size(), loose.size() == 1 ? "" : "s", setup_.images.at(loose.front()).file));
   }
 
   Result<Orientation> settle_in_world(Reconstruction& part, std::span<const ImagePair> pairs, bool in_world) {
@@ -404,8 +405,20 @@ class Orienter {
     return true;
   }
 
+  // Images that are neither in the block nor in another part.
+  [[nodiscard]] std::vector<ImageId> left_alone() const {
+    std::set<ImageId> taken;
+    for (const auto& part : result_.other_parts) taken.insert(part.begin(), part.end());
+    for (const auto& [image, pose] : result_.block.cam_from_world) taken.insert(image);
+    std::vector<ImageId> alone;
+    for (const auto& [image, data] : setup_.images)
+      if (!taken.contains(image)) alone.push_back(image);
+    return alone;
+  }
+
   void finish(Reconstruction& part) {
     result_.block = part.block();
+    result_.alone = left_alone();
     result_.gsd_m = median_pixel_m(result_.block);
     for (const auto& other : result_.other_parts)
       result_.findings.push_back(fmt::format("{} images hang together but not with the block: {} ... {}", other.size(),

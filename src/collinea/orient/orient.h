@@ -13,7 +13,7 @@ struct Orientation {
   bool relative_heights = false;                  ///< georeferenced in plan, but nothing told a height
   std::string gauge;                              ///< what fixes place, attitude and scale, in words
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
-  std::vector<ImageId> alone;                     ///< images that hang together with nothing
+  std::vector<ImageId> alone;                     ///< images that are in no part
   std::vector<std::string> findings;              ///< what the user should know, blunders in control among them
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
   double gsd_m = 0;  ///< median size of a pixel at the tie points [m, or units of the gauge]

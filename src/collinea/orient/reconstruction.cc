@@ -106,6 +106,12 @@ Reconstruction::RayCount Reconstruction::ray_count() const {
   return count;
 }
 
+int Reconstruction::active_rays(ImageId image) const {
+  const std::vector<RayRef>& rays = rays_of(image);
+  return static_cast<int>(std::count_if(
+      rays.begin(), rays.end(), [&](const RayRef& ref) { return tracks_[ref.track].rays[ref.ray].active; }));
+}
+
 std::optional<double> Reconstruction::error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const {
   const auto pixel = project(camera_of(ray.image), poses_.at(ray.image) * point_in_world);
   if (!pixel) return std::nullopt;
@@ -395,12 +401,12 @@ void Reconstruction::place(const std::map<ImageId, Rigid3>& poses) {
 
 void Reconstruction::drop_loose(int least_rays) {
   std::vector<ImageId> loose;
-  for (const auto& [image, pose] : poses_) {
-    const auto active = std::count_if(rays_of(image).begin(), rays_of(image).end(),
-                                      [&](const RayRef& ref) { return tracks_[ref.track].rays[ref.ray].active; });
-    if (active < least_rays) loose.push_back(image);
-  }
-  for (const ImageId image : loose) drop_image(image);
+  do {
+    loose.clear();
+    for (const auto& [image, pose] : poses_)
+      if (active_rays(image) < least_rays) loose.push_back(image);
+    for (const ImageId image : loose) drop_image(image);
+  } while (!loose.empty());
 }
 
 void Reconstruction::forget() {

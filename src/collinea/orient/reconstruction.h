@@ -53,6 +53,7 @@ class Reconstruction {
     std::size_t all = 0, active = 0;
   };
   [[nodiscard]] RayCount ray_count() const;
+  [[nodiscard]] int active_rays(ImageId image) const;
   [[nodiscard]] const std::vector<ImageId>& images_with_tracks() const { return images_; }
 
   /// Puts tracks to sleep that growth can do without: kept are, from the longest, those that some image still needs in
@@ -96,7 +97,7 @@ class Reconstruction {
   [[nodiscard]] std::optional<TieNoise> shown_noise() const;
   /// Puts images in place; nothing else.
   void place(const std::map<ImageId, Rigid3>& poses);
-  /// Gives up images with fewer active rays.
+  /// Gives up images with fewer active rays, and those that have fewer without them.
   void drop_loose(int least_rays);
   /// How far a ray may miss its point from now on.
   void set_max_error_px(double max_error_px) { options_.max_error_px = max_error_px; }
