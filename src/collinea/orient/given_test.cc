@@ -75,6 +75,27 @@ TEST(OrientAsGiven, AnArbitraryFrameIsBroughtToTheMapAndOneThatIsTheMapStays) {
   EXPECT_LT(centre_rms_m(moved_home->block, input.truth, true), 1e-9);
 }
 
+// Control that the model was fitted to cannot verify it.
+TEST(OrientAsGiven, ControlThatFixedTheFrameCountsAsUsedAndOnlyCheckPointsAreIndependent) {
+  Matched input = matched(
+      test_block({.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .control = 9, .seed = 3}));
+  input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  GivenOrientation given = truth_of(input);
+  const auto used_in = [&] {
+    const auto found = take(input, given);
+    EXPECT_TRUE(found) << found.error().message;
+    std::set<ControlId> used;
+    for (const ControlDifference& control : found->adjusted.control)
+      if (control.used) used.insert(control.point);
+    return used;
+  };
+  EXPECT_TRUE(used_in().empty());  // it lies in the map already
+  for (auto& [image, pose] : given.cam_from_world) pose = moved(pose, {0.1, rotation_by({1, 2, -0.4}), {5, 6, 7}});
+  const std::set<ControlId> used = used_in();
+  EXPECT_GE(used.size(), 5u);  // of six; one that lies at the edge of what errors make may be left out
+  for (const ControlId id : used) EXPECT_EQ(input.setup.control.at(id).role, ControlRole::kControl);
+}
+
 TEST(OrientAsGiven, WithoutCamerasTheseAreCalibratedOnThePosesThatStay) {
   const Matched input = small();
   GivenOrientation given = truth_of(input);

@@ -163,6 +163,7 @@ class Orienter {
     doubt_loose(part);
     place(part);
     COLLINEA_TRY(result_.adjusted, part.adjust_all(adjust, held, run_));
+    for (ControlDifference& control : result_.adjusted.control) control.used |= in_datum_.contains(control.point);
     finish(part);
     return std::move(result_);
   }
@@ -360,6 +361,7 @@ class Orienter {
       return scope;
     }
     part.move_world(found->world_from_block);
+    in_datum_ = {found->control.begin(), found->control.end()};
     result_.georeferenced = true;
     const std::size_t positions = scope.use_positions ? count_positions(part.block()) : 0;
     std::string by = found->by_control ? "control points" : "";
@@ -434,6 +436,7 @@ class Orienter {
   const OrientOptions& options_;
   const Run& run_;
   const GivenOrientation* given_ = nullptr;  ///< nothing: the poses are found here
+  std::set<ControlId> in_datum_;             ///< control that fixed the similarity to the map
   Orientation result_;
 };
 
