@@ -228,7 +228,9 @@ class Orienter {
     ControlDiagnosis diagnosis = check_control(block, run_.seed);
     if (diagnosis.axes_swapped)
       if (auto control = with_exchanged_axes()) {
-        result_.findings.push_back(diagnosis.findings.front().message + "; they are used exchanged back");
+        for (const Finding& finding : diagnosis.findings)
+          if (finding.code == "control_axes_swapped")
+            result_.findings.push_back(finding.message + "; they are used exchanged back");
         block.control = setup_.control = *std::move(control);
         diagnosis = check_control(block, run_.seed);
       }

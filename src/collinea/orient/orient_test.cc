@@ -209,9 +209,15 @@ TEST(Orient, ControlWithExchangedColumnsIsNamedAndUsedTheRightWayRound) {
     std::swap(point.position_in_map.x(), point.position_in_map.y());
     point.position_in_world = frame->local_from_map(point.position_in_map);  // wherever that is
   }
+  ControlObservation& bad_mark = input.setup.control_observations[1];
+  bad_mark.pixel.x() += 60;
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_TRUE(mentions(found->findings, "used exchanged back"));
+  EXPECT_TRUE(mentions(found->findings, "columns are in the other order; they are used exchanged back"));
+  const auto named = std::count_if(found->findings.begin(), found->findings.end(), [](const std::string& finding) {
+    return finding.find("this measurement is not used") != std::string::npos;
+  });
+  EXPECT_EQ(named, 1);
   EXPECT_NE(found->gauge.find("control points"), std::string::npos) << found->gauge;
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
 }
