@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "collinea/adjust/intersect.h"
 #include "collinea/base/hash.h"
 #include "collinea/pipeline/colours.h"
 #include "collinea/pipeline/given_orientation.h"
@@ -87,8 +88,31 @@ json numbers(const auto& values) {
   return list;
 }
 
+// Control that was found wrong took no part: what it is off by, seen with its measurements as they were given.
+json excluded_control(const Orientation& orientation, const Block& setup) {
+  Block measured;
+  measured.cameras = orientation.block.cameras;
+  measured.images = setup.images;
+  measured.cam_from_world = orientation.block.cam_from_world;
+  measured.control_observations = setup.control_observations;
+  json rows = json::array();
+  for (const ControlId id : orientation.excluded_control) {
+    const ControlPoint& point = orientation.block.control.at(id);
+    const std::vector<SightLine> lines = sight_lines(measured, id);
+    ControlDifference off{.point = id};
+    if (const auto met = intersect(lines)) off.difference_m = met->point_in_world - point.position_in_world;
+    rows.push_back({{"point", id.value},
+                    {"used", false},
+                    {"excluded", true},
+                    {"rays", lines.size()},
+                    {"difference_m", numbers(measured_axes(off, point))},
+                    {"sigma_m", numbers(off.difference_sigma_m)}});
+  }
+  return rows;
+}
+
 // What only the report needs: differences and sigmas one by one.
-json details_of(const Orientation& orientation) {
+json details_of(const Orientation& orientation, const Block& setup) {
   const Adjusted& adjusted = orientation.adjusted;
   json details = {{"control", json::array()},
                   {"positions", json::array()},
@@ -98,10 +122,11 @@ json details_of(const Orientation& orientation) {
     details["control"].push_back(
         {{"point", control.point.value},
          {"used", control.used},
+         {"excluded", false},
          {"rays", control.rays},
          {"difference_m", numbers(measured_axes(control, orientation.block.control.at(control.point)))},
          {"sigma_m", numbers(control.difference_sigma_m)}});
-  for (const ControlId point : orientation.excluded_control) details["excluded_control"].push_back(point.value);
+  for (json& row : excluded_control(orientation, setup)) details["control"].push_back(std::move(row));
   for (const PositionDifference& position : adjusted.positions)
     details["positions"].push_back({{"image", position.image.value},
                                     {"difference_m", numbers(measured_axes(position, orientation.block))},
@@ -114,9 +139,9 @@ json details_of(const Orientation& orientation) {
   return details;
 }
 
-json report_of(const Orientation& orientation, std::size_t images) {
+json report_of(const Orientation& orientation, const Block& setup) {
   const Adjusted& adjusted = orientation.adjusted;
-  json report = {{"images", images},
+  json report = {{"images", setup.images.size()},
                  {"oriented", orientation.block.cam_from_world.size()},
                  {"tie_points", orientation.block.points.size()},
                  {"observations", orientation.block.observations.size()},
@@ -135,7 +160,7 @@ json report_of(const Orientation& orientation, std::size_t images) {
                  {"findings", orientation.findings}};
   report["other_parts"] = json::array();
   for (const auto& part : orientation.other_parts) report["other_parts"].push_back(files_of(orientation.block, part));
-  report["details"] = details_of(orientation);
+  report["details"] = details_of(orientation, setup);
   return report;
 }
 
@@ -165,7 +190,7 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   if (auto written = project.store.write_orientation(orientation.block); !written)
     return tl::unexpected(written.error());
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
-  const json report = report_of(orientation, setup.images.size());
+  const json report = report_of(orientation, setup);
   return StepOutput{
       inputs_hash, json_text(report),
       fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}",
