@@ -455,6 +455,27 @@ TEST(StripDatum, TheTurnIsTheWorseKnownTheStraighterTheLine) {
   EXPECT_TRUE(std::isinf(turn_sigma_rad(block, 2)));
 }
 
+// 1 / sqrt(sum of lever^2 / sigma^2): one vague position among good ones takes away its own share only.
+TEST(StripDatum, EveryPositionCountsByItsOwnSigma) {
+  Block block;
+  for (std::uint32_t i = 0; i < 18; ++i) {
+    const Eigen::Vector3d centre(10.0 * (i / 2), i % 2 ? 5 : -5, 0);
+    block.cam_from_world[{i}] = {Eigen::Quaterniond::Identity(), -centre};
+    block.images[{i}].position = PositionPrior{centre, Eigen::Vector3d::Constant(0.02)};
+  }
+  EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(18.0)), 1e-6);
+  block.images.at({7}).position->sigma_m.setConstant(30);
+  EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(17.0)), 0.02 * 0.02 / 5);
+  Block strip = straight_strip().truth;
+  for (auto& [id, image] : strip.images) image.position->sigma_m.setConstant(0.02);
+  ImageId vague = strip.images.rbegin()->first;
+  strip.images.at(vague).position->sigma_m.setConstant(300);
+  strip.images.at(vague).position->position_in_world.x() += 250;
+  const auto found = strip_datum(strip);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->scale, 1, 0.1);  // the others err by 3 m over 150 m
+}
+
 TEST(StripDatum, ContradictingAttitudesOrAShortLineGiveNone) {
   const Block good = [] {
     Matched input = straight_strip();
