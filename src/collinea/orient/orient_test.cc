@@ -455,6 +455,24 @@ TEST(StripDatum, TheTurnIsTheWorseKnownTheStraighterTheLine) {
   EXPECT_TRUE(std::isinf(turn_sigma_rad(block, 2)));
 }
 
+// The first and the last station of a line flown there and back are nearly the same, one above the other.
+TEST(StripDatum, ALineFlownThereAndBackHasADirection) {
+  Block strip = straight_strip().truth;
+  const auto count = static_cast<std::uint32_t>(strip.images.size());
+  const std::uint32_t first = strip.images.begin()->first.value;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Image back = strip.images.at({first + count - 1 - i});
+    back.position->position_in_world.z() += 2;
+    Rigid3 pose = strip.cam_from_world.at({first + count - 1 - i});
+    pose.translation -= pose.rotation * Eigen::Vector3d(0, 0, 2);
+    strip.images[{first + count + i}] = back;
+    strip.cam_from_world[{first + count + i}] = pose;
+  }
+  const auto found = strip_datum(strip);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->rotation.angularDistance(Eigen::Quaterniond::Identity()), 0.1);
+}
+
 // 1 / sqrt(sum of lever^2 / sigma^2): one vague position among good ones takes away its own share only.
 TEST(StripDatum, EveryPositionCountsByItsOwnSigma) {
   Block block;
