@@ -9,6 +9,7 @@
 
 #include "collinea/adjust/control_measurements.h"
 #include "collinea/adjust/robust_similarity.h"
+#include "collinea/block/picture_axes.h"
 
 namespace collinea {
 namespace {
@@ -63,7 +64,8 @@ std::optional<Similarity3> fit(const std::vector<PlacePair>& pairs) {
 // --- exchanged axes
 
 // How well a similarity fits the control to the map (centred, so that kilometres do not cost digits), and whether the
-// cameras then stand the right way up: an image's lower edge or its optical axis points down, as photographs are taken.
+// cameras then stand the right way up: the lower edge of a picture as it is looked at or its optical axis points down, as
+// photographs are taken.
 struct MapFit {
   double scatter_m;
   double upright;  // mean of -(down + forward) over the images, positive when upright
@@ -80,7 +82,8 @@ std::optional<MapFit> fit_to_map(const Block& block, const std::vector<Place>& p
   const auto& similarity = found->world_from_block;
   MapFit result{bundle::middle(found->distances_m), 0};
   for (const auto& [id, pose] : block.cam_from_world) {
-    const Eigen::Vector3d down_and_forward = pose.rotation.conjugate() * Eigen::Vector3d(0, 1, 1);
+    const Eigen::Vector3d down_and_forward =
+        pose.rotation.conjugate() * (down_in_cam(block.images.at(id).orientation) + Eigen::Vector3d::UnitZ());
     result.upright -= (similarity.rotation * down_and_forward).z() / double(block.cam_from_world.size());
   }
   return result;

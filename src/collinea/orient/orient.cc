@@ -10,6 +10,7 @@
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
+#include "collinea/block/picture_axes.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
@@ -79,11 +80,11 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
 }
 
 // Without control or positions the gauge is made readable: origin in the middle of the cameras, z opposite to the mean
-// downward direction of the pictures, the unit such that the first base had length one.
-Similarity3 readable_gauge(const Reconstruction& part) {
+// lower edge of the pictures as they are looked at, the unit such that the first base had length one.
+Similarity3 readable_gauge(const Reconstruction& part, const Block& setup) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero(), middle = Eigen::Vector3d::Zero();
   for (const auto& [image, pose] : part.poses()) {
-    up -= pose.rotation.conjugate() * Eigen::Vector3d::UnitY();
+    up -= pose.rotation.conjugate() * down_in_cam(setup.images.at(image).orientation);
     middle += centre_of(pose) / static_cast<double>(part.poses().size());
   }
   Similarity3 gauge;
@@ -351,7 +352,7 @@ class Orienter {
     }
     if (!found) {
       scope.use_positions = scope.use_control = false;
-      if (!given_) part.move_world(readable_gauge(part));
+      if (!given_) part.move_world(readable_gauge(part, setup_));
       result_.gauge =
           given_
               ? fmt::format("local gauge, as given by {}", given_->source)

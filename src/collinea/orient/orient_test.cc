@@ -247,6 +247,20 @@ TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {
   EXPECT_LT(middle.norm(), 0.1);
 }
 
+// One strip flown with the camera turned by a quarter: the right edge of its pixels is the lower edge of the picture.
+TEST(Orient, InTheFreeGaugePicturesStandAsTheyAreLookedAt) {
+  for (const int orientation : {1, 6}) {
+    Block strip = test_block({.rows = 1, .columns = 5, .points = 400, .sigma_px = 0.5, .seed = 3});
+    for (auto& [id, image] : strip.images) image.orientation = orientation;
+    const auto found = orient(matched(strip));
+    ASSERT_TRUE(found) << found.error().message;
+    Eigen::Vector3d down = Eigen::Vector3d::Zero();
+    for (const auto& [image, pose] : found->block.cam_from_world)
+      down += pose.rotation.conjugate() * (orientation == 6 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY());
+    EXPECT_LT((down.normalized() + Eigen::Vector3d::UnitZ()).norm(), 1e-4) << orientation;
+  }
+}
+
 TEST(Orient, TwoPositionsDoNotFixThePlaceAndThisIsSaid) {
   Matched input = on_the_map(small_block(0.5, 0, 0.3));
   int kept = 0;
