@@ -447,6 +447,10 @@ class Orienter {
 
 Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs, const KeypointSource& keypoints,
                            const OrientOptions& options, const Run& run) {
+  if (options.mode == "global" && !options.use_positions)
+    return fail(Errc::kBadInput,
+                "--mode global begins from the positions of the images, and these are not to be used: orient with "
+                "--mode incremental");
   return Orienter(setup, options, run).orient(pairs, keypoints);
 }
 
