@@ -177,8 +177,7 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   const CameraId camera_id = setup_->images.at(image).camera;
   const bool guessed =
       camera_of(image).calibrate && camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
-      std::none_of(poses_.begin(), poses_.end(),
-                   [&](const auto& pose) { return setup_->images.at(pose.first).camera == camera_id; });
+      !camera_in_use(camera_id);
   const auto found =
       (guessed ? resect_with_focal : resect)(camera_of(image), pixels, points, resect_options, seed + image.value);
   if (!found || found->inliers < options_.min_points || found->inliers < 0.2 * static_cast<double>(points.size()))
@@ -189,8 +188,15 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   return true;
 }
 
+bool Reconstruction::camera_in_use(CameraId camera) const {
+  return std::any_of(poses_.begin(), poses_.end(),
+                     [&](const auto& pose) { return setup_->images.at(pose.first).camera == camera; });
+}
+
 void Reconstruction::drop_image(ImageId image) {
   poses_.erase(image);
+  const CameraId camera = setup_->images.at(image).camera;
+  if (!camera_in_use(camera)) cameras_.at(camera) = setup_->cameras.at(camera);  // its pose may have told its focal length
   for (const RayRef& ref : rays_of(image)) {
     TrackState& track = tracks_[ref.track];
     track.rays[ref.ray].active = false;

@@ -72,7 +72,7 @@ class Reconstruction {
   [[nodiscard]] Coverage coverage(ImageId image) const;
   /// Resection of one image on the points it shares with the block; rays that agree become active.
   bool orient_image(ImageId image, std::uint64_t seed);
-  /// Gives up an image: its rays leave their points.
+  /// Gives up an image: its rays leave their points. A camera without oriented images is as it was at first.
   void drop_image(ImageId image);
 
   /// Intersects tracks without a point and adds rays to points, as far as they agree within the error; over the tracks
@@ -107,6 +107,7 @@ class Reconstruction {
  private:
   [[nodiscard]] const std::vector<RayRef>& rays_of(ImageId image) const;
   [[nodiscard]] std::optional<double> error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const;
+  [[nodiscard]] bool camera_in_use(CameraId camera) const;
   bool intersect(TrackState& track) const;
   bool extend_track(TrackState& track) const;
   [[nodiscard]] Block block_of(const std::set<ImageId>& images) const;
