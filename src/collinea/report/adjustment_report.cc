@@ -51,13 +51,12 @@ std::string cameras_csv(const AdjustmentReport& report) {
   std::string text = "camera,parameter,unit,value,sigma\n";
   for (const auto& [id, camera] : report.block.cameras) {
     const auto covariance = report.adjusted.camera_covariance.find(id);
+    const bool known = covariance != report.adjusted.camera_covariance.end();
+    const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was held
     for (int k = 0; k < Camera::kParams; ++k)
       text += in_quotes(camera.name) + fmt::format(",{},{}", Camera::kParamNames[k], Camera::kParamUnits[k]) +
               number(camera.params[k]) +
-              number(covariance == report.adjusted.camera_covariance.end()
-                         ? 0
-                         : std::sqrt(covariance->second(k, k)) * scale_of(report.adjusted)) +
-              "\n";
+              number(known ? std::sqrt(covariance->second(k, k)) * scale_of(report.adjusted) : unknown) + "\n";
   }
   return text;
 }
