@@ -168,6 +168,11 @@ struct Adjusted {
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 
+/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 without redundancy.
+[[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
+  return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
+}
+
 /// Writes poses, cameras and points of the adjustment into the block.
 void apply(const Adjusted& adjusted, Block& block);
 

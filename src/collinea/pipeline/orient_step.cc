@@ -133,9 +133,10 @@ json details_of(const Orientation& orientation, const Block& setup) {
                                     {"weight", position.weight}});
   for (const auto& [image, covariance] : adjusted.pose_covariance)
     details["centre_sigma_m"][std::to_string(image.value)] =
-        numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt()));
+        numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt() * sigma_scale(adjusted)));
   for (const auto& [camera, covariance] : adjusted.camera_covariance)
-    details["camera_sigma"][std::to_string(camera.value)] = numbers(Eigen::VectorXd(covariance.diagonal().cwiseSqrt()));
+    details["camera_sigma"][std::to_string(camera.value)] =
+        numbers(Eigen::VectorXd(covariance.diagonal().cwiseSqrt() * sigma_scale(adjusted)));
   return details;
 }
 

@@ -5,6 +5,7 @@
 
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
+#include "collinea/orient/orient.h"
 #include "collinea/pipeline/info.h"
 #include "collinea/pipeline/project.h"
 #include "collinea/pipeline/simulated_project.h"
@@ -65,6 +66,27 @@ TEST_F(OrientStepTest, ControlThatWasFoundWrongIsInReportAndInfoWithWhatItIsOff)
   EXPECT_EQ(row(told.at("control_points"), wrong.name).at("role"), "excluded");
   EXPECT_EQ(told.at("control_rmse_m").at("points"), 5);
   EXPECT_EQ(told.at("check_rmse_m").at("points"), 2);
+}
+
+TEST_F(OrientStepTest, SigmasOfCentresAndCamerasAreTimesSigma0) {
+  for (ControlObservation& seen : setup_.control_observations) seen.sigma_px *= 4;  // better than stated
+  for (auto& [id, image] : setup_.images) image.position->sigma_m *= 2;
+  orient();
+  const auto pairs = project_->store.read_pairs();
+  const auto keypoints = [&](ImageId image) { return project_->store.read_keypoints(image); };
+  const auto found = collinea::orient(setup_, *pairs, keypoints, project_->settings.orient, project_->run);
+  ASSERT_TRUE(found) << found.error().message;
+  const double sigma0 = found->adjusted.sigma0;
+  ASSERT_GT(std::abs(sigma0 - 1), 0.002);
+  const auto told = report();
+  const auto& [image, pose] = *found->adjusted.pose_covariance.begin();
+  const auto& row = told.at("image_list").at(0);
+  ASSERT_EQ(row.at("file"), setup_.images.at(image).file);
+  EXPECT_NEAR(row.at("centre_sigma_m").at(2).get<double>() / (sigma0 * std::sqrt(pose(5, 5))), 1, 1e-9);
+  const MatrixPd& camera = found->adjusted.camera_covariance.begin()->second;
+  EXPECT_NEAR(told.at("cameras").at(0).at("parameters").at("f").at("sigma").get<double>() /
+                  (sigma0 * std::sqrt(camera(Camera::kF, Camera::kF))),
+              1, 1e-9);
 }
 
 }  // namespace

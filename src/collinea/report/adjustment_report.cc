@@ -22,8 +22,6 @@ std::string in_quotes(std::string_view text) {
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format(",{:.10g}", value) : ","; }
 
-double scale_of(const Adjusted& adjusted) { return adjusted.redundancy > 0 ? adjusted.sigma0 : 1; }
-
 Result<std::string> poses_csv(const AdjustmentReport& report) {
   COLLINEA_TRY(const std::vector<ExteriorOrientation> rows, exterior_orientations(report.block));
   std::string text =
@@ -39,7 +37,7 @@ Result<std::string> poses_csv(const AdjustmentReport& report) {
       const int k = (i + 3) % 6;  // the centre first
       const double sigma = covariance == report.adjusted.pose_covariance.end()
                                ? std::nan("")
-                               : std::sqrt(covariance->second(k, k)) * scale_of(report.adjusted);
+                               : std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted);
       text += number(i < 3 ? sigma : sigma * kDegrees);
     }
     text += "\n";
@@ -56,7 +54,7 @@ std::string cameras_csv(const AdjustmentReport& report) {
     for (int k = 0; k < Camera::kParams; ++k)
       text += in_quotes(camera.name) + fmt::format(",{},{}", Camera::kParamNames[k], Camera::kParamUnits[k]) +
               number(camera.params[k]) +
-              number(known ? std::sqrt(covariance->second(k, k)) * scale_of(report.adjusted) : unknown) + "\n";
+              number(known ? std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted) : unknown) + "\n";
   }
   return text;
 }
@@ -69,7 +67,7 @@ std::string points_csv(const AdjustmentReport& report) {
     for (int c = 0; c < 3; ++c) text += number(adjusted.points[i].second[c]);
     for (int c = 0; c < 3; ++c)
       text += number(i < adjusted.point_covariance.size()
-                         ? std::sqrt(adjusted.point_covariance[i](c, c)) * scale_of(adjusted)
+                         ? std::sqrt(adjusted.point_covariance[i](c, c)) * sigma_scale(adjusted)
                          : std::nan(""));
     text += "\n";
   }
