@@ -18,6 +18,8 @@ namespace {
 
 using nlohmann::json;
 
+const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::nan(""));
+
 // Root mean square per axis; null where nothing was measured on it.
 json rms_of(const std::vector<Eigen::Vector3d>& differences_m) {
   json axes = json::array();
@@ -36,10 +38,10 @@ json rms_of(const std::vector<Eigen::Vector3d>& differences_m) {
   return any ? axes : json(nullptr);
 }
 
-Eigen::Vector3d measured_axes(const ControlDifference& control, const ControlPoint& point) {
-  Eigen::Vector3d difference = control.difference_m;
+// Without the axes that were not measured.
+Eigen::Vector3d measured_axes(Eigen::Vector3d difference, const Eigen::Vector3d& sigma_m) {
   for (int axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(point.sigma_m[axis])) difference[axis] = std::nan("");
+    if (!std::isfinite(sigma_m[axis])) difference[axis] = std::nan("");
   return difference;
 }
 
@@ -47,15 +49,12 @@ json control_rms(const Orientation& orientation, bool used) {
   std::vector<Eigen::Vector3d> differences;
   for (const ControlDifference& control : orientation.adjusted.control)
     if (control.used == used && control.position_in_world && !orientation.excluded_control.contains(control.point))
-      differences.push_back(measured_axes(control, orientation.block.control.at(control.point)));
+      differences.push_back(control.difference_m);
   return rms_of(differences);
 }
 
 Eigen::Vector3d measured_axes(const PositionDifference& position, const Block& block) {
-  Eigen::Vector3d difference = position.difference_m;
-  for (int axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(block.images.at(position.image).position->sigma_m[axis])) difference[axis] = std::nan("");
-  return difference;
+  return measured_axes(position.difference_m, block.images.at(position.image).position->sigma_m);
 }
 
 json position_rms(const Orientation& orientation) {
@@ -99,14 +98,15 @@ json excluded_control(const Orientation& orientation, const Block& setup) {
   for (const ControlId id : orientation.excluded_control) {
     const ControlPoint& point = orientation.block.control.at(id);
     const std::vector<SightLine> lines = sight_lines(measured, id);
-    ControlDifference off{.point = id};
-    if (const auto met = intersect(lines)) off.difference_m = met->point_in_world - point.position_in_world;
+    Eigen::Vector3d off_m = kUnknown;
+    if (const auto met = intersect(lines))
+      off_m = measured_axes(met->point_in_world - point.position_in_world, point.sigma_m);
     rows.push_back({{"point", id.value},
                     {"used", false},
                     {"excluded", true},
                     {"rays", lines.size()},
-                    {"difference_m", numbers(measured_axes(off, point))},
-                    {"sigma_m", numbers(off.difference_sigma_m)}});
+                    {"difference_m", numbers(off_m)},
+                    {"sigma_m", numbers(kUnknown)}});
   }
   return rows;
 }
@@ -124,7 +124,7 @@ json details_of(const Orientation& orientation, const Block& setup) {
          {"used", control.used},
          {"excluded", false},
          {"rays", control.rays},
-         {"difference_m", numbers(measured_axes(control, orientation.block.control.at(control.point)))},
+         {"difference_m", numbers(control.difference_m)},
          {"sigma_m", numbers(control.difference_sigma_m)}});
   for (json& row : excluded_control(orientation, setup)) details["control"].push_back(std::move(row));
   for (const PositionDifference& position : adjusted.positions)

@@ -81,8 +81,7 @@ std::string control_csv(const AdjustmentReport& report) {
   for (const ControlDifference& control : report.adjusted.control) {
     const ControlPoint& point = report.block.control.at(control.point);
     text += in_quotes(point.name) + (control.used ? ",control," : ",check,") + std::to_string(control.rays);
-    for (int i = 0; i < 3; ++i)
-      text += number(std::isfinite(point.sigma_m[i]) ? control.difference_m[i] : std::nan(""));
+    for (int i = 0; i < 3; ++i) text += number(control.difference_m[i]);
     for (int i = 0; i < 3; ++i) text += number(control.difference_sigma_m[i]);
     Eigen::Vector3d left_out = Eigen::Vector3d::Constant(std::nan("")), sigma = left_out;
     if (report.adjusted.reliability)
@@ -111,6 +110,8 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
 }
 
 }  // namespace
+
+double shown_factor(const GroupSums& sums) { return sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(); }
 
 const char* unit_of(const TestedObservation& one) {
   return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";

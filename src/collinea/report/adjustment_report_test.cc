@@ -27,5 +27,18 @@ TEST(WriteAdjustment, ACalibratedCameraWithoutCovarianceHasNoSigmasAndAHeldOneHa
   EXPECT_NE(table.find("\"held\",f,px,1500,0\n"), std::string::npos) << table;
 }
 
+TEST(WriteAdjustment, AFactorThatNothingSupportsIsNull) {
+  AdjustmentReport report;
+  report.adjusted.reliability.emplace();
+  GroupSums& tie = report.adjusted.reliability->groups[static_cast<std::size_t>(ObservationGroup::kTieImages)];
+  tie = {.observations = 100, .redundancy = 50, .squares = 200};
+  GroupSums& control = report.adjusted.reliability->groups[static_cast<std::size_t>(ObservationGroup::kControlPlan)];
+  control = {.observations = 4, .redundancy = 2.5, .squares = 10};
+  const auto groups = nlohmann::json::parse(adjustment_json(report)).at("reliability").at("groups");
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_NEAR(groups.at(0).at("sigma_factor").get<double>(), 2, 1e-12);
+  EXPECT_TRUE(groups.at(1).at("sigma_factor").is_null());
+}
+
 }  // namespace
 }  // namespace collinea
