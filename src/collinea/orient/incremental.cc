@@ -25,11 +25,14 @@ double worth_as_start(const ImagePair& pair) {
   return planar * parallax * std::sqrt(static_cast<double>(std::min<std::size_t>(pair.matches.size(), 2000)));
 }
 
+bool is_start(const ImagePair& pair, const std::set<ImageId>& exclude) {
+  return worth_as_start(pair) > 0 && !exclude.contains(pair.first) && !exclude.contains(pair.second);
+}
+
 std::vector<const ImagePair*> initial_pairs(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude) {
   std::vector<const ImagePair*> sorted;
   for (const ImagePair& pair : pairs)
-    if (worth_as_start(pair) > 0 && !exclude.contains(pair.first) && !exclude.contains(pair.second))
-      sorted.push_back(&pair);
+    if (is_start(pair, exclude)) sorted.push_back(&pair);
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const ImagePair* a, const ImagePair* b) { return worth_as_start(*a) > worth_as_start(*b); });
   if (sorted.size() > kInitialPairsTried) sorted.resize(kInitialPairsTried);
@@ -165,6 +168,10 @@ class Grower {
 Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs, const std::set<ImageId>& exclude,
               const OrientOptions& options, const Run& run) {
   return Grower(reconstruction, pairs, exclude, options, run).grow();
+}
+
+bool can_start(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude) {
+  return std::any_of(pairs.begin(), pairs.end(), [&](const ImagePair& pair) { return is_start(pair, exclude); });
 }
 
 AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options) {

@@ -18,6 +18,9 @@ inline constexpr double kSettledDamping = 1e-8;
 [[nodiscard]] Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs,
                             const std::set<ImageId>& exclude, const OrientOptions& options, const Run& run);
 
+/// Whether a pair of images outside `exclude` is worth a try as the start of a block.
+[[nodiscard]] bool can_start(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude);
+
 /// How a grown block is adjusted: with the noise its tie points have and, from three images on, with all camera
 /// parameters: a parameter that is held counts as exactly known, and f with its sigma pays for what it really is.
 [[nodiscard]] AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options);

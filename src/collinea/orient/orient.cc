@@ -51,32 +51,33 @@ bool begins_globally(const Block& setup, const OrientOptions& options) {
 // Grows parts until no two images are left that fit together; the largest is kept.
 Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<const ImagePair> pairs,
                          const OrientOptions& options, const Run& run) {
-  std::vector<Reconstruction> parts;
-  std::set<ImageId> taken;
-  bool placed = false;  // the first part
-  for (;;) {
-    Reconstruction part = empty;
-    if (parts.empty() && begins_globally(setup, options)) {
-      COLLINEA_TRY(placed, place_globally(part, setup, pairs, options, run));
-      if (!placed && options.mode == "global")
-        return fail(Errc::kIllPosed,
-                    "the positions of the images do not fix the block (too few, all on one line, or they contradict "
-                    "the pairs): orient with --mode incremental");
-    }
-    if (auto grown = grow(part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
-    if (part.poses().size() < 2) break;
-    for (const auto& [image, pose] : part.poses()) taken.insert(image);
-    parts.push_back(std::move(part));
-    if (empty.images_with_tracks().size() < taken.size() + 2) break;
+  Parts parts{std::move(empty), false, {}};
+  Reconstruction& largest = parts.largest;
+  if (begins_globally(setup, options)) {
+    COLLINEA_TRY(parts.in_world, place_globally(largest, setup, pairs, options, run));
+    if (!parts.in_world && options.mode == "global")
+      return fail(Errc::kIllPosed,
+                  "the positions of the images do not fix the block (too few, all on one line, or they contradict "
+                  "the pairs): orient with --mode incremental");
   }
-  if (parts.empty()) return fail(Errc::kIllPosed, why_nothing(pairs));
-  const auto largest = std::max_element(
-      parts.begin(), parts.end(),
-      [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
-  Parts result{std::move(*largest), placed && largest == parts.begin(), {}};
-  for (const Reconstruction& part : parts)
-    if (&part != &*largest && part.poses().size() >= kSmallestPart) result.others.push_back(images_of(part));
-  return result;
+  if (auto grown = grow(largest, pairs, {}, options, run); !grown) return tl::unexpected(grown.error());
+  if (largest.poses().size() < 2) return fail(Errc::kIllPosed, why_nothing(pairs));
+  std::set<ImageId> taken;
+  for (const auto& [image, pose] : largest.poses()) taken.insert(image);
+  std::optional<Reconstruction> part;  // it holds all tracks: there are two at most
+  while (can_start(pairs, taken)) {
+    if (!part) part = largest;
+    part->forget();
+    if (auto grown = grow(*part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
+    if (part->poses().size() < 2) break;
+    for (const auto& [image, pose] : part->poses()) taken.insert(image);
+    if (part->poses().size() > largest.poses().size()) {
+      std::swap(*part, largest);
+      parts.in_world = false;
+    }
+    if (part->poses().size() >= kSmallestPart) parts.others.push_back(images_of(*part));
+  }
+  return parts;
 }
 
 // Without control or positions the gauge is made readable: origin in the middle of the cameras, z opposite to the mean
