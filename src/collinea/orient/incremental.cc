@@ -112,8 +112,9 @@ class Grower {
       if (failed != failures_.end() &&
           (failed->second.times >= kMaxFailures || failed->second.block_size == block_.poses().size()))
         continue;
-      const auto coverage = block_.coverage(image);
-      if (coverage.points >= options_.min_points) candidates.push_back({coverage.score, image});
+      const auto [coverage, unknown] = coverage_.try_emplace(image);
+      if (unknown) coverage->second = block_.coverage(image);
+      if (coverage->second.points >= options_.min_points) candidates.push_back({coverage->second.score, image});
     }
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -121,6 +122,7 @@ class Grower {
       if (run_.stopped()) return false;
       if (block_.orient_image(image, run_.seed)) {
         block_.extend(image);
+        for (const ImageId beside : block_.images_beside(image)) coverage_.erase(beside);
         if (!block_.adjust_around(image, local_options(), run_)) {
           block_.drop_image(image);
         } else {
@@ -143,6 +145,7 @@ class Grower {
       block_.filter(options_.max_error_px, run_);
       block_.extend_all(run_);
     }
+    coverage_.clear();
     images_at_global_ = static_cast<double>(block_.poses().size());
     return {};
   }
@@ -159,6 +162,7 @@ class Grower {
   const OrientOptions& options_;
   const Run& run_;
   std::map<ImageId, Failure> failures_;
+  std::map<ImageId, Reconstruction::Coverage> coverage_;  ///< as far as no point of it has come or gone
   double images_at_global_ = 0;
   bool stuck_ = false;
 };

@@ -161,6 +161,15 @@ Reconstruction::Coverage Reconstruction::coverage(ImageId image) const {
   return {spread.score(), points};
 }
 
+std::set<ImageId> Reconstruction::images_beside(ImageId image) const {
+  std::set<ImageId> beside;
+  for (const RayRef& ref : rays_of(image)) {
+    if (tracks_[ref.track].asleep) continue;
+    for (const Ray& ray : tracks_[ref.track].rays) beside.insert(ray.image);
+  }
+  return beside;
+}
+
 bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Vector3d> points;

@@ -70,6 +70,8 @@ class Reconstruction {
     int points = 0;
   };
   [[nodiscard]] Coverage coverage(ImageId image) const;
+  /// Images that see an awake track of this one, itself among them: only their coverage changes with its points.
+  [[nodiscard]] std::set<ImageId> images_beside(ImageId image) const;
   /// Resection of one image on the points it shares with the block; rays that agree become active.
   bool orient_image(ImageId image, std::uint64_t seed);
   /// Gives up an image: its rays leave their points. A camera without oriented images is as it was at first.
