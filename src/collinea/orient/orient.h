@@ -8,7 +8,7 @@ namespace collinea {
 /// An oriented block and how it came about.
 struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
-  Adjusted adjusted;  ///< of `block`; with covariances of poses and cameras
+  Adjusted adjusted;  ///< of `block`; with covariances of poses and cameras, unless poses were held as given
   bool georeferenced = false;                     ///< false: gauge without place and scale, see adjusted.datum
   bool relative_heights = false;                  ///< georeferenced in plan, but nothing told a height
   std::string gauge;                              ///< what fixes place, attitude and scale, in words
