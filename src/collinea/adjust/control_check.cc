@@ -64,8 +64,8 @@ std::optional<Similarity3> fit(const std::vector<PlacePair>& pairs) {
 // --- exchanged axes
 
 // How well a similarity fits the control to the map (centred, so that kilometres do not cost digits), and whether the
-// cameras then stand the right way up: the lower edge of a picture as it is looked at or its optical axis points down, as
-// photographs are taken.
+// cameras then stand the right way up: the lower edge of a picture as it is looked at or its optical axis points down,
+// as photographs are taken.
 struct MapFit {
   double scatter_m;
   double upright;  // mean of -(down + forward) over the images, positive when upright

@@ -77,8 +77,8 @@ TEST(OrientAsGiven, AnArbitraryFrameIsBroughtToTheMapAndOneThatIsTheMapStays) {
 
 // Control that the model was fitted to cannot verify it.
 TEST(OrientAsGiven, ControlThatFixedTheFrameCountsAsUsedAndOnlyCheckPointsAreIndependent) {
-  Matched input = matched(
-      test_block({.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .control = 9, .seed = 3}));
+  Matched input =
+      matched(test_block({.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .control = 9, .seed = 3}));
   input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
   GivenOrientation given = truth_of(input);
   const auto used_in = [&] {
@@ -130,8 +130,8 @@ TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
 
 // One pose of eight is turned by a quarter of a right angle: nothing its image shows fits there.
 TEST(OrientAsGiven, AnImageWhosePoseNothingFitsIsNotOriented) {
-  Matched input = matched(
-      test_block({.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .control = 9, .seed = 3}));
+  Matched input =
+      matched(test_block({.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .control = 9, .seed = 3}));
   input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
   GivenOrientation given = truth_of(input);
   const ImageId wrong{12};

@@ -108,8 +108,8 @@ Reconstruction::RayCount Reconstruction::ray_count() const {
 
 int Reconstruction::active_rays(ImageId image) const {
   const std::vector<RayRef>& rays = rays_of(image);
-  return static_cast<int>(std::count_if(
-      rays.begin(), rays.end(), [&](const RayRef& ref) { return tracks_[ref.track].rays[ref.ray].active; }));
+  return static_cast<int>(std::count_if(rays.begin(), rays.end(),
+                                        [&](const RayRef& ref) { return tracks_[ref.track].rays[ref.ray].active; }));
 }
 
 std::optional<double> Reconstruction::error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const {
@@ -184,9 +184,9 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px,
                                      .min_inliers = options_.min_points};
   const CameraId camera_id = setup_->images.at(image).camera;
-  const bool guessed =
-      camera_of(image).calibrate && camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
-      !camera_in_use(camera_id);
+  const bool guessed = camera_of(image).calibrate &&
+                       camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
+                       !camera_in_use(camera_id);
   const auto found =
       (guessed ? resect_with_focal : resect)(camera_of(image), pixels, points, resect_options, seed + image.value);
   if (!found || found->inliers < options_.min_points || found->inliers < 0.2 * static_cast<double>(points.size()))
@@ -205,7 +205,8 @@ bool Reconstruction::camera_in_use(CameraId camera) const {
 void Reconstruction::drop_image(ImageId image) {
   poses_.erase(image);
   const CameraId camera = setup_->images.at(image).camera;
-  if (!camera_in_use(camera)) cameras_.at(camera) = setup_->cameras.at(camera);  // its pose may have told its focal length
+  if (!camera_in_use(camera))
+    cameras_.at(camera) = setup_->cameras.at(camera);  // its pose may have told its focal length
   for (const RayRef& ref : rays_of(image)) {
     TrackState& track = tracks_[ref.track];
     track.rays[ref.ray].active = false;

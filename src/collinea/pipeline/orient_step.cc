@@ -119,13 +119,12 @@ json details_of(const Orientation& orientation, const Block& setup) {
                   {"centre_sigma_m", json::object()},
                   {"camera_sigma", json::object()}};
   for (const ControlDifference& control : adjusted.control)
-    details["control"].push_back(
-        {{"point", control.point.value},
-         {"used", control.used},
-         {"excluded", false},
-         {"rays", control.rays},
-         {"difference_m", numbers(control.difference_m)},
-         {"sigma_m", numbers(control.difference_sigma_m)}});
+    details["control"].push_back({{"point", control.point.value},
+                                  {"used", control.used},
+                                  {"excluded", false},
+                                  {"rays", control.rays},
+                                  {"difference_m", numbers(control.difference_m)},
+                                  {"sigma_m", numbers(control.difference_sigma_m)}});
   for (json& row : excluded_control(orientation, setup)) details["control"].push_back(std::move(row));
   for (const PositionDifference& position : adjusted.positions)
     details["positions"].push_back({{"image", position.image.value},
