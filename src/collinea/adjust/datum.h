@@ -13,11 +13,9 @@ namespace collinea {
 /// The similarity that brings a block into the frame of its control points or camera positions, and what agreed on it.
 struct Datum {
   Similarity3 world_from_block;
-  std::vector<ImageId> images;                                 ///< whose positions agree
-  std::vector<ControlId> control;                              ///< that agree
-  std::vector<double> image_distances_m, control_distances_m;  ///< left after the similarity, parallel to those lists
-  double median_distance_m = 0;                                ///< over all that was offered, outliers too
-  bool by_control = false;  ///< control points alone; otherwise positions (with control, where there is some)
+  std::vector<ImageId> images;     ///< whose positions agree
+  std::vector<ControlId> control;  ///< that agree
+  bool by_control = false;         ///< control points alone; otherwise positions (with control, where there is some)
 };
 
 /// Estimates the datum robustly (least median of squares over triples, then iterated least squares of those within
