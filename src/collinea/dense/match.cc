@@ -148,7 +148,7 @@ class Matching {
   }
 
   Result<DepthMap> overview() const {
-    const int last = overview_level(reference_->camera);
+    const int last = overview_level();
     FloatImage surface;
     if (auto matched = match(coarsest_level(), last, surface, nullptr); !matched)
       return tl::unexpected(std::move(matched).error());
@@ -168,7 +168,7 @@ class Matching {
     dense::fill_holes(surface);
     int from = coarsest_level();
     if (!agreed.empty()) {
-      const int level = overview_level(reference_->camera);
+      const int level = overview_level();
       if (level < kMeasuredLevels) surfaces[std::size_t(level)] = surface;
       from = level - 1;
     }
@@ -187,7 +187,7 @@ class Matching {
       other.reference_from_cam = pose * inverse(block.cam_from_world.at(id));
       others.push_back(std::move(other));
     }
-    return dense::agreed_surface(own, others, kOverviewReach * level_at(overview_level(reference_->camera)).step);
+    return dense::agreed_surface(own, others, kOverviewReach * level_at(overview_level()).step);
   }
 
  private:
@@ -229,6 +229,14 @@ class Matching {
     return level;
   }
 
+  // The finest level that is small enough for an overview; of a long strip, the coarsest there is.
+  int overview_level() const {
+    const auto& levels = reference_->levels;
+    int level = 0;
+    while (level + 1 < int(levels.size()) && levels[std::size_t(level)].width > kOverviewPx) ++level;
+    return level;
+  }
+
   int coarsest_level() const {
     const Level finest = level_at(0);
     double labels = (start_.high - start_.low) / std::max(1e-30, double(finest.step));
@@ -238,7 +246,7 @@ class Matching {
       labels /= 2;
       ++l;
     }
-    return std::max(l, overview_level(reference_->camera));
+    return std::max(l, overview_level());
   }
 
   Labels start_labels(const Level& level, int l) const {
@@ -379,16 +387,6 @@ class Matching {
   std::vector<Neighbour> neighbours_;
   StartSurface start_;
 };
-
-}  // namespace
-
-int overview_level(const Camera& working_camera) {
-  int level = 0;
-  while ((working_camera.width_px >> level) > kOverviewPx) ++level;
-  return level;
-}
-
-namespace {
 
 Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
                           const DenseOptions& options, const Run& run) {
