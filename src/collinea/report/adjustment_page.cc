@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostRows = 50;
 
 std::string cell(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("<td>{:.{}f}</td>", value, decimals) : std::string("<td>\xe2\x80\x93</td>");
+  return fmt::format("<td>{}</td>", std::isfinite(value) ? number_text(value, decimals) : "\xe2\x80\x93");
 }
 
 std::string text_cell(std::string_view text) { return fmt::format("<td class=\"l\">{}</td>", escaped(text)); }
