@@ -10,7 +10,7 @@
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
 #include "collinea/orient/incremental.h"
@@ -202,9 +202,7 @@ class Orienter {
   // Control whose columns are in the other order, put right; nothing where that leads far from the block's place.
   [[nodiscard]] std::optional<std::map<ControlId, ControlPoint>> with_exchanged_axes() const {
     constexpr double kFar_m = 1e5;
-    const Georeference& map = *setup_.georeference;
-    const auto frame =
-        LocalFrame::create(map.crs, map.origin_latitude_deg, map.origin_longitude_deg, map.origin_height_m);
+    const auto frame = world_frame(*setup_.georeference);
     if (!frame) return std::nullopt;
     auto control = setup_.control;
     for (auto& [id, point] : control) {

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/orient/level_datum.h"
 #include "collinea/orient/strip_datum.h"
 #include "collinea/orient/test_pairs.h"
@@ -188,9 +188,7 @@ TEST(Orient, AWronglySurveyedPointIsNamedAndNotUsed) {
 
 TEST(Orient, ControlWithExchangedColumnsIsNamedAndUsedTheRightWayRound) {
   Matched input = on_the_map(small_block(0.5, 9, 0.3));
-  const Georeference& map = *input.setup.georeference;
-  const auto frame =
-      LocalFrame::create(map.crs, map.origin_latitude_deg, map.origin_longitude_deg, map.origin_height_m);
+  const auto frame = world_frame(*input.setup.georeference);
   ASSERT_TRUE(frame);
   for (auto& [id, point] : input.setup.control) {
     point.position_in_map = frame->map_from_local(point.position_in_world);

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
 #include "collinea/pipeline/export.h"
@@ -132,9 +132,7 @@ void SmallProject::projection_centres_are_where_they_were() {
   const auto truth = read_truth(root_);
   ASSERT_TRUE(project && truth);
   const Block block = project->store.read_block().value();
-  const Georeference& earth = block.georeference.value();
-  const auto frame =
-      LocalFrame::create(earth.crs, earth.origin_latitude_deg, earth.origin_longitude_deg, earth.origin_height_m);
+  const auto frame = world_frame(block.georeference.value());
   ASSERT_TRUE(frame);
   for (const auto& [id, pose] : block.cam_from_world) {
     const std::string& file = block.images.at(id).file;
