@@ -9,6 +9,7 @@
 
 #include "collinea/dense/level.h"
 #include "collinea/dense/overview.h"
+#include "collinea/dense/pinhole.h"
 #include "collinea/dense/window_variance.h"
 
 namespace collinea {
@@ -26,7 +27,6 @@ constexpr double kLeastFarther = 0.1, kLeastNearer = 0.8;
 constexpr int kSmallestCoarsePatch = 20;  // pixels of a level; what hangs together less is not believed by the next
 constexpr int kOverviewPx = 512;          // width of an overview at most
 constexpr int kOverviewsCompared = 12;
-constexpr int kFewestShared = 6;        // tie points
 constexpr float kOverviewReach = 1.5f;  // steps within which overviews agree
 constexpr int kMeasuredLevels = 3;      // the finest of the pyramid
 constexpr double kPlanePart = 0.5;      // a plane is worth taking when it leaves less than this of the range
@@ -113,11 +113,10 @@ struct Neighbour {
 
 int level_offset(const Camera& reference, const Camera& camera, const Rigid3& from_reference,
                  const std::vector<Sounding>& soundings) {
+  const dense::Pinhole pinhole(reference);
   std::vector<double> ratio;
   for (const Sounding& s : soundings) {
-    const Eigen::Vector3d ray((s.x - reference.params[Camera::kCx]) / reference.focal_px(),
-                              (s.y - reference.params[Camera::kCy]) / reference.focal_px(), 1);
-    const double z = (from_reference * (ray / s.w)).z();
+    const double z = (from_reference * (pinhole.ray(s.x, s.y) / s.w)).z();
     if (z > 0) ratio.push_back(camera.focal_px() / z / (reference.focal_px() * s.w));
   }
   return ratio.empty() ? 0 : int(std::lround(std::log2(quantile(ratio, 0.5))));
@@ -180,7 +179,7 @@ class Matching {
     COLLINEA_TRY(const DepthMap own, store.read(image));
     const Rigid3& pose = block.cam_from_world.at(image);
     std::vector<dense::PlacedMap> others;
-    for (const ImageId id : ties.overlapping(image, kFewestShared, kOverviewsCompared)) {
+    for (const ImageId id : ties.overlapping(image, kOverviewsCompared)) {
       if (!store.has(id)) continue;
       dense::PlacedMap other;
       COLLINEA_TRY(other.map, store.read(id));
