@@ -99,7 +99,7 @@ TEST(Overview, OfALongStripIsTheSmallestPictureThereIs) {
   const Camera strip = ideal_camera(3000, 3000, 200);
   Scene scene = {.slope = 0};
   for (const double x : {0.0, 1.0, -1.0}) scene.add_camera(x, 0, 0, strip);
-  scene.add_ties();
+  scene.add_ties(0.15);
   const TieView ties(scene.block);
   const PixelSource pixels = scene.pixels();
   WorkingPictures pictures(scene.block, pixels, {});
