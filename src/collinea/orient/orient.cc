@@ -10,8 +10,9 @@
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
+#include "collinea/adjust/robust_similarity.h"
 #include "collinea/block/picture_axes.h"
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
 #include "collinea/orient/incremental.h"
@@ -22,9 +23,12 @@
 namespace collinea {
 namespace {
 
-constexpr double kLeastSigma0 = 1e-3;   // of exact data
-constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
-constexpr int kControlRounds = 3;
+constexpr double kLeastSigma0 = 1e-3;    // of exact data
+constexpr double kControlMisfit = 2.5;   // of control's own sigma0: what no chance explains
+constexpr double kControlSettled = 1.2;  // a few points do not tell their sigma any better
+constexpr double kControlStep = 5;       // one step does no more: weights must not collapse
+constexpr int kControlRounds = 10;
+constexpr double kLeastRedundancy = 3;
 constexpr double kFewFit = 0.5;         // of the tie points: wrong matches alone are far fewer
 constexpr int kHeldRounds = 2;          // points that fit appear in the first, those they outvoted go in the second
 constexpr double kWeakTurn_rad = 0.03;  // of a block about the line of its positions: attitudes are better
@@ -187,16 +191,22 @@ class Orienter {
     COLLINEA_TRY(const Adjusted settled, settle(part, by_itself, options_, true, run_));
     take_sigma(part, settled.sigma0);
     const AdjustScope scope = place(part);
-    if (result_.georeferenced)
-      if (auto tied = tie_to_ground(part, scope); !tied) return tl::unexpected(tied.error());
-    AdjustOptions final_options = settled_options(part, options_);
-    final_options.first_damping = kSettledDamping;
-    final_options.covariances = true;
-    COLLINEA_TRY(result_.adjusted, part.adjust_all(final_options, scope, run_));
+    if (result_.georeferenced) {
+      COLLINEA_TRY(result_.adjusted, tie_to_ground(part, scope));
+    } else {
+      COLLINEA_TRY(result_.adjusted, adjust_with_covariances(part, scope));
+    }
     finish(part);
     for (std::string& finding : weak_cases(result_.block, setup_, pairs, result_.adjusted))
       result_.findings.push_back(std::move(finding));
     return std::move(result_);
+  }
+
+  Result<Adjusted> adjust_with_covariances(Reconstruction& part, const AdjustScope& scope) const {
+    AdjustOptions options = settled_options(part, options_);
+    options.first_damping = kSettledDamping;
+    options.covariances = true;
+    return part.adjust_all(options, scope, run_);
   }
 
   // Hardly anything but tie points took part: their sigma is what they show among each other. The loss sets in where it
@@ -211,9 +221,7 @@ class Orienter {
   // Control whose columns are in the other order, put right; nothing where that leads far from the block's place.
   [[nodiscard]] std::optional<std::map<ControlId, ControlPoint>> with_exchanged_axes() const {
     constexpr double kFar_m = 1e5;
-    const Georeference& map = *setup_.georeference;
-    const auto frame =
-        LocalFrame::create(map.crs, map.origin_latitude_deg, map.origin_longitude_deg, map.origin_height_m);
+    const auto frame = world_frame(*setup_.georeference);
     if (!frame) return std::nullopt;
     auto control = setup_.control;
     for (auto& [id, point] : control) {
@@ -253,7 +261,7 @@ class Orienter {
       squares += met->sigma0 * met->sigma0 * left;
       redundancy += left;
     }
-    const double factor = redundancy < 3 ? 0 : std::sqrt(squares / redundancy);
+    const double factor = redundancy < kLeastRedundancy ? 0 : std::sqrt(squares / redundancy);
     if (factor < kControlMisfit) return;
     for (ControlObservation& seen : setup_.control_observations) sigma_px = std::max(sigma_px, seen.sigma_px *= factor);
     result_.findings.push_back(
@@ -262,45 +270,87 @@ class Orienter {
                     factor, sigma_px));
   }
 
-  // Adjusts with positions and control. Control that contradicts the block, and itself, by many times its sigma cannot
-  // be as good as stated: it is given the sigma it shows, and that is said.
-  Result<> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
+  // Adjusts with positions and control. Coordinates of control that contradict the block, and themselves, by many times
+  // their sigma cannot be as good as stated: they are given the sigma they show, and that is said.
+  Result<Adjusted> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
     if (scope.use_control) weigh_measurements(part.block());
-    double taken = 1, sigma_m = 0;
-    for (int round = 0;; ++round) {
-      COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, false, run_));
-      const double factor = control_misfit(tied);
-      if (factor < kControlMisfit || round == kControlRounds) break;
+    if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
+    COLLINEA_TRY(Adjusted tied, adjust_with_covariances(part, scope));
+    if (control_misfit(tied) < kControlMisfit) return tied;
+    shift_positions(tied);
+    double taken = 1;
+    for (int round = 0; round < kControlRounds; ++round) {
+      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / kControlStep, kControlStep);
       taken *= factor;
-      for (auto& [id, point] : setup_.control) {
-        if (point.role == ControlRole::kCheck) continue;
-        point.sigma_m *= factor;
-        if (point.sigma_m.allFinite()) sigma_m = std::max(sigma_m, point.sigma_m.maxCoeff());
-      }
+      for (auto& [id, point] : setup_.control)
+        if (point.role == ControlRole::kControl) point.sigma_m *= factor;
+      COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
+      if (std::abs(std::log(factor)) < std::log(kControlSettled)) break;
     }
-    if (taken > 1)
-      result_.findings.push_back(
-          fmt::format("control points contradict the images by {:.1f} times their sigma; it is taken as {:.2g} m. "
-                      "Look for wrong points, or state the sigma they really have",
-                      taken, sigma_m));
-    return {};
+    say_what_control_shows(taken);
+    if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
+    return adjust_with_covariances(part, scope);
   }
 
-  // The standard deviation of unit weight of control alone: its coordinates and image measurements in sigmas, over what
-  // is left of them after each point's three unknowns. 0 with fewer than three points.
+  // Errors of positions are mostly common to all: control decides the place of the block however weak it is.
+  void shift_positions(const Adjusted& tied) {
+    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> differences_m;
+      for (const PositionDifference& position : tied.positions)
+        if (std::isfinite(setup_.images.at(position.image).position->sigma_m[axis]))
+          differences_m.push_back(position.difference_m[axis]);
+      if (!differences_m.empty()) shift_m[axis] = bundle::middle(std::move(differences_m));
+    }
+    for (auto& [id, image] : setup_.images)
+      if (image.position) image.position->position_in_world += shift_m;
+  }
+
+  void say_what_control_shows(double taken) {
+    double sigma_m = 0;
+    for (const auto& [id, point] : setup_.control)
+      if (point.role == ControlRole::kControl && point.sigma_m.allFinite())
+        sigma_m = std::max(sigma_m, point.sigma_m.maxCoeff());
+    result_.findings.push_back(
+        fmt::format("control points contradict the images by {:.1f} times their sigma; it is taken as {:.2g} m. "
+                    "Look for wrong points, or state the sigma they really have",
+                    taken, sigma_m));
+  }
+
+  // Sums over the coordinates of the control points, for their variance component.
+  struct Shown {
+    double squares = 0, redundancy = 0;  // of residuals in sigmas; what the block and the other points know of them
+    [[nodiscard]] double sigma_factor() const {
+      return squares > 0 && redundancy > 0 ? std::sqrt(squares / redundancy) : 1;
+    }
+  };
+  [[nodiscard]] Shown shown_by_coordinates(const Adjusted& adjusted) const {
+    Shown shown;
+    for (const ControlDifference& difference : adjusted.control) {
+      if (!difference.used) continue;
+      const Eigen::Vector3d& sigma_m = setup_.control.at(difference.point).sigma_m;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double expected_m = difference.difference_sigma_m[axis];
+        if (!std::isfinite(expected_m)) continue;
+        shown.squares += std::pow(difference.difference_m[axis] / sigma_m[axis], 2);
+        shown.redundancy += std::pow(expected_m / (adjusted.sigma0 * sigma_m[axis]), 2);
+      }
+    }
+    return shown;
+  }
+
+  // The standard deviation of unit weight of control alone, over what is left after each point's three unknowns: of its
+  // coordinates and, because these hardly give way when they are stated to be exact, its image measurements; or of the
+  // coordinates alone, which many images would hide. 0 with fewer than three points.
   [[nodiscard]] double control_misfit(const Adjusted& adjusted) const {
-    double sum = 0;
+    const Shown coordinates = shown_by_coordinates(adjusted);
+    double sum = coordinates.squares;
     int measured = 0;
     std::set<ControlId> used;
     for (const ControlDifference& difference : adjusted.control) {
       if (!difference.used) continue;
       used.insert(difference.point);
-      const Eigen::Vector3d& sigma_m = setup_.control.at(difference.point).sigma_m;
-      for (int axis = 0; axis < 3; ++axis)
-        if (std::isfinite(sigma_m[axis])) {
-          sum += std::pow(difference.difference_m[axis] / sigma_m[axis], 2);
-          ++measured;
-        }
+      measured += static_cast<int>(setup_.control.at(difference.point).sigma_m.array().isFinite().count());
     }
     for (std::size_t i = 0; i < setup_.control_observations.size(); ++i) {
       const ControlObservation& seen = setup_.control_observations[i];
@@ -309,7 +359,9 @@ class Orienter {
       measured += 2;
     }
     const int redundancy = measured - 3 * static_cast<int>(used.size());
-    return used.size() < 3 || redundancy < 3 ? 0 : std::sqrt(sum / redundancy);
+    if (used.size() < 3 || redundancy < kLeastRedundancy) return 0;
+    const double together = std::sqrt(sum / redundancy);
+    return coordinates.redundancy < kLeastRedundancy ? together : std::max(together, coordinates.sigma_factor());
   }
 
   // Positions that do not tell the tilt must not change it: the attitudes do or, without any, it stays to two degrees.

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/orient/level_datum.h"
 #include "collinea/orient/strip_datum.h"
 #include "collinea/orient/test_pairs.h"
@@ -201,9 +201,7 @@ TEST(Orient, AWronglySurveyedPointIsNamedAndNotUsed) {
 
 TEST(Orient, ControlWithExchangedColumnsIsNamedAndUsedTheRightWayRound) {
   Matched input = on_the_map(small_block(0.5, 9, 0.3));
-  const Georeference& map = *input.setup.georeference;
-  const auto frame =
-      LocalFrame::create(map.crs, map.origin_latitude_deg, map.origin_longitude_deg, map.origin_height_m);
+  const auto frame = world_frame(*input.setup.georeference);
   ASSERT_TRUE(frame);
   for (auto& [id, point] : input.setup.control) {
     point.position_in_map = frame->map_from_local(point.position_in_world);
@@ -235,6 +233,46 @@ TEST(Orient, SloppyMarksAreWeighedByWhatTheyShowAndTheCoordinatesAreNotBlamed) {
   EXPECT_TRUE(mentions(found->findings, "image measurements of control points miss each other"));
   EXPECT_FALSE(mentions(found->findings, "control points contradict"));
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 10 * kPixel_m);  // marks err by 4 pixels
+}
+
+// Coordinates ten times worse than stated, and positions that all have an error of 1.2 m in common. Six control points
+// less seven parameters leave eleven coordinates, so the sigma they show is known to 1 / sqrt(22), the root mean square
+// of eight blocks to 7.5 %: four of those. The estimated places have errors of their own, far below those of control.
+TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
+  constexpr int kBlocks = 8;
+  constexpr double kReal_m = 0.1;
+  double squares = 0, shift_m = 0;
+  for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+    Matched input = on_the_map(test_block({.rows = 2,
+                                           .columns = 4,
+                                           .points = 300,
+                                           .sigma_px = 0.5,
+                                           .position_sigma_m = 0.2,
+                                           .control = 9,
+                                           .seed = seed}));
+    Random random(seed, 3);
+    for (auto& [id, point] : input.setup.control) point.position_in_world += kReal_m * testing::normal3(random);
+    for (auto& [id, image] : input.setup.images) {
+      image.position->position_in_world += Eigen::Vector3d(1.2, 0, 0);
+      image.position->sigma_m.setConstant(2);
+    }
+    const auto found = orient(input);
+    ASSERT_TRUE(found) << found.error().message;
+    const auto said = std::find_if(found->findings.begin(), found->findings.end(), [](const std::string& finding) {
+      return finding.starts_with("control points contradict");
+    });
+    ASSERT_NE(said, found->findings.end());
+    const std::string before_number = "it is taken as ";
+    squares += std::pow(std::stod(said->substr(said->find(before_number) + before_number.size())), 2) / kBlocks;
+    for (const ControlDifference& control : found->adjusted.control) {
+      if (!control.used) continue;
+      shift_m += control.difference_m.x() / (6 * kBlocks);
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_LT(std::abs(control.difference_m[axis]), 4 * control.difference_sigma_m[axis]);
+    }
+  }
+  EXPECT_NEAR(std::sqrt(squares) / kReal_m, 1, 0.3);
+  EXPECT_NEAR(shift_m, 0, 4 * kReal_m / std::sqrt(6.0 * kBlocks));  // control decides the place
 }
 
 TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {

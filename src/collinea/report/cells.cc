@@ -10,12 +10,12 @@
 namespace collinea {
 namespace {
 
-constexpr const char* kUnknown = "<td>\xe2\x80\x93</td>";
+constexpr const char* kUnknown = "\xe2\x80\x93";  // a dash
 
 }  // namespace
 
 std::string cell(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("<td>{:.{}f}</td>", value, decimals) : kUnknown;
+  return fmt::format("<td>{}</td>", std::isfinite(value) ? number_text(value, decimals) : kUnknown);
 }
 
 std::string text_cell(std::string_view text, std::string_view style) {
@@ -23,7 +23,7 @@ std::string text_cell(std::string_view text, std::string_view style) {
 }
 
 std::string difference_cell(double value, double sigma, int decimals) {
-  if (!std::isfinite(value)) return kUnknown;
+  if (!std::isfinite(value)) return cell(value, decimals);
   return fmt::format("<td{}>{:+.{}f}</td>", std::abs(value) > 3 * sigma ? " class=\"bad\"" : "", value, decimals);
 }
 
