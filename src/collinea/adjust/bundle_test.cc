@@ -399,6 +399,40 @@ TEST(Adjust, HeldPointsOrientImages) {  // resection
   EXPECT_LT(largest_centre_error(*adjusted, truth), 1e-6);
 }
 
+TEST(Adjust, PointsAloneAreAdjustedToTheEnd) {
+  const Block truth = test_block();
+  AdjustScope scope;
+  for (const auto& [id, pose] : truth.cam_from_world) scope.fixed_images.insert(id);
+  Block start = truth;
+  Random random(6);
+  for (auto& [id, point] : start.points) point.position_in_world += 12 * normal3(random);
+  const auto adjusted = adjust(start, scope, {.calibration = "none"}, kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_TRUE(adjusted->converged);
+  EXPECT_TRUE(adjusted->cam_from_world.empty());
+  for (const auto& [id, position] : adjusted->points)
+    EXPECT_LT((position - truth.points.at(id).position_in_world).norm(), 1e-4);
+}
+
+TEST(Adjust, ACameraAloneIsAdjustedToTheEnd) {
+  const Block truth = test_block();
+  AdjustScope scope;
+  for (const auto& [id, pose] : truth.cam_from_world) scope.fixed_images.insert(id);
+  for (const auto& [id, point] : truth.points) scope.fixed_points.insert(id);
+  Block start = truth;
+  Camera& camera = start.cameras.begin()->second;
+  camera.sigma_f_px = 1e6;
+  camera.params[Camera::kF] += 200;
+  camera.params[Camera::kK1] = camera.params[Camera::kK2] = 0;
+  for (Observation& seen : start.observations) seen.sigma_px = 1e-3;  // the weak observations shall not count
+  const auto adjusted = adjust(start, scope, {}, kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_TRUE(adjusted->converged);
+  const Camera& exact = truth.cameras.begin()->second;
+  EXPECT_NEAR(adjusted->cameras.begin()->second.params[Camera::kF], exact.params[Camera::kF], 1e-3);
+  EXPECT_NEAR(adjusted->cameras.begin()->second.params[Camera::kK1], exact.params[Camera::kK1], 1e-5);
+}
+
 TEST(Adjust, VerticalsHoldTheTurnThatPositionsOnOneLineLeaveOpen) {
   Block truth = test_block({.rows = 1, .columns = 8, .tilt_rad = 0.3});
   AdjustScope scope;
