@@ -131,7 +131,8 @@ struct Adjusted {
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
   std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
 
-  double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true
+  double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true,
+                                                  ///< whatever the loss
   long redundancy = 0;                            ///< observations (priors too) minus unknowns plus rank defect
   long observation_count = 0, unknown_count = 0;  ///< coordinates; single unknowns
   int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or held images fix it
@@ -140,8 +141,8 @@ struct Adjusted {
   double initial_cost = 0, final_cost = 0;  ///< sum of squared whitened residuals after the loss
   bool converged = false;
 
-  /// Covariances by the given sigmas (times sigma0^2 when those are only known up to scale); empty when not asked for
-  /// or when something is not determined (`undetermined` then says what).
+  /// Covariances of the robust estimate by the given sigmas (times sigma0^2 when those are only known up to scale);
+  /// empty when not asked for or when something is not determined (`undetermined` then says what).
   std::map<ImageId, Matrix6d>
       pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held

@@ -14,6 +14,7 @@ namespace collinea {
 namespace {
 
 using testing::disturbed;
+using testing::measured_anew;
 using testing::normal3;
 using testing::test_block;
 
@@ -196,22 +197,6 @@ struct Series {
     return std::sqrt(squared / double(values.size() - 1) / double(values.size()));
   }
 };
-
-// New measurements of the same exact world: pixels 0.5 px, positions 2 cm, f 50 px.
-Block measured_anew(Block block, AdjustScope& scope, std::uint64_t seed) {
-  Random random(seed, 77);
-  for (Observation& observation : block.observations) {
-    const double du = random.normal(), dv = random.normal();
-    observation.pixel += 0.5 * Eigen::Vector2d(du, dv);
-    observation.sigma_px = 0.5;
-  }
-  for (auto& [id, image] : block.images)
-    image.position =
-        PositionPrior{centre_of(block.cam_from_world.at(id)) + 0.02 * normal3(random), Eigen::Vector3d::Constant(0.02)};
-  scope.first_cameras = block.cameras;
-  scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
-  return block;
-}
 
 // e' C^-1 e is chi-squared with 6 (pose), 3 (point) and 1 (f) degrees of freedom, so these are its means. Four standard
 // deviations of the mean: one false alarm in 16,000 seeds. A covariance of poses 10 % too large or small fails.

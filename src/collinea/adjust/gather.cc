@@ -370,7 +370,7 @@ class Gatherer {
     Problem& problem = out_.problem;
     problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.border;
     for (const GivenPosition& position : problem.positions)
-      problem.observation_count += (position.inverse_sigma.array() > 0).count();
+      problem.observation_count += position.axes();
     problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
     problem.unknown_count = 6L * problem.poses + problem.border;
     for (std::size_t p = 0; p < problem.point_count(); ++p) {

@@ -8,6 +8,7 @@
 
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/linearise.h"
+#include "collinea/adjust/robust_squares.h"
 
 namespace collinea::bundle {
 namespace {
@@ -31,29 +32,9 @@ void write_unknowns(const Block& block, const Problem& problem, const State& sta
   std::sort(adjusted.points.begin(), adjusted.points.end(), [](auto& a, auto& b) { return a.first < b.first; });
 }
 
-// Squares of tie points such that sigma0^2 times the inverse normal equations is the covariance of the robust estimate:
-// K^2 sum w^2 s mean(w) / m^2, m the mean slope of the weighted residuals, K = 1 + u/n var(slope) / m^2 for u unknowns
-// determined by n observations (Huber 1981, 7.6).
-struct RobustSquares {
-  double squares = 0, weights = 0, slopes = 0, squared_slopes = 0, count = 0;
-  void add(const Loss& loss, double s) {
-    const double across = loss.weight(s), along = loss.slope(s);
-    squares += across * across * s;
-    weights += across;
-    slopes += (across + along) / 2;
-    squared_slopes += (across * across + along * along) / 2;
-    ++count;
-  }
-  [[nodiscard]] double value(double unknowns_per_observation) const {
-    if (count == 0) return 0;
-    const double mean = slopes / count, variance = squared_slopes / count - mean * mean;
-    const double k = 1 + unknowns_per_observation * variance / (mean * mean);
-    return k * k * squares * (weights / count) / (mean * mean);
-  }
-};
-
-// Residuals of the tie points in the order of the block; answers the weighted sum of squares of all rays.
-double write_tie_residuals(const Problem& problem, const State& state, Adjusted& adjusted) {
+// Residuals of the tie points in the order of the block, which are also added to `tie`; answers the sum of squares of
+// the rays of control.
+double write_residuals(const Problem& problem, const State& state, RobustSquares& tie, Adjusted& adjusted) {
   struct Residual {
     std::uint32_t source;
     Eigen::Vector2d px;
@@ -61,9 +42,7 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
   std::vector<Residual> residuals;
   residuals.reserve(problem.rays.size());
   double sum = 0;
-  RobustSquares tie;
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
-    const Loss loss = problem.loss_of(problem.point(p));
     for (std::uint32_t r = problem.point(p).first_ray; r < problem.end_ray(p); ++r) {
       const Ray& ray = problem.rays[r];
       double in_cam[3];
@@ -74,7 +53,7 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
         px = {ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]};
         const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
         if (problem.point(p).control < 0)
-          tie.add(loss, s);
+          tie.add(s, 2);
         else
           sum += s;
       }
@@ -87,21 +66,17 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
     adjusted.observations.push_back(residual.source);
     adjusted.residuals_px.push_back(residual.px);
   }
-  return sum +
-         tie.value(1 - static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count));
+  return sum;
 }
 
-double write_positions(const Problem& problem, const State& state, Adjusted& adjusted) {
-  double sum = 0;
+void write_positions(const Problem& problem, const State& state, RobustSquares& squares, Adjusted& adjusted) {
   for (const GivenPosition& position : problem.positions) {
     const Eigen::Vector3d difference = Eigen::Vector3d(state.frames[position.image].data() + 9) - position.given;
     const double s = difference.cwiseProduct(position.inverse_sigma).squaredNorm();
-    const double weight = problem.position_loss.weight(s);
-    sum += weight * s;
-    adjusted.positions.push_back({problem.images[position.image].id, difference, weight});
+    adjusted.positions.push_back({problem.images[position.image].id, difference, problem.position_loss.weight(s)});
+    if (const int axes = position.axes(); axes > 0) squares.add(s, axes);
   }
   std::sort(adjusted.positions.begin(), adjusted.positions.end(), [](auto& a, auto& b) { return a.image < b.image; });
-  return sum;
 }
 
 double vertical_squares(const Problem& problem, const State& state) {
@@ -179,11 +154,13 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
 
 }  // namespace
 
-void describe_outcome(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
+void describe_outcome(const Block& block, const AdjustScope& scope, Problem& problem, const State& state,
                       Adjusted& adjusted) {
+  RobustSquares tie(problem.tie_loss), positions(problem.position_loss);
   write_unknowns(block, problem, state, adjusted);
-  double squares = write_tie_residuals(problem, state, adjusted);
-  squares += write_positions(problem, state, adjusted);
+  double squares = write_residuals(problem, state, tie, adjusted);
+  write_positions(problem, state, positions, adjusted);
+  squares += tie.squares() + positions.squares();
   squares += vertical_squares(problem, state);
   squares += weak_camera_squares(problem, state);
   squares += write_control(block, scope, problem, state, adjusted);
@@ -193,6 +170,9 @@ void describe_outcome(const Block& block, const AdjustScope& scope, const Proble
   adjusted.rank_defect = problem.rank_defect;
   adjusted.datum = problem.datum_text;
   adjusted.images_left_out = problem.images_left_out;
+  const double left = static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count);
+  problem.tie_loss.information = tie.information(1 - left);
+  problem.position_loss.information = positions.information(1 - left);
 }
 
 }  // namespace collinea::bundle

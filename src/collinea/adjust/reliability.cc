@@ -8,6 +8,7 @@
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
 #include "collinea/adjust/quantiles.h"
+#include "collinea/adjust/robust_squares.h"
 #include "collinea/base/parallel.h"
 
 namespace collinea {
@@ -29,7 +30,7 @@ class Examiner {
  public:
   Examiner(const Problem& problem, const State& state, const AdjustOptions& options, TileCholesky& inverse,
            const Run& run, const Adjusted& adjusted)
-      : problem_(problem), state_(state), inverse_(inverse), run_(run), adjusted_(adjusted) {
+      : problem_(problem), state_(state), inverse_(inverse), run_(run), adjusted_(adjusted), tie_(problem.tie_loss) {
     out_.false_alarm = options.false_alarm;
     out_.power = options.power;
     out_.sigma0_known = options.sigma0_known;
@@ -50,11 +51,7 @@ class Examiner {
       if (problem_.point(p).control >= 0) take_control(p);
     take_positions();
     take_weak_cameras();
-    // What sigma0 makes of the tie points, whose losses are taken for what they are worth.
-    double others = weak_squares_;
-    for (std::size_t g = 1; g < kObservationGroups; ++g) others += out_.groups[g].squares;
-    sums(ObservationGroup::kTieImages).squares =
-        adjusted_.sigma0 * adjusted_.sigma0 * double(adjusted_.redundancy) - others;
+    sums(ObservationGroup::kTieImages).squares = tie_.squares();
     std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
                      [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
     if (out_.suspects.size() > kMostSuspects) out_.suspects.resize(kMostSuspects);
@@ -72,7 +69,7 @@ class Examiner {
     });
   }
 
-  // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (below 1 by a robust loss).
+  // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (not 1 by a robust loss).
   // The observation is tested as the others foretell it, by its full sigma: v / r has the variance
   // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss.
   void test(TestedObservation one, double leverage, double weight) {
@@ -116,7 +113,9 @@ class Examiner {
       to_camera(state_.frames[ray.image], &state_.points[3 * p], in_cam);
       const bool seen = project(state_.lenses[problem_.images[ray.image].camera], in_cam, &at);
       const Eigen::Vector2d px(ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]);
-      const double weight = seen ? loss.weight(px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma) : 1;
+      const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
+      const double weight = seen ? loss.weight(s) : 1;
+      if (tie && seen) tie_.add(s, 2);
       if (tie) by_source_[ray.source] = Eigen::Vector2d::Ones() - leverages_[r];
       for (int axis = 0; axis < 2; ++axis) {
         TestedObservation one;
@@ -173,10 +172,14 @@ class Examiner {
     out_.left_out.push_back(point);
   }
 
+  // Plan and height share the loss, which is of the whole length, and so what it makes of their squares.
   void take_positions() {
+    RobustSquares all(problem_.position_loss);
     for (const GivenPosition& position : problem_.positions) {
       const Eigen::Vector3d residual = position.given - Eigen::Vector3d(state_.frames[position.image].data() + 9);
-      const double weight = problem_.position_loss.weight(residual.cwiseProduct(position.inverse_sigma).squaredNorm());
+      const double s = residual.cwiseProduct(position.inverse_sigma).squaredNorm();
+      const double weight = problem_.position_loss.weight(s);
+      if (position.axes() > 0) all.add(s, position.axes());
       for (int axis = 0; axis < 3; ++axis) {
         const double w = position.inverse_sigma[axis];
         if (!(w > 0)) continue;
@@ -187,10 +190,13 @@ class Examiner {
         one.axis = axis;
         one.residual = residual[axis];
         one.sigma = 1 / w;
-        sums(one.group).squares += weight * std::pow(residual[axis] * w, 2);
+        sums(one.group).squares += weight / problem_.position_loss.information * std::pow(residual[axis] * w, 2);
         test(one, weight * w * w * inverse_.at(row, row), weight);
       }
     }
+    if (!(all.weighted() > 0)) return;
+    for (const ObservationGroup group : {ObservationGroup::kPositionPlan, ObservationGroup::kPositionHeight})
+      sums(group).squares *= all.squares() / all.weighted();
   }
 
   void take_weak_cameras() {
@@ -200,7 +206,6 @@ class Examiner {
         const int row = 6 * problem_.poses + camera.border + static_cast<int>(k), param = camera.free[k];
         const double w = camera.inverse_sigma[param];
         out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
-        weak_squares_ += std::pow((state_.cameras[i][param] - camera.given[param]) * w, 2);
       }
     }
   }
@@ -210,7 +215,8 @@ class Examiner {
   TileCholesky& inverse_;
   const Run& run_;
   const Adjusted& adjusted_;
-  double sigma0_ = 1, weak_squares_ = 0;
+  RobustSquares tie_;
+  double sigma0_ = 1;
   std::vector<Eigen::Vector2d> leverages_;  // of each ray
   std::vector<Eigen::Vector2d> by_source_;  // redundancy of each of Block::observations
   Reliability out_;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "collinea/adjust/bundle.h"
@@ -133,6 +135,46 @@ TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
       found += one.group == height->group && one.source == height->source && one.axis == 2;
   }
   EXPECT_NEAR(double(found) / planted, 0.8, 4 * std::sqrt(0.8 * 0.2 / planted));
+}
+
+// What holds without a loss holds with one: errors that are normal with the given sigmas, under losses that set in
+// early. Over 150 blocks, by their own scatter: sigma0 is 1, tests reject as often as stated, every group's squares are
+// what its redundancy says, and the errors of poses are as long as their covariance says.
+TEST(Reliability, IsTrueUnderRobustLosses) {
+  for (const char* loss : {"huber", "cauchy"}) {
+    AdjustOptions options = tested();
+    options.loss = options.position_loss = loss;
+    options.false_alarm = 0.01;
+    constexpr int kBlocks = 150;
+    constexpr std::size_t kSigma0 = kObservationGroups, kLevel = kSigma0 + 1, kPose = kLevel + 1, kAll = kPose + 1;
+    std::array<double, kAll> sum{}, squares{};
+    for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+      const Block truth = test_block({.rows = 2, .columns = 3, .points = 80, .seed = seed});
+      AdjustScope scope;
+      const Block block = testing::measured_anew(truth, scope, seed);
+      const Adjusted adjusted = adjusted_of(block, options, scope);
+      std::array<double, kAll> of_block{};
+      for (std::size_t g = 0; g < kObservationGroups; ++g)
+        if (const GroupSums& group = adjusted.reliability->groups[g]; group.observations > 0)
+          of_block[g] = group.squares / group.redundancy;
+      of_block[kSigma0] = adjusted.sigma0 * adjusted.sigma0;
+      of_block[kLevel] = double(adjusted.reliability->rejected) / double(adjusted.reliability->tested) / 0.01;
+      for (const auto& [id, pose] : adjusted.cam_from_world) {
+        const Rigid3& exact = truth.cam_from_world.at(id);
+        Eigen::Matrix<double, 6, 1> error;
+        error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
+        of_block[kPose] += error.dot(adjusted.pose_covariance.at(id).inverse() * error) / 6 /
+                           double(adjusted.cam_from_world.size()) / std::pow(adjusted.sigma0, 2);
+      }
+      for (std::size_t i = 0; i < kAll; ++i) sum[i] += of_block[i], squares[i] += of_block[i] * of_block[i];
+    }
+    for (const std::size_t i : {std::size_t{0}, std::size_t(ObservationGroup::kPositionPlan),
+                                std::size_t(ObservationGroup::kPositionHeight), kSigma0, kLevel, kPose}) {
+      const double mean = sum[i] / kBlocks, sigma = std::sqrt((squares[i] / kBlocks - mean * mean) / kBlocks);
+      EXPECT_NEAR(mean, 1, 4 * sigma + 0.02) << loss << " " << i;
+      EXPECT_LT(4 * sigma, i == kLevel || i == kPose ? 0.15 : 0.3) << loss << " " << i;
+    }
+  }
 }
 
 TEST(Reliability, TheWorstSuspectIsThePlantedBlunder) {
