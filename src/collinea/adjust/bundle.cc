@@ -106,7 +106,6 @@ Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const Adju
   problem.tie_loss.least_curvature = 1;  // statistics are those of the weights
 
   Adjusted adjusted;
-  adjusted.redundancy = problem.redundancy();
   adjusted.initial_cost = found.initial_cost;
   adjusted.final_cost = found.cost;
   adjusted.iterations = found.iterations;

@@ -134,7 +134,7 @@ struct Adjusted {
   double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true,
                                                   ///< whatever the loss
   long redundancy = 0;                            ///< observations (priors too) minus unknowns plus rank defect
-  long observation_count = 0, unknown_count = 0;  ///< coordinates; single unknowns
+  long observation_count = 0, unknown_count = 0;  ///< coordinates (of rays that see their point); single unknowns
   int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or held images fix it
   std::string datum;    ///< what fixes place, attitude and scale, in words
   int iterations = 0;

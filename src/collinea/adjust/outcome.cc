@@ -32,16 +32,20 @@ void write_unknowns(const Block& block, const Problem& problem, const State& sta
   std::sort(adjusted.points.begin(), adjusted.points.end(), [](auto& a, auto& b) { return a.first < b.first; });
 }
 
-// Residuals of the tie points in the order of the block, which are also added to `tie`; answers the sum of squares of
-// the rays of control.
-double write_residuals(const Problem& problem, const State& state, RobustSquares& tie, Adjusted& adjusted) {
+struct RaySums {
+  double squares = 0;  // of the rays of control
+  long unseen = 0;     // rays, of tie points too, whose point their image does not see: they say nothing
+};
+
+// Residuals of the tie points in the order of the block, which are also added to `tie`.
+RaySums write_residuals(const Problem& problem, const State& state, RobustSquares& tie, Adjusted& adjusted) {
   struct Residual {
     std::uint32_t source;
     Eigen::Vector2d px;
   };
   std::vector<Residual> residuals;
   residuals.reserve(problem.rays.size());
-  double sum = 0;
+  RaySums rays;
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
     for (std::uint32_t r = problem.point(p).first_ray; r < problem.end_ray(p); ++r) {
       const Ray& ray = problem.rays[r];
@@ -55,7 +59,9 @@ double write_residuals(const Problem& problem, const State& state, RobustSquares
         if (problem.point(p).control < 0)
           tie.add(s, 2);
         else
-          sum += s;
+          rays.squares += s;
+      } else {
+        ++rays.unseen;
       }
       if (problem.point(p).control < 0) residuals.push_back({ray.source, px});
     }
@@ -66,7 +72,7 @@ double write_residuals(const Problem& problem, const State& state, RobustSquares
     adjusted.observations.push_back(residual.source);
     adjusted.residuals_px.push_back(residual.px);
   }
-  return sum;
+  return rays;
 }
 
 void write_positions(const Problem& problem, const State& state, RobustSquares& squares, Adjusted& adjusted) {
@@ -158,12 +164,14 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
                       Adjusted& adjusted) {
   RobustSquares tie(problem.tie_loss), positions(problem.position_loss);
   write_unknowns(block, problem, state, adjusted);
-  double squares = write_residuals(problem, state, tie, adjusted);
+  const RaySums rays = write_residuals(problem, state, tie, adjusted);
+  problem.observation_count -= 2 * rays.unseen;
   write_positions(problem, state, positions, adjusted);
-  squares += tie.squares() + positions.squares();
+  double squares = rays.squares + tie.squares() + positions.squares();
   squares += vertical_squares(problem, state);
   squares += weak_camera_squares(problem, state);
   squares += write_control(block, scope, problem, state, adjusted);
+  adjusted.redundancy = problem.redundancy();
   adjusted.sigma0 = adjusted.redundancy > 0 ? std::sqrt(squares / static_cast<double>(adjusted.redundancy)) : 0;
   adjusted.observation_count = problem.observation_count;
   adjusted.unknown_count = problem.unknown_count;

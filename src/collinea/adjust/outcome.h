@@ -7,7 +7,8 @@
 namespace collinea::bundle {
 
 /// Fills everything but the course of the iterations and the covariances, and gives the losses of the problem the
-/// information their residuals show: from here on the normal equations stand for what is known.
+/// information their residuals show: from here on the normal equations stand for what is known. Rays whose point is not
+/// seen are no longer counted.
 void describe_outcome(const Block& block, const AdjustScope& scope, Problem& problem, const State& state,
                       Adjusted& adjusted);
 

@@ -42,7 +42,7 @@ class Examiner {
 
   Reliability examine(const Block& block) {
     compute_leverages();
-    by_source_.assign(block.observations.size(), Eigen::Vector2d::Zero());
+    by_source_.assign(block.observations.size(), Eigen::Vector2d::Constant(kNaN));
     if (run_.stopped()) return out_;
     for (std::size_t p = 0; p < problem_.point_count(); ++p) take_rays(p, block);
     out_.tie_redundancy.reserve(adjusted_.observations.size());
@@ -97,6 +97,15 @@ class Examiner {
     if (out_.suspects.size() > 20 * kMostSuspects) trim();
   }
 
+  // Nothing foretells it, and nothing is as wrong.
+  void suspect_unseen(TestedObservation one) {
+    ++out_.unseen;
+    one.residual = one.blunder = one.redundancy = one.least_blunder = one.effect = one.effect_in_sigmas = kNaN;
+    one.w = kInfinity;
+    out_.suspects.push_back(one);
+    if (one.group != ObservationGroup::kTieImages) out_.others.push_back(one);
+  }
+
   void trim() {
     std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
                      [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
@@ -112,18 +121,21 @@ class Examiner {
       Projected at{};
       to_camera(state_.frames[ray.image], &state_.points[3 * p], in_cam);
       const bool seen = project(state_.lenses[problem_.images[ray.image].camera], in_cam, &at);
+      TestedObservation one;
+      one.group = tie ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
+      one.source = ray.source;
+      one.sigma = tie ? block.observations[ray.source].sigma_px : block.control_observations[ray.source].sigma_px;
+      if (!seen) {
+        suspect_unseen(one);
+        continue;
+      }
       const Eigen::Vector2d px(ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]);
-      const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
-      const double weight = seen ? loss.weight(s) : 1;
-      if (tie && seen) tie_.add(s, 2);
+      const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma, weight = loss.weight(s);
+      if (tie) tie_.add(s, 2);
       if (tie) by_source_[ray.source] = Eigen::Vector2d::Ones() - leverages_[r];
       for (int axis = 0; axis < 2; ++axis) {
-        TestedObservation one;
-        one.group = tie ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
-        one.source = ray.source;
         one.axis = axis;
-        one.sigma = tie ? block.observations[ray.source].sigma_px : block.control_observations[ray.source].sigma_px;
-        one.residual = seen ? px[axis] : 0;
+        one.residual = px[axis];
         if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
         test(one, leverages_[r][axis], weight);
       }

@@ -177,6 +177,38 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
   }
 }
 
+// A ray of an image that looks away tells nothing, and is the first suspect. Control keeps the point where it is.
+TEST(Reliability, ARayThatIsNotSeenIsSuspectAndCountsForNothing) {
+  Block block = test_block(small(5));
+  const Adjusted before = adjusted_of(block, tested());
+  const ImageId away{1000};
+  block.images[away] = block.images.begin()->second;
+  block.images[away].position.reset();
+  const Eigen::Vector3d above(20, 10, 60);
+  block.cam_from_world[away] = {Eigen::Quaterniond::Identity(), -above};  // looks up
+  const std::size_t places = block.control_observations.size();
+  block.control_observations.push_back({block.control.begin()->first, away, {900, 700}, 0.5});
+  Observation seen = block.observations.front();
+  seen.image = away;
+  block.observations.insert(block.observations.begin(), seen);
+  const Adjusted after = adjusted_of(block, tested(), {.fixed_images = {away}});
+  EXPECT_EQ(after.observation_count, before.observation_count);
+  EXPECT_EQ(after.redundancy, before.redundancy);
+  EXPECT_NEAR(after.sigma0, before.sigma0, 1e-9);
+  const Reliability &was = *before.reliability, &is = *after.reliability;
+  EXPECT_EQ(is.unseen, 2);
+  EXPECT_EQ(is.tested, was.tested);
+  EXPECT_EQ(is.groups[0].observations, was.groups[0].observations);
+  EXPECT_NEAR(is.redundancy_sum, double(after.redundancy), 1e-4);
+  ASSERT_EQ(is.suspects.size(), was.suspects.size() + 2);
+  for (const TestedObservation& suspect : {is.suspects[0], is.suspects[1]}) {
+    EXPECT_TRUE(std::isinf(suspect.w));
+    EXPECT_EQ(suspect.source, suspect.group == ObservationGroup::kTieImages ? 0 : places);
+  }
+  EXPECT_NE(is.suspects[0].group, is.suspects[1].group);
+  EXPECT_TRUE(std::isnan(is.tie_redundancy.front().x()));
+}
+
 TEST(Reliability, TheWorstSuspectIsThePlantedBlunder) {
   Block block = test_block(small(7));
   block.observations[50].pixel.y() += 12;
