@@ -10,6 +10,7 @@
 #include "collinea/adjust/quantiles.h"
 #include "collinea/adjust/robust_squares.h"
 #include "collinea/base/parallel.h"
+#include "collinea/geometry/rotation.h"
 
 namespace collinea {
 
@@ -50,6 +51,7 @@ class Examiner {
     for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p)
       if (problem_.point(p).control >= 0) take_control(p);
     take_positions();
+    take_verticals();
     take_weak_cameras();
     sums(ObservationGroup::kTieImages).squares = tie_.squares();
     std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
@@ -209,6 +211,18 @@ class Examiner {
     if (!(all.weighted() > 0)) return;
     for (const ObservationGroup group : {ObservationGroup::kPositionPlan, ObservationGroup::kPositionHeight})
       sums(group).squares *= all.squares() / all.weighted();
+  }
+
+  // Each is two observations, across the direction; along it the derivative is zero.
+  void take_verticals() {
+    for (const GivenUp& given : problem_.verticals) {
+      const Eigen::Matrix3d by_turn = given.inverse_sigma * skew(z_in_cam(state_.frames[given.image]));
+      const int row = 6 * static_cast<int>(given.image);
+      Eigen::Matrix3d cofactor;
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) cofactor(r, c) = inverse_.at(row + std::max(r, c), row + std::min(r, c));
+      out_.redundancy_sum += 2 - (by_turn * cofactor * by_turn.transpose()).trace();
+    }
   }
 
   void take_weak_cameras() {

@@ -67,6 +67,22 @@ TEST(Reliability, RedundancyNumbersAddUpToTheRedundancy) {
     }
 }
 
+// Attitudes take redundancy and squares of their own; none of them are those of the tie points.
+TEST(Reliability, VerticalsHaveTheirPartOfTheRedundancy) {
+  const Block block = test_block(small(2));
+  Random random(2);
+  AdjustScope scope;
+  for (const auto& [id, pose] : block.cam_from_world) {
+    const Eigen::Vector3d up = pose.rotation * Eigen::Vector3d::UnitZ();
+    scope.verticals[id] = {(up + 0.02 * up.cross(testing::normal3(random))).normalized(), 0.002};  // ten times too good
+  }
+  const Adjusted without = adjusted_of(block, tested()), with = adjusted_of(block, tested(), scope);
+  EXPECT_EQ(with.redundancy, without.redundancy + 12);
+  EXPECT_NEAR(with.reliability->redundancy_sum, double(with.redundancy), 1e-4);
+  EXPECT_NEAR(without.reliability->groups[0].sigma_factor(), 1, 0.15);
+  EXPECT_NEAR(with.reliability->groups[0].sigma_factor(), 1, 0.15);
+}
+
 // By definition: a small blunder appears in its own residual with the factor r, and moves the adjusted value by 1 - r.
 TEST(Reliability, ABlunderShowsInItsResidualByTheRedundancyNumber) {
   Block block = test_block(small(4));
