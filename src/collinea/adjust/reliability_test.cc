@@ -83,6 +83,32 @@ TEST(Reliability, VerticalsHaveTheirPartOfTheRedundancy) {
   EXPECT_NEAR(with.reliability->groups[0].sigma_factor(), 1, 0.15);
 }
 
+TEST(Reliability, HeldPointsTestTheirRaysToo) {
+  const Block block = test_block(small(2));
+  for (const char* calibration : {"none", "focal"}) {
+    AdjustOptions options = tested();
+    options.calibration = calibration;
+    AdjustScope scope{.use_positions = false, .use_control = false};
+    for (const auto& [id, point] : block.points) scope.fixed_points.insert(id);
+    const Adjusted adjusted = adjusted_of(block, options, scope);
+    EXPECT_EQ(adjusted.rank_defect, 0);
+    EXPECT_NEAR(adjusted.reliability->redundancy_sum, double(adjusted.redundancy), 1e-6);
+  }
+  // A long narrow block: most images share no tile of the factor, yet all see the one far point that is held.
+  Block strip = test_block({.rows = 1, .columns = 40, .points = 600, .sigma_px = 0.5, .position_sigma_m = 0.05});
+  const PointId far{1};
+  strip.points[far].position_in_world = {300, 0, -20000};
+  std::vector<Observation> rays;
+  for (const auto& [id, pose] : strip.cam_from_world) {
+    const auto pixel = project(strip.camera_of(id), pose * strip.points[far].position_in_world);
+    ASSERT_TRUE(pixel);
+    rays.push_back({id, far, 0, *pixel, 0.5});
+  }
+  strip.observations.insert(strip.observations.begin(), rays.begin(), rays.end());
+  const Adjusted adjusted = adjusted_of(strip, tested(), {.fixed_points = {far}});
+  EXPECT_NEAR(adjusted.reliability->redundancy_sum, double(adjusted.redundancy), 1e-4);
+}
+
 // By definition: a small blunder appears in its own residual with the factor r, and moves the adjusted value by 1 - r.
 TEST(Reliability, ABlunderShowsInItsResidualByTheRedundancyNumber) {
   Block block = test_block(small(4));
