@@ -46,6 +46,24 @@ TEST(Quantiles, AreThoseOfTheTables) {
   EXPECT_NEAR(tau_limit(0.001, 100000), normal_limit(0.001), 1e-3);
 }
 
+TEST(Reliability, EveryLevelAndPowerThatCanBeAskedForHasAnAnswer) {
+  const Block block = test_block(small());
+  for (const double false_alarm : {1e-12, 0.001, 0.5})
+    for (const double power : {0.5, 0.8, 0.999})
+      for (const bool known : {true, false}) {
+        AdjustOptions options = tested();
+        options.false_alarm = false_alarm;
+        options.power = power;
+        options.sigma0_known = known;
+        const Adjusted adjusted = adjusted_of(block, options);
+        const Reliability& found = *adjusted.reliability;
+        EXPECT_TRUE(std::isfinite(found.limit) && std::isfinite(found.delta0));
+        if (power == 0.5) EXPECT_DOUBLE_EQ(found.delta0, normal_limit(false_alarm));
+        // What is found half of the time lies on the limit.
+        if (known) EXPECT_EQ(found.delta0 > found.limit, power > 0.5);
+      }
+}
+
 TEST(Reliability, RedundancyNumbersAddUpToTheRedundancy) {
   for (const bool robust : {false, true})
     for (const bool control : {true, false}) {
