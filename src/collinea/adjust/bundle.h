@@ -103,8 +103,8 @@ struct PositionDifference {
 /// A control or check point after the adjustment.
 struct ControlDifference {
   ControlId point;
-  bool used = false;  ///< it took part; false: check point, intersected from the adjusted images only
-  int rays = 0;       ///< images it was measured in that are oriented
+  bool used = false;  ///< it took part; false: check point, intersected from the images that took part or were held
+  int rays = 0;       ///< such images it was measured in
   std::optional<Eigen::Vector3d> position_in_world;  ///< nothing when the rays do not intersect
   Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(
       std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame; NaN: not surveyed

@@ -503,6 +503,41 @@ TEST(Adjust, SaysWhatIsIllPosed) {
   EXPECT_EQ(code(adjust(test_block(), {}, {}, stopped)), Errc::kCancelled);
 }
 
+// An image that too little determines stands anywhere; check points are not judged by it.
+TEST(Adjust, CheckPointsDoNotUseImagesThatAreLeftOut) {
+  Block block = test_block({.control = 9});
+  const ControlId check{2};
+  ASSERT_EQ(block.control.at(check).role, ControlRole::kCheck);
+  const auto seen = std::find_if(block.control_observations.begin(), block.control_observations.end(),
+                                 [&](const ControlObservation& o) { return o.point == check; });
+  ASSERT_NE(seen, block.control_observations.end());
+  const ImageId lonely = seen->image;
+  const auto place = std::size_t(seen - block.control_observations.begin());
+  std::erase_if(block.observations, [&](const Observation& o) { return o.image == lonely; });
+  for (ControlObservation& o : block.control_observations)
+    if (o.image == lonely && o.point != check) o.image = ImageId{999};  // not oriented
+  block.images[ImageId{999}] = block.images.at(lonely);
+  Rigid3& pose = block.cam_from_world.at(lonely);
+  pose.translation += Eigen::Vector3d(2, -1, 0);
+  AdjustOptions options = plain();
+  options.covariances = true;
+  const auto adjusted = adjust(block, {}, options, kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  ASSERT_EQ(adjusted->images_left_out, std::vector<ImageId>{lonely});
+  Block without = block;
+  without.cam_from_world.erase(lonely);
+  const auto expected = adjust(without, {}, options, kRun);
+  ASSERT_TRUE(expected) << expected.error().message;
+  ASSERT_EQ(adjusted->control.size(), expected->control.size());
+  EXPECT_TRUE(std::isnan(adjusted->control_residuals_px[place].x()));
+  for (std::size_t i = 0; i < expected->control.size(); ++i) {
+    const ControlDifference &is = adjusted->control[i], &should = expected->control[i];
+    EXPECT_EQ(is.rays, should.rays);
+    EXPECT_LT(is.difference_m.norm(), 1e-6);
+    EXPECT_LT((*is.covariance_m2 - *should.covariance_m2).norm(), 1e-6 * should.covariance_m2->norm());
+  }
+}
+
 TEST(Adjust, LonelyRaysAndImagesAreLeftOut) {
   Block block = test_block({.control = 6});
   const ImageId lonely{10};

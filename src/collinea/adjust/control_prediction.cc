@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
 
 namespace collinea::bundle {
@@ -45,7 +46,7 @@ void predict_check_points(const Block& block, const Problem& problem, const Stat
     if (check.used || !check.position_in_world) continue;
     PointSystem system(problem);
     for (const ControlObservation& seen : block.control_observations)
-      if (seen.point == check.point && block.cam_from_world.contains(seen.image))
+      if (seen.point == check.point && block.cam_from_world.contains(seen.image) && !is_left_out(adjusted, seen.image))
         add_measurement(block, problem, state, number, seen, *check.position_in_world, system);
     system.close(false, nullptr, nullptr);
     if (!system.determined()) continue;

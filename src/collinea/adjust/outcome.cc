@@ -103,16 +103,23 @@ double weak_camera_squares(const Problem& problem, const State& state) {
   return sum;
 }
 
-// The sight lines of a control point in the adjusted images, with their places in Block::control_observations.
+// The sight lines of a control point in the images that take part or are held, with their places in
+// Block::control_observations. What the adjustment left out stands where it happened to be.
 std::vector<SightLine> adjusted_sight_lines(const Block& block, const Adjusted& adjusted, ControlId point,
                                             std::vector<std::size_t>& places) {
-  std::vector<SightLine> lines = sight_lines(block, point, &places);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const ImageId image = block.control_observations[places[i]].image;
+  std::vector<std::size_t> all_places;
+  const std::vector<SightLine> all = sight_lines(block, point, &all_places);
+  std::vector<SightLine> lines;
+  places.clear();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const ImageId image = block.control_observations[all_places[i]].image;
+    if (is_left_out(adjusted, image)) continue;
+    lines.push_back(all[i]);
+    places.push_back(all_places[i]);
     if (const auto pose = adjusted.cam_from_world.find(image); pose != adjusted.cam_from_world.end())
-      lines[i].cam_from_world = pose->second;
+      lines.back().cam_from_world = pose->second;
     if (const auto camera = adjusted.cameras.find(block.images.at(image).camera); camera != adjusted.cameras.end())
-      lines[i].camera = &camera->second;
+      lines.back().camera = &camera->second;
   }
   return lines;
 }
@@ -160,9 +167,15 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
 
 }  // namespace
 
+bool is_left_out(const Adjusted& adjusted, ImageId image) {
+  return std::find(adjusted.images_left_out.begin(), adjusted.images_left_out.end(), image) !=
+         adjusted.images_left_out.end();
+}
+
 void describe_outcome(const Block& block, const AdjustScope& scope, Problem& problem, const State& state,
                       Adjusted& adjusted) {
   RobustSquares tie(problem.tie_loss), positions(problem.position_loss);
+  adjusted.images_left_out = problem.images_left_out;
   write_unknowns(block, problem, state, adjusted);
   const RaySums rays = write_residuals(problem, state, tie, adjusted);
   problem.observation_count -= 2 * rays.unseen;
@@ -177,7 +190,6 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
   adjusted.unknown_count = problem.unknown_count;
   adjusted.rank_defect = problem.rank_defect;
   adjusted.datum = problem.datum_text;
-  adjusted.images_left_out = problem.images_left_out;
   const double left = static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count);
   problem.tie_loss.information = tie.information(1 - left);
   problem.position_loss.information = positions.information(1 - left);

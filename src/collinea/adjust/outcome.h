@@ -6,6 +6,9 @@
 
 namespace collinea::bundle {
 
+/// True for an image of Adjusted::images_left_out.
+[[nodiscard]] bool is_left_out(const Adjusted& adjusted, ImageId image);
+
 /// Fills everything but the course of the iterations and the covariances, and gives the losses of the problem the
 /// information their residuals show: from here on the normal equations stand for what is known. Rays whose point is not
 /// seen are no longer counted.
