@@ -96,7 +96,7 @@ struct AdjustScope {
 /// The position of an image against what its receiver said.
 struct PositionDifference {
   ImageId image;
-  Eigen::Vector3d difference_m;  ///< adjusted minus given
+  Eigen::Vector3d difference_m;  ///< adjusted minus given; NaN on axes that were not given
   double weight = 1;             ///< by the robust loss; below 1: partly disbelieved
 };
 
@@ -165,7 +165,8 @@ struct Adjusted {
 /// depend on that choice; covariances refer to that datum.
 ///
 /// Points with fewer than two rays and images with fewer than three measured points take no part. Errors: kBadInput
-/// (options, sigmas not positive), kIllPosed (nothing to adjust, or more unknowns than observations), kCancelled.
+/// (options, sigmas not positive, coordinates with finite sigmas that are no numbers), kIllPosed (nothing to adjust, or
+/// more unknowns than observations), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 

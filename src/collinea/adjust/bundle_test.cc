@@ -481,6 +481,36 @@ TEST(Adjust, HeightOnlyControlFixesOnlyHeights) {
   }
 }
 
+// What is not given may be no number; what is given must be one.
+TEST(Adjust, CoordinatesThatAreNotGivenNeedNotBeNumbers) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+  const Block truth = test_block({.sigma_px = 0.5, .position_sigma_m = 0.1, .control = 9});
+  Block not_given = truth, no_number = truth;
+  for (Block* block : {&not_given, &no_number}) {
+    block->control.begin()->second.sigma_m.z() = kInfinity;
+    block->images.begin()->second.position->sigma_m.z() = kInfinity;
+  }
+  no_number.control.begin()->second.position_in_world.z() = kNaN;
+  no_number.images.begin()->second.position->position_in_world.z() = kNaN;
+  AdjustOptions options = plain();
+  options.reliability = true;
+  const auto expected = adjust(not_given, {}, options, kRun), is = adjust(no_number, {}, options, kRun);
+  ASSERT_TRUE(expected && is);
+  EXPECT_EQ(is->sigma0, expected->sigma0);
+  EXPECT_TRUE(is->reliability);
+  EXPECT_TRUE(std::isnan(is->positions.front().difference_m.z()));
+  for (const auto& [id, pose] : is->cam_from_world)
+    EXPECT_EQ(pose.translation, expected->cam_from_world.at(id).translation);
+  for (const bool control : {true, false}) {
+    Block wrong = truth;
+    (control ? wrong.control.begin()->second.position_in_world.z()
+             : wrong.images.begin()->second.position->position_in_world.z()) = kNaN;
+    const auto refused = adjust(wrong, {}, options, kRun);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::kBadInput);
+  }
+}
+
 TEST(Adjust, SaysWhatIsIllPosed) {
   const auto code = [](const auto& result) { return result ? std::optional<Errc>() : result.error().code; };
   EXPECT_EQ(code(adjust(Block{}, {}, {}, kRun)), Errc::kIllPosed);

@@ -47,6 +47,9 @@ double weak_sigma(const Camera& camera, int param) {
   }
 }
 
+// A coordinate that counts must be a number; one that was not given (its sigma is infinite) need not.
+bool known(double coordinate, double sigma) { return std::isfinite(coordinate) || std::isinf(sigma); }
+
 /// Gathers in four passes: images, points with their rays, what is too weak to take part, order.
 class Gatherer {
  public:
@@ -182,15 +185,18 @@ class Gatherer {
       for (int axis = 0; axis < 3; ++axis) {
         if (!(control.sigma_m[axis] > 0))
           return fail(Errc::kBadInput, "control point " + control.name + " has no positive standard deviation");
-        coordinates.given[axis] = control.position_in_world[axis];
+        if (!known(control.position_in_world[axis], control.sigma_m[axis]))
+          return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
         coordinates.inverse_sigma[axis] = 1 / control.sigma_m[axis];
-        given += std::isfinite(control.sigma_m[axis]);
+        coordinates.given[axis] = coordinates.inverse_sigma[axis] > 0 ? control.position_in_world[axis] : 0;
+        given += coordinates.inverse_sigma[axis] > 0;
       }
+      const auto met = intersect(sight_lines(block_, id));
+      if (!met && !control.position_in_world.allFinite()) continue;  // there is no place to begin at
       if (given == 3) point.least_rays = 1;
       for (const std::size_t place : places[id])
         if (Result<> added = add_ray(block_.control_observations[place], place); !added) return added;
       point.control = static_cast<int>(out_.problem.control.size());
-      const auto met = intersect(sight_lines(block_, id));
       Eigen::Map<Eigen::Vector3d>(point.position) = met ? met->point_in_world : control.position_in_world;
       if (close_point(point)) out_.problem.control.push_back(coordinates);
     }
@@ -346,8 +352,13 @@ class Gatherer {
       if (!image.position) continue;
       if (!(image.position->sigma_m.minCoeff() > 0))
         return fail(Errc::kBadInput, "the position of " + image.file + " has no positive standard deviation");
+      const Eigen::Vector3d &place = image.position->position_in_world, &sigma_m = image.position->sigma_m;
+      for (int axis = 0; axis < 3; ++axis)
+        if (!known(place[axis], sigma_m[axis]))
+          return fail(Errc::kBadInput, "the position of " + image.file + " has no finite coordinates");
+      const Eigen::Vector3d inverse_sigma = sigma_m.cwiseInverse();
       problem.positions.push_back(
-          {static_cast<std::uint32_t>(i), image.position->position_in_world, image.position->sigma_m.cwiseInverse()});
+          {static_cast<std::uint32_t>(i), (inverse_sigma.array() > 0).select(place, 0.0), inverse_sigma});
     }
     return {};
   }
@@ -369,8 +380,7 @@ class Gatherer {
   void count() {
     Problem& problem = out_.problem;
     problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.border;
-    for (const GivenPosition& position : problem.positions)
-      problem.observation_count += position.axes();
+    for (const GivenPosition& position : problem.positions) problem.observation_count += position.axes();
     problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
     problem.unknown_count = 6L * problem.poses + problem.border;
     for (std::size_t p = 0; p < problem.point_count(); ++p) {

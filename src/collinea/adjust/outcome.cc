@@ -75,10 +75,12 @@ RaySums write_residuals(const Problem& problem, const State& state, RobustSquare
   return rays;
 }
 
+// Not the differences on axes that were not given.
 void write_positions(const Problem& problem, const State& state, RobustSquares& squares, Adjusted& adjusted) {
   for (const GivenPosition& position : problem.positions) {
-    const Eigen::Vector3d difference = Eigen::Vector3d(state.frames[position.image].data() + 9) - position.given;
+    Eigen::Vector3d difference = Eigen::Vector3d(state.frames[position.image].data() + 9) - position.given;
     const double s = difference.cwiseProduct(position.inverse_sigma).squaredNorm();
+    difference = (position.inverse_sigma.array() > 0).select(difference, kUnknown.x());
     adjusted.positions.push_back({problem.images[position.image].id, difference, problem.position_loss.weight(s)});
     if (const int axes = position.axes(); axes > 0) squares.add(s, axes);
   }
