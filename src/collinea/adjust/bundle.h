@@ -110,7 +110,8 @@ struct ControlDifference {
       std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame; NaN: not surveyed
   /// With covariances: of position_in_world [m^2], by the given sigmas (of a check point without its survey) ...
   std::optional<Eigen::Matrix3d> covariance_m2;
-  /// ... and what difference_m is expected to be: sigma0 counts, and for check points the survey. NaN: not known.
+  /// ... and what difference_m is expected to be, by the block's covariance times sigma0^2 and the survey as given.
+  /// NaN: not known.
   Eigen::Vector3d difference_sigma_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 

@@ -14,10 +14,6 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-double variance_factor(const Adjusted& adjusted) {
-  return adjusted.redundancy > 0 ? adjusted.sigma0 * adjusted.sigma0 : 1;
-}
-
 // The measurement in an image that takes part, or in one that is only oriented and counts as exact.
 void add_measurement(const Block& block, const Problem& problem, const State& state,
                      const std::map<ImageId, int>& number, const ControlObservation& seen,
@@ -55,7 +51,8 @@ void predict_check_points(const Block& block, const Problem& problem, const Stat
     for (int axis = 0; axis < 3; ++axis)
       check.difference_sigma_m[axis] =
           std::isfinite(survey[axis])
-              ? std::sqrt(variance_factor(adjusted) * (*check.covariance_m2)(axis, axis) + survey[axis] * survey[axis])
+              ? std::sqrt(std::pow(sigma_scale(adjusted), 2) * (*check.covariance_m2)(axis, axis) +
+                          survey[axis] * survey[axis])
               : kUnknown;
   }
 }
@@ -69,11 +66,16 @@ void predict_control_points(const Problem& problem, const State& state, TileChol
     if (its == adjusted.control.end()) continue;
     const Eigen::Matrix3d covariance = PointSystem(problem, state, p).covariance(inverse);
     its->covariance_m2 = covariance;
+    const Eigen::Map<const Eigen::Vector3d> inverse_sigma(problem.control[point.control].inverse_sigma);
     for (int axis = 0; axis < 3; ++axis) {
-      const double w = problem.control[point.control].inverse_sigma[axis];
+      const double w = inverse_sigma[axis];
       if (!(w > 0)) continue;
-      const double redundancy = std::clamp(1 - w * w * covariance(axis, axis), 0.0, 1.0);
-      its->difference_sigma_m[axis] = std::sqrt(variance_factor(adjusted) * redundancy) / w;
+      // The difference is (I - Q P) times that of the point without its coordinates, whose variance is that of the
+      // block and that of the survey.
+      const Eigen::Vector3d q = covariance.col(axis);
+      const double of_survey = q.cwiseProduct(inverse_sigma).squaredNorm(), whole = covariance(axis, axis);
+      its->difference_sigma_m[axis] = std::sqrt(std::max(
+          0.0, std::pow(sigma_scale(adjusted), 2) * (whole - of_survey) + 1 / (w * w) - 2 * whole + of_survey));
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 
 #include "collinea/adjust/test_block.h"
@@ -60,6 +61,53 @@ TEST(ControlPrediction, CheckPointErrorsAreAsLongAsPredicted) {
   EXPECT_NEAR(of_control / residuals, 1, 0.1);
   // 0.27 % of normal errors lie beyond three sigmas.
   EXPECT_NEAR(beyond, 0.0027 * axes, 5 * std::sqrt(0.0027 * axes));
+}
+
+// Image sigmas that are wrong by a factor, of a survey that is as good as stated: check points, control and control left
+// out differ nearly as much as is said; were the survey multiplied too, the mean of squares would be 4 or 1/4. The place
+// of the block, which comes from control, is multiplied with the rest: a tenth of the survey's variance with 24 points,
+// four tenths when sigma0 is 2. With true sigmas four deviations of the mean of 60 blocks, by their scatter.
+TEST(ControlPrediction, WrongImageSigmasDoNotChangeWhatTheSurveyIsWorth) {
+  for (const double wrong : {0.5, 1.0, 2.0}) {
+    std::array<double, 4> sum{}, squares{};  // check, control, left out, tests of control
+    constexpr int kBlocks = 60;
+    for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+      Block block = test_block({.rows = 2,
+                                .columns = 3,
+                                .points = 50,
+                                .sigma_px = 0.5,
+                                .control = 36,
+                                .control_sigma_m = 0.05,
+                                .seed = seed});
+      for (Observation& seen : block.observations) seen.sigma_px *= wrong;
+      for (ControlObservation& seen : block.control_observations) seen.sigma_px *= wrong;
+      AdjustOptions options = with_covariances();
+      options.reliability = true;
+      const auto adjusted = adjust(block, {}, options, {});
+      ASSERT_TRUE(adjusted && adjusted->reliability);
+      std::array<double, 4> of_block{}, count{};
+      const auto add = [&](std::size_t kind, const Eigen::Vector3d& difference, const Eigen::Vector3d& sigma) {
+        of_block[kind] += (difference.array() / sigma.array()).square().mean();
+        ++count[kind];
+      };
+      for (const ControlDifference& control : adjusted->control)
+        if (control.covariance_m2) add(control.used, control.difference_m, control.difference_sigma_m);
+      for (const LeftOutPoint& point : adjusted->reliability->left_out)
+        add(2, point.difference_m, point.difference_sigma_m);
+      for (const TestedObservation& one : adjusted->reliability->others)
+        if (one.group == ObservationGroup::kControlPlan || one.group == ObservationGroup::kControlHeight)
+          add(3, Eigen::Vector3d::Constant(one.w), Eigen::Vector3d::Ones());
+      for (std::size_t kind = 0; kind < 4; ++kind) {
+        const double mean = of_block[kind] / count[kind];
+        sum[kind] += mean, squares[kind] += mean * mean;
+      }
+    }
+    for (std::size_t kind = 0; kind < 4; ++kind) {
+      const double mean = sum[kind] / kBlocks, sigma = std::sqrt((squares[kind] / kBlocks - mean * mean) / kBlocks);
+      EXPECT_NEAR(mean, 1, wrong == 1 ? 4 * sigma + 0.02 : 0.4) << wrong << " " << kind;
+      EXPECT_LT(4 * sigma, 0.2);
+    }
+  }
 }
 
 // A check point with its rays as a tie point, whose measurements weigh nothing: the same covariance as the inverse of

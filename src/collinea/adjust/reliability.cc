@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/adjust/control_prediction.h"
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
 #include "collinea/adjust/quantiles.h"
@@ -74,7 +75,8 @@ class Examiner {
 
   // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (not 1 by a robust loss).
   // The observation is tested as the others foretell it, by its full sigma: v / r has the variance
-  // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss.
+  // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss. sigma0 multiplies what the others say, and the
+  // sigmas of image points; those given in metres stay as given.
   void test(TestedObservation one, double leverage, double weight) {
     const double r = std::clamp(1 - leverage, 0.0, 1.0);
     GroupSums& group = sums(one.group);
@@ -84,7 +86,9 @@ class Examiner {
     one.redundancy = r;
     one.least_blunder = one.effect = one.effect_in_sigmas = kInfinity;
     if (r > kNoRedundancy) {
-      const double spread = sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r));
+      const bool in_image = one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages;
+      const double own = in_image ? sigma0_ : 1;
+      const double spread = one.sigma * std::sqrt(own * own + sigma0_ * sigma0_ * leverage / (weight * r));
       one.blunder = one.residual / r;
       one.w = one.blunder / spread;
       one.least_blunder = out_.delta0 * spread;
@@ -182,7 +186,7 @@ class Examiner {
       if (!(weights[axis] > 0)) continue;
       point.difference_m[axis] = moved[axis];
       point.difference_sigma_m[axis] =
-          std::sqrt(std::max(sigma0_ * sigma0_ * without(axis, axis) + 1 / weights[axis], 0.0));
+          std::sqrt(std::max(variance_factor(adjusted_) * without(axis, axis) + 1 / weights[axis], 0.0));
     }
     out_.left_out.push_back(point);
   }
