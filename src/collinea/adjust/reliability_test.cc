@@ -174,27 +174,49 @@ TEST(Reliability, FalseAlarmsAreAsOftenAsStated) {
   }
 }
 
-// A minimal detectable blunder is found with the stated power: 80 % of 100, four binomial deviations.
+// A minimal detectable blunder is found with the stated power, 80 %: one of every kind in each of 100 blocks, four
+// binomial deviations for each kind and for all.
 TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
   AdjustOptions options = tested();
   options.sigma0_known = true;
-  int found = 0, planted = 0;
-  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+  using Group = ObservationGroup;
+  std::array<int, kObservationGroups> found{};
+  constexpr int kBlocks = 100;
+  for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
     const Block block = test_block(small(seed));
     const Adjusted clean = adjusted_of(block, options);
-    Block other = block;
+    const auto spoiled_by = [&](Group group, std::uint32_t source, int axis, double blunder) {
+      Block other = block;
+      if (group == Group::kTieImages)
+        other.observations[source].pixel[axis] += blunder;
+      else if (group == Group::kControlImages)
+        other.control_observations[source].pixel[axis] += blunder;
+      else if (group == Group::kControlPlan || group == Group::kControlHeight)
+        other.control.at(ControlId{source}).position_in_world[axis] += blunder;
+      else
+        other.images.at(ImageId{source}).position->position_in_world[axis] += blunder;
+      const Adjusted spoiled = adjusted_of(other, options);
+      for (const TestedObservation& one : spoiled.reliability->suspects)
+        found[static_cast<std::size_t>(group)] += one.group == group && one.source == source && one.axis == axis;
+    };
+    const std::size_t tie = seed % clean.observations.size();
+    spoiled_by(Group::kTieImages, clean.observations[tie], 0,
+               clean.reliability->delta0 * 0.5 / std::sqrt(clean.reliability->tie_redundancy[tie].x()));
     const auto& all = clean.reliability->others;
-    const auto height = std::find_if(all.begin(), all.end(), [](const TestedObservation& one) {
-      return one.group == ObservationGroup::kControlHeight;
-    });
-    ASSERT_NE(height, all.end());
-    other.control.at(ControlId{height->source}).position_in_world.z() += height->least_blunder;
-    const Adjusted spoiled = adjusted_of(other, options);
-    ++planted;
-    for (const TestedObservation& one : spoiled.reliability->suspects)
-      found += one.group == height->group && one.source == height->source && one.axis == 2;
+    for (std::size_t g = 1; g < kObservationGroups; ++g) {
+      const auto one =
+          std::find_if(all.begin(), all.end(), [&](const auto& other) { return std::size_t(other.group) == g; });
+      ASSERT_NE(one, all.end());
+      spoiled_by(one->group, one->source, one->axis, one->least_blunder);
+    }
   }
-  EXPECT_NEAR(double(found) / planted, 0.8, 4 * std::sqrt(0.8 * 0.2 / planted));
+  int sum = 0;
+  for (std::size_t g = 0; g < kObservationGroups; ++g) {
+    EXPECT_NEAR(found[g] / double(kBlocks), 0.8, 4 * std::sqrt(0.8 * 0.2 / kBlocks)) << kObservationGroupNames[g];
+    sum += found[g];
+  }
+  constexpr double kAll = double(kBlocks) * kObservationGroups;
+  EXPECT_NEAR(sum / kAll, 0.8, 4 * std::sqrt(0.8 * 0.2 / kAll));
 }
 
 // What holds without a loss holds with one: errors that are normal with the given sigmas, under losses that set in
