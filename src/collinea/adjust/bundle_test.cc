@@ -353,6 +353,31 @@ TEST(Adjust, ThreadsDoNotChangeABit) {
   for (const auto& [id, pose] : a->cam_from_world) EXPECT_EQ(pose.translation, b->cam_from_world.at(id).translation);
 }
 
+TEST(Adjust, ThreadsDoNotChangeABitOfTheStatistics) {
+  const Block block = disturbed(
+      test_block({.rows = 5, .columns = 6, .points = 1500, .sigma_px = 0.5, .position_sigma_m = 0.5, .control = 9}),
+      0.01, 0.3);
+  AdjustOptions options;
+  options.point_covariances = options.reliability = true;
+  collinea::Run one, three;
+  three.threads = 3;
+  const auto a = adjust(block, {}, options, one), b = adjust(block, {}, options, three);
+  ASSERT_TRUE(a && b && a->reliability && b->reliability);
+  EXPECT_EQ(a->sigma0, b->sigma0);
+  for (const auto& [id, covariance] : a->pose_covariance) EXPECT_EQ(covariance, b->pose_covariance.at(id));
+  for (const auto& [id, covariance] : a->camera_covariance) EXPECT_EQ(covariance, b->camera_covariance.at(id));
+  ASSERT_FALSE(a->point_covariance.empty());
+  for (std::size_t i = 0; i < a->point_covariance.size(); ++i)
+    ASSERT_EQ(a->point_covariance[i], b->point_covariance[i]);
+  for (std::size_t i = 0; i < a->control.size(); ++i)
+    EXPECT_EQ(a->control[i].difference_sigma_m, b->control[i].difference_sigma_m);
+  for (std::size_t i = 0; i < a->reliability->tie_redundancy.size(); ++i)
+    ASSERT_EQ(a->reliability->tie_redundancy[i], b->reliability->tie_redundancy[i]);
+  ASSERT_EQ(a->reliability->others.size(), b->reliability->others.size());
+  for (std::size_t i = 0; i < a->reliability->others.size(); ++i)
+    EXPECT_EQ(a->reliability->others[i].w, b->reliability->others[i].w);
+}
+
 TEST(Adjust, LocalAdjustmentMovesOnlyWhatIsFree) {
   const Block truth = test_block({.rows = 3, .columns = 5});
   Block start = truth;
