@@ -165,9 +165,9 @@ struct Adjusted {
 /// motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do not
 /// depend on that choice; covariances refer to that datum.
 ///
-/// Points with fewer than two rays and images with fewer than three measured points take no part. Errors: kBadInput
-/// (options, sigmas not positive, coordinates with finite sigmas that are no numbers), kIllPosed (nothing to adjust, or
-/// more unknowns than observations), kCancelled.
+/// Points with fewer than two rays (one for held points and for control known on three axes) and images with fewer than
+/// three measured points take no part. Errors: kBadInput (options, sigmas not positive, coordinates with finite sigmas
+/// that are no numbers), kIllPosed (nothing to adjust, or more unknowns than observations), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 

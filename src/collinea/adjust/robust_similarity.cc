@@ -53,7 +53,7 @@ std::optional<Similarity3> least_median(const std::vector<PlacePair>& pairs, std
   return best;
 }
 
-// Pairs count fully within their robust standard deviation times three, beyond not at all.
+// Pairs count fully within 27^1/2 standard deviations, beyond not at all.
 std::optional<Similarity3> refined(const std::vector<PlacePair>& pairs, Similarity3 world_from_block,
                                    std::vector<double>& weights) {
   for (int round = 0; round < 10; ++round) {
