@@ -5,6 +5,7 @@
 
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/robust_similarity.h"
+#include "collinea/base/median.h"
 
 namespace collinea {
 namespace {
@@ -52,7 +53,7 @@ std::optional<Datum> datum(const Block& block, bool use_positions, bool use_cont
   const auto fit = bundle::robust_similarity(pairs, seed);
   if (!fit) return std::nullopt;
   result.world_from_block = fit->world_from_block;
-  result.median_distance_m = bundle::middle(fit->distances_m);
+  result.median_distance_m = median(std::vector(fit->distances_m));
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (fit->weights[i] == 0) continue;
     if (i < points.size()) {

@@ -32,7 +32,4 @@ struct RobustSimilarity {
 
 [[nodiscard]] std::vector<double> distances(const std::vector<PlacePair>& pairs, const Similarity3& world_from_block);
 
-/// The median (the upper one of an even number); the values are not empty.
-[[nodiscard]] double middle(std::vector<double> values);
-
 }  // namespace collinea::bundle
