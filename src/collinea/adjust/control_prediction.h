@@ -6,12 +6,9 @@
 
 namespace collinea::bundle {
 
-/// What sigma0 multiplies the covariance of everything adjusted by. The sigmas of a survey are taken as given: sigma0
-/// is that of hundreds of thousands of image points, which know nothing of it.
-[[nodiscard]] double variance_factor(const Adjusted& adjusted);
-
 /// Covariances of check points and of their differences, with the Cholesky factor of the reduced normal equations: the
-/// images' uncertainty with all its correlations, their own measurements, and the survey.
+/// images' uncertainty with all its correlations, their own measurements, and the survey. sigma0 multiplies what was
+/// adjusted; the sigmas of a survey are taken as given: sigma0 is that of image points, which know nothing of it.
 void predict_check_points(const Block& block, const Problem& problem, const State& state, const TileCholesky& factor,
                           const Run& run, Adjusted& adjusted);
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/control_prediction.h"
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
 #include "collinea/adjust/quantiles.h"
@@ -186,7 +185,7 @@ class Examiner {
       if (!(weights[axis] > 0)) continue;
       point.difference_m[axis] = moved[axis];
       point.difference_sigma_m[axis] =
-          std::sqrt(std::max(variance_factor(adjusted_) * without(axis, axis) + 1 / weights[axis], 0.0));
+          std::sqrt(std::max(std::pow(sigma_scale(adjusted_), 2) * without(axis, axis) + 1 / weights[axis], 0.0));
     }
     out_.left_out.push_back(point);
   }
