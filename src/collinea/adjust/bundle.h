@@ -167,7 +167,8 @@ struct Adjusted {
 ///
 /// Points with fewer than two rays (one for held points and for control known on three axes) and images with fewer than
 /// three measured points take no part. Errors: kBadInput (options, sigmas not positive, coordinates with finite sigmas
-/// that are no numbers), kIllPosed (nothing to adjust, or more unknowns than observations), kCancelled.
+/// that are no numbers), kIllPosed (nothing to adjust, or more unknowns than observations), kUnsupported (more than
+/// 10,000 unknowns of cameras), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 

@@ -602,6 +602,20 @@ TEST(Adjust, CheckPointsDoNotUseImagesThatAreLeftOut) {
   }
 }
 
+TEST(Adjust, ThousandsOfCamerasAreRefusedInWords) {
+  Block block = test_block({.rows = 20, .columns = 51, .points = 30, .spacing_m = 1});
+  std::uint32_t number = 100;
+  for (auto& [id, image] : block.images) {
+    block.cameras[CameraId{number}] = block.cameras.at(CameraId{1});
+    image.camera = CameraId{number++};
+  }
+  const auto refused = adjust(block, {}, plain("brown_affinity"), kRun);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::kUnsupported);
+  EXPECT_NE(refused.error().message.find("1020 cameras with 10200 unknowns"), std::string::npos)
+      << refused.error().message;
+}
+
 TEST(Adjust, LonelyRaysAndImagesAreLeftOut) {
   Block block = test_block({.control = 6});
   const ImageId lonely{10};

@@ -12,6 +12,7 @@ namespace collinea::bundle {
 namespace {
 
 constexpr int kLeastRaysOfImage = 3;
+constexpr int kMostCameraUnknowns = 10000;  // their normal equations are full: 0.8 GB, held twice
 constexpr std::uint32_t kNobody = ~std::uint32_t{0};
 
 std::optional<std::vector<int>> free_params(const std::string& calibration) {
@@ -70,6 +71,12 @@ class Gatherer {
     if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_verticals(); !taken) return tl::unexpected(taken.error());
     count();
+    if (out_.problem.border > kMostCameraUnknowns)
+      return fail(Errc::kUnsupported,
+                  std::to_string(out_.problem.cameras.size()) + " cameras with " + std::to_string(out_.problem.border) +
+                      " unknowns to calibrate: more than " + std::to_string(kMostCameraUnknowns) +
+                      " do not fit into memory. Pictures of one camera should share it; or hold the cameras, or "
+                      "calibrate fewer parameters");
     return std::move(out_);
   }
 
