@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "collinea/base/median.h"
 #include "collinea/base/result.h"
 #include "collinea/epipolar/robust.h"
 #include "collinea/epipolar/two_view_criteria.h"
@@ -277,7 +278,7 @@ class Verification {
   [[nodiscard]] double noise_px(const std::vector<double>& squared_px2, std::span<const int> inliers) const {
     std::vector<double> some;
     for (const int i : inliers) some.push_back(squared_px2[static_cast<std::size_t>(i)]);
-    return std::clamp(1.4826 * std::sqrt(median(std::move(some))), 0.4, threshold_px_ / 2);
+    return std::clamp(1.4826 * std::sqrt(some.empty() ? 0 : median(some)), 0.4, threshold_px_ / 2);
   }
 
   [[nodiscard]] Finding general(const Relation& epipolar) const {
@@ -352,7 +353,7 @@ class Verification {
   static double median_parallax(const Rigid3& motion, const PointPairs& pairs, std::span<const int> inliers) {
     std::vector<double> angles;
     for (const int i : inliers) angles.push_back(meeting(motion, pairs.first(i), pairs.second(i)).angle_rad);
-    return median(std::move(angles));
+    return angles.empty() ? 0 : median(angles);
   }
 
   [[nodiscard]] bool acceptable(const Prepared& prepared, std::span<const int> inliers) const {
