@@ -23,7 +23,7 @@ constexpr double kPlaneThreshold = 1.25;    // two degrees of freedom instead of
 constexpr double kStationary_px = 1.5;      // a match that stays at its pixel
 constexpr double kMostStationary = 0.9;
 constexpr double kMotionShare = 0.7;  // of the fundamental matrix's inliers that an essential matrix must keep
-constexpr double kLensDoubt = 3;      // thresholds that an uncalibrated lens may feign as parallax
+constexpr double kLensDoubt = 3;      // times max_error_px of a picture of kReferenceSize_px: what a lens may feign
 
 // Matches in random order.
 struct Prepared {
@@ -40,6 +40,10 @@ struct Finding {
   Rigid3 second_from_first;  // translation 0: not known
   double median_parallax_rad = 0;
 };
+
+int longest_side_px(const Camera& first, const Camera& second) {
+  return std::max({first.width_px, first.height_px, second.width_px, second.height_px});
+}
 
 double relative_sigma_f(const Camera& camera) { return camera.sigma_f_px / camera.focal_px(); }
 
@@ -286,11 +290,11 @@ class Verification {
     return finding;
   }
 
-  // With a lens not yet calibrated, the distortion looks like a little parallax: what remains after a rotation must be
-  // clearly more.
+  // With a lens not yet calibrated, the distortion looks like a little parallax, which is a share of the picture's
+  // size: what remains after a rotation must be clearly more.
   [[nodiscard]] bool hardly_more_than(const Turn& turned, std::span<const int> items) const {
     if (first_.sigma_f_px == 0 && second_.sigma_f_px == 0) return false;
-    const double limit_px = kLensDoubt * threshold_px_;
+    const double limit_px = kLensDoubt * options_.max_error_px * longest_side_px(first_, second_) / kReferenceSize_px;
     const auto near = std::count_if(items.begin(), items.end(), [&](int i) {
       return turned.errors[static_cast<std::size_t>(i)] < limit_px * limit_px;
     });
@@ -420,8 +424,7 @@ Prepared without_stationary(const Prepared& all) {
 }  // namespace
 
 double largest_error_px(const Camera& first, const Camera& second, const VerifyOptions& options) {
-  const int size = std::max({first.width_px, first.height_px, second.width_px, second.height_px});
-  return options.max_error_px * std::max(1.0, size / kReferenceSize_px);
+  return options.max_error_px * std::max(1.0, longest_side_px(first, second) / kReferenceSize_px);
 }
 
 ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,

@@ -147,6 +147,38 @@ TEST(Verify, PureRotationIsRecognisedThroughALensNotYetCalibrated) {
   EXPECT_EQ(verified(first_guess, p).geometry, PairGeometry::kRotation);
 }
 
+// A picture with few pixels: what a lens may feign is a share of its width, not a number of pixels.
+Camera small_camera() {
+  Camera camera = ideal_camera(533, 336, 256);
+  camera.sigma_f_px = 0.05 * camera.focal_px();
+  return camera;
+}
+
+TEST(Verify, AFlightOverFlatGroundWithSmallPicturesIsNoRotation) {
+  Random random(17);
+  for (int k = 0; k < 5; ++k) {
+    const Rigid3 truth{rotation_by(random_vector(random, 0.02)), {0.05, -0.35, 0.02}};
+    const Pictures p = pictures(small_camera(), truth, 300, 0, 0.3, random, [](Random& r) {
+      const double depth = r.uniform() < 0.7 ? 5 : r.uniform(4.7, 5);  // houses on flat ground
+      return Eigen::Vector3d(r.uniform(-0.35, 0.35) * depth, r.uniform(-0.35, 0.35) * depth, depth);
+    });
+    EXPECT_NE(verified(small_camera(), p).geometry, PairGeometry::kRotation) << k;
+  }
+}
+
+TEST(Verify, PureRotationOfSmallPicturesIsRecognisedThroughALensNotYetCalibrated) {
+  Random random(18);
+  for (int k = 0; k < 5; ++k) {
+    const Rigid3 turn{rotation_by({0.02, 0.1, 0.01}), {0, 0, 0}};
+    Camera truth = small_camera();
+    truth.params[Camera::kF] *= 0.97;
+    truth.params[Camera::kK1] = -0.05;
+    truth.params[Camera::kK2] = 0.01;
+    const Pictures p = pictures(truth, turn, 200, 0, 0.3, random, random_point);
+    EXPECT_EQ(verified(small_camera(), p).geometry, PairGeometry::kRotation) << k;
+  }
+}
+
 TEST(Verify, RandomMatchesAreRefused) {
   Random random(7);
   for (const int count : {20, 60, 300, 1500})
