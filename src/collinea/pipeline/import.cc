@@ -263,7 +263,7 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const ControlFilePoint& point : control.points)
       middle += point.position_in_map / double(control.points.size());
-    COLLINEA_TRY(origin, geographic_from_map(crs, middle));
+    COLLINEA_TRY(origin, geographic_from_map(control.crs.empty() ? crs : control.crs, middle));
   }
   if (crs.empty()) crs = utm_crs(origin.x(), origin.y());
   origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};

@@ -274,6 +274,8 @@ TEST(ImportControl, PointsOfAnotherZoneComeToTheMapAskedFor) {
   const auto imported = import_with_control(kControl, {.crs = "EPSG:32632"});
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->block.georeference.value().crs, "EPSG:32632");
+  EXPECT_NEAR(imported->block.georeference->origin_latitude_deg, 48.198, 0.01);
+  EXPECT_NEAR(imported->block.georeference->origin_longitude_deg, 15.630, 0.01);
   // Both zones' central meridians are 6 degrees, about 446 km at this latitude, apart.
   EXPECT_NEAR(imported->block.control.at(ControlId{0}).position_in_map.x(), 993000, 3000);
 }
