@@ -76,9 +76,34 @@ Result<std::vector<double>> numbers_in(const std::string& text) {
   }
   if (numbers.size() < 4 || numbers.size() > 9)
     return fail(Errc::kBadInput, "--camera-params: expected fx,fy,cx,cy and up to five distortion values");
+  if (!std::all_of(numbers.begin(), numbers.end(), [](double value) { return std::isfinite(value); }))
+    return fail(Errc::kBadInput, "--camera-params " + text + ": every value must be a finite number");
   if (!(numbers[0] > 0 && numbers[1] > 0))
     return fail(Errc::kBadInput, "--camera-params " + text + ": fx and fy must be positive");
   return numbers;
+}
+
+// One camera fits pictures of one size: focal length and principal point are in its pixels.
+Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
+  const Image* first = nullptr;
+  for (const auto& [id, image] : block.images) {
+    const Camera& camera = block.camera_of(id);
+    if (!first) {
+      first = &image;
+      if (!inside(camera, {v[2], v[3]}))
+        return fail(Errc::kBadInput, fmt::format("--camera-params: the principal point {}, {} lies outside the "
+                                                 "pictures ({} x {} px)",
+                                                 v[2], v[3], camera.width_px, camera.height_px));
+    }
+    const Camera& of_first = block.cameras.at(first->camera);
+    if (camera.width_px != of_first.width_px || camera.height_px != of_first.height_px)
+      return fail(Errc::kBadInput,
+                  fmt::format("--camera-params gives one camera, but the pictures differ in size: {} has {} x {} px, "
+                              "{} has {} x {} px; keep those of one size in a folder of their own",
+                              first->file, of_first.width_px, of_first.height_px, image.file, camera.width_px,
+                              camera.height_px));
+  }
+  return {};
 }
 
 Camera given_camera(const std::vector<double>& v, int width_px, int height_px) {
@@ -315,6 +340,8 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
                                              imported.skipped.empty() ? ""
                                                                       : "; first skipped: " + imported.skipped[0].file +
                                                                             ": " + imported.skipped[0].reason));
+  if (camera_params)
+    if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
   if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
   return imported;
 }

@@ -103,12 +103,25 @@ TEST(ImportFocal, AGivenCameraIsHeldFixed) {
 TEST(ImportFocal, AGivenCameraThatIsNoneIsAnError) {
   const TestFolder folder;
   put_photo(folder / "a.jpg", nullptr);
-  for (const char* params : {"100,100", "100,100,x,45", "0,100,60,45", "-100,100,60,45", "1,2,3,4,5,6,7,8,9,10"}) {
+  put_photo(folder / "b.jpg", nullptr);
+  for (const char* params :
+       {"100,100", "100,100,x,45", "0,100,60,45", "-100,100,60,45", "1,2,3,4,5,6,7,8,9,10", "100,100,nan,45",
+        "inf,inf,60,45", "100,100,60,45,nan", "100,100,130,45", "100,100,60,-1"}) {
     const auto imported = import_photos(folder / "", {.camera_params = params}, {});
     ASSERT_FALSE(imported) << params;
     EXPECT_EQ(imported.error().code, Errc::kBadInput) << params;
     EXPECT_NE(imported.error().message.find("--camera-params"), std::string::npos) << imported.error().message;
   }
+}
+
+TEST(ImportFocal, AGivenCameraFitsPicturesOfOneSizeOnly) {
+  const TestFolder folder;
+  put_photo(folder / "a.jpg", nullptr);
+  put_photo(folder / "b.jpg", nullptr, 90, 120);
+  const auto imported = import_photos(folder / "", {.camera_params = "100,100,45,45"}, {});
+  ASSERT_FALSE(imported);
+  EXPECT_EQ(imported.error().code, Errc::kBadInput);
+  EXPECT_NE(imported.error().message.find("b.jpg has 90 x 120 px"), std::string::npos) << imported.error().message;
 }
 
 TEST(Import, OneCameraForPicturesOfOneBodyLensAndSize) {
