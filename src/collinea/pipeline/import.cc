@@ -263,15 +263,19 @@ std::vector<std::string> names_in(const std::string& list) {
 Eigen::Vector3d middle_of(const Block& block) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0, heights = 0;
+  double first_longitude_deg = 0;
   for (const auto& [id, image] : block.images)
     if (const auto& position = image.position) {
-      sum.head<2>() += Eigen::Vector2d(position->latitude_deg, position->longitude_deg);
-      ++count;
+      if (count++ == 0) first_longitude_deg = position->longitude_deg;
+      // From the first one the short way round: the date line may run through the block.
+      const double from_first_deg = std::remainder(position->longitude_deg - first_longitude_deg, 360);
+      sum.head<2>() += Eigen::Vector2d(position->latitude_deg, from_first_deg);
       if (!std::isfinite(position->sigma_m.z())) continue;
       sum.z() += position->height_m;
       ++heights;
     }
-  return {sum.x() / std::max(1, count), sum.y() / std::max(1, count), sum.z() / std::max(1, heights)};
+  return {sum.x() / std::max(1, count), std::remainder(first_longitude_deg + sum.y() / std::max(1, count), 360),
+          sum.z() / std::max(1, heights)};
 }
 
 Result<> place_on_earth(Imported& imported, const ImportOptions& options, const ControlFile& control) {
@@ -279,6 +283,9 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
   const bool has_gps = std::any_of(block.images.begin(), block.images.end(),
                                    [](const auto& entry) { return entry.second.position.has_value(); });
   std::string crs = options.crs.value_or(control.crs);
+  if (options.crs)
+    if (const auto known = check_crs(crs); !known)
+      return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\" (--crs)"));
   Eigen::Vector3d origin = middle_of(block);
   if (!has_gps) {
     if (control.points.empty()) return {};

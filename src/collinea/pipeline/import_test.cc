@@ -216,6 +216,29 @@ TEST(Import, PositionsGetTheUtmZoneAndStatedSigmasWin) {
   EXPECT_NEAR(second.position_in_world.y() - first.position_in_world.y(), 55.6, 0.1);
 }
 
+TEST(Import, PicturesOnBothSidesOfTheDateLineAreBesideEachOther) {
+  const TestFolder folder;
+  const PhotoHeader west = at_place(-17, 179.999), east = at_place(-17, -179.997);
+  put_photo(folder / "1.jpg", &west);
+  put_photo(folder / "2.jpg", &east);
+  const auto imported = import_photos(folder / "", {}, {});
+  ASSERT_TRUE(imported) << imported.error().message;
+  const Block& block = imported->block;
+  EXPECT_EQ(block.georeference.value().crs, "EPSG:32701");
+  EXPECT_NEAR(block.georeference->origin_longitude_deg, -179.999, 1e-9);
+  for (const auto& [id, image] : block.images)
+    EXPECT_LT(image.position->position_in_world.head<2>().norm(), 250) << image.file;
+}
+
+TEST(Import, AMapThatIsNoneIsAnErrorAlsoWhereNothingIsPlaced) {
+  const TestFolder folder;
+  put_photo(folder / "a.jpg", nullptr);
+  put_photo(folder / "b.jpg", nullptr);
+  const auto imported = import_photos(folder / "", {.crs = "nonsense"}, {});
+  ASSERT_FALSE(imported);
+  EXPECT_NE(imported.error().message.find("--crs"), std::string::npos) << imported.error().message;
+}
+
 TEST(Import, WithoutPositionsAndControlThereIsNoMap) {
   const TestFolder folder;
   put_photo(folder / "a.jpg", nullptr);
