@@ -146,6 +146,10 @@ Camera camera_from_header(const PhotoHeader& header) {
   return camera;
 }
 
+bool states_focal(const PhotoHeader& header) {
+  return (header.focal_mm && header.pixel_pitch_mm) || header.focal_35mm_mm;
+}
+
 std::string camera_name(const PhotoHeader& header) {
   std::string name = header.maker;
   if (!header.model.empty()) name += (name.empty() ? "" : " ") + header.model;
@@ -166,7 +170,7 @@ std::optional<PositionPrior> position_prior(const PhotoHeader& header, const Imp
   prior.height_above_start_m = header.relative_height_m;
   prior.sigma_m = {header.sigma_east_m.value_or(plan), header.sigma_north_m.value_or(plan),
                    header.height_m ? header.sigma_height_m.value_or(height) : std::numeric_limits<double>::infinity()};
-  prior.sigma_m = prior.sigma_m.cwiseMax(0.005);  // no receiver is better; zeros stand for "unknown"
+  prior.sigma_m = prior.sigma_m.cwiseMax(0.005);  // no receiver is better
   return prior;
 }
 
@@ -229,9 +233,10 @@ class Importer {
     camera.name = camera_name(header);
     if (camera.source == "assumed")
       result.findings.push_back(
-          fmt::format("{} ({} x {} px): no focal length in the files; {:.0f} px assumed, to be found by "
+          fmt::format("{} ({} x {} px): {} focal length in the files; {:.0f} px assumed, to be found by "
                       "self-calibration",
-                      camera.name, header.width_px, header.height_px, camera.focal_px()));
+                      camera.name, header.width_px, header.height_px, states_focal(header) ? "an impossible" : "no",
+                      camera.focal_px()));
     result.block.cameras[id] = camera;
     return id;
   }

@@ -87,6 +87,19 @@ TEST(ImportFocal, AnImpossibleOneIsNotBelieved) {
   EXPECT_EQ(camera_of(header).source, "assumed");
 }
 
+TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
+  PhotoHeader impossible = drone_header();
+  impossible.focal_mm.reset();
+  impossible.focal_35mm_mm = 3000;
+  const TestFolder folder;
+  for (const auto& [file, header] : {std::pair("a.jpg", PhotoHeader{}), std::pair("b.jpg", impossible)})
+    put_photo(folder / file, &header);
+  const auto imported = import_photos(folder / "", {}, {});
+  ASSERT_TRUE(imported) << imported.error().message;
+  EXPECT_TRUE(mentions(imported->findings, "unknown camera (120 x 90 px): no focal length in the files; 144 px"));
+  EXPECT_TRUE(mentions(imported->findings, "Maker Model (120 x 90 px): an impossible focal length in the files; 144"));
+}
+
 TEST(ImportFocal, AGivenCameraIsHeldFixed) {
   const TestFolder folder;
   put_photo(folder / "a.jpg", nullptr);
