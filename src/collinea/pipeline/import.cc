@@ -29,7 +29,7 @@ constexpr double kFullFrameDiagonal_mm = 43.2666;
 struct Photo {
   std::string file;
   Result<PhotoHeader> header = fail(Errc::kNotFound, "not read");
-  std::uint64_t hash = 0;
+  Result<std::uint64_t> hash = fail(Errc::kNotFound, "not read");
 };
 
 bool looks_like_photo(const fs::path& path) {
@@ -49,17 +49,35 @@ bool belongs_to_project(const fs::path& directory) {
          (name == "products" || name == "depth" || name == "report" || name == "scratch");
 }
 
-std::vector<std::string> files_below(const fs::path& folder) {
-  std::vector<std::string> files;
-  std::error_code ignored;
-  for (auto it = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, ignored);
-       it != fs::recursive_directory_iterator(); it.increment(ignored))
-    if (it->is_directory(ignored) && belongs_to_project(it->path()))
-      it.disable_recursion_pending();
-    else if (it->is_regular_file(ignored) && looks_like_photo(it->path()))
-      files.push_back(fs::relative(it->path(), folder, ignored).generic_string());
-  std::sort(files.begin(), files.end());
-  return files;
+struct Listing {
+  std::vector<std::string> files;                // sorted
+  std::vector<SkippedPhoto> unreadable_folders;  // folders that cannot be looked into
+};
+
+std::string path_below(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  const std::string below = fs::relative(path, folder, error).generic_string();
+  return error ? path.generic_string() : below;
+}
+
+// Folder by folder, so that one that cannot be read neither ends the search nor is passed over in silence.
+Listing files_below(const fs::path& folder) {
+  Listing listing;
+  std::vector<fs::path> left = {folder};
+  while (!left.empty()) {
+    const fs::path here = std::move(left.back());
+    left.pop_back();
+    std::error_code error, ignored;
+    for (auto it = fs::directory_iterator(here, error); !error && it != fs::directory_iterator(); it.increment(error))
+      if (it->is_directory(ignored)) {
+        if (!it->is_symlink(ignored) && !belongs_to_project(it->path())) left.push_back(it->path());
+      } else if (it->is_regular_file(ignored) && looks_like_photo(it->path())) {
+        listing.files.push_back(path_below(folder, it->path()));
+      }
+    if (error) listing.unreadable_folders.push_back({path_below(folder, here), "cannot be read: " + error.message()});
+  }
+  std::sort(listing.files.begin(), listing.files.end());
+  return listing;
 }
 
 Result<std::vector<double>> numbers_in(const std::string& text) {
@@ -174,14 +192,13 @@ std::optional<PositionPrior> position_prior(const PhotoHeader& header, const Imp
   return prior;
 }
 
-std::vector<Photo> read_headers(const fs::path& folder, const Run& run) {
-  const std::vector<std::string> files = files_below(folder);
+std::vector<Photo> read_headers(const fs::path& folder, const std::vector<std::string>& files, const Run& run) {
   std::vector<Photo> photos(files.size());
   std::atomic<std::size_t> done = 0;
   parallel_for(run, files.size(), [&](std::size_t i) {
     photos[i].file = files[i];
     photos[i].header = read_photo_header(folder / files[i]);
-    photos[i].hash = hash_of_file(folder / files[i]).value_or(0);
+    photos[i].hash = hash_of_file(folder / files[i]);
     run.report("import", double(++done) / double(files.size()));
   });
   return photos;
@@ -194,9 +211,10 @@ class Importer {
 
   void add(const Photo& photo) {
     if (!photo.header) return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
+    if (!photo.hash) return skip(photo.file, reason_without_name(photo.hash.error().message, folder_ / photo.file));
     if (photo.header->width_px < 64 || photo.header->height_px < 64)
       return skip(photo.file, "smaller than 64 x 64 pixels");
-    const auto [same, is_new] = file_of_hash_.emplace(photo.hash, photo.file);
+    const auto [same, is_new] = file_of_hash_.emplace(*photo.hash, photo.file);
     if (!is_new) return skip(photo.file, "the same bytes as " + same->second);
     Image image;
     image.file = photo.file;
@@ -208,7 +226,7 @@ class Importer {
       image.attitude =
           AttitudePrior{*photo.header->heading_deg, *photo.header->pitch_deg, photo.header->roll_deg.value_or(0)};
     result.block.images[ImageId{static_cast<std::uint32_t>(result.block.images.size())}] = image;
-    result.file_hash.push_back(Hash().add(photo.hash).hex());
+    result.file_hash.push_back(Hash().add(*photo.hash).hex());
   }
 
   Imported result;
@@ -342,10 +360,12 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
   if (fs::directory_iterator(photos, unreadable); unreadable)
     return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
   Importer importer(photos, options, camera_params);
-  const std::vector<Photo> read = read_headers(photos, run);
+  const Listing listing = files_below(photos);
+  const std::vector<Photo> read = read_headers(photos, listing.files, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   for (const Photo& photo : read) importer.add(photo);
   Imported imported = std::move(importer.result);
+  imported.skipped.insert(imported.skipped.end(), listing.unreadable_folders.begin(), listing.unreadable_folders.end());
   if (imported.block.images.size() < 2)
     return fail(Errc::kNotFound, fmt::format("{} usable photographs (JPEG, TIFF, PNG) in {}{}; at least two are needed",
                                              imported.block.images.size(), photos.string(),
@@ -365,7 +385,7 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
     hash.add(path.string()).add(std::uint64_t{fs::file_size(path, missing)});
     hash.add(static_cast<std::uint64_t>(fs::last_write_time(path, missing).time_since_epoch().count()));
   };
-  for (const std::string& file : files_below(photos)) add_file(photos / file);
+  for (const std::string& file : files_below(photos).files) add_file(photos / file);
   if (options.control) add_file(*options.control);
   return hash.hex();
 }
