@@ -177,8 +177,7 @@ Result<ProjectStore> ProjectStore::open(const std::filesystem::path& project) {
 
 Result<ProjectStore> ProjectStore::open_to_read(const std::filesystem::path& project) {
   const std::filesystem::path file = project / "block.db";
-  if (!std::filesystem::exists(file))
-    return fail(Errc::kNotFound, project.string() + " is not a project: no block.db in it");
+  if (!is_there(file)) return fail(Errc::kNotFound, project.string() + " is not a project: no block.db in it");
   const bool writable = ::access(project.c_str(), W_OK) == 0 && ::access(file.c_str(), W_OK) == 0;
   return writable ? open(project) : open_read_only(project);
 }

@@ -10,6 +10,7 @@
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
 #include "collinea/image/photo.h"
+#include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/io/ply.h"
 #include "collinea/pipeline/depth_folder.h"
@@ -86,7 +87,8 @@ class CloudFiles {
     if (places.frame) las.wkt = places.frame->wkt1();
     las.compressed = project.settings.densify.cloud == "laz";
     las.run = project.run;
-    for (const char* earlier : {"cloud.las", "cloud.laz"}) std::filesystem::remove(products / earlier);
+    for (const char* earlier : {"cloud.las", "cloud.laz"})
+      if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     COLLINEA_TRY(PlyWriter ply_writer,
                  PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));

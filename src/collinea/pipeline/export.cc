@@ -5,6 +5,7 @@
 
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
+#include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/ply.h"
@@ -41,7 +42,7 @@ Result<> export_tie_points(const std::filesystem::path& folder, const Block& blo
 }
 
 Result<> export_cloud(const Project& project, const std::filesystem::path& folder, const std::string& form) {
-  if (!std::filesystem::exists(project.cloud()))
+  if (!is_there(project.cloud()))
     return fail(Errc::kNotFound, "there is no cloud yet: collinea densify " + project.folder.string());
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
   const LasHeader& header = reader.header();

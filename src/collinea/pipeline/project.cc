@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "collinea/base/hash.h"
+#include "collinea/io/file.h"
 #include "collinea/pipeline/cost.h"
 #include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/step.h"
@@ -78,19 +79,20 @@ fs::path product_path(const Project& project, const char* product) {
 bool products_exist(const Project& project, const Step& step, const StepRecord& record) {
   if (made_nothing(record.report_json)) return true;
   for (const char* product : step.products)
-    if (!fs::exists(product_path(project, product))) return false;
+    if (!is_there(product_path(project, product))) return false;
   return true;
 }
 
 // What a program that was killed left half written. Nobody else is at work here, but other files may lie beside ours.
 void sweep(const fs::path& folder) {
-  if (!fs::exists(folder / "block.db")) return;
+  if (!is_there(folder / "block.db")) return;
   std::error_code ignored;
   const auto remove_in = [&](const char* place, const char* name_start, const char* extension_start) {
-    for (const auto& entry : fs::directory_iterator(folder / place, ignored))
-      if (entry.path().filename().string().starts_with(name_start) &&
-          entry.path().extension().string().starts_with(extension_start))
-        fs::remove(entry.path(), ignored);
+    for (auto it = fs::directory_iterator(folder / place, ignored); it != fs::directory_iterator();
+         it.increment(ignored))
+      if (it->path().filename().string().starts_with(name_start) &&
+          it->path().extension().string().starts_with(extension_start))
+        fs::remove(it->path(), ignored);
   };
   for (const char* place : {"products", "depth", "report"}) remove_in(place, "", ".part");
   remove_in(".", "project.json", ".part");
@@ -129,7 +131,8 @@ Result<> do_step(Project& project, const Step& step) {
   if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: {}", step.name, kStopped));
   project.run.report(step.name, 1);
   if (made_nothing(output.report_json))
-    for (const char* product : step.products) fs::remove(product_path(project, product));
+    for (const char* product : step.products)
+      if (auto removed = remove_file(product_path(project, product)); !removed) return removed;
   const StepRecord record{step.name,         inputs_hash,        output.output_hash,
                           cost.seconds(),    cost.cpu_seconds(), cost.peak_memory_bytes(),
                           output.report_json};
