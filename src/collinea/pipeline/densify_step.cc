@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
@@ -70,6 +71,20 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   return matched;
 }
 
+// What depth maps are made from. Options of fusion leave them alone.
+Result<std::string> inputs_of_depth_maps(const Project& project) {
+  COLLINEA_TRY(const auto oriented, project.store.read_step("orient"));
+  COLLINEA_CHECK(oriented.has_value());
+  Settings settings = project.settings;
+  settings.densify = options_of_matching(settings.densify);
+  return Hash()
+      .add(COLLINEA_VERSION)
+      .add("depth maps")
+      .add(options_text(settings, "densify"))
+      .add(oriented->output_hash)
+      .hex();
+}
+
 // Both cloud files at once: LAS in the map, PLY in the world frame.
 class CloudFiles {
  public:
@@ -124,16 +139,15 @@ class CloudFiles {
 }  // namespace
 
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
-  if (const std::string& form = project.settings.densify.cloud; form != "las" && form != "laz")
-    return fail(Errc::kBadInput, "cloud = " + form + ": must be las or laz");
   COLLINEA_TRY(const Block block, project.store.read_block());
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
   WorkingPictures pictures(
       block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
-  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", inputs_hash, block, pictures));
+  COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
+  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
   COLLINEA_TRY(DepthFolder overviews,
-               DepthFolder::open(project.folder / "depth" / "overview", inputs_hash, block, pictures));
+               DepthFolder::open(project.folder / "depth" / "overview", made_from, block, pictures));
   const TieView ties(block);
   json report = {{"skipped", json::array()}};
   COLLINEA_TRY(const std::vector<ImageId> images,

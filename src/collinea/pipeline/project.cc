@@ -153,6 +153,8 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
   std::error_code error;
   if (!fs::is_directory(settings.photos, error))
     return fail(Errc::kNotFound, settings.photos + " is not a folder of photographs");
+  if (const auto& given = settings.orient.orientation; given && !is_there(*given))
+    return fail(Errc::kNotFound, "orient: orientation: " + *given + " does not exist");
   fs::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   COLLINEA_TRY(auto lock, ProjectLock::take(folder));

@@ -193,8 +193,6 @@ void SmallProject::a_compressed_cloud_gives_the_same_surface() {
   EXPECT_FALSE(fs::exists(products / "cloud.las"));  // that of the earlier setting is not left beside
   EXPECT_LT(5 * fs::file_size(products / "cloud.laz"), fs::file_size(root_ / "mapped/products/cloud.las"));
   EXPECT_TRUE(bytes_of(products / "dsm.tif") == bytes_of(root_ / "mapped/products/dsm.tif"));
-  changed.densify.cloud = "laz2";
-  EXPECT_FALSE(bring(root_ / "compressed", changed, log, "densify"));
   fs::remove_all(root_ / "compressed");
 }
 
@@ -331,6 +329,19 @@ TEST(Project, PhotosThatAreNoFolderAreAnErrorBeforeAnythingIsMade) {
   const auto project = create_project(folder / "project", settings, {});
   ASSERT_FALSE(project);
   EXPECT_EQ(project.error().code, Errc::kNotFound);
+  EXPECT_FALSE(fs::exists(folder / "project"));
+}
+
+TEST(Project, AnOrientationThatIsNotThereIsAnErrorBeforeAnythingIsMade) {
+  const TestFolder folder;
+  Settings settings;
+  settings.photos = (folder / "").string();
+  for (const std::string& path : {(folder / "nowhere").string(), "/" + std::string(5000, 'x')}) {
+    settings.orient.orientation = path;
+    const auto project = create_project(folder / "project", settings, {});
+    ASSERT_FALSE(project);
+    EXPECT_NE(project.error().message.find(path), std::string::npos) << project.error().message;
+  }
   EXPECT_FALSE(fs::exists(folder / "project"));
 }
 
