@@ -49,6 +49,9 @@ class ProjectStore {
   /// As read_block, but as it was set up: no poses, no points, cameras and control observations before adjustment.
   Result<Block> read_setup() const;
 
+  /// A fingerprint of all that write_setup wrote.
+  Result<std::uint64_t> setup_hash() const;
+
   Result<> write_features(ImageId image, const Features& features, const std::string& inputs_hash);
   Result<Features> read_features(ImageId image) const;
   Result<std::vector<Keypoint>> read_keypoints(ImageId image) const;

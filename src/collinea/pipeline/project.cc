@@ -25,7 +25,8 @@ struct Step {
   Result<StepOutput> (*work)(Project&, const std::string& inputs_hash);
   std::vector<const char*> reads;     ///< earlier steps whose output it uses
   std::vector<const char*> products;  ///< files without which it is not done
-  bool reads_control = false;         ///< control, map and position sigmas: all that import was given
+  bool reads_setup = false;           ///< control, map and position sigmas too: all that import left in the store
+  bool reads_sources = false;         ///< what import was given, with the remarks on it
 };
 
 constexpr const char* kCloud = "products/cloud.las or .laz, as asked for";
@@ -36,7 +37,7 @@ const std::array<Step, 8>& steps() {
       {"import", import_step, {}, {}},
       {"detect", detect_step, {"import"}, {}},
       {"match", match_step, {"import", "detect"}, {}},
-      {"orient", orient_step, {"import", "match"}, {}, true},
+      {"orient", orient_step, {"import", "match"}, {}, /*reads_setup=*/true},
       {"densify", densify_step, {"orient"}, {kCloud, "products/cloud.ply"}},
       {"surface",
        surface_step,
@@ -47,7 +48,8 @@ const std::array<Step, 8>& steps() {
        report_step,
        {"import", "detect", "match", "orient", "densify", "surface", "ortho"},
        {"report/report.html"},
-       true},
+       /*reads_setup=*/true,
+       /*reads_sources=*/true},
   }};
   return all;
 }
@@ -62,7 +64,11 @@ Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
     COLLINEA_TRY(const auto record, project.store.read_step(earlier));
     COLLINEA_CHECK(record.has_value());
     hash.add(record->output_hash);
-    if (step.reads_control && earlier == std::string_view("import")) hash.add(record->inputs_hash);
+    if (step.reads_sources && earlier == std::string_view("import")) hash.add(record->inputs_hash);
+  }
+  if (step.reads_setup) {
+    COLLINEA_TRY(const std::uint64_t setup, project.store.setup_hash());
+    hash.add(setup);
   }
   return hash.hex();
 }
