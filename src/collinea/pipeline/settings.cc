@@ -77,6 +77,24 @@ void options_from_json(const json& j, const std::string& group, Options& options
       throw std::invalid_argument("options." + group + "." + name + ": there is no such option");
 }
 
+json settings_to_json(const Settings& settings) {
+  json j;
+  j["photos"] = settings.photos;
+  j["seed"] = settings.seed;
+  Settings::each(settings, [&](const char*, const char* group, const auto& group_options) {
+    j["options"][group] = options_to_json(group_options);
+  });
+  return j;
+}
+
+bool can_be_kept(const json& j) {
+  try {
+    return !j.dump().empty();
+  } catch (const json::exception&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 Result<Settings> read_settings(const std::filesystem::path& project) {
@@ -107,16 +125,13 @@ Result<Settings> read_settings(const std::filesystem::path& project) {
 }
 
 Result<> write_settings(const std::filesystem::path& project, const Settings& settings) {
-  json j;
-  j["photos"] = settings.photos;
-  j["seed"] = settings.seed;
-  Settings::each(settings, [&](const char*, const char* group, const auto& group_options) {
-    j["options"][group] = options_to_json(group_options);
-  });
-  return write_file(project / "project.json", json_text(j, 2) + "\n");
+  return write_file(project / "project.json", json_text(settings_to_json(settings), 2) + "\n");
 }
 
 Result<> validate_settings(const Settings& settings) {
+  if (!can_be_kept(settings_to_json(settings)))
+    return fail(Errc::kBadInput, (can_be_kept(settings.photos) ? "a name among the options" : settings.photos) +
+                                     " is not UTF-8, which is all that project.json can hold: rename it");
   Result<> verdict;
   Settings::each(settings, [&](const char* step, const char*, const auto& group_options) {
     if (verdict)

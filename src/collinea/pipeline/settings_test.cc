@@ -89,6 +89,20 @@ TEST(Settings, WhatIsWrongIsNamedWithItsPlace) {
   }
 }
 
+TEST(Settings, NamesThatAreNotUtf8AreRefusedBeforeTheyAreDamaged) {
+  Settings photos, control;
+  photos.photos = "/photos/M\xfcnchen";
+  control.photos = "/photos/M\xc3\xbcnchen";
+  EXPECT_TRUE(validate_settings(control));
+  control.import.control = "/control/M\xfcnchen.csv";
+  for (const Settings& settings : {photos, control}) {
+    const auto valid = validate_settings(settings);
+    ASSERT_FALSE(valid);
+    EXPECT_EQ(valid.error().code, Errc::kBadInput);
+    EXPECT_NE(valid.error().message.find("UTF-8"), std::string::npos) << valid.error().message;
+  }
+}
+
 TEST(Settings, ASeedChangesEveryStepAndAnOptionOnlyItsOwn) {
   const Settings before;
   Settings seed, option;
