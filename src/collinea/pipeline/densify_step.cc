@@ -33,13 +33,16 @@ Result<std::map<ImageId, std::string>> make_maps(const Project& project, const s
                                                  DepthFolder& folder, const char* what, const MakeMap& make) {
   std::vector<Result<>> outcomes(images.size());
   std::atomic<std::size_t> done = 0;
-  Run one_thread = project.run;  // images side by side use the processor better than threads within one
+  std::atomic<bool> hopeless = false;  // a full disk, say: what remains to be done would be lost too
+  Run one_thread = project.run;        // images side by side use the processor better than threads within one
   one_thread.threads = 1;
   one_thread.progress = nullptr;
   parallel_for(project.run, images.size(), [&](std::size_t i) {
+    if (hopeless) return;
     if (!folder.has(images[i])) {
       const auto map = make(images[i], one_thread);
       outcomes[i] = map ? folder.write(images[i], *map) : tl::unexpected(map.error());
+      if (!outcomes[i] && outcomes[i].error().code != Errc::kIllPosed) hopeless = true;
     }
     project.run.report(what, double(++done) / double(images.size()));
   });

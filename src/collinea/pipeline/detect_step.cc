@@ -91,9 +91,12 @@ Result<StepOutput> detect_step(Project& project, const std::string&) {
 
   std::vector<Outcome> outcomes(images.size());
   std::atomic<std::size_t> finished = 0;
+  std::atomic<bool> hopeless = false;  // a full disk, say: what remains to be done would be lost too
   parallel_for(project.run, images.size(), [&](std::size_t i) {
+    if (hopeless) return;
     const auto& [id, image] = images[i];
     outcomes[i] = detect_one(project, id, *image, anew ? made_from(project, *image) : wanted[i], done);
+    if (!outcomes[i].stored) hopeless = true;
     project.run.report("detect", double(++finished) / double(images.size()));
   });
   if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");

@@ -4,6 +4,7 @@
 #include "collinea/base/random.h"
 #include "collinea/image/photo.h"
 #include "collinea/image/test_folder.h"
+#include "collinea/io/sqlite.h"
 #include "collinea/pipeline/project.h"
 
 namespace collinea {
@@ -75,6 +76,28 @@ TEST(DetectStep, APhotographRepairedIsDetectedAgain) {
   ASSERT_TRUE(project) << project.error().message;
   EXPECT_EQ(project->store.read_keypoints(ImageId{0}).value().size(), 1u);
   EXPECT_GT(project->store.read_keypoints(ImageId{1}).value().size(), 5u);
+}
+
+TEST(DetectStep, AFullDiskEndsItAtOnce) {
+  const TestFolder folder;
+  for (const char* file : {"a.jpg", "b.jpg", "c.jpg", "d.jpg"})
+    put_noise(folder / "photos" / file, std::uint64_t(file[0]));
+  Settings settings;
+  settings.photos = (folder / "photos").string();
+  int reported = 0;
+  Run run;
+  run.progress = [&](std::string_view stage, double done) { reported += stage == "detect" && done > 0; };
+  auto project = create_project(folder / "project", settings, run);
+  ASSERT_TRUE(project) << project.error().message;
+  {
+    auto database = sqlite::Database::open(folder / "project/block.db");
+    ASSERT_TRUE(database && database->execute("CREATE TRIGGER full BEFORE INSERT ON features BEGIN "
+                                              "SELECT RAISE(FAIL, 'the disk is full'); END"));
+  }
+  const auto done = bring_up_to(*project, "detect");
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("the disk is full"), std::string::npos) << done.error().message;
+  EXPECT_EQ(reported, 1);
 }
 
 }  // namespace
