@@ -23,7 +23,7 @@ constexpr double kPlaneThreshold = 1.25;    // two degrees of freedom instead of
 constexpr double kStationary_px = 1.5;      // a match that stays at its pixel
 constexpr double kMostStationary = 0.9;
 constexpr double kMotionShare = 0.7;  // of the fundamental matrix's inliers that an essential matrix must keep
-constexpr double kLensDoubt = 3;      // times max_error_px of a picture of kReferenceSize_px: what a lens may feign
+constexpr double kLensDoubt = 3;      // thresholds that an uncalibrated lens may feign as parallax
 
 // Matches in random order.
 struct Prepared {
@@ -279,9 +279,11 @@ class Verification {
 
   // From the median, which outliers just below the threshold do not move much.
   [[nodiscard]] double noise_px(const std::vector<double>& squared_px2, std::span<const int> inliers) const {
+    constexpr double kLeastNoise_px = 0.4;  // also where a threshold was asked for that is not twice as much
     std::vector<double> some;
     for (const int i : inliers) some.push_back(squared_px2[static_cast<std::size_t>(i)]);
-    return std::clamp(1.4826 * std::sqrt(median(std::move(some))), 0.4, threshold_px_ / 2);
+    return std::clamp(1.4826 * std::sqrt(median(std::move(some))), kLeastNoise_px,
+                      std::max(kLeastNoise_px, threshold_px_ / 2));
   }
 
   [[nodiscard]] Finding general(const Relation& epipolar) const {
