@@ -84,6 +84,7 @@ class SmallProject : public ::testing::Test {
     Settings settings;
     settings.photos = (root_ / "images").string();
     settings.import.control = (root_ / "control.csv").string();
+    settings.pairs.exhaustive_below = 0;  // partners are chosen as in a large block
     return settings;
   }
 
@@ -379,6 +380,7 @@ void SmallProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() 
   fs::resize_file(broken, fs::file_size(broken) * 2 / 3);
   Settings changed = settings();
   changed.photos = photos.string();
+  changed.pairs.exhaustive_below = 10;  // all with all
   Log log;
   const auto done = bring(root_ / "without_broken", changed, log, "match");
   ASSERT_TRUE(done) << done.error().message;
