@@ -5,7 +5,6 @@
 
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/robust_similarity.h"
-#include "collinea/base/median.h"
 
 namespace collinea {
 namespace {
