@@ -11,6 +11,7 @@
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/robust_similarity.h"
+#include "collinea/block/picture_axes.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
@@ -33,13 +34,12 @@ constexpr int kHeldRounds = 2;          // points that fit appear in the first, 
 constexpr double kWeakTurn_rad = 0.03;  // of a block about the line of its positions: attitudes are better
 constexpr double kNoTurn_rad = 0.2;     // not known
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
+constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one; of two each stands alone
 
 struct Parts {
   Reconstruction largest;
   bool in_world = false;  // it was placed by the positions of its images
   std::vector<std::vector<ImageId>> others;
-  std::vector<ImageId> alone;
 };
 
 std::vector<ImageId> images_of(const Reconstruction& part) {
@@ -52,45 +52,44 @@ bool begins_globally(const Block& setup, const OrientOptions& options) {
   return options.mode == "global" || (options.mode == "auto" && options.use_positions && worth_global(setup));
 }
 
-// Grows parts until no new one with three images comes up; the largest is kept.
+// Grows parts until no two images are left that fit together; the largest is kept.
 Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<const ImagePair> pairs,
                          const OrientOptions& options, const Run& run) {
-  std::vector<Reconstruction> parts;
-  std::set<ImageId> taken;
-  bool placed = false;  // the first part
-  for (;;) {
-    Reconstruction part = empty;
-    if (parts.empty() && begins_globally(setup, options)) {
-      COLLINEA_TRY(placed, place_globally(part, setup, pairs, options, run));
-      if (!placed && options.mode == "global")
-        return fail(Errc::kIllPosed,
-                    "the positions of the images do not fix the block (too few, all on one line, or they contradict "
-                    "the pairs): orient with --mode incremental");
-    }
-    if (auto grown = grow(part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
-    if (part.poses().size() < (parts.empty() ? 2 : kSmallestPart)) break;
-    for (const auto& [image, pose] : part.poses()) taken.insert(image);
-    parts.push_back(std::move(part));
-    if (empty.images_with_tracks().size() < taken.size() + kSmallestPart) break;
+  Parts parts{std::move(empty), false, {}};
+  Reconstruction& largest = parts.largest;
+  if (begins_globally(setup, options)) {
+    COLLINEA_TRY(parts.in_world, place_globally(largest, setup, pairs, options, run));
+    if (!parts.in_world && options.mode == "global")
+      return fail(Errc::kIllPosed,
+                  "the positions of the images do not fix the block (too few, all on one line, or they contradict "
+                  "the pairs): orient with --mode incremental");
   }
-  if (parts.empty()) return fail(Errc::kIllPosed, why_nothing(pairs));
-  const auto largest = std::max_element(
-      parts.begin(), parts.end(),
-      [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
-  Parts result{std::move(*largest), placed && largest == parts.begin(), {}, {}};
-  for (const Reconstruction& part : parts)
-    if (&part != &*largest) result.others.push_back(images_of(part));
-  for (const auto& [image, data] : setup.images)
-    if (!taken.contains(image)) result.alone.push_back(image);
-  return result;
+  if (auto grown = grow(largest, pairs, {}, options, run); !grown) return tl::unexpected(grown.error());
+  if (largest.poses().size() < 2) return fail(Errc::kIllPosed, why_nothing(pairs));
+  std::set<ImageId> taken;
+  for (const auto& [image, pose] : largest.poses()) taken.insert(image);
+  std::optional<Reconstruction> part;  // it holds all tracks: there are two at most
+  while (can_start(pairs, taken)) {
+    if (!part) part = largest;
+    part->forget();
+    if (auto grown = grow(*part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
+    if (part->poses().size() < 2) break;
+    for (const auto& [image, pose] : part->poses()) taken.insert(image);
+    if (part->poses().size() > largest.poses().size()) {
+      std::swap(*part, largest);
+      parts.in_world = false;
+    }
+    if (part->poses().size() >= kSmallestPart) parts.others.push_back(images_of(*part));
+  }
+  return parts;
 }
 
 // Without control or positions the gauge is made readable: origin in the middle of the cameras, z opposite to the mean
-// downward direction of the pictures, the unit such that the first base had length one.
-Similarity3 readable_gauge(const Reconstruction& part) {
+// lower edge of the pictures as they are looked at, the unit such that the first base had length one.
+Similarity3 readable_gauge(const Reconstruction& part, const Block& setup) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero(), middle = Eigen::Vector3d::Zero();
   for (const auto& [image, pose] : part.poses()) {
-    up -= pose.rotation.conjugate() * Eigen::Vector3d::UnitY();
+    up -= pose.rotation.conjugate() * down_in_cam(setup.images.at(image).orientation);
     middle += centre_of(pose) / static_cast<double>(part.poses().size());
   }
   Similarity3 gauge;
@@ -126,7 +125,6 @@ class Orienter {
     empty.sleep_surplus();
     COLLINEA_TRY(Parts parts, grow_parts(setup_, std::move(empty), pairs, options_, run_));
     result_.other_parts = std::move(parts.others);
-    result_.alone = std::move(parts.alone);
     Reconstruction& part = parts.largest;
     part.wake_all();
     part.extend_all(run_);
@@ -151,8 +149,6 @@ class Orienter {
           "only {} of {} measurements of tie points fit the poses of {}: these are of other photographs, or "
           "in another convention, or their cameras are wrong",
           rays.active, rays.all, given.source));
-    for (const auto& [image, data] : setup_.images)
-      if (!given.cam_from_world.contains(image)) result_.alone.push_back(image);
     if (options_.refine_orientation) return settle_in_world(part, pairs, false);
     return hold(part);
   }
@@ -170,10 +166,23 @@ class Orienter {
       part.extend_all(run_);
       if (const auto shown = part.shown_noise()) part.set_noise(*shown);
     }
+    doubt_loose(part);
     place(part);
     COLLINEA_TRY(result_.adjusted, part.adjust_all(adjust, held, run_));
+    for (ControlDifference& control : result_.adjusted.control) control.used |= in_datum_.contains(control.point);
     finish(part);
     return std::move(result_);
+  }
+
+  // Given poses that hardly a tie point fits are held all the same, but that is said.
+  void doubt_loose(const Reconstruction& part) {
+    std::vector<ImageId> loose;
+    for (const auto& [image, pose] : part.poses())
+      if (part.active_rays(image) < options_.min_points) loose.push_back(image);
+    if (!loose.empty())
+      result_.findings.push_back(fmt::format(
+          "fewer than {} tie points fit the pose of {} image{}, the first: {}. Nothing here speaks for these poses",
+          options_.min_points, loose.size(), loose.size() == 1 ? "" : "s", setup_.images.at(loose.front()).file));
   }
 
   Result<Orientation> settle_in_world(Reconstruction& part, std::span<const ImagePair> pairs, bool in_world) {
@@ -229,7 +238,9 @@ class Orienter {
     ControlDiagnosis diagnosis = check_control(block, run_.seed);
     if (diagnosis.axes_swapped)
       if (auto control = with_exchanged_axes()) {
-        result_.findings.push_back(diagnosis.findings.front().message + "; they are used exchanged back");
+        for (const Finding& finding : diagnosis.findings)
+          if (finding.code == "control_axes_swapped")
+            result_.findings.push_back(finding.message + "; they are used exchanged back");
         block.control = setup_.control = *std::move(control);
         diagnosis = check_control(block, run_.seed);
       }
@@ -394,7 +405,7 @@ class Orienter {
     }
     if (!found) {
       scope.use_positions = scope.use_control = false;
-      if (!given_) part.move_world(readable_gauge(part));
+      if (!given_) part.move_world(readable_gauge(part, setup_));
       result_.gauge =
           given_
               ? fmt::format("local gauge, as given by {}", given_->source)
@@ -406,6 +417,7 @@ class Orienter {
       return scope;
     }
     part.move_world(found->world_from_block);
+    in_datum_ = {found->control.begin(), found->control.end()};
     result_.georeferenced = true;
     const std::size_t positions = scope.use_positions ? count_positions(part.block()) : 0;
     std::string by = found->by_control ? "control points" : "";
@@ -451,8 +463,20 @@ class Orienter {
     return true;
   }
 
+  // Images that are neither in the block nor in another part.
+  [[nodiscard]] std::vector<ImageId> left_alone() const {
+    std::set<ImageId> taken;
+    for (const auto& part : result_.other_parts) taken.insert(part.begin(), part.end());
+    for (const auto& [image, pose] : result_.block.cam_from_world) taken.insert(image);
+    std::vector<ImageId> alone;
+    for (const auto& [image, data] : setup_.images)
+      if (!taken.contains(image)) alone.push_back(image);
+    return alone;
+  }
+
   void finish(Reconstruction& part) {
     result_.block = part.block();
+    result_.alone = left_alone();
     result_.gsd_m = median_pixel_m(result_.block);
     for (const auto& other : result_.other_parts)
       result_.findings.push_back(fmt::format("{} images hang together but not with the block: {} ... {}", other.size(),
@@ -468,6 +492,7 @@ class Orienter {
   const OrientOptions& options_;
   const Run& run_;
   const GivenOrientation* given_ = nullptr;  ///< nothing: the poses are found here
+  std::set<ControlId> in_datum_;             ///< control that fixed the similarity to the map
   Orientation result_;
 };
 
@@ -475,6 +500,10 @@ class Orienter {
 
 Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs, const KeypointSource& keypoints,
                            const OrientOptions& options, const Run& run) {
+  if (options.mode == "global" && !options.use_positions)
+    return fail(Errc::kBadInput,
+                "--mode global begins from the positions of the images, and these are not to be used: orient with "
+                "--mode incremental");
   return Orienter(setup, options, run).orient(pairs, keypoints);
 }
 

@@ -108,6 +108,18 @@ TEST_F(ReportTest, WithoutCheckPointsNothingIsSaidToBeVerified) {
   EXPECT_TRUE(contains(free.statement, "neither place nor scale"));
 }
 
+TEST_F(ReportTest, ControlThatWasFoundWrongIsListedAndCounted) {
+  ReportInput input = report_of_test_flight(2, 4, 100);
+  ReportControl& wrong = input.control.front();
+  wrong.excluded = true;
+  wrong.used = false;
+  wrong.rays = 0;
+  const ReportSummary summary = summary_of(input);
+  EXPECT_EQ(summary.excluded_points, 1);
+  EXPECT_EQ(summary.check.points, 4);
+  EXPECT_TRUE(contains(summary.cautions.at(1), "1 control point was found wrong and not used"));
+}
+
 TEST_F(ReportTest, PicturesAreEmbeddedAndMissingOnesBecomeFindings) {
   fs::create_directories(folder_);
   MapGrid grid{500000, 4.98e6, 0.5, 300, 200, ""};
