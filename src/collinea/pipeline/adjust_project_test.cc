@@ -18,7 +18,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
   SurveyOptions survey;
   survey.images = 12;
   survey.control_points = 6;
-  auto project = open_simulated(folder / "block", survey, 120);
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120});
   ASSERT_TRUE(project) << project.error().message;
   const auto early = adjust_project(*project, {});
   ASSERT_FALSE(early);
@@ -53,7 +53,7 @@ TEST(AdjustProject, RefusesAnUnknownCalibration) {
   const TestFolder folder;
   SurveyOptions survey;
   survey.images = 6;
-  auto project = open_simulated(folder / "block", survey, 80);
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 80});
   ASSERT_TRUE(project && bring_up_to(*project, "orient"));
   const auto done = adjust_project(*project, {.calibration = "everything"});
   ASSERT_FALSE(done);

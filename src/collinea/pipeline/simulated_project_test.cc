@@ -14,6 +14,7 @@
 namespace collinea {
 namespace {
 
+// Without wrong matches, of which sigmas know nothing.
 TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
   const TestFolder folder;
   SurveyOptions survey;
@@ -21,7 +22,7 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
   survey.control_points = 4;
   std::vector<std::string> lines;
   collinea::Run run{.log = [&](std::string_view line) { lines.emplace_back(line); }};
-  auto project = open_simulated(folder / "block", survey, 120, run);
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, run);
   ASSERT_TRUE(project) << project.error().message;
   const auto done = bring_up_to(*project, "orient");
   ASSERT_TRUE(done) << done.error().message;
@@ -47,7 +48,7 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
   // Squares of errors over their variances have the mean 1. Were those of one axis all the same for all images, which
   // they nearly are where the block sways as a whole, the mean of three would have the variance 2/3: four deviations.
   EXPECT_LT(squares, 1 + 4 * std::sqrt(2.0 / 3));
-  EXPECT_LT(std::sqrt(variance_m2), 0.25);  // a sixth of what the receivers are good to
+  EXPECT_LT(std::sqrt(variance_m2), 0.5);  // a seventh of what a receiver is good to, 3.3 m
 }
 
 }  // namespace

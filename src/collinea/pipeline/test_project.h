@@ -8,8 +8,8 @@ namespace collinea {
 
 /// A project simulated without photographs, opened for `orient`; for tests.
 inline Result<Project> open_simulated(const std::filesystem::path& folder, const SurveyOptions& survey,
-                                      int points_per_image, const Run& run = {}) {
-  if (auto made = simulate_project(survey, {.points_per_image = points_per_image}, folder, {}); !made)
+                                      const ObservationOptions& observations, const Run& run = {}) {
+  if (auto made = simulate_project(survey, observations, folder, {}); !made)
     return tl::unexpected(std::move(made).error());
   COLLINEA_TRY(const Settings settings, read_settings(folder));
   return create_project(folder, settings, run);
