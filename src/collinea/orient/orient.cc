@@ -279,14 +279,15 @@ class Orienter {
     shift_positions(tied);
     double taken = 1;
     for (int round = 0; round < kControlRounds; ++round) {
-      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / kControlStep, kControlStep);
+      // never below what was stated: then it is not the coordinates that are wrong
+      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / taken, kControlStep);
       taken *= factor;
       for (auto& [id, point] : setup_.control)
         if (point.role == ControlRole::kControl) point.sigma_m *= factor;
       COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
       if (std::abs(std::log(factor)) < std::log(kControlSettled)) break;
     }
-    say_what_control_shows(taken);
+    if (taken > 1) say_what_control_shows(taken);
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
     return adjust_with_covariances(part, scope);
   }
