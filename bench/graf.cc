@@ -50,11 +50,11 @@ struct Found {
   cv::Mat theirs;           // or of the other
 };
 
-Found by_collinea(const cv::Mat& picture, int count, double even_share) {
+Found by_collinea(const cv::Mat& picture, int count, double evenness) {
   collinea::GreyImage image(picture.cols, picture.rows);
   for (int y = 0; y < picture.rows; ++y) std::copy_n(picture.ptr(y), picture.cols, image.row(y));
   Found found;
-  found.ours = collinea::detect_sift(image, {.max_features = count, .even_share = even_share});
+  found.ours = collinea::detect_sift(image, {.max_features = count, .evenness = evenness});
   for (const auto& k : found.ours.keypoints) found.spots.push_back({{k.x - 0.5, k.y - 0.5}, k.scale_px});
   return found;
 }
@@ -197,19 +197,19 @@ const char* verdict(const Score& ours, const Score& theirs) {
 }
 
 // As many features of both: `count`, or all that OpenCV finds where these are fewer or `count` is 0.
-std::pair<Found, Found> features_of(const cv::Mat& picture, int count, double even_share) {
+std::pair<Found, Found> features_of(const cv::Mat& picture, int count, double evenness) {
   Found theirs = by_opencv(picture, count);
-  Found ours = by_collinea(picture, static_cast<int>(theirs.spots.size()), even_share);
+  Found ours = by_collinea(picture, static_cast<int>(theirs.spots.size()), evenness);
   return {std::move(ours), std::move(theirs)};
 }
 
-void compare(const Views& views, int count, double even_share) {
-  const auto [ours_first, theirs_first] = features_of(views.first, count, even_share);
+void compare(const Views& views, int count, double evenness) {
+  const auto [ours_first, theirs_first] = features_of(views.first, count, evenness);
   for (const View& view : views.others) {
-    const auto [ours_second, theirs_second] = features_of(view.picture, count, even_share);
+    const auto [ours_second, theirs_second] = features_of(view.picture, count, evenness);
     const Score ours = score(ours_first, ours_second, view, views);
     const Score theirs = score(theirs_first, theirs_second, view, views);
-    fmt::print("| {} | {} | {} / {} | {} / {} | {:.3f} / {:.3f} | {} / {} | {:.3f} / {:.3f} | {} |\n", even_share,
+    fmt::print("| {} | {} | {} / {} | {} / {} | {:.3f} / {:.3f} | {} / {} | {:.3f} / {:.3f} | {} |\n", evenness,
                view.name, ours_first.spots.size(), theirs_first.spots.size(), ours_second.spots.size(),
                theirs_second.spots.size(), ours.repeatability, theirs.repeatability, ours.correct, theirs.correct,
                ours.inlier_ratio(), theirs.inlier_ratio(), verdict(ours, theirs));
@@ -277,6 +277,6 @@ int main(int argc, char** argv) {
   fmt::print("|---|---|---|---|---|---|---|---|\n");
   const Views views = std::filesystem::is_directory(argv[1]) ? measured_views(argv[1]) : simulated_views(argv[1]);
   for (const int count : counts)
-    for (const double even_share : {collinea::SiftOptions{}.even_share, 0.0}) compare(views, count, even_share);
+    for (const double evenness : {collinea::SiftOptions{}.evenness, 0.0}) compare(views, count, evenness);
   return 0;
 }
