@@ -107,7 +107,7 @@ struct ControlDifference {
   int rays = 0;       ///< images it was measured in that are oriented
   std::optional<Eigen::Vector3d> position_in_world;  ///< nothing when the rays do not intersect
   Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(
-      std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame
+      std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame; NaN: not surveyed
   /// With covariances: of position_in_world [m^2], by the given sigmas (of a check point without its survey) ...
   std::optional<Eigen::Matrix3d> covariance_m2;
   /// ... and what difference_m is expected to be: sigma0 counts, and for check points the survey. NaN: not known.
@@ -167,6 +167,11 @@ struct Adjusted {
 /// (options, sigmas not positive), kIllPosed (nothing to adjust, or more unknowns than observations), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
+
+/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 without redundancy.
+[[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
+  return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
+}
 
 /// Writes poses, cameras and points of the adjustment into the block.
 void apply(const Adjusted& adjusted, Block& block);

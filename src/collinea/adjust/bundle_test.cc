@@ -456,6 +456,10 @@ TEST(Adjust, HeightOnlyControlFixesOnlyHeights) {
   const auto adjusted = adjust(block, {}, plain(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 3);  // two shifts and the turn about the vertical; relief fixes the scale
+  for (const ControlDifference& control : adjusted->control) {
+    EXPECT_TRUE(std::isnan(control.difference_m.x()) && std::isnan(control.difference_m.y()));
+    EXPECT_TRUE(std::isfinite(control.difference_m.z()));
+  }
 }
 
 TEST(Adjust, SaysWhatIsIllPosed) {

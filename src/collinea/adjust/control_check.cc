@@ -9,6 +9,7 @@
 
 #include "collinea/adjust/control_measurements.h"
 #include "collinea/adjust/robust_similarity.h"
+#include "collinea/block/picture_axes.h"
 
 namespace collinea {
 namespace {
@@ -63,32 +64,35 @@ std::optional<Similarity3> fit(const std::vector<PlacePair>& pairs) {
 // --- exchanged axes
 
 // How well a similarity fits the control to the map (centred, so that kilometres do not cost digits), and whether the
-// cameras then stand the right way up: an image's lower edge or its optical axis points down, as photographs are taken.
+// cameras then stand the right way up: the lower edge of a picture as it is looked at or its optical axis points down,
+// as photographs are taken.
 struct MapFit {
   double scatter_m;
   double upright;  // mean of -(down + forward) over the images, positive when upright
 };
 
-std::optional<MapFit> fit_to_map(const Block& block, const std::vector<Place>& places, bool swapped) {
+std::optional<MapFit> fit_to_map(const Block& block, const std::vector<Place>& places, bool swapped,
+                                 std::uint64_t seed) {
   std::vector<PlacePair> pairs = pairs_of(places);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Eigen::Vector3d from_first = places[i].in_map - places.front().in_map;
     pairs[i].in_world = swapped ? Eigen::Vector3d(from_first.y(), from_first.x(), from_first.z()) : from_first;
   }
-  const auto found = bundle::robust_similarity(pairs, 1);
+  const auto found = bundle::robust_similarity(pairs, seed);
   if (!found) return std::nullopt;
   const auto& similarity = found->world_from_block;
   MapFit result{bundle::middle(found->distances_m), 0};
   for (const auto& [id, pose] : block.cam_from_world) {
-    const Eigen::Vector3d down_and_forward = pose.rotation.conjugate() * Eigen::Vector3d(0, 1, 1);
+    const Eigen::Vector3d down_and_forward =
+        pose.rotation.conjugate() * (down_in_cam(block.images.at(id).orientation) + Eigen::Vector3d::UnitZ());
     result.upright -= (similarity.rotation * down_and_forward).z() / double(block.cam_from_world.size());
   }
   return result;
 }
 
-bool axes_are_swapped(const Block& block, const std::vector<Place>& places) {
+bool axes_are_swapped(const Block& block, const std::vector<Place>& places, std::uint64_t seed) {
   if (places.size() < 3) return false;
-  const auto as_given = fit_to_map(block, places, false), exchanged = fit_to_map(block, places, true);
+  const auto as_given = fit_to_map(block, places, false, seed), exchanged = fit_to_map(block, places, true, seed);
   if (!as_given || !exchanged) return false;
   const double noise = 1e-6 + places.front().pair.sigma_m;
   const bool fits_better = 5 * (exchanged->scatter_m + noise) < as_given->scatter_m && exchanged->upright > 0;
@@ -292,7 +296,7 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
                       {point, control.position_in_world, std::sqrt(control.sigma_m.squaredNorm() / 3)},
                       control.position_in_map});
   }
-  if (axes_are_swapped(block, places)) {
+  if (axes_are_swapped(block, places, seed)) {
     Finding finding{"control_axes_swapped", Finding::kError, {}, {}, {}, 0, "m"};
     finding.message =
         "the control fits the images only with eastings and northings exchanged: its columns are in the other order";
@@ -300,7 +304,7 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
     diagnosis.axes_swapped = true;
     return diagnosis;
   }
-  // Check points are only compared: they decide nothing.
+  // From here on check points are only compared.
   const auto first_check = std::stable_partition(places.begin(), places.end(), [&](const Place& place) {
     return block.control.at(place.id).role == ControlRole::kControl;
   });

@@ -164,7 +164,9 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
       difference.position_in_world = met->point_in_world;
     }
     if (difference.position_in_world) {
-      difference.difference_m = *difference.position_in_world - control.position_in_world;
+      for (int axis = 0; axis < 3; ++axis)
+        if (std::isfinite(control.sigma_m[axis]))
+          difference.difference_m[axis] = (*difference.position_in_world)[axis] - control.position_in_world[axis];
       for (std::size_t i = 0; i < lines.size(); ++i)
         if (const auto pixel =
                 collinea::project(*lines[i].camera, lines[i].cam_from_world * *difference.position_in_world))

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "collinea/dense/pinhole.h"
+
 namespace collinea {
 namespace {
 
@@ -56,12 +58,10 @@ std::uint8_t cubic(const GreyImage& picture, float x, float y) {
 // Where the pixels of the ideal picture lie on the photograph, at every kGrid-th pixel (sample units); NaN: nowhere.
 std::vector<Eigen::Vector2f> distortion_grid(const Camera& camera, const Camera& ideal, int columns, int rows) {
   std::vector<Eigen::Vector2f> grid(std::size_t(columns) * std::size_t(rows));
-  const auto& p = ideal.params;
+  const dense::Pinhole pinhole(ideal);
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
-      const Eigen::Vector3d ray((i * kGrid + 0.5 - p[Camera::kCx]) / p[Camera::kF],
-                                (j * kGrid + 0.5 - p[Camera::kCy]) / p[Camera::kF], 1);
-      const auto pixel = project(camera, ray);
+      const auto pixel = project(camera, pinhole.ray(i * kGrid + 0.5, j * kGrid + 0.5));
       grid[std::size_t(j) * std::size_t(columns) + std::size_t(i)] =
           pixel ? Eigen::Vector2f((*pixel - Eigen::Vector2d(0.5, 0.5)).cast<float>()) : Eigen::Vector2f(NAN, NAN);
     }

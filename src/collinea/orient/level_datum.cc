@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "collinea/block/picture_axes.h"
 #include "collinea/orient/strip_datum.h"
 
 namespace collinea {
@@ -26,16 +27,6 @@ struct Level {
   double sigma_rad;
   std::string by;
 };
-
-// The axes of a picture as it is looked at, in the camera: its right and its lower edge.
-Eigen::Vector3d right_in_cam(int orientation) {
-  return orientation >= 5 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
-}
-Eigen::Vector3d down_in_cam(int orientation) {
-  constexpr double kSigns[] = {1, 1, -1, -1, 1, 1, -1, -1};  // EXIF 1..8
-  const double sign = kSigns[std::clamp(orientation, 1, 8) - 1];
-  return sign * (orientation >= 5 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY());
-}
 
 std::optional<Level> by_attitudes(const Block& block) {
   const auto verticals = verticals_by_attitude(block);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "collinea/base/parallel.h"
@@ -24,9 +25,10 @@ using nlohmann::json;
 
 using MakeMap = std::function<Result<DepthMap>(ImageId image, const Run& run)>;
 
-// Maps of all oriented images; those found in the folder are kept. One outcome for each of `images`.
-std::vector<Result<>> make_maps(const Project& project, const std::vector<ImageId>& images, DepthFolder& folder,
-                                const char* what, const MakeMap& make) {
+// Maps of `images`; those found in the folder are kept. Returns the images that have none, and why. Only geometry may
+// be the reason: what else goes wrong may go right when the command is given again, and would change the products then.
+Result<std::map<ImageId, std::string>> make_maps(const Project& project, const std::vector<ImageId>& images,
+                                                 DepthFolder& folder, const char* what, const MakeMap& make) {
   std::vector<Result<>> outcomes(images.size());
   std::atomic<std::size_t> done = 0;
   Run one_thread = project.run;  // images side by side use the processor better than threads within one
@@ -39,7 +41,14 @@ std::vector<Result<>> make_maps(const Project& project, const std::vector<ImageI
     }
     project.run.report(what, double(++done) / double(images.size()));
   });
-  return outcomes;
+  if (project.run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
+  std::map<ImageId, std::string> without;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (outcomes[i]) continue;
+    if (outcomes[i].error().code != Errc::kIllPosed) return tl::unexpected(outcomes[i].error());
+    without[images[i]] = outcomes[i].error().message;
+  }
+  return without;
 }
 
 // Overviews of all images first, then depth maps. Returns the images that have one.
@@ -49,24 +58,18 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   std::vector<ImageId> images;
   for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
-  make_maps(project, images, overviews, "densify: overviews",
-            [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, options, run); });
-  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
-  const auto outcomes = make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
-    return depth_map(block, image, ties, pictures, &overviews, options, run);
-  });
-  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
-  std::vector<ImageId> matched;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    if (outcomes[i]) {
-      matched.push_back(images[i]);
-      continue;
-    }
-    const Error& error = outcomes[i].error();
-    if (error.code == Errc::kBadInput) return tl::unexpected(error);
-    left_out.push_back({{"file", block.images.at(images[i]).file}, {"reason", "no depth map: " + error.message}});
-  }
-  return matched;
+  const auto overviewed =
+      make_maps(project, images, overviews, "densify: overviews",
+                [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, options, run); });
+  if (!overviewed) return tl::unexpected(overviewed.error());
+  COLLINEA_TRY(const auto without,
+               make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
+                 return depth_map(block, image, ties, pictures, &overviews, options, run);
+               }));
+  for (const auto& [image, why] : without)
+    left_out.push_back({{"file", block.images.at(image).file}, {"reason", "no depth map: " + why}});
+  std::erase_if(images, [&](ImageId image) { return without.contains(image); });
+  return images;
 }
 
 // Both cloud files at once: LAS in the map, PLY in the world frame.

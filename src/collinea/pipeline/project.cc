@@ -92,7 +92,7 @@ void sweep(const fs::path& folder) {
           entry.path().extension().string().starts_with(extension_start))
         fs::remove(entry.path(), ignored);
   };
-  for (const char* place : {"products", "depth", "report"}) remove_in(place, "", ".part");
+  for (const char* place : {"products", "depth", "depth/overview", "report"}) remove_in(place, "", ".part");
   remove_in(".", "project.json", ".part");
   remove_in("scratch", "points_", ".bin");
   fs::remove(folder / "scratch", ignored);  // stays when it holds anything else

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
 #include "collinea/pipeline/export.h"
@@ -107,6 +107,7 @@ class SmallProject : public ::testing::Test {
   void a_changed_option_redoes_its_step_and_what_follows();
   void a_changed_control_file_leaves_matching_alone();
   void a_missing_product_is_made_again();
+  void a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   void stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   void files_left_half_written_are_swept_and_others_are_not();
   void a_second_program_is_kept_out_but_may_look();
@@ -131,9 +132,7 @@ void SmallProject::projection_centres_are_where_they_were() {
   const auto truth = read_truth(root_);
   ASSERT_TRUE(project && truth);
   const Block block = project->store.read_block().value();
-  const Georeference& earth = block.georeference.value();
-  const auto frame =
-      LocalFrame::create(earth.crs, earth.origin_latitude_deg, earth.origin_longitude_deg, earth.origin_height_m);
+  const auto frame = world_frame(block.georeference.value());
   ASSERT_TRUE(frame);
   for (const auto& [id, pose] : block.cam_from_world) {
     const std::string& file = block.images.at(id).file;
@@ -231,6 +230,29 @@ void SmallProject::a_missing_product_is_made_again() {
   EXPECT_EQ(bytes_of(project / "products/ortho.tif"), before);
 }
 
+void SmallProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same() {
+  const fs::path project = copy("full_disk");
+  fs::remove(project / "products/cloud.ply");
+  fs::path overview;
+  for (const auto& entry : fs::directory_iterator(project / "depth/overview"))
+    if (entry.path().string().ends_with(".depth.tif")) overview = entry.path();
+  ASSERT_FALSE(overview.empty());
+  fs::remove(overview);
+  const std::string name = overview.string();
+  const fs::path in_the_way = name.substr(0, name.size() - std::string(".depth.tif").size()) + ".sigma.tif";
+  fs::remove(in_the_way);
+  fs::create_directories(in_the_way / "folder");
+  Log log;
+  const auto failed = bring(project, settings(), log, "densify");
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, Errc::kBadInput);
+  EXPECT_NE(failed.error().message.find(in_the_way.filename().string()), std::string::npos) << failed.error().message;
+  fs::remove_all(in_the_way);
+  const auto done = bring(project, settings(), log, "densify");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
+}
+
 void SmallProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte() {
   const fs::path folder = root_ / "stopped";
   for (const std::string& step : step_names()) {
@@ -258,7 +280,8 @@ void SmallProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_
 
 void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   const fs::path project = copy("swept");
-  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "scratch/points_1_1.bin"}) {
+  for (const char* file :
+       {"products/cloud.las.part123", "depth/a.tif.part", "depth/overview/b.tif.part", "scratch/points_1_1.bin"}) {
     fs::create_directories((project / file).parent_path());
     ASSERT_TRUE(write_file(project / file, "half"));
   }
@@ -266,7 +289,7 @@ void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   Log log;
   ASSERT_TRUE(bring(project, settings(), log, "report"));
   EXPECT_TRUE(log.steps_done().empty());
-  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "scratch"})
+  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "depth/overview/b.tif.part", "scratch"})
     EXPECT_FALSE(fs::exists(project / file)) << file;
   EXPECT_TRUE(fs::exists(project / "download.part"));
 }
@@ -307,6 +330,7 @@ TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   a_changed_option_redoes_its_step_and_what_follows();
   a_changed_control_file_leaves_matching_alone();
   a_missing_product_is_made_again();
+  a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   files_left_half_written_are_swept_and_others_are_not();
   a_second_program_is_kept_out_but_may_look();

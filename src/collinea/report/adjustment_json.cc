@@ -47,7 +47,7 @@ json groups(const AdjustmentReport& report, const Reliability& tests) {
     json one = {{"group", kObservationGroupNames[g]},
                 {"observations", sums.observations},
                 {"redundancy", number(sums.redundancy)},
-                {"sigma_factor", number(sums.sigma_factor())}};
+                {"sigma_factor", number(shown_factor(sums))}};
     if (report.components) {
       one["applied_factor"] = number(report.components->factors[g]);
       one["applied_factor_sigma"] = number(report.components->sigma[g]);

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostRows = 50;
 
 std::string cell(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("<td>{:.{}f}</td>", value, decimals) : std::string("<td>\xe2\x80\x93</td>");
+  return fmt::format("<td>{}</td>", std::isfinite(value) ? number_text(value, decimals) : "\xe2\x80\x93");
 }
 
 std::string text_cell(std::string_view text) { return fmt::format("<td class=\"l\">{}</td>", escaped(text)); }
@@ -64,9 +64,7 @@ std::string control_table(const AdjustmentReport& report) {
       const ControlPoint& point = report.block.control.at(one.point);
       html +=
           "<tr>" + text_cell(point.name) + text_cell(used ? "control" : "check") + fmt::format("<td>{}</td>", one.rays);
-      for (int i = 0; i < 3; ++i)
-        html += difference_cell(std::isfinite(point.sigma_m[i]) ? one.difference_m[i] : std::nan(""),
-                                one.difference_sigma_m[i]);
+      for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i]);
       for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], 4);
       html += "</tr>\n";
     }
@@ -98,7 +96,7 @@ std::string group_table(const AdjustmentReport& report, const Reliability& tests
     const GroupSums& sums = tests.groups[g];
     if (sums.observations == 0) continue;
     html += "<tr>" + text_cell(kObservationGroupNames[g]) + fmt::format("<td>{}</td>", sums.observations) +
-            cell(sums.redundancy, 1) + cell(sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(), 2) +
+            cell(sums.redundancy, 1) + cell(shown_factor(sums), 2) +
             cell(report.components ? report.components->factors[g] : 1, 2) + "</tr>\n";
   }
   return html + "</tbody></table></section>\n";

@@ -15,7 +15,7 @@ constexpr const char* kUnknown = "\xe2\x80\x93";
 constexpr std::size_t kMostImageRows = 100;
 
 std::string cell(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("<td>{:.{}f}</td>", value, decimals) : fmt::format("<td>{}</td>", kUnknown);
+  return fmt::format("<td>{}</td>", std::isfinite(value) ? number_text(value, decimals) : kUnknown);
 }
 
 std::string text_cell(std::string_view text, std::string_view style = "l") {
