@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -16,6 +17,10 @@
 #include "collinea/block/block.h"
 
 namespace collinea {
+
+namespace bundle {
+class KeptFactor;
+}
 
 /// How a bundle adjustment is done. Observations are whitened by their sigmas; all costs are sums of squares in sigmas.
 struct AdjustOptions {
@@ -167,6 +172,25 @@ struct Adjusted {
 /// (options, sigmas not positive), kIllPosed (nothing to adjust, or more unknowns than observations), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
+
+/// adjust() for a large block that is adjusted again and again: keeps the factor of the normal equations, by which the
+/// next steps of the same images are solved with less work. The answers are the same within the accuracy of the
+/// options, and depend on what was adjusted before in no other way.
+class Adjuster {
+ public:
+  Adjuster();
+  ~Adjuster();
+  Adjuster(const Adjuster& other);  ///< a copy begins without a factor
+  Adjuster& operator=(const Adjuster& other);
+  Adjuster(Adjuster&&) noexcept;
+  Adjuster& operator=(Adjuster&&) noexcept;
+
+  [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
+                                        const Run& run);
+
+ private:
+  std::unique_ptr<bundle::KeptFactor> kept_;
+};
 
 /// Writes poses, cameras and points of the adjustment into the block.
 void apply(const Adjusted& adjusted, Block& block);
