@@ -33,7 +33,7 @@ struct AdjustOptions {
   double first_damping = 1e-4;
   double relative_cost_change = 1e-7;
   double parameter_change = 1e-9;
-  double step_sigmas = 0.01;
+  double step_sigmas = 0.05;
   bool covariances = false;
   bool point_covariances = false;
   bool reliability = false;

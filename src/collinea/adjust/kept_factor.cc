@@ -13,7 +13,7 @@ namespace {
 constexpr double kProductGain = 10;
 constexpr double kShareOfFactor = 0.5;  // of the cost of a factor, spent at most on going without
 constexpr double kFewestIterations = 3;
-constexpr double kAccuracy = 0.02;  // of a step's length in standard deviations; the next step begins anew
+constexpr double kAccuracy = 0.05;  // of a step's length in standard deviations; the next step begins anew
 
 // How many iterations are worth a try.
 int worthwhile_iterations(const TileCholesky& factor, const TileMatrix& matrix) {
