@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -17,6 +18,10 @@
 
 namespace collinea {
 
+namespace bundle {
+class KeptFactor;
+}
+
 /// How a bundle adjustment is done. Observations are whitened by their sigmas; all costs are sums of squares in sigmas.
 struct AdjustOptions {
   std::string calibration = "focal_radial";
@@ -28,7 +33,7 @@ struct AdjustOptions {
   double first_damping = 1e-4;
   double relative_cost_change = 1e-7;
   double parameter_change = 1e-9;
-  double step_sigmas = 0.01;
+  double step_sigmas = 0.05;
   bool covariances = false;
   bool point_covariances = false;
   bool reliability = false;
@@ -176,6 +181,24 @@ struct Adjusted {
 [[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
   return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
 }
+/// adjust() for a large block that is adjusted again and again: keeps the factor of the normal equations, by which the
+/// next steps of the same images are solved with less work. The answers are the same within the accuracy of the
+/// options, and depend on what was adjusted before in no other way.
+class Adjuster {
+ public:
+  Adjuster();
+  ~Adjuster();
+  Adjuster(const Adjuster& other);  ///< a copy begins without a factor
+  Adjuster& operator=(const Adjuster& other);
+  Adjuster(Adjuster&&) noexcept;
+  Adjuster& operator=(Adjuster&&) noexcept;
+
+  [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
+                                        const Run& run);
+
+ private:
+  std::unique_ptr<bundle::KeptFactor> kept_;
+};
 
 /// Writes poses, cameras and points of the adjustment into the block.
 void apply(const Adjusted& adjusted, Block& block);

@@ -137,7 +137,8 @@ TEST(Linearise, GradientIsThatOfTheRobustCost) {
     for (int c = 0; c < 3; ++c) {
       const Eigen::Vector3d e = 1e-5 * Eigen::Vector3d::Unit(c), ahead = point + e, back = point - e;
       const double slope =
-          (cost_of(ray, frame, lens, ahead.data(), loss) - cost_of(ray, frame, lens, back.data(), loss)) / 2e-5;
+          (loss.cost(square_of(ray, frame, lens, ahead.data())) - loss.cost(square_of(ray, frame, lens, back.data()))) /
+          2e-5;
       EXPECT_NEAR(at.by_point[c] * at.residual[0] + at.by_point[3 + c] * at.residual[1], -slope / 2, 1e-5);
     }
   }

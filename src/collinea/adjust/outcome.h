@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "collinea/adjust/normals.h"
 #include "collinea/adjust/problem.h"
-#include "collinea/adjust/tile_cholesky.h"
 
 namespace collinea::bundle {
 
@@ -15,9 +15,10 @@ namespace collinea::bundle {
 void describe_outcome(const Block& block, const AdjustScope& scope, Problem& problem, const State& state,
                       Adjusted& adjusted);
 
-/// Fills pose, camera and (when wanted) point covariances and reliability, or says what is not determined.
+/// Fills pose, camera and (when wanted) point covariances and reliability, or says what is not determined. Uses up what
+/// `normals` holds.
 void add_covariances(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
-                     const Run& run, Adjusted& adjusted);
+                     const Run& run, Normals& normals, Adjusted& adjusted);
 
 /// Fills Adjusted::reliability, by the selected inverse.
 void add_reliability(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,

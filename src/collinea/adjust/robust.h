@@ -48,6 +48,31 @@ struct Loss {
   }
 };
 
+/// Sums up the costs of observations; of Cauchy's loss the logarithms are taken together, as one of a product.
+class CostSum {
+ public:
+  explicit CostSum(const Loss& loss) : loss_(loss) {}
+  /// s as in Loss::cost.
+  void add(double s) {
+    if (loss_.kind != Loss::kCauchy) {
+      sum_ += loss_.cost(s);
+      return;
+    }
+    product_ *= 1 + s / (loss_.scale * loss_.scale);
+    if (product_ > 1e200) [[unlikely]] {
+      sum_ = value();
+      product_ = 1;
+    }
+  }
+  [[nodiscard]] double value() const {
+    return product_ == 1 ? sum_ : sum_ + loss_.scale * loss_.scale * std::log(product_);
+  }
+
+ private:
+  const Loss& loss_;
+  double sum_ = 0, product_ = 1;
+};
+
 /// The loss of that name; nothing when there is none.
 [[nodiscard]] inline std::optional<Loss> loss_named(std::string_view name, double scale) {
   if (name == "none") return Loss{Loss::kNone, scale, 1};

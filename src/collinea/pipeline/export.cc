@@ -10,6 +10,7 @@
 #include "collinea/io/las.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/ply.h"
+#include "collinea/pipeline/colours.h"
 
 namespace collinea {
 namespace {
@@ -65,12 +66,14 @@ Result<> export_cloud(const Project& project, const std::filesystem::path& folde
 }  // namespace
 
 Result<> export_block(Project& project, const std::filesystem::path& folder, const std::string& format) {
-  COLLINEA_TRY(const Block block, project.store.read_block());
+  COLLINEA_TRY(Block block, project.store.read_block());
   if (block.cam_from_world.empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
+  if (format == "colmap" || format == "bundler" || format == "ply")  // nothing else looks at the colours
+    if (auto coloured = colour_tie_points(project, block); !coloured) return coloured;
   if (format == "colmap") return export_colmap(project, folder, block);
   if (format == "bundler") return export_bundler(project, folder, block);
   if (format == "opk") return write_opk(folder / "orientation.opk", block);

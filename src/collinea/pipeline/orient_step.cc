@@ -8,7 +8,6 @@
 
 #include "collinea/adjust/intersect.h"
 #include "collinea/base/hash.h"
-#include "collinea/pipeline/colours.h"
 #include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
@@ -176,7 +175,6 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   COLLINEA_TRY(const std::vector<ImagePair> pairs, project.store.read_pairs());
   COLLINEA_TRY(Orientation orientation, orientation_of(project, setup, pairs));
-  if (auto coloured = colour_tie_points(project, orientation.block); !coloured) return tl::unexpected(coloured.error());
   if (auto written = project.store.write_orientation(orientation.block); !written)
     return tl::unexpected(written.error());
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
