@@ -46,7 +46,9 @@ struct OrientOptions {
     visit(Field{"use_positions", &O::use_positions, "", "use GNSS positions of the images as observations"});
     visit(Field{"use_control", &O::use_control, "", "use control points as observations"});
     visit(Field{"remeasure", &O::remeasure, "",
-                "measure the images of the tie points once more, by least squares matching of the pictures"});
+                "measure the images of the tie points once more, by least squares matching of the pictures: smaller "
+                "errors, but "
+                "sigmas that are too small, since neighbouring windows share pixels"});
     visit(
         Field{"orientation", &O::orientation, "",
               "take cameras and poses from another program: folder of a COLMAP model, Bundler's folder or bundle.out, "
