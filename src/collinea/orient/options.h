@@ -48,7 +48,7 @@ struct OrientOptions {
     visit(Field{"remeasure", &O::remeasure, "",
                 "measure the images of the tie points once more, by least squares matching of the pictures: smaller "
                 "errors, but "
-                "sigmas that are too small, since neighbouring windows share pixels"});
+                "sigmas that are too small"});
     visit(
         Field{"orientation", &O::orientation, "",
               "take cameras and poses from another program: folder of a COLMAP model, Bundler's folder or bundle.out, "
