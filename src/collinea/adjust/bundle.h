@@ -181,6 +181,7 @@ struct Adjusted {
 [[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
   return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
 }
+
 /// adjust() for a large block that is adjusted again and again: keeps the factor of the normal equations, by which the
 /// next steps of the same images are solved with less work. The answers are the same within the accuracy of the
 /// options, and depend on what was adjusted before in no other way.

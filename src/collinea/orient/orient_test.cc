@@ -49,6 +49,18 @@ TEST(Orient, ExactMatchesGiveTheExactBlock) {
   EXPECT_NEAR(camera.params[Camera::kK1], exact.params[Camera::kK1], 1e-5);
 }
 
+TEST(Orient, WithoutReadablePicturesNothingIsMeasuredAnew) {
+  const Matched input = matched(small_block());
+  const auto unreadable = [](ImageId) -> Result<GreyImage> { return fail(Errc::kNotFound, "no picture"); };
+  const auto found = orient(input.setup, input.pairs, input.source(), {.remeasure = true}, {}, unreadable);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_LT(centre_rms_m(found->block, input.truth, true), 2 * kPixel_m);
+  for (const Observation& seen : found->block.observations) {
+    const Keypoint& keypoint = input.keypoints.at(seen.image).at(seen.feature);
+    EXPECT_EQ(seen.pixel, Eigen::Vector2d(keypoint.x, keypoint.y));
+  }
+}
+
 TEST(Orient, NoiseOfHalfAPixelMovesCentresByAboutAPixel) {
   const Matched input = matched(small_block());
   const auto found = orient(input);
