@@ -9,6 +9,7 @@
 
 #include "collinea/adjust/control_measurements.h"
 #include "collinea/adjust/robust_similarity.h"
+#include "collinea/base/median.h"
 #include "collinea/block/picture_axes.h"
 
 namespace collinea {
@@ -81,7 +82,7 @@ std::optional<MapFit> fit_to_map(const Block& block, const std::vector<Place>& p
   const auto found = bundle::robust_similarity(pairs, seed);
   if (!found) return std::nullopt;
   const auto& similarity = found->world_from_block;
-  MapFit result{bundle::middle(found->distances_m), 0};
+  MapFit result{median(std::vector(found->distances_m)), 0};
   for (const auto& [id, pose] : block.cam_from_world) {
     const Eigen::Vector3d down_and_forward =
         pose.rotation.conjugate() * (down_in_cam(block.images.at(id).orientation) + Eigen::Vector3d::UnitZ());
@@ -173,7 +174,7 @@ void check_points_by_positions(const Block& block, std::vector<Place>& places, C
   if (places.size() >= 4 || places.size() < 2 || !bundle::span_a_plane(positions)) return;
   const auto found = bundle::robust_similarity(positions, seed);
   if (!found) return;
-  const double spread = bundle::middle(found->distances_m);
+  const double spread = median(std::vector(found->distances_m));
   const double limit = std::max(20 * spread, 0.02 * size_m(positions));
   std::vector<Eigen::Vector3d> off;
   for (const Place& place : places) off.push_back(place.pair.in_world - found->world_from_block * place.pair.in_block);
@@ -198,21 +199,19 @@ void check_points_by_positions(const Block& block, std::vector<Place>& places, C
 
 // --- positions against control
 
-double median_of(std::vector<double> values) { return bundle::middle(std::move(values)); }
-
 Eigen::Vector3d median_difference(const std::vector<Eigen::Vector3d>& differences, Eigen::Vector3d& scatter) {
-  Eigen::Vector3d median = Eigen::Vector3d::Zero();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   scatter.setZero();
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values, apart;
     for (const auto& difference : differences)
       if (std::isfinite(difference[axis])) values.push_back(difference[axis]);
     if (values.empty()) continue;
-    median[axis] = median_of(values);
-    for (const double value : values) apart.push_back(std::abs(value - median[axis]));
-    scatter[axis] = 1.4826 * median_of(apart);
+    middle[axis] = median(values);
+    for (const double value : values) apart.push_back(std::abs(value - middle[axis]));
+    scatter[axis] = 1.4826 * median(apart);
   }
-  return median;
+  return middle;
 }
 
 // Positions minus where the control puts the cameras (or, with little control, minus control seen from positions); NaN
@@ -250,7 +249,7 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
     if (const auto& position = block.images.at(id).position; position && position->sigma_m.head<2>().allFinite())
       sigmas.push_back(std::isfinite(position->sigma_m.z()) ? std::sqrt(position->sigma_m.squaredNorm() / 3)
                                                             : std::sqrt(position->sigma_m.head<2>().squaredNorm() / 2));
-  const double sigma = median_of(sigmas), count = double(differences.size());
+  const double sigma = median(sigmas), count = double(differences.size());
   const double plan = std::hypot(off.x(), off.y());
   const auto limit = [&](double spread, double least) {
     return std::max({least, 3 * sigma, 5 * spread / std::sqrt(count)});

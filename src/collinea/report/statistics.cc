@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/base/median.h"
+
 namespace collinea {
 namespace {
 
@@ -37,9 +39,7 @@ void fill_histogram(const std::vector<float>& coordinates, ResidualStatistics& s
   if (coordinates.empty()) return;
   std::vector<float> lengths(coordinates.size());
   std::transform(coordinates.begin(), coordinates.end(), lengths.begin(), [](float v) { return std::abs(v); });
-  const auto middle = lengths.begin() + std::ptrdiff_t(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  const double robust_sigma = std::max(1.4826 * double(*middle), 1e-6);
+  const double robust_sigma = std::max(1.4826 * double(median(lengths)), 1e-6);
   statistics.bin_px = 8 * robust_sigma / kBins;
   statistics.histogram.assign(kBins, 0);
   for (const float value : coordinates) {
