@@ -291,7 +291,7 @@ TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
   changed[1].cameras.begin()->second.sigma_f_px += 1e-9;
   changed[2].images.begin()->second.position->sigma_m.z() *= 2;
   changed[3].control.begin()->second.sigma_m.x() *= 2;
-  changed[4].control.begin()->second.role = ControlRole::kCheck;
+  changed[4].control.begin()->second.role = ControlRole::kControl;
   changed[5].control_observations.front().sigma_px *= 2;
   for (const Block& other : changed) EXPECT_NE(hash_of(other), first);
   EXPECT_EQ(hash_of(setup), first);
