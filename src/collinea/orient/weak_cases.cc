@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "collinea/base/median.h"
 #include "collinea/orient/line_motion.h"
 
 namespace collinea {
@@ -45,12 +46,6 @@ Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& point : points) mean += point / static_cast<double>(points.size());
   return mean;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Root mean square distance of the points from the plane that fits them best, over their distance to the cameras.
