@@ -60,8 +60,12 @@ def camera_matrix_centres(file):
 
 
 def park_gate_centres(file):
-    """The published cameras are listed in the order of unpadded names: 0, 1, 10, 11, ... Their own model has no
-    distortion, so that differences of 0.2 % of the spread are not all ours."""
+    """The published cameras are listed in the order of unpadded names: 0, 1, 10, 11, ... Their own model has no distortion
+    and pixels 1 % wider than high, which the pictures contradict: freed, the ratio is 1.0015, and with distortion the
+    squared residuals of held-out tie points are a tenth smaller. That model, fitted to exact pictures of our solution,
+    moves the centres by 1.5 thousandths of their spread (13.9), towards the reference. So a better camera agrees worse:
+    COLMAP with a principal point and four coefficients of distortion (OPENCV) has the error of our self-calibration,
+    32.6, and lies within 7 of it."""
     listed = camera_matrix_centres(file)
     order = sorted(map(str, range(len(listed))))
     return {name: listed[sorted(listed)[int(order[int(name)])]] for name in listed}

@@ -113,8 +113,7 @@ std::optional<std::string> moved_while_read(const Block& block) {
   return fmt::format(
       "the camera turned while photographs were read out line by line (rolling shutter): {:.0f} % of the squared "
       "residuals of tie points go with the line, most in {}. The adjustment takes a photograph as taken at one "
-      "instant, "
-      "so the model is strained there. Hold the camera still, light the scene well, or use a camera with a global "
+      "instant, so the model is strained there. Hold the camera still for each photograph, or use one with a global "
       "shutter",
       100 * motion.explained, worst);
 }
