@@ -20,6 +20,7 @@ constexpr double kGuessedFocal = 0.2;  // relative sigma from which a focal leng
 constexpr int kNeedCells = 8,
               kNeededPerCell = 12;  // of a picture's cells: up to 768 tracks an image and what others need
 constexpr double kLeastSigma = 0.01, kMostSigma = 10;  // of the errors of tie points, over what the options say
+constexpr double kMovedSigma = 0.5;                    // of a ray measured anew, over that of a feature of 2 px
 constexpr std::size_t kChunk = 256;                    // tracks handed to a thread at once
 
 // Spread of pixels over a picture: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's
@@ -340,15 +341,11 @@ std::vector<ImageId> Reconstruction::neighbours_of(ImageId image, std::size_t co
   return closest;
 }
 
-// The points seen by `images`, with all their active rays, and the poses these rays need.
-Block Reconstruction::block_of(const std::set<ImageId>& images) const {
+// The points of these tracks with all their active rays, no images.
+Block Reconstruction::block_of(const std::vector<std::uint32_t>& numbers) const {
   Block block;
   block.georeference = setup_->georeference;
   block.cameras = cameras_;
-  std::set<std::uint32_t> numbers;
-  for (const ImageId image : images)
-    for (const RayRef& ref : rays_of(image))
-      if (tracks_[ref.track].point && tracks_[ref.track].rays[ref.ray].active) numbers.insert(ref.track);
   for (const std::uint32_t number : numbers) {
     const TrackState& track = tracks_[number];
     const PointId point{number};
@@ -357,11 +354,26 @@ Block Reconstruction::block_of(const std::set<ImageId>& images) const {
       if (ray.active)
         block.observations.push_back({ray.image, point, ray.feature, ray.pixel, noise_.sigma_px * ray.sigma_factor});
   }
-  for (const Observation& seen : block.observations)
-    if (!block.images.contains(seen.image)) {
-      block.images[seen.image] = setup_->images.at(seen.image);
-      block.cam_from_world[seen.image] = poses_.at(seen.image);
-    }
+  return block;
+}
+
+// The points seen by `images`, and the images that see them.
+Block Reconstruction::block_around(const std::set<ImageId>& images) const {
+  std::vector<std::uint32_t> numbers;
+  for (const ImageId image : images)
+    for (const RayRef& ref : rays_of(image))
+      if (tracks_[ref.track].point && tracks_[ref.track].rays[ref.ray].active) numbers.push_back(ref.track);
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  Block block = block_of(numbers);
+  std::vector<ImageId> seen;
+  for (const Observation& observation : block.observations) seen.push_back(observation.image);
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  for (const ImageId image : seen) {
+    block.images[image] = setup_->images.at(image);
+    block.cam_from_world[image] = poses_.at(image);
+  }
   return block;
 }
 
@@ -369,7 +381,7 @@ Result<> Reconstruction::adjust_around(ImageId centre, const AdjustOptions& opti
   std::set<ImageId> moving{centre};
   for (const ImageId neighbour : neighbours_of(centre, kLocalImages)) moving.insert(neighbour);
   if (moving.size() >= poses_.size()) moving = {centre};  // a young block: something must hold the gauge
-  const Block local = block_of(moving);
+  const Block local = block_around(moving);
   AdjustScope scope;
   scope.use_positions = scope.use_control = false;
   scope.free_images = moving;
@@ -383,15 +395,16 @@ Result<> Reconstruction::adjust_around(ImageId centre, const AdjustOptions& opti
 Result<Adjusted> Reconstruction::adjust_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run) {
   AdjustScope with_origin = scope;
   with_origin.first_cameras = setup_->cameras;
-  COLLINEA_TRY(Adjusted adjusted, adjust(block(), with_origin, options, run));
+  COLLINEA_TRY(Adjusted adjusted, adjuster_.adjust(block(), with_origin, options, run));
   take(adjusted);
   return adjusted;
 }
 
 Block Reconstruction::block() const {
-  std::set<ImageId> all;
-  for (const auto& [image, pose] : poses_) all.insert(image);
-  Block block = block_of(all);
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t i = 0; i < tracks_.size(); ++i)
+    if (tracks_[i].point) numbers.push_back(i);
+  Block block = block_of(numbers);
   block.images = setup_->images;
   block.cam_from_world = poses_;
   block.control = setup_->control;
@@ -409,6 +422,18 @@ void Reconstruction::move_world(const Similarity3& new_from_old) {
   for (auto& [image, pose] : poses_) pose = moved(pose, new_from_old);
   for (TrackState& track : tracks_)
     if (track.point) track.point = new_from_old * *track.point;
+}
+
+void Reconstruction::move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> places_px) {
+  for (std::size_t i = 0; i < block.observations.size(); ++i) {
+    if (!places_px[i]) continue;
+    const Observation& seen = block.observations[i];
+    std::vector<Ray>& rays = tracks_[seen.point.value].rays;
+    const auto ray = std::lower_bound(rays.begin(), rays.end(), seen.image,
+                                      [](const Ray& one, ImageId image) { return one.image < image; });
+    ray->pixel = *places_px[i];
+    ray->sigma_factor = kMovedSigma;
+  }
 }
 
 void Reconstruction::place(const std::map<ImageId, Rigid3>& poses) {

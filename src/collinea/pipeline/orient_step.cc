@@ -8,10 +8,11 @@
 
 #include "collinea/adjust/intersect.h"
 #include "collinea/base/hash.h"
-#include "collinea/pipeline/colours.h"
+#include "collinea/image/photo.h"
 #include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
+#include "collinea/report/statistics.h"
 
 namespace collinea {
 namespace {
@@ -21,21 +22,10 @@ using nlohmann::json;
 const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::nan(""));
 
 // Root mean square per axis; null where nothing was measured on it.
-json rms_of(const std::vector<Eigen::Vector3d>& differences_m) {
+json axes_of(const AxisRms& rms) {
   json axes = json::array();
-  bool any = false;
-  for (int axis = 0; axis < 3; ++axis) {
-    double sum = 0;
-    int count = 0;
-    for (const Eigen::Vector3d& difference : differences_m)
-      if (std::isfinite(difference[axis])) {
-        sum += difference[axis] * difference[axis];
-        ++count;
-      }
-    axes.push_back(count ? json(std::sqrt(sum / count)) : json(nullptr));
-    any |= count > 0;
-  }
-  return any ? axes : json(nullptr);
+  for (const auto& axis : rms.axis_m) axes.push_back(axis ? json(*axis) : json(nullptr));
+  return rms.points ? axes : json(nullptr);
 }
 
 // Without the axes that were not measured.
@@ -50,7 +40,7 @@ json control_rms(const Orientation& orientation, bool used) {
   for (const ControlDifference& control : orientation.adjusted.control)
     if (control.used == used && control.position_in_world && !orientation.excluded_control.contains(control.point))
       differences.push_back(control.difference_m);
-  return rms_of(differences);
+  return axes_of(rms_of(differences));
 }
 
 Eigen::Vector3d measured_axes(const PositionDifference& position, const Block& block) {
@@ -61,7 +51,7 @@ json position_rms(const Orientation& orientation) {
   std::vector<Eigen::Vector3d> differences;
   for (const PositionDifference& position : orientation.adjusted.positions)
     differences.push_back(measured_axes(position, orientation.block));
-  return rms_of(differences);
+  return axes_of(rms_of(differences));
 }
 
 double mean_residual_px(const Adjusted& adjusted) {
@@ -168,9 +158,11 @@ json report_of(const Orientation& orientation, const Block& setup) {
 Result<Orientation> orientation_of(Project& project, const Block& setup, const std::vector<ImagePair>& pairs) {
   const auto keypoints = [&](ImageId image) { return project.store.read_keypoints(image); };
   const OrientOptions& options = project.settings.orient;
-  if (!options.orientation) return orient(setup, pairs, keypoints, options, project.run);
+  const auto pictures = [&](ImageId image) { return read_grey(project.photo(setup.images.at(image))); };
+  if (!options.orientation) return orient(setup, pairs, keypoints, options, project.run, pictures);
   COLLINEA_TRY(const ReadOrientation read, read_orientation(*options.orientation, setup));
-  COLLINEA_TRY(Orientation orientation, orient_as_given(setup, pairs, keypoints, read.given, options, project.run));
+  COLLINEA_TRY(Orientation orientation,
+               orient_as_given(setup, pairs, keypoints, read.given, options, project.run, pictures));
   orientation.findings.insert(orientation.findings.begin(), read.remarks.begin(), read.remarks.end());
   orientation.findings.insert(orientation.findings.begin(),
                               fmt::format("{} of the {} images is taken from {}{}",
@@ -186,7 +178,6 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   COLLINEA_TRY(const std::vector<ImagePair> pairs, project.store.read_pairs());
   COLLINEA_TRY(Orientation orientation, orientation_of(project, setup, pairs));
-  if (auto coloured = colour_tie_points(project, orientation.block); !coloured) return tl::unexpected(coloured.error());
   if (auto written = project.store.write_orientation(orientation.block); !written)
     return tl::unexpected(written.error());
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
