@@ -26,7 +26,7 @@ Track track(std::vector<std::pair<std::uint32_t, std::uint32_t>> features) {
 }
 
 TEST(MergeTracks, NoMatchesMakeNoTracks) {
-  EXPECT_TRUE(merge_tracks(std::vector<ImagePair>()).empty());
+  EXPECT_TRUE(merge_tracks(std::span<const ImagePair>()).empty());
   EXPECT_TRUE(merge_tracks(std::vector{pair_of(0, 1, {})}).empty());
 }
 
