@@ -32,8 +32,8 @@ struct Search {
 /// well lowers the damping tenfold.
 class LevenbergMarquardt {
  public:
-  LevenbergMarquardt(Problem& problem, const AdjustOptions& options, const Run& run)
-      : problem_(problem), options_(options), run_(run), normals_(problem), damping_(options.first_damping) {}
+  LevenbergMarquardt(Problem& problem, Normals& normals, const AdjustOptions& options, const Run& run)
+      : problem_(problem), normals_(normals), options_(options), run_(run), damping_(options.first_damping) {}
 
   Search search(State start) {
     Search at{std::move(start)};
@@ -62,7 +62,9 @@ class LevenbergMarquardt {
   void judge(Search& at, State next) {
     const double tolerance = options_.relative_cost_change * at.cost;
     const double variance = at.cost / static_cast<double>(std::max(1L, problem_.redundancy()));
-    const bool short_step = step_.squared_length < options_.step_sigmas * options_.step_sigmas * variance;
+    // Steps of images and cameras say nothing where these are held: then only the cost does.
+    const bool short_step = problem_.poses + problem_.border > 0 &&
+                            step_.squared_length < options_.step_sigmas * options_.step_sigmas * variance;
     const bool small = step_.largest_turn_rad < options_.parameter_change &&
                        step_.largest_move_m < options_.parameter_change * problem_.extent_m;
     if (std::isfinite(step_.cost) && step_.cost < at.cost) {
@@ -82,9 +84,9 @@ class LevenbergMarquardt {
   }
 
   Problem& problem_;
+  Normals& normals_;
   const AdjustOptions& options_;
   const Run& run_;
-  Normals normals_;
   Step step_;
   double damping_, growth_ = 2;
 };
@@ -92,6 +94,21 @@ class LevenbergMarquardt {
 }  // namespace
 
 Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options, const Run& run) {
+  return Adjuster().adjust(block, scope, options, run);
+}
+
+Adjuster::Adjuster() = default;
+Adjuster::~Adjuster() = default;
+Adjuster::Adjuster(const Adjuster&) {}
+Adjuster& Adjuster::operator=(const Adjuster&) {
+  kept_.reset();
+  return *this;
+}
+Adjuster::Adjuster(Adjuster&&) noexcept = default;
+Adjuster& Adjuster::operator=(Adjuster&&) noexcept = default;
+
+Result<Adjusted> Adjuster::adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
+                                  const Run& run) {
   if (Result<> valid = validate(options); !valid) return tl::unexpected(std::move(valid).error().within("adjustment"));
   COLLINEA_TRY(bundle::ProblemAndStart gathered, bundle::gather(block, scope, options));
   Problem& problem = gathered.problem;
@@ -99,19 +116,20 @@ Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const Adju
     return fail(Errc::kIllPosed, std::to_string(problem.unknown_count) + " unknowns but only " +
                                      std::to_string(problem.observation_count) +
                                      " observations: the block cannot be adjusted");
-  Search found = LevenbergMarquardt(problem, options, run).search(std::move(gathered.start));
+  if (!kept_) kept_ = std::make_unique<bundle::KeptFactor>();
+  Normals normals(problem, *kept_);
+  Search found = LevenbergMarquardt(problem, normals, options, run).search(std::move(gathered.start));
   if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
   problem.tie_loss.least_curvature = 1;  // statistics are those of the weights
 
   Adjusted adjusted;
-  adjusted.redundancy = problem.redundancy();
   adjusted.initial_cost = found.initial_cost;
   adjusted.final_cost = found.cost;
   adjusted.iterations = found.iterations;
   adjusted.converged = found.converged;
   bundle::describe_outcome(block, scope, problem, found.state, adjusted);
   if (options.covariances || options.point_covariances || options.reliability) {
-    bundle::add_covariances(block, problem, found.state, options, run, adjusted);
+    bundle::add_covariances(block, problem, found.state, options, run, normals, adjusted);
     if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
   }
   return adjusted;

@@ -13,8 +13,6 @@ namespace collinea {
 
 /// Something that is wrong, or looks wrong, with control or with the positions of the images, in words for a surveyor.
 struct Finding {
-  enum Severity { kNote, kWarning, kError };
-
   /// "control_measurement": one image measurement does not meet the others; excluded
   /// "control_measurements_disagree": two rays of a point that miss each other; the point is excluded
   /// "control_point": the coordinates of a point contradict the others; the point is excluded
@@ -25,12 +23,10 @@ struct Finding {
   /// "position_offset": GNSS positions are off the control by a constant in plan
   /// "position_crs": by so much that one of the two is in another coordinate system
   std::string code;
-  Severity severity = kWarning;
   std::string message;
   std::optional<ControlId> point;
   std::optional<ImageId> image;
-  double size = 0;   ///< of what is wrong
-  std::string unit;  ///< of size: "px" or "m"
+  double size = 0;  ///< of what is wrong, of measurements [px], of others [m]
 };
 
 /// What was found and what should be done about it before the block is adjusted.

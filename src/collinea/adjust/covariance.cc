@@ -34,16 +34,16 @@ Eigen::MatrixXd block_of(TileCholesky& inverse, int row, int rows, int column, i
 }  // namespace
 
 void add_covariances(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
-                     const Run& run, Adjusted& adjusted) {
-  Normals normals(problem);
+                     const Run& run, Normals& normals, Adjusted& adjusted) {
   normals.accumulate(state, 0, run, kDatumStiffness);
-  TileCholesky& matrix = normals.matrix();
-  if (!matrix.factor(run, kLeastPivot)) {
-    adjusted.undetermined =
-        name_of_unknown(block, problem, matrix.failed_row()) + " is not determined by the observations";
+  int failed_row = -1;
+  std::optional<TileCholesky> factor = normals.factor(run, kLeastPivot, failed_row);
+  if (run.stopped()) return;
+  if (!factor) {
+    adjusted.undetermined = name_of_unknown(block, problem, failed_row) + " is not determined by the observations";
     return;
   }
-  if (run.stopped()) return;
+  TileCholesky& matrix = *factor;
   predict_check_points(block, problem, state, matrix, run, adjusted);
   matrix.invert(run);
   if (run.stopped()) return;

@@ -31,20 +31,17 @@ inline void to_camera(const Frame& frame, const double* point, double* in_cam) {
   in_cam[2] = frame[6] * x + frame[7] * y + frame[8] * z;
 }
 
-inline double lost_cost(const Ray& ray, const Loss& loss) {
-  const double s = kLost_px * ray.inverse_sigma;
-  return loss.cost(s * s);
-}
+inline double lost_square(const Ray& ray) { return kLost_px * kLost_px * ray.inverse_sigma * ray.inverse_sigma; }
 
-/// The cost of an observation.
-inline double cost_of(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss) {
+/// The squared residual of an observation in units of its sigma.
+inline double square_of(const Ray& ray, const Frame& frame, const Lens& lens, const double* point) {
   double in_cam[3];
   Projected at;
   to_camera(frame, point, in_cam);
-  if (!project(lens, in_cam, &at)) return lost_cost(ray, loss);
+  if (!project(lens, in_cam, &at)) return lost_square(ray);
   const double u = (ray.pixel[0] - at.pixel[0]) * ray.inverse_sigma,
                v = (ray.pixel[1] - at.pixel[1]) * ray.inverse_sigma;
-  return loss.cost(u * u + v * v);
+  return u * u + v * v;
 }
 
 /// Takes n n^T times a part of a 2 x count matrix off it; n is the direction of the residual.
@@ -69,14 +66,14 @@ inline void bend(const Loss& loss, double s, double* by_cam, LinearRay* out) {
   shrink_along(*out, by_cam, 3);
 }
 
-/// The same with derivatives. An observation that is not seen has a cost but all zero derivatives and residual.
+/// The same with derivatives. An observation that is not seen has a square but all zero derivatives and residual.
 inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
                         LinearRay* out) {
   double p[3];
   to_camera(frame, point, p);
   if (!project(lens, p, &out->at)) [[unlikely]] {
     *out = LinearRay{};
-    return lost_cost(ray, loss);
+    return lost_square(ray);
   }
   double u = (ray.pixel[0] - out->at.pixel[0]) * ray.inverse_sigma;
   double v = (ray.pixel[1] - out->at.pixel[1]) * ray.inverse_sigma;
@@ -100,7 +97,7 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
     double* move = out->by_point + 3 * row;
     for (int c = 0; c < 3; ++c) move[c] = a[0] * frame[c] + a[1] * frame[3 + c] + a[2] * frame[6 + c];
   }
-  return loss.cost(s);
+  return s;
 }
 
 /// Derivatives by the free parameters of the camera, times weight^1/2: 2 x free.size(), by rows.

@@ -13,8 +13,8 @@ namespace collinea::bundle {
 namespace {
 
 constexpr std::size_t kRaysInBatch = 4096;
-constexpr std::size_t kMostChunks = 16;  // of a batch
-constexpr int kMostBorderForChunks = 160;
+constexpr std::size_t kMostChunks = 16;                    // of a batch
+constexpr std::size_t kBorderSums = std::size_t{1} << 24;  // of all chunks: 128 MB
 
 // Tiles whose images share a point or a datum constraint; the rows of the cameras are full.
 TilePattern pattern_of(const Problem& problem) {
@@ -74,8 +74,12 @@ void reduce(const PointNormals& normals, const double* y, PoseRay& ray) {
 
 }  // namespace
 
-Normals::Normals(const Problem& problem)
-    : problem_(problem), matrix_(6 * problem.poses + problem.border, pattern_of(problem)) {
+Normals::Normals(const Problem& problem, KeptFactor& kept)
+    : problem_(problem),
+      kept_(kept),
+      pattern_(pattern_of(problem)),
+      matrix_(6 * problem.poses + problem.border, pattern_) {
+  kept_.meet(problem);
   right_.resize(static_cast<std::size_t>(matrix_.tile_rows()) * kTile);
   diagonal_.resize(right_.size());
   pose_camera_.resize(6ul * static_cast<std::size_t>(problem.poses) * static_cast<std::size_t>(problem.border));
@@ -84,7 +88,7 @@ Normals::Normals(const Problem& problem)
   cut_batches();
   index_rows();
   const auto border = static_cast<std::size_t>(problem.border);
-  chunks_.resize(problem.border > kMostBorderForChunks ? 1 : kMostChunks);
+  chunks_.resize(std::clamp<std::size_t>(kBorderSums / std::max<std::size_t>(1, border * border), 1, kMostChunks));
   for (BorderSums& sums : chunks_) {
     sums.matrix.resize(border * border);
     sums.right.resize(border);
@@ -198,6 +202,7 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
   const std::uint32_t base = problem_.point(batch.first_point).first_ray;
   const auto width = static_cast<std::size_t>(widest_camera_);
   PointNormals normals;
+  CostSum cost(loss);
   double* zc = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
   std::fill(zc, zc + 3 * (camera_begin_[p + 1] - camera_begin_[p]) * width, 0.0);
 
@@ -205,7 +210,7 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
     const Ray& ray = problem_.rays[r];
     const int camera = problem_.images[ray.image].camera;
     LinearRay linear;
-    sums.cost += linearise(ray, state.frames[ray.image], state.lenses[camera], &state.points[3 * p], loss, &linear);
+    cost.add(linearise(ray, state.frames[ray.image], state.lenses[camera], &state.points[3 * p], loss, &linear));
     if (!point.held) normals.add(linear);
     if (r >= point.first_free) keep(linear, pose_rays_[r - base]);
     if (problem_.cameras[camera].free.empty()) continue;
@@ -215,6 +220,7 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
     for (const int* its = cameras_of_point_.data() + camera_begin_[p]; *its != camera; ++its) its_zc += 3 * width;
     add_camera_ray(linear, problem_.cameras[camera], b, point.held ? nullptr : its_zc, sums);
   }
+  sums.cost += cost.value();
   if (point.held) {
     for (std::uint32_t r = point.first_free; r < problem_.end_ray(p); ++r)
       std::fill(std::begin(pose_rays_[r - base].z), std::end(pose_rays_[r - base].z), 0.0);
@@ -281,7 +287,7 @@ void Normals::add_row(const Batch& batch, const BatchRow& row) {
   thread_local std::vector<double*> tile_of;  // by tile column; only those of this row are looked at
   thread_local std::vector<double*> blocks;
   tile_of.resize(std::max(tile_of.size(), static_cast<std::size_t>(row.tile_row) + 1));
-  double* tile = matrix_.tiles(row.tile_row);
+  double* tile = matrix_.tile(matrix_.first(row.tile_row));
   for (const int column : matrix_.columns(row.tile_row)) {
     tile_of[static_cast<std::size_t>(column)] = tile;
     tile += kTileSize;
@@ -409,9 +415,8 @@ void Normals::assemble(double lambda) {
 }
 
 bool Normals::solve(const Run& run, Step& step) {
-  if (!matrix_.factor(run)) return false;
   step.reduced = right_;
-  matrix_.solve(step.reduced.data());
+  if (!kept_.solve(matrix_, pattern_, step.reduced.data(), run)) return false;
   step.squared_length = std::inner_product(right_.begin(), right_.end(), step.reduced.begin(), 0.0);
   return std::all_of(step.reduced.begin(), step.reduced.end(), [](double x) { return std::isfinite(x); });
 }

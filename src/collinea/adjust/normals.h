@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "collinea/adjust/kept_factor.h"
 #include "collinea/adjust/linearise.h"
 #include "collinea/adjust/step.h"
-#include "collinea/adjust/tile_cholesky.h"
 
 namespace collinea::bundle {
 
@@ -17,14 +17,18 @@ inline constexpr std::size_t kRaysWorthThreads = 3000;
 /// whatever the number of threads.
 class Normals {
  public:
-  explicit Normals(const Problem& problem);
+  /// `kept`: may hold the factor of an earlier adjustment; outlives this.
+  Normals(const Problem& problem, KeptFactor& kept);
 
   /// Linearises at `state` with damping `lambda` of every diagonal element; answers the cost. `datum_stiffness`: weight
   /// of the inner constraints, compared with what the images know of their rotations.
   double accumulate(const State& state, double lambda, const Run& run, double datum_stiffness = 1);
-  /// Factors and solves for poses and cameras. False when the matrix is not positive definite.
+  /// Solves for poses and cameras. False when the matrix is not positive definite.
   [[nodiscard]] bool solve(const Run& run, Step& step);
-  [[nodiscard]] TileCholesky& matrix() { return matrix_; }
+  /// The factor of the matrix; nothing when it is not positive definite, see TileCholesky::factor.
+  [[nodiscard]] std::optional<TileCholesky> factor(const Run& run, double least_pivot, int& failed_row) {
+    return kept_.take(matrix_, pattern_, run, least_pivot, failed_row);
+  }
 
  private:
   struct Batch {
@@ -58,7 +62,9 @@ class Normals {
   void assemble(double lambda);
 
   const Problem& problem_;
-  TileCholesky matrix_;
+  KeptFactor& kept_;
+  TilePattern pattern_;
+  TileMatrix matrix_;
   std::vector<double> right_, diagonal_;  // of poses and cameras
   std::vector<double> pose_camera_;       // 6 x border of each pose, by columns of 6
   std::vector<BorderSums> chunks_;

@@ -3,7 +3,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -101,7 +100,7 @@ class Dissector {
     rest.insert(rest.end(), others.begin(), others.end());
     rest.insert(rest.end(), cut->separator.begin(), cut->separator.end());
     for (const int image : rest) part_[image] = label;
-    return emit(rest, label);
+    return emit(walk(rest, label), label);  // along the cut: what a smaller part touches of it lies in few tiles
   }
 
   // Those with most ties to the outside are left over: they belong to the next cut anyway.
@@ -122,25 +121,32 @@ class Dissector {
     return left;
   }
 
+  // The direction is chosen by cuts in the middle, then the place of the cut.
   std::optional<Cut> best_cut(const std::vector<int>& images, int label) {
     std::optional<Cut> best;
-    double least = std::numeric_limits<double>::infinity();
-    const auto look_at = [&](const std::vector<int>& sorted) {
-      Cut cut = cut_in_the_middle(sorted, label);
+    double least = 1;  // a separator as large as a half is no gain
+    const auto look_at = [&](const std::vector<int>& sorted, double share) {
+      Cut cut = cut_at(sorted, share, label);
       const std::size_t smaller = std::min(cut.one.size(), cut.other.size());
-      if (static_cast<int>(smaller) < per_tile_) return;
+      if (static_cast<int>(smaller) < per_tile_) return false;
       const double price = static_cast<double>(cut.separator.size()) / static_cast<double>(smaller);
-      if (price >= std::min(least, 1.0)) return;  // a separator as large as a half is no gain
+      if (price >= least) return false;
       least = price;
       best = std::move(cut);
+      return true;
     };
+    std::vector<std::vector<int>> directions;
     for (const Eigen::Vector3d& axis : axes(images)) {
-      std::vector<int> sorted = images;
-      std::stable_sort(sorted.begin(), sorted.end(),
+      directions.push_back(images);
+      std::stable_sort(directions.back().begin(), directions.back().end(),
                        [&](int a, int b) { return axis.dot(centres_[a]) < axis.dot(centres_[b]); });
-      look_at(sorted);
     }
-    look_at(walk(images, label));
+    directions.push_back(walk(images, label));
+    std::size_t chosen = directions.size();
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      if (look_at(directions[i], 0.5)) chosen = i;
+    if (chosen < directions.size())
+      for (const double share : {0.45, 0.55, 0.4, 0.6}) look_at(directions[chosen], share);
     return best;
   }
 
@@ -156,8 +162,8 @@ class Dissector {
     return {first, second, first + second, first - second};
   }
 
-  Cut cut_in_the_middle(const std::vector<int>& sorted, int label) {
-    const std::size_t middle = sorted.size() / 2;
+  Cut cut_at(const std::vector<int>& sorted, double share, int label) {
+    const auto middle = static_cast<std::size_t>(share * static_cast<double>(sorted.size()));
     std::vector<int> left, right;  // images with ties across
     std::vector<std::vector<int>> across;
     for (std::size_t i = middle; i < sorted.size(); ++i) local_[sorted[i]] = -2;  // on the other side

@@ -69,12 +69,12 @@ void take_step_of_image(const Problem& problem, const State& state, const Step& 
 double cost_of_point(const Problem& problem, const State& state, std::size_t p, const double* position) {
   const ProblemPoint& point = problem.point(p);
   const Loss loss = problem.loss_of(point);
-  double cost = point.control >= 0 ? PointNormals().add(problem.control[point.control], position) : 0;
+  CostSum cost(loss);
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
-    cost += cost_of(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss);
+    cost.add(square_of(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position));
   }
-  return cost;
+  return cost.value() + (point.control >= 0 ? PointNormals().add(problem.control[point.control], position) : 0);
 }
 
 // Improves one point while images and cameras stay, by steps that lower its cost; answers the cost.
@@ -119,17 +119,18 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
   double* target = &next.points[3 * p];
   Sums sums;
   PointNormals normals;
-  double before = 0;
+  CostSum cost(loss);
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
     LinearRay linear;
-    before += linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss,
-                        &linear);
+    cost.add(linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss,
+                       &linear));
     sums.promised += squared(linear.residual);
     take_step_of_image(problem, state, step, ray, linear);
     sums.promised -= squared(linear.residual);
     if (!point.held) normals.add(linear);
   }
+  double before = cost.value();
   if (!point.held) {
     if (point.control >= 0) before += normals.add(problem.control[point.control], position);
     normals.factor(lambda);

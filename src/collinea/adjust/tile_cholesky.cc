@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-#include <utility>
 
 #include "collinea/base/parallel.h"
 #include "collinea/base/result.h"
@@ -42,6 +40,13 @@ void multiply_by_transposed(double* tile, const double* right) {
   subtract_product(tile, left.data(), right, kTile);
 }
 
+TilePattern rows_of(const std::vector<std::vector<int>>& below) {
+  TilePattern rows(below.size());
+  for (std::size_t k = 0; k < below.size(); ++k)
+    for (const int row : below[k]) rows[static_cast<std::size_t>(row)].push_back(static_cast<int>(k));
+  return rows;
+}
+
 }  // namespace
 
 // Those of the matrix; and of each column its rows but the first also in the column of that first one (its parent in
@@ -64,34 +69,21 @@ std::vector<std::vector<int>> factor_columns(const TilePattern& pattern) {
   return below;
 }
 
-TileCholesky::TileCholesky(int size, const TilePattern& pattern) : size_(size) {
-  COLLINEA_CHECK(static_cast<int>(pattern.size()) == (size + kTile - 1) / kTile);
-  lay_out(pattern);
-  tiles_.resize(columns_.size() * kTileSize);
-  diagonal_inverses_.resize(pattern.size() * kTileSize);
-  clear();
-}
+TileCholesky::TileCholesky(int size, const TilePattern& pattern)
+    : TileCholesky(size, Columns{factor_columns(pattern)}) {}
 
-void TileCholesky::lay_out(const TilePattern& pattern) {
-  const std::vector<std::vector<int>> below = factor_columns(pattern);
-  const std::size_t rows = pattern.size();
-  row_begin_.assign(rows + 1, 0);
-  below_begin_.assign(rows + 1, 0);
-  for (std::size_t k = 0; k < rows; ++k) {
-    below_begin_[k + 1] = below_begin_[k] + below[k].size();
-    ++row_begin_[k + 1];
-    for (const int row : below[k]) ++row_begin_[static_cast<std::size_t>(row) + 1];
+TileCholesky::TileCholesky(int size, const Columns& columns) : tiles_(size, rows_of(columns.below)) {
+  const auto& below = columns.below;
+  below_begin_.push_back(0);
+  std::vector<std::size_t> next;
+  for (int row = 0; row < tiles_.tile_rows(); ++row) next.push_back(tiles_.first(row));
+  for (std::size_t k = 0; k < below.size(); ++k) {  // ascending, as the columns of every row
+    const double products = static_cast<double>(below[k].size());
+    work_ += (products + 1) * (products + 2) / 2;
+    for (const int row : below[k]) below_.push_back({row, next[static_cast<std::size_t>(row)]++});
+    below_begin_.push_back(below_.size());
   }
-  std::partial_sum(row_begin_.begin(), row_begin_.end(), row_begin_.begin());
-  columns_.resize(row_begin_.back());
-  std::vector<std::size_t> next(row_begin_.begin(), row_begin_.end() - 1);
-  for (std::size_t k = 0; k < rows; ++k) {  // ascending: so are the columns of every row, and the diagonal is the last
-    columns_[next[k]++] = static_cast<int>(k);
-    for (const int row : below[k]) {
-      below_.push_back({row, next[static_cast<std::size_t>(row)]});
-      columns_[next[static_cast<std::size_t>(row)]++] = static_cast<int>(k);
-    }
-  }
+  diagonal_inverses_.resize(below.size() * kTileSize);
   find_subtrees(below);
 }
 
@@ -120,31 +112,9 @@ void TileCholesky::find_subtrees(const std::vector<std::vector<int>>& below) {
     (subtree[k] >= 0 ? subtrees_[static_cast<std::size_t>(subtree[k])] : top_).push_back(static_cast<int>(k));
 }
 
-std::size_t TileCholesky::find(int row, int column) const {
-  const std::size_t begin = row_begin_[row], end = row_begin_[row + 1];
-  if (column == row) return end - 1;
-  const std::size_t guess = begin + static_cast<std::size_t>(column);  // of a full row
-  if (guess < end && columns_[guess] == column) return guess;
-  const auto found = std::lower_bound(columns_.begin() + static_cast<std::ptrdiff_t>(begin),
-                                      columns_.begin() + static_cast<std::ptrdiff_t>(end), column);
-  const auto at = static_cast<std::size_t>(found - columns_.begin());
-  return at < end && columns_[at] == column ? at : kNowhere;
-}
-
-std::size_t TileCholesky::place(int row, int column) const {
-  const std::size_t found = find(row, column);
-  COLLINEA_CHECK(found != kNowhere);
-  return found;
-}
-
-void TileCholesky::clear() {
-  std::fill(tiles_.begin(), tiles_.end(), 0.0);
-  for (int i = size_; i < tile_rows() * kTile; ++i) at(i, i) = 1;
-}
-
 // The first row whose pivot is too small; -1 when there is none.
 int TileCholesky::factor_diagonal(int row, double least_pivot) {
-  double* t = tile(diagonal(row));
+  double* t = tiles_.tile(tiles_.diagonal(row));
   for (int j = 0; j < kTile; ++j) {
     double* pivot_column = t + j * kTile;
     const double pivot = pivot_column[j];
@@ -165,54 +135,68 @@ int TileCholesky::factor_diagonal(int row, double least_pivot) {
 // Tile at row_end of `row`, in `column`, minus the products of what both rows hold before it. Stretches where both have
 // the same columns side by side go to the kernel at once.
 void TileCholesky::subtract_common(int row, std::size_t row_end, int column) {
-  std::size_t a = row_begin_[row], b = row_begin_[column];
-  const std::size_t b_end = diagonal(column);
+  std::size_t a = tiles_.first(row), b = tiles_.first(column);
+  const std::size_t b_end = tiles_.diagonal(column);
+  const auto same = [&](std::size_t k) { return tiles_.column_of(a + k) == tiles_.column_of(b + k); };
   while (a < row_end && b < b_end) {
-    if (columns_[a] != columns_[b]) {
-      ++(columns_[a] < columns_[b] ? a : b);
+    if (!same(0)) {
+      ++(tiles_.column_of(a) < tiles_.column_of(b) ? a : b);
       continue;
     }
     std::size_t count = 1;
-    while (a + count < row_end && b + count < b_end && columns_[a + count] == columns_[b + count]) ++count;
-    subtract_product(tile(row_end), tile(a), tile(b), static_cast<int>(count) * kTile);
+    while (a + count < row_end && b + count < b_end && same(count)) ++count;
+    subtract_product(tiles_.tile(row_end), tiles_.tile(a), tiles_.tile(b), static_cast<int>(count) * kTile);
     a += count;
     b += count;
   }
 }
 
-int TileCholesky::factor_column(int j, double least_pivot, const Run& run) {
+// A tile of the matrix to its place in the factor, or zeros.
+void TileCholesky::fetch(const TileMatrix& matrix, int row, int column, std::size_t place) {
+  const std::size_t given = matrix.find(row, column);
+  if (given == TileMatrix::kNowhere)
+    std::fill_n(tiles_.tile(place), kTileSize, 0.0);
+  else
+    std::copy_n(matrix.tile(given), kTileSize, tiles_.tile(place));
+}
+
+int TileCholesky::factor_column(const TileMatrix& matrix, int j, double least_pivot, const Run& run) {
   constexpr std::size_t kTilesWorthThreads = 1600;  // products
-  const std::size_t first = row_begin_[j], on_diagonal = diagonal(j);
-  double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(j) * kTileSize;
-  for (int i = 0; i < kTile; ++i) inverse[i] = tile(on_diagonal)[i * kTile + i];  // kept for the test of the pivots
-  subtract_product(tile(on_diagonal), tile(first), tile(first), static_cast<int>(on_diagonal - first) * kTile);
+  const std::size_t first = tiles_.first(j), on_diagonal = tiles_.diagonal(j);
+  double *inverse = diagonal_inverses_.data() + static_cast<std::size_t>(j) * kTileSize,
+         *pivots = tiles_.tile(on_diagonal);
+  fetch(matrix, j, j, on_diagonal);
+  for (int i = 0; i < kTile; ++i) inverse[i] = pivots[i * kTile + i];  // kept for the test of the pivots
+  subtract_product(pivots, tiles_.tile(first), tiles_.tile(first), static_cast<int>(on_diagonal - first) * kTile);
   if (const int failed = factor_diagonal(j, least_pivot); failed >= 0) return failed;
-  invert_triangle(tile(on_diagonal), inverse);
+  invert_triangle(pivots, inverse);
   Run serial;
   const std::span<const Below> rows = below(j);
   parallel_for(rows.size() * (on_diagonal - first) > kTilesWorthThreads ? run : serial, rows.size(),
                [&](std::size_t i) {
+                 fetch(matrix, rows[i].row, j, rows[i].place);
                  subtract_common(rows[i].row, rows[i].place, j);
-                 multiply_by_transposed(tile(rows[i].place), inverse);
+                 multiply_by_transposed(tiles_.tile(rows[i].place), inverse);
                });
   return -1;
 }
 
-bool TileCholesky::factor(const Run& run, double least_pivot) {
+bool TileCholesky::factor(const TileMatrix& matrix, const Run& run, double least_pivot) {
+  COLLINEA_CHECK(matrix.tile_rows() == tile_rows());
   std::vector<int> failed(subtrees_.size(), -1);
   Run serial;
   serial.stop = run.stop;
   parallel_for(run, subtrees_.size(), [&](std::size_t s) {
     for (const int j : subtrees_[s]) {
       if (run.stopped()) return;
-      if ((failed[s] = factor_column(j, least_pivot, serial)) >= 0) return;
+      if ((failed[s] = factor_column(matrix, j, least_pivot, serial)) >= 0) return;
     }
   });
   failed_row_ = -1;
   for (const int row : failed)
     if (row >= 0 && (failed_row_ < 0 || row < failed_row_)) failed_row_ = row;
   for (std::size_t i = 0; i < top_.size() && failed_row_ < 0 && !run.stopped(); ++i)
-    failed_row_ = factor_column(top_[i], least_pivot, run);
+    failed_row_ = factor_column(matrix, top_[i], least_pivot, run);
   return failed_row_ < 0;
 }
 
@@ -220,77 +204,70 @@ void TileCholesky::solve(double* x) const {
   std::array<double, kTile> part;
   for (int i = 0; i < tile_rows(); ++i) {
     double* xi = x + i * kTile;
-    for (std::size_t t = row_begin_[i]; t < diagonal(i); ++t) {
-      const double* values = tile(t);
-      const double* xk = x + columns_[t] * kTile;
-      for (int c = 0; c < kTile; ++c, values += kTile)
-        for (int r = 0; r < kTile; ++r) xi[r] -= values[r] * xk[c];
-    }
-    const double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(i) * kTileSize;
+    for (std::size_t t = tiles_.first(i); t < tiles_.diagonal(i); ++t)
+      subtract_times(xi, tiles_.tile(t), x + tiles_.column_of(t) * kTile);
     part.fill(0);
-    for (int c = 0; c < kTile; ++c)
-      for (int r = c; r < kTile; ++r) part[r] += inverse[c * kTile + r] * xi[c];
-    std::copy(part.begin(), part.end(), xi);
+    subtract_times(part.data(), diagonal_inverses_.data() + static_cast<std::size_t>(i) * kTileSize, xi);
+    for (int r = 0; r < kTile; ++r) xi[r] = -part[r];
   }
   for (int i = tile_rows() - 1; i >= 0; --i) {
     double* xi = x + i * kTile;
-    const double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(i) * kTileSize;
-    for (int c = 0; c < kTile; ++c) {
-      double sum = 0;
-      for (int r = c; r < kTile; ++r) sum += inverse[c * kTile + r] * xi[r];
-      part[c] = sum;
-    }
-    std::copy(part.begin(), part.end(), xi);
-    for (std::size_t t = row_begin_[i]; t < diagonal(i); ++t) {
-      const double* values = tile(t);
-      double* xk = x + columns_[t] * kTile;
-      for (int c = 0; c < kTile; ++c, values += kTile) {
-        double sum = 0;
-        for (int r = 0; r < kTile; ++r) sum += values[r] * xi[r];
-        xk[c] -= sum;
-      }
-    }
+    part.fill(0);
+    subtract_transposed_times(part.data(), diagonal_inverses_.data() + static_cast<std::size_t>(i) * kTileSize, xi);
+    for (int r = 0; r < kTile; ++r) xi[r] = -part[r];
+    for (std::size_t t = tiles_.first(i); t < tiles_.diagonal(i); ++t)
+      subtract_transposed_times(x + tiles_.column_of(t) * kTile, tiles_.tile(t), xi);
   }
 }
 
 // From the last column to the first: with M(j) = L(j,k) L(k,k)^-1, the inverse Z has
 //     Z(i,k) = -sum over j > k of Z(i,j) M(j)  and  Z(k,k) = L(k,k)^-T L(k,k)^-1 - sum over j > k of M(j)^T Z(j,k).
-// The rows that hold column k hold every tile Z(i,j) that is asked for.
+// The rows that hold column k hold every tile Z(i,j) that is asked for; of those with i < j the transposed is held, and
+// their share of Z(i,k) is summed up transposed.
 void TileCholesky::invert_column(int k, const Run& run) {
   constexpr std::size_t kRowsWorthThreads = 8;
   const std::span<const Below> rows = below(k);
+  const std::size_t count = rows.size();
   const double* inverse = diagonal_inverses_.data() + static_cast<std::size_t>(k) * kTileSize;
-  std::array<double, kTileSize> inverse_t, m_t, sum, negative;
+  std::array<double, kTileSize> inverse_t, sum;
   transpose(inverse, inverse_t.data());
-  std::vector<double> transposed_m(rows.size() * kTileSize), above(rows.size() * kTileSize, 0.0);
-  for (std::size_t a = 0; a < rows.size(); ++a) {  // M^T by columns = M by rows
-    multiply_by_transposed(tile(rows[a].place), inverse_t.data());
-    transpose(tile(rows[a].place), transposed_m.data() + a * kTileSize);
+  std::vector<double> transposed_m(count * kTileSize), above(count * kTileSize, 0.0);
+  std::vector<std::size_t> places(count * count);  // of Z(i,j), by rows
+  for (std::size_t a = 0; a < count; ++a) {        // M^T by columns = M by rows
+    multiply_by_transposed(tiles_.tile(rows[a].place), inverse_t.data());
+    transpose(tiles_.tile(rows[a].place), transposed_m.data() + a * kTileSize);
+    std::size_t place = rows[a].place;
+    for (std::size_t b = 0; b < a; ++b) {
+      while (tiles_.column_of(place) != rows[b].row) ++place;
+      places[a * count + b] = place;
+    }
+    places[a * count + a] = tiles_.diagonal(rows[a].row);
   }
   Run serial;
-  parallel_for(rows.size() >= kRowsWorthThreads ? run : serial, rows.size(), [&](std::size_t a) {  // Z(i,k)
-    std::array<double, kTileSize> z_t;
-    for (std::size_t b = 0; b < rows.size(); ++b) {
-      const double* z = tile(place(std::max(rows[a].row, rows[b].row), std::min(rows[a].row, rows[b].row)));
-      if (a < b) {
-        transpose(z, z_t.data());
-        z = z_t.data();
-      }
-      subtract_product(above.data() + a * kTileSize, z, transposed_m.data() + b * kTileSize, kTile);
+  parallel_for(count >= kRowsWorthThreads ? run : serial, count, [&](std::size_t a) {  // Z(i,k)
+    double* its = above.data() + a * kTileSize;
+    const std::size_t* place = places.data() + a * count;
+    std::array<double, kTileSize> transposed{};
+    for (std::size_t b = a + 1; b < count; ++b)
+      subtract_plain_product(transposed.data(), transposed_m.data() + b * kTileSize,
+                             tiles_.tile(places[b * count + a]));
+    transpose(transposed.data(), its);
+    for (std::size_t b = 0, end = 0; b <= a; b = end) {
+      for (end = b + 1; end <= a && place[end] == place[end - 1] + 1;) ++end;
+      subtract_product(its, tiles_.tile(place[b]), transposed_m.data() + b * kTileSize,
+                       static_cast<int>(end - b) * kTile);
     }
   });
   sum.fill(0);
-  for (int n = 0; n < kTileSize; ++n) negative[n] = -inverse_t[n];
-  subtract_product(sum.data(), negative.data(), inverse_t.data(), kTile);
-  for (std::size_t a = 0; a < rows.size(); ++a) {
-    transpose(above.data() + a * kTileSize, m_t.data());
-    subtract_product(sum.data(), transposed_m.data() + a * kTileSize, m_t.data(), kTile);
-  }
-  double* on_diagonal = tile(diagonal(k));
+  subtract_product(sum.data(), inverse_t.data(), inverse_t.data(), kTile);
+  for (double& value : sum) value = -value;
+  for (std::size_t a = 0; a < count; ++a)
+    subtract_plain_product(sum.data(), transposed_m.data() + a * kTileSize, above.data() + a * kTileSize);
+  double* on_diagonal = tiles_.tile(tiles_.diagonal(k));
   for (int c = 0; c < kTile; ++c)  // the whole tile, symmetric to the last bit
     for (int r = 0; r < kTile; ++r) on_diagonal[c * kTile + r] = r >= c ? sum[c * kTile + r] : sum[r * kTile + c];
-  for (std::size_t a = 0; a < rows.size(); ++a)
-    std::copy_n(above.data() + a * kTileSize, kTileSize, tile(rows[a].place));
+  for (std::size_t a = 0; a < count; ++a)
+    std::copy_n(above.data() + a * kTileSize, kTileSize, tiles_.tile(rows[a].place));
 }
 
 void TileCholesky::invert(const Run& run) {

@@ -17,6 +17,7 @@ const Run kRun;
 // Positive definite with zeros outside some tiles; the last rows (a border) are full.
 struct Example {
   Eigen::MatrixXd dense;
+  TileMatrix matrix;
   TileCholesky tiles;
 };
 
@@ -37,7 +38,7 @@ Example example(int size) {
   const TilePattern pattern = halves(rows);
   Random random(3);
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(size, size);
-  TileCholesky tiles(size, pattern);
+  TileMatrix tiles(size, pattern);
   for (int c = 0; c < size; ++c)
     for (int r = c; r < size; ++r) {
       const auto& columns = pattern[static_cast<std::size_t>(r / kTile)];
@@ -45,13 +46,13 @@ Example example(int size) {
         dense(r, c) = dense(c, r) = tiles.at(r, c) = random.normal();
     }
   for (int i = 0; i < size; ++i) tiles.at(i, i) = dense(i, i) += 4 * std::sqrt(size) + 10;
-  return {dense, tiles};
+  return {dense, tiles, TileCholesky(size, pattern)};
 }
 
 TEST(TileCholesky, SolvesAndInvertsLikeADenseOne) {
   for (const int size : {1, 6, 47, 48, 49, 250, 600, 1000}) {
     Example e = example(size);
-    ASSERT_TRUE(e.tiles.factor(kRun));
+    ASSERT_TRUE(e.tiles.factor(e.matrix, kRun));
     std::vector<double> x(e.tiles.tile_rows() * kTile, 0.0);
     Random random(4);
     Eigen::VectorXd right(size);
@@ -66,6 +67,18 @@ TEST(TileCholesky, SolvesAndInvertsLikeADenseOne) {
       for (int r = c; r < size; ++r)
         if (e.tiles.holds(r / kTile, c / kTile)) worst = std::max(worst, std::abs(e.tiles.at(r, c) - inverse(r, c)));
     EXPECT_LT(worst, 1e-13);
+  }
+}
+
+TEST(TileMatrix, MultipliesLikeADenseOne) {
+  for (const int size : {1, 47, 49, 600}) {
+    const Example e = example(size);
+    Random random(5);
+    std::vector<double> x(e.matrix.tile_rows() * kTile, 0.0), y(x.size());
+    for (int i = 0; i < size; ++i) x[i] = random.normal();
+    e.matrix.times(x.data(), y.data());
+    const Eigen::VectorXd expected = e.dense * Eigen::Map<Eigen::VectorXd>(x.data(), size);
+    EXPECT_LT((Eigen::Map<Eigen::VectorXd>(y.data(), size) - expected).norm(), 1e-13 * expected.norm());
   }
 }
 
@@ -87,7 +100,7 @@ TEST(TileCholesky, ThreadsDoNotChangeABit) {
           ASSERT_EQ(a.tiles.at(r, c), b.tiles.at(r, c));
         }
   };
-  ASSERT_TRUE(a.tiles.factor(kRun) && b.tiles.factor(three));
+  ASSERT_TRUE(a.tiles.factor(a.matrix, kRun) && b.tiles.factor(b.matrix, three));
   expect_same();
   a.tiles.invert(kRun);
   b.tiles.invert(three);
@@ -98,9 +111,9 @@ TEST(TileCholesky, NamesTheRowThatIsNotDetermined) {
   Example e = example(100);
   for (int i = 0; i < 100; ++i) {
     const int row = std::max(i, 70), column = std::min(i, 70);
-    if (e.tiles.holds(row / kTile, column / kTile)) e.tiles.at(row, column) = 0;
+    if (e.matrix.holds(row / kTile, column / kTile)) e.matrix.at(row, column) = 0;
   }
-  EXPECT_FALSE(e.tiles.factor(kRun));
+  EXPECT_FALSE(e.tiles.factor(e.matrix, kRun));
   EXPECT_EQ(e.tiles.failed_row(), 70);
 }
 

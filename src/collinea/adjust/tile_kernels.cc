@@ -11,8 +11,11 @@ HWY_BEFORE_NAMESPACE();
 namespace collinea::bundle::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Three vectors of rows times four columns stay in registers: 12 sums, 7 loads for 12 products.
-void SubtractProduct(double* HWY_RESTRICT c, const double* HWY_RESTRICT a, const double* HWY_RESTRICT b, int columns) {
+// Three vectors of rows times four columns stay in registers: 12 sums, 7 loads for 12 products. Element (k, j) of the
+// right factor is at k * along + j * across.
+template <int kAlong, int kAcross>
+HWY_INLINE void Subtract(double* HWY_RESTRICT c, const double* HWY_RESTRICT a, const double* HWY_RESTRICT b,
+                         int columns) {
   const hn::CappedTag<double, 8> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   static_assert(kTile % 24 == 0);
@@ -21,13 +24,13 @@ void SubtractProduct(double* HWY_RESTRICT c, const double* HWY_RESTRICT a, const
       auto s00 = hn::Zero(d), s10 = s00, s20 = s00, s01 = s00, s11 = s00, s21 = s00;
       auto s02 = s00, s12 = s00, s22 = s00, s03 = s00, s13 = s00, s23 = s00;
       const double* left = a + row;
-      const double* right = b + column;
-      for (int k = 0; k < columns; ++k, left += kTile, right += kTile) {
+      const double* right = b + column * kAcross;
+      for (int k = 0; k < columns; ++k, left += kTile, right += kAlong) {
         const auto a0 = hn::LoadU(d, left), a1 = hn::LoadU(d, left + lanes), a2 = hn::LoadU(d, left + 2 * lanes);
-        const auto b0 = hn::Set(d, right[0]), b1 = hn::Set(d, right[1]);
+        const auto b0 = hn::Set(d, right[0]), b1 = hn::Set(d, right[kAcross]);
         s00 = hn::MulAdd(a0, b0, s00), s10 = hn::MulAdd(a1, b0, s10), s20 = hn::MulAdd(a2, b0, s20);
         s01 = hn::MulAdd(a0, b1, s01), s11 = hn::MulAdd(a1, b1, s11), s21 = hn::MulAdd(a2, b1, s21);
-        const auto b2 = hn::Set(d, right[2]), b3 = hn::Set(d, right[3]);
+        const auto b2 = hn::Set(d, right[2 * kAcross]), b3 = hn::Set(d, right[3 * kAcross]);
         s02 = hn::MulAdd(a0, b2, s02), s12 = hn::MulAdd(a1, b2, s12), s22 = hn::MulAdd(a2, b2, s22);
         s03 = hn::MulAdd(a0, b3, s03), s13 = hn::MulAdd(a1, b3, s13), s23 = hn::MulAdd(a2, b3, s23);
       }
@@ -41,6 +44,52 @@ void SubtractProduct(double* HWY_RESTRICT c, const double* HWY_RESTRICT a, const
       take(1, s01, s11, s21);
       take(2, s02, s12, s22);
       take(3, s03, s13, s23);
+    }
+  }
+}
+
+void SubtractProduct(double* HWY_RESTRICT c, const double* HWY_RESTRICT a, const double* HWY_RESTRICT b, int columns) {
+  Subtract<kTile, 1>(c, a, b, columns);
+}
+
+void SubtractPlainProduct(double* HWY_RESTRICT c, const double* HWY_RESTRICT a, const double* HWY_RESTRICT b) {
+  Subtract<1, kTile>(c, a, b, kTile);
+}
+
+// Two columns at a time into sums of their own: the chain of additions is half as long.
+void SubtractTimes(double* HWY_RESTRICT y, const double* HWY_RESTRICT tile, const double* HWY_RESTRICT x) {
+  const hn::CappedTag<double, 8> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int row = 0; row < kTile; row += 3 * lanes) {
+    auto s0 = hn::LoadU(d, y + row), s1 = hn::LoadU(d, y + row + lanes), s2 = hn::LoadU(d, y + row + 2 * lanes);
+    auto t0 = hn::Zero(d), t1 = t0, t2 = t0;
+    const double* values = tile + row;
+    for (int c = 0; c < kTile; c += 2, values += 2 * kTile) {
+      const auto x0 = hn::Set(d, x[c]), x1 = hn::Set(d, x[c + 1]);
+      s0 = hn::NegMulAdd(hn::LoadU(d, values), x0, s0);
+      s1 = hn::NegMulAdd(hn::LoadU(d, values + lanes), x0, s1);
+      s2 = hn::NegMulAdd(hn::LoadU(d, values + 2 * lanes), x0, s2);
+      t0 = hn::MulAdd(hn::LoadU(d, values + kTile), x1, t0);
+      t1 = hn::MulAdd(hn::LoadU(d, values + kTile + lanes), x1, t1);
+      t2 = hn::MulAdd(hn::LoadU(d, values + kTile + 2 * lanes), x1, t2);
+    }
+    hn::StoreU(hn::Sub(s0, t0), d, y + row);
+    hn::StoreU(hn::Sub(s1, t1), d, y + row + lanes);
+    hn::StoreU(hn::Sub(s2, t2), d, y + row + 2 * lanes);
+  }
+}
+
+void SubtractTransposedTimes(double* HWY_RESTRICT y, const double* HWY_RESTRICT tile, const double* HWY_RESTRICT x) {
+  const hn::CappedTag<double, 8> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int row = 0; row < kTile; row += 3 * lanes) {
+    const auto x0 = hn::LoadU(d, x + row), x1 = hn::LoadU(d, x + row + lanes), x2 = hn::LoadU(d, x + row + 2 * lanes);
+    const double* values = tile + row;
+    for (int c = 0; c < kTile; ++c, values += kTile) {
+      const auto sum =
+          hn::MulAdd(hn::LoadU(d, values), x0,
+                     hn::MulAdd(hn::LoadU(d, values + lanes), x1, hn::Mul(hn::LoadU(d, values + 2 * lanes), x2)));
+      y[c] -= hn::GetLane(hn::SumOfLanes(d, sum));
     }
   }
 }
@@ -136,12 +185,25 @@ HWY_AFTER_NAMESPACE();
 namespace collinea::bundle {
 
 HWY_EXPORT(SubtractProduct);
+HWY_EXPORT(SubtractPlainProduct);
+HWY_EXPORT(SubtractTimes);
+HWY_EXPORT(SubtractTransposedTimes);
 HWY_EXPORT(AddPoseRay);
 HWY_EXPORT(AddPoseCamera);
 HWY_EXPORT(SubtractPoseCamera);
 
 void subtract_product(double* c, const double* a, const double* b, int columns) {
   HWY_DYNAMIC_DISPATCH(SubtractProduct)(c, a, b, columns);
+}
+
+void subtract_plain_product(double* c, const double* a, const double* b) {
+  HWY_DYNAMIC_DISPATCH(SubtractPlainProduct)(c, a, b);
+}
+
+void subtract_times(double* y, const double* tile, const double* x) { HWY_DYNAMIC_DISPATCH(SubtractTimes)(y, tile, x); }
+
+void subtract_transposed_times(double* y, const double* tile, const double* x) {
+  HWY_DYNAMIC_DISPATCH(SubtractTransposedTimes)(y, tile, x);
 }
 
 void add_pose_ray(const PoseRay& ray, double* diagonal_block, double* right, double* diagonal, double* const* blocks,

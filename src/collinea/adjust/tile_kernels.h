@@ -12,6 +12,13 @@ inline constexpr int kPosesOfTile = kTile / 6;
 /// c -= a b^T. c is a tile, a and b have kTile rows and `columns` columns; all by columns.
 void subtract_product(double* c, const double* a, const double* b, int columns);
 
+/// c -= a b, all tiles by columns.
+void subtract_plain_product(double* c, const double* a, const double* b);
+
+/// y -= tile x and y -= tile^T x.
+void subtract_times(double* y, const double* tile, const double* x);
+void subtract_transposed_times(double* y, const double* tile, const double* x);
+
 /// One ray of a pose in the reduced normals: derivatives J (2 x 6 by rows), Z (6 x 3 by columns: J^T A L^-T of the
 /// point whose normal matrix is L L^T) and the reduced residual r - A L^-T y.
 struct PoseRay {

@@ -6,11 +6,12 @@
 #include <memory>
 
 #include "collinea/block/world_frame.h"
+#include "collinea/io/file.h"
 
 namespace collinea {
 namespace {
 
-bool there(const std::filesystem::path& path) { return !path.empty() && std::filesystem::exists(path); }
+bool there(const std::filesystem::path& path) { return !path.empty() && is_there(path); }
 
 // Through geographic coordinates, since the two world frames may have different origins and maps.
 Result<ToTruth> to_truth_of(const Block& block, const TruthFolder& truth) {

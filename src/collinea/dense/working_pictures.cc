@@ -70,11 +70,26 @@ std::vector<Eigen::Vector2f> distortion_grid(const Camera& camera, const Camera&
 
 }  // namespace
 
+DenseOptions options_of_matching(DenseOptions options) {
+  const DenseOptions unset;
+  options.min_images = unset.min_images;
+  options.max_reprojection_px = unset.max_reprojection_px;
+  options.max_sigmas = unset.max_sigmas;
+  options.memory_mb = unset.memory_mb;
+  options.cloud = unset.cloud;
+  return options;
+}
+
+std::optional<int> shrink_of(std::string_view resolution) {
+  if (resolution == "full") return 1;
+  if (resolution == "half") return 2;
+  if (resolution == "quarter") return 4;
+  return std::nullopt;
+}
+
 Result<int> working_shrink(const Camera& camera, const DenseOptions& options) {
   if (options.resolution) {
-    if (*options.resolution == "full") return 1;
-    if (*options.resolution == "half") return 2;
-    if (*options.resolution == "quarter") return 4;
+    if (const auto shrink = shrink_of(*options.resolution)) return *shrink;
     return fail(Errc::kBadInput, "resolution = " + *options.resolution + " is none of full, half, quarter");
   }
   int shrink = 1;

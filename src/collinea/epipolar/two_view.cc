@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "collinea/base/median.h"
 #include "collinea/base/result.h"
 #include "collinea/epipolar/robust.h"
 #include "collinea/epipolar/two_view_criteria.h"
@@ -20,10 +21,8 @@ namespace {
 constexpr double kReferenceSize_px = 3000;  // pictures up to this size share one threshold
 constexpr double kAssumedFocal = 0.1;       // sigma_f / f beyond which a focal length is a guess
 constexpr double kPlaneThreshold = 1.25;    // two degrees of freedom instead of one at the same 95 %
-constexpr double kStationary_px = 1.5;      // a match that stays at its pixel
-constexpr double kMostStationary = 0.9;
-constexpr double kMotionShare = 0.7;  // of the fundamental matrix's inliers that an essential matrix must keep
-constexpr double kLensDoubt = 3;      // thresholds that an uncalibrated lens may feign as parallax
+constexpr double kMotionShare = 0.7;        // of the fundamental matrix's inliers that an essential matrix must keep
+constexpr double kLensDoubt = 3;            // thresholds that an uncalibrated lens may feign as parallax
 
 // Matches in random order.
 struct Prepared {
@@ -40,6 +39,10 @@ struct Finding {
   Rigid3 second_from_first;  // translation 0: not known
   double median_parallax_rad = 0;
 };
+
+int longest_side_px(const Camera& first, const Camera& second) {
+  return std::max({first.width_px, first.height_px, second.width_px, second.height_px});
+}
 
 double relative_sigma_f(const Camera& camera) { return camera.sigma_f_px / camera.focal_px(); }
 
@@ -65,17 +68,6 @@ class Verification {
     Finding finding = judged(epipolar, plane, prepared.pairs);
     if (!acceptable(prepared, finding.inliers)) return {};
     return finding;
-  }
-
-  // Nearly all of `inliers` are at the same pixel in both pictures.
-  static bool stationary(const Prepared& prepared, std::span<const int> inliers) {
-    std::size_t still = 0;
-    for (const int i : inliers) still += is_still(prepared, static_cast<std::size_t>(i));
-    return static_cast<double>(still) > kMostStationary * static_cast<double>(inliers.size());
-  }
-
-  static bool is_still(const Prepared& prepared, std::size_t i) {
-    return (prepared.first_px[i] - prepared.second_px[i]).squaredNorm() < kStationary_px * kStationary_px;
   }
 
  private:
@@ -275,9 +267,11 @@ class Verification {
 
   // From the median, which outliers just below the threshold do not move much.
   [[nodiscard]] double noise_px(const std::vector<double>& squared_px2, std::span<const int> inliers) const {
+    constexpr double kLeastNoise_px = 0.4;  // also where a threshold was asked for that is not twice as much
     std::vector<double> some;
     for (const int i : inliers) some.push_back(squared_px2[static_cast<std::size_t>(i)]);
-    return std::clamp(1.4826 * std::sqrt(median(std::move(some))), 0.4, threshold_px_ / 2);
+    return std::clamp(1.4826 * std::sqrt(some.empty() ? 0 : median(std::move(some))), kLeastNoise_px,
+                      std::max(kLeastNoise_px, threshold_px_ / 2));
   }
 
   [[nodiscard]] Finding general(const Relation& epipolar) const {
@@ -286,11 +280,11 @@ class Verification {
     return finding;
   }
 
-  // With a lens not yet calibrated, the distortion looks like a little parallax: what remains after a rotation must be
-  // clearly more.
+  // With a lens not yet calibrated, the distortion looks like a little parallax, which is a share of the picture's
+  // size: what remains after a rotation must be clearly more.
   [[nodiscard]] bool hardly_more_than(const Turn& turned, std::span<const int> items) const {
     if (first_.sigma_f_px == 0 && second_.sigma_f_px == 0) return false;
-    const double limit_px = kLensDoubt * threshold_px_;
+    const double limit_px = kLensDoubt * options_.max_error_px * longest_side_px(first_, second_) / kReferenceSize_px;
     const auto near = std::count_if(items.begin(), items.end(), [&](int i) {
       return turned.errors[static_cast<std::size_t>(i)] < limit_px * limit_px;
     });
@@ -352,7 +346,7 @@ class Verification {
   static double median_parallax(const Rigid3& motion, const PointPairs& pairs, std::span<const int> inliers) {
     std::vector<double> angles;
     for (const int i : inliers) angles.push_back(meeting(motion, pairs.first(i), pairs.second(i)).angle_rad);
-    return median(std::move(angles));
+    return angles.empty() ? 0 : median(angles);
   }
 
   [[nodiscard]] bool acceptable(const Prepared& prepared, std::span<const int> inliers) const {
@@ -371,19 +365,6 @@ class Verification {
   std::span<const int> preferred_;
 };
 
-Eigen::Vector2d pixel_of(std::span<const Keypoint> keypoints, std::uint32_t index) {
-  COLLINEA_CHECK(index < keypoints.size());
-  return {keypoints[index].x, keypoints[index].y};
-}
-
-void append(Prepared& prepared, const Camera& camera_first, const Camera& camera_second, const Match& match,
-            const Eigen::Vector2d& first_px, const Eigen::Vector2d& second_px) {
-  prepared.pairs.add(normalized(camera_first, first_px), normalized(camera_second, second_px));
-  prepared.matches.push_back(match);
-  prepared.first_px.push_back(first_px);
-  prepared.second_px.push_back(second_px);
-}
-
 Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
                         std::span<const Keypoint> second, std::span<const Match> matches, std::span<const int> order) {
   Prepared prepared;
@@ -393,8 +374,12 @@ Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> fi
   std::vector<TurnAndScale> changes;
   for (const int i : order) {
     const Match& match = matches[static_cast<std::size_t>(i)];
-    append(prepared, camera_first, camera_second, match, pixel_of(first, match.first), pixel_of(second, match.second));
     const Keypoint &a = first[match.first], &b = second[match.second];
+    prepared.matches.push_back(match);
+    prepared.first_px.emplace_back(a.x, a.y);
+    prepared.second_px.emplace_back(b.x, b.y);
+    prepared.pairs.add(normalized(camera_first, prepared.first_px.back()),
+                       normalized(camera_second, prepared.second_px.back()));
     changes.push_back(
         {b.angle_rad - a.angle_rad, a.scale_px > 0 && b.scale_px > 0 ? std::log2(b.scale_px / a.scale_px) : 0});
   }
@@ -402,26 +387,10 @@ Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> fi
   return prepared;
 }
 
-Prepared without_stationary(const Prepared& all) {
-  Prepared moving;
-  moving.pairs.focal_first_px = all.pairs.focal_first_px;
-  moving.pairs.focal_second_px = all.pairs.focal_second_px;
-  for (std::size_t i = 0; i < all.matches.size(); ++i) {
-    if (Verification::is_still(all, i)) continue;
-    const int k = static_cast<int>(i);
-    moving.pairs.add(all.pairs.first(k), all.pairs.second(k));
-    moving.matches.push_back(all.matches[i]);
-    moving.first_px.push_back(all.first_px[i]);
-    moving.second_px.push_back(all.second_px[i]);
-  }
-  return moving;
-}
-
 }  // namespace
 
 double largest_error_px(const Camera& first, const Camera& second, const VerifyOptions& options) {
-  const int size = std::max({first.width_px, first.height_px, second.width_px, second.height_px});
-  return options.max_error_px * std::max(1.0, size / kReferenceSize_px);
+  return options.max_error_px * std::max(1.0, longest_side_px(first, second) / kReferenceSize_px);
 }
 
 ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
@@ -430,21 +399,22 @@ ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, co
   ImagePair pair;
   pair.putative = static_cast<int>(putative.size());
   if (pair.putative < options.min_inliers) return pair;
+  for (const Match& match : putative) COLLINEA_CHECK(match.first < first.size() && match.second < second.size());
+  const std::vector<Match> moving = without_marks(first, second, putative);
 
   Random random(seed);
-  const std::vector<int> order = shuffled(pair.putative, random);
-  Prepared prepared = prepared_pairs(camera_first, first, camera_second, second, putative, order);
-  Verification verification(camera_first, camera_second, options, random);
-  Finding finding = verification.find(prepared);
-  if (finding.geometry != PairGeometry::kNone && Verification::stationary(prepared, finding.inliers)) {
-    prepared = without_stationary(prepared);  // what a watermark drowned
-    finding = verification.find(prepared);
-  }
+  const std::vector<int> order = shuffled(static_cast<int>(moving.size()), random);
+  const Prepared prepared = prepared_pairs(camera_first, first, camera_second, second, moving, order);
+  const Finding finding = Verification(camera_first, camera_second, options, random).find(prepared);
   if (finding.geometry == PairGeometry::kNone) return pair;
+  for (const int i : finding.inliers) pair.matches.push_back(prepared.matches[static_cast<std::size_t>(i)]);
+  if (nearly_all_still(first, second, pair.matches)) {
+    pair.matches.clear();
+    return pair;
+  }
   pair.geometry = finding.geometry;
   pair.second_from_first = finding.second_from_first;
   pair.median_parallax_rad = finding.median_parallax_rad;
-  for (const int i : finding.inliers) pair.matches.push_back(prepared.matches[static_cast<std::size_t>(i)]);
   std::sort(pair.matches.begin(), pair.matches.end());
   return pair;
 }

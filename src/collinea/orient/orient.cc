@@ -11,6 +11,7 @@
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/robust_similarity.h"
+#include "collinea/base/median.h"
 #include "collinea/block/picture_axes.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/orient/given.h"
@@ -104,9 +105,7 @@ double median_pixel_m(const Block& block) {
     const double depth_m = (block.cam_from_world.at(seen.image) * block.points.at(seen.point).position_in_world).z();
     sizes.push_back(depth_m / block.camera_of(seen.image).focal_px());
   }
-  if (sizes.empty()) return 0;
-  std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
-  return sizes[sizes.size() / 2];
+  return sizes.empty() ? 0 : median(sizes);
 }
 
 std::size_t count_positions(const Block& block) {
@@ -286,14 +285,15 @@ class Orienter {
     shift_positions(tied);
     double taken = 1;
     for (int round = 0; round < kControlRounds; ++round) {
-      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / kControlStep, kControlStep);
+      // never below what was stated: then it is not the coordinates that are wrong
+      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / taken, kControlStep);
       taken *= factor;
       for (auto& [id, point] : setup_.control)
         if (point.role == ControlRole::kControl) point.sigma_m *= factor;
       COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
       if (std::abs(std::log(factor)) < std::log(kControlSettled)) break;
     }
-    say_what_control_shows(taken);
+    if (taken > 1) say_what_control_shows(taken);
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
     return adjust_with_covariances(part, scope);
   }
@@ -306,7 +306,7 @@ class Orienter {
       for (const PositionDifference& position : tied.positions)
         if (std::isfinite(setup_.images.at(position.image).position->sigma_m[axis]))
           differences_m.push_back(position.difference_m[axis]);
-      if (!differences_m.empty()) shift_m[axis] = bundle::middle(std::move(differences_m));
+      if (!differences_m.empty()) shift_m[axis] = median(differences_m);
     }
     for (auto& [id, image] : setup_.images)
       if (image.position) image.position->position_in_world += shift_m;

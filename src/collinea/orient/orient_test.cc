@@ -14,22 +14,11 @@ namespace collinea {
 namespace {
 
 using testing::centre_rms_m;
+using testing::kPixel_m;
 using testing::Matched;
 using testing::matched;
+using testing::small_block;
 using testing::test_block;
-
-// A pixel of these blocks covers 4 cm of ground.
-constexpr double kPixel_m = 60.0 / 1500;
-
-Block small_block(double sigma_px = 0.5, int control = 0, double position_sigma_m = 0) {
-  return test_block({.rows = 2,
-                     .columns = 4,
-                     .points = 500,
-                     .sigma_px = sigma_px,
-                     .position_sigma_m = position_sigma_m,
-                     .control = control,
-                     .seed = 3});
-}
 
 Matched on_the_map(const Block& block) {
   Matched result = matched(block);

@@ -341,15 +341,11 @@ std::vector<ImageId> Reconstruction::neighbours_of(ImageId image, std::size_t co
   return closest;
 }
 
-// The points seen by `images`, with all their active rays, and the poses these rays need.
-Block Reconstruction::block_of(const std::set<ImageId>& images) const {
+// The points of these tracks with all their active rays, no images.
+Block Reconstruction::block_of(const std::vector<std::uint32_t>& numbers) const {
   Block block;
   block.georeference = setup_->georeference;
   block.cameras = cameras_;
-  std::set<std::uint32_t> numbers;
-  for (const ImageId image : images)
-    for (const RayRef& ref : rays_of(image))
-      if (tracks_[ref.track].point && tracks_[ref.track].rays[ref.ray].active) numbers.insert(ref.track);
   for (const std::uint32_t number : numbers) {
     const TrackState& track = tracks_[number];
     const PointId point{number};
@@ -358,11 +354,26 @@ Block Reconstruction::block_of(const std::set<ImageId>& images) const {
       if (ray.active)
         block.observations.push_back({ray.image, point, ray.feature, ray.pixel, noise_.sigma_px * ray.sigma_factor});
   }
-  for (const Observation& seen : block.observations)
-    if (!block.images.contains(seen.image)) {
-      block.images[seen.image] = setup_->images.at(seen.image);
-      block.cam_from_world[seen.image] = poses_.at(seen.image);
-    }
+  return block;
+}
+
+// The points seen by `images`, and the images that see them.
+Block Reconstruction::block_around(const std::set<ImageId>& images) const {
+  std::vector<std::uint32_t> numbers;
+  for (const ImageId image : images)
+    for (const RayRef& ref : rays_of(image))
+      if (tracks_[ref.track].point && tracks_[ref.track].rays[ref.ray].active) numbers.push_back(ref.track);
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  Block block = block_of(numbers);
+  std::vector<ImageId> seen;
+  for (const Observation& observation : block.observations) seen.push_back(observation.image);
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  for (const ImageId image : seen) {
+    block.images[image] = setup_->images.at(image);
+    block.cam_from_world[image] = poses_.at(image);
+  }
   return block;
 }
 
@@ -370,7 +381,7 @@ Result<> Reconstruction::adjust_around(ImageId centre, const AdjustOptions& opti
   std::set<ImageId> moving{centre};
   for (const ImageId neighbour : neighbours_of(centre, kLocalImages)) moving.insert(neighbour);
   if (moving.size() >= poses_.size()) moving = {centre};  // a young block: something must hold the gauge
-  const Block local = block_of(moving);
+  const Block local = block_around(moving);
   AdjustScope scope;
   scope.use_positions = scope.use_control = false;
   scope.free_images = moving;
@@ -384,15 +395,16 @@ Result<> Reconstruction::adjust_around(ImageId centre, const AdjustOptions& opti
 Result<Adjusted> Reconstruction::adjust_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run) {
   AdjustScope with_origin = scope;
   with_origin.first_cameras = setup_->cameras;
-  COLLINEA_TRY(Adjusted adjusted, adjust(block(), with_origin, options, run));
+  COLLINEA_TRY(Adjusted adjusted, adjuster_.adjust(block(), with_origin, options, run));
   take(adjusted);
   return adjusted;
 }
 
 Block Reconstruction::block() const {
-  std::set<ImageId> all;
-  for (const auto& [image, pose] : poses_) all.insert(image);
-  Block block = block_of(all);
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t i = 0; i < tracks_.size(); ++i)
+    if (tracks_[i].point) numbers.push_back(i);
+  Block block = block_of(numbers);
   block.images = setup_->images;
   block.cam_from_world = poses_;
   block.control = setup_->control;

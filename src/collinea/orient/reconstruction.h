@@ -116,7 +116,8 @@ class Reconstruction {
   [[nodiscard]] bool camera_in_use(CameraId camera) const;
   bool intersect(TrackState& track) const;
   bool extend_track(TrackState& track) const;
-  [[nodiscard]] Block block_of(const std::set<ImageId>& images) const;
+  [[nodiscard]] Block block_of(const std::vector<std::uint32_t>& numbers) const;
+  [[nodiscard]] Block block_around(const std::set<ImageId>& images) const;
   [[nodiscard]] std::vector<ImageId> neighbours_of(ImageId image, std::size_t count) const;
 
   const Block* setup_ = nullptr;
@@ -127,6 +128,7 @@ class Reconstruction {
   std::map<ImageId, std::vector<RayRef>> rays_of_;
   std::map<CameraId, Camera> cameras_;
   std::map<ImageId, Rigid3> poses_;
+  Adjuster adjuster_;
 };
 
 }  // namespace collinea

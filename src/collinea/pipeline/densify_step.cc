@@ -7,10 +7,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
 #include "collinea/image/photo.h"
+#include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/io/ply.h"
 #include "collinea/pipeline/depth_folder.h"
@@ -31,13 +33,16 @@ Result<std::map<ImageId, std::string>> make_maps(const Project& project, const s
                                                  DepthFolder& folder, const char* what, const MakeMap& make) {
   std::vector<Result<>> outcomes(images.size());
   std::atomic<std::size_t> done = 0;
-  Run one_thread = project.run;  // images side by side use the processor better than threads within one
+  std::atomic<bool> hopeless = false;  // a full disk, say: what remains to be done would be lost too
+  Run one_thread = project.run;        // images side by side use the processor better than threads within one
   one_thread.threads = 1;
   one_thread.progress = nullptr;
   parallel_for(project.run, images.size(), [&](std::size_t i) {
+    if (hopeless) return;
     if (!folder.has(images[i])) {
       const auto map = make(images[i], one_thread);
       outcomes[i] = map ? folder.write(images[i], *map) : tl::unexpected(map.error());
+      if (!outcomes[i] && outcomes[i].error().code != Errc::kIllPosed) hopeless = true;
     }
     project.run.report(what, double(++done) / double(images.size()));
   });
@@ -72,6 +77,20 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   return images;
 }
 
+// What depth maps are made from. Options of fusion leave them alone.
+Result<std::string> inputs_of_depth_maps(const Project& project) {
+  COLLINEA_TRY(const auto oriented, project.store.read_step("orient"));
+  COLLINEA_CHECK(oriented.has_value());
+  Settings settings = project.settings;
+  settings.densify = options_of_matching(settings.densify);
+  return Hash()
+      .add(COLLINEA_VERSION)
+      .add("depth maps")
+      .add(options_text(settings, "densify"))
+      .add(oriented->output_hash)
+      .hex();
+}
+
 // Both cloud files at once: LAS in the map, PLY in the world frame.
 class CloudFiles {
  public:
@@ -89,7 +108,8 @@ class CloudFiles {
     if (places.frame) las.wkt = places.frame->wkt1();
     las.compressed = project.settings.densify.cloud == "laz";
     las.run = project.run;
-    for (const char* earlier : {"cloud.las", "cloud.laz"}) std::filesystem::remove(products / earlier);
+    for (const char* earlier : {"cloud.las", "cloud.laz"})
+      if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     COLLINEA_TRY(PlyWriter ply_writer,
                  PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
@@ -125,16 +145,15 @@ class CloudFiles {
 }  // namespace
 
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
-  if (const std::string& form = project.settings.densify.cloud; form != "las" && form != "laz")
-    return fail(Errc::kBadInput, "cloud = " + form + ": must be las or laz");
   COLLINEA_TRY(const Block block, project.store.read_block());
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
   WorkingPictures pictures(
       block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
-  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", inputs_hash, block, pictures));
+  COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
+  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
   COLLINEA_TRY(DepthFolder overviews,
-               DepthFolder::open(project.folder / "depth" / "overview", inputs_hash, block, pictures));
+               DepthFolder::open(project.folder / "depth" / "overview", made_from, block, pictures));
   const TieView ties(block);
   json report = {{"skipped", json::array()}};
   COLLINEA_TRY(const std::vector<ImageId> images,

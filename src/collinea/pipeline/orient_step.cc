@@ -9,10 +9,10 @@
 #include "collinea/adjust/intersect.h"
 #include "collinea/base/hash.h"
 #include "collinea/image/photo.h"
-#include "collinea/pipeline/colours.h"
 #include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
+#include "collinea/report/statistics.h"
 
 namespace collinea {
 namespace {
@@ -22,21 +22,10 @@ using nlohmann::json;
 const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::nan(""));
 
 // Root mean square per axis; null where nothing was measured on it.
-json rms_of(const std::vector<Eigen::Vector3d>& differences_m) {
+json axes_of(const AxisRms& rms) {
   json axes = json::array();
-  bool any = false;
-  for (int axis = 0; axis < 3; ++axis) {
-    double sum = 0;
-    int count = 0;
-    for (const Eigen::Vector3d& difference : differences_m)
-      if (std::isfinite(difference[axis])) {
-        sum += difference[axis] * difference[axis];
-        ++count;
-      }
-    axes.push_back(count ? json(std::sqrt(sum / count)) : json(nullptr));
-    any |= count > 0;
-  }
-  return any ? axes : json(nullptr);
+  for (const auto& axis : rms.axis_m) axes.push_back(axis ? json(*axis) : json(nullptr));
+  return rms.points ? axes : json(nullptr);
 }
 
 // Without the axes that were not measured.
@@ -51,7 +40,7 @@ json control_rms(const Orientation& orientation, bool used) {
   for (const ControlDifference& control : orientation.adjusted.control)
     if (control.used == used && control.position_in_world && !orientation.excluded_control.contains(control.point))
       differences.push_back(control.difference_m);
-  return rms_of(differences);
+  return axes_of(rms_of(differences));
 }
 
 Eigen::Vector3d measured_axes(const PositionDifference& position, const Block& block) {
@@ -62,7 +51,7 @@ json position_rms(const Orientation& orientation) {
   std::vector<Eigen::Vector3d> differences;
   for (const PositionDifference& position : orientation.adjusted.positions)
     differences.push_back(measured_axes(position, orientation.block));
-  return rms_of(differences);
+  return axes_of(rms_of(differences));
 }
 
 double mean_residual_px(const Adjusted& adjusted) {
@@ -189,7 +178,6 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   COLLINEA_TRY(const std::vector<ImagePair> pairs, project.store.read_pairs());
   COLLINEA_TRY(Orientation orientation, orientation_of(project, setup, pairs));
-  if (auto coloured = colour_tie_points(project, orientation.block); !coloured) return tl::unexpected(coloured.error());
   if (auto written = project.store.write_orientation(orientation.block); !written)
     return tl::unexpected(written.error());
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <nlohmann/json.hpp>
-
 #include "collinea/report/adjustment_report.h"
+#include "collinea/report/json_values.h"
 
 namespace collinea {
 namespace {
 
-using nlohmann::json;
-
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-json vector(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
+using json = nlohmann::ordered_json;
 
 json control(const AdjustmentReport& report) {
   json list = json::array();

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "collinea/io/file.h"
 #include "collinea/io/opk.h"
@@ -11,7 +12,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kDegrees = 180 / std::numbers::pi;
 
 // Names may hold commas and quotes.
 std::string in_quotes(std::string_view text) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/base/median.h"
 #include "collinea/report/svg.h"
 
 namespace collinea {
@@ -101,9 +102,7 @@ std::optional<double> flying_height(const Block& block, const Coverage& coverage
     heights.push_back(centre_of(pose).z() - coverage.ground_height);
   }
   if (2 * heights.size() <= block.cam_from_world.size()) return std::nullopt;
-  const auto middle = heights.begin() + std::ptrdiff_t(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  return *middle;
+  return median(heights);
 }
 
 std::string facts_section(const ReportInput& input, const ReportSummary& s) {
@@ -188,7 +187,7 @@ std::string report_page(const ReportInput& input, const ReportSummary& s, const 
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
       ": quality report</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
-      style_sheet() + "</style></head>\n<body><main>\n";
+      kStyleSheet + "</style></head>\n<body><main>\n";
   html += "<header><div><h1>" + title + "</h1>Quality report</div><p>collinea " COLLINEA_VERSION +
           (input.date.empty() ? "" : "<br>" + escaped(input.date)) + "</p></header>\n";
   html += statement_section(input, s);
