@@ -30,12 +30,22 @@ parser.add_argument("--killed", action="store_true")
 args = parser.parse_args()
 
 
+failures = 0
+
+
+def failed(text):
+    """Says it, and has the program end with an error."""
+    global failures
+    failures += 1
+    print(text, flush=True)
+
+
 def collinea(*words):
     """Runs the program; its own messages go to our stderr. Returns (stdout, seconds)."""
     start = time.time()
     done = subprocess.run([args.collinea, *map(str, words)], stdout=subprocess.PIPE, text=True)
     if done.returncode:
-        print(f"FAILED ({done.returncode}): collinea {' '.join(map(str, words))}", flush=True)
+        failed(f"FAILED ({done.returncode}): collinea {' '.join(map(str, words))}")
     return done.stdout, time.time() - start
 
 
@@ -63,6 +73,8 @@ def axes(v):
 
 
 def cost(i):
+    if not i.get("steps"):
+        return "-"
     return f"{sum(s['seconds'] for s in i['steps']):.0f} s, {max(s['peak_memory_bytes'] for s in i['steps']) / 1e6:.0f} MB"
 
 
@@ -144,7 +156,11 @@ def killed(name, out):
              "--collinea", args.collinea] + (["--control", control] if control else [])
     done = subprocess.run([*words, "--", "--resolution", "quarter"], stdout=subprocess.PIPE, text=True)
     lines = done.stdout.splitlines()
+    if done.returncode:
+        failed(f"FAILED ({done.returncode}): {' '.join(words)}")
     different = [l.split()[-1] for l in lines if l.startswith("DIFFERENT") or l.startswith("NOT NAMED")]
+    for d in different:
+        failed("DIFFERENT " + d)
     text = f"{sum(l.startswith('same') for l in lines)} files the same, {sum(l.startswith('named') for l in lines)} bad photographs named"
     row(name + ", killed 3 times, 1 thread", "failed" if done.returncode else "same", text + "".join(", DIFFERENT " + d for d in different), "-")
 
@@ -163,3 +179,5 @@ for name, bench in BLOCKS.items():
     bench(out)
     if args.killed:
         killed(name, out)
+if failures:
+    sys.exit(f"{failures} failures, see above")

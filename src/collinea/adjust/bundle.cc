@@ -62,7 +62,9 @@ class LevenbergMarquardt {
   void judge(Search& at, State next) {
     const double tolerance = options_.relative_cost_change * at.cost;
     const double variance = at.cost / static_cast<double>(std::max(1L, problem_.redundancy()));
-    const bool short_step = step_.squared_length < options_.step_sigmas * options_.step_sigmas * variance;
+    // Steps of images and cameras say nothing where these are held: then only the cost does.
+    const bool short_step = problem_.poses + problem_.border > 0 &&
+                            step_.squared_length < options_.step_sigmas * options_.step_sigmas * variance;
     const bool small = step_.largest_turn_rad < options_.parameter_change &&
                        step_.largest_move_m < options_.parameter_change * problem_.extent_m;
     if (std::isfinite(step_.cost) && step_.cost < at.cost) {
@@ -121,7 +123,6 @@ Result<Adjusted> Adjuster::adjust(const Block& block, const AdjustScope& scope, 
   problem.tie_loss.least_curvature = 1;  // statistics are those of the weights
 
   Adjusted adjusted;
-  adjusted.redundancy = problem.redundancy();
   adjusted.initial_cost = found.initial_cost;
   adjusted.final_cost = found.cost;
   adjusted.iterations = found.iterations;

@@ -101,21 +101,22 @@ struct AdjustScope {
 /// The position of an image against what its receiver said.
 struct PositionDifference {
   ImageId image;
-  Eigen::Vector3d difference_m;  ///< adjusted minus given
+  Eigen::Vector3d difference_m;  ///< adjusted minus given; NaN on axes that were not given
   double weight = 1;             ///< by the robust loss; below 1: partly disbelieved
 };
 
 /// A control or check point after the adjustment.
 struct ControlDifference {
   ControlId point;
-  bool used = false;  ///< it took part; false: check point, intersected from the adjusted images only
-  int rays = 0;       ///< images it was measured in that are oriented
+  bool used = false;  ///< it took part; false: check point, intersected from the images that took part or were held
+  int rays = 0;       ///< such images it was measured in
   std::optional<Eigen::Vector3d> position_in_world;  ///< nothing when the rays do not intersect
   Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(
-      std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame
+      std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame; NaN: not surveyed
   /// With covariances: of position_in_world [m^2], by the given sigmas (of a check point without its survey) ...
   std::optional<Eigen::Matrix3d> covariance_m2;
-  /// ... and what difference_m is expected to be: sigma0 counts, and for check points the survey. NaN: not known.
+  /// ... and what difference_m is expected to be, by the block's covariance times sigma0^2 and the survey as given.
+  /// NaN: not known.
   Eigen::Vector3d difference_sigma_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
@@ -136,17 +137,18 @@ struct Adjusted {
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
   std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
 
-  double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true
+  double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true,
+                                                  ///< whatever the loss
   long redundancy = 0;                            ///< observations (priors too) minus unknowns plus rank defect
-  long observation_count = 0, unknown_count = 0;  ///< coordinates; single unknowns
+  long observation_count = 0, unknown_count = 0;  ///< coordinates (of rays that see their point); single unknowns
   int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or held images fix it
   std::string datum;    ///< what fixes place, attitude and scale, in words
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;  ///< sum of squared whitened residuals after the loss
   bool converged = false;
 
-  /// Covariances by the given sigmas (times sigma0^2 when those are only known up to scale); empty when not asked for
-  /// or when something is not determined (`undetermined` then says what).
+  /// Covariances of the robust estimate by the given sigmas (times sigma0^2 when those are only known up to scale);
+  /// empty when not asked for or when something is not determined (`undetermined` then says what).
   std::map<ImageId, Matrix6d>
       pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
@@ -168,8 +170,10 @@ struct Adjusted {
 /// motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do not
 /// depend on that choice; covariances refer to that datum.
 ///
-/// Points with fewer than two rays and images with fewer than three measured points take no part. Errors: kBadInput
-/// (options, sigmas not positive), kIllPosed (nothing to adjust, or more unknowns than observations), kCancelled.
+/// Points with fewer than two rays (one for held points and for control known on three axes) and images with fewer than
+/// three measured points take no part. Errors: kBadInput (options, sigmas not positive, coordinates with finite sigmas
+/// that are no numbers), kIllPosed (nothing to adjust, or more unknowns than observations), kUnsupported (more than
+/// 10,000 unknowns of cameras), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 
@@ -191,6 +195,11 @@ class Adjuster {
  private:
   std::unique_ptr<bundle::KeptFactor> kept_;
 };
+
+/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 without redundancy.
+[[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
+  return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
+}
 
 /// Writes poses, cameras and points of the adjustment into the block.
 void apply(const Adjusted& adjusted, Block& block);

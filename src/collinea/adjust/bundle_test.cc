@@ -14,6 +14,7 @@ namespace collinea {
 namespace {
 
 using testing::disturbed;
+using testing::measured_anew;
 using testing::normal3;
 using testing::test_block;
 
@@ -42,6 +43,7 @@ TEST(Lens, AgreesWithTheCameraModel) {
   camera.params[Camera::kB2] = -2;
   const bundle::Lens lens = bundle::lens_of(camera.params.data());
   Random random(4);
+  int compared = 0;
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector3d point =
         normal3(random).cwiseProduct(Eigen::Vector3d(0.8, 0.6, 0)) + Eigen::Vector3d(0, 0, 1.7);
@@ -49,9 +51,16 @@ TEST(Lens, AgreesWithTheCameraModel) {
     Matrix2P by_params;
     const auto pixel = project(camera, point, &by_point, &by_params);
     bundle::Projected at;
-    if (bundle::project(lens, point.data(), &at) != pixel.has_value())
-      continue;  // at the very edge of the field of view
+    const bool seen = bundle::project(lens, point.data(), &at);
+    if (seen != pixel.has_value()) {  // only on the very edge of the field of view, which they find in different ways
+      const auto is_seen = [&](double stretch) {
+        return project(camera, point.cwiseProduct(Eigen::Vector3d(stretch, stretch, 1))).has_value();
+      };
+      EXPECT_NE(is_seen(0.99), is_seen(1.01)) << point.transpose();
+      continue;
+    }
     if (!pixel) continue;
+    ++compared;
     Eigen::Matrix<double, 2, 3, Eigen::RowMajor> mine;
     Eigen::Matrix<double, 2, Camera::kParams, Eigen::RowMajor> mine_params;
     bundle::derive_by_point(lens, at, point.z(), mine.data());
@@ -60,6 +69,7 @@ TEST(Lens, AgreesWithTheCameraModel) {
     EXPECT_LT((by_point - mine).norm(), 1e-10 * by_point.norm());
     EXPECT_LT((by_params - mine_params).norm(), 1e-10 * by_params.norm());
   }
+  EXPECT_GT(compared, 150);
   bundle::Projected at;
   const double behind[3] = {0, 0, -1};
   EXPECT_FALSE(bundle::project(lens, behind, &at));
@@ -197,22 +207,6 @@ struct Series {
     return std::sqrt(squared / double(values.size() - 1) / double(values.size()));
   }
 };
-
-// New measurements of the same exact world: pixels 0.5 px, positions 2 cm, f 50 px.
-Block measured_anew(Block block, AdjustScope& scope, std::uint64_t seed) {
-  Random random(seed, 77);
-  for (Observation& observation : block.observations) {
-    const double du = random.normal(), dv = random.normal();
-    observation.pixel += 0.5 * Eigen::Vector2d(du, dv);
-    observation.sigma_px = 0.5;
-  }
-  for (auto& [id, image] : block.images)
-    image.position =
-        PositionPrior{centre_of(block.cam_from_world.at(id)) + 0.02 * normal3(random), Eigen::Vector3d::Constant(0.02)};
-  scope.first_cameras = block.cameras;
-  scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
-  return block;
-}
 
 // e' C^-1 e is chi-squared with 6 (pose), 3 (point) and 1 (f) degrees of freedom, so these are its means. Four standard
 // deviations of the mean: one false alarm in 16,000 seeds. A covariance of poses 10 % too large or small fails.
@@ -360,6 +354,31 @@ TEST(Adjust, ThreadsDoNotChangeABit) {
   for (const auto& [id, pose] : a->cam_from_world) EXPECT_EQ(pose.translation, b->cam_from_world.at(id).translation);
 }
 
+TEST(Adjust, ThreadsDoNotChangeABitOfTheStatistics) {
+  const Block block = disturbed(
+      test_block({.rows = 5, .columns = 6, .points = 1500, .sigma_px = 0.5, .position_sigma_m = 0.5, .control = 9}),
+      0.01, 0.3);
+  AdjustOptions options;
+  options.point_covariances = options.reliability = true;
+  collinea::Run one, three;
+  three.threads = 3;
+  const auto a = adjust(block, {}, options, one), b = adjust(block, {}, options, three);
+  ASSERT_TRUE(a && b && a->reliability && b->reliability);
+  EXPECT_EQ(a->sigma0, b->sigma0);
+  for (const auto& [id, covariance] : a->pose_covariance) EXPECT_EQ(covariance, b->pose_covariance.at(id));
+  for (const auto& [id, covariance] : a->camera_covariance) EXPECT_EQ(covariance, b->camera_covariance.at(id));
+  ASSERT_FALSE(a->point_covariance.empty());
+  for (std::size_t i = 0; i < a->point_covariance.size(); ++i)
+    ASSERT_EQ(a->point_covariance[i], b->point_covariance[i]);
+  for (std::size_t i = 0; i < a->control.size(); ++i)
+    EXPECT_EQ(a->control[i].difference_sigma_m, b->control[i].difference_sigma_m);
+  for (std::size_t i = 0; i < a->reliability->tie_redundancy.size(); ++i)
+    ASSERT_EQ(a->reliability->tie_redundancy[i], b->reliability->tie_redundancy[i]);
+  ASSERT_EQ(a->reliability->others.size(), b->reliability->others.size());
+  for (std::size_t i = 0; i < a->reliability->others.size(); ++i)
+    EXPECT_EQ(a->reliability->others[i].w, b->reliability->others[i].w);
+}
+
 TEST(Adjust, LocalAdjustmentMovesOnlyWhatIsFree) {
   const Block truth = test_block({.rows = 3, .columns = 5});
   Block start = truth;
@@ -398,6 +417,40 @@ TEST(Adjust, HeldPointsOrientImages) {  // resection
   EXPECT_TRUE(adjusted->points.empty());
   EXPECT_EQ(adjusted->rank_defect, 0);
   EXPECT_LT(largest_centre_error(*adjusted, truth), 1e-6);
+}
+
+TEST(Adjust, PointsAloneAreAdjustedToTheEnd) {
+  const Block truth = test_block();
+  AdjustScope scope;
+  for (const auto& [id, pose] : truth.cam_from_world) scope.fixed_images.insert(id);
+  Block start = truth;
+  Random random(6);
+  for (auto& [id, point] : start.points) point.position_in_world += 12 * normal3(random);
+  const auto adjusted = adjust(start, scope, {.calibration = "none"}, kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_TRUE(adjusted->converged);
+  EXPECT_TRUE(adjusted->cam_from_world.empty());
+  for (const auto& [id, position] : adjusted->points)
+    EXPECT_LT((position - truth.points.at(id).position_in_world).norm(), 1e-4);
+}
+
+TEST(Adjust, ACameraAloneIsAdjustedToTheEnd) {
+  const Block truth = test_block();
+  AdjustScope scope;
+  for (const auto& [id, pose] : truth.cam_from_world) scope.fixed_images.insert(id);
+  for (const auto& [id, point] : truth.points) scope.fixed_points.insert(id);
+  Block start = truth;
+  Camera& camera = start.cameras.begin()->second;
+  camera.sigma_f_px = 1e6;
+  camera.params[Camera::kF] += 200;
+  camera.params[Camera::kK1] = camera.params[Camera::kK2] = 0;
+  for (Observation& seen : start.observations) seen.sigma_px = 1e-3;  // the weak observations shall not count
+  const auto adjusted = adjust(start, scope, {}, kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_TRUE(adjusted->converged);
+  const Camera& exact = truth.cameras.begin()->second;
+  EXPECT_NEAR(adjusted->cameras.begin()->second.params[Camera::kF], exact.params[Camera::kF], 1e-3);
+  EXPECT_NEAR(adjusted->cameras.begin()->second.params[Camera::kK1], exact.params[Camera::kK1], 1e-5);
 }
 
 TEST(Adjust, VerticalsHoldTheTurnThatPositionsOnOneLineLeaveOpen) {
@@ -457,6 +510,40 @@ TEST(Adjust, HeightOnlyControlFixesOnlyHeights) {
   const auto adjusted = adjust(block, {}, plain(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 3);  // two shifts and the turn about the vertical; relief fixes the scale
+  for (const ControlDifference& control : adjusted->control) {
+    EXPECT_TRUE(std::isnan(control.difference_m.x()) && std::isnan(control.difference_m.y()));
+    EXPECT_TRUE(std::isfinite(control.difference_m.z()));
+  }
+}
+
+// What is not given may be no number; what is given must be one.
+TEST(Adjust, CoordinatesThatAreNotGivenNeedNotBeNumbers) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+  const Block truth = test_block({.sigma_px = 0.5, .position_sigma_m = 0.1, .control = 9});
+  Block not_given = truth, no_number = truth;
+  for (Block* block : {&not_given, &no_number}) {
+    block->control.begin()->second.sigma_m.z() = kInfinity;
+    block->images.begin()->second.position->sigma_m.z() = kInfinity;
+  }
+  no_number.control.begin()->second.position_in_world.z() = kNaN;
+  no_number.images.begin()->second.position->position_in_world.z() = kNaN;
+  AdjustOptions options = plain();
+  options.reliability = true;
+  const auto expected = adjust(not_given, {}, options, kRun), is = adjust(no_number, {}, options, kRun);
+  ASSERT_TRUE(expected && is);
+  EXPECT_EQ(is->sigma0, expected->sigma0);
+  EXPECT_TRUE(is->reliability);
+  EXPECT_TRUE(std::isnan(is->positions.front().difference_m.z()));
+  for (const auto& [id, pose] : is->cam_from_world)
+    EXPECT_EQ(pose.translation, expected->cam_from_world.at(id).translation);
+  for (const bool control : {true, false}) {
+    Block wrong = truth;
+    (control ? wrong.control.begin()->second.position_in_world.z()
+             : wrong.images.begin()->second.position->position_in_world.z()) = kNaN;
+    const auto refused = adjust(wrong, {}, options, kRun);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::kBadInput);
+  }
 }
 
 TEST(Adjust, SaysWhatIsIllPosed) {
@@ -479,6 +566,55 @@ TEST(Adjust, SaysWhatIsIllPosed) {
   collinea::Run stopped;
   stopped.stop = stop.get_token();
   EXPECT_EQ(code(adjust(test_block(), {}, {}, stopped)), Errc::kCancelled);
+}
+
+// An image that too little determines stands anywhere; check points are not judged by it.
+TEST(Adjust, CheckPointsDoNotUseImagesThatAreLeftOut) {
+  Block block = test_block({.control = 9});
+  const ControlId check{2};
+  ASSERT_EQ(block.control.at(check).role, ControlRole::kCheck);
+  const auto seen = std::find_if(block.control_observations.begin(), block.control_observations.end(),
+                                 [&](const ControlObservation& o) { return o.point == check; });
+  ASSERT_NE(seen, block.control_observations.end());
+  const ImageId lonely = seen->image;
+  const auto place = std::size_t(seen - block.control_observations.begin());
+  std::erase_if(block.observations, [&](const Observation& o) { return o.image == lonely; });
+  for (ControlObservation& o : block.control_observations)
+    if (o.image == lonely && o.point != check) o.image = ImageId{999};  // not oriented
+  block.images[ImageId{999}] = block.images.at(lonely);
+  Rigid3& pose = block.cam_from_world.at(lonely);
+  pose.translation += Eigen::Vector3d(2, -1, 0);
+  AdjustOptions options = plain();
+  options.covariances = true;
+  const auto adjusted = adjust(block, {}, options, kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  ASSERT_EQ(adjusted->images_left_out, std::vector<ImageId>{lonely});
+  Block without = block;
+  without.cam_from_world.erase(lonely);
+  const auto expected = adjust(without, {}, options, kRun);
+  ASSERT_TRUE(expected) << expected.error().message;
+  ASSERT_EQ(adjusted->control.size(), expected->control.size());
+  EXPECT_TRUE(std::isnan(adjusted->control_residuals_px[place].x()));
+  for (std::size_t i = 0; i < expected->control.size(); ++i) {
+    const ControlDifference &is = adjusted->control[i], &should = expected->control[i];
+    EXPECT_EQ(is.rays, should.rays);
+    EXPECT_LT(is.difference_m.norm(), 1e-6);
+    EXPECT_LT((*is.covariance_m2 - *should.covariance_m2).norm(), 1e-6 * should.covariance_m2->norm());
+  }
+}
+
+TEST(Adjust, ThousandsOfCamerasAreRefusedInWords) {
+  Block block = test_block({.rows = 20, .columns = 51, .points = 30, .spacing_m = 1});
+  std::uint32_t number = 100;
+  for (auto& [id, image] : block.images) {
+    block.cameras[CameraId{number}] = block.cameras.at(CameraId{1});
+    image.camera = CameraId{number++};
+  }
+  const auto refused = adjust(block, {}, plain("brown_affinity"), kRun);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::kUnsupported);
+  EXPECT_NE(refused.error().message.find("1020 cameras with 10200 unknowns"), std::string::npos)
+      << refused.error().message;
 }
 
 TEST(Adjust, LonelyRaysAndImagesAreLeftOut) {

@@ -9,6 +9,8 @@
 
 #include "collinea/adjust/control_measurements.h"
 #include "collinea/adjust/robust_similarity.h"
+#include "collinea/base/median.h"
+#include "collinea/block/picture_axes.h"
 
 namespace collinea {
 namespace {
@@ -63,32 +65,35 @@ std::optional<Similarity3> fit(const std::vector<PlacePair>& pairs) {
 // --- exchanged axes
 
 // How well a similarity fits the control to the map (centred, so that kilometres do not cost digits), and whether the
-// cameras then stand the right way up: an image's lower edge or its optical axis points down, as photographs are taken.
+// cameras then stand the right way up: the lower edge of a picture as it is looked at or its optical axis points down,
+// as photographs are taken.
 struct MapFit {
   double scatter_m;
   double upright;  // mean of -(down + forward) over the images, positive when upright
 };
 
-std::optional<MapFit> fit_to_map(const Block& block, const std::vector<Place>& places, bool swapped) {
+std::optional<MapFit> fit_to_map(const Block& block, const std::vector<Place>& places, bool swapped,
+                                 std::uint64_t seed) {
   std::vector<PlacePair> pairs = pairs_of(places);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Eigen::Vector3d from_first = places[i].in_map - places.front().in_map;
     pairs[i].in_world = swapped ? Eigen::Vector3d(from_first.y(), from_first.x(), from_first.z()) : from_first;
   }
-  const auto found = bundle::robust_similarity(pairs, 1);
+  const auto found = bundle::robust_similarity(pairs, seed);
   if (!found) return std::nullopt;
   const auto& similarity = found->world_from_block;
-  MapFit result{bundle::middle(found->distances_m), 0};
+  MapFit result{median(std::vector(found->distances_m)), 0};
   for (const auto& [id, pose] : block.cam_from_world) {
-    const Eigen::Vector3d down_and_forward = pose.rotation.conjugate() * Eigen::Vector3d(0, 1, 1);
+    const Eigen::Vector3d down_and_forward =
+        pose.rotation.conjugate() * (down_in_cam(block.images.at(id).orientation) + Eigen::Vector3d::UnitZ());
     result.upright -= (similarity.rotation * down_and_forward).z() / double(block.cam_from_world.size());
   }
   return result;
 }
 
-bool axes_are_swapped(const Block& block, const std::vector<Place>& places) {
+bool axes_are_swapped(const Block& block, const std::vector<Place>& places, std::uint64_t seed) {
   if (places.size() < 3) return false;
-  const auto as_given = fit_to_map(block, places, false), exchanged = fit_to_map(block, places, true);
+  const auto as_given = fit_to_map(block, places, false, seed), exchanged = fit_to_map(block, places, true, seed);
   if (!as_given || !exchanged) return false;
   const double noise = 1e-6 + places.front().pair.sigma_m;
   const bool fits_better = 5 * (exchanged->scatter_m + noise) < as_given->scatter_m && exchanged->upright > 0;
@@ -101,7 +106,7 @@ bool axes_are_swapped(const Block& block, const std::vector<Place>& places) {
 // --- coordinates of points
 
 Finding wrong_point(const ControlPoint& control, ControlId id, const Eigen::Vector3d& off, std::string_view than) {
-  Finding finding{"control_point", Finding::kWarning, {}, id, {}, off.norm(), "m"};
+  Finding finding{"control_point", {}, id, {}, off.norm()};
   const std::string_view where = std::hypot(off.x(), off.y()) < 0.2 * std::abs(off.z())   ? "in height "
                                  : std::abs(off.z()) < 0.2 * std::hypot(off.x(), off.y()) ? "in plan "
                                                                                           : "";
@@ -155,7 +160,7 @@ void name_wrong_check_points(const Block& block, const std::vector<Place>& place
   for (const Place& place : checks) {
     const Eigen::Vector3d off = place.pair.in_world - *similarity * place.pair.in_block;
     if (off.norm() < std::max(limit_m, 10 * place.pair.sigma_m)) continue;
-    Finding finding{"check_point", Finding::kWarning, {}, place.id, {}, off.norm(), "m"};
+    Finding finding{"check_point", {}, place.id, {}, off.norm()};
     finding.message = fmt::format("check point {} is {:.1f} m off what the control points say",
                                   block.control.at(place.id).name, off.norm());
     diagnosis.findings.push_back(finding);
@@ -169,14 +174,14 @@ void check_points_by_positions(const Block& block, std::vector<Place>& places, C
   if (places.size() >= 4 || places.size() < 2 || !bundle::span_a_plane(positions)) return;
   const auto found = bundle::robust_similarity(positions, seed);
   if (!found) return;
-  const double spread = bundle::middle(found->distances_m);
+  const double spread = median(std::vector(found->distances_m));
   const double limit = std::max(20 * spread, 0.02 * size_m(positions));
   std::vector<Eigen::Vector3d> off;
   for (const Place& place : places) off.push_back(place.pair.in_world - found->world_from_block * place.pair.in_block);
   if (places.size() == 2) {
     const double apart = (off[0] - off[1]).norm();
     if (apart < limit) return;
-    Finding finding{"control_inconsistent", Finding::kWarning, {}, {}, {}, apart, "m"};
+    Finding finding{"control_inconsistent", {}, {}, {}, apart};
     finding.message =
         fmt::format("{} and {} contradict each other by {:.1f} m by the camera positions; one of them is wrong",
                     block.control.at(places[0].id).name, block.control.at(places[1].id).name, apart);
@@ -194,21 +199,19 @@ void check_points_by_positions(const Block& block, std::vector<Place>& places, C
 
 // --- positions against control
 
-double median_of(std::vector<double> values) { return bundle::middle(std::move(values)); }
-
 Eigen::Vector3d median_difference(const std::vector<Eigen::Vector3d>& differences, Eigen::Vector3d& scatter) {
-  Eigen::Vector3d median = Eigen::Vector3d::Zero();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   scatter.setZero();
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values, apart;
     for (const auto& difference : differences)
       if (std::isfinite(difference[axis])) values.push_back(difference[axis]);
     if (values.empty()) continue;
-    median[axis] = median_of(values);
-    for (const double value : values) apart.push_back(std::abs(value - median[axis]));
-    scatter[axis] = 1.4826 * median_of(apart);
+    middle[axis] = median(values);
+    for (const double value : values) apart.push_back(std::abs(value - middle[axis]));
+    scatter[axis] = 1.4826 * median(apart);
   }
-  return median;
+  return middle;
 }
 
 // Positions minus where the control puts the cameras (or, with little control, minus control seen from positions); NaN
@@ -246,13 +249,13 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
     if (const auto& position = block.images.at(id).position; position && position->sigma_m.head<2>().allFinite())
       sigmas.push_back(std::isfinite(position->sigma_m.z()) ? std::sqrt(position->sigma_m.squaredNorm() / 3)
                                                             : std::sqrt(position->sigma_m.head<2>().squaredNorm() / 2));
-  const double sigma = median_of(sigmas), count = double(differences.size());
+  const double sigma = median(sigmas), count = double(differences.size());
   const double plan = std::hypot(off.x(), off.y());
   const auto limit = [&](double spread, double least) {
     return std::max({least, 3 * sigma, 5 * spread / std::sqrt(count)});
   };
   if (plan > limit(scatter.head<2>().norm(), 500)) {
-    Finding finding{"position_crs", Finding::kError, {}, {}, {}, plan, "m"};
+    Finding finding{"position_crs", {}, {}, {}, plan};
     finding.message = fmt::format(
         "the positions of the images lie {:.1f} km from the control: the coordinate system of the control is "
         "not the one that was named, or its columns are mixed up; positions are not used",
@@ -262,7 +265,7 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
     return;
   }
   if (plan > limit(scatter.head<2>().norm(), 10)) {
-    Finding finding{"position_offset", Finding::kWarning, {}, {}, {}, plan, "m"};
+    Finding finding{"position_offset", {}, {}, {}, plan};
     finding.message = fmt::format(
         "the positions of the images lie {:.1f} m off the control in plan (east {:+.1f}, north {:+.1f}); "
         "control is used, positions are not",
@@ -271,7 +274,7 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
     diagnosis.positions_unusable = true;
   }
   if (std::abs(off.z()) > std::max({1.0, 1.5 * sigma, 5 * scatter.z() / std::sqrt(count)})) {
-    Finding finding{"position_heights", Finding::kNote, {}, {}, {}, std::abs(off.z()), "m"};
+    Finding finding{"position_heights", {}, {}, {}, std::abs(off.z())};
     finding.message = fmt::format(
         "GPS heights lie {:.1f} m {} the control heights (another height reference); heights of control are used",
         std::abs(off.z()), off.z() > 0 ? "above" : "below");
@@ -292,15 +295,15 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
                       {point, control.position_in_world, std::sqrt(control.sigma_m.squaredNorm() / 3)},
                       control.position_in_map});
   }
-  if (axes_are_swapped(block, places)) {
-    Finding finding{"control_axes_swapped", Finding::kError, {}, {}, {}, 0, "m"};
+  if (axes_are_swapped(block, places, seed)) {
+    Finding finding{"control_axes_swapped", {}, {}, {}, 0};
     finding.message =
         "the control fits the images only with eastings and northings exchanged: its columns are in the other order";
     diagnosis.findings.push_back(finding);
     diagnosis.axes_swapped = true;
     return diagnosis;
   }
-  // Check points are only compared: they decide nothing.
+  // From here on check points are only compared.
   const auto first_check = std::stable_partition(places.begin(), places.end(), [&](const Place& place) {
     return block.control.at(place.id).role == ControlRole::kControl;
   });

@@ -13,8 +13,6 @@ namespace collinea {
 
 /// Something that is wrong, or looks wrong, with control or with the positions of the images, in words for a surveyor.
 struct Finding {
-  enum Severity { kNote, kWarning, kError };
-
   /// "control_measurement": one image measurement does not meet the others; excluded
   /// "control_measurements_disagree": two rays of a point that miss each other; the point is excluded
   /// "control_point": the coordinates of a point contradict the others; the point is excluded
@@ -25,12 +23,10 @@ struct Finding {
   /// "position_offset": GNSS positions are off the control by a constant in plan
   /// "position_crs": by so much that one of the two is in another coordinate system
   std::string code;
-  Severity severity = kWarning;
   std::string message;
   std::optional<ControlId> point;
   std::optional<ImageId> image;
-  double size = 0;   ///< of what is wrong
-  std::string unit;  ///< of size: "px" or "m"
+  double size = 0;  ///< of what is wrong, of measurements [px], of others [m]
 };
 
 /// What was found and what should be done about it before the block is adjusted.
@@ -43,12 +39,13 @@ struct ControlDiagnosis {
   bool axes_swapped = false;           ///< read the control again with eastings and northings exchanged
 };
 
-/// Looks for blunders in the control of an oriented block in any frame, before it is adjusted (of check points, only
-/// their image measurements are looked at; they decide nothing): image measurements by intersecting each point without
-/// one of its rays (a difference of more than six sigmas, three pixels and four times the rest); coordinates by a
-/// robust similarity of the block to the points (four and more), or by the camera positions when there are fewer;
-/// exchanged axes by fitting both ways (exact in flat ground only with the help of positions or of the cameras'
-/// upright); constant offsets of camera positions by the median difference after that fit.
+/// Looks for blunders in the control of an oriented block in any frame, before it is adjusted: image measurements by
+/// intersecting each point without one of its rays (a difference of more than six sigmas, three pixels and four times
+/// the rest); exchanged axes by robust similarities to the points either way round (on flat ground by which of the two
+/// leaves the pictures upright); coordinates by leaving out that point of four and more without which the others fit a
+/// similarity best, or by the camera positions when there are fewer; constant offsets of camera positions by the median
+/// difference after a robust similarity. Check points take part in the first two, since measurements are checked point
+/// by point and a file has one order of columns; they decide nothing else, and one far off the control is named.
 [[nodiscard]] ControlDiagnosis check_control(const Block& block, std::uint64_t seed = 1);
 
 /// Does what the diagnosis recommends: removes excluded measurements (all those of an excluded point), shifts the

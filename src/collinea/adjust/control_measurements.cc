@@ -50,7 +50,7 @@ bool is_wrong(const Suspect& suspect, double sigma_px, std::size_t lines) {
 }
 
 Finding wrong_measurement(const Block& block, const ControlPoint& control, ControlId id, ImageId image, double off_px) {
-  Finding finding{"control_measurement", Finding::kWarning, {}, id, image, off_px, "px"};
+  Finding finding{"control_measurement", {}, id, image, off_px};
   finding.message =
       fmt::format("{} in {} is off by {:.0f} px: the other images see it elsewhere; this measurement is not used",
                   control.name, block.images.at(image).file, off_px);
@@ -58,7 +58,7 @@ Finding wrong_measurement(const Block& block, const ControlPoint& control, Contr
 }
 
 Finding disagreement(const ControlPoint& control, ControlId id, std::size_t images, double off_px) {
-  Finding finding{"control_measurements_disagree", Finding::kWarning, {}, id, {}, off_px, "px"};
+  Finding finding{"control_measurements_disagree", {}, id, {}, off_px};
   finding.message = fmt::format(
       "the measurements of {} in {} images miss each other by up to {:.0f} px, and too few are "
       "there to tell which is wrong; the point is not used",

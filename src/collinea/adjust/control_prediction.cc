@@ -3,19 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
+#include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
+#include "collinea/base/parallel.h"
 
 namespace collinea::bundle {
 namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-double variance_factor(const Adjusted& adjusted) {
-  return adjusted.redundancy > 0 ? adjusted.sigma0 * adjusted.sigma0 : 1;
-}
 
 // The measurement in an image that takes part, or in one that is only oriented and counts as exact.
 void add_measurement(const Block& block, const Problem& problem, const State& state,
@@ -40,23 +35,25 @@ void predict_check_points(const Block& block, const Problem& problem, const Stat
                           const Run& run, Adjusted& adjusted) {
   std::map<ImageId, int> number;
   for (std::size_t i = 0; i < problem.images.size(); ++i) number[problem.images[i].id] = static_cast<int>(i);
-  for (ControlDifference& check : adjusted.control) {
-    if (run.stopped()) return;
-    if (check.used || !check.position_in_world) continue;
+  std::map<ControlId, std::vector<const ControlObservation*>> measured;
+  for (const ControlObservation& seen : block.control_observations)
+    if (block.cam_from_world.contains(seen.image) && !is_left_out(adjusted, seen.image))
+      measured[seen.point].push_back(&seen);
+  parallel_for(run, adjusted.control.size(), [&](std::size_t i) {
+    ControlDifference& check = adjusted.control[i];
+    if (check.used || !check.position_in_world) return;
     PointSystem system(problem);
-    for (const ControlObservation& seen : block.control_observations)
-      if (seen.point == check.point && block.cam_from_world.contains(seen.image))
-        add_measurement(block, problem, state, number, seen, *check.position_in_world, system);
+    for (const ControlObservation* seen : measured.at(check.point))
+      add_measurement(block, problem, state, number, *seen, *check.position_in_world, system);
     system.close(false, nullptr, nullptr);
-    if (!system.determined()) continue;
+    if (!system.determined()) return;
     check.covariance_m2 = system.covariance_by_solving(factor);
     const Eigen::Vector3d survey = block.control.at(check.point).sigma_m;
     for (int axis = 0; axis < 3; ++axis)
-      check.difference_sigma_m[axis] =
-          std::isfinite(survey[axis])
-              ? std::sqrt(variance_factor(adjusted) * (*check.covariance_m2)(axis, axis) + survey[axis] * survey[axis])
-              : kUnknown;
-  }
+      if (std::isfinite(survey[axis]))
+        check.difference_sigma_m[axis] =
+            std::hypot(sigma_scale(adjusted) * std::sqrt((*check.covariance_m2)(axis, axis)), survey[axis]);
+  });
 }
 
 void predict_control_points(const Problem& problem, const State& state, TileCholesky& inverse, Adjusted& adjusted) {
@@ -68,11 +65,16 @@ void predict_control_points(const Problem& problem, const State& state, TileChol
     if (its == adjusted.control.end()) continue;
     const Eigen::Matrix3d covariance = PointSystem(problem, state, p).covariance(inverse);
     its->covariance_m2 = covariance;
+    const Eigen::Map<const Eigen::Vector3d> inverse_sigma(problem.control[point.control].inverse_sigma);
     for (int axis = 0; axis < 3; ++axis) {
-      const double w = problem.control[point.control].inverse_sigma[axis];
+      const double w = inverse_sigma[axis];
       if (!(w > 0)) continue;
-      const double redundancy = std::clamp(1 - w * w * covariance(axis, axis), 0.0, 1.0);
-      its->difference_sigma_m[axis] = std::sqrt(variance_factor(adjusted) * redundancy) / w;
+      // The difference is (I - Q P) times that of the point without its coordinates, whose variance is that of the
+      // block and that of the survey.
+      const Eigen::Vector3d q = covariance.col(axis);
+      const double of_survey = q.cwiseProduct(inverse_sigma).squaredNorm(), whole = covariance(axis, axis);
+      its->difference_sigma_m[axis] = std::sqrt(std::max(
+          0.0, std::pow(sigma_scale(adjusted), 2) * (whole - of_survey) + 1 / (w * w) - 2 * whole + of_survey));
     }
   }
 }

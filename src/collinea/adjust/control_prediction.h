@@ -7,7 +7,8 @@
 namespace collinea::bundle {
 
 /// Covariances of check points and of their differences, with the Cholesky factor of the reduced normal equations: the
-/// images' uncertainty with all its correlations, their own measurements, and the survey.
+/// images' uncertainty with all its correlations, their own measurements, and the survey. sigma0 multiplies what was
+/// adjusted; the sigmas of a survey are taken as given: sigma0 is that of image points, which know nothing of it.
 void predict_check_points(const Block& block, const Problem& problem, const State& state, const TileCholesky& factor,
                           const Run& run, Adjusted& adjusted);
 

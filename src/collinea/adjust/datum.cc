@@ -52,16 +52,12 @@ std::optional<Datum> datum(const Block& block, bool use_positions, bool use_cont
   const auto fit = bundle::robust_similarity(pairs, seed);
   if (!fit) return std::nullopt;
   result.world_from_block = fit->world_from_block;
-  result.median_distance_m = bundle::middle(fit->distances_m);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (fit->weights[i] == 0) continue;
-    if (i < points.size()) {
+    if (i < points.size())
       result.control.push_back(points[i]);
-      result.control_distances_m.push_back(fit->distances_m[i]);
-    } else {
+    else
       result.images.push_back(images[i - points.size()]);
-      result.image_distances_m.push_back(fit->distances_m[i]);
-    }
   }
   return result;
 }

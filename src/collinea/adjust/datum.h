@@ -13,17 +13,15 @@ namespace collinea {
 /// The similarity that brings a block into the frame of its control points or camera positions, and what agreed on it.
 struct Datum {
   Similarity3 world_from_block;
-  std::vector<ImageId> images;                                 ///< whose positions agree
-  std::vector<ControlId> control;                              ///< that agree
-  std::vector<double> image_distances_m, control_distances_m;  ///< left after the similarity, parallel to those lists
-  double median_distance_m = 0;                                ///< over all that was offered, outliers too
-  bool by_control = false;  ///< control points alone; otherwise positions (with control, where there is some)
+  std::vector<ImageId> images;     ///< whose positions agree
+  std::vector<ControlId> control;  ///< that agree
+  bool by_control = false;         ///< control points alone; otherwise positions (with control, where there is some)
 };
 
 /// Estimates the datum robustly (least median of squares over triples, then iterated least squares of those within
-/// three robust standard deviations). Control points in three and more places decide alone, because receivers'
-/// positions may be systematically off; with fewer, camera positions decide, together with the control there is.
-/// Control points are intersected from their image measurements, whatever frame the block is in. Nothing when fewer
+/// 27^1/2 robust standard deviations of one coordinate). Control points in three and more places decide alone, because
+/// receivers' positions may be systematically off; with fewer, camera positions decide, together with the control there
+/// is. Control points are intersected from their image measurements, whatever frame the block is in. Nothing when fewer
 /// than three places are known or when they lie on one line (within a thousandth of its length, or within their own
 /// uncertainty).
 [[nodiscard]] std::optional<Datum> datum(const Block& block, bool use_positions = true, bool use_control = true,

@@ -5,6 +5,7 @@
 
 #include "collinea/adjust/gauge.h"
 #include "collinea/adjust/problem.h"
+#include "collinea/base/median.h"
 
 namespace collinea::bundle {
 namespace {
@@ -70,10 +71,7 @@ void measure(std::vector<Part>& parts, const Problem& problem, const State& stat
   for (std::size_t i = 0; i < parts.size(); ++i) {
     double squared = 0, distance = 1;
     for (const int pose : parts[i].poses) squared += (centre_in(state, pose) - parts[i].centre).squaredNorm();
-    if (auto& all = distances[i]; !all.empty()) {
-      std::nth_element(all.begin(), all.begin() + all.size() / 2, all.end());
-      distance = all[all.size() / 2];
-    }
+    if (!distances[i].empty()) distance = median(distances[i]);
     parts[i].size = std::sqrt(squared / double(parts[i].poses.size()));
     if (!(parts[i].size > 1e-3 * distance)) parts[i].size = distance > 0 ? distance : 1;
   }

@@ -12,6 +12,7 @@ namespace collinea::bundle {
 namespace {
 
 constexpr int kLeastRaysOfImage = 3;
+constexpr int kMostCameraUnknowns = 10000;  // their normal equations are full: 0.8 GB, held twice
 constexpr std::uint32_t kNobody = ~std::uint32_t{0};
 
 std::optional<std::vector<int>> free_params(const std::string& calibration) {
@@ -47,6 +48,9 @@ double weak_sigma(const Camera& camera, int param) {
   }
 }
 
+// A coordinate that counts must be a number; one that was not given (its sigma is infinite) need not.
+bool known(double coordinate, double sigma) { return std::isfinite(coordinate) || std::isinf(sigma); }
+
 /// Gathers in four passes: images, points with their rays, what is too weak to take part, order.
 class Gatherer {
  public:
@@ -67,6 +71,12 @@ class Gatherer {
     if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_verticals(); !taken) return tl::unexpected(taken.error());
     count();
+    if (out_.problem.border > kMostCameraUnknowns)
+      return fail(Errc::kUnsupported,
+                  std::to_string(out_.problem.cameras.size()) + " cameras with " + std::to_string(out_.problem.border) +
+                      " unknowns to calibrate: more than " + std::to_string(kMostCameraUnknowns) +
+                      " do not fit into memory. Pictures of one camera should share it; or hold the cameras, or "
+                      "calibrate fewer parameters");
     return std::move(out_);
   }
 
@@ -182,15 +192,18 @@ class Gatherer {
       for (int axis = 0; axis < 3; ++axis) {
         if (!(control.sigma_m[axis] > 0))
           return fail(Errc::kBadInput, "control point " + control.name + " has no positive standard deviation");
-        coordinates.given[axis] = control.position_in_world[axis];
+        if (!known(control.position_in_world[axis], control.sigma_m[axis]))
+          return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
         coordinates.inverse_sigma[axis] = 1 / control.sigma_m[axis];
-        given += std::isfinite(control.sigma_m[axis]);
+        coordinates.given[axis] = coordinates.inverse_sigma[axis] > 0 ? control.position_in_world[axis] : 0;
+        given += coordinates.inverse_sigma[axis] > 0;
       }
+      const auto met = intersect(sight_lines(block_, id));
+      if (!met && !control.position_in_world.allFinite()) continue;  // there is no place to begin at
       if (given == 3) point.least_rays = 1;
       for (const std::size_t place : places[id])
         if (Result<> added = add_ray(block_.control_observations[place], place); !added) return added;
       point.control = static_cast<int>(out_.problem.control.size());
-      const auto met = intersect(sight_lines(block_, id));
       Eigen::Map<Eigen::Vector3d>(point.position) = met ? met->point_in_world : control.position_in_world;
       if (close_point(point)) out_.problem.control.push_back(coordinates);
     }
@@ -346,8 +359,13 @@ class Gatherer {
       if (!image.position) continue;
       if (!(image.position->sigma_m.minCoeff() > 0))
         return fail(Errc::kBadInput, "the position of " + image.file + " has no positive standard deviation");
+      const Eigen::Vector3d &place = image.position->position_in_world, &sigma_m = image.position->sigma_m;
+      for (int axis = 0; axis < 3; ++axis)
+        if (!known(place[axis], sigma_m[axis]))
+          return fail(Errc::kBadInput, "the position of " + image.file + " has no finite coordinates");
+      const Eigen::Vector3d inverse_sigma = sigma_m.cwiseInverse();
       problem.positions.push_back(
-          {static_cast<std::uint32_t>(i), image.position->position_in_world, image.position->sigma_m.cwiseInverse()});
+          {static_cast<std::uint32_t>(i), (inverse_sigma.array() > 0).select(place, 0.0), inverse_sigma});
     }
     return {};
   }
@@ -369,8 +387,7 @@ class Gatherer {
   void count() {
     Problem& problem = out_.problem;
     problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.border;
-    for (const GivenPosition& position : problem.positions)
-      problem.observation_count += (position.inverse_sigma.array() > 0).count();
+    for (const GivenPosition& position : problem.positions) problem.observation_count += position.axes();
     problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
     problem.unknown_count = 6L * problem.poses + problem.border;
     for (std::size_t p = 0; p < problem.point_count(); ++p) {

@@ -23,7 +23,7 @@ struct Intersection {
   Eigen::Vector3d point_in_world;
   Eigen::Matrix3d covariance;                 ///< [m^2], by the sigmas of the pixels alone
   std::vector<Eigen::Vector2d> residuals_px;  ///< observed minus computed, one for each line
-  double sigma0 = 0;                          ///< of unit weight; 0 for a single pair without redundancy
+  double sigma0 = 0;                          ///< of unit weight; a pair of lines has a redundancy of 1
 };
 
 /// Forward intersection by weighted least squares of the pixels; poses and cameras are taken as exact. Nothing with

@@ -13,8 +13,8 @@ namespace collinea::bundle {
 namespace {
 
 constexpr std::size_t kRaysInBatch = 4096;
-constexpr std::size_t kMostChunks = 16;  // of a batch
-constexpr int kMostBorderForChunks = 160;
+constexpr std::size_t kMostChunks = 16;                    // of a batch
+constexpr std::size_t kBorderSums = std::size_t{1} << 24;  // of all chunks: 128 MB
 
 // Tiles whose images share a point or a datum constraint; the rows of the cameras are full.
 TilePattern pattern_of(const Problem& problem) {
@@ -88,7 +88,7 @@ Normals::Normals(const Problem& problem, KeptFactor& kept)
   cut_batches();
   index_rows();
   const auto border = static_cast<std::size_t>(problem.border);
-  chunks_.resize(problem.border > kMostBorderForChunks ? 1 : kMostChunks);
+  chunks_.resize(std::clamp<std::size_t>(kBorderSums / std::max<std::size_t>(1, border * border), 1, kMostChunks));
   for (BorderSums& sums : chunks_) {
     sums.matrix.resize(border * border);
     sums.right.resize(border);

@@ -8,6 +8,7 @@
 
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/linearise.h"
+#include "collinea/adjust/robust_squares.h"
 
 namespace collinea::bundle {
 namespace {
@@ -31,39 +32,21 @@ void write_unknowns(const Block& block, const Problem& problem, const State& sta
   std::sort(adjusted.points.begin(), adjusted.points.end(), [](auto& a, auto& b) { return a.first < b.first; });
 }
 
-// Squares of tie points such that sigma0^2 times the inverse normal equations is the covariance of the robust estimate:
-// K^2 sum w^2 s mean(w) / m^2, m the mean slope of the weighted residuals, K = 1 + u/n var(slope) / m^2 for u unknowns
-// determined by n observations (Huber 1981, 7.6).
-struct RobustSquares {
-  double squares = 0, weights = 0, slopes = 0, squared_slopes = 0, count = 0;
-  void add(const Loss& loss, double s) {
-    const double across = loss.weight(s), along = loss.slope(s);
-    squares += across * across * s;
-    weights += across;
-    slopes += (across + along) / 2;
-    squared_slopes += (across * across + along * along) / 2;
-    ++count;
-  }
-  [[nodiscard]] double value(double unknowns_per_observation) const {
-    if (count == 0) return 0;
-    const double mean = slopes / count, variance = squared_slopes / count - mean * mean;
-    const double k = 1 + unknowns_per_observation * variance / (mean * mean);
-    return k * k * squares * (weights / count) / (mean * mean);
-  }
+struct RaySums {
+  double squares = 0;  // of the rays of control
+  long unseen = 0;     // rays, of tie points too, whose point their image does not see: they say nothing
 };
 
-// Residuals of the tie points in the order of the block; answers the weighted sum of squares of all rays.
-double write_tie_residuals(const Problem& problem, const State& state, Adjusted& adjusted) {
+// Residuals of the tie points in the order of the block, which are also added to `tie`.
+RaySums write_residuals(const Problem& problem, const State& state, RobustSquares& tie, Adjusted& adjusted) {
   struct Residual {
     std::uint32_t source;
     Eigen::Vector2d px;
   };
   std::vector<Residual> residuals;
   residuals.reserve(problem.rays.size());
-  double sum = 0;
-  RobustSquares tie;
+  RaySums rays;
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
-    const Loss loss = problem.loss_of(problem.point(p));
     for (std::uint32_t r = problem.point(p).first_ray; r < problem.end_ray(p); ++r) {
       const Ray& ray = problem.rays[r];
       double in_cam[3];
@@ -74,9 +57,11 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
         px = {ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]};
         const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
         if (problem.point(p).control < 0)
-          tie.add(loss, s);
+          tie.add(s, 2);
         else
-          sum += s;
+          rays.squares += s;
+      } else {
+        ++rays.unseen;
       }
       if (problem.point(p).control < 0) residuals.push_back({ray.source, px});
     }
@@ -87,21 +72,19 @@ double write_tie_residuals(const Problem& problem, const State& state, Adjusted&
     adjusted.observations.push_back(residual.source);
     adjusted.residuals_px.push_back(residual.px);
   }
-  return sum +
-         tie.value(1 - static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count));
+  return rays;
 }
 
-double write_positions(const Problem& problem, const State& state, Adjusted& adjusted) {
-  double sum = 0;
+// Not the differences on axes that were not given.
+void write_positions(const Problem& problem, const State& state, RobustSquares& squares, Adjusted& adjusted) {
   for (const GivenPosition& position : problem.positions) {
-    const Eigen::Vector3d difference = Eigen::Vector3d(state.frames[position.image].data() + 9) - position.given;
+    Eigen::Vector3d difference = Eigen::Vector3d(state.frames[position.image].data() + 9) - position.given;
     const double s = difference.cwiseProduct(position.inverse_sigma).squaredNorm();
-    const double weight = problem.position_loss.weight(s);
-    sum += weight * s;
-    adjusted.positions.push_back({problem.images[position.image].id, difference, weight});
+    difference = (position.inverse_sigma.array() > 0).select(difference, kUnknown.x());
+    adjusted.positions.push_back({problem.images[position.image].id, difference, problem.position_loss.weight(s)});
+    if (const int axes = position.axes(); axes > 0) squares.add(s, axes);
   }
   std::sort(adjusted.positions.begin(), adjusted.positions.end(), [](auto& a, auto& b) { return a.image < b.image; });
-  return sum;
 }
 
 double vertical_squares(const Problem& problem, const State& state) {
@@ -122,16 +105,23 @@ double weak_camera_squares(const Problem& problem, const State& state) {
   return sum;
 }
 
-// The sight lines of a control point in the adjusted images, with their places in Block::control_observations.
+// The sight lines of a control point in the images that take part or are held, with their places in
+// Block::control_observations. What the adjustment left out stands where it happened to be.
 std::vector<SightLine> adjusted_sight_lines(const Block& block, const Adjusted& adjusted, ControlId point,
                                             std::vector<std::size_t>& places) {
-  std::vector<SightLine> lines = sight_lines(block, point, &places);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const ImageId image = block.control_observations[places[i]].image;
+  std::vector<std::size_t> all_places;
+  const std::vector<SightLine> all = sight_lines(block, point, &all_places);
+  std::vector<SightLine> lines;
+  places.clear();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const ImageId image = block.control_observations[all_places[i]].image;
+    if (is_left_out(adjusted, image)) continue;
+    lines.push_back(all[i]);
+    places.push_back(all_places[i]);
     if (const auto pose = adjusted.cam_from_world.find(image); pose != adjusted.cam_from_world.end())
-      lines[i].cam_from_world = pose->second;
+      lines.back().cam_from_world = pose->second;
     if (const auto camera = adjusted.cameras.find(block.images.at(image).camera); camera != adjusted.cameras.end())
-      lines[i].camera = &camera->second;
+      lines.back().camera = &camera->second;
   }
   return lines;
 }
@@ -164,7 +154,9 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
       difference.position_in_world = met->point_in_world;
     }
     if (difference.position_in_world) {
-      difference.difference_m = *difference.position_in_world - control.position_in_world;
+      for (int axis = 0; axis < 3; ++axis)
+        if (std::isfinite(control.sigma_m[axis]))
+          difference.difference_m[axis] = (*difference.position_in_world)[axis] - control.position_in_world[axis];
       for (std::size_t i = 0; i < lines.size(); ++i)
         if (const auto pixel =
                 collinea::project(*lines[i].camera, lines[i].cam_from_world * *difference.position_in_world))
@@ -177,20 +169,32 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
 
 }  // namespace
 
-void describe_outcome(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
+bool is_left_out(const Adjusted& adjusted, ImageId image) {
+  return std::find(adjusted.images_left_out.begin(), adjusted.images_left_out.end(), image) !=
+         adjusted.images_left_out.end();
+}
+
+void describe_outcome(const Block& block, const AdjustScope& scope, Problem& problem, const State& state,
                       Adjusted& adjusted) {
+  RobustSquares tie(problem.tie_loss), positions(problem.position_loss);
+  adjusted.images_left_out = problem.images_left_out;
   write_unknowns(block, problem, state, adjusted);
-  double squares = write_tie_residuals(problem, state, adjusted);
-  squares += write_positions(problem, state, adjusted);
+  const RaySums rays = write_residuals(problem, state, tie, adjusted);
+  problem.observation_count -= 2 * rays.unseen;
+  write_positions(problem, state, positions, adjusted);
+  double squares = rays.squares + tie.squares() + positions.squares();
   squares += vertical_squares(problem, state);
   squares += weak_camera_squares(problem, state);
   squares += write_control(block, scope, problem, state, adjusted);
+  adjusted.redundancy = problem.redundancy();
   adjusted.sigma0 = adjusted.redundancy > 0 ? std::sqrt(squares / static_cast<double>(adjusted.redundancy)) : 0;
   adjusted.observation_count = problem.observation_count;
   adjusted.unknown_count = problem.unknown_count;
   adjusted.rank_defect = problem.rank_defect;
   adjusted.datum = problem.datum_text;
-  adjusted.images_left_out = problem.images_left_out;
+  const double left = static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count);
+  problem.tie_loss.information = tie.information(1 - left);
+  problem.position_loss.information = positions.information(1 - left);
 }
 
 }  // namespace collinea::bundle

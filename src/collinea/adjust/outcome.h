@@ -6,8 +6,13 @@
 
 namespace collinea::bundle {
 
-/// Fills everything but the course of the iterations and the covariances.
-void describe_outcome(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
+/// True for an image of Adjusted::images_left_out.
+[[nodiscard]] bool is_left_out(const Adjusted& adjusted, ImageId image);
+
+/// Fills everything but the course of the iterations and the covariances, and gives the losses of the problem the
+/// information their residuals show: from here on the normal equations stand for what is known. Rays whose point is not
+/// seen are no longer counted.
+void describe_outcome(const Block& block, const AdjustScope& scope, Problem& problem, const State& state,
                       Adjusted& adjusted);
 
 /// Fills pose, camera and (when wanted) point covariances and reliability, or says what is not determined. Uses up what

@@ -71,7 +71,8 @@ bool PointSystem::determined() const {
          normals_.l[5] * normals_.l[5] > least;
 }
 
-// The part of the inverse that belongs to the groups. A pose lies in one tile, which is looked up once.
+// The part of the inverse that belongs to the groups. A pose lies in one tile, which is looked up once. Held points tie
+// no poses to each other, and need nothing between them.
 Eigen::MatrixXd PointSystem::local(TileCholesky& inverse) const {
   Eigen::MatrixXd q(width_, width_);
   for (std::size_t a = 0; a < groups_.size(); ++a)
@@ -79,7 +80,9 @@ Eigen::MatrixXd PointSystem::local(TileCholesky& inverse) const {
       const bool swap = groups_[a].row < groups_[b].row;
       const Group &low = swap ? groups_[b] : groups_[a], &high = swap ? groups_[a] : groups_[b];
       auto out = q.block(low.first, high.first, low.count, high.count);
-      if (low.is_pose && a != b)
+      if (held_ && a != b && low.is_pose && high.is_pose)
+        out.setZero();
+      else if (low.is_pose && a != b)
         out =
             Eigen::Map<const Eigen::Matrix<double, 6, 6>, 0, Eigen::OuterStride<kTile>>(&inverse.at(low.row, high.row));
       else

@@ -52,6 +52,9 @@ struct ControlCoordinates {
 struct GivenPosition {
   std::uint32_t image;
   Eigen::Vector3d given, inverse_sigma;
+
+  /// How many of its coordinates are given.
+  [[nodiscard]] int axes() const { return static_cast<int>((inverse_sigma.array() > 0).count()); }
 };
 
 /// The direction of the world's z axis in the camera; a difference counts across it only (two observations).

@@ -8,7 +8,9 @@
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
 #include "collinea/adjust/quantiles.h"
+#include "collinea/adjust/robust_squares.h"
 #include "collinea/base/parallel.h"
+#include "collinea/geometry/rotation.h"
 
 namespace collinea {
 
@@ -29,19 +31,20 @@ class Examiner {
  public:
   Examiner(const Problem& problem, const State& state, const AdjustOptions& options, TileCholesky& inverse,
            const Run& run, const Adjusted& adjusted)
-      : problem_(problem), state_(state), inverse_(inverse), run_(run), adjusted_(adjusted) {
+      : problem_(problem), state_(state), inverse_(inverse), run_(run), adjusted_(adjusted), tie_(problem.tie_loss) {
     out_.false_alarm = options.false_alarm;
     out_.power = options.power;
     out_.sigma0_known = options.sigma0_known;
     const bool known = options.sigma0_known || adjusted.redundancy < 1;
     sigma0_ = known ? 1 : std::max(adjusted.sigma0, 1e-12);
     out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
-    out_.delta0 = normal_limit(options.false_alarm) + normal_limit(2 * (1 - options.power));
+    const double quantile = options.power > 0.5 ? normal_limit(2 * (1 - options.power)) : 0;
+    out_.delta0 = normal_limit(options.false_alarm) + quantile;
   }
 
   Reliability examine(const Block& block) {
     compute_leverages();
-    by_source_.assign(block.observations.size(), Eigen::Vector2d::Zero());
+    by_source_.assign(block.observations.size(), Eigen::Vector2d::Constant(kNaN));
     if (run_.stopped()) return out_;
     for (std::size_t p = 0; p < problem_.point_count(); ++p) take_rays(p, block);
     out_.tie_redundancy.reserve(adjusted_.observations.size());
@@ -49,12 +52,9 @@ class Examiner {
     for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p)
       if (problem_.point(p).control >= 0) take_control(p);
     take_positions();
+    take_verticals();
     take_weak_cameras();
-    // What sigma0 makes of the tie points, whose losses are taken for what they are worth.
-    double others = weak_squares_;
-    for (std::size_t g = 1; g < kObservationGroups; ++g) others += out_.groups[g].squares;
-    sums(ObservationGroup::kTieImages).squares =
-        adjusted_.sigma0 * adjusted_.sigma0 * double(adjusted_.redundancy) - others;
+    sums(ObservationGroup::kTieImages).squares = tie_.squares();
     std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
                      [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
     if (out_.suspects.size() > kMostSuspects) out_.suspects.resize(kMostSuspects);
@@ -72,9 +72,10 @@ class Examiner {
     });
   }
 
-  // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (below 1 by a robust loss).
+  // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (not 1 by a robust loss).
   // The observation is tested as the others foretell it, by its full sigma: v / r has the variance
-  // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss.
+  // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss. sigma0 multiplies what the others say, and the
+  // sigmas of image points; those given in metres stay as given.
   void test(TestedObservation one, double leverage, double weight) {
     const double r = std::clamp(1 - leverage, 0.0, 1.0);
     GroupSums& group = sums(one.group);
@@ -84,7 +85,9 @@ class Examiner {
     one.redundancy = r;
     one.least_blunder = one.effect = one.effect_in_sigmas = kInfinity;
     if (r > kNoRedundancy) {
-      const double spread = sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r));
+      const bool in_image = one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages;
+      const double own = in_image ? sigma0_ : 1;
+      const double spread = one.sigma * std::sqrt(own * own + sigma0_ * sigma0_ * leverage / (weight * r));
       one.blunder = one.residual / r;
       one.w = one.blunder / spread;
       one.least_blunder = out_.delta0 * spread;
@@ -98,6 +101,15 @@ class Examiner {
     }
     if (one.group != ObservationGroup::kTieImages) out_.others.push_back(one);
     if (out_.suspects.size() > 20 * kMostSuspects) trim();
+  }
+
+  // Nothing foretells it, and nothing is as wrong.
+  void suspect_unseen(TestedObservation one) {
+    ++out_.unseen;
+    one.residual = one.blunder = one.redundancy = one.least_blunder = one.effect = one.effect_in_sigmas = kNaN;
+    one.w = kInfinity;
+    out_.suspects.push_back(one);
+    if (one.group != ObservationGroup::kTieImages) out_.others.push_back(one);
   }
 
   void trim() {
@@ -115,16 +127,21 @@ class Examiner {
       Projected at{};
       to_camera(state_.frames[ray.image], &state_.points[3 * p], in_cam);
       const bool seen = project(state_.lenses[problem_.images[ray.image].camera], in_cam, &at);
+      TestedObservation one;
+      one.group = tie ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
+      one.source = ray.source;
+      one.sigma = tie ? block.observations[ray.source].sigma_px : block.control_observations[ray.source].sigma_px;
+      if (!seen) {
+        suspect_unseen(one);
+        continue;
+      }
       const Eigen::Vector2d px(ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]);
-      const double weight = seen ? loss.weight(px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma) : 1;
+      const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma, weight = loss.weight(s);
+      if (tie) tie_.add(s, 2);
       if (tie) by_source_[ray.source] = Eigen::Vector2d::Ones() - leverages_[r];
       for (int axis = 0; axis < 2; ++axis) {
-        TestedObservation one;
-        one.group = tie ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
-        one.source = ray.source;
         one.axis = axis;
-        one.sigma = tie ? block.observations[ray.source].sigma_px : block.control_observations[ray.source].sigma_px;
-        one.residual = seen ? px[axis] : 0;
+        one.residual = px[axis];
         if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
         test(one, leverages_[r][axis], weight);
       }
@@ -168,15 +185,19 @@ class Examiner {
       if (!(weights[axis] > 0)) continue;
       point.difference_m[axis] = moved[axis];
       point.difference_sigma_m[axis] =
-          std::sqrt(std::max(sigma0_ * sigma0_ * without(axis, axis) + 1 / weights[axis], 0.0));
+          std::sqrt(std::max(std::pow(sigma_scale(adjusted_), 2) * without(axis, axis) + 1 / weights[axis], 0.0));
     }
     out_.left_out.push_back(point);
   }
 
+  // Plan and height share the loss, which is of the whole length, and so what it makes of their squares.
   void take_positions() {
+    RobustSquares all(problem_.position_loss);
     for (const GivenPosition& position : problem_.positions) {
       const Eigen::Vector3d residual = position.given - Eigen::Vector3d(state_.frames[position.image].data() + 9);
-      const double weight = problem_.position_loss.weight(residual.cwiseProduct(position.inverse_sigma).squaredNorm());
+      const double s = residual.cwiseProduct(position.inverse_sigma).squaredNorm();
+      const double weight = problem_.position_loss.weight(s);
+      if (position.axes() > 0) all.add(s, position.axes());
       for (int axis = 0; axis < 3; ++axis) {
         const double w = position.inverse_sigma[axis];
         if (!(w > 0)) continue;
@@ -187,9 +208,24 @@ class Examiner {
         one.axis = axis;
         one.residual = residual[axis];
         one.sigma = 1 / w;
-        sums(one.group).squares += weight * std::pow(residual[axis] * w, 2);
+        sums(one.group).squares += weight / problem_.position_loss.information * std::pow(residual[axis] * w, 2);
         test(one, weight * w * w * inverse_.at(row, row), weight);
       }
+    }
+    if (!(all.weighted() > 0)) return;
+    for (const ObservationGroup group : {ObservationGroup::kPositionPlan, ObservationGroup::kPositionHeight})
+      sums(group).squares *= all.squares() / all.weighted();
+  }
+
+  // Each is two observations, across the direction; along it the derivative is zero.
+  void take_verticals() {
+    for (const GivenUp& given : problem_.verticals) {
+      const Eigen::Matrix3d by_turn = given.inverse_sigma * skew(z_in_cam(state_.frames[given.image]));
+      const int row = 6 * static_cast<int>(given.image);
+      Eigen::Matrix3d cofactor;
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) cofactor(r, c) = inverse_.at(row + std::max(r, c), row + std::min(r, c));
+      out_.redundancy_sum += 2 - (by_turn * cofactor * by_turn.transpose()).trace();
     }
   }
 
@@ -200,7 +236,6 @@ class Examiner {
         const int row = 6 * problem_.poses + camera.border + static_cast<int>(k), param = camera.free[k];
         const double w = camera.inverse_sigma[param];
         out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
-        weak_squares_ += std::pow((state_.cameras[i][param] - camera.given[param]) * w, 2);
       }
     }
   }
@@ -210,7 +245,8 @@ class Examiner {
   TileCholesky& inverse_;
   const Run& run_;
   const Adjusted& adjusted_;
-  double sigma0_ = 1, weak_squares_ = 0;
+  RobustSquares tie_;
+  double sigma0_ = 1;
   std::vector<Eigen::Vector2d> leverages_;  // of each ray
   std::vector<Eigen::Vector2d> by_source_;  // redundancy of each of Block::observations
   Reliability out_;

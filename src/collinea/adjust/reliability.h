@@ -35,7 +35,8 @@ struct TestedObservation {
   double residual = 0;          ///< observed minus adjusted
   double sigma = 0;             ///< as given
   double redundancy = 0;        ///< r: the part of a blunder that its own residual shows, 0 to 1
-  double w = 0;                 ///< residual / its sigma: Baarda's w, or Pope's tau when sigma0 is estimated
+  double w = 0;                 ///< residual / its sigma: Baarda's w, or Pope's tau when sigma0 is estimated; infinite
+                                ///< (and all but sigma NaN) when the image does not see the point
   double blunder = 0;           ///< the most probable one: residual / r
   double least_blunder = 0;     ///< minimal detectable blunder (with the stated level and power); infinite when r = 0
   double effect = 0;            ///< of a blunder just not found on the adjusted value of the same coordinate
@@ -60,17 +61,17 @@ struct GroupSums {
 
 /// Reliability of an adjustment (Baarda 1968; Pope 1976; Foerstner 1983).
 struct Reliability {
-  double false_alarm = 0, power = 0;            ///< as asked for
-  bool sigma0_known = false;                    ///< tests by w with sigma0 = 1; otherwise by tau
-  double limit = 0;                             ///< of |w| or tau
-  double delta0 = 0;                            ///< shift of w that is found with that power
-  long tested = 0, rejected = 0;                ///< coordinates; beyond the limit
-  double redundancy_sum = 0;                    ///< over all observations, weak ones too: equals Adjusted::redundancy
-  std::vector<Eigen::Vector2d> tie_redundancy;  ///< parallel to Adjusted::observations
-  std::vector<TestedObservation>
-      others;  ///< control (images, coordinates) and positions, every one that has a residual
-  std::vector<TestedObservation> suspects;  ///< beyond the limit, worst first, 1000 at most
-  std::vector<LeftOutPoint> left_out;       ///< every control point without whose coordinates the block is determined
+  double false_alarm = 0, power = 0;  ///< as asked for
+  bool sigma0_known = false;          ///< tests by w with sigma0 = 1; otherwise by tau
+  double limit = 0;                   ///< of |w| or tau
+  double delta0 = 0;                  ///< shift of w that is found with that power; of the normal distribution, for tau too
+  long tested = 0, rejected = 0;      ///< coordinates; beyond the limit
+  long unseen = 0;                    ///< rays whose point its image does not see: not tested, all suspect
+  double redundancy_sum = 0;          ///< over all observations, weak ones and verticals too: Adjusted::redundancy
+  std::vector<Eigen::Vector2d> tie_redundancy;  ///< parallel to Adjusted::observations; NaN when not seen
+  std::vector<TestedObservation> others;        ///< control (images, coordinates) and positions, every one
+  std::vector<TestedObservation> suspects;      ///< beyond the limit, worst first, 1000 at most
+  std::vector<LeftOutPoint> left_out;  ///< every control point without whose coordinates the block is determined
   std::array<GroupSums, kObservationGroups> groups;
 };
 

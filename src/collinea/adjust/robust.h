@@ -20,6 +20,8 @@ struct Loss {
   /// Bound from below of curvature(). 1: plain reweighting, safe far from the solution; lower: close to Newton's
   /// method.
   double least_curvature = 1;
+  /// Multiplies the weights, where they stand for what the group knows: RobustSquares::information().
+  double information = 1;
 
   [[nodiscard]] double cost(double s) const {
     const double k2 = scale * scale;
@@ -28,13 +30,13 @@ struct Loss {
   }
   [[nodiscard]] double weight(double s) const {
     const double k2 = scale * scale;
-    if (kind == kNone || (kind == kHuber && s <= k2)) return 1;
-    return kind == kHuber ? scale / std::sqrt(s) : 1 / (1 + s / k2);
+    if (kind == kNone || (kind == kHuber && s <= k2)) return information;
+    return information * (kind == kHuber ? scale / std::sqrt(s) : 1 / (1 + s / k2));
   }
   /// How weight(s) * residual grows with the residual along it; across it, it grows with weight(s).
   [[nodiscard]] double slope(double s) const {
     const double k2 = scale * scale;
-    if (kind == kNone || (kind == kHuber && s <= k2)) return 1;
+    if (kind == kNone || (kind == kHuber && s <= k2)) return information;
     return kind == kHuber ? 0 : weight(s) * (k2 - s) / (k2 + s);
   }
   /// The second derivative of the cost along the residual, relative to weight(s): 1 + 2 s weight'(s) / weight(s)

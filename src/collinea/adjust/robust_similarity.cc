@@ -2,11 +2,11 @@
 #include "collinea/adjust/robust_similarity.h"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/median.h"
 #include "collinea/base/random.h"
 
 namespace collinea::bundle {
@@ -32,9 +32,9 @@ std::optional<Similarity3> least_median(const std::vector<PlacePair>& pairs, std
     const std::array<Eigen::Vector3d, 3> b{pairs[i].in_world, pairs[j].in_world, pairs[k].in_world};
     const auto candidate = align(a, b);
     if (!candidate || !(candidate->scale > 0)) return;
-    const double median = middle(distances(pairs, *candidate));
-    if (median < least) {
-      least = median;
+    const double distance = median(distances(pairs, *candidate));
+    if (distance < least) {
+      least = distance;
       best = candidate;
     }
   };
@@ -53,12 +53,12 @@ std::optional<Similarity3> least_median(const std::vector<PlacePair>& pairs, std
   return best;
 }
 
-// Pairs count fully within their robust standard deviation times three, beyond not at all.
+// Pairs count fully within 27^1/2 standard deviations, beyond not at all.
 std::optional<Similarity3> refined(const std::vector<PlacePair>& pairs, Similarity3 world_from_block,
                                    std::vector<double>& weights) {
   for (int round = 0; round < 10; ++round) {
     const std::vector<double> distance = distances(pairs, world_from_block);
-    const double scatter = middle(distance) / 1.54;  // median of the length of a normal 3-vector
+    const double scatter = median(std::vector(distance)) / 1.54;  // median of the length of a normal 3-vector
     weights.clear();
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const double variance = pairs[i].sigma_m * pairs[i].sigma_m + scatter * scatter;
@@ -92,11 +92,6 @@ std::vector<double> distances(const std::vector<PlacePair>& pairs, const Similar
   std::vector<double> result;
   for (const PlacePair& pair : pairs) result.push_back((world_from_block * pair.in_block - pair.in_world).norm());
   return result;
-}
-
-double middle(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 std::optional<RobustSimilarity> robust_similarity(const std::vector<PlacePair>& pairs, std::uint64_t seed) {

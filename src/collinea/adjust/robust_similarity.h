@@ -24,14 +24,12 @@ struct RobustSimilarity {
 /// True when three or more places do not lie on a line: the second axis of their spread is more than uncertainty.
 [[nodiscard]] bool span_a_plane(const std::vector<PlacePair>& pairs);
 
-/// Least median of squares over triples, then least squares of those within three robust standard deviations. Nothing
-/// with fewer than three pairs or when those that agree lie on one line.
+/// Least median of squares over triples, then least squares of those whose distance is within 27^1/2 = 5.2 robust
+/// standard deviations of one coordinate and their own (three on each of three axes). Nothing with fewer than three
+/// pairs or when those that agree lie on one line.
 [[nodiscard]] std::optional<RobustSimilarity> robust_similarity(const std::vector<PlacePair>& pairs,
                                                                 std::uint64_t seed);
 
 [[nodiscard]] std::vector<double> distances(const std::vector<PlacePair>& pairs, const Similarity3& world_from_block);
-
-/// The median (the upper one of an even number); the values are not empty.
-[[nodiscard]] double middle(std::vector<double> values);
 
 }  // namespace collinea::bundle

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/adjust/bundle.h"
 #include "collinea/base/random.h"
 #include "collinea/block/block.h"
 #include "collinea/geometry/rotation.h"
@@ -118,6 +119,22 @@ inline Block disturbed(Block block, double turn_rad, double move_m, std::uint64_
     pose = {rotation, -(rotation * centre)};
   }
   for (auto& [id, point] : block.points) point.position_in_world += move_m * normal3(random);
+  return block;
+}
+
+/// New measurements of the same exact world: pixels 0.5 px, positions 2 cm, f 50 px.
+inline Block measured_anew(Block block, AdjustScope& scope, std::uint64_t seed) {
+  Random random(seed, 77);
+  for (Observation& observation : block.observations) {
+    const double du = random.normal(), dv = random.normal();
+    observation.pixel += 0.5 * Eigen::Vector2d(du, dv);
+    observation.sigma_px = 0.5;
+  }
+  for (auto& [id, image] : block.images)
+    image.position =
+        PositionPrior{centre_of(block.cam_from_world.at(id)) + 0.02 * normal3(random), Eigen::Vector3d::Constant(0.02)};
+  scope.first_cameras = block.cameras;
+  scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
   return block;
 }
 

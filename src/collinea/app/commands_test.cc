@@ -8,7 +8,7 @@
 
 #include "collinea/app/exit_code.h"
 #include "collinea/image/test_folder.h"
-#include "collinea/pipeline/settings.h"
+#include "collinea/pipeline/project.h"
 
 namespace collinea {
 namespace {
@@ -86,6 +86,8 @@ TEST(Commands, WrongUsageEndsWithTwoAndWordsOnStderr) {
       {{"run", photos, "-o", project, "--min-points", "many"}, "--min-points"},
       {{"run", photos, "-o", project, "--min-points", "2"}, "min_points"},
       {{"run", photos, "-o", project, "--calibration", "much"}, "calibration"},
+      {{"run", photos, "-o", project, "--cloud", "laz2"}, "las or laz"},
+      {{"run", photos, "-o", project, "--resolution", "fulll"}, "resolution"},
       {{"run", photos, "-o", project, "--seed", "-1"}, "--seed"},
       {{"run", photos, "-o", project, "--threads", "-1"}, "threads"},
       {{"run", photos, "-o", project, "--progress", "loud"}, "--progress"},
@@ -178,6 +180,29 @@ TEST(Commands, ExportBeforeOrientationIsNotFound) {
   const Outcome outcome = collinea_with({"export", project, (folder / "out").string()});
   EXPECT_EQ(outcome.code, 3);
   EXPECT_NE(outcome.err.find("not oriented yet"), std::string::npos) << outcome.err;
+}
+
+TEST(Commands, ExportSaysWhatItLeavesOut) {
+  const TestFolder folder;
+  std::filesystem::create_directories(folder / "photos");
+  Block block;
+  block.cameras[CameraId{0}] = ideal_camera(1000, 1000, 800);
+  for (std::uint32_t i = 0; i < 3; ++i)
+    block.images[ImageId{i}] = {.file = std::to_string(i) + ".jpg", .camera = CameraId{0}};
+  for (std::uint32_t i = 0; i < 2; ++i) block.cam_from_world[ImageId{i}] = {};
+  {
+    Settings settings;
+    settings.photos = (folder / "photos").string();
+    auto project = create_project(folder / "project", settings, {});
+    ASSERT_TRUE(project) << project.error().message;
+    ASSERT_TRUE(project->store.write_setup(block));
+    ASSERT_TRUE(project->store.write_orientation(block));
+  }
+  const std::string out = (folder / "out").string();
+  const Outcome outcome = collinea_with({"export", (folder / "project").string(), out});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out, out + "\n");
+  EXPECT_NE(outcome.err.find("note: 1 images"), std::string::npos) << outcome.err;
 }
 
 TEST(ExitCode, IsAsTheHelpSays) {

@@ -10,6 +10,7 @@ namespace collinea {
 Command export_command() {
   struct Asked {
     std::string project, folder, format = "colmap";
+    ConsoleOptions console;
   };
   auto asked = std::make_shared<Asked>();
   return {"export", "the oriented block for other programs",
@@ -20,11 +21,15 @@ Command export_command() {
                 "format", asked->format, "",
                 "colmap (text and binary model), bundler, opk (omega, phi, kappa), ply (tie points), las or laz (dense "
                 "cloud)");
+            flags.add_all(asked->console, "run");
           },
           [asked] {
-            auto project = open_project(asked->project, {});
-            if (!project) return complain(project.error());
-            if (auto done = export_block(*project, asked->folder, asked->format); !done) return complain(done.error());
+            auto console = Console::create(asked->console);
+            if (!console) return complain(console.error());
+            auto project = open_project(asked->project, console->run());
+            if (!project) return console->complain(project.error());
+            if (auto done = export_block(*project, asked->folder, asked->format); !done)
+              return console->complain(done.error());
             fmt::print("{}\n", asked->folder);
             return 0;
           }};

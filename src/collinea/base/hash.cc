@@ -45,6 +45,7 @@ Result<std::uint64_t> hash_of_file(const std::filesystem::path& path) {
   std::vector<char> buffer(1 << 20);  // a multiple of eight, so that pieces do not change the fingerprint
   while (file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || file.gcount() > 0)
     hash.add(std::as_bytes(std::span(buffer.data(), static_cast<std::size_t>(file.gcount()))));
+  if (file.bad()) return fail(Errc::kNotFound, path.string() + " cannot be read");
   return hash.value();
 }
 

@@ -111,20 +111,4 @@ Eigen::Vector3d ray_in_cam(const Camera& camera, const Eigen::Vector2d& pixel) {
   return Eigen::Vector3d(direction.x(), direction.y(), 1).normalized();
 }
 
-Camera scaled(const Camera& camera, int width_px, int height_px) {
-  Camera result = camera;
-  const double sx = double(width_px) / camera.width_px, sy = double(height_px) / camera.height_px;
-  result.width_px = width_px;
-  result.height_px = height_px;
-  auto& p = result.params;
-  const double f = camera.params[Camera::kF];
-  p[Camera::kF] = f * sy;
-  p[Camera::kB1] = (f + camera.params[Camera::kB1]) * sx - p[Camera::kF];
-  p[Camera::kB2] *= sx;
-  p[Camera::kCx] *= sx;
-  p[Camera::kCy] *= sy;
-  result.sigma_f_px *= sy;
-  return result;
-}
-
 }  // namespace collinea

@@ -62,7 +62,4 @@ using Matrix2P = Eigen::Matrix<double, 2, Camera::kParams>;
   return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width_px && pixel.y() <= camera.height_px;
 }
 
-/// The camera of the same picture resampled to another size (both sizes are whole pixels of the same picture).
-[[nodiscard]] Camera scaled(const Camera& camera, int width_px, int height_px);
-
 }  // namespace collinea

@@ -70,11 +70,5 @@ TEST(Camera, DerivativesAgreeWithNumericOnes) {
   }
 }
 
-TEST(Camera, AResampledPictureSeesTheSame) {
-  const Camera camera = distorted_camera(), half = scaled(camera, 600, 450);
-  const Eigen::Vector3d point(0.3, -0.2, 1.1);
-  EXPECT_LT((*project(half, point) - 0.5 * *project(camera, point)).norm(), 1e-9);
-}
-
 }  // namespace
 }  // namespace collinea

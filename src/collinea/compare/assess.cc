@@ -5,20 +5,19 @@
 
 #include <memory>
 
+#include "collinea/block/world_frame.h"
+#include "collinea/io/file.h"
+
 namespace collinea {
 namespace {
 
-bool there(const std::filesystem::path& path) { return !path.empty() && std::filesystem::exists(path); }
-
-Result<LocalFrame> frame_of(const Georeference& g) {
-  return LocalFrame::create(g.crs, g.origin_latitude_deg, g.origin_longitude_deg, g.origin_height_m);
-}
+bool there(const std::filesystem::path& path) { return !path.empty() && is_there(path); }
 
 // Through geographic coordinates, since the two world frames may have different origins and maps.
 Result<ToTruth> to_truth_of(const Block& block, const TruthFolder& truth) {
   if (!block.georeference) return ToTruth{};
-  COLLINEA_TRY(const LocalFrame from, frame_of(*block.georeference));
-  COLLINEA_TRY(const LocalFrame to, frame_of(truth.georeference));
+  COLLINEA_TRY(const LocalFrame from, world_frame(*block.georeference));
+  COLLINEA_TRY(const LocalFrame to, world_frame(truth.georeference));
   return ToTruth{
       [from, to](const Eigen::Vector3d& p) { return to.local_from_geographic(from.geographic_from_local(p)); }};
 }
@@ -50,7 +49,7 @@ Result<SurfaceErrors> assess_surface(const ProductFiles& products, const TruthFo
   if (there(products.dsm_state)) {
     COLLINEA_TRY(state, byte_reader(products.dsm_state, nullptr));
   }
-  COLLINEA_TRY(const LocalFrame frame, frame_of(truth.georeference));
+  COLLINEA_TRY(const LocalFrame frame, world_frame(truth.georeference));
   return surface_errors(model, state, expected, views_of(true_block(truth), &frame), &frame, run);
 }
 

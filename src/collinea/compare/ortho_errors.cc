@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "collinea/base/median.h"
+
 namespace collinea {
 namespace {
 
@@ -131,8 +133,7 @@ OrthoErrors summary_of(const std::vector<Shift>& shifts, std::size_t windows, do
   const auto n = double(shifts.size());
   errors.mean_x_px /= n, errors.mean_y_px /= n, errors.share_over_1_px /= n;
   errors.rms_x_px = std::sqrt(errors.rms_x_px / n), errors.rms_y_px = std::sqrt(errors.rms_y_px / n);
-  std::nth_element(lengths.begin(), lengths.begin() + std::ptrdiff_t(lengths.size() / 2), lengths.end());
-  errors.median_px = lengths[lengths.size() / 2];
+  errors.median_px = median(lengths);
   return errors;
 }
 

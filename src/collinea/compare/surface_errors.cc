@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "collinea/base/median.h"
 #include "collinea/base/parallel.h"
 #include "collinea/ortho/world_lattice.h"
 #include "collinea/surface/surface_filter.h"
@@ -19,12 +20,6 @@ constexpr double kSteepest = 0.3;   // rise per run of smooth ground
 constexpr int kStepMargin = 3;      // [cells of the model]
 constexpr int kSeenStride = 4;      // every so many cells, both ways, it is looked at who sees them
 constexpr std::size_t kEnough = 3;  // images
-
-float median_of(std::vector<float>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The rows of the truth under some rows of the model, with a margin.
 struct TrueStrip {
@@ -210,10 +205,10 @@ HeightErrors height_errors(std::vector<float>& differences_m, double gross_m) {
   errors.mean_m = sum / n;
   errors.rmse_m = std::sqrt(squares / n);
   errors.share_gross = double(gross) / n;
-  const float median = median_of(differences_m);
-  errors.median_m = double(median);
-  for (float& d : differences_m) d = std::abs(d - median);
-  errors.nmad_m = 1.4826 * double(median_of(differences_m));
+  const float middle = median(differences_m);
+  errors.median_m = double(middle);
+  for (float& d : differences_m) d = std::abs(d - middle);
+  errors.nmad_m = 1.4826 * double(median(differences_m));
   return errors;
 }
 

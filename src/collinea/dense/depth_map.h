@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
@@ -68,6 +70,15 @@ struct DenseOptions {
     visit(Field{"cloud", &O::cloud, "", "form of the cloud in the map: las, or laz (a sixth of the size, no loss)"});
   }
 };
+
+/// The forms of the cloud in the map.
+inline constexpr std::array<std::string_view, 2> kCloudForms = {"las", "laz"};
+
+/// The options that depth maps depend on; all others, which only fusion reads, as by default.
+[[nodiscard]] DenseOptions options_of_matching(DenseOptions options);
+
+/// The whole number by which photographs are reduced at a resolution of this name; nothing when it is none.
+[[nodiscard]] std::optional<int> shrink_of(std::string_view resolution);
 
 /// By which whole number the photographs of a camera are reduced for matching.
 [[nodiscard]] Result<int> working_shrink(const Camera& camera, const DenseOptions& options);

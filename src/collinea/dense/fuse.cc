@@ -11,6 +11,7 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/dense/depth_cache.h"
+#include "collinea/dense/pinhole.h"
 #include "collinea/dense/working_pictures.h"
 
 namespace collinea {
@@ -18,23 +19,15 @@ namespace {
 
 constexpr int kStripRows = 32;
 constexpr int kMostNeighbours = 20;
-constexpr int kFewestShared = 6;         // tie points
 constexpr double kFramePx = 6;           // at the border of a picture little is measured
 constexpr double kSharedSource = 4;      // depths of one surface point come from the same pictures: not independent
 constexpr double kSamePlacePx = 0.63;    // smaller: places are written twice; larger: gaps where one image takes over
-constexpr double kWidestAngle = 0.5;     // [rad] images farther aside may see something else: they need not agree
 constexpr double kRoughReach = 2;        // sigmas, where these are larger than max_reprojection_px: rough surfaces
 constexpr double kSmallestCosine = 0.1;  // between ray and normal, to move a depth along the surface
 
+using dense::Pinhole;
 using Matrix3 = Eigen::Matrix3d;
 using Vector3 = Eigen::Vector3d;
-
-struct Pinhole {
-  double f, cx, cy;
-  explicit Pinhole(const Camera& camera)
-      : f(camera.focal_px()), cx(camera.params[Camera::kCx]), cy(camera.params[Camera::kCy]) {}
-  Vector3 ray(double x, double y) const { return {(x - cx) / f, (y - cy) / f, 1}; }
-};
 
 struct Other {
   ImageId image;
@@ -149,7 +142,7 @@ class Fusion {
     const std::size_t bytes = 2 * sizeof(float) * reference_->depth.data.size();
     const int room = std::max(2, int(options_.memory_mb * 1e6 / double(bytes + 1)) - 1);
     const Rigid3 reference_from_world = block_.cam_from_world.at(image);
-    for (const ImageId other : ties_.overlapping(image, kFewestShared, std::min(room, kMostNeighbours))) {
+    for (const ImageId other : ties_.overlapping(image, std::min(room, kMostNeighbours))) {
       if (!images_.count(other)) continue;
       if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
       COLLINEA_TRY(const auto map, cache_.map(other));
@@ -195,10 +188,11 @@ class Fusion {
       const Other& other = others_[i];
       const Vector3 there = other.rotation * (ray * z) + other.translation;
       if (!(there.z() > 0)) continue;
-      const double u = other.pinhole.f * there.x() / there.z() + other.pinhole.cx;
-      const double v = other.pinhole.f * there.y() / there.z() + other.pinhole.cy;
+      const Eigen::Vector2d at = other.pinhole.project(there);
+      const double u = at.x(), v = at.y();
       if (!(u >= 0 && v >= 0 && u < other.map->depth.width && v < other.map->depth.height)) continue;
-      looking += angle_between(other, ray, z) < kWidestAngle && u > kFramePx && v > kFramePx &&
+      // images farther aside may see something else: they need not agree
+      looking += angle_between(other, ray, z) < kWidestAngle_rad && u > kFramePx && v > kFramePx &&
                  u < other.map->depth.width - kFramePx && v < other.map->depth.height - kFramePx;
       const auto reading = reading_at(*other.map, u, v);
       if (!reading) continue;

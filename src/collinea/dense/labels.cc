@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/median.h"
+
 namespace collinea::dense {
 namespace {
 
@@ -78,13 +80,6 @@ bool is_broken(const FloatImage& coarse, const Footprint& at, float step) {
   return false;
 }
 
-float middle(std::vector<float>& values) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 // The slope most of the cell has, and the range of what is off the plane with that slope.
 void follow_plane(const FloatImage& coarse, const Footprint& at, float step, int margin, Cell& cell) {
   std::vector<float> by_x, by_y;
@@ -93,8 +88,8 @@ void follow_plane(const FloatImage& coarse, const Footprint& at, float step, int
       if (x + 1 < at.x1) by_x.push_back(coarse.at(x + 1, y) - coarse.at(x, y));
       if (y + 1 < at.y1) by_y.push_back(coarse.at(x, y + 1) - coarse.at(x, y));
     }
-  cell.by_x = middle(by_x) / 2;
-  cell.by_y = middle(by_y) / 2;
+  cell.by_x = by_x.empty() ? 0 : median(by_x) / 2;
+  cell.by_y = by_y.empty() ? 0 : median(by_y) / 2;
   std::vector<float> rest;
   for (int y = at.y0; y < at.y1; ++y)
     for (int x = at.x0; x < at.x1; ++x)

@@ -9,6 +9,7 @@
 
 #include "collinea/dense/level.h"
 #include "collinea/dense/overview.h"
+#include "collinea/dense/pinhole.h"
 #include "collinea/dense/window_variance.h"
 
 namespace collinea {
@@ -26,7 +27,6 @@ constexpr double kLeastFarther = 0.1, kLeastNearer = 0.8;
 constexpr int kSmallestCoarsePatch = 20;  // pixels of a level; what hangs together less is not believed by the next
 constexpr int kOverviewPx = 512;          // width of an overview at most
 constexpr int kOverviewsCompared = 12;
-constexpr int kFewestShared = 6;        // tie points
 constexpr float kOverviewReach = 1.5f;  // steps within which overviews agree
 constexpr int kMeasuredLevels = 3;      // the finest of the pyramid
 constexpr double kPlanePart = 0.5;      // a plane is worth taking when it leaves less than this of the range
@@ -113,11 +113,10 @@ struct Neighbour {
 
 int level_offset(const Camera& reference, const Camera& camera, const Rigid3& from_reference,
                  const std::vector<Sounding>& soundings) {
+  const dense::Pinhole pinhole(reference);
   std::vector<double> ratio;
   for (const Sounding& s : soundings) {
-    const Eigen::Vector3d ray((s.x - reference.params[Camera::kCx]) / reference.focal_px(),
-                              (s.y - reference.params[Camera::kCy]) / reference.focal_px(), 1);
-    const double z = (from_reference * (ray / s.w)).z();
+    const double z = (from_reference * (pinhole.ray(s.x, s.y) / s.w)).z();
     if (z > 0) ratio.push_back(camera.focal_px() / z / (reference.focal_px() * s.w));
   }
   return ratio.empty() ? 0 : int(std::lround(std::log2(quantile(ratio, 0.5))));
@@ -148,7 +147,7 @@ class Matching {
   }
 
   Result<DepthMap> overview() const {
-    const int last = overview_level(reference_->camera);
+    const int last = overview_level();
     FloatImage surface;
     if (auto matched = match(coarsest_level(), last, surface, nullptr); !matched)
       return tl::unexpected(std::move(matched).error());
@@ -168,7 +167,7 @@ class Matching {
     dense::fill_holes(surface);
     int from = coarsest_level();
     if (!agreed.empty()) {
-      const int level = overview_level(reference_->camera);
+      const int level = overview_level();
       if (level < kMeasuredLevels) surfaces[std::size_t(level)] = surface;
       from = level - 1;
     }
@@ -180,14 +179,14 @@ class Matching {
     COLLINEA_TRY(const DepthMap own, store.read(image));
     const Rigid3& pose = block.cam_from_world.at(image);
     std::vector<dense::PlacedMap> others;
-    for (const ImageId id : ties.overlapping(image, kFewestShared, kOverviewsCompared)) {
+    for (const ImageId id : ties.overlapping(image, kOverviewsCompared)) {
       if (!store.has(id)) continue;
       dense::PlacedMap other;
       COLLINEA_TRY(other.map, store.read(id));
       other.reference_from_cam = pose * inverse(block.cam_from_world.at(id));
       others.push_back(std::move(other));
     }
-    return dense::agreed_surface(own, others, kOverviewReach * level_at(overview_level(reference_->camera)).step);
+    return dense::agreed_surface(own, others, kOverviewReach * level_at(overview_level()).step);
   }
 
  private:
@@ -229,6 +228,14 @@ class Matching {
     return level;
   }
 
+  // The finest level that is small enough for an overview; of a long strip, the coarsest there is.
+  int overview_level() const {
+    const auto& levels = reference_->levels;
+    int level = 0;
+    while (level + 1 < int(levels.size()) && levels[std::size_t(level)].width > kOverviewPx) ++level;
+    return level;
+  }
+
   int coarsest_level() const {
     const Level finest = level_at(0);
     double labels = (start_.high - start_.low) / std::max(1e-30, double(finest.step));
@@ -238,7 +245,7 @@ class Matching {
       labels /= 2;
       ++l;
     }
-    return std::max(l, overview_level(reference_->camera));
+    return std::max(l, overview_level());
   }
 
   Labels start_labels(const Level& level, int l) const {
@@ -379,16 +386,6 @@ class Matching {
   std::vector<Neighbour> neighbours_;
   StartSurface start_;
 };
-
-}  // namespace
-
-int overview_level(const Camera& working_camera) {
-  int level = 0;
-  while ((working_camera.width_px >> level) > kOverviewPx) ++level;
-  return level;
-}
-
-namespace {
 
 Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
                           const DenseOptions& options, const Run& run) {

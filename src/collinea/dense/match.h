@@ -8,9 +8,6 @@
 
 namespace collinea {
 
-/// The level of the pyramid of a working picture on which its overview is made.
-[[nodiscard]] int overview_level(const Camera& working_camera);
-
 /// A first, coarse idea of the surface, from small pictures. Every pixel with a grey value has a depth, right or wrong:
 /// only together the overviews of several images tell which. Errors as of depth_map.
 [[nodiscard]] Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties,

@@ -8,6 +8,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/dense/aggregate.h"
 #include "collinea/dense/level.h"
+#include "collinea/dense/neighbours.h"
 
 namespace collinea::dense {
 namespace {
@@ -15,10 +16,9 @@ namespace {
 constexpr int kTileCells = 24;   // a tile is aggregated on its own, which bounds memory
 constexpr int kTileOverlap = 2;  // cells around it that take part, so that its border is nobody's border
 
-// Rays farther apart see leaves, grass and edges too differently to tell anything, and with every such view chance has
-// one try more. The views nearest to the reference are used all the same when there are no others. One choice serves
-// all labels of a cell: chance must have the same number of tries at every depth.
-constexpr float kWidestAngle = 0.5f;  // [rad]
+// With every view beyond kWidestAngle_rad chance has one try more. The views nearest to the reference are used all the
+// same when there are no others. One choice serves all labels of a cell: chance must have the same number of tries at
+// every depth.
 constexpr int kFewestViews = 2;
 
 void reference_region(const GreyImage& picture, int left, int top, std::int8_t* region) {
@@ -65,7 +65,7 @@ std::vector<std::size_t> views_at_small_angles(const Level& level, const CellSce
   std::vector<std::size_t> chosen;
   int whole = 0;
   for (const auto& [angle, v] : by_angle) {
-    if (angle > kWidestAngle && whole >= kFewestViews) break;
+    if (angle > float(kWidestAngle_rad) && whole >= kFewestViews) break;
     chosen.push_back(v);
     whole += shows_all(level.views[std::size_t(scene.views[v])], scene.carried[v], shift);
   }

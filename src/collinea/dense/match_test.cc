@@ -94,6 +94,25 @@ TEST(DepthMap, NeighboursMayBeTurned) {
   EXPECT_GT(e.part_measured(), 0.85);
 }
 
+// Pyramids end where the shorter side does, while the longer one is still wider than overviews are.
+TEST(Overview, OfALongStripIsTheSmallestPictureThereIs) {
+  const Camera strip = ideal_camera(3000, 3000, 200);
+  Scene scene = {.slope = 0};
+  for (const double x : {0.0, 1.0, -1.0}) scene.add_camera(x, 0, 0, strip);
+  scene.add_ties(0.15);
+  const TieView ties(scene.block);
+  const PixelSource pixels = scene.pixels();
+  WorkingPictures pictures(scene.block, pixels, {});
+  const auto map = overview(scene.block, kFirst, ties, pictures, {}, {});
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_EQ(map->depth.width, 750);
+  EXPECT_EQ(map->depth.height, 50);
+  int right = 0;
+  for (int x = 0; x < map->depth.width; ++x)
+    right += std::abs(double(map->depth.at(x, 25)) / scene.truth(kFirst, map->camera, x, 25).depth - 1) < 0.01;
+  EXPECT_GT(right, 0.9 * map->depth.width);
+}
+
 TEST(DepthMap, EdgeOfARoofStaysAnEdge) {
   const Scene scene = Scene::of_four({.slope = 0, .roof = 2});
   const DepthMap map = matched(scene);

@@ -13,6 +13,7 @@ namespace {
 constexpr int kCells = 8;  // the image is divided into kCells x kCells for the judgement of coverage
 constexpr int kSides = 4;  // directions a neighbour may lie in
 constexpr std::size_t kSharedToCompare = 8;
+constexpr int kFewestShared = 6;
 constexpr double kLeastWorth = 0.05;  // 0.3 degrees
 
 struct Candidate {
@@ -129,7 +130,7 @@ std::vector<ImageId> TieView::neighbours(ImageId image, int count) const {
   return most_useful(std::move(list), count);
 }
 
-std::vector<ImageId> TieView::overlapping(ImageId image, int min_shared, int count) const {
+std::vector<ImageId> TieView::overlapping(ImageId image, int count) const {
   const auto own = observations_of_.find(image);
   if (own == observations_of_.end()) return {};
   std::map<ImageId, int> shared;
@@ -142,7 +143,7 @@ std::vector<ImageId> TieView::overlapping(ImageId image, int min_shared, int cou
   }
   std::vector<std::pair<int, ImageId>> order;
   for (const auto& [id, n] : shared)
-    if (id != image && n >= min_shared && block_.cam_from_world.count(id)) order.emplace_back(-n, id);
+    if (id != image && n >= kFewestShared && block_.cam_from_world.count(id)) order.emplace_back(-n, id);
   std::sort(order.begin(), order.end());
   std::vector<ImageId> result;
   for (std::size_t i = 0; i < order.size() && int(i) < count; ++i) result.push_back(order[i].second);

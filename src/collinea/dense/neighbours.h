@@ -8,6 +8,9 @@
 
 namespace collinea {
 
+/// Rays farther apart see leaves, grass and edges too differently to tell anything of each other [rad].
+inline constexpr double kWidestAngle_rad = 0.5;
+
 /// The tie points an image sees, with what matching wants to know of them.
 struct SeenPoint {
   Eigen::Vector3d point_in_cam;  ///< z > 0
@@ -26,8 +29,9 @@ class TieView {
   /// cover all of the image, and lie on different sides of it. Fewer (or none) when the block has no more.
   [[nodiscard]] std::vector<ImageId> neighbours(ImageId image, int count) const;
 
-  /// All images that share at least `min_shared` tie points with `image`, most shared first, at most `count`.
-  [[nodiscard]] std::vector<ImageId> overlapping(ImageId image, int min_shared, int count) const;
+  /// All images that share at least six tie points with `image` (fewer may be wrong ones), most shared first, at most
+  /// `count`.
+  [[nodiscard]] std::vector<ImageId> overlapping(ImageId image, int count) const;
 
  private:
   const Block& block_;

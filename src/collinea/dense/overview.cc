@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/dense/pinhole.h"
 #include "collinea/dense/window_variance.h"
 
 namespace collinea::dense {
@@ -22,20 +23,17 @@ constexpr float kLeastTexture = 6;  // grey values, well above the noise of a ph
 // The surface of another image as seen from here: the nearest inverse depth that falls into each pixel.
 FloatImage carried_over(const PlacedMap& other, const Camera& camera) {
   FloatImage result(camera.width_px, camera.height_px, 1, kNaN);
-  const Camera& from = other.map.camera;
+  const Pinhole from(other.map.camera), to(camera);
   const Eigen::Matrix3d rotation = other.reference_from_cam.rotation.toRotationMatrix();
   for (int y = 0; y < other.map.depth.height; ++y)
     for (int x = 0; x < other.map.depth.width; ++x) {
       const double z = double(other.map.depth.at(x, y));
       if (!(z > 0)) continue;
-      const Eigen::Vector3d ray((x + 0.5 - from.params[Camera::kCx]) / from.focal_px(),
-                                (y + 0.5 - from.params[Camera::kCy]) / from.focal_px(), 1);
-      const Eigen::Vector3d here = rotation * (ray * z) + other.reference_from_cam.translation;
+      const Eigen::Vector3d here = rotation * (from.ray(x + 0.5, y + 0.5) * z) + other.reference_from_cam.translation;
       if (!(here.z() > 0)) continue;
-      const double u = camera.focal_px() * here.x() / here.z() + camera.params[Camera::kCx];
-      const double v = camera.focal_px() * here.y() / here.z() + camera.params[Camera::kCy];
-      if (!(u >= 0 && v >= 0 && u < camera.width_px && v < camera.height_px)) continue;
-      float& w = result.at(int(u), int(v));
+      const Eigen::Vector2d at = to.project(here);
+      if (!(at.x() >= 0 && at.y() >= 0 && at.x() < camera.width_px && at.y() < camera.height_px)) continue;
+      float& w = result.at(int(at.x()), int(at.y()));
       if (!(w >= float(1 / here.z()))) w = float(1 / here.z());
     }
   return result;

@@ -58,10 +58,10 @@ struct Scene {
   }
 
   /// True tie points, evenly spread.
-  void add_ties() {
+  void add_ties(double spacing_m = 0.6) {
     std::uint32_t n = 0;
-    for (double x = -6; x <= 6; x += 0.6)
-      for (double y = -6; y <= 6; y += 0.6, ++n) {
+    for (double x = -6; x <= 6; x += spacing_m)
+      for (double y = -6; y <= 6; y += spacing_m, ++n) {
         const bool on_roof = roof > 0 && std::abs(x) < 1 && std::abs(y) < 0.8;
         const Eigen::Vector3d point(x, y, on_roof ? roof : slope * x);
         std::vector<Observation> rays;

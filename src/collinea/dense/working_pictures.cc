@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "collinea/dense/pinhole.h"
+
 namespace collinea {
 namespace {
 
@@ -56,12 +58,10 @@ std::uint8_t cubic(const GreyImage& picture, float x, float y) {
 // Where the pixels of the ideal picture lie on the photograph, at every kGrid-th pixel (sample units); NaN: nowhere.
 std::vector<Eigen::Vector2f> distortion_grid(const Camera& camera, const Camera& ideal, int columns, int rows) {
   std::vector<Eigen::Vector2f> grid(std::size_t(columns) * std::size_t(rows));
-  const auto& p = ideal.params;
+  const dense::Pinhole pinhole(ideal);
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
-      const Eigen::Vector3d ray((i * kGrid + 0.5 - p[Camera::kCx]) / p[Camera::kF],
-                                (j * kGrid + 0.5 - p[Camera::kCy]) / p[Camera::kF], 1);
-      const auto pixel = project(camera, ray);
+      const auto pixel = project(camera, pinhole.ray(i * kGrid + 0.5, j * kGrid + 0.5));
       grid[std::size_t(j) * std::size_t(columns) + std::size_t(i)] =
           pixel ? Eigen::Vector2f((*pixel - Eigen::Vector2d(0.5, 0.5)).cast<float>()) : Eigen::Vector2f(NAN, NAN);
     }
@@ -70,11 +70,26 @@ std::vector<Eigen::Vector2f> distortion_grid(const Camera& camera, const Camera&
 
 }  // namespace
 
+DenseOptions options_of_matching(DenseOptions options) {
+  const DenseOptions unset;
+  options.min_images = unset.min_images;
+  options.max_reprojection_px = unset.max_reprojection_px;
+  options.max_sigmas = unset.max_sigmas;
+  options.memory_mb = unset.memory_mb;
+  options.cloud = unset.cloud;
+  return options;
+}
+
+std::optional<int> shrink_of(std::string_view resolution) {
+  if (resolution == "full") return 1;
+  if (resolution == "half") return 2;
+  if (resolution == "quarter") return 4;
+  return std::nullopt;
+}
+
 Result<int> working_shrink(const Camera& camera, const DenseOptions& options) {
   if (options.resolution) {
-    if (*options.resolution == "full") return 1;
-    if (*options.resolution == "half") return 2;
-    if (*options.resolution == "quarter") return 4;
+    if (const auto shrink = shrink_of(*options.resolution)) return *shrink;
     return fail(Errc::kBadInput, "resolution = " + *options.resolution + " is none of full, half, quarter");
   }
   int shrink = 1;

@@ -188,9 +188,7 @@ std::optional<RelativeFocalFit> refine_relative_and_focal(const Rigid3& start, c
   const MotionChart motion{{start.rotation, start.translation.normalized()}};
   const auto fit = fit_matrix(FocalMotionChart{motion, 0, doubt}, normal_at, 2 * kMaxIterations);
   if (!fit) return std::nullopt;
-  const Eigen::Matrix<double, 6, 1> column = fit->hessian.ldlt().solve(Eigen::Matrix<double, 6, 1>::Unit(5));
-  return RelativeFocalFit{fit->value.chart.motion, std::exp(fit->value.log_factor),
-                          std::sqrt(std::max(0.0, column(5)))};
+  return RelativeFocalFit{fit->value.chart.motion, std::exp(fit->value.log_factor)};
 }
 
 std::optional<Eigen::Matrix3d> refine_fundamental(const Eigen::Matrix3d& start, const PointPairs& pairs,

@@ -40,7 +40,6 @@ struct RelativeFocalFit {
   Rigid3 second_from_first;  ///< of the coordinates after correction: divided by the factor where the focal length is
                              ///< in doubt
   double focal_factor = 1;
-  double sigma_focal_factor = 0;  ///< of its logarithm for unit noise [1/px], the doubt included
 };
 
 /// refine_relative with the focal factor as sixth unknown, held near 1 by its standard deviation (against residuals of

@@ -284,15 +284,4 @@ std::optional<Resection> resect_with_focal(const Camera& camera, std::span<const
   return concluded<7>(*best, measured, options);
 }
 
-std::optional<Rigid3> refine_pose(const Rigid3& start_cam_from_world, const Camera& camera,
-                                  std::span<const Eigen::Vector2d> pixels,
-                                  std::span<const Eigen::Vector3d> points_in_world, std::span<const int> support,
-                                  double loss_px) {
-  COLLINEA_CHECK(pixels.size() == points_in_world.size());
-  if (support.size() < 3) return std::nullopt;
-  const auto view = refined<6>({start_cam_from_world, camera}, {pixels, points_in_world}, support, loss_px);
-  if (!view) return std::nullopt;
-  return view->cam_from_world;
-}
-
 }  // namespace collinea

@@ -55,11 +55,4 @@ struct Resection {
                                                          std::span<const Eigen::Vector3d> points_in_world,
                                                          const ResectOptions& options, std::uint64_t seed);
 
-/// The pose alone by Gauss-Newton from a start over the points `support`: minimises the reprojection errors, each
-/// capped smoothly at loss_px. Nothing with fewer than three points or when they do not determine it.
-[[nodiscard]] std::optional<Rigid3> refine_pose(const Rigid3& start_cam_from_world, const Camera& camera,
-                                                std::span<const Eigen::Vector2d> pixels,
-                                                std::span<const Eigen::Vector3d> points_in_world,
-                                                std::span<const int> support, double loss_px);
-
 }  // namespace collinea

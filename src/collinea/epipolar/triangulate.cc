@@ -106,12 +106,20 @@ struct PairOfRays {
 
 std::vector<PairOfRays> pairs_to_try(std::size_t rays) {
   constexpr std::size_t kMostPairs = 100;
-  std::vector<PairOfRays> all;
-  for (std::size_t step = rays - 1; step >= 1; --step)  // far apart in the track first: usually the wider base
-    for (std::size_t i = 0; i + step < rays; ++i) all.push_back({i, i + step});
-  if (all.size() <= kMostPairs) return all;
+  const std::size_t all = rays * (rays - 1) / 2, count = std::min(all, kMostPairs);
   std::vector<PairOfRays> some;
-  for (std::size_t k = 0; k < kMostPairs; ++k) some.push_back(all[k * all.size() / kMostPairs]);
+  some.reserve(count);
+  // Far apart in the track first, usually the wider base: rays - step pairs are `step` apart, the first of them is the
+  // pair number `begin`.
+  std::size_t step = rays - 1, begin = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t number = k * all / count;
+    while (number >= begin + (rays - step)) {
+      begin += rays - step;
+      --step;
+    }
+    some.push_back({number - begin, number - begin + step});
+  }
   return some;
 }
 

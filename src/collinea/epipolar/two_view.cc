@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "collinea/base/median.h"
 #include "collinea/base/result.h"
 #include "collinea/epipolar/robust.h"
 #include "collinea/epipolar/two_view_criteria.h"
@@ -40,6 +41,10 @@ struct Finding {
   Rigid3 second_from_first;  // translation 0: not known
   double median_parallax_rad = 0;
 };
+
+int longest_side_px(const Camera& first, const Camera& second) {
+  return std::max({first.width_px, first.height_px, second.width_px, second.height_px});
+}
 
 double relative_sigma_f(const Camera& camera) { return camera.sigma_f_px / camera.focal_px(); }
 
@@ -275,9 +280,11 @@ class Verification {
 
   // From the median, which outliers just below the threshold do not move much.
   [[nodiscard]] double noise_px(const std::vector<double>& squared_px2, std::span<const int> inliers) const {
+    constexpr double kLeastNoise_px = 0.4;  // also where a threshold was asked for that is not twice as much
     std::vector<double> some;
     for (const int i : inliers) some.push_back(squared_px2[static_cast<std::size_t>(i)]);
-    return std::clamp(1.4826 * std::sqrt(median(std::move(some))), 0.4, threshold_px_ / 2);
+    return std::clamp(1.4826 * std::sqrt(some.empty() ? 0 : median(std::move(some))), kLeastNoise_px,
+                      std::max(kLeastNoise_px, threshold_px_ / 2));
   }
 
   [[nodiscard]] Finding general(const Relation& epipolar) const {
@@ -286,11 +293,11 @@ class Verification {
     return finding;
   }
 
-  // With a lens not yet calibrated, the distortion looks like a little parallax: what remains after a rotation must be
-  // clearly more.
+  // With a lens not yet calibrated, the distortion looks like a little parallax, which is a share of the picture's
+  // size: what remains after a rotation must be clearly more.
   [[nodiscard]] bool hardly_more_than(const Turn& turned, std::span<const int> items) const {
     if (first_.sigma_f_px == 0 && second_.sigma_f_px == 0) return false;
-    const double limit_px = kLensDoubt * threshold_px_;
+    const double limit_px = kLensDoubt * options_.max_error_px * longest_side_px(first_, second_) / kReferenceSize_px;
     const auto near = std::count_if(items.begin(), items.end(), [&](int i) {
       return turned.errors[static_cast<std::size_t>(i)] < limit_px * limit_px;
     });
@@ -352,7 +359,7 @@ class Verification {
   static double median_parallax(const Rigid3& motion, const PointPairs& pairs, std::span<const int> inliers) {
     std::vector<double> angles;
     for (const int i : inliers) angles.push_back(meeting(motion, pairs.first(i), pairs.second(i)).angle_rad);
-    return median(std::move(angles));
+    return angles.empty() ? 0 : median(angles);
   }
 
   [[nodiscard]] bool acceptable(const Prepared& prepared, std::span<const int> inliers) const {
@@ -420,8 +427,7 @@ Prepared without_stationary(const Prepared& all) {
 }  // namespace
 
 double largest_error_px(const Camera& first, const Camera& second, const VerifyOptions& options) {
-  const int size = std::max({first.width_px, first.height_px, second.width_px, second.height_px});
-  return options.max_error_px * std::max(1.0, size / kReferenceSize_px);
+  return options.max_error_px * std::max(1.0, longest_side_px(first, second) / kReferenceSize_px);
 }
 
 ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,

@@ -72,13 +72,6 @@ double truncated_cost(const std::vector<double>& squared_px2, double threshold_p
   return sum;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double gric(const std::vector<double>& squared_px2, std::span<const int> items, double sigma_px, int dimension,
             int parameters) {
   constexpr double kMeasured = 4;  // coordinates of a pair

@@ -21,9 +21,6 @@ namespace collinea {
 /// The sum of the squared errors, each cut off at the threshold [px^2].
 [[nodiscard]] double truncated_cost(const std::vector<double>& squared_px2, double threshold_px);
 
-/// The upper median; 0 of nothing.
-[[nodiscard]] double median(std::vector<double> values);
-
 /// Geometric robust information criterion (Torr, IJCV 2002) of a relation over the pairs `items`: dimension 3 for
 /// epipolar geometry, 2 for a homography; its number of parameters. The relation with the smaller value is the better
 /// one.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 
 #include "collinea/base/result.h"
@@ -19,7 +20,9 @@ enum class FileKind { kJpeg, kPng, kTiff };
 
 /// By the first bytes of the file, never by its name. Errors: missing, none of the three.
 [[nodiscard]] Result<FileKind> kind_of_file(const std::filesystem::path& path);
-[[nodiscard]] Result<std::string> read_bytes(const std::filesystem::path& path);
+/// All bytes of a file, or the first `most`.
+[[nodiscard]] Result<std::string> read_bytes(const std::filesystem::path& path,
+                                             std::size_t most = std::numeric_limits<std::size_t>::max());
 /// Writes beside the target and renames: the name never holds half a file.
 [[nodiscard]] Result<> write_bytes(const std::filesystem::path& path, const std::string& bytes);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -39,12 +40,12 @@ Result<FileKind> kind_of_file(const std::filesystem::path& path) {
   return fail(Errc::kBadFormat, path.string() + " is neither JPEG, PNG nor TIFF");
 }
 
-Result<std::string> read_bytes(const std::filesystem::path& path) {
+Result<std::string> read_bytes(const std::filesystem::path& path, std::size_t most) {
   COLLINEA_TRY(const File file, opened(path));
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   if (error) return fail(Errc::kNotFound, path.string() + ": " + error.message());
-  std::string bytes(size, '\0');
+  std::string bytes(std::min<std::uintmax_t>(size, most), '\0');
   bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
   if (std::ferror(file.get()))
     return fail(Errc::kBadFormat, path.string() + " cannot be read: " + std::strerror(errno));

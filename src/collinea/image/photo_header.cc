@@ -243,8 +243,13 @@ void read_tags(const std::filesystem::path& path, PhotoHeader& header) {
 Result<Size> size_of(const std::filesystem::path& path) {
   COLLINEA_TRY(const FileKind kind, kind_of_file(path));
   if (kind == FileKind::kTiff) return tiff_size(path);
+  const auto size = kind == FileKind::kJpeg ? jpeg_size : png_size;
+  // The size stands at the start, in a JPEG behind EXIF, XMP and a thumbnail.
+  constexpr std::size_t kStart_bytes = 1 << 18;
+  COLLINEA_TRY(const std::string start, read_bytes(path, kStart_bytes));
+  if (auto found = size(start); found || start.size() < kStart_bytes) return found;
   COLLINEA_TRY(const std::string bytes, read_bytes(path));
-  return kind == FileKind::kJpeg ? jpeg_size(bytes) : png_size(bytes);
+  return size(bytes);
 }
 
 }  // namespace

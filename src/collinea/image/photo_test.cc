@@ -268,6 +268,41 @@ TEST(Photo, AnAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
   EXPECT_TRUE(check_size(10000, 8000, 20'000'000));
 }
 
+// A TIFF of 64 x 64 pixels whose only tile or strip is said to be this large.
+std::string small_tiff_with_large_blocks(bool tiled, std::uint32_t width, std::uint32_t height) {
+  struct Tag {
+    std::uint16_t tag;
+    std::uint32_t value;
+  };
+  std::vector<Tag> tags = {{256, tiled ? 64 : width}, {257, tiled ? 64 : height}, {258, 8}, {259, 1}, {262, 1}};
+  if (tiled)
+    tags.insert(tags.end(), {{322, width}, {323, height}, {324, 8}, {325, width * height}});
+  else
+    tags.insert(tags.end(), {{273, 8}, {277, 1}, {278, height}, {279, width * height}});
+  std::string bytes("II*\0\x08\0\0\0", 8);
+  const auto put = [&](std::uint32_t value, int size) {
+    for (int i = 0; i < size; ++i) bytes += char(value >> (8 * i));
+  };
+  put(std::uint32_t(tags.size()), 2);
+  for (const Tag& tag : tags) {
+    put(tag.tag, 2);
+    put(4, 2);
+    put(1, 4);
+    put(tag.value, 4);
+  }
+  put(0, 4);
+  return bytes;
+}
+
+TEST(Photo, AnAbsurdTileOfASmallTiffIsRefusedBeforeMemoryIsTaken) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_bytes(folder / "a.tif", small_tiff_with_large_blocks(true, 30000, 30000)));
+  const auto picture = read_grey(folder / "a.tif");
+  ASSERT_FALSE(picture);
+  EXPECT_NE(picture.error().message.find("30000 x 30000 pixels cannot be in"), std::string::npos)
+      << picture.error().message;
+}
+
 PhotoHeader full_header() {
   PhotoHeader header;
   header.maker = "DJI";

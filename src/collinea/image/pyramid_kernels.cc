@@ -69,33 +69,6 @@ void HalveRows(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_
     }
 }
 
-// Multiplication and addition stay two operations: fused ones would give other bits on other machines.
-void WeightedSum(const float* const* rows, const float* weights, int taps, float* out, int count) {
-  const hn::ScalableTag<float> lanes;
-  const int step = int(hn::Lanes(lanes));
-  int x = 0;
-  for (; x + 4 * step <= count; x += 4 * step) {
-    auto s0 = hn::Zero(lanes), s1 = s0, s2 = s0, s3 = s0;
-    for (int i = 0; i < taps; ++i) {
-      const auto weight = hn::Set(lanes, weights[i]);
-      const float* row = rows[i] + x;
-      s0 = hn::Add(s0, hn::Mul(weight, hn::LoadU(lanes, row)));
-      s1 = hn::Add(s1, hn::Mul(weight, hn::LoadU(lanes, row + step)));
-      s2 = hn::Add(s2, hn::Mul(weight, hn::LoadU(lanes, row + 2 * step)));
-      s3 = hn::Add(s3, hn::Mul(weight, hn::LoadU(lanes, row + 3 * step)));
-    }
-    hn::StoreU(s0, lanes, out + x);
-    hn::StoreU(s1, lanes, out + x + step);
-    hn::StoreU(s2, lanes, out + x + 2 * step);
-    hn::StoreU(s3, lanes, out + x + 3 * step);
-  }
-  for (; x < count; ++x) {
-    float sum = 0;
-    for (int i = 0; i < taps; ++i) sum += weights[i] * rows[i][x];
-    out[x] = sum;
-  }
-}
-
 }  // namespace collinea::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -103,14 +76,9 @@ HWY_AFTER_NAMESPACE();
 namespace collinea {
 
 HWY_EXPORT(HalveRows);
-HWY_EXPORT(WeightedSum);
 
 void halve_rows(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_t* out, int count, int channels) {
   HWY_DYNAMIC_DISPATCH(HalveRows)(upper, lower, out, count, channels);
-}
-
-void weighted_sum(const float* const* rows, const float* weights, int taps, float* out, int count) {
-  HWY_DYNAMIC_DISPATCH(WeightedSum)(rows, weights, taps, out, count);
 }
 
 }  // namespace collinea

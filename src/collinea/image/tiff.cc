@@ -55,6 +55,14 @@ void paste(Raster<T>& raster, int left, int top, const T* block, int block_width
   }
 }
 
+// Strips are as wide as the picture and not higher; a tile may be said to be of any size.
+Result<> check_tile(const Layout& it, std::uint64_t file_bytes) {
+  if (!it.tiled) return {};
+  return check_size(it.tile_width, std::uint64_t(it.tile_height) * it.samples, file_bytes).map_error([](Error error) {
+    return std::move(error).within("a tile");
+  });
+}
+
 template <class T>
 bool read_blocks(TIFF* tiff, const Layout& it, Raster<T>& raster) {
   const int width = it.tiled ? int(it.tile_width) : raster.width;
@@ -136,6 +144,7 @@ Result<Samples> read_tiff(const std::filesystem::path& path) {
   const Layout it = layout_of(file.get());
   if (const Result<> verdict = check_size(it.width, it.height, bytes_of(path)); !verdict)
     return tl::unexpected(verdict.error());
+  if (const Result<> verdict = check_tile(it, bytes_of(path)); !verdict) return tl::unexpected(verdict.error());
   if (!it.plain()) return read_converted(file, it);
   Samples samples;
   const int width = int(it.width), height = int(it.height);

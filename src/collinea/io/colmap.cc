@@ -208,14 +208,14 @@ Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folde
 }
 
 Result<Block> read_colmap(const std::filesystem::path& folder) {
-  const bool binary = std::filesystem::exists(folder / "cameras.bin");
+  const bool binary = is_there(folder / "cameras.bin");
   const std::string end = binary ? ".bin" : ".txt";
   Model model;
   COLLINEA_TRY(model.cameras,
                parsed_file(folder / ("cameras" + end), binary ? parse_cameras_binary : parse_cameras_text));
   COLLINEA_TRY(model.images, parsed_file(folder / ("images" + end), binary ? parse_images_binary : parse_images_text));
   const auto points = folder / ("points3D" + end);
-  if (std::filesystem::exists(points)) {
+  if (is_there(points)) {
     COLLINEA_TRY(model.points, parsed_file(points, binary ? parse_points_binary : parse_points_text));
   }
   return block_of(model).map_error([&](Error e) { return std::move(e).within(folder.string()); });

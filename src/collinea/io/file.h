@@ -16,6 +16,12 @@ namespace collinea {
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
                                             std::uint64_t limit_bytes = std::uint64_t{1} << 32);
 
+/// Whether there is a file or folder of this name; what cannot be looked at counts as not there.
+[[nodiscard]] bool is_there(const std::filesystem::path& path);
+
+/// Removes a file, if it is there. Errors: it stays.
+Result<> remove_file(const std::filesystem::path& path);
+
 /// A file being written under a temporary name beside its place; it takes its own name by finish(), and is removed when
 /// that never comes. Write errors are remembered and told by finish().
 class OutputFile {

@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/io/file.h"
 #include "collinea/io/text.h"
 
@@ -43,11 +43,7 @@ std::optional<ExteriorOrientation> row_of(const std::vector<std::string_view>& w
 }  // namespace
 
 Result<std::vector<ExteriorOrientation>> exterior_orientations(const Block& block) {
-  std::optional<LocalFrame> frame;
-  if (const auto& g = block.georeference) {
-    COLLINEA_TRY(frame,
-                 LocalFrame::create(g->crs, g->origin_latitude_deg, g->origin_longitude_deg, g->origin_height_m));
-  }
+  COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(block));
   std::vector<ExteriorOrientation> rows;
   for (const auto& [id, cam_from_world] : block.cam_from_world) {
     const Eigen::Vector3d centre = centre_of(cam_from_world);
@@ -86,11 +82,7 @@ Result<std::vector<ExteriorOrientation>> read_opk(const std::filesystem::path& p
 }
 
 Result<std::map<ImageId, Rigid3>> poses_of(const std::vector<ExteriorOrientation>& rows, const Block& block) {
-  std::optional<LocalFrame> frame;
-  if (const auto& g = block.georeference) {
-    COLLINEA_TRY(frame,
-                 LocalFrame::create(g->crs, g->origin_latitude_deg, g->origin_longitude_deg, g->origin_height_m));
-  }
+  COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(block));
   std::map<std::string, const ExteriorOrientation*> by_file;
   for (const ExteriorOrientation& row : rows) by_file[row.file] = &row;
   std::map<ImageId, Rigid3> poses;

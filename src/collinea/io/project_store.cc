@@ -177,8 +177,7 @@ Result<ProjectStore> ProjectStore::open(const std::filesystem::path& project) {
 
 Result<ProjectStore> ProjectStore::open_to_read(const std::filesystem::path& project) {
   const std::filesystem::path file = project / "block.db";
-  if (!std::filesystem::exists(file))
-    return fail(Errc::kNotFound, project.string() + " is not a project: no block.db in it");
+  if (!is_there(file)) return fail(Errc::kNotFound, project.string() + " is not a project: no block.db in it");
   const bool writable = ::access(project.c_str(), W_OK) == 0 && ::access(file.c_str(), W_OK) == 0;
   return writable ? open(project) : open_read_only(project);
 }
@@ -248,6 +247,32 @@ Result<> ProjectStore::erase_features(ImageId image) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(auto erase, db.prepare("DELETE FROM features WHERE image = ?"));
     return erase.bind(image.value).run();
+  });
+}
+
+Result<std::size_t> ProjectStore::count_features(ImageId image) const {
+  return state_->read([&](Database& db) -> Result<std::size_t> {
+    COLLINEA_TRY(auto select, db.prepare("SELECT length(keypoints) FROM features WHERE image = ?"));
+    COLLINEA_TRY(const bool found, select.bind(image.value).next());
+    if (!found) return fail(Errc::kNotFound, "no features of image " + std::to_string(image.value));
+    if (select.integer(0) % 20 != 0) return damaged("keypoints of an image");
+    return std::size_t(select.integer(0)) / 20;
+  });
+}
+
+Result<> ProjectStore::renumber_features(const std::map<ImageId, ImageId>& new_from_old) {
+  return state_->write([&](Database& db) -> Result<> {
+    COLLINEA_TRY(auto set_aside, db.prepare("UPDATE features SET image = ? WHERE image = ?"));
+    COLLINEA_TRY(auto erase, db.prepare("DELETE FROM features WHERE image = ?"));
+    // Negative numbers on the way: the new one of one image may be the old one of another.
+    const auto aside = [](ImageId id) { return -1 - std::int64_t{id.value}; };
+    for (const auto& [from, to] : new_from_old)
+      if (auto moved = set_aside.bind(aside(to)).bind(from.value).run(); !moved) return moved;
+    for (const auto& [from, to] : new_from_old) {
+      if (auto erased = erase.bind(to.value).run(); !erased) return erased;
+      if (auto moved = set_aside.bind(to.value).bind(aside(to)).run(); !moved) return moved;
+    }
+    return {};
   });
 }
 

@@ -49,12 +49,19 @@ class ProjectStore {
   /// As read_block, but as it was set up: no poses, no points, cameras and control observations before adjustment.
   Result<Block> read_setup() const;
 
+  /// A fingerprint of all that write_setup wrote.
+  Result<std::uint64_t> setup_hash() const;
+
   Result<> write_features(ImageId image, const Features& features, const std::string& inputs_hash);
   Result<Features> read_features(ImageId image) const;
   Result<std::vector<Keypoint>> read_keypoints(ImageId image) const;
   /// The inputs_hash stored with the features of each image that has some.
   Result<std::map<ImageId, std::string>> features_done() const;
   Result<> erase_features(ImageId image);
+  Result<std::size_t> count_features(ImageId image) const;
+  /// Gives features to other images, as when the images were numbered anew. Those that an image had that now gets
+  /// others are erased; all others stay.
+  Result<> renumber_features(const std::map<ImageId, ImageId>& new_from_old);
 
   /// Also pairs that failed are written (geometry kNone, no matches), so that they are not tried again.
   Result<> write_pairs(const std::vector<ImagePair>& pairs, const std::string& inputs_hash);

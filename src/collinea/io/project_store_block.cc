@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "collinea/base/hash.h"
 #include "collinea/io/packed.h"
 #include "collinea/io/project_store.h"
 #include "collinea/io/project_store_state.h"
@@ -363,6 +364,23 @@ Result<Block> read_consistently(Database& db, bool with_orientation) {
 }
 
 }  // namespace
+
+Result<std::uint64_t> ProjectStore::setup_hash() const {
+  return state_->read([](Database& db) -> Result<std::uint64_t> {
+    Hash hash;
+    for (const char* table : {"georeference", "cameras", "images", "control", "control_observations"}) {
+      hash.add(std::string_view(table));
+      COLLINEA_TRY(auto select, db.prepare(std::string("SELECT * FROM ") + table + " ORDER BY 1"));
+      while (true) {
+        COLLINEA_TRY(const bool row, select.next());
+        if (!row) break;
+        for (int column = 0; column < select.columns(); ++column)
+          hash.add(std::uint64_t{select.is_null(column)}).add(select.blob(column));
+      }
+    }
+    return hash.value();
+  });
+}
 
 Result<> ProjectStore::write_setup(const Block& block) {
   return state_->write([&](Database& db) -> Result<> {

@@ -264,6 +264,41 @@ TEST_F(ProjectStoreTest, FeaturesComeBackBitByBit) {
   EXPECT_EQ(gone.error().code, Errc::kNotFound);
 }
 
+TEST_F(ProjectStoreTest, FeaturesFollowTheirImagesToNewNumbers) {
+  ProjectStore store = open();
+  for (const std::uint32_t id : {0u, 1u, 2u, 5u})
+    ASSERT_TRUE(store.write_features({id}, {std::vector<Keypoint>(id), std::vector<Descriptor>(id)},
+                                     "of " + std::to_string(id)));
+  EXPECT_EQ(store.count_features({5}), 5u);
+  EXPECT_FALSE(store.count_features({3}));
+  ASSERT_TRUE(store.renumber_features({{{0}, {1}}, {{1}, {2}}, {{5}, {3}}, {{7}, {8}}}));
+  EXPECT_EQ(*store.features_done(), (std::map<ImageId, std::string>{{{1}, "of 0"}, {{2}, "of 1"}, {{3}, "of 5"}}));
+  EXPECT_EQ(store.count_features({3}), 5u);
+  ASSERT_TRUE(store.renumber_features({{{1}, {2}}, {{2}, {1}}}));
+  EXPECT_EQ(*store.features_done(), (std::map<ImageId, std::string>{{{1}, "of 1"}, {{2}, "of 0"}, {{3}, "of 5"}}));
+}
+
+TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
+  ProjectStore store = open();
+  const auto hash_of = [&](const Block& block) {
+    EXPECT_TRUE(store.write_setup(block));
+    return store.setup_hash().value();
+  };
+  const Block setup = setup_block();
+  const std::uint64_t first = hash_of(setup);
+  std::vector<Block> changed(6, setup);
+  changed[0].georeference->origin_height_m += 1e-9;
+  changed[1].cameras.begin()->second.sigma_f_px += 1e-9;
+  changed[2].images.begin()->second.position->sigma_m.z() *= 2;
+  changed[3].control.begin()->second.sigma_m.x() *= 2;
+  changed[4].control.begin()->second.role = ControlRole::kCheck;
+  changed[5].control_observations.front().sigma_px *= 2;
+  for (const Block& other : changed) EXPECT_NE(hash_of(other), first);
+  EXPECT_EQ(hash_of(setup), first);
+  ASSERT_TRUE(store.write_orientation(oriented_block(3)));
+  EXPECT_EQ(store.setup_hash(), first);
+}
+
 TEST_F(ProjectStoreTest, PairsComeBackSortedAndCanBeErasedByInputs) {
   ImagePair good = failed_pair({1}, {4});
   good.geometry = PairGeometry::kPlanar;

@@ -28,11 +28,12 @@ class Statement {
   Result<> run();       ///< for statements without rows; ready for new parameters afterwards
   Result<bool> next();  ///< true: there is a row to read columns from
 
+  [[nodiscard]] int columns() const;
   [[nodiscard]] bool is_null(int column) const;
   [[nodiscard]] std::int64_t integer(int column) const;
   [[nodiscard]] double real(int column) const;
   [[nodiscard]] std::string text(int column) const;
-  [[nodiscard]] std::string_view blob(int column) const;  ///< until the next step
+  [[nodiscard]] std::string_view blob(int column) const;  ///< until the next step; numbers and texts as text
 
  private:
   friend class Database;

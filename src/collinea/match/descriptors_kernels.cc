@@ -239,6 +239,14 @@ void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const s
     distances[i] = sum;
   }
 }
+
+void dot_products(const std::int8_t* one, const std::int8_t* all, std::size_t length, std::size_t count,
+                  std::int32_t* products) {
+  for (std::size_t k = 0; k < count; ++k) {
+    products[k] = 0;
+    for (std::size_t i = 0; i < length; ++i) products[k] += std::int32_t{one[i]} * all[k * length + i];
+  }
+}
 #else
 void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const std::uint32_t* which, std::size_t count,
                        std::int32_t* distances) {
@@ -259,6 +267,31 @@ void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const s
     distances[i] = hn::GetLane(hn::SumOfLanes(kInts, hn::Add(even, odd)));
   }
 }
+
+// Several at once: each part of `one` is widened for all of them.
+void dot_products(const std::int8_t* one, const std::int8_t* all, std::size_t length, std::size_t count,
+                  std::int32_t* products) {
+  const hn::Repartition<std::int16_t, D> shorts;
+  const hn::Rebind<std::int8_t, decltype(shorts)> bytes;
+  for (std::size_t k = 0; k < count; k += kRows) {
+    const std::int8_t* others[kRows];
+    V even[kRows], odd[kRows];
+    COLLINEA_UNROLL
+    for (std::size_t r = 0; r < kRows; ++r) {
+      others[r] = all + HWY_MIN(k + r, count - 1) * length;
+      even[r] = odd[r] = hn::Zero(kInts);
+    }
+    for (std::size_t i = 0; i < length; i += 2 * kLanes) {
+      const auto part = hn::PromoteTo(shorts, hn::LoadU(bytes, one + i));
+      COLLINEA_UNROLL
+      for (std::size_t r = 0; r < kRows; ++r)
+        even[r] = hn::ReorderWidenMulAccumulate(kInts, part, hn::PromoteTo(shorts, hn::LoadU(bytes, others[r] + i)),
+                                                even[r], odd[r]);
+    }
+    for (std::size_t r = 0; r < HWY_MIN(kRows, count - k); ++r)
+      products[k + r] = hn::GetLane(hn::SumOfLanes(kInts, hn::Add(even[r], odd[r])));
+  }
+}
 #endif
 
 }  // namespace collinea::HWY_NAMESPACE
@@ -268,6 +301,7 @@ HWY_AFTER_NAMESPACE();
 namespace collinea {
 HWY_EXPORT(nearest_two);
 HWY_EXPORT(squared_distances);
+HWY_EXPORT(dot_products);
 
 void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
                  NearestTwo* of_a, NearestTwo* of_b) {
@@ -282,6 +316,11 @@ void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t*
 void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const std::uint32_t* which, std::size_t count,
                        std::int32_t* distances) {
   HWY_DYNAMIC_DISPATCH(squared_distances)(one, all, which, count, distances);
+}
+
+void dot_products(const std::int8_t* one, const std::int8_t* all, std::size_t length, std::size_t count,
+                  std::int32_t* products) {
+  HWY_DYNAMIC_DISPATCH(dot_products)(one, all, length, count, products);
 }
 }  // namespace collinea
 #endif

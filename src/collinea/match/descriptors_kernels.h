@@ -29,4 +29,9 @@ void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t*
 void squared_distances(const std::uint8_t* one, const std::uint8_t* all, const std::uint32_t* which, std::size_t count,
                        std::int32_t* distances);
 
+/// products[k] = one . (all + k length), for k in [0, count): dot products of vectors of signed bytes, one after the
+/// other in `all`. length is a multiple of 128, at most 2^17. Exact for bytes of -127 to 127.
+void dot_products(const std::int8_t* one, const std::int8_t* all, std::size_t length, std::size_t count,
+                  std::int32_t* products);
+
 }  // namespace collinea

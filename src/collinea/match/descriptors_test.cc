@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <hwy/targets.h>
+#include <numeric>
 
 #include "collinea/base/random.h"
 #include "collinea/match/descriptors_kernels.h"
@@ -108,6 +109,26 @@ TEST_P(EveryTarget, SquaredDistancesAgreeWithTheDefinition) {
     std::vector<std::int32_t> distances(which.size());
     squared_distances(some[i].data(), some.front().data(), which.data(), which.size(), distances.data());
     for (std::size_t k = 0; k < which.size(); ++k) EXPECT_EQ(distances[k], squared_distance(some[i], some[which[k]]));
+  }
+}
+
+TEST_P(EveryTarget, DotProductsAgreeWithTheDefinition) {
+  Random random(6);
+  constexpr std::size_t kLength = 384, kCount = 7;
+  std::vector<std::int8_t> one(kLength), all(kCount * kLength);
+  for (auto* bytes : {&one, &all})
+    for (std::int8_t& byte : *bytes) byte = static_cast<std::int8_t>(int(random.below(255)) - 127);
+  std::fill_n(all.begin(), kLength, std::int8_t{-127});
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t count = 0; count <= kCount; ++count) {
+      std::vector<std::int32_t> products(count + 1, 77);
+      dot_products(one.data(), all.data(), kLength, count, products.data());
+      for (std::size_t k = 0; k < count; ++k)
+        EXPECT_EQ(products[k],
+                  std::inner_product(one.begin(), one.end(), all.begin() + std::ptrdiff_t(k * kLength), 0));
+      EXPECT_EQ(products[count], 77);
+    }
+    one.assign(kLength, std::int8_t{-127});
   }
 }
 

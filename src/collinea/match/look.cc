@@ -32,7 +32,7 @@ Result<std::map<ImageId, Glance>> glances(std::span<const ImageId> images,
   for (const ImageId image : images) {
     if (run.stopped()) return cancelled();
     COLLINEA_TRY(const Features features, features_of(image));
-    all[image] = glance_of(features, options.features);
+    all[image] = glance_of(features, options.look_features);
   }
   return all;
 }

@@ -28,8 +28,8 @@ struct PairOptions {
   int neighbours = 24;
   int sequence_overlap = 6;
   std::optional<double> height_above_ground_m;
-  int features = 512;
-  int min_matches = 5;
+  int look_features = 512;
+  int look_min_matches = 5;
   bool closure = true;
 
   template <class Visit>
@@ -53,9 +53,9 @@ struct PairOptions {
                 "images before and after in the order of taking that each image is compared with", 0, 1000});
     visit(Field{"height_above_ground_m", &O::height_above_ground_m, "m",
                 "flying height, for the place that a tilted camera looks at; by default that above take-off", 0.0});
-    visit(
-        Field{"features", &O::features, "1", "features of each image, the largest, that a first look uses", 16, 8192});
-    visit(Field{"min_matches", &O::min_matches, "1", "fewest matches of a partner in a first look", 1, 8192});
+    visit(Field{"look_features", &O::look_features, "1", "features of each image, the largest, that a first look uses",
+                16, 8192});
+    visit(Field{"look_min_matches", &O::look_min_matches, "1", "fewest matches of a partner in a first look", 1, 8192});
     visit(Field{"closure", &O::closure, "",
                 "verify the pairs that follow from tie points too, without a search of their own"});
   }

@@ -32,7 +32,7 @@ ImageId other_of(const LookedPair& pair, ImageId image) {
 std::vector<ImageIdPair> as_list(const std::set<ImageIdPair>& pairs) { return {pairs.begin(), pairs.end()}; }
 
 bool promises(const LookedPair& pair, const PairOptions& options) {
-  return pair.matches.size() >= static_cast<std::size_t>(std::max(1, options.min_matches));
+  return pair.matches.size() >= static_cast<std::size_t>(std::max(1, options.look_min_matches));
 }
 
 double linked_part(const LookedPair& pair, const TrackIndex& index) {

@@ -34,7 +34,7 @@ struct Library {
   }
   static std::map<ImageId, Glance> seen(int count) {
     PairOptions options;
-    options.features = count;
+    options.look_features = count;
     return glances(images(), features, options, {}).value();
   }
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "collinea/base/parallel.h"
 #include "collinea/base/random.h"
@@ -19,7 +20,7 @@ constexpr int kRounds = 10;             // of k-means: the words hardly move aft
 constexpr double kFullScale = 16;       // bytes a standard deviation of a component: the range is eight of them
 
 using Words = std::vector<Descriptor>;
-using Signature = std::vector<std::int8_t>;
+using Signature = std::span<std::int8_t>;  // kLength, zeros at first
 
 std::vector<Descriptor> sample_of(const std::map<ImageId, Glance>& glances, std::uint64_t seed) {
   std::size_t total = 0;
@@ -63,9 +64,8 @@ Words words_of(const std::vector<Descriptor>& sample, std::uint64_t seed) {
 }
 
 // Every word's part of the vector, of unit length, in bytes. One component of 128 has a standard deviation of 1/11.
-Signature signature_of(const Glance& glance, const Words& words) {
-  Signature signature(kLength, 0);
-  if (glance.descriptors.empty()) return signature;
+void write_signature(const Glance& glance, const Words& words, Signature signature) {
+  if (glance.descriptors.empty()) return;
   std::vector<std::array<int, sizeof(Descriptor)>> residuals(kWords);
   const std::vector<std::uint32_t> nearest = nearest_words(glance.descriptors, words);
   for (std::size_t i = 0; i < nearest.size(); ++i)
@@ -79,13 +79,6 @@ Signature signature_of(const Glance& glance, const Words& words) {
       signature[word * sizeof(Descriptor) + k] =
           static_cast<std::int8_t>(std::clamp(std::lround(residuals[word][k] * scale), -127l, 127l));
   }
-  return signature;
-}
-
-int similarity(const Signature& a, const Signature& b) {
-  int sum = 0;
-  for (std::size_t i = 0; i < kLength; ++i) sum += int(a[i]) * int(b[i]);
-  return sum;
 }
 
 }  // namespace
@@ -96,21 +89,22 @@ Result<std::vector<ImageIdPair>> similar_pairs(const std::map<ImageId, Glance>& 
   for (const auto& [id, glance] : glances) images.push_back(id);
   const std::size_t count =
       std::min(static_cast<std::size_t>(options.candidates), images.empty() ? 0 : images.size() - 1);
-  std::vector<Signature> signatures(images.size());
+  std::vector<std::int8_t> signatures(images.size() * kLength);
   const std::vector<Descriptor> sample = sample_of(glances, run.seed);
   if (!sample.empty() && count + 1 < images.size()) {
     const Words words = words_of(sample, run.seed);
-    parallel_for(run, images.size(),
-                 [&](std::size_t i) { signatures[i] = signature_of(glances.at(images[i]), words); });
+    parallel_for(run, images.size(), [&](std::size_t i) {
+      write_signature(glances.at(images[i]), words, std::span(signatures).subspan(i * kLength, kLength));
+    });
   }
 
   std::vector<std::vector<ImageIdPair>> found(images.size());
   parallel_for(run, images.size(), [&](std::size_t i) {
+    std::vector<std::int32_t> similarities(images.size());
+    dot_products(&signatures[i * kLength], signatures.data(), kLength, images.size(), similarities.data());
     std::vector<std::pair<int, std::size_t>> others;  // the most similar first
     for (std::size_t j = 0; j < images.size(); ++j)
-      if (j != i)
-        others.emplace_back(
-            signatures[i].empty() || signatures[j].empty() ? 0 : -similarity(signatures[i], signatures[j]), j);
+      if (j != i) others.emplace_back(-similarities[j], j);
     std::ranges::partial_sort(others, others.begin() + static_cast<std::ptrdiff_t>(count));
     for (std::size_t k = 0; k < count; ++k) found[i].emplace_back(std::minmax(images[i], images[others[k].second]));
   });

@@ -41,21 +41,23 @@ class DisjointSets {
   std::vector<Node> parent_;
 };
 
+using Pairs = std::span<const ImagePair* const>;
+
 // The matched features of all images, numbered in the order of image and feature.
 class Numbering {
  public:
-  explicit Numbering(std::span<const ImagePair> pairs) {
-    for (const ImagePair& pair : pairs) {
-      std::uint32_t &first = nodes_[pair.first].count, &second = nodes_[pair.second].count;
-      for (const auto& [i, j] : pair.matches) {
+  explicit Numbering(Pairs pairs) {
+    for (const ImagePair* pair : pairs) {
+      std::uint32_t &first = nodes_[pair->first].count, &second = nodes_[pair->second].count;
+      for (const auto& [i, j] : pair->matches) {
         first = std::max(first, i + 1);
         second = std::max(second, j + 1);
       }
     }
     for (auto& [image, table] : nodes_) table.nodes.assign(table.count, kUnused);
-    for (const ImagePair& pair : pairs) {
-      std::vector<Node>&first = nodes_.at(pair.first).nodes, &second = nodes_.at(pair.second).nodes;
-      for (const auto& [i, j] : pair.matches) first[i] = second[j] = 0;
+    for (const ImagePair* pair : pairs) {
+      std::vector<Node>&first = nodes_.at(pair->first).nodes, &second = nodes_.at(pair->second).nodes;
+      for (const auto& [i, j] : pair->matches) first[i] = second[j] = 0;
     }
     for (auto& [image, table] : nodes_)
       for (std::uint32_t i = 0; i < table.count; ++i)
@@ -77,14 +79,14 @@ class Numbering {
   std::vector<Feature> features_;
 };
 
-Graph graph_of(std::span<const ImagePair> pairs) {
+Graph graph_of(Pairs pairs) {
   Graph graph;
   Numbering numbering(pairs);
-  for (const ImagePair& pair : pairs) {
-    COLLINEA_CHECK(pair.first != pair.second);
-    if (pair.matches.empty()) continue;
-    const std::vector<Node>&first = numbering.of(pair.first), &second = numbering.of(pair.second);
-    for (const auto& [i, j] : pair.matches)
+  for (const ImagePair* pair : pairs) {
+    COLLINEA_CHECK(pair->first != pair->second);
+    if (pair->matches.empty()) continue;
+    const std::vector<Node>&first = numbering.of(pair->first), &second = numbering.of(pair->second);
+    for (const auto& [i, j] : pair->matches)
       graph.links.push_back({std::min(first[i], second[j]), std::max(first[i], second[j])});
   }
   std::ranges::sort(graph.links);
@@ -131,11 +133,13 @@ bool has_two_of_one_image(std::span<const Node> sorted_nodes, const std::vector<
          }) != sorted_nodes.end();
 }
 
+std::size_t place_among(std::span<const Node> sorted_nodes, Node node) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(sorted_nodes, node) - sorted_nodes.begin());
+}
+
 // How many third nodes are linked with both ends of each link.
 std::vector<std::uint32_t> confirmations(std::span<const Node> nodes, std::span<const Link> links) {
-  const auto local = [&](Node node) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
-  };
+  const auto local = [&](Node node) { return place_among(nodes, node); };
   std::vector<std::vector<Node>> neighbours(nodes.size());
   for (const Link& link : links) {
     neighbours[local(link.a)].push_back(link.b);
@@ -178,9 +182,7 @@ std::vector<std::vector<Node>> parts_of(std::span<const Node> nodes, std::span<c
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t i) { return confirmed[i]; });
 
-  const auto local = [&](Node node) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
-  };
+  const auto local = [&](Node node) { return place_among(nodes, node); };
   std::vector<std::vector<Node>> parts(nodes.size());
   std::vector<std::size_t> part_of(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -203,6 +205,13 @@ std::vector<std::vector<Node>> parts_of(std::span<const Node> nodes, std::span<c
 }  // namespace
 
 std::vector<Track> merge_tracks(std::span<const ImagePair> pairs) {
+  std::vector<const ImagePair*> all;
+  all.reserve(pairs.size());
+  for (const ImagePair& pair : pairs) all.push_back(&pair);
+  return merge_tracks(all);
+}
+
+std::vector<Track> merge_tracks(std::span<const ImagePair* const> pairs) {
   const Graph graph = graph_of(pairs);
   const Groups groups = groups_of(graph);
   std::vector<Track> tracks;

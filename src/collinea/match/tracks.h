@@ -24,5 +24,7 @@ struct Track {
 /// between two good tracks parts them again. Sorted by their features; the result does not depend on the order of the
 /// pairs or of their matches.
 [[nodiscard]] std::vector<Track> merge_tracks(std::span<const ImagePair> pairs);
+/// The same for pairs that lie elsewhere.
+[[nodiscard]] std::vector<Track> merge_tracks(std::span<const ImagePair* const> pairs);
 
 }  // namespace collinea

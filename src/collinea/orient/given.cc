@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/orient/given.h"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "collinea/adjust/intersect.h"
+#include "collinea/base/median.h"
 
 namespace collinea {
 namespace {
@@ -26,11 +26,7 @@ std::optional<double> in_sigmas(const Eigen::Vector3d& difference_m, const Eigen
   return std::sqrt(squares / count);
 }
 
-bool most_agree(std::vector<double> differences) {
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return *middle < kAgrees;
-}
+bool most_agree(std::vector<double> differences) { return median(differences) < kAgrees; }
 
 }  // namespace
 

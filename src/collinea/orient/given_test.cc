@@ -75,6 +75,27 @@ TEST(OrientAsGiven, AnArbitraryFrameIsBroughtToTheMapAndOneThatIsTheMapStays) {
   EXPECT_LT(centre_rms_m(moved_home->block, input.truth, true), 1e-9);
 }
 
+// Control that the model was fitted to cannot verify it.
+TEST(OrientAsGiven, ControlThatFixedTheFrameCountsAsUsedAndOnlyCheckPointsAreIndependent) {
+  Matched input =
+      matched(test_block({.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .control = 9, .seed = 3}));
+  input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  GivenOrientation given = truth_of(input);
+  const auto used_in = [&] {
+    const auto found = take(input, given);
+    EXPECT_TRUE(found) << found.error().message;
+    std::set<ControlId> used;
+    for (const ControlDifference& control : found->adjusted.control)
+      if (control.used) used.insert(control.point);
+    return used;
+  };
+  EXPECT_TRUE(used_in().empty());  // it lies in the map already
+  for (auto& [image, pose] : given.cam_from_world) pose = moved(pose, {0.1, rotation_by({1, 2, -0.4}), {5, 6, 7}});
+  const std::set<ControlId> used = used_in();
+  EXPECT_GE(used.size(), 5u);  // of six; one that lies at the edge of what errors make may be left out
+  for (const ControlId id : used) EXPECT_EQ(input.setup.control.at(id).role, ControlRole::kControl);
+}
+
 TEST(OrientAsGiven, WithoutCamerasTheseAreCalibratedOnThePosesThatStay) {
   const Matched input = small();
   GivenOrientation given = truth_of(input);
@@ -105,6 +126,32 @@ TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_FALSE(found->findings.empty());
   EXPECT_NE(found->findings.front().find("measurements of tie points fit the poses of elsewhere"), std::string::npos);
+}
+
+// One pose of eight is turned by a quarter of a right angle: nothing its image shows fits there.
+TEST(OrientAsGiven, AnImageWhosePoseNothingFitsIsNotOriented) {
+  Matched input =
+      matched(test_block({.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .control = 9, .seed = 3}));
+  input.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  GivenOrientation given = truth_of(input);
+  const ImageId wrong{12};
+  Rigid3& pose = given.cam_from_world.at(wrong);
+  pose.rotation = rotation_by({0.4, 0, 0}) * pose.rotation;
+  pose.translation = rotation_by({0.4, 0, 0}) * pose.translation;
+  const auto refined = take(input, given, true);
+  ASSERT_TRUE(refined) << refined.error().message;
+  EXPECT_EQ(refined->alone, std::vector{wrong});
+  EXPECT_EQ(refined->block.cam_from_world.size(), 7u);
+  EXPECT_TRUE(refined->adjusted.images_left_out.empty());
+  EXPECT_TRUE(refined->excluded_control.empty());
+  ASSERT_EQ(refined->findings.size(), 1u) << refined->findings.back();
+  EXPECT_NE(refined->findings[0].find("1 image could not be oriented, the first: IMG_2.jpg"), std::string::npos);
+  const auto held = take(input, given);
+  ASSERT_TRUE(held) << held.error().message;
+  EXPECT_EQ(held->block.cam_from_world.size(), 8u);
+  EXPECT_TRUE(std::any_of(held->findings.begin(), held->findings.end(), [](const std::string& finding) {
+    return finding.find("fit the pose of 1 image, the first: IMG_2.jpg") != std::string::npos;
+  }));
 }
 
 TEST(OrientAsGiven, RefiningAStripLeavesItsTiltToTheAttitudes) {

@@ -179,6 +179,17 @@ TEST(OrientGlobally, DoesNotDependOnThreads) {
   ASSERT_EQ(found[0].observations.size(), found[1].observations.size());
 }
 
+TEST(OrientGlobally, RefusesToBeginFromPositionsThatAreNotToBeUsed) {
+  testing::Matched matched = testing::matched(survey());
+  matched.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  OrientOptions options;
+  options.mode = "global";
+  options.use_positions = false;
+  const auto done = orient(matched.setup, matched.pairs, matched.source(), options, kRun);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::kBadInput);
+}
+
 TEST(OrientGlobally, SaysWhenPositionsDoNotFixTheBlock) {
   const testing::Matched matched = testing::matched(testing::test_block({.points = 600}));  // none
   OrientOptions options;

@@ -25,11 +25,14 @@ double worth_as_start(const ImagePair& pair) {
   return planar * parallax * std::sqrt(static_cast<double>(std::min<std::size_t>(pair.matches.size(), 2000)));
 }
 
+bool is_start(const ImagePair& pair, const std::set<ImageId>& exclude) {
+  return worth_as_start(pair) > 0 && !exclude.contains(pair.first) && !exclude.contains(pair.second);
+}
+
 std::vector<const ImagePair*> initial_pairs(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude) {
   std::vector<const ImagePair*> sorted;
   for (const ImagePair& pair : pairs)
-    if (worth_as_start(pair) > 0 && !exclude.contains(pair.first) && !exclude.contains(pair.second))
-      sorted.push_back(&pair);
+    if (is_start(pair, exclude)) sorted.push_back(&pair);
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const ImagePair* a, const ImagePair* b) { return worth_as_start(*a) > worth_as_start(*b); });
   if (sorted.size() > kInitialPairsTried) sorted.resize(kInitialPairsTried);
@@ -109,8 +112,9 @@ class Grower {
       if (failed != failures_.end() &&
           (failed->second.times >= kMaxFailures || failed->second.block_size == block_.poses().size()))
         continue;
-      const auto coverage = block_.coverage(image);
-      if (coverage.points >= options_.min_points) candidates.push_back({coverage.score, image});
+      const auto [coverage, unknown] = coverage_.try_emplace(image);
+      if (unknown) coverage->second = block_.coverage(image);
+      if (coverage->second.points >= options_.min_points) candidates.push_back({coverage->second.score, image});
     }
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -118,6 +122,7 @@ class Grower {
       if (run_.stopped()) return false;
       if (block_.orient_image(image, run_.seed)) {
         block_.extend(image);
+        for (const ImageId beside : block_.images_beside(image)) coverage_.erase(beside);
         if (!block_.adjust_around(image, local_options(), run_)) {
           block_.drop_image(image);
         } else {
@@ -140,6 +145,7 @@ class Grower {
       block_.filter(options_.max_error_px, run_);
       block_.extend_all(run_);
     }
+    coverage_.clear();
     images_at_global_ = static_cast<double>(block_.poses().size());
     return {};
   }
@@ -156,6 +162,7 @@ class Grower {
   const OrientOptions& options_;
   const Run& run_;
   std::map<ImageId, Failure> failures_;
+  std::map<ImageId, Reconstruction::Coverage> coverage_;  ///< as far as no point of it has come or gone
   double images_at_global_ = 0;
   bool stuck_ = false;
 };
@@ -165,6 +172,10 @@ class Grower {
 Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs, const std::set<ImageId>& exclude,
               const OrientOptions& options, const Run& run) {
   return Grower(reconstruction, pairs, exclude, options, run).grow();
+}
+
+bool can_start(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude) {
+  return std::any_of(pairs.begin(), pairs.end(), [&](const ImagePair& pair) { return is_start(pair, exclude); });
 }
 
 AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options) {
@@ -187,6 +198,9 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
     COLLINEA_TRY(Adjusted adjusted, reconstruction.adjust_all(adjust, scope, run));
     const int removed = reconstruction.filter(options.max_error_px, run);
     const int added = reconstruction.extend_all(run);
+    reconstruction.drop_loose(options.min_points);
+    if (reconstruction.poses().size() < 2)
+      return fail(Errc::kIllPosed, fmt::format("no two images keep {} tie points that fit", options.min_points));
     const auto shown = learn_noise ? reconstruction.shown_noise() : std::nullopt;
     const double change = shown ? std::abs(shown->sigma_px / reconstruction.noise().sigma_px - 1) : 0;
     const bool settled = removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size());

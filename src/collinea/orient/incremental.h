@@ -18,12 +18,16 @@ inline constexpr double kSettledDamping = 1e-8;
 [[nodiscard]] Result<> grow(Reconstruction& reconstruction, std::span<const ImagePair> pairs,
                             const std::set<ImageId>& exclude, const OrientOptions& options, const Run& run);
 
+/// Whether a pair of images outside `exclude` is worth a try as the start of a block.
+[[nodiscard]] bool can_start(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude);
+
 /// How a grown block is adjusted: with the noise its tie points have and, from three images on, with all camera
 /// parameters: a parameter that is held counts as exactly known, and f with its sigma pays for what it really is.
 [[nodiscard]] AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options);
 
-/// Global adjustment, rejection of bad rays and intersection of what was left, until little changes. With
-/// `learn_noise` size and shape of the tie points' errors are taken from what they show. Coarse: to 1e-4 of the cost.
+/// Global adjustment, rejection of bad rays and intersection of what was left, until little changes; images that keep
+/// fewer than min_points rays are given up, as resection would not have taken them. With `learn_noise` size and shape
+/// of the tie points' errors are taken from what they show. Coarse: to 1e-4 of the cost. Error: no two images are left.
 [[nodiscard]] Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope,
                                       const OrientOptions& options, bool learn_noise, const Run& run);
 

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <vector>
 
+#include "collinea/base/median.h"
+#include "collinea/block/picture_axes.h"
 #include "collinea/orient/strip_datum.h"
 
 namespace collinea {
@@ -26,16 +28,6 @@ struct Level {
   double sigma_rad;
   std::string by;
 };
-
-// The axes of a picture as it is looked at, in the camera: its right and its lower edge.
-Eigen::Vector3d right_in_cam(int orientation) {
-  return orientation >= 5 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
-}
-Eigen::Vector3d down_in_cam(int orientation) {
-  constexpr double kSigns[] = {1, 1, -1, -1, 1, 1, -1, -1};  // EXIF 1..8
-  const double sign = kSigns[std::clamp(orientation, 1, 8) - 1];
-  return sign * (orientation >= 5 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY());
-}
 
 std::optional<Level> by_attitudes(const Block& block) {
   const auto verticals = verticals_by_attitude(block);
@@ -129,9 +121,8 @@ std::optional<PlanFit> plan_fit(const std::vector<Station>& stations) {
     std::vector<double> distances;
     for (const Station& s : stations)
       distances.push_back(std::abs(s.in_world - fit.world_from_block * s.in_block - fit.place) / s.sigma_m);
-    std::vector<double> sorted = distances;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double shown = std::max(1.0, sorted[sorted.size() / 2] / 1.1774);  // median of a normal 2-vector's length
+    const double shown =
+        std::max(1.0, median(std::vector(distances)) / 1.1774);  // median of a normal 2-vector's length
     double squares = 0, count = 0;
     for (std::size_t i = 0; i < stations.size(); ++i) {
       const bool counts = distances[i] < kOutlier * shown * std::numbers::sqrt2;
@@ -168,9 +159,7 @@ double height_shift_m(const Block& block, const Similarity3& plan, std::size_t& 
   }
   heights = shifts.size();
   if (shifts.empty()) shifts = all;
-  const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
-  std::nth_element(shifts.begin(), middle, shifts.end());
-  return *middle;
+  return median(shifts);
 }
 
 }  // namespace

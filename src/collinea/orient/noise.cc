@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/orient/noise.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "collinea/base/median.h"
 
 namespace collinea {
 namespace {
@@ -40,8 +41,7 @@ std::optional<TieNoise> fit_noise(const std::vector<double>& squared_px2) {
   std::vector<double> q;
   const std::size_t stride = (squared_px2.size() + kMost - 1) / kMost;
   for (std::size_t i = 0; i < squared_px2.size(); i += stride) q.push_back(squared_px2[i]);
-  std::nth_element(q.begin(), q.begin() + static_cast<std::ptrdiff_t>(q.size() / 2), q.end());
-  double scale2 = q[q.size() / 2];
+  double scale2 = median(q);
   if (!(scale2 > 0)) return std::nullopt;
   TieNoise best;
   double best_likelihood = -INFINITY;

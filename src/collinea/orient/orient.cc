@@ -10,7 +10,10 @@
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/adjust/robust_similarity.h"
+#include "collinea/base/median.h"
+#include "collinea/block/picture_axes.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
 #include "collinea/orient/incremental.h"
@@ -21,21 +24,23 @@
 namespace collinea {
 namespace {
 
-constexpr double kLeastSigma0 = 1e-3;   // of exact data
-constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
-constexpr int kControlRounds = 3;
+constexpr double kLeastSigma0 = 1e-3;    // of exact data
+constexpr double kControlMisfit = 2.5;   // of control's own sigma0: what no chance explains
+constexpr double kControlSettled = 1.2;  // a few points do not tell their sigma any better
+constexpr double kControlStep = 5;       // one step does no more: weights must not collapse
+constexpr int kControlRounds = 10;
+constexpr double kLeastRedundancy = 3;
 constexpr double kFewFit = 0.5;         // of the tie points: wrong matches alone are far fewer
 constexpr int kHeldRounds = 2;          // points that fit appear in the first, those they outvoted go in the second
 constexpr double kWeakTurn_rad = 0.03;  // of a block about the line of its positions: attitudes are better
 constexpr double kNoTurn_rad = 0.2;     // not known
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one
+constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one; of two each stands alone
 
 struct Parts {
   Reconstruction largest;
   bool in_world = false;  // it was placed by the positions of its images
   std::vector<std::vector<ImageId>> others;
-  std::vector<ImageId> alone;
 };
 
 std::vector<ImageId> images_of(const Reconstruction& part) {
@@ -48,45 +53,44 @@ bool begins_globally(const Block& setup, const OrientOptions& options) {
   return options.mode == "global" || (options.mode == "auto" && options.use_positions && worth_global(setup));
 }
 
-// Grows parts until no new one with three images comes up; the largest is kept.
+// Grows parts until no two images are left that fit together; the largest is kept.
 Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<const ImagePair> pairs,
                          const OrientOptions& options, const Run& run) {
-  std::vector<Reconstruction> parts;
-  std::set<ImageId> taken;
-  bool placed = false;  // the first part
-  for (;;) {
-    Reconstruction part = empty;
-    if (parts.empty() && begins_globally(setup, options)) {
-      COLLINEA_TRY(placed, place_globally(part, setup, pairs, options, run));
-      if (!placed && options.mode == "global")
-        return fail(Errc::kIllPosed,
-                    "the positions of the images do not fix the block (too few, all on one line, or they contradict "
-                    "the pairs): orient with --mode incremental");
-    }
-    if (auto grown = grow(part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
-    if (part.poses().size() < (parts.empty() ? 2 : kSmallestPart)) break;
-    for (const auto& [image, pose] : part.poses()) taken.insert(image);
-    parts.push_back(std::move(part));
-    if (empty.images_with_tracks().size() < taken.size() + kSmallestPart) break;
+  Parts parts{std::move(empty), false, {}};
+  Reconstruction& largest = parts.largest;
+  if (begins_globally(setup, options)) {
+    COLLINEA_TRY(parts.in_world, place_globally(largest, setup, pairs, options, run));
+    if (!parts.in_world && options.mode == "global")
+      return fail(Errc::kIllPosed,
+                  "the positions of the images do not fix the block (too few, all on one line, or they contradict "
+                  "the pairs): orient with --mode incremental");
   }
-  if (parts.empty()) return fail(Errc::kIllPosed, why_nothing(pairs));
-  const auto largest = std::max_element(
-      parts.begin(), parts.end(),
-      [](const Reconstruction& a, const Reconstruction& b) { return a.poses().size() < b.poses().size(); });
-  Parts result{std::move(*largest), placed && largest == parts.begin(), {}, {}};
-  for (const Reconstruction& part : parts)
-    if (&part != &*largest) result.others.push_back(images_of(part));
-  for (const auto& [image, data] : setup.images)
-    if (!taken.contains(image)) result.alone.push_back(image);
-  return result;
+  if (auto grown = grow(largest, pairs, {}, options, run); !grown) return tl::unexpected(grown.error());
+  if (largest.poses().size() < 2) return fail(Errc::kIllPosed, why_nothing(pairs));
+  std::set<ImageId> taken;
+  for (const auto& [image, pose] : largest.poses()) taken.insert(image);
+  std::optional<Reconstruction> part;  // it holds all tracks: there are two at most
+  while (can_start(pairs, taken)) {
+    if (!part) part = largest;
+    part->forget();
+    if (auto grown = grow(*part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
+    if (part->poses().size() < 2) break;
+    for (const auto& [image, pose] : part->poses()) taken.insert(image);
+    if (part->poses().size() > largest.poses().size()) {
+      std::swap(*part, largest);
+      parts.in_world = false;
+    }
+    if (part->poses().size() >= kSmallestPart) parts.others.push_back(images_of(*part));
+  }
+  return parts;
 }
 
 // Without control or positions the gauge is made readable: origin in the middle of the cameras, z opposite to the mean
-// downward direction of the pictures, the unit such that the first base had length one.
-Similarity3 readable_gauge(const Reconstruction& part) {
+// lower edge of the pictures as they are looked at, the unit such that the first base had length one.
+Similarity3 readable_gauge(const Reconstruction& part, const Block& setup) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero(), middle = Eigen::Vector3d::Zero();
   for (const auto& [image, pose] : part.poses()) {
-    up -= pose.rotation.conjugate() * Eigen::Vector3d::UnitY();
+    up -= pose.rotation.conjugate() * down_in_cam(setup.images.at(image).orientation);
     middle += centre_of(pose) / static_cast<double>(part.poses().size());
   }
   Similarity3 gauge;
@@ -101,9 +105,7 @@ double median_pixel_m(const Block& block) {
     const double depth_m = (block.cam_from_world.at(seen.image) * block.points.at(seen.point).position_in_world).z();
     sizes.push_back(depth_m / block.camera_of(seen.image).focal_px());
   }
-  if (sizes.empty()) return 0;
-  std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
-  return sizes[sizes.size() / 2];
+  return sizes.empty() ? 0 : median(sizes);
 }
 
 std::size_t count_positions(const Block& block) {
@@ -122,7 +124,6 @@ class Orienter {
     empty.sleep_surplus();
     COLLINEA_TRY(Parts parts, grow_parts(setup_, std::move(empty), pairs, options_, run_));
     result_.other_parts = std::move(parts.others);
-    result_.alone = std::move(parts.alone);
     Reconstruction& part = parts.largest;
     part.wake_all();
     part.extend_all(run_);
@@ -147,8 +148,6 @@ class Orienter {
           "only {} of {} measurements of tie points fit the poses of {}: these are of other photographs, or "
           "in another convention, or their cameras are wrong",
           rays.active, rays.all, given.source));
-    for (const auto& [image, data] : setup_.images)
-      if (!given.cam_from_world.contains(image)) result_.alone.push_back(image);
     if (options_.refine_orientation) return settle_in_world(part, pairs, false);
     return hold(part);
   }
@@ -166,10 +165,23 @@ class Orienter {
       part.extend_all(run_);
       if (const auto shown = part.shown_noise()) part.set_noise(*shown);
     }
+    doubt_loose(part);
     place(part);
     COLLINEA_TRY(result_.adjusted, part.adjust_all(adjust, held, run_));
+    for (ControlDifference& control : result_.adjusted.control) control.used |= in_datum_.contains(control.point);
     finish(part);
     return std::move(result_);
+  }
+
+  // Given poses that hardly a tie point fits are held all the same, but that is said.
+  void doubt_loose(const Reconstruction& part) {
+    std::vector<ImageId> loose;
+    for (const auto& [image, pose] : part.poses())
+      if (part.active_rays(image) < options_.min_points) loose.push_back(image);
+    if (!loose.empty())
+      result_.findings.push_back(fmt::format(
+          "fewer than {} tie points fit the pose of {} image{}, the first: {}. Nothing here speaks for these poses",
+          options_.min_points, loose.size(), loose.size() == 1 ? "" : "s", setup_.images.at(loose.front()).file));
   }
 
   Result<Orientation> settle_in_world(Reconstruction& part, std::span<const ImagePair> pairs, bool in_world) {
@@ -178,16 +190,22 @@ class Orienter {
     COLLINEA_TRY(const Adjusted settled, settle(part, by_itself, options_, true, run_));
     take_sigma(part, settled.sigma0);
     const AdjustScope scope = place(part);
-    if (result_.georeferenced)
-      if (auto tied = tie_to_ground(part, scope); !tied) return tl::unexpected(tied.error());
-    AdjustOptions final_options = settled_options(part, options_);
-    final_options.first_damping = kSettledDamping;
-    final_options.covariances = true;
-    COLLINEA_TRY(result_.adjusted, part.adjust_all(final_options, scope, run_));
+    if (result_.georeferenced) {
+      COLLINEA_TRY(result_.adjusted, tie_to_ground(part, scope));
+    } else {
+      COLLINEA_TRY(result_.adjusted, adjust_with_covariances(part, scope));
+    }
     finish(part);
     for (std::string& finding : weak_cases(result_.block, setup_, pairs, result_.adjusted))
       result_.findings.push_back(std::move(finding));
     return std::move(result_);
+  }
+
+  Result<Adjusted> adjust_with_covariances(Reconstruction& part, const AdjustScope& scope) const {
+    AdjustOptions options = settled_options(part, options_);
+    options.first_damping = kSettledDamping;
+    options.covariances = true;
+    return part.adjust_all(options, scope, run_);
   }
 
   // Hardly anything but tie points took part: their sigma is what they show among each other. The loss sets in where it
@@ -202,9 +220,7 @@ class Orienter {
   // Control whose columns are in the other order, put right; nothing where that leads far from the block's place.
   [[nodiscard]] std::optional<std::map<ControlId, ControlPoint>> with_exchanged_axes() const {
     constexpr double kFar_m = 1e5;
-    const Georeference& map = *setup_.georeference;
-    const auto frame =
-        LocalFrame::create(map.crs, map.origin_latitude_deg, map.origin_longitude_deg, map.origin_height_m);
+    const auto frame = world_frame(*setup_.georeference);
     if (!frame) return std::nullopt;
     auto control = setup_.control;
     for (auto& [id, point] : control) {
@@ -221,7 +237,9 @@ class Orienter {
     ControlDiagnosis diagnosis = check_control(block, run_.seed);
     if (diagnosis.axes_swapped)
       if (auto control = with_exchanged_axes()) {
-        result_.findings.push_back(diagnosis.findings.front().message + "; they are used exchanged back");
+        for (const Finding& finding : diagnosis.findings)
+          if (finding.code == "control_axes_swapped")
+            result_.findings.push_back(finding.message + "; they are used exchanged back");
         block.control = setup_.control = *std::move(control);
         diagnosis = check_control(block, run_.seed);
       }
@@ -242,7 +260,7 @@ class Orienter {
       squares += met->sigma0 * met->sigma0 * left;
       redundancy += left;
     }
-    const double factor = redundancy < 3 ? 0 : std::sqrt(squares / redundancy);
+    const double factor = redundancy < kLeastRedundancy ? 0 : std::sqrt(squares / redundancy);
     if (factor < kControlMisfit) return;
     for (ControlObservation& seen : setup_.control_observations) sigma_px = std::max(sigma_px, seen.sigma_px *= factor);
     result_.findings.push_back(
@@ -251,45 +269,87 @@ class Orienter {
                     factor, sigma_px));
   }
 
-  // Adjusts with positions and control. Control that contradicts the block, and itself, by many times its sigma cannot
-  // be as good as stated: it is given the sigma it shows, and that is said.
-  Result<> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
+  // Adjusts with positions and control. Coordinates of control that contradict the block, and themselves, by many times
+  // their sigma cannot be as good as stated: they are given the sigma they show, and that is said.
+  Result<Adjusted> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
     if (scope.use_control) weigh_measurements(part.block());
-    double taken = 1, sigma_m = 0;
-    for (int round = 0;; ++round) {
-      COLLINEA_TRY(const Adjusted tied, settle(part, scope, options_, false, run_));
-      const double factor = control_misfit(tied);
-      if (factor < kControlMisfit || round == kControlRounds) break;
+    if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
+    COLLINEA_TRY(Adjusted tied, adjust_with_covariances(part, scope));
+    if (control_misfit(tied) < kControlMisfit) return tied;
+    shift_positions(tied);
+    double taken = 1;
+    for (int round = 0; round < kControlRounds; ++round) {
+      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / kControlStep, kControlStep);
       taken *= factor;
-      for (auto& [id, point] : setup_.control) {
-        if (point.role == ControlRole::kCheck) continue;
-        point.sigma_m *= factor;
-        if (point.sigma_m.allFinite()) sigma_m = std::max(sigma_m, point.sigma_m.maxCoeff());
-      }
+      for (auto& [id, point] : setup_.control)
+        if (point.role == ControlRole::kControl) point.sigma_m *= factor;
+      COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
+      if (std::abs(std::log(factor)) < std::log(kControlSettled)) break;
     }
-    if (taken > 1)
-      result_.findings.push_back(
-          fmt::format("control points contradict the images by {:.1f} times their sigma; it is taken as {:.2g} m. "
-                      "Look for wrong points, or state the sigma they really have",
-                      taken, sigma_m));
-    return {};
+    say_what_control_shows(taken);
+    if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
+    return adjust_with_covariances(part, scope);
   }
 
-  // The standard deviation of unit weight of control alone: its coordinates and image measurements in sigmas, over what
-  // is left of them after each point's three unknowns. 0 with fewer than three points.
+  // Errors of positions are mostly common to all: control decides the place of the block however weak it is.
+  void shift_positions(const Adjusted& tied) {
+    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> differences_m;
+      for (const PositionDifference& position : tied.positions)
+        if (std::isfinite(setup_.images.at(position.image).position->sigma_m[axis]))
+          differences_m.push_back(position.difference_m[axis]);
+      if (!differences_m.empty()) shift_m[axis] = median(differences_m);
+    }
+    for (auto& [id, image] : setup_.images)
+      if (image.position) image.position->position_in_world += shift_m;
+  }
+
+  void say_what_control_shows(double taken) {
+    double sigma_m = 0;
+    for (const auto& [id, point] : setup_.control)
+      if (point.role == ControlRole::kControl && point.sigma_m.allFinite())
+        sigma_m = std::max(sigma_m, point.sigma_m.maxCoeff());
+    result_.findings.push_back(
+        fmt::format("control points contradict the images by {:.1f} times their sigma; it is taken as {:.2g} m. "
+                    "Look for wrong points, or state the sigma they really have",
+                    taken, sigma_m));
+  }
+
+  // Sums over the coordinates of the control points, for their variance component.
+  struct Shown {
+    double squares = 0, redundancy = 0;  // of residuals in sigmas; what the block and the other points know of them
+    [[nodiscard]] double sigma_factor() const {
+      return squares > 0 && redundancy > 0 ? std::sqrt(squares / redundancy) : 1;
+    }
+  };
+  [[nodiscard]] Shown shown_by_coordinates(const Adjusted& adjusted) const {
+    Shown shown;
+    for (const ControlDifference& difference : adjusted.control) {
+      if (!difference.used) continue;
+      const Eigen::Vector3d& sigma_m = setup_.control.at(difference.point).sigma_m;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double expected_m = difference.difference_sigma_m[axis];
+        if (!std::isfinite(expected_m)) continue;
+        shown.squares += std::pow(difference.difference_m[axis] / sigma_m[axis], 2);
+        shown.redundancy += std::pow(expected_m / (adjusted.sigma0 * sigma_m[axis]), 2);
+      }
+    }
+    return shown;
+  }
+
+  // The standard deviation of unit weight of control alone, over what is left after each point's three unknowns: of its
+  // coordinates and, because these hardly give way when they are stated to be exact, its image measurements; or of the
+  // coordinates alone, which many images would hide. 0 with fewer than three points.
   [[nodiscard]] double control_misfit(const Adjusted& adjusted) const {
-    double sum = 0;
+    const Shown coordinates = shown_by_coordinates(adjusted);
+    double sum = coordinates.squares;
     int measured = 0;
     std::set<ControlId> used;
     for (const ControlDifference& difference : adjusted.control) {
       if (!difference.used) continue;
       used.insert(difference.point);
-      const Eigen::Vector3d& sigma_m = setup_.control.at(difference.point).sigma_m;
-      for (int axis = 0; axis < 3; ++axis)
-        if (std::isfinite(sigma_m[axis])) {
-          sum += std::pow(difference.difference_m[axis] / sigma_m[axis], 2);
-          ++measured;
-        }
+      measured += static_cast<int>(setup_.control.at(difference.point).sigma_m.array().isFinite().count());
     }
     for (std::size_t i = 0; i < setup_.control_observations.size(); ++i) {
       const ControlObservation& seen = setup_.control_observations[i];
@@ -298,7 +358,9 @@ class Orienter {
       measured += 2;
     }
     const int redundancy = measured - 3 * static_cast<int>(used.size());
-    return used.size() < 3 || redundancy < 3 ? 0 : std::sqrt(sum / redundancy);
+    if (used.size() < 3 || redundancy < kLeastRedundancy) return 0;
+    const double together = std::sqrt(sum / redundancy);
+    return coordinates.redundancy < kLeastRedundancy ? together : std::max(together, coordinates.sigma_factor());
   }
 
   // Positions that do not tell the tilt must not change it: the attitudes do or, without any, it stays to two degrees.
@@ -342,7 +404,7 @@ class Orienter {
     }
     if (!found) {
       scope.use_positions = scope.use_control = false;
-      if (!given_) part.move_world(readable_gauge(part));
+      if (!given_) part.move_world(readable_gauge(part, setup_));
       result_.gauge =
           given_
               ? fmt::format("local gauge, as given by {}", given_->source)
@@ -354,6 +416,7 @@ class Orienter {
       return scope;
     }
     part.move_world(found->world_from_block);
+    in_datum_ = {found->control.begin(), found->control.end()};
     result_.georeferenced = true;
     const std::size_t positions = scope.use_positions ? count_positions(part.block()) : 0;
     std::string by = found->by_control ? "control points" : "";
@@ -399,8 +462,20 @@ class Orienter {
     return true;
   }
 
+  // Images that are neither in the block nor in another part.
+  [[nodiscard]] std::vector<ImageId> left_alone() const {
+    std::set<ImageId> taken;
+    for (const auto& part : result_.other_parts) taken.insert(part.begin(), part.end());
+    for (const auto& [image, pose] : result_.block.cam_from_world) taken.insert(image);
+    std::vector<ImageId> alone;
+    for (const auto& [image, data] : setup_.images)
+      if (!taken.contains(image)) alone.push_back(image);
+    return alone;
+  }
+
   void finish(Reconstruction& part) {
     result_.block = part.block();
+    result_.alone = left_alone();
     result_.gsd_m = median_pixel_m(result_.block);
     for (const auto& other : result_.other_parts)
       result_.findings.push_back(fmt::format("{} images hang together but not with the block: {} ... {}", other.size(),
@@ -416,6 +491,7 @@ class Orienter {
   const OrientOptions& options_;
   const Run& run_;
   const GivenOrientation* given_ = nullptr;  ///< nothing: the poses are found here
+  std::set<ControlId> in_datum_;             ///< control that fixed the similarity to the map
   Orientation result_;
 };
 
@@ -423,6 +499,10 @@ class Orienter {
 
 Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs, const KeypointSource& keypoints,
                            const OrientOptions& options, const Run& run) {
+  if (options.mode == "global" && !options.use_positions)
+    return fail(Errc::kBadInput,
+                "--mode global begins from the positions of the images, and these are not to be used: orient with "
+                "--mode incremental");
   return Orienter(setup, options, run).orient(pairs, keypoints);
 }
 

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/orient/level_datum.h"
 #include "collinea/orient/strip_datum.h"
 #include "collinea/orient/test_pairs.h"
@@ -70,13 +70,14 @@ TEST(Orient, NoiseOfHalfAPixelMovesCentresByAboutAPixel) {
   EXPECT_GT(found->block.points.size(), 400u);
 }
 
-// e' C^-1 e of f, cx, cy is chi-squared with three degrees of freedom: mean 3, deviation of the mean of 12 sqrt(6 /
-// 12). With the principal point held in the middle, off by 6 and 4 px, f alone would be wrong by tens of its sigmas.
+// e' C^-1 e of f, cx, cy is chi-squared with three degrees of freedom: the mean of 40 lies between 1.89 and 4.44 in 999
+// of 1000 cases. With the principal point held in the middle, off by 6 and 4 px, f alone would be wrong by tens of its
+// sigmas.
 TEST(Orient, TheCameraOfASmallBlockIsAsGoodAsItsSigmasSay) {
-  constexpr int kBlocks = 12;
+  constexpr int kBlocks = 40;
   double sum = 0;
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
-    const Matched input = matched(test_block({.rows = 2, .columns = 3, .points = 250, .sigma_px = 0.5, .seed = seed}));
+    const Matched input = matched(test_block({.rows = 2, .columns = 3, .points = 150, .sigma_px = 0.5, .seed = seed}));
     const auto found = orient(input);
     ASSERT_TRUE(found) << found.error().message;
     const Camera &camera = found->block.cameras.begin()->second, &exact = input.truth.cameras.begin()->second;
@@ -86,8 +87,8 @@ TEST(Orient, TheCameraOfASmallBlockIsAsGoodAsItsSigmasSay) {
     const Eigen::Matrix3d covariance = found->adjusted.camera_covariance.begin()->second.topLeftCorner<3, 3>();
     sum += error.dot(covariance.inverse() * error) / kBlocks;
   }
-  EXPECT_GT(sum, 3 - 4 * std::sqrt(6.0 / kBlocks) / 2);
-  EXPECT_LT(sum, 3 + 4 * std::sqrt(6.0 / kBlocks));
+  EXPECT_GT(sum, 1.89);
+  EXPECT_LT(sum, 4.44);
 }
 
 TEST(Orient, ObservationsOfTheResultAreSortedAndBelongToPointsAndPoses) {
@@ -130,6 +131,18 @@ TEST(Orient, TheLargestOfTwoPartsIsKeptAndTheOtherIsNamed) {
   for (const ImageId image : found->other_parts[0]) EXPECT_GE(image.value, 1000u);
   EXPECT_TRUE(found->alone.empty());
   EXPECT_TRUE(mentions(found->findings, "4 images hang together but not with the block"));
+}
+
+// The pair with the most matches starts the first part, and the second, before the block of eight comes up.
+TEST(Orient, StrongPairsThatHangTogetherWithNothingDoNotHideTheBlock) {
+  const Block first = test_block({.rows = 1, .columns = 2, .points = 3000, .sigma_px = 0.5, .seed = 7});
+  const Block second = test_block({.rows = 1, .columns = 2, .points = 2500, .sigma_px = 0.5, .seed = 8});
+  const auto found = orient(matched(testing::side_by_side(testing::side_by_side(small_block(), first), second, 2000)));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->block.cam_from_world.size(), 8u);
+  EXPECT_TRUE(found->other_parts.empty());
+  ASSERT_EQ(found->alone.size(), 4u);
+  for (const ImageId image : found->alone) EXPECT_GE(image.value, 1000u);
 }
 
 TEST(Orient, AnImageThatMatchesNothingIsNamed) {
@@ -188,18 +201,22 @@ TEST(Orient, AWronglySurveyedPointIsNamedAndNotUsed) {
 
 TEST(Orient, ControlWithExchangedColumnsIsNamedAndUsedTheRightWayRound) {
   Matched input = on_the_map(small_block(0.5, 9, 0.3));
-  const Georeference& map = *input.setup.georeference;
-  const auto frame =
-      LocalFrame::create(map.crs, map.origin_latitude_deg, map.origin_longitude_deg, map.origin_height_m);
+  const auto frame = world_frame(*input.setup.georeference);
   ASSERT_TRUE(frame);
   for (auto& [id, point] : input.setup.control) {
     point.position_in_map = frame->map_from_local(point.position_in_world);
     std::swap(point.position_in_map.x(), point.position_in_map.y());
     point.position_in_world = frame->local_from_map(point.position_in_map);  // wherever that is
   }
+  ControlObservation& bad_mark = input.setup.control_observations[1];
+  bad_mark.pixel.x() += 60;
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_TRUE(mentions(found->findings, "used exchanged back"));
+  EXPECT_TRUE(mentions(found->findings, "columns are in the other order; they are used exchanged back"));
+  const auto named = std::count_if(found->findings.begin(), found->findings.end(), [](const std::string& finding) {
+    return finding.find("this measurement is not used") != std::string::npos;
+  });
+  EXPECT_EQ(named, 1);
   EXPECT_NE(found->gauge.find("control points"), std::string::npos) << found->gauge;
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
 }
@@ -218,6 +235,46 @@ TEST(Orient, SloppyMarksAreWeighedByWhatTheyShowAndTheCoordinatesAreNotBlamed) {
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 10 * kPixel_m);  // marks err by 4 pixels
 }
 
+// Coordinates ten times worse than stated, and positions that all have an error of 1.2 m in common. Six control points
+// less seven parameters leave eleven coordinates, so the sigma they show is known to 1 / sqrt(22), the root mean square
+// of eight blocks to 7.5 %: four of those. The estimated places have errors of their own, far below those of control.
+TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
+  constexpr int kBlocks = 8;
+  constexpr double kReal_m = 0.1;
+  double squares = 0, shift_m = 0;
+  for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+    Matched input = on_the_map(test_block({.rows = 2,
+                                           .columns = 4,
+                                           .points = 300,
+                                           .sigma_px = 0.5,
+                                           .position_sigma_m = 0.2,
+                                           .control = 9,
+                                           .seed = seed}));
+    Random random(seed, 3);
+    for (auto& [id, point] : input.setup.control) point.position_in_world += kReal_m * testing::normal3(random);
+    for (auto& [id, image] : input.setup.images) {
+      image.position->position_in_world += Eigen::Vector3d(1.2, 0, 0);
+      image.position->sigma_m.setConstant(2);
+    }
+    const auto found = orient(input);
+    ASSERT_TRUE(found) << found.error().message;
+    const auto said = std::find_if(found->findings.begin(), found->findings.end(), [](const std::string& finding) {
+      return finding.starts_with("control points contradict");
+    });
+    ASSERT_NE(said, found->findings.end());
+    const std::string before_number = "it is taken as ";
+    squares += std::pow(std::stod(said->substr(said->find(before_number) + before_number.size())), 2) / kBlocks;
+    for (const ControlDifference& control : found->adjusted.control) {
+      if (!control.used) continue;
+      shift_m += control.difference_m.x() / (6 * kBlocks);
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_LT(std::abs(control.difference_m[axis]), 4 * control.difference_sigma_m[axis]);
+    }
+  }
+  EXPECT_NEAR(std::sqrt(squares) / kReal_m, 1, 0.3);
+  EXPECT_NEAR(shift_m, 0, 4 * kReal_m / std::sqrt(6.0 * kBlocks));  // control decides the place
+}
+
 TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {
   const Matched input = matched(small_block());
   const auto found = orient(input);
@@ -227,6 +284,20 @@ TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& [image, pose] : found->block.cam_from_world) middle += centre_of(pose) / 8;
   EXPECT_LT(middle.norm(), 0.1);
+}
+
+// One strip flown with the camera turned by a quarter: the right edge of its pixels is the lower edge of the picture.
+TEST(Orient, InTheFreeGaugePicturesStandAsTheyAreLookedAt) {
+  for (const int orientation : {1, 6}) {
+    Block strip = test_block({.rows = 1, .columns = 5, .points = 400, .sigma_px = 0.5, .seed = 3});
+    for (auto& [id, image] : strip.images) image.orientation = orientation;
+    const auto found = orient(matched(strip));
+    ASSERT_TRUE(found) << found.error().message;
+    Eigen::Vector3d down = Eigen::Vector3d::Zero();
+    for (const auto& [image, pose] : found->block.cam_from_world)
+      down += pose.rotation.conjugate() * (orientation == 6 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY());
+    EXPECT_LT((down.normalized() + Eigen::Vector3d::UnitZ()).norm(), 1e-4) << orientation;
+  }
 }
 
 TEST(Orient, TwoPositionsDoNotFixThePlaceAndThisIsSaid) {
@@ -277,15 +348,15 @@ void write_attitudes(Block& block, Random& random) {
   for (auto& [id, image] : block.images) image.attitude = attitude;
 }
 
-// e' C^-1 e of one pose is chi-squared with six degrees of freedom: mean 6, deviation of the mean of 10 sqrt(12 / 10).
-// The same of the turn about the line of flight alone: mean 1, deviation sqrt(2 / 10).
+// e' C^-1 e of one pose is chi-squared with six degrees of freedom: the mean of 40 lies between 4.36 and 7.97 in 999 of
+// 1000 cases. The same of the turn about the line of flight alone: between 0.42 and 1.90.
 TEST(Orient, ASingleStripErrsAsItsSigmasSay) {
-  constexpr int kStrips = 10;
+  constexpr int kStrips = 40;
   double pose_sum = 0, turn_sum = 0;
   for (std::uint64_t seed = 1; seed <= kStrips; ++seed) {
     Block block = test_block({.rows = 1,
                               .columns = 8,
-                              .points = 250,
+                              .points = 150,
                               .sigma_px = 0.5,
                               .position_sigma_m = 0.4,
                               .tilt_rad = 0,
@@ -305,10 +376,10 @@ TEST(Orient, ASingleStripErrsAsItsSigmasSay) {
     turn_sum += error[0] * error[0] / covariance(0, 0) / kStrips;
     EXPECT_GT(std::sqrt(covariance(0, 0)), 0.005);  // 17 mrad of the attitudes, and what the positions add
   }
-  EXPECT_GT(pose_sum, 6 - 3 * std::sqrt(12.0 / kStrips));
-  EXPECT_LT(pose_sum, 6 + 4 * std::sqrt(12.0 / kStrips));
-  EXPECT_GT(turn_sum, 0.15);
-  EXPECT_LT(turn_sum, 1 + 4 * std::sqrt(2.0 / kStrips));
+  EXPECT_GT(pose_sum, 4.36);
+  EXPECT_LT(pose_sum, 7.97);
+  EXPECT_GT(turn_sum, 0.42);
+  EXPECT_LT(turn_sum, 1.90);
 }
 
 Matched without_heights(double sigma_m) {
@@ -435,6 +506,45 @@ TEST(StripDatum, TheTurnIsTheWorseKnownTheStraighterTheLine) {
   EXPECT_TRUE(std::isfinite(turn_sigma_rad(block, 2)));
   block.images.at({0}).position.reset();
   EXPECT_TRUE(std::isinf(turn_sigma_rad(block, 2)));
+}
+
+// The first and the last station of a line flown there and back are nearly the same, one above the other.
+TEST(StripDatum, ALineFlownThereAndBackHasADirection) {
+  Block strip = straight_strip().truth;
+  const auto count = static_cast<std::uint32_t>(strip.images.size());
+  const std::uint32_t first = strip.images.begin()->first.value;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Image back = strip.images.at({first + count - 1 - i});
+    back.position->position_in_world.z() += 2;
+    Rigid3 pose = strip.cam_from_world.at({first + count - 1 - i});
+    pose.translation -= pose.rotation * Eigen::Vector3d(0, 0, 2);
+    strip.images[{first + count + i}] = back;
+    strip.cam_from_world[{first + count + i}] = pose;
+  }
+  const auto found = strip_datum(strip);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->rotation.angularDistance(Eigen::Quaterniond::Identity()), 0.1);
+}
+
+// 1 / sqrt(sum of lever^2 / sigma^2): one vague position among good ones takes away its own share only.
+TEST(StripDatum, EveryPositionCountsByItsOwnSigma) {
+  Block block;
+  for (std::uint32_t i = 0; i < 18; ++i) {
+    const Eigen::Vector3d centre(10.0 * (i / 2), i % 2 ? 5 : -5, 0);
+    block.cam_from_world[{i}] = {Eigen::Quaterniond::Identity(), -centre};
+    block.images[{i}].position = PositionPrior{centre, Eigen::Vector3d::Constant(0.02)};
+  }
+  EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(18.0)), 1e-6);
+  block.images.at({7}).position->sigma_m.setConstant(30);
+  EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(17.0)), 0.02 * 0.02 / 5);
+  Block strip = straight_strip().truth;
+  for (auto& [id, image] : strip.images) image.position->sigma_m.setConstant(0.02);
+  ImageId vague = strip.images.rbegin()->first;
+  strip.images.at(vague).position->sigma_m.setConstant(300);
+  strip.images.at(vague).position->position_in_world.x() += 250;
+  const auto found = strip_datum(strip);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->scale, 1, 0.1);  // the others err by 3 m over 150 m
 }
 
 TEST(StripDatum, ContradictingAttitudesOrAShortLineGiveNone) {

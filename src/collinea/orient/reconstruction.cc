@@ -106,6 +106,12 @@ Reconstruction::RayCount Reconstruction::ray_count() const {
   return count;
 }
 
+int Reconstruction::active_rays(ImageId image) const {
+  const std::vector<RayRef>& rays = rays_of(image);
+  return static_cast<int>(std::count_if(rays.begin(), rays.end(),
+                                        [&](const RayRef& ref) { return tracks_[ref.track].rays[ref.ray].active; }));
+}
+
 std::optional<double> Reconstruction::error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const {
   const auto pixel = project(camera_of(ray.image), poses_.at(ray.image) * point_in_world);
   if (!pixel) return std::nullopt;
@@ -155,6 +161,15 @@ Reconstruction::Coverage Reconstruction::coverage(ImageId image) const {
   return {spread.score(), points};
 }
 
+std::set<ImageId> Reconstruction::images_beside(ImageId image) const {
+  std::set<ImageId> beside;
+  for (const RayRef& ref : rays_of(image)) {
+    if (tracks_[ref.track].asleep) continue;
+    for (const Ray& ray : tracks_[ref.track].rays) beside.insert(ray.image);
+  }
+  return beside;
+}
+
 bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Vector3d> points;
@@ -169,10 +184,9 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px,
                                      .min_inliers = options_.min_points};
   const CameraId camera_id = setup_->images.at(image).camera;
-  const bool guessed =
-      camera_of(image).calibrate && camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
-      std::none_of(poses_.begin(), poses_.end(),
-                   [&](const auto& pose) { return setup_->images.at(pose.first).camera == camera_id; });
+  const bool guessed = camera_of(image).calibrate &&
+                       camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
+                       !camera_in_use(camera_id);
   const auto found =
       (guessed ? resect_with_focal : resect)(camera_of(image), pixels, points, resect_options, seed + image.value);
   if (!found || found->inliers < options_.min_points || found->inliers < 0.2 * static_cast<double>(points.size()))
@@ -183,8 +197,16 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   return true;
 }
 
+bool Reconstruction::camera_in_use(CameraId camera) const {
+  return std::any_of(poses_.begin(), poses_.end(),
+                     [&](const auto& pose) { return setup_->images.at(pose.first).camera == camera; });
+}
+
 void Reconstruction::drop_image(ImageId image) {
   poses_.erase(image);
+  const CameraId camera = setup_->images.at(image).camera;
+  if (!camera_in_use(camera))
+    cameras_.at(camera) = setup_->cameras.at(camera);  // its pose may have told its focal length
   for (const RayRef& ref : rays_of(image)) {
     TrackState& track = tracks_[ref.track];
     track.rays[ref.ray].active = false;
@@ -407,12 +429,12 @@ void Reconstruction::place(const std::map<ImageId, Rigid3>& poses) {
 
 void Reconstruction::drop_loose(int least_rays) {
   std::vector<ImageId> loose;
-  for (const auto& [image, pose] : poses_) {
-    const auto active = std::count_if(rays_of(image).begin(), rays_of(image).end(),
-                                      [&](const RayRef& ref) { return tracks_[ref.track].rays[ref.ray].active; });
-    if (active < least_rays) loose.push_back(image);
-  }
-  for (const ImageId image : loose) drop_image(image);
+  do {
+    loose.clear();
+    for (const auto& [image, pose] : poses_)
+      if (active_rays(image) < least_rays) loose.push_back(image);
+    for (const ImageId image : loose) drop_image(image);
+  } while (!loose.empty());
 }
 
 void Reconstruction::forget() {

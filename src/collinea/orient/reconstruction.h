@@ -53,6 +53,7 @@ class Reconstruction {
     std::size_t all = 0, active = 0;
   };
   [[nodiscard]] RayCount ray_count() const;
+  [[nodiscard]] int active_rays(ImageId image) const;
   [[nodiscard]] const std::vector<ImageId>& images_with_tracks() const { return images_; }
 
   /// Puts tracks to sleep that growth can do without: kept are, from the longest, those that some image still needs in
@@ -69,9 +70,11 @@ class Reconstruction {
     int points = 0;
   };
   [[nodiscard]] Coverage coverage(ImageId image) const;
+  /// Images that see an awake track of this one, itself among them: only their coverage changes with its points.
+  [[nodiscard]] std::set<ImageId> images_beside(ImageId image) const;
   /// Resection of one image on the points it shares with the block; rays that agree become active.
   bool orient_image(ImageId image, std::uint64_t seed);
-  /// Gives up an image: its rays leave their points.
+  /// Gives up an image: its rays leave their points. A camera without oriented images is as it was at first.
   void drop_image(ImageId image);
 
   /// Intersects tracks without a point and adds rays to points, as far as they agree within the error; over the tracks
@@ -96,7 +99,7 @@ class Reconstruction {
   [[nodiscard]] std::optional<TieNoise> shown_noise() const;
   /// Puts images in place; nothing else.
   void place(const std::map<ImageId, Rigid3>& poses);
-  /// Gives up images with fewer active rays.
+  /// Gives up images with fewer active rays, and those that have fewer without them.
   void drop_loose(int least_rays);
   /// How far a ray may miss its point from now on.
   void set_max_error_px(double max_error_px) { options_.max_error_px = max_error_px; }
@@ -106,6 +109,7 @@ class Reconstruction {
  private:
   [[nodiscard]] const std::vector<RayRef>& rays_of(ImageId image) const;
   [[nodiscard]] std::optional<double> error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const;
+  [[nodiscard]] bool camera_in_use(CameraId camera) const;
   bool intersect(TrackState& track) const;
   bool extend_track(TrackState& track) const;
   [[nodiscard]] Block block_of(const std::vector<std::uint32_t>& numbers) const;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "collinea/base/median.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/orient/sparse_normals.h"
 
@@ -90,11 +91,6 @@ Eigen::Vector3d residual(const RelativeRotation& pair, const Quaternions& rotati
   return rotation_vector(rotations[pair.second].conjugate() * pair.second_from_first * rotations[pair.first]);
 }
 
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 // One round: pairs weighted by their residuals, all cameras turned. Answers the largest turn.
 template <class Weight>
 double turn_all(std::span<const RelativeRotation> pairs, const std::vector<Eigen::Vector3d>& residuals,
@@ -131,7 +127,7 @@ std::vector<Eigen::Quaterniond> average_rotations(int count, std::span<const Rel
       residuals[i] = residual(pairs[i], rotations);
       angles.push_back(residuals[i].norm());
     }
-    const double scale = 3 * std::max(median(std::move(angles)), kLeastAngle_rad / 10);
+    const double scale = 3 * std::max(median(angles), kLeastAngle_rad / 10);
     const double turned =
         round < kAbsoluteRounds
             ? turn_all(

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kAgreement = 0.95;                       // mean length of the unit vectors "up": 18 degrees of scatter
 constexpr double kReach = 10;                             // of the positions, in standard deviations
-constexpr double kSteepest = 0.7;                         // of the line, over its length
+constexpr double kSteepest = 0.7;                         // height of the line over its length
 constexpr double kAttitude_rad = std::numbers::pi / 180;  // common to all images: mounting, gimbal
 
 // Roll turns the camera clockwise about its axis, as seen from behind.
@@ -34,22 +34,25 @@ std::optional<Eigen::Vector3d> up_in_block(const Block& block) {
   return sum.normalized();
 }
 
-Eigen::Matrix3d scatter(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const auto& point : points) middle += point / static_cast<double>(points.size());
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const auto& point : points) sum += (point - middle) * (point - middle).transpose();
-  return sum;
-}
-
-double spread(const std::vector<Eigen::Vector3d>& points) {
-  return std::sqrt(scatter(points).trace() / static_cast<double>(points.size()));
-}
-
 struct Stations {
   std::vector<Eigen::Vector3d> in_block, in_world;
-  double sigma_m = 0;  ///< the largest
+  std::vector<double> weights;  ///< 1 / sigma^2 of each, its worst axis [1/m^2]
 };
+
+// Weighted products of the distances from the weighted middle.
+Eigen::Matrix3d scatter(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& weights) {
+  double sum = 0;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    sum += weights[i];
+    middle += weights[i] * points[i];
+  }
+  middle /= sum;
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    products += weights[i] * (points[i] - middle) * (points[i] - middle).transpose();
+  return products;
+}
 
 Stations stations_of(const Block& block) {
   Stations stations;
@@ -58,7 +61,8 @@ Stations stations_of(const Block& block) {
     if (!position || !position->sigma_m.allFinite()) continue;
     stations.in_block.push_back(centre_of(pose));
     stations.in_world.push_back(position->position_in_world);
-    stations.sigma_m = std::max(stations.sigma_m, position->sigma_m.maxCoeff());
+    const double sigma_m = position->sigma_m.maxCoeff();
+    stations.weights.push_back(1 / (sigma_m * sigma_m));
   }
   return stations;
 }
@@ -76,24 +80,31 @@ std::map<ImageId, GivenVertical> verticals_by_attitude(const Block& block) {
 double turn_sigma_rad(const Block& block, double world_per_block) {
   const Stations stations = stations_of(block);
   if (stations.in_block.size() < 3) return std::numeric_limits<double>::infinity();
-  const Eigen::Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter(stations.in_block)).eigenvalues();
-  return stations.sigma_m / (world_per_block * std::sqrt(std::max(0.0, axes[0]) + std::max(0.0, axes[1])));
+  const Eigen::Vector3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter(stations.in_block, stations.weights)).eigenvalues();
+  return 1 / (world_per_block * std::sqrt(std::max(0.0, axes[0]) + std::max(0.0, axes[1])));
 }
 
 std::optional<Similarity3> strip_datum(const Block& block) {
-  auto [in_block, in_world, sigma_m] = stations_of(block);
+  auto [in_block, in_world, weights] = stations_of(block);
   const auto up = up_in_block(block);
   if (!up || in_world.size() < 2) return std::nullopt;
-  const Eigen::Vector3d line = in_world.back() - in_world.front();
-  const double length_m = spread(in_world), length = spread(in_block);
-  if (!(length_m > kReach * sigma_m) || !(length > 0) || std::abs(line.z()) > kSteepest * line.norm())
-    return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter(in_world, weights));
+  const Eigen::Vector3d line = axes.eigenvectors().col(2);
+  const double reach = std::sqrt(axes.eigenvalues().sum() / static_cast<double>(in_world.size()));  // in sigmas
+  if (!(reach > kReach) || std::abs(line.z()) > kSteepest) return std::nullopt;
+  double weight = 0;
+  for (const double one : weights) weight += one;
+  const double length_m = std::sqrt(axes.eigenvalues().sum() / weight);
+  const double length = std::sqrt(scatter(in_block, weights).trace() / weight);
+  if (!(length > 0)) return std::nullopt;
   // A mast on every camera, as high as the line is long, keeps the fit from turning about the line.
   for (std::size_t i = 0, count = in_world.size(); i < count; ++i) {
     in_block.emplace_back(in_block[i] + length * *up);
     in_world.emplace_back(in_world[i] + length_m * Eigen::Vector3d::UnitZ());
+    weights.push_back(weights[i]);
   }
-  return align(in_block, in_world);
+  return align(in_block, in_world, weights);
 }
 
 }  // namespace collinea

@@ -65,15 +65,14 @@ inline Matched matched(const Block& truth) {
   return result;
 }
 
-/// Two blocks without anything in common, as one.
-inline Block side_by_side(Block first, const Block& second) {
-  constexpr std::uint32_t kShift = 1000;
-  for (const auto& [id, image] : second.images) first.images[ImageId{id.value + kShift}] = image;
-  for (const auto& [id, pose] : second.cam_from_world) first.cam_from_world[ImageId{id.value + kShift}] = pose;
-  for (const auto& [id, point] : second.points) first.points[PointId{id.value + 10 * kShift}] = point;
+/// Two blocks without anything in common, as one; the ids of the second are shifted.
+inline Block side_by_side(Block first, const Block& second, std::uint32_t shift = 1000) {
+  for (const auto& [id, image] : second.images) first.images[ImageId{id.value + shift}] = image;
+  for (const auto& [id, pose] : second.cam_from_world) first.cam_from_world[ImageId{id.value + shift}] = pose;
+  for (const auto& [id, point] : second.points) first.points[PointId{id.value + 10 * shift}] = point;
   for (Observation seen : second.observations) {
-    seen.image.value += kShift;
-    seen.point.value += 10 * kShift;
+    seen.image.value += shift;
+    seen.point.value += 10 * shift;
     first.observations.push_back(seen);
   }
   return first;

@@ -10,6 +10,8 @@
 #include <optional>
 #include <utility>
 
+#include "collinea/base/median.h"
+
 namespace collinea {
 namespace {
 
@@ -41,12 +43,6 @@ Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& point : points) mean += point / static_cast<double>(points.size());
   return mean;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Root mean square distance of the points from the plane that fits them best, over their distance to the cameras.
@@ -86,7 +82,8 @@ bool moves_along_view(const Block& block, const std::map<Pair, std::size_t>& com
   return cosines.size() + 1 >= kLeastImages && median(cosines) > kAlong;
 }
 
-std::optional<std::string> undetermined_focal(const Block& setup, const Adjusted& adjusted, bool flat, bool along) {
+std::vector<std::string> undetermined_focals(const Block& setup, const Adjusted& adjusted, bool flat, bool along) {
+  std::vector<std::string> findings;
   for (const auto& [id, covariance] : adjusted.camera_covariance) {
     const Camera& before = setup.cameras.at(id);
     const double sigma_px = std::sqrt(covariance(Camera::kF, Camera::kF));
@@ -94,14 +91,14 @@ std::optional<std::string> undetermined_focal(const Block& setup, const Adjusted
     const char* cause = flat    ? "the scene is flat and seen from one direction"
                         : along ? "the camera moved along its view"
                                 : "the photographs are too few or too much alike";
-    return fmt::format(
+    findings.push_back(fmt::format(
         "the focal length of {} is hardly determined by the images ({:.1f} %): {}. Distances across the view are as "
         "wrong "
         "as it is. Give a calibrated camera (--camera-params), add photographs from other distances or turned by 90 "
         "degrees and oblique ones, or use control points at different heights",
-        before.name.empty() ? "the camera" : before.name, 100 * sigma_px / before.focal_px(), cause);
+        before.name.empty() ? "the camera" : before.name, 100 * sigma_px / before.focal_px(), cause));
   }
-  return std::nullopt;
+  return findings;
 }
 
 std::optional<std::string> contradicting_pairs(const Block& block, std::span<const ImagePair> pairs,
@@ -181,12 +178,11 @@ bool on_critical_surface(const std::vector<Eigen::Vector3d>& points, const std::
 
 std::vector<std::string> weak_cases(const Block& oriented, const Block& setup, std::span<const ImagePair> pairs,
                                     const Adjusted& adjusted) {
-  std::vector<std::string> findings;
   const std::vector<Eigen::Vector3d> points = some_points(oriented), centres = centres_of(oriented);
-  if (points.size() < kLeastPoints || centres.size() < 2) return findings;
+  if (points.size() < kLeastPoints || centres.size() < 2) return {};
   const auto common = common_points(oriented);
   const bool flat = relief(oriented, points) < kFlat, along = moves_along_view(oriented, common);
-  if (auto focal = undetermined_focal(setup, adjusted, flat, along)) findings.push_back(*focal);
+  std::vector<std::string> findings = undetermined_focals(setup, adjusted, flat, along);
   if (along)
     findings.emplace_back(
         "the camera moved along its view: rays meet at small angles, and distances ahead are weak, most of all in the "

@@ -73,6 +73,22 @@ std::vector<Rigid3> nadir_grid(double height_m) {
   return poses;
 }
 
+TEST(WeakCases, EveryCameraWithAnOpenFocalLengthIsNamed) {
+  Block block = seen_from(nadir_grid(60), box({-30, -30, 0}, {90, 55, 10}, 300));
+  block.cameras[{2}] = block.cameras[{3}] = block.cameras.at({1});
+  block.cameras[{2}].name = "second";
+  block.cameras[{3}].name = "third";
+  Adjusted adjusted;
+  for (const auto& [id, camera] : block.cameras) {
+    adjusted.camera_covariance[id].setZero();
+    adjusted.camera_covariance[id](Camera::kF, Camera::kF) = id == CameraId{2} ? 1 : 50 * 50;
+  }
+  const auto findings = weak_cases(block, block, {}, adjusted);
+  EXPECT_TRUE(mentions(findings, "focal length of test is"));
+  EXPECT_FALSE(mentions(findings, "focal length of second is"));
+  EXPECT_TRUE(mentions(findings, "focal length of third is"));
+}
+
 TEST(WeakCases, AFlatSceneFromOneHeightLeavesTheFocalLengthOpen) {
   const auto findings = findings_of(matched(seen_from(nadir_grid(60), box({-30, -30, 0}, {90, 55, 0.2}, 600))));
   EXPECT_TRUE(mentions(findings, "focal length of test is hardly determined"));

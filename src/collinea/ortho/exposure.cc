@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "collinea/base/median.h"
 #include "collinea/base/parallel.h"
 
 namespace collinea {
@@ -25,12 +26,6 @@ struct Ratio {  // log second / log first of one pair of pictures
 
 constexpr std::size_t kFewest = 5;  // places that make a pair
 constexpr std::size_t kMost = 400;  // more tell nothing new
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Pairs pairs_of(std::span<const std::vector<ColourSample>> samples) {
   struct Seen {
@@ -73,7 +68,7 @@ double falloff_of(const Pairs& pairs, std::span<const CameraId> cameras, CameraI
       radii.push_back(double(c.second->r2) - double(c.first->r2));
       colours.push_back(difference(c, channel));
     }
-    const double radius = median_of(radii), colour = median_of(colours);
+    const double radius = median(radii), colour = median(colours);
     for (const Common& c : common)
       points.emplace_back(double(c.second->r2) - double(c.first->r2) - radius, difference(c, channel) - colour);
   }
@@ -97,8 +92,7 @@ std::vector<Ratio> ratios_of(const Pairs& pairs, std::span<const double> falloff
     for (const Common& c : common)
       differences.push_back(difference(c, channel) + falloff[key.second] * double(c.second->r2) -
                             falloff[key.first] * double(c.first->r2));
-    ratios.push_back(
-        {key.first, key.second, median_of(differences), double(std::min<std::size_t>(common.size(), 100))});
+    ratios.push_back({key.first, key.second, median(differences), double(std::min<std::size_t>(common.size(), 100))});
   }
   return ratios;
 }

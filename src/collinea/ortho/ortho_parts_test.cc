@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collinea/base/random.h"
+#include "collinea/image/test_folder.h"
 #include "collinea/ortho/ortho_tile.h"
 
 namespace collinea {
@@ -92,6 +93,28 @@ TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
   ASSERT_EQ(result->places.size(), 20u);
   EXPECT_EQ(result->places[3].column, 48.5);
   EXPECT_EQ(result->places[3].row, 48.5);
+}
+
+TEST(HeightField, SigmasOfAnotherModelAreRefusedInWords) {
+  const TestFolder folder;
+  const auto write = [&](const std::string& name, const MapGrid& grid) {
+    auto writer = GeoTiffWriter<float>::create(folder / name, grid, 1, {});
+    return writer && writer->write(0, 0, FloatImage(grid.width, grid.height, 1, 5)) && writer->finish();
+  };
+  const MapGrid grid{500'000.5, 5'000'000, 0.05, 40, 30, ""};
+  MapGrid moved = grid, coarser = grid, smaller = grid;
+  moved.north_m += grid.cell_m;
+  coarser.cell_m = 0.051;
+  smaller.height = 29;
+  ASSERT_TRUE(write("dsm.tif", grid) && write("sigma.tif", grid));
+  EXPECT_TRUE(open_height_field(folder / "dsm.tif", folder / "sigma.tif")->read_sigma);
+  for (const MapGrid& other : {moved, coarser, smaller}) {
+    ASSERT_TRUE(write("other.tif", other));
+    const auto refused = open_height_field(folder / "dsm.tif", folder / "other.tif");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::kBadInput);
+    EXPECT_NE(refused.error().message.find("does not lie on"), std::string::npos) << refused.error().message;
+  }
 }
 
 // Keys' kernel reproduces polynomials of degree 2.

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -31,6 +34,19 @@ Result<ReadFloats> open_floats(const std::filesystem::path& path, MapGrid& grid)
   };
 }
 
+// Cell by cell the same places; rounding in files is far below a thousandth of a cell.
+bool same_cells(const MapGrid& a, const MapGrid& b) {
+  const double rounding_m = 1e-3 * a.cell_m;
+  return a.width == b.width && a.height == b.height && std::abs(a.west_m - b.west_m) < rounding_m &&
+         std::abs(a.north_m - b.north_m) < rounding_m &&
+         std::abs(a.cell_m - b.cell_m) * std::max(a.width, a.height) < rounding_m;
+}
+
+std::string cells_text(const MapGrid& grid) {
+  return fmt::format("{} x {} cells of {} m from {:.3f} east, {:.3f} north", grid.width, grid.height, grid.cell_m,
+                     grid.west_m, grid.north_m);
+}
+
 }  // namespace
 
 Result<HeightField> open_height_field(const std::filesystem::path& path, const std::filesystem::path& sigma_path) {
@@ -39,8 +55,10 @@ Result<HeightField> open_height_field(const std::filesystem::path& path, const s
   if (sigma_path.empty() || !std::filesystem::exists(sigma_path)) return field;
   MapGrid grid;
   COLLINEA_TRY(field.read_sigma, open_floats(sigma_path, grid));
-  if (grid.width != field.grid.width || grid.height != field.grid.height)
-    return fail(Errc::kBadInput, sigma_path.string() + " does not fit on " + path.string());
+  if (!same_cells(field.grid, grid))
+    return fail(Errc::kBadInput,
+                fmt::format("{} ({}) does not lie on {} ({}): the two are not of one surface model",
+                            sigma_path.string(), cells_text(grid), path.string(), cells_text(field.grid)));
   return field;
 }
 

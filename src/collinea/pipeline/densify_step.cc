@@ -4,12 +4,15 @@
 #include <atomic>
 #include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
 #include "collinea/image/photo.h"
+#include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/io/ply.h"
 #include "collinea/pipeline/depth_folder.h"
@@ -24,22 +27,33 @@ using nlohmann::json;
 
 using MakeMap = std::function<Result<DepthMap>(ImageId image, const Run& run)>;
 
-// Maps of all oriented images; those found in the folder are kept. One outcome for each of `images`.
-std::vector<Result<>> make_maps(const Project& project, const std::vector<ImageId>& images, DepthFolder& folder,
-                                const char* what, const MakeMap& make) {
+// Maps of `images`; those found in the folder are kept. Returns the images that have none, and why. Only geometry may
+// be the reason: what else goes wrong may go right when the command is given again, and would change the products then.
+Result<std::map<ImageId, std::string>> make_maps(const Project& project, const std::vector<ImageId>& images,
+                                                 DepthFolder& folder, const char* what, const MakeMap& make) {
   std::vector<Result<>> outcomes(images.size());
   std::atomic<std::size_t> done = 0;
-  Run one_thread = project.run;  // images side by side use the processor better than threads within one
+  std::atomic<bool> hopeless = false;  // a full disk, say: what remains to be done would be lost too
+  Run one_thread = project.run;        // images side by side use the processor better than threads within one
   one_thread.threads = 1;
   one_thread.progress = nullptr;
   parallel_for(project.run, images.size(), [&](std::size_t i) {
+    if (hopeless) return;
     if (!folder.has(images[i])) {
       const auto map = make(images[i], one_thread);
       outcomes[i] = map ? folder.write(images[i], *map) : tl::unexpected(map.error());
+      if (!outcomes[i] && outcomes[i].error().code != Errc::kIllPosed) hopeless = true;
     }
     project.run.report(what, double(++done) / double(images.size()));
   });
-  return outcomes;
+  if (project.run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
+  std::map<ImageId, std::string> without;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (outcomes[i]) continue;
+    if (outcomes[i].error().code != Errc::kIllPosed) return tl::unexpected(outcomes[i].error());
+    without[images[i]] = outcomes[i].error().message;
+  }
+  return without;
 }
 
 // Overviews of all images first, then depth maps. Returns the images that have one.
@@ -49,24 +63,32 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   std::vector<ImageId> images;
   for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
-  make_maps(project, images, overviews, "densify: overviews",
-            [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, options, run); });
-  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
-  const auto outcomes = make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
-    return depth_map(block, image, ties, pictures, &overviews, options, run);
-  });
-  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
-  std::vector<ImageId> matched;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    if (outcomes[i]) {
-      matched.push_back(images[i]);
-      continue;
-    }
-    const Error& error = outcomes[i].error();
-    if (error.code == Errc::kBadInput) return tl::unexpected(error);
-    left_out.push_back({{"file", block.images.at(images[i]).file}, {"reason", "no depth map: " + error.message}});
-  }
-  return matched;
+  const auto overviewed =
+      make_maps(project, images, overviews, "densify: overviews",
+                [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, options, run); });
+  if (!overviewed) return tl::unexpected(overviewed.error());
+  COLLINEA_TRY(const auto without,
+               make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
+                 return depth_map(block, image, ties, pictures, &overviews, options, run);
+               }));
+  for (const auto& [image, why] : without)
+    left_out.push_back({{"file", block.images.at(image).file}, {"reason", "no depth map: " + why}});
+  std::erase_if(images, [&](ImageId image) { return without.contains(image); });
+  return images;
+}
+
+// What depth maps are made from. Options of fusion leave them alone.
+Result<std::string> inputs_of_depth_maps(const Project& project) {
+  COLLINEA_TRY(const auto oriented, project.store.read_step("orient"));
+  COLLINEA_CHECK(oriented.has_value());
+  Settings settings = project.settings;
+  settings.densify = options_of_matching(settings.densify);
+  return Hash()
+      .add(COLLINEA_VERSION)
+      .add("depth maps")
+      .add(options_text(settings, "densify"))
+      .add(oriented->output_hash)
+      .hex();
 }
 
 // Both cloud files at once: LAS in the map, PLY in the world frame.
@@ -86,7 +108,8 @@ class CloudFiles {
     if (places.frame) las.wkt = places.frame->wkt1();
     las.compressed = project.settings.densify.cloud == "laz";
     las.run = project.run;
-    for (const char* earlier : {"cloud.las", "cloud.laz"}) std::filesystem::remove(products / earlier);
+    for (const char* earlier : {"cloud.las", "cloud.laz"})
+      if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     COLLINEA_TRY(PlyWriter ply_writer,
                  PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
@@ -122,16 +145,15 @@ class CloudFiles {
 }  // namespace
 
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
-  if (const std::string& form = project.settings.densify.cloud; form != "las" && form != "laz")
-    return fail(Errc::kBadInput, "cloud = " + form + ": must be las or laz");
   COLLINEA_TRY(const Block block, project.store.read_block());
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
   WorkingPictures pictures(
       block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
-  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", inputs_hash, block, pictures));
+  COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
+  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
   COLLINEA_TRY(DepthFolder overviews,
-               DepthFolder::open(project.folder / "depth" / "overview", inputs_hash, block, pictures));
+               DepthFolder::open(project.folder / "depth" / "overview", made_from, block, pictures));
   const TieView ties(block);
   json report = {{"skipped", json::array()}};
   COLLINEA_TRY(const std::vector<ImageId> images,

@@ -19,6 +19,16 @@ bool is_map(const fs::path& path) {
   return name.ends_with(".depth.tif") || name.ends_with(".sigma.tif");
 }
 
+// One that stays would pass for one of the new ones.
+Result<> remove_maps(const fs::path& folder) {
+  std::error_code error;
+  for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator(); it.increment(error))
+    if (is_map(it->path()))
+      if (auto removed = remove_file(it->path()); !removed) return removed;
+  if (error) return fail(Errc::kBadInput, folder.string() + ": cannot be read: " + error.message());
+  return {};
+}
+
 }  // namespace
 
 Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string& inputs_hash, const Block& block,
@@ -26,10 +36,9 @@ Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string&
   const fs::path made_from = folder / "inputs.txt";
   if (read_file(made_from).value_or("") != inputs_hash) {
     std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error))
-      if (is_map(entry.path())) fs::remove(entry.path(), error);
     fs::create_directories(folder, error);
     if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
+    if (auto removed = remove_maps(folder); !removed) return tl::unexpected(removed.error());
     if (auto written = write_file(made_from, inputs_hash); !written) return tl::unexpected(written.error());
   }
   return DepthFolder(folder, block, pictures);
@@ -60,6 +69,6 @@ Result<DepthMap> DepthFolder::read(ImageId image) {
   return map;
 }
 
-bool DepthFolder::has(ImageId image) const { return fs::exists(path(image, "depth")); }
+bool DepthFolder::has(ImageId image) const { return is_there(path(image, "depth")); }
 
 }  // namespace collinea

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/export.h"
 
+#include <algorithm>
 #include <map>
 
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
+#include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/ply.h"
@@ -30,11 +32,12 @@ Result<> export_bundler(const Project& project, const std::filesystem::path& fol
 }
 
 Result<> export_tie_points(const std::filesystem::path& folder, const Block& block) {
-  std::map<PointId, std::uint8_t> images;
+  std::map<PointId, std::size_t> images;
   for (const Observation& seen : block.observations) ++images[seen.point];
+  const auto byte = [](std::size_t count) { return static_cast<std::uint8_t>(std::min<std::size_t>(count, 255)); };
   std::vector<CloudPoint> cloud;
   for (const auto& [id, point] : block.points)
-    cloud.push_back({.position = point.position_in_world, .colour = point.colour, .images = images[id]});
+    cloud.push_back({.position = point.position_in_world, .colour = point.colour, .images = byte(images[id])});
   COLLINEA_TRY(PlyWriter writer,
                PlyWriter::create(folder / "tie_points.ply", "collinea tie points, local world frame, metres"));
   writer.write(cloud);
@@ -42,7 +45,7 @@ Result<> export_tie_points(const std::filesystem::path& folder, const Block& blo
 }
 
 Result<> export_cloud(const Project& project, const std::filesystem::path& folder, const std::string& form) {
-  if (!std::filesystem::exists(project.cloud()))
+  if (!is_there(project.cloud()))
     return fail(Errc::kNotFound, "there is no cloud yet: collinea densify " + project.folder.string());
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
   const LasHeader& header = reader.header();

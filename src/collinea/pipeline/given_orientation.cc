@@ -9,6 +9,7 @@
 #include "collinea/base/hash.h"
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
+#include "collinea/io/file.h"
 #include "collinea/io/opk.h"
 #include "collinea/pipeline/image_names.h"
 
@@ -106,17 +107,18 @@ Result<ReadOrientation> from_table(const fs::path& path, const Block& setup) {
 }  // namespace
 
 Result<ReadOrientation> read_orientation(const fs::path& path, const Block& setup) {
-  if (fs::is_directory(path)) {
-    if (fs::exists(path / "cameras.bin") || fs::exists(path / "cameras.txt")) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    if (is_there(path / "cameras.bin") || is_there(path / "cameras.txt")) {
       COLLINEA_TRY(const Block model, read_colmap(path));
       return from_model(model, setup, path);
     }
-    if (fs::exists(path / "bundle.out")) return from_bundler(path, setup);
+    if (is_there(path / "bundle.out")) return from_bundler(path, setup);
     return fail(Errc::kNotFound, path.string() +
                                      ": neither a COLMAP model (cameras.txt or cameras.bin) nor Bundler's bundle.out "
                                      "is in this folder");
   }
-  if (!fs::exists(path)) return fail(Errc::kNotFound, path.string() + " does not exist");
+  if (!is_there(path)) return fail(Errc::kNotFound, path.string() + " does not exist");
   if (path.filename() == "bundle.out") return from_bundler(path.parent_path(), setup);
   return from_table(path, setup);
 }

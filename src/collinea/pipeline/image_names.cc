@@ -8,31 +8,41 @@
 namespace collinea {
 namespace {
 
-// The path in lower case with / between folders, whichever the writer used.
+// The path with / between folders, whichever the writer used.
 std::string path_of(std::string text) {
   std::replace(text.begin(), text.end(), '\\', '/');
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return std::filesystem::path(text).lexically_normal().generic_string();
 }
 
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
 std::string name_of(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+// What a name stands for, the strictest reading first.
+std::array<std::string, 4> readings_of(const std::string& path) {
+  return {path, lower(path), name_of(path), lower(name_of(path))};
+}
 
 }  // namespace
 
 ImageNames::ImageNames(const Block& block) {
   for (const auto& [id, image] : block.images) {
-    const std::string path = path_of(image.file);
-    by_path_.emplace(path, id);
-    const auto [same, is_new] = by_name_.emplace(name_of(path), id);
-    if (!is_new) same->second.reset();
+    const auto readings = readings_of(path_of(image.file));
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const auto [same, is_new] = known_[i].emplace(readings[i], id);
+      if (!is_new) same->second.reset();
+    }
   }
 }
 
 std::optional<ImageId> ImageNames::find(const std::string& name) const {
-  const std::string path = path_of(name);
-  if (const auto found = by_path_.find(path); found != by_path_.end()) return found->second;
-  const auto found = by_name_.find(name_of(path));
-  return found == by_name_.end() ? std::nullopt : found->second;
+  const auto readings = readings_of(path_of(name));
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    if (const auto found = known_[i].find(readings[i]); found != known_[i].end() && found->second) return found->second;
+  return std::nullopt;
 }
 
 }  // namespace collinea

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,15 +11,15 @@
 namespace collinea {
 
 /// Finds images as people and other programs name them: by the path below the photo folder, or by the file name alone
-/// where only one image has it; in any letter case.
+/// where only one image has it; in any letter case where that names only one.
 class ImageNames {
  public:
   explicit ImageNames(const Block& block);
   [[nodiscard]] std::optional<ImageId> find(const std::string& name) const;
 
  private:
-  std::map<std::string, ImageId> by_path_;
-  std::map<std::string, std::optional<ImageId>> by_name_;  ///< nothing: several have it
+  /// By path, path in lower case, name, name in lower case; nothing: several have it.
+  std::array<std::map<std::string, std::optional<ImageId>>, 4> known_;
 };
 
 }  // namespace collinea

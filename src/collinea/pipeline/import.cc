@@ -29,7 +29,7 @@ constexpr double kFullFrameDiagonal_mm = 43.2666;
 struct Photo {
   std::string file;
   Result<PhotoHeader> header = fail(Errc::kNotFound, "not read");
-  std::uint64_t hash = 0;
+  Result<std::uint64_t> hash = fail(Errc::kNotFound, "not read");
 };
 
 bool looks_like_photo(const fs::path& path) {
@@ -49,17 +49,35 @@ bool belongs_to_project(const fs::path& directory) {
          (name == "products" || name == "depth" || name == "report" || name == "scratch");
 }
 
-std::vector<std::string> files_below(const fs::path& folder) {
-  std::vector<std::string> files;
-  std::error_code ignored;
-  for (auto it = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, ignored);
-       it != fs::recursive_directory_iterator(); it.increment(ignored))
-    if (it->is_directory(ignored) && belongs_to_project(it->path()))
-      it.disable_recursion_pending();
-    else if (it->is_regular_file(ignored) && looks_like_photo(it->path()))
-      files.push_back(fs::relative(it->path(), folder, ignored).generic_string());
-  std::sort(files.begin(), files.end());
-  return files;
+struct Listing {
+  std::vector<std::string> files;                // sorted
+  std::vector<SkippedPhoto> unreadable_folders;  // folders that cannot be looked into
+};
+
+std::string path_below(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  const std::string below = fs::relative(path, folder, error).generic_string();
+  return error ? path.generic_string() : below;
+}
+
+// Folder by folder, so that one that cannot be read neither ends the search nor is passed over in silence.
+Listing files_below(const fs::path& folder) {
+  Listing listing;
+  std::vector<fs::path> left = {folder};
+  while (!left.empty()) {
+    const fs::path here = std::move(left.back());
+    left.pop_back();
+    std::error_code error, ignored;
+    for (auto it = fs::directory_iterator(here, error); !error && it != fs::directory_iterator(); it.increment(error))
+      if (it->is_directory(ignored)) {
+        if (!it->is_symlink(ignored) && !belongs_to_project(it->path())) left.push_back(it->path());
+      } else if (it->is_regular_file(ignored) && looks_like_photo(it->path())) {
+        listing.files.push_back(path_below(folder, it->path()));
+      }
+    if (error) listing.unreadable_folders.push_back({path_below(folder, here), "cannot be read: " + error.message()});
+  }
+  std::sort(listing.files.begin(), listing.files.end());
+  return listing;
 }
 
 Result<std::vector<double>> numbers_in(const std::string& text) {
@@ -76,9 +94,34 @@ Result<std::vector<double>> numbers_in(const std::string& text) {
   }
   if (numbers.size() < 4 || numbers.size() > 9)
     return fail(Errc::kBadInput, "--camera-params: expected fx,fy,cx,cy and up to five distortion values");
+  if (!std::all_of(numbers.begin(), numbers.end(), [](double value) { return std::isfinite(value); }))
+    return fail(Errc::kBadInput, "--camera-params " + text + ": every value must be a finite number");
   if (!(numbers[0] > 0 && numbers[1] > 0))
     return fail(Errc::kBadInput, "--camera-params " + text + ": fx and fy must be positive");
   return numbers;
+}
+
+// One camera fits pictures of one size: focal length and principal point are in its pixels.
+Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
+  const Image* first = nullptr;
+  for (const auto& [id, image] : block.images) {
+    const Camera& camera = block.camera_of(id);
+    if (!first) {
+      first = &image;
+      if (!inside(camera, {v[2], v[3]}))
+        return fail(Errc::kBadInput, fmt::format("--camera-params: the principal point {}, {} lies outside the "
+                                                 "pictures ({} x {} px)",
+                                                 v[2], v[3], camera.width_px, camera.height_px));
+    }
+    const Camera& of_first = block.cameras.at(first->camera);
+    if (camera.width_px != of_first.width_px || camera.height_px != of_first.height_px)
+      return fail(Errc::kBadInput,
+                  fmt::format("--camera-params gives one camera, but the pictures differ in size: {} has {} x {} px, "
+                              "{} has {} x {} px; keep those of one size in a folder of their own",
+                              first->file, of_first.width_px, of_first.height_px, image.file, camera.width_px,
+                              camera.height_px));
+  }
+  return {};
 }
 
 Camera given_camera(const std::vector<double>& v, int width_px, int height_px) {
@@ -121,6 +164,10 @@ Camera camera_from_header(const PhotoHeader& header) {
   return camera;
 }
 
+bool states_focal(const PhotoHeader& header) {
+  return (header.focal_mm && header.pixel_pitch_mm) || header.focal_35mm_mm;
+}
+
 std::string camera_name(const PhotoHeader& header) {
   std::string name = header.maker;
   if (!header.model.empty()) name += (name.empty() ? "" : " ") + header.model;
@@ -141,18 +188,17 @@ std::optional<PositionPrior> position_prior(const PhotoHeader& header, const Imp
   prior.height_above_start_m = header.relative_height_m;
   prior.sigma_m = {header.sigma_east_m.value_or(plan), header.sigma_north_m.value_or(plan),
                    header.height_m ? header.sigma_height_m.value_or(height) : std::numeric_limits<double>::infinity()};
-  prior.sigma_m = prior.sigma_m.cwiseMax(0.005);  // no receiver is better; zeros stand for "unknown"
+  prior.sigma_m = prior.sigma_m.cwiseMax(0.005);  // no receiver is better
   return prior;
 }
 
-std::vector<Photo> read_headers(const fs::path& folder, const Run& run) {
-  const std::vector<std::string> files = files_below(folder);
+std::vector<Photo> read_headers(const fs::path& folder, const std::vector<std::string>& files, const Run& run) {
   std::vector<Photo> photos(files.size());
   std::atomic<std::size_t> done = 0;
   parallel_for(run, files.size(), [&](std::size_t i) {
     photos[i].file = files[i];
     photos[i].header = read_photo_header(folder / files[i]);
-    photos[i].hash = hash_of_file(folder / files[i]).value_or(0);
+    photos[i].hash = hash_of_file(folder / files[i]);
     run.report("import", double(++done) / double(files.size()));
   });
   return photos;
@@ -165,9 +211,10 @@ class Importer {
 
   void add(const Photo& photo) {
     if (!photo.header) return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
+    if (!photo.hash) return skip(photo.file, reason_without_name(photo.hash.error().message, folder_ / photo.file));
     if (photo.header->width_px < 64 || photo.header->height_px < 64)
       return skip(photo.file, "smaller than 64 x 64 pixels");
-    const auto [same, is_new] = file_of_hash_.emplace(photo.hash, photo.file);
+    const auto [same, is_new] = file_of_hash_.emplace(*photo.hash, photo.file);
     if (!is_new) return skip(photo.file, "the same bytes as " + same->second);
     Image image;
     image.file = photo.file;
@@ -179,7 +226,7 @@ class Importer {
       image.attitude =
           AttitudePrior{*photo.header->heading_deg, *photo.header->pitch_deg, photo.header->roll_deg.value_or(0)};
     result.block.images[ImageId{static_cast<std::uint32_t>(result.block.images.size())}] = image;
-    result.file_hash.push_back(Hash().add(photo.hash).hex());
+    result.file_hash.push_back(Hash().add(*photo.hash).hex());
   }
 
   Imported result;
@@ -204,9 +251,10 @@ class Importer {
     camera.name = camera_name(header);
     if (camera.source == "assumed")
       result.findings.push_back(
-          fmt::format("{} ({} x {} px): no focal length in the files; {:.0f} px assumed, to be found by "
+          fmt::format("{} ({} x {} px): {} focal length in the files; {:.0f} px assumed, to be found by "
                       "self-calibration",
-                      camera.name, header.width_px, header.height_px, camera.focal_px()));
+                      camera.name, header.width_px, header.height_px, states_focal(header) ? "an impossible" : "no",
+                      camera.focal_px()));
     result.block.cameras[id] = camera;
     return id;
   }
@@ -238,15 +286,19 @@ std::vector<std::string> names_in(const std::string& list) {
 Eigen::Vector3d middle_of(const Block& block) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0, heights = 0;
+  double first_longitude_deg = 0;
   for (const auto& [id, image] : block.images)
     if (const auto& position = image.position) {
-      sum.head<2>() += Eigen::Vector2d(position->latitude_deg, position->longitude_deg);
-      ++count;
+      if (count++ == 0) first_longitude_deg = position->longitude_deg;
+      // From the first one the short way round: the date line may run through the block.
+      const double from_first_deg = std::remainder(position->longitude_deg - first_longitude_deg, 360);
+      sum.head<2>() += Eigen::Vector2d(position->latitude_deg, from_first_deg);
       if (!std::isfinite(position->sigma_m.z())) continue;
       sum.z() += position->height_m;
       ++heights;
     }
-  return {sum.x() / std::max(1, count), sum.y() / std::max(1, count), sum.z() / std::max(1, heights)};
+  return {sum.x() / std::max(1, count), std::remainder(first_longitude_deg + sum.y() / std::max(1, count), 360),
+          sum.z() / std::max(1, heights)};
 }
 
 Result<> place_on_earth(Imported& imported, const ImportOptions& options, const ControlFile& control) {
@@ -254,6 +306,9 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
   const bool has_gps = std::any_of(block.images.begin(), block.images.end(),
                                    [](const auto& entry) { return entry.second.position.has_value(); });
   std::string crs = options.crs.value_or(control.crs);
+  if (options.crs)
+    if (const auto known = check_crs(crs); !known)
+      return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\" (--crs)"));
   Eigen::Vector3d origin = middle_of(block);
   if (!has_gps) {
     if (control.points.empty()) return {};
@@ -263,7 +318,7 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const ControlFilePoint& point : control.points)
       middle += point.position_in_map / double(control.points.size());
-    COLLINEA_TRY(origin, geographic_from_map(crs, middle));
+    COLLINEA_TRY(origin, geographic_from_map(control.crs.empty() ? crs : control.crs, middle));
   }
   if (crs.empty()) crs = utm_crs(origin.x(), origin.y());
   origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
@@ -305,16 +360,20 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
   if (fs::directory_iterator(photos, unreadable); unreadable)
     return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
   Importer importer(photos, options, camera_params);
-  const std::vector<Photo> read = read_headers(photos, run);
+  const Listing listing = files_below(photos);
+  const std::vector<Photo> read = read_headers(photos, listing.files, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   for (const Photo& photo : read) importer.add(photo);
   Imported imported = std::move(importer.result);
+  imported.skipped.insert(imported.skipped.end(), listing.unreadable_folders.begin(), listing.unreadable_folders.end());
   if (imported.block.images.size() < 2)
     return fail(Errc::kNotFound, fmt::format("{} usable photographs (JPEG, TIFF, PNG) in {}{}; at least two are needed",
                                              imported.block.images.size(), photos.string(),
                                              imported.skipped.empty() ? ""
                                                                       : "; first skipped: " + imported.skipped[0].file +
                                                                             ": " + imported.skipped[0].reason));
+  if (camera_params)
+    if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
   if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
   return imported;
 }
@@ -326,7 +385,7 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
     hash.add(path.string()).add(std::uint64_t{fs::file_size(path, missing)});
     hash.add(static_cast<std::uint64_t>(fs::last_write_time(path, missing).time_since_epoch().count()));
   };
-  for (const std::string& file : files_below(photos)) add_file(photos / file);
+  for (const std::string& file : files_below(photos).files) add_file(photos / file);
   if (options.control) add_file(*options.control);
   return hash.hex();
 }

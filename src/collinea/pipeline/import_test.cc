@@ -87,6 +87,19 @@ TEST(ImportFocal, AnImpossibleOneIsNotBelieved) {
   EXPECT_EQ(camera_of(header).source, "assumed");
 }
 
+TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
+  PhotoHeader impossible = drone_header();
+  impossible.focal_mm.reset();
+  impossible.focal_35mm_mm = 3000;
+  const TestFolder folder;
+  for (const auto& [file, header] : {std::pair("a.jpg", PhotoHeader{}), std::pair("b.jpg", impossible)})
+    put_photo(folder / file, &header);
+  const auto imported = import_photos(folder / "", {}, {});
+  ASSERT_TRUE(imported) << imported.error().message;
+  EXPECT_TRUE(mentions(imported->findings, "unknown camera (120 x 90 px): no focal length in the files; 144 px"));
+  EXPECT_TRUE(mentions(imported->findings, "Maker Model (120 x 90 px): an impossible focal length in the files; 144"));
+}
+
 TEST(ImportFocal, AGivenCameraIsHeldFixed) {
   const TestFolder folder;
   put_photo(folder / "a.jpg", nullptr);
@@ -103,12 +116,25 @@ TEST(ImportFocal, AGivenCameraIsHeldFixed) {
 TEST(ImportFocal, AGivenCameraThatIsNoneIsAnError) {
   const TestFolder folder;
   put_photo(folder / "a.jpg", nullptr);
-  for (const char* params : {"100,100", "100,100,x,45", "0,100,60,45", "-100,100,60,45", "1,2,3,4,5,6,7,8,9,10"}) {
+  put_photo(folder / "b.jpg", nullptr);
+  for (const char* params :
+       {"100,100", "100,100,x,45", "0,100,60,45", "-100,100,60,45", "1,2,3,4,5,6,7,8,9,10", "100,100,nan,45",
+        "inf,inf,60,45", "100,100,60,45,nan", "100,100,130,45", "100,100,60,-1"}) {
     const auto imported = import_photos(folder / "", {.camera_params = params}, {});
     ASSERT_FALSE(imported) << params;
     EXPECT_EQ(imported.error().code, Errc::kBadInput) << params;
     EXPECT_NE(imported.error().message.find("--camera-params"), std::string::npos) << imported.error().message;
   }
+}
+
+TEST(ImportFocal, AGivenCameraFitsPicturesOfOneSizeOnly) {
+  const TestFolder folder;
+  put_photo(folder / "a.jpg", nullptr);
+  put_photo(folder / "b.jpg", nullptr, 90, 120);
+  const auto imported = import_photos(folder / "", {.camera_params = "100,100,45,45"}, {});
+  ASSERT_FALSE(imported);
+  EXPECT_EQ(imported.error().code, Errc::kBadInput);
+  EXPECT_NE(imported.error().message.find("b.jpg has 90 x 120 px"), std::string::npos) << imported.error().message;
 }
 
 TEST(Import, OneCameraForPicturesOfOneBodyLensAndSize) {
@@ -203,6 +229,29 @@ TEST(Import, PositionsGetTheUtmZoneAndStatedSigmasWin) {
   EXPECT_NEAR(second.position_in_world.y() - first.position_in_world.y(), 55.6, 0.1);
 }
 
+TEST(Import, PicturesOnBothSidesOfTheDateLineAreBesideEachOther) {
+  const TestFolder folder;
+  const PhotoHeader west = at_place(-17, 179.999), east = at_place(-17, -179.997);
+  put_photo(folder / "1.jpg", &west);
+  put_photo(folder / "2.jpg", &east);
+  const auto imported = import_photos(folder / "", {}, {});
+  ASSERT_TRUE(imported) << imported.error().message;
+  const Block& block = imported->block;
+  EXPECT_EQ(block.georeference.value().crs, "EPSG:32701");
+  EXPECT_NEAR(block.georeference->origin_longitude_deg, -179.999, 1e-9);
+  for (const auto& [id, image] : block.images)
+    EXPECT_LT(image.position->position_in_world.head<2>().norm(), 250) << image.file;
+}
+
+TEST(Import, AMapThatIsNoneIsAnErrorAlsoWhereNothingIsPlaced) {
+  const TestFolder folder;
+  put_photo(folder / "a.jpg", nullptr);
+  put_photo(folder / "b.jpg", nullptr);
+  const auto imported = import_photos(folder / "", {.crs = "nonsense"}, {});
+  ASSERT_FALSE(imported);
+  EXPECT_NE(imported.error().message.find("--crs"), std::string::npos) << imported.error().message;
+}
+
 TEST(Import, WithoutPositionsAndControlThereIsNoMap) {
   const TestFolder folder;
   put_photo(folder / "a.jpg", nullptr);
@@ -274,6 +323,8 @@ TEST(ImportControl, PointsOfAnotherZoneComeToTheMapAskedFor) {
   const auto imported = import_with_control(kControl, {.crs = "EPSG:32632"});
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->block.georeference.value().crs, "EPSG:32632");
+  EXPECT_NEAR(imported->block.georeference->origin_latitude_deg, 48.198, 0.01);
+  EXPECT_NEAR(imported->block.georeference->origin_longitude_deg, 15.630, 0.01);
   // Both zones' central meridians are 6 degrees, about 446 km at this latitude, apart.
   EXPECT_NEAR(imported->block.control.at(ControlId{0}).position_in_map.x(), 993000, 3000);
 }

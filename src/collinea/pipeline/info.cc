@@ -25,7 +25,9 @@ json control_points(const json& orientation, const Block& setup) {
       if (differences.at(axis).is_number() && sigmas[axis].is_number())
         beyond |= std::abs(differences[axis].get<double>()) > 3 * sigmas[axis].get<double>();
     list.push_back({{"name", point->second.name},
-                    {"role", row.at("used").get<bool>() ? "control" : "check"},
+                    {"role", row.at("excluded").get<bool>() ? "excluded"
+                             : row.at("used").get<bool>()   ? "control"
+                                                            : "check"},
                     {"images", row.at("rays")},
                     {"difference_m", differences},
                     {"sigma_m", sigmas},

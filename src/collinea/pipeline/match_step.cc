@@ -14,15 +14,17 @@
 #include "collinea/match/guided.h"
 #include "collinea/match/partners.h"
 #include "collinea/match/retrieval.h"
-#include "collinea/pipeline/feature_cache.h"
+#include "collinea/pipeline/image_cache.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
 
 namespace collinea {
 namespace {
 
-constexpr std::size_t kCachedImages = 200;  // about 1.3 MB each
-constexpr std::size_t kBatch = 32;          // pairs written at once: what a kill can cost
+constexpr std::size_t kCachedImages = 200;    // about 1.3 MB each
+constexpr std::size_t kCachedClosure = 1000;  // keypoints alone: about 0.2 MB each
+constexpr std::size_t kBatch = 32;            // pairs written at once: what a kill can cost
+constexpr std::size_t kBatchPerThread = 8;    // the last of a batch are waited for
 constexpr std::size_t kClosureBatch = 256;
 constexpr std::size_t kClosureMatches = 200;
 constexpr int kJoiningRounds = 3;
@@ -31,19 +33,25 @@ constexpr std::size_t kLeastScouts = 1000;  // features from which a guide is so
 
 using Ids = ImageIdPair;
 
+struct Sight {
+  const Camera& camera;
+  std::span<const Keypoint> keypoints;
+};
+
 struct Picture {
   const Camera& camera;
   const Features& features;
+
+  [[nodiscard]] Sight sight() const { return {camera, features.keypoints}; }
 
   [[nodiscard]] std::span<const Descriptor> strongest(std::size_t count) const {
     return std::span(features.descriptors).first(std::min(count, features.descriptors.size()));
   }
 };
 
-ImagePair verify_pictures(const Picture& first, const Picture& second, std::span<const Match> putative,
+ImagePair verify_pictures(const Sight& first, const Sight& second, std::span<const Match> putative,
                           const VerifyOptions& options, std::uint64_t seed) {
-  ImagePair pair =
-      verify(first.camera, first.features.keypoints, second.camera, second.features.keypoints, putative, options, seed);
+  ImagePair pair = verify(first.camera, first.keypoints, second.camera, second.keypoints, putative, options, seed);
   pair.putative = static_cast<int>(putative.size());
   return pair;
 }
@@ -53,8 +61,8 @@ ImagePair verify_pictures(const Picture& first, const Picture& second, std::span
 std::optional<ImagePair> match_guided(const Picture& first, const Picture& second, std::size_t scouts,
                                       const Settings& settings, std::uint64_t seed) {
   const ImagePair sketch = verify_pictures(
-      first, second, match_descriptors(first.strongest(scouts), second.strongest(scouts), settings.match),
-      settings.verify, seed);
+      first.sight(), second.sight(),
+      match_descriptors(first.strongest(scouts), second.strongest(scouts), settings.match), settings.verify, seed);
   const auto near =
       guide(first.camera, first.features.keypoints, second.camera, second.features.keypoints, sketch, settings.verify);
   if (!near) return std::nullopt;
@@ -64,7 +72,7 @@ std::optional<ImagePair> match_guided(const Picture& first, const Picture& secon
   strict.max_ratio *= strict.max_ratio;
   const auto putative =
       match_among(first.features.descriptors, second.features.descriptors, near->begin, near->candidates, strict);
-  ImagePair pair = verify_pictures(first, second, putative, settings.verify, seed);
+  ImagePair pair = verify_pictures(first.sight(), second.sight(), putative, settings.verify, seed);
   if (pair.matches.size() < sketch.matches.size()) return std::nullopt;
   return pair;
 }
@@ -75,7 +83,7 @@ ImagePair match_pictures(const Picture& first, const Picture& second, const Sett
   for (const std::size_t part : {4, 2})
     if (count / part >= kLeastScouts)
       if (auto pair = match_guided(first, second, count / part, settings, seed)) return *std::move(pair);
-  return verify_pictures(first, second,
+  return verify_pictures(first.sight(), second.sight(),
                          match_descriptors(first.features.descriptors, second.features.descriptors, settings.match),
                          settings.verify, seed);
 }
@@ -84,7 +92,11 @@ ImagePair match_pictures(const Picture& first, const Picture& second, const Sett
 class Matcher {
  public:
   Matcher(Project& project, const Block& setup, std::string inputs_hash)
-      : project_(project), setup_(setup), inputs_hash_(std::move(inputs_hash)), cache_(project.store, kCachedImages) {}
+      : project_(project),
+        setup_(setup),
+        inputs_hash_(std::move(inputs_hash)),
+        features_([this](ImageId image) { return project_.store.read_features(image); }, kCachedImages),
+        keypoints_([this](ImageId image) { return project_.store.read_keypoints(image); }, kCachedClosure) {}
 
   Result<> load() {
     COLLINEA_TRY(std::vector<ImagePair> stored, project_.store.read_pairs());
@@ -106,35 +118,35 @@ class Matcher {
   }
 
   [[nodiscard]] const std::set<Ids>& searched() const { return searched_; }
-  /// The pairs searched so far that hold.
-  [[nodiscard]] std::vector<ImagePair> verified() const {
-    std::vector<ImagePair> list;
+  /// The pairs searched so far that hold; until the next search.
+  [[nodiscard]] std::vector<const ImagePair*> verified() const {
+    std::vector<const ImagePair*> list;
     for (const Ids& ids : searched_)
-      if (const ImagePair& pair = pairs_.at(ids); pair.geometry != PairGeometry::kNone) list.push_back(pair);
+      if (const ImagePair& pair = pairs_.at(ids); pair.geometry != PairGeometry::kNone) list.push_back(&pair);
     return list;
   }
   [[nodiscard]] const std::map<Ids, ImagePair>& pairs() const { return pairs_; }
 
  private:
   Result<ImagePair> searched_pair(Ids ids) {
-    return from_pictures(ids, [&](const Picture& first, const Picture& second, std::uint64_t seed) {
-      return match_pictures(first, second, project_.settings, seed);
-    });
+    COLLINEA_TRY(const auto first, features_.of(ids.first));
+    COLLINEA_TRY(const auto second, features_.of(ids.second));
+    return with_ids(ids, match_pictures({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
+                                        project_.settings, seed_of(ids)));
   }
 
   Result<ImagePair> verified_pair(Ids ids, const std::vector<Match>& putative) {
-    return from_pictures(ids, [&](const Picture& first, const Picture& second, std::uint64_t seed) {
-      return verify_pictures(first, second, putative, project_.settings.verify, seed);
-    });
+    COLLINEA_TRY(const auto first, keypoints_.of(ids.first));
+    COLLINEA_TRY(const auto second, keypoints_.of(ids.second));
+    return with_ids(ids, verify_pictures({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
+                                         putative, project_.settings.verify, seed_of(ids)));
   }
 
-  template <class Work>
-  Result<ImagePair> from_pictures(Ids ids, Work&& work) {
-    COLLINEA_TRY(const auto first, cache_.of(ids.first));
-    COLLINEA_TRY(const auto second, cache_.of(ids.second));
-    const std::uint64_t seed = Hash().add(project_.run.seed).add(ids.first.value).add(ids.second.value).value();
-    ImagePair pair =
-        work(Picture{setup_.camera_of(ids.first), *first}, Picture{setup_.camera_of(ids.second), *second}, seed);
+  [[nodiscard]] std::uint64_t seed_of(Ids ids) const {
+    return Hash().add(project_.run.seed).add(ids.first.value).add(ids.second.value).value();
+  }
+
+  static ImagePair with_ids(Ids ids, ImagePair pair) {
     pair.first = ids.first;
     pair.second = ids.second;
     return pair;
@@ -146,8 +158,9 @@ class Matcher {
     std::vector<std::size_t> left;
     for (std::size_t i = 0; i < wanted.size(); ++i)
       if (!pairs_.contains(wanted[i])) left.push_back(i);
-    for (std::size_t start = 0; start < left.size(); start += kBatch) {
-      const std::span batch(left.data() + start, std::min(kBatch, left.size() - start));
+    const std::size_t size = std::max(kBatch, kBatchPerThread * static_cast<std::size_t>(project_.run.threads));
+    for (std::size_t start = 0; start < left.size(); start += size) {
+      const std::span batch(left.data() + start, std::min(size, left.size() - start));
       std::vector<Result<ImagePair>> results(batch.size(), fail(Errc::kCancelled, "stopped"));
       parallel_for(project_.run, batch.size(), [&](std::size_t i) { results[i] = work(batch[i]); });
       if (auto stored = store(results); !stored) return stored;
@@ -170,7 +183,8 @@ class Matcher {
   Project& project_;
   const Block& setup_;
   const std::string inputs_hash_;
-  FeatureCache cache_;
+  ImageCache<Features> features_;
+  ImageCache<std::vector<Keypoint>> keypoints_;
   std::map<Ids, ImagePair> pairs_;
   std::set<Ids> searched_;
 };
@@ -194,8 +208,9 @@ Result<> search_best_partners(const Project& project, const Block& setup, Matche
   if (auto done = matcher.search(lacking, 0.45, 0.8); !done) return done;
   for (int round = 0; round < kJoiningRounds; ++round) {
     std::vector<Ids> verified;
-    for (const ImagePair& pair : matcher.verified()) verified.emplace_back(pair.first, pair.second);
+    for (const ImagePair* pair : matcher.verified()) verified.emplace_back(pair->first, pair->second);
     const auto joining = joining_pairs(looked, matcher.searched(), verified, options);
+    if (joining.empty()) break;
     if (auto done = matcher.search(joining, 0.8, 0.9); !done) return done;
   }
   return {};

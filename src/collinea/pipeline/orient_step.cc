@@ -6,38 +6,31 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "collinea/adjust/intersect.h"
 #include "collinea/base/hash.h"
 #include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
+#include "collinea/report/statistics.h"
 
 namespace collinea {
 namespace {
 
 using nlohmann::json;
 
+const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::nan(""));
+
 // Root mean square per axis; null where nothing was measured on it.
-json rms_of(const std::vector<Eigen::Vector3d>& differences_m) {
+json axes_of(const AxisRms& rms) {
   json axes = json::array();
-  bool any = false;
-  for (int axis = 0; axis < 3; ++axis) {
-    double sum = 0;
-    int count = 0;
-    for (const Eigen::Vector3d& difference : differences_m)
-      if (std::isfinite(difference[axis])) {
-        sum += difference[axis] * difference[axis];
-        ++count;
-      }
-    axes.push_back(count ? json(std::sqrt(sum / count)) : json(nullptr));
-    any |= count > 0;
-  }
-  return any ? axes : json(nullptr);
+  for (const auto& axis : rms.axis_m) axes.push_back(axis ? json(*axis) : json(nullptr));
+  return rms.points ? axes : json(nullptr);
 }
 
-Eigen::Vector3d measured_axes(const ControlDifference& control, const ControlPoint& point) {
-  Eigen::Vector3d difference = control.difference_m;
+// Without the axes that were not measured.
+Eigen::Vector3d measured_axes(Eigen::Vector3d difference, const Eigen::Vector3d& sigma_m) {
   for (int axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(point.sigma_m[axis])) difference[axis] = std::nan("");
+    if (!std::isfinite(sigma_m[axis])) difference[axis] = std::nan("");
   return difference;
 }
 
@@ -45,22 +38,19 @@ json control_rms(const Orientation& orientation, bool used) {
   std::vector<Eigen::Vector3d> differences;
   for (const ControlDifference& control : orientation.adjusted.control)
     if (control.used == used && control.position_in_world && !orientation.excluded_control.contains(control.point))
-      differences.push_back(measured_axes(control, orientation.block.control.at(control.point)));
-  return rms_of(differences);
+      differences.push_back(control.difference_m);
+  return axes_of(rms_of(differences));
 }
 
 Eigen::Vector3d measured_axes(const PositionDifference& position, const Block& block) {
-  Eigen::Vector3d difference = position.difference_m;
-  for (int axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(block.images.at(position.image).position->sigma_m[axis])) difference[axis] = std::nan("");
-  return difference;
+  return measured_axes(position.difference_m, block.images.at(position.image).position->sigma_m);
 }
 
 json position_rms(const Orientation& orientation) {
   std::vector<Eigen::Vector3d> differences;
   for (const PositionDifference& position : orientation.adjusted.positions)
     differences.push_back(measured_axes(position, orientation.block));
-  return rms_of(differences);
+  return axes_of(rms_of(differences));
 }
 
 double mean_residual_px(const Adjusted& adjusted) {
@@ -86,36 +76,61 @@ json numbers(const auto& values) {
   return list;
 }
 
+// Control that was found wrong took no part: what it is off by, seen with its measurements as they were given.
+json excluded_control(const Orientation& orientation, const Block& setup) {
+  Block measured;
+  measured.cameras = orientation.block.cameras;
+  measured.images = setup.images;
+  measured.cam_from_world = orientation.block.cam_from_world;
+  measured.control_observations = setup.control_observations;
+  json rows = json::array();
+  for (const ControlId id : orientation.excluded_control) {
+    const ControlPoint& point = orientation.block.control.at(id);
+    const std::vector<SightLine> lines = sight_lines(measured, id);
+    Eigen::Vector3d off_m = kUnknown;
+    if (const auto met = intersect(lines))
+      off_m = measured_axes(met->point_in_world - point.position_in_world, point.sigma_m);
+    rows.push_back({{"point", id.value},
+                    {"used", false},
+                    {"excluded", true},
+                    {"rays", lines.size()},
+                    {"difference_m", numbers(off_m)},
+                    {"sigma_m", numbers(kUnknown)}});
+  }
+  return rows;
+}
+
 // What only the report needs: differences and sigmas one by one.
-json details_of(const Orientation& orientation) {
+json details_of(const Orientation& orientation, const Block& setup) {
   const Adjusted& adjusted = orientation.adjusted;
   json details = {{"control", json::array()},
                   {"positions", json::array()},
                   {"centre_sigma_m", json::object()},
                   {"camera_sigma", json::object()}};
   for (const ControlDifference& control : adjusted.control)
-    details["control"].push_back(
-        {{"point", control.point.value},
-         {"used", control.used},
-         {"rays", control.rays},
-         {"difference_m", numbers(measured_axes(control, orientation.block.control.at(control.point)))},
-         {"sigma_m", numbers(control.difference_sigma_m)}});
-  for (const ControlId point : orientation.excluded_control) details["excluded_control"].push_back(point.value);
+    details["control"].push_back({{"point", control.point.value},
+                                  {"used", control.used},
+                                  {"excluded", false},
+                                  {"rays", control.rays},
+                                  {"difference_m", numbers(control.difference_m)},
+                                  {"sigma_m", numbers(control.difference_sigma_m)}});
+  for (json& row : excluded_control(orientation, setup)) details["control"].push_back(std::move(row));
   for (const PositionDifference& position : adjusted.positions)
     details["positions"].push_back({{"image", position.image.value},
                                     {"difference_m", numbers(measured_axes(position, orientation.block))},
                                     {"weight", position.weight}});
   for (const auto& [image, covariance] : adjusted.pose_covariance)
     details["centre_sigma_m"][std::to_string(image.value)] =
-        numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt()));
+        numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt() * sigma_scale(adjusted)));
   for (const auto& [camera, covariance] : adjusted.camera_covariance)
-    details["camera_sigma"][std::to_string(camera.value)] = numbers(Eigen::VectorXd(covariance.diagonal().cwiseSqrt()));
+    details["camera_sigma"][std::to_string(camera.value)] =
+        numbers(Eigen::VectorXd(covariance.diagonal().cwiseSqrt() * sigma_scale(adjusted)));
   return details;
 }
 
-json report_of(const Orientation& orientation, std::size_t images) {
+json report_of(const Orientation& orientation, const Block& setup) {
   const Adjusted& adjusted = orientation.adjusted;
-  json report = {{"images", images},
+  json report = {{"images", setup.images.size()},
                  {"oriented", orientation.block.cam_from_world.size()},
                  {"tie_points", orientation.block.points.size()},
                  {"observations", orientation.block.observations.size()},
@@ -134,7 +149,7 @@ json report_of(const Orientation& orientation, std::size_t images) {
                  {"findings", orientation.findings}};
   report["other_parts"] = json::array();
   for (const auto& part : orientation.other_parts) report["other_parts"].push_back(files_of(orientation.block, part));
-  report["details"] = details_of(orientation);
+  report["details"] = details_of(orientation, setup);
   return report;
 }
 
@@ -163,7 +178,7 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   if (auto written = project.store.write_orientation(orientation.block); !written)
     return tl::unexpected(written.error());
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
-  const json report = report_of(orientation, setup.images.size());
+  const json report = report_of(orientation, setup);
   return StepOutput{
       inputs_hash, json_text(report),
       fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}",

@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/block/world_frame.h"
+
 namespace collinea {
 
 Result<Places> places_of(const Project& project, const Block& block) {
@@ -18,9 +20,7 @@ Result<Places> places_of(const Project& project, const Block& block) {
   }
   places.matched_pixel_m = shrink * places.pixel_m;
   if (report.at("georeferenced").get<bool>()) {
-    const Georeference& on_earth = *block.georeference;
-    COLLINEA_TRY(places.frame, LocalFrame::create(on_earth.crs, on_earth.origin_latitude_deg,
-                                                  on_earth.origin_longitude_deg, on_earth.origin_height_m));
+    COLLINEA_TRY(places.frame, world_frame(*block.georeference));
   }
   return places;
 }

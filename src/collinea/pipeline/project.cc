@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "collinea/base/hash.h"
+#include "collinea/io/file.h"
 #include "collinea/pipeline/cost.h"
 #include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/step.h"
@@ -24,7 +25,8 @@ struct Step {
   Result<StepOutput> (*work)(Project&, const std::string& inputs_hash);
   std::vector<const char*> reads;     ///< earlier steps whose output it uses
   std::vector<const char*> products;  ///< files without which it is not done
-  bool reads_control = false;         ///< control, map and position sigmas: all that import was given
+  bool reads_setup = false;           ///< control, map and position sigmas too: all that import left in the store
+  bool reads_sources = false;         ///< what import was given, with the remarks on it
 };
 
 constexpr const char* kCloud = "products/cloud.las or .laz, as asked for";
@@ -35,7 +37,7 @@ const std::array<Step, 8>& steps() {
       {"import", import_step, {}, {}},
       {"detect", detect_step, {"import"}, {}},
       {"match", match_step, {"import", "detect"}, {}},
-      {"orient", orient_step, {"import", "match"}, {}, true},
+      {"orient", orient_step, {"import", "match"}, {}, /*reads_setup=*/true},
       {"densify", densify_step, {"orient"}, {kCloud, "products/cloud.ply"}},
       {"surface",
        surface_step,
@@ -46,7 +48,8 @@ const std::array<Step, 8>& steps() {
        report_step,
        {"import", "detect", "match", "orient", "densify", "surface", "ortho"},
        {"report/report.html"},
-       true},
+       /*reads_setup=*/true,
+       /*reads_sources=*/true},
   }};
   return all;
 }
@@ -61,7 +64,11 @@ Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
     COLLINEA_TRY(const auto record, project.store.read_step(earlier));
     COLLINEA_CHECK(record.has_value());
     hash.add(record->output_hash);
-    if (step.reads_control && earlier == std::string_view("import")) hash.add(record->inputs_hash);
+    if (step.reads_sources && earlier == std::string_view("import")) hash.add(record->inputs_hash);
+  }
+  if (step.reads_setup) {
+    COLLINEA_TRY(const std::uint64_t setup, project.store.setup_hash());
+    hash.add(setup);
   }
   return hash.hex();
 }
@@ -78,21 +85,22 @@ fs::path product_path(const Project& project, const char* product) {
 bool products_exist(const Project& project, const Step& step, const StepRecord& record) {
   if (made_nothing(record.report_json)) return true;
   for (const char* product : step.products)
-    if (!fs::exists(product_path(project, product))) return false;
+    if (!is_there(product_path(project, product))) return false;
   return true;
 }
 
 // What a program that was killed left half written. Nobody else is at work here, but other files may lie beside ours.
 void sweep(const fs::path& folder) {
-  if (!fs::exists(folder / "block.db")) return;
+  if (!is_there(folder / "block.db")) return;
   std::error_code ignored;
   const auto remove_in = [&](const char* place, const char* name_start, const char* extension_start) {
-    for (const auto& entry : fs::directory_iterator(folder / place, ignored))
-      if (entry.path().filename().string().starts_with(name_start) &&
-          entry.path().extension().string().starts_with(extension_start))
-        fs::remove(entry.path(), ignored);
+    for (auto it = fs::directory_iterator(folder / place, ignored); it != fs::directory_iterator();
+         it.increment(ignored))
+      if (it->path().filename().string().starts_with(name_start) &&
+          it->path().extension().string().starts_with(extension_start))
+        fs::remove(it->path(), ignored);
   };
-  for (const char* place : {"products", "depth", "report"}) remove_in(place, "", ".part");
+  for (const char* place : {"products", "depth", "depth/overview", "report"}) remove_in(place, "", ".part");
   remove_in(".", "project.json", ".part");
   remove_in("scratch", "points_", ".bin");
   fs::remove(folder / "scratch", ignored);  // stays when it holds anything else
@@ -129,7 +137,8 @@ Result<> do_step(Project& project, const Step& step) {
   if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: {}", step.name, kStopped));
   project.run.report(step.name, 1);
   if (made_nothing(output.report_json))
-    for (const char* product : step.products) fs::remove(product_path(project, product));
+    for (const char* product : step.products)
+      if (auto removed = remove_file(product_path(project, product)); !removed) return removed;
   const StepRecord record{step.name,         inputs_hash,        output.output_hash,
                           cost.seconds(),    cost.cpu_seconds(), cost.peak_memory_bytes(),
                           output.report_json};
@@ -150,6 +159,8 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
   std::error_code error;
   if (!fs::is_directory(settings.photos, error))
     return fail(Errc::kNotFound, settings.photos + " is not a folder of photographs");
+  if (const auto& given = settings.orient.orientation; given && !is_there(*given))
+    return fail(Errc::kNotFound, "orient: orientation: " + *given + " does not exist");
   fs::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   COLLINEA_TRY(auto lock, ProjectLock::take(folder));

@@ -5,10 +5,11 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
 #include "collinea/pipeline/export.h"
@@ -83,6 +84,7 @@ class SmallProject : public ::testing::Test {
     Settings settings;
     settings.photos = (root_ / "images").string();
     settings.import.control = (root_ / "control.csv").string();
+    settings.pairs.exhaustive_below = 0;  // partners are chosen as in a large block
     return settings;
   }
 
@@ -105,8 +107,12 @@ class SmallProject : public ::testing::Test {
   void a_compressed_cloud_gives_the_same_surface();
   void what_is_up_to_date_is_not_done_again();
   void a_changed_option_redoes_its_step_and_what_follows();
+  void options_of_fusion_leave_depth_maps_alone_and_others_do_not();
+  void photographs_that_were_moved_are_only_read_again();
+  void what_stands_in_the_way_of_a_product_is_named();
   void a_changed_control_file_leaves_matching_alone();
   void a_missing_product_is_made_again();
+  void a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   void stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   void files_left_half_written_are_swept_and_others_are_not();
   void a_second_program_is_kept_out_but_may_look();
@@ -131,9 +137,7 @@ void SmallProject::projection_centres_are_where_they_were() {
   const auto truth = read_truth(root_);
   ASSERT_TRUE(project && truth);
   const Block block = project->store.read_block().value();
-  const Georeference& earth = block.georeference.value();
-  const auto frame =
-      LocalFrame::create(earth.crs, earth.origin_latitude_deg, earth.origin_longitude_deg, earth.origin_height_m);
+  const auto frame = world_frame(block.georeference.value());
   ASSERT_TRUE(frame);
   for (const auto& [id, pose] : block.cam_from_world) {
     const std::string& file = block.images.at(id).file;
@@ -193,8 +197,6 @@ void SmallProject::a_compressed_cloud_gives_the_same_surface() {
   EXPECT_FALSE(fs::exists(products / "cloud.las"));  // that of the earlier setting is not left beside
   EXPECT_LT(5 * fs::file_size(products / "cloud.laz"), fs::file_size(root_ / "mapped/products/cloud.las"));
   EXPECT_TRUE(bytes_of(products / "dsm.tif") == bytes_of(root_ / "mapped/products/dsm.tif"));
-  changed.densify.cloud = "laz2";
-  EXPECT_FALSE(bring(root_ / "compressed", changed, log, "densify"));
   fs::remove_all(root_ / "compressed");
 }
 
@@ -212,12 +214,70 @@ void SmallProject::a_changed_option_redoes_its_step_and_what_follows() {
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"surface", "ortho", "report"}));
 }
 
+std::map<fs::path, fs::file_time_type> times_of_depth_maps(const fs::path& project) {
+  std::map<fs::path, fs::file_time_type> times;
+  for (const auto& entry : fs::recursive_directory_iterator(project / "depth"))
+    if (entry.path().extension() == ".tif") times[entry.path()] = fs::last_write_time(entry.path());
+  return times;
+}
+
+void SmallProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() {
+  Settings changed = settings();
+  changed.densify.max_sigmas = 3;
+  changed.densify.min_images = 2;
+  changed.densify.memory_mb = 700;
+  const fs::path kept = copy("fusion"), anew = copy("fusion_anew");
+  fs::remove_all(anew / "depth");
+  const auto times = times_of_depth_maps(kept);
+  Log log;
+  ASSERT_TRUE(bring(kept, changed, log, "densify"));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"densify"});
+  EXPECT_TRUE(times_of_depth_maps(kept) == times);
+  ASSERT_TRUE(bring(anew, changed, log, "densify"));
+  EXPECT_TRUE(bytes_of(kept / "products/cloud.las") == bytes_of(anew / "products/cloud.las"));
+  EXPECT_FALSE(bytes_of(kept / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
+  changed.densify.min_correlation = 0.6;
+  ASSERT_TRUE(bring(kept, changed, log, "densify"));
+  const auto later = times_of_depth_maps(kept);
+  for (const auto& [path, time] : times) EXPECT_TRUE(!later.contains(path) || later.at(path) > time) << path;
+}
+
+void SmallProject::photographs_that_were_moved_are_only_read_again() {
+  Settings changed = settings();
+  changed.photos = (root_ / "moved").string();
+  fs::copy(root_ / "images", root_ / "moved");
+  Log log;
+  ASSERT_TRUE(bring(copy("with_moved"), changed, log, "report"));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "report"}));
+}
+
+void SmallProject::what_stands_in_the_way_of_a_product_is_named() {
+  const fs::path project = copy("in_the_way");
+  fs::remove(project / "products/cloud.ply");
+  fs::create_directories(project / "products/cloud.laz/folder");
+  Log log;
+  const auto done = bring(project, settings(), log, "densify");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::kBadInput);
+  EXPECT_NE(done.error().message.find("cloud.laz"), std::string::npos) << done.error().message;
+}
+
 void SmallProject::a_changed_control_file_leaves_matching_alone() {
   Settings changed = settings();
   changed.import.control = (root_ / "other_control.csv").string();
   ASSERT_TRUE(write_file(*changed.import.control, bytes_of(root_ / "control.csv") + "# looked over\n"));
   Log log;
-  ASSERT_TRUE(bring(copy("control"), changed, log, "orient"));
+  const fs::path project = copy("control");
+  ASSERT_TRUE(bring(project, changed, log, "orient"));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"import"});
+  log.lines.clear();
+  changed.import.control_sigma_px = 0.7;
+  std::string without_sigmas;  // of the measurements: the last of seven fields
+  std::istringstream rows(bytes_of(root_ / "control.csv"));
+  for (std::string row; std::getline(rows, row);)
+    without_sigmas += (row.starts_with("image") ? row.substr(0, row.rfind(',')) : row) + "\n";
+  ASSERT_TRUE(write_file(*changed.import.control, without_sigmas));
+  ASSERT_TRUE(bring(project, changed, log, "orient"));
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "orient"}));
 }
 
@@ -229,6 +289,36 @@ void SmallProject::a_missing_product_is_made_again() {
   ASSERT_TRUE(bring(project, settings(), log, "report"));
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
   EXPECT_EQ(bytes_of(project / "products/ortho.tif"), before);
+}
+
+void SmallProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same() {
+  const fs::path project = copy("full_disk");
+  fs::remove(project / "products/cloud.ply");
+  const auto overviews = [&] {
+    std::vector<fs::path> found;
+    for (const auto& entry : fs::directory_iterator(project / "depth/overview"))
+      if (entry.path().string().ends_with(".depth.tif")) found.push_back(entry.path());
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  const std::vector<fs::path> before = overviews();
+  ASSERT_EQ(before.size(), 6u);
+  for (const fs::path& path : before) fs::remove(path);
+  const fs::path overview = before.front();
+  const std::string name = overview.string();
+  const fs::path in_the_way = name.substr(0, name.size() - std::string(".depth.tif").size()) + ".sigma.tif";
+  fs::remove(in_the_way);
+  fs::create_directories(in_the_way / "folder");
+  Log log;
+  const auto failed = bring(project, settings(), log, "densify");
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, Errc::kBadInput);
+  EXPECT_NE(failed.error().message.find(in_the_way.filename().string()), std::string::npos) << failed.error().message;
+  EXPECT_TRUE(overviews().empty());  // no others were tried
+  fs::remove_all(in_the_way);
+  const auto done = bring(project, settings(), log, "densify");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
 }
 
 void SmallProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte() {
@@ -258,7 +348,8 @@ void SmallProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_
 
 void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   const fs::path project = copy("swept");
-  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "scratch/points_1_1.bin"}) {
+  for (const char* file :
+       {"products/cloud.las.part123", "depth/a.tif.part", "depth/overview/b.tif.part", "scratch/points_1_1.bin"}) {
     fs::create_directories((project / file).parent_path());
     ASSERT_TRUE(write_file(project / file, "half"));
   }
@@ -266,7 +357,7 @@ void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   Log log;
   ASSERT_TRUE(bring(project, settings(), log, "report"));
   EXPECT_TRUE(log.steps_done().empty());
-  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "scratch"})
+  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "depth/overview/b.tif.part", "scratch"})
     EXPECT_FALSE(fs::exists(project / file)) << file;
   EXPECT_TRUE(fs::exists(project / "download.part"));
 }
@@ -289,6 +380,7 @@ void SmallProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() 
   fs::resize_file(broken, fs::file_size(broken) * 2 / 3);
   Settings changed = settings();
   changed.photos = photos.string();
+  changed.pairs.exhaustive_below = 10;  // all with all
   Log log;
   const auto done = bring(root_ / "without_broken", changed, log, "match");
   ASSERT_TRUE(done) << done.error().message;
@@ -305,8 +397,12 @@ TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   a_compressed_cloud_gives_the_same_surface();
   what_is_up_to_date_is_not_done_again();
   a_changed_option_redoes_its_step_and_what_follows();
+  options_of_fusion_leave_depth_maps_alone_and_others_do_not();
+  photographs_that_were_moved_are_only_read_again();
+  what_stands_in_the_way_of_a_product_is_named();
   a_changed_control_file_leaves_matching_alone();
   a_missing_product_is_made_again();
+  a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   files_left_half_written_are_swept_and_others_are_not();
   a_second_program_is_kept_out_but_may_look();
@@ -331,6 +427,19 @@ TEST(Project, PhotosThatAreNoFolderAreAnErrorBeforeAnythingIsMade) {
   const auto project = create_project(folder / "project", settings, {});
   ASSERT_FALSE(project);
   EXPECT_EQ(project.error().code, Errc::kNotFound);
+  EXPECT_FALSE(fs::exists(folder / "project"));
+}
+
+TEST(Project, AnOrientationThatIsNotThereIsAnErrorBeforeAnythingIsMade) {
+  const TestFolder folder;
+  Settings settings;
+  settings.photos = (folder / "").string();
+  for (const std::string& path : {(folder / "nowhere").string(), "/" + std::string(5000, 'x')}) {
+    settings.orient.orientation = path;
+    const auto project = create_project(folder / "project", settings, {});
+    ASSERT_FALSE(project);
+    EXPECT_NE(project.error().message.find(path), std::string::npos) << project.error().message;
+  }
   EXPECT_FALSE(fs::exists(folder / "project"));
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <locale>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/pipeline/places.h"
@@ -26,22 +25,15 @@ Eigen::Vector3d vector_of(const json& list) {
   return vector;
 }
 
-const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::nan(""));
-
 void add_orientation(const json& orientation, ReportInput& input) {
   const json& details = orientation.at("details");
-  std::set<std::uint32_t> excluded;
-  for (const json& point : details.value("excluded_control", json::array()))
-    excluded.insert(point.get<std::uint32_t>());
-  for (const json& row : details.at("control")) {
-    const auto point = row.at("point").get<std::uint32_t>();
-    input.control.push_back({.point = ControlId{point},
+  for (const json& row : details.at("control"))
+    input.control.push_back({.point = ControlId{row.at("point").get<std::uint32_t>()},
                              .used = row.at("used").get<bool>(),
-                             .excluded = excluded.contains(point),
+                             .excluded = row.at("excluded").get<bool>(),
                              .rays = row.at("rays").get<int>(),
                              .difference_m = vector_of(row.at("difference_m")),
-                             .sigma_m = row.contains("sigma_m") ? vector_of(row.at("sigma_m")) : kUnknown});
-  }
+                             .sigma_m = vector_of(row.at("sigma_m"))});
   for (const json& row : details.at("positions"))
     input.positions.push_back({ImageId{row.at("image").get<std::uint32_t>()}, vector_of(row.at("difference_m")),
                                row.at("weight").get<double>()});

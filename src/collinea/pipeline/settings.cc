@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "collinea/io/file.h"
 #include "collinea/pipeline/json_text.h"
@@ -32,7 +33,12 @@ void from_json(const json& j, T& value) {
     else
       from_json(j, value.emplace());
   } else {
-    if (std::is_same_v<T, int> && !j.is_number_integer()) throw std::invalid_argument("must be a whole number");
+    if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+      if (!j.is_number_integer()) throw std::invalid_argument("must be a whole number");
+      const bool fits =
+          j.is_number_unsigned() ? std::in_range<T>(j.get<std::uint64_t>()) : std::in_range<T>(j.get<std::int64_t>());
+      if (!fits) throw std::invalid_argument(json_text(j) + " is out of range");
+    }
     value = j.get<T>();
   }
 }
@@ -42,6 +48,14 @@ json options_to_json(const Options& options) {
   json j = json::object();
   Options::describe([&](const auto& field) { j[std::string(field.name)] = to_json(options.*field.member); });
   return j;
+}
+
+void read_seed(const json& j, Settings& settings) {
+  try {
+    from_json(j, settings.seed);
+  } catch (const std::exception& error) {
+    throw std::invalid_argument(std::string("seed: ") + error.what());
+  }
 }
 
 // Throws what the reader of the file turns into words.
@@ -63,6 +77,24 @@ void options_from_json(const json& j, const std::string& group, Options& options
       throw std::invalid_argument("options." + group + "." + name + ": there is no such option");
 }
 
+json settings_to_json(const Settings& settings) {
+  json j;
+  j["photos"] = settings.photos;
+  j["seed"] = settings.seed;
+  Settings::each(settings, [&](const char*, const char* group, const auto& group_options) {
+    j["options"][group] = options_to_json(group_options);
+  });
+  return j;
+}
+
+bool can_be_kept(const json& j) {
+  try {
+    return !j.dump().empty();
+  } catch (const json::exception&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 Result<Settings> read_settings(const std::filesystem::path& project) {
@@ -74,7 +106,7 @@ Result<Settings> read_settings(const std::filesystem::path& project) {
   try {
     const json j = json::parse(file);
     settings.photos = j.at("photos").get<std::string>();
-    settings.seed = j.value("seed", std::uint64_t{1});
+    if (j.contains("seed")) read_seed(j.at("seed"), settings);
     const json options = j.value("options", json::object());
     std::set<std::string> known;
     Settings::each(settings, [&](const char*, const char* group, auto& group_options) {
@@ -93,16 +125,13 @@ Result<Settings> read_settings(const std::filesystem::path& project) {
 }
 
 Result<> write_settings(const std::filesystem::path& project, const Settings& settings) {
-  json j;
-  j["photos"] = settings.photos;
-  j["seed"] = settings.seed;
-  Settings::each(settings, [&](const char*, const char* group, const auto& group_options) {
-    j["options"][group] = options_to_json(group_options);
-  });
-  return write_file(project / "project.json", json_text(j, 2) + "\n");
+  return write_file(project / "project.json", json_text(settings_to_json(settings), 2) + "\n");
 }
 
 Result<> validate_settings(const Settings& settings) {
+  if (!can_be_kept(settings_to_json(settings)))
+    return fail(Errc::kBadInput, (can_be_kept(settings.photos) ? "a name among the options" : settings.photos) +
+                                     " is not UTF-8, which is all that project.json can hold: rename it");
   Result<> verdict;
   Settings::each(settings, [&](const char* step, const char*, const auto& group_options) {
     if (verdict)
@@ -118,6 +147,12 @@ Result<> validate_settings(const Settings& settings) {
   const std::string& mode = settings.orient.mode;
   if (verdict && std::find(kOrientModes.begin(), kOrientModes.end(), mode) == kOrientModes.end())
     return fail(Errc::kBadInput, "orient: mode = \"" + mode + "\": choose auto, incremental or global");
+  const std::string& cloud = settings.densify.cloud;
+  if (verdict && std::find(kCloudForms.begin(), kCloudForms.end(), cloud) == kCloudForms.end())
+    return fail(Errc::kBadInput, "densify: cloud = \"" + cloud + "\": choose las or laz");
+  const auto& resolution = settings.densify.resolution;
+  if (verdict && resolution && !shrink_of(*resolution))
+    return fail(Errc::kBadInput, "densify: resolution = \"" + *resolution + "\": choose full, half or quarter");
   return verdict;
 }
 

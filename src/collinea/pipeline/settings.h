@@ -50,7 +50,8 @@ struct Settings {
 /// Reads PROJECT/project.json. Errors: missing, not JSON, unknown option, value of a wrong kind or out of range.
 [[nodiscard]] Result<Settings> read_settings(const std::filesystem::path& project);
 [[nodiscard]] Result<> write_settings(const std::filesystem::path& project, const Settings& settings);
-/// Checks every option against its description.
+/// Checks every option against its description, that words are among those there are to choose from, and that
+/// names are UTF-8.
 [[nodiscard]] Result<> validate_settings(const Settings& settings);
 /// The options of one step and the seed as text, for fingerprints.
 [[nodiscard]] std::string options_text(const Settings& settings, const std::string& step);

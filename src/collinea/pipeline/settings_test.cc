@@ -71,6 +71,14 @@ TEST(Settings, WhatIsWrongIsNamedWithItsPlace) {
        Errc::kBadFormat},
       {R"({"photos": "/p", "options": {"orient": {"min_points": 20.5}}})", "options.orient.min_points",
        Errc::kBadFormat},
+      {R"({"photos": "/p", "options": {"orient": {"min_points": 4294967396}}})", "options.orient.min_points",
+       Errc::kBadFormat},
+      {R"({"photos": "/p", "seed": -1})", "seed", Errc::kBadFormat},
+      {R"({"photos": "/p", "seed": 1.5})", "seed", Errc::kBadFormat},
+      {R"({"photos": "/p", "seed": 18446744073709551616})", "seed", Errc::kBadFormat},
+      {R"({"photos": "/p", "options": {"densify": {"cloud": "laz2"}}})", "las or laz", Errc::kBadInput},
+      {R"({"photos": "/p", "options": {"densify": {"resolution": "fulll"}}})", "full, half or quarter",
+       Errc::kBadInput},
       {R"({"photos": "/p", "options": {"orient": {"max_error_px": -3}}})", "max_error_px", Errc::kBadInput},
       {R"({"photos": "/p", "options": {"orient": {"calibration": "much"}}})", "calibration", Errc::kBadInput},
   };
@@ -78,6 +86,20 @@ TEST(Settings, WhatIsWrongIsNamedWithItsPlace) {
     const Error error = error_of(folder, text);
     EXPECT_EQ(error.code, code) << text;
     EXPECT_NE(error.message.find(named), std::string::npos) << text << " -> " << error.message;
+  }
+}
+
+TEST(Settings, NamesThatAreNotUtf8AreRefusedBeforeTheyAreDamaged) {
+  Settings photos, control;
+  photos.photos = "/photos/M\xfcnchen";
+  control.photos = "/photos/M\xc3\xbcnchen";
+  EXPECT_TRUE(validate_settings(control));
+  control.import.control = "/control/M\xfcnchen.csv";
+  for (const Settings& settings : {photos, control}) {
+    const auto valid = validate_settings(settings);
+    ASSERT_FALSE(valid);
+    EXPECT_EQ(valid.error().code, Errc::kBadInput);
+    EXPECT_NE(valid.error().message.find("UTF-8"), std::string::npos) << valid.error().message;
   }
 }
 

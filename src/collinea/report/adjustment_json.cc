@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <nlohmann/json.hpp>
-
 #include "collinea/report/adjustment_report.h"
+#include "collinea/report/json_values.h"
 
 namespace collinea {
 namespace {
 
-using nlohmann::json;
-
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-json vector(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
+using json = nlohmann::ordered_json;
 
 json control(const AdjustmentReport& report) {
   json list = json::array();
@@ -47,7 +42,7 @@ json groups(const AdjustmentReport& report, const Reliability& tests) {
     json one = {{"group", kObservationGroupNames[g]},
                 {"observations", sums.observations},
                 {"redundancy", number(sums.redundancy)},
-                {"sigma_factor", number(sums.sigma_factor())}};
+                {"sigma_factor", number(shown_factor(sums))}};
     if (report.components) {
       one["applied_factor"] = number(report.components->factors[g]);
       one["applied_factor_sigma"] = number(report.components->sigma[g]);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collinea/report/adjustment_report.h"
+#include "collinea/report/cells.h"
 #include "collinea/report/page.h"
 #include "collinea/report/svg.h"
 
@@ -11,18 +12,7 @@ namespace collinea {
 namespace {
 
 constexpr std::size_t kMostRows = 50;
-
-std::string cell(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("<td>{:.{}f}</td>", value, decimals) : std::string("<td>\xe2\x80\x93</td>");
-}
-
-std::string text_cell(std::string_view text) { return fmt::format("<td class=\"l\">{}</td>", escaped(text)); }
-
-// A signed difference, marked beyond three of its standard deviations.
-std::string difference_cell(double value, double sigma) {
-  if (!std::isfinite(value)) return cell(value, 4);
-  return fmt::format("<td{}>{:+.4f}</td>", std::abs(value) > 3 * sigma ? " class=\"bad\"" : "", value);
-}
+constexpr int kDecimals = 4;  // of lengths in metres
 
 std::string head(std::initializer_list<const char*> titles) {
   std::string html = "<table><thead><tr>";
@@ -64,10 +54,8 @@ std::string control_table(const AdjustmentReport& report) {
       const ControlPoint& point = report.block.control.at(one.point);
       html +=
           "<tr>" + text_cell(point.name) + text_cell(used ? "control" : "check") + fmt::format("<td>{}</td>", one.rays);
-      for (int i = 0; i < 3; ++i)
-        html += difference_cell(std::isfinite(point.sigma_m[i]) ? one.difference_m[i] : std::nan(""),
-                                one.difference_sigma_m[i]);
-      for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], 4);
+      for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], kDecimals);
+      for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], kDecimals);
       html += "</tr>\n";
     }
   return html + "</tbody></table></section>\n";
@@ -82,8 +70,8 @@ std::string left_out_table(const AdjustmentReport& report, const Reliability& te
       head({"point", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north", "&sigma; height"});
   for (const LeftOutPoint& one : tests.left_out) {
     html += "<tr>" + text_cell(report.block.control.at(one.point).name);
-    for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i]);
-    for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], 4);
+    for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], kDecimals);
+    for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], kDecimals);
     html += "</tr>\n";
   }
   return html + "</tbody></table></section>\n";
@@ -98,7 +86,7 @@ std::string group_table(const AdjustmentReport& report, const Reliability& tests
     const GroupSums& sums = tests.groups[g];
     if (sums.observations == 0) continue;
     html += "<tr>" + text_cell(kObservationGroupNames[g]) + fmt::format("<td>{}</td>", sums.observations) +
-            cell(sums.redundancy, 1) + cell(sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(), 2) +
+            cell(sums.redundancy, 1) + cell(shown_factor(sums), 2) +
             cell(report.components ? report.components->factors[g] : 1, 2) + "</tr>\n";
   }
   return html + "</tbody></table></section>\n";
@@ -109,7 +97,7 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
                            "least detectable", "its effect", "in &sigma;"});
   for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
     const TestedObservation& one = observations[i];
-    const int decimals = std::string_view(unit_of(one)) == "px" ? 2 : 4;
+    const int decimals = std::string_view(unit_of(one)) == "px" ? 2 : kDecimals;
     html += "<tr>" + text_cell(name_of(one, block)) + text_cell(unit_of(one)) + cell(one.residual, decimals) +
             cell(one.sigma, decimals) + cell(one.redundancy, 2) +
             fmt::format("<td{}>{:+.1f}</td>", std::abs(one.w) > limit ? " class=\"bad\"" : "", one.w) +

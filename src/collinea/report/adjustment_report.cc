@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "collinea/io/file.h"
 #include "collinea/io/opk.h"
@@ -11,7 +12,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kDegrees = 180 / std::numbers::pi;
 
 // Names may hold commas and quotes.
 std::string in_quotes(std::string_view text) {
@@ -21,8 +22,6 @@ std::string in_quotes(std::string_view text) {
 }
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format(",{:.10g}", value) : ","; }
-
-double scale_of(const Adjusted& adjusted) { return adjusted.redundancy > 0 ? adjusted.sigma0 : 1; }
 
 Result<std::string> poses_csv(const AdjustmentReport& report) {
   COLLINEA_TRY(const std::vector<ExteriorOrientation> rows, exterior_orientations(report.block));
@@ -39,7 +38,7 @@ Result<std::string> poses_csv(const AdjustmentReport& report) {
       const int k = (i + 3) % 6;  // the centre first
       const double sigma = covariance == report.adjusted.pose_covariance.end()
                                ? std::nan("")
-                               : std::sqrt(covariance->second(k, k)) * scale_of(report.adjusted);
+                               : std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted);
       text += number(i < 3 ? sigma : sigma * kDegrees);
     }
     text += "\n";
@@ -51,13 +50,12 @@ std::string cameras_csv(const AdjustmentReport& report) {
   std::string text = "camera,parameter,unit,value,sigma\n";
   for (const auto& [id, camera] : report.block.cameras) {
     const auto covariance = report.adjusted.camera_covariance.find(id);
+    const bool known = covariance != report.adjusted.camera_covariance.end();
+    const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was held
     for (int k = 0; k < Camera::kParams; ++k)
       text += in_quotes(camera.name) + fmt::format(",{},{}", Camera::kParamNames[k], Camera::kParamUnits[k]) +
               number(camera.params[k]) +
-              number(covariance == report.adjusted.camera_covariance.end()
-                         ? 0
-                         : std::sqrt(covariance->second(k, k)) * scale_of(report.adjusted)) +
-              "\n";
+              number(known ? std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted) : unknown) + "\n";
   }
   return text;
 }
@@ -70,7 +68,7 @@ std::string points_csv(const AdjustmentReport& report) {
     for (int c = 0; c < 3; ++c) text += number(adjusted.points[i].second[c]);
     for (int c = 0; c < 3; ++c)
       text += number(i < adjusted.point_covariance.size()
-                         ? std::sqrt(adjusted.point_covariance[i](c, c)) * scale_of(adjusted)
+                         ? std::sqrt(adjusted.point_covariance[i](c, c)) * sigma_scale(adjusted)
                          : std::nan(""));
     text += "\n";
   }
@@ -84,8 +82,7 @@ std::string control_csv(const AdjustmentReport& report) {
   for (const ControlDifference& control : report.adjusted.control) {
     const ControlPoint& point = report.block.control.at(control.point);
     text += in_quotes(point.name) + (control.used ? ",control," : ",check,") + std::to_string(control.rays);
-    for (int i = 0; i < 3; ++i)
-      text += number(std::isfinite(point.sigma_m[i]) ? control.difference_m[i] : std::nan(""));
+    for (int i = 0; i < 3; ++i) text += number(control.difference_m[i]);
     for (int i = 0; i < 3; ++i) text += number(control.difference_sigma_m[i]);
     Eigen::Vector3d left_out = Eigen::Vector3d::Constant(std::nan("")), sigma = left_out;
     if (report.adjusted.reliability)
@@ -114,6 +111,8 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
 }
 
 }  // namespace
+
+double shown_factor(const GroupSums& sums) { return sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(); }
 
 const char* unit_of(const TestedObservation& one) {
   return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";

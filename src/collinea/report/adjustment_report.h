@@ -27,6 +27,8 @@ struct AdjustmentReport {
 [[nodiscard]] std::string adjustment_page(const AdjustmentReport& report);
 [[nodiscard]] std::string adjustment_json(const AdjustmentReport& report);
 
+/// By what the sigmas of a group should be multiplied; NaN where too little redundancy tells nothing.
+[[nodiscard]] double shown_factor(const GroupSums& sums);
 /// What was measured, in words: "tie point 17 in IMG_2.jpg, row", "gcp3, height", "position of IMG_2.jpg, east".
 [[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
 [[nodiscard]] const char* unit_of(const TestedObservation& observation);

@@ -51,7 +51,8 @@ class Bounds {
   Vector2d low_ = Vector2d::Constant(std::numeric_limits<double>::infinity()), high_ = -low_;
 };
 
-std::string length_text(double length, const std::string& unit) {
+// Of a round length, in the unit it is read in.
+std::string scale_text(double length, const std::string& unit) {
   const bool metres = unit == "m";
   if (metres && length < 0.01) return fmt::format("{:g} mm", length * 1000);
   if (metres && length >= 1000) return fmt::format("{:g} km", length / 1000);
@@ -66,7 +67,7 @@ void draw_scale_and_north(Svg& svg, const MapView& view, const std::string& unit
   svg.line(at, at + Vector2d(px, 0), "scale");
   svg.line(at + Vector2d(0, -4), at + Vector2d(0, 4), "scale");
   svg.line(at + Vector2d(px, -4), at + Vector2d(px, 4), "scale");
-  svg.text(at + Vector2d(px / 2, -6), length_text(length, unit), "middle");
+  svg.text(at + Vector2d(px / 2, -6), scale_text(length, unit), "middle");
   if (unit != "m") return;
   const Vector2d north(view.width - 26, 16);
   const std::array<Vector2d, 4> needle = {north, north + Vector2d(8, 26), north + Vector2d(0, 20),
@@ -122,7 +123,7 @@ void draw_control(Svg& svg, const MapView& view, const ReportInput& input, const
   const Vector2d corner(view.width - 216, view.height - 44);
   svg.rectangle(corner.x() - 8, corner.y() - 14, 216, 54, "paper");
   svg.arrow(corner, corner + Vector2d(px, 0), "plan_arrow");
-  svg.text(corner + Vector2d(60, 4), "in plan, " + length_text(length, unit));
+  svg.text(corner + Vector2d(60, 4), "in plan, " + scale_text(length, unit));
   svg.arrow(corner + Vector2d(px / 2, 33), corner + Vector2d(px / 2, 11), "height_arrow");
   svg.text(corner + Vector2d(60, 24), "in height (up: too high)");
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/median.h"
+
 namespace collinea {
 namespace {
 
@@ -14,10 +16,7 @@ double median_height(const Block& block) {
   std::vector<double> heights;
   heights.reserve(block.points.size());
   for (const auto& [id, point] : block.points) heights.push_back(point.position_in_world.z());
-  if (heights.empty()) return 0;
-  const auto middle = heights.begin() + std::ptrdiff_t(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  return *middle;
+  return heights.empty() ? 0 : median(heights);
 }
 
 // Empty when a corner does not look down.
@@ -67,9 +66,8 @@ void leave_out_far(std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& 
   if (points.empty()) return;
   std::vector<double> distances;
   for (const auto& point : points) distances.push_back((point - centre).norm());
-  const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  std::erase_if(points, [&](const auto& point) { return (point - centre).norm() > kFar * *middle; });
+  const double far = kFar * median(distances);
+  std::erase_if(points, [&](const auto& point) { return (point - centre).norm() > far; });
 }
 
 bool contains(const Polygon& polygon, const Eigen::Vector2d& p) {

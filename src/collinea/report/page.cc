@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/base/median.h"
 #include "collinea/report/svg.h"
 
 namespace collinea {
@@ -101,9 +102,7 @@ std::optional<double> flying_height(const Block& block, const Coverage& coverage
     heights.push_back(centre_of(pose).z() - coverage.ground_height);
   }
   if (2 * heights.size() <= block.cam_from_world.size()) return std::nullopt;
-  const auto middle = heights.begin() + std::ptrdiff_t(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  return *middle;
+  return median(heights);
 }
 
 std::string facts_section(const ReportInput& input, const ReportSummary& s) {

@@ -120,8 +120,8 @@ std::string height_scale(const Preview& preview, const std::string& unit) {
     svg.rectangle(60 + 340.0 * i / kSteps, 4, 340.0 / kSteps + 0.5, 14, "swatch",
                   fmt::format("#{:02x}{:02x}{:02x}", int(c[0]), int(c[1]), int(c[2])));
   }
-  svg.text({54, 16}, fmt::format("{:.1f} {}", preview.low_m, unit), "end");
-  svg.text({406, 16}, fmt::format("{:.1f} {}", preview.high_m, unit), "start");
+  svg.text({54, 16}, number_text(preview.low_m, 1) + " " + unit, "end");
+  svg.text({406, 16}, number_text(preview.high_m, 1) + " " + unit, "start");
   return svg.finish();
 }
 

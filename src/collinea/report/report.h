@@ -21,7 +21,7 @@ namespace collinea {
 struct ReportControl {
   ControlId point;
   bool used = false;      ///< it took part in the adjustment; false: check point
-  bool excluded = false;  ///< meant as control, but found wrong and left out
+  bool excluded = false;  ///< found wrong, it or its image measurements, and left out
   int rays = 0;           ///< oriented images it was measured in
   Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   Eigen::Vector3d sigma_m =

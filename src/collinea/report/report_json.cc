@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/report_json.h"
 
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include "collinea/report/json_values.h"
 
 namespace collinea {
 namespace {
 
 using json = nlohmann::ordered_json;
-
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
-json vector(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
 
 json optional(const std::optional<double>& value) { return value ? number(*value) : json(nullptr); }
 

@@ -12,6 +12,7 @@
 #include "collinea/image/geotiff.h"
 #include "collinea/io/file.h"
 #include "collinea/report/coverage.h"
+#include "collinea/report/figures.h"
 #include "collinea/report/statistics.h"
 #include "collinea/report/summary.h"
 #include "collinea/report/svg.h"
@@ -105,6 +106,18 @@ TEST_F(ReportTest, WithoutCheckPointsNothingIsSaidToBeVerified) {
   const ReportSummary free = summary_of(input);
   EXPECT_EQ(free.unit, "units");
   EXPECT_TRUE(contains(free.statement, "neither place nor scale"));
+}
+
+TEST_F(ReportTest, ControlThatWasFoundWrongIsListedAndCounted) {
+  ReportInput input = report_of_test_flight(2, 4, 100);
+  ReportControl& wrong = input.control.front();
+  wrong.excluded = true;
+  wrong.used = false;
+  wrong.rays = 0;
+  const ReportSummary summary = summary_of(input);
+  EXPECT_EQ(summary.excluded_points, 1);
+  EXPECT_EQ(summary.check.points, 4);
+  EXPECT_TRUE(contains(summary.cautions.at(1), "1 control point was found wrong and not used"));
 }
 
 TEST_F(ReportTest, PicturesAreEmbeddedAndMissingOnesBecomeFindings) {
@@ -242,6 +255,15 @@ TEST(Svg, ScalesHaveRoundNumbers) {
   EXPECT_NEAR(t.front(), -0.5, 1e-12);
   EXPECT_EQ(tick_text(t.front(), 0.5), "-0.5");
   EXPECT_TRUE(ticks(1, 1, 5).empty());
+}
+
+TEST(NumberText, WhatRoundsToZeroHasNoSign) {
+  EXPECT_EQ(number_text(-0.04, 1), "0.0");
+  EXPECT_EQ(number_text(-0.06, 1), "-0.1");
+  EXPECT_EQ(number_text(-0.4, 0), "0");
+  EXPECT_EQ(number_text(-10, 0), "-10");
+  EXPECT_EQ(number_text(2.345, 2), "2.35");
+  EXPECT_NE(height_scale({"", 1, 1, -0.04, 9.96}, "m").find(">0.0 m<"), std::string::npos);
 }
 
 TEST(LengthText, ShowsWhatMatters) {

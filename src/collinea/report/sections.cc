@@ -4,29 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "collinea/report/cells.h"
 #include "collinea/report/page.h"
 #include "collinea/report/svg.h"
 
 namespace collinea {
 namespace {
 
-constexpr const char* kUnknown = "\xe2\x80\x93";
 constexpr std::size_t kMostImageRows = 100;
-
-std::string cell(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("<td>{:.{}f}</td>", value, decimals) : fmt::format("<td>{}</td>", kUnknown);
-}
-
-std::string text_cell(std::string_view text, std::string_view style = "l") {
-  return fmt::format("<td class=\"{}\">{}</td>", style, escaped(text));
-}
-
-// A signed difference; marked when it exceeds three standard deviations.
-std::string difference_cell(double value, double sigma, int decimals) {
-  if (!std::isfinite(value)) return fmt::format("<td>{}</td>", kUnknown);
-  return fmt::format("<td{}>{:+.{}f}</td>", std::abs(value) > 3 * sigma ? " class=\"bad\"" : "", value, decimals);
-}
 
 std::string optional_cell(const std::optional<double>& value, int decimals) {
   return cell(value.value_or(std::nan("")), decimals);
@@ -91,7 +78,7 @@ std::string one_camera(const ReportInput& input, const ReportSummary& summary, C
   const Camera& camera = input.block.cameras.at(id);
   std::size_t images = 0;
   for (const auto& [image, pose] : input.block.cam_from_world) images += input.block.images.at(image).camera == id;
-  const double angle = 2 * std::atan(camera.width_px / (2 * camera.focal_px())) * 180 / 3.14159265358979;
+  const double angle = 2 * std::atan(camera.width_px / (2 * camera.focal_px())) * 180 / std::numbers::pi;
   std::string html = fmt::format(
       "<h3>{}</h3><p>{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
       "{}.{}</p>\n",

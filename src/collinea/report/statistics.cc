@@ -4,42 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/base/median.h"
+
 namespace collinea {
 namespace {
 
 constexpr int kBins = 41;  // odd: one bin is centred on zero
 constexpr std::size_t kMostRays = 10;
 constexpr int kLongSideCells = 16;  // of a residual grid
-
-class RmsSum {
- public:
-  void add(const Eigen::Vector3d& difference) {
-    if (!difference.array().isFinite().any()) return;
-    ++rms_.points;
-    for (int i = 0; i < 3; ++i)
-      if (std::isfinite(difference[i])) {
-        squares_[i] += difference[i] * difference[i];
-        ++counts_[std::size_t(i)];
-      }
-    if (difference.allFinite()) {
-      spatial_ += difference.squaredNorm();
-      ++complete_;
-    }
-  }
-  AxisRms finish() {
-    for (std::size_t i = 0; i < 3; ++i)
-      if (counts_[i]) rms_.axis_m[i] = std::sqrt(squares_[Eigen::Index(i)] / counts_[i]);
-    if (complete_) rms_.spatial_m = std::sqrt(spatial_ / complete_);
-    return rms_;
-  }
-
- private:
-  Eigen::Vector3d squares_ = Eigen::Vector3d::Zero();
-  std::array<int, 3> counts_{};
-  double spatial_ = 0;
-  int complete_ = 0;
-  AxisRms rms_;
-};
 
 ResidualGrid empty_grid(CameraId id, const Camera& camera) {
   const double cell = std::max(1.0, std::max(camera.width_px, camera.height_px) / double(kLongSideCells));
@@ -67,9 +39,7 @@ void fill_histogram(const std::vector<float>& coordinates, ResidualStatistics& s
   if (coordinates.empty()) return;
   std::vector<float> lengths(coordinates.size());
   std::transform(coordinates.begin(), coordinates.end(), lengths.begin(), [](float v) { return std::abs(v); });
-  const auto middle = lengths.begin() + std::ptrdiff_t(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  const double robust_sigma = std::max(1.4826 * double(*middle), 1e-6);
+  const double robust_sigma = std::max(1.4826 * double(median(lengths)), 1e-6);
   statistics.bin_px = 8 * robust_sigma / kBins;
   statistics.histogram.assign(kBins, 0);
   for (const float value : coordinates) {
@@ -91,22 +61,46 @@ std::vector<std::size_t> rays_of_points(const Block& block) {
 
 }  // namespace
 
+AxisRms rms_of(std::span<const Eigen::Vector3d> differences_m) {
+  AxisRms rms;
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  std::array<int, 3> counts{};
+  double spatial = 0;
+  int complete = 0;
+  for (const Eigen::Vector3d& difference : differences_m) {
+    rms.points += difference.array().isFinite().any();
+    for (int i = 0; i < 3; ++i)
+      if (std::isfinite(difference[i])) {
+        squares[i] += difference[i] * difference[i];
+        ++counts[std::size_t(i)];
+      }
+    if (difference.allFinite()) {
+      spatial += difference.squaredNorm();
+      ++complete;
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    if (counts[i]) rms.axis_m[i] = std::sqrt(squares[Eigen::Index(i)] / counts[i]);
+  if (complete) rms.spatial_m = std::sqrt(spatial / complete);
+  return rms;
+}
+
 AxisRms control_rms(const ReportInput& input, bool used) {
-  RmsSum sum;
+  std::vector<Eigen::Vector3d> differences;
   for (const ReportControl& control : input.control) {
     if (control.used != used || control.excluded) continue;
     Eigen::Vector3d difference = control.difference_m;
     for (int i = 0; i < 3; ++i)
       if (!std::isfinite(input.block.control.at(control.point).sigma_m[i])) difference[i] = std::nan("");
-    sum.add(difference);
+    differences.push_back(difference);
   }
-  return sum.finish();
+  return rms_of(differences);
 }
 
 AxisRms position_rms(const ReportInput& input) {
-  RmsSum sum;
-  for (const ReportPosition& position : input.positions) sum.add(position.difference_m);
-  return sum.finish();
+  std::vector<Eigen::Vector3d> differences;
+  for (const ReportPosition& position : input.positions) differences.push_back(position.difference_m);
+  return rms_of(differences);
 }
 
 ResidualStatistics residual_statistics(const Block& block) {

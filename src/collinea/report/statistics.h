@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "collinea/report/report.h"
@@ -16,6 +17,8 @@ struct AxisRms {
   int points = 0;                   ///< known on at least one axis
 };
 
+/// Of these; NaN on an axis: not measured there.
+[[nodiscard]] AxisRms rms_of(std::span<const Eigen::Vector3d> differences_m);
 /// Of the points of one kind. An axis counts only where the point was surveyed (finite Block sigma).
 [[nodiscard]] AxisRms control_rms(const ReportInput& input, bool used);
 [[nodiscard]] AxisRms position_rms(const ReportInput& input);

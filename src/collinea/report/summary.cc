@@ -53,8 +53,8 @@ void add_cautions(const ReportInput& input, ReportSummary& s) {
         fmt::format("Root mean squares of {} check point{} are themselves uncertain by about {:.0f} %.", n,
                     n == 1 ? "" : "s", 100 / std::sqrt(2.0 * n)));
   if (s.excluded_points > 0)
-    s.cautions.push_back(points(s.excluded_points, "control") +
-                         " contradicted the others and was not used: see the table of control.");
+    s.cautions.push_back(points(s.excluded_points, "control") + (s.excluded_points == 1 ? " was" : " were") +
+                         " found wrong and not used: see the table of control.");
   if (!s.not_oriented.empty())
     s.cautions.push_back(fmt::format("{} of {} images could not be oriented: see the list of images left out.",
                                      s.not_oriented.size(), input.block.images.size()));
@@ -93,7 +93,7 @@ ReportSummary summary_of(const ReportInput& input) {
   s.control = control_rms(input, true);
   s.position = position_rms(input);
   for (const ReportControl& control : input.control) {
-    if (control.rays == 0) continue;
+    if (control.rays == 0 && !control.excluded) continue;
     ++(control.excluded ? s.excluded_points : control.used ? s.control_points : s.check_points);
   }
   for (const auto& [id, image] : input.block.images)

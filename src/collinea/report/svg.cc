@@ -55,6 +55,12 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
+std::string number_text(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
+  return text;
+}
+
 Svg::Svg(double width, double height, std::string_view label) {
   body_ = fmt::format(
       "<svg viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">\n",
@@ -137,9 +143,8 @@ std::vector<double> ticks(double low, double high, int most) {
 }
 
 std::string tick_text(double value, double step) {
-  if (std::abs(value) < 1e-9 * step) value = 0;
   const int decimals = step >= 1 || !(step > 0) ? 0 : int(std::ceil(-std::log10(step) - 1e-9));
-  return fmt::format("{:.{}f}", value, std::min(decimals, 8));
+  return number_text(value, std::min(decimals, 8));
 }
 
 void draw_axes(Svg& svg, const Axis& x, const Axis& y, std::string_view x_title, std::string_view y_title) {

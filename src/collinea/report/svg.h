@@ -12,6 +12,9 @@ namespace collinea {
 /// Text as it may stand in HTML: markup characters escaped, control characters and broken UTF-8 replaced.
 [[nodiscard]] std::string escaped(std::string_view text);
 
+/// With a fixed number of decimals; what rounds to zero has no sign.
+[[nodiscard]] std::string number_text(double value, int decimals);
+
 /// A drawing for an HTML page. Positions in pixels, x right, y down; looks come from the page's style classes.
 class Svg {
  public:

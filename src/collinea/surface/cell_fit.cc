@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/base/median.h"
+
 namespace collinea {
 namespace {
 
@@ -28,12 +30,6 @@ bool has_support(std::span<const CellPoint> near, double low_m, double high_m, d
 double nearness(double d2, double reach) {
   const double t = 1 - d2 / (1.2 * reach * reach);
   return t * t * t;
-}
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double variance_of(const CellPoint& p, double cell_m) {
@@ -165,7 +161,7 @@ CellFit::Plane CellFit::fit_robustly(double floor_m, double most_leverage) {
       numbers_.push_back(std::abs(u.residual));
     }
     if (round == kRounds || largest <= 3 * floor_m || used_.size() < 3) return plane;
-    const double scale = std::max(1.4826 * median_of(numbers_), floor_m);
+    const double scale = std::max(1.4826 * median(numbers_), floor_m);
     if (largest <= 3 * scale) return plane;
     for (Weighted& u : used_) {
       const double r = u.residual / (5 * scale);

@@ -170,16 +170,12 @@ HoleFilling::HoleFilling(std::int64_t column, std::int64_t row, std::int64_t wid
 
 void HoleFilling::add(const SurfaceTile& tile, const CellWindow& inside) {
   const Mask measured = measured_cells(tile);
-  HeightLevel finest = rims(tile, measured, inside.column - kRim, inside.row - kRim, cell_m_);
-  HeightLevel level(inside.column, inside.row, inside.width, inside.height, cell_m_, kStepCells * cell_m_);
+  const HeightLevel wider = rims(tile, measured, inside.column - kRim, inside.row - kRim, cell_m_);
+  const HeightLevel level = part_of(wider, inside.column, inside.row, inside.width, inside.height);
   std::vector<int> counts(std::size_t(inside.width / kBlock) * std::size_t(inside.height / kBlock), 0);
-  for (int y = 0; y < inside.height; ++y) {
-    std::copy_n(finest.height_m.row(y + kRim) + kRim, inside.width, level.height_m.row(y));
-    std::copy_n(finest.sigma_m.row(y + kRim) + kRim, inside.width, level.sigma_m.row(y));
-    std::copy_n(finest.weight.row(y + kRim) + kRim, inside.width, level.weight.row(y));
+  for (int y = 0; y < inside.height; ++y)
     for (int x = 0; x < inside.width; ++x)
       counts[std::size_t(y / kBlock * (inside.width / kBlock) + x / kBlock)] += measured.at(x + kRim, y + kRim);
-  }
   const HeightLevel blocks = coarser(coarser(coarser(level)));
   for (int y = 0; y < blocks.weight.height; ++y) {
     for (int x = 0; x < blocks.weight.width; ++x) {
@@ -235,9 +231,8 @@ bool HoleFilling::shut_in(std::int64_t column, std::int64_t row) const {
   return 2 * sum >= 4 * kBlock * kBlock;
 }
 
-Raster<std::uint8_t> HoleFilling::cells_to_fill(const SurfaceTile& tile, const CellWindow& wide) const {
+Raster<std::uint8_t> HoleFilling::cells_to_fill(const Raster<std::uint8_t>& measured, const CellWindow& wide) const {
   constexpr int kSmoothed = 4;
-  const Mask measured = measured_cells(tile);
   const Mask narrow = lines_between(measured, std::min(widest_cells_, kPinhole - 1));
   Mask covered = measured;
   for (int y = 0; y < covered.height; ++y)
@@ -253,13 +248,12 @@ SurfaceTile HoleFilling::filled(const SurfaceTile& tile, const CellWindow& insid
   const TilePart part{int(inside.column - wide.column), int(inside.row - wide.row), inside.width, inside.height};
   SurfaceTile result = cropped(tile, part);
   if (widest_cells_ < 1) return result;
-  const Mask fill = cells_to_fill(tile, wide);
+  const Mask measured = measured_cells(tile), fill = cells_to_fill(measured, wide);
   bool any = false;
   for (int y = 0; y < part.height && !any; ++y)
     any = std::any_of(fill.row(part.row + y) + part.column, fill.row(part.row + y) + part.column + part.width,
                       [](std::uint8_t set) { return set != 0; });
   if (!any) return result;
-  const Mask measured = measured_cells(tile);
   HeightLevel cells = rims(tile, measured, wide.column, wide.row, cell_m_);
   HeightLevel twos = coarser(cells), fours = coarser(twos);
   for (std::size_t i = 0; i < measured.data.size(); ++i)

@@ -43,7 +43,7 @@ class HoleFilling {
   [[nodiscard]] SurfaceTile filled(const SurfaceTile& tile, const CellWindow& inside) const;
 
  private:
-  [[nodiscard]] Raster<std::uint8_t> cells_to_fill(const SurfaceTile& tile, const CellWindow& wide) const;
+  [[nodiscard]] Raster<std::uint8_t> cells_to_fill(const Raster<std::uint8_t>& measured, const CellWindow& wide) const;
   [[nodiscard]] bool shut_in(std::int64_t column, std::int64_t row) const;
   void find_holes();
 

@@ -17,6 +17,9 @@ namespace {
 
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
+// What is stated of exact values: tables and headers are written with so many digits, and an adjustment needs a weight.
+constexpr double kLeastSigma_m = 1e-4, kLeastSigma_px = 1e-3, kLeastPositionSigma_m = 1e-3;
+
 // Streams of random numbers, one for each kind of error.
 enum Stream : std::uint64_t {
   kExposure = 1000,
@@ -87,7 +90,7 @@ void survey_mark(Truth& truth, const Mark& mark, const std::vector<Sighting>& se
   ControlPoint point;
   point.name = std::move(name);
   point.role = role;
-  point.sigma_m = options.sigma_m;
+  point.sigma_m = options.sigma_m.cwiseMax(kLeastSigma_m);
   const Eigen::Vector3d error(random.normal(), random.normal(), random.normal());
   point.position_in_map = truth.frame.map_from_local(mark.centre) + error.cwiseProduct(options.sigma_m);
   point.position_in_world = truth.frame.local_from_map(point.position_in_map);
@@ -98,8 +101,8 @@ void survey_mark(Truth& truth, const Mark& mark, const std::vector<Sighting>& se
   const double sigma_px = options.measurement_sigma_px;
   for (const Sighting& sighting : seen) {
     const Eigen::Vector2d noise(measuring.normal(), measuring.normal());
-    truth.block.control_observations.push_back(
-        {id, sighting.image, sighting.pixel + sigma_px * noise, sigma_px > 0 ? sigma_px : 0.1});
+    truth.block.control_observations.push_back({id, sighting.image, sighting.pixel + sigma_px * noise,
+                                                sigma_px > 0 ? std::max(sigma_px, kLeastSigma_px) : 0.1});
   }
 }
 
@@ -135,7 +138,7 @@ void add_positions(Truth& truth, double sigma_plan_m, double sigma_height_m) {
     const Eigen::Vector3d error(random.normal(), random.normal(), random.normal());
     PositionPrior prior;
     prior.position_in_world = centre_of(truth.block.cam_from_world.at(id)) + error.cwiseProduct(sigma);
-    prior.sigma_m = sigma;
+    prior.sigma_m = sigma.cwiseMax(kLeastPositionSigma_m);
     const Eigen::Vector3d written = truth.frame.geographic_from_local(prior.position_in_world);
     prior.latitude_deg = written.x();
     prior.longitude_deg = written.y();

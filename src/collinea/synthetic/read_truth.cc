@@ -79,7 +79,7 @@ Result<> take_mark(const Fields& fields, TruthFolder& truth) {
 }  // namespace
 
 Result<TruthFolder> read_truth(const std::filesystem::path& path) {
-  const std::filesystem::path folder = std::filesystem::exists(path / "truth") ? path / "truth" : path;
+  const std::filesystem::path folder = is_there(path / "truth") ? path / "truth" : path;
   TruthFolder truth;
   truth.camera.source = "true";
   Result<> read = read_table(folder / "camera.csv", [&](const Fields& f) { return take_camera(f, truth.camera); });
@@ -87,8 +87,8 @@ Result<TruthFolder> read_truth(const std::filesystem::path& path) {
   if (read) read = read_table(folder / "poses.csv", [&](const Fields& f) { return take_pose(f, truth); });
   if (read) read = read_table(folder / "marks.csv", [&](const Fields& f) { return take_mark(f, truth); });
   if (!read) return tl::unexpected(std::move(read).error());
-  if (std::filesystem::exists(folder / "dsm.tif")) truth.dsm = folder / "dsm.tif";
-  if (std::filesystem::exists(folder / "ortho.tif")) truth.ortho = folder / "ortho.tif";
+  if (is_there(folder / "dsm.tif")) truth.dsm = folder / "dsm.tif";
+  if (is_there(folder / "ortho.tif")) truth.ortho = folder / "ortho.tif";
   return truth;
 }
 

@@ -144,6 +144,23 @@ TEST(Survey, SurveyedCoordinatesHaveTheirSigma) {
   EXPECT_EQ(truth.block.control.at(ControlId{20}).role, ControlRole::kCheck);
 }
 
+TEST(Survey, ExactMeasurementsAreStatedWithASigmaThatCanBeUsed) {
+  SurveyOptions o = small_survey();
+  o.control_sigma_plan_m = o.control_sigma_height_m = o.measurement_sigma_px = 0;
+  o.gps_sigma_plan_m = o.gps_sigma_height_m = 0;
+  const Truth truth = *make_survey(o);
+  ASSERT_FALSE(truth.block.control_observations.empty());
+  for (const auto& [id, point] : truth.block.control) {
+    EXPECT_LT((point.position_in_map - truth.frame.map_from_local(truth.marks_in_world.at(id))).norm(), 1e-9);
+    EXPECT_GE(point.sigma_m.minCoeff(), 0.0001);
+  }
+  for (const auto& seen : truth.block.control_observations) EXPECT_GE(seen.sigma_px, 0.001);
+  for (const auto& [id, image] : truth.block.images) {
+    EXPECT_LT((image.position->position_in_world - centre_of(truth.block.cam_from_world.at(id))).norm(), 1e-9);
+    EXPECT_GE(image.position->sigma_m.minCoeff(), 0.001);
+  }
+}
+
 TEST(Survey, WrittenPositionsHaveTheirSigma) {
   SurveyOptions o = small_survey();
   o.images = 150;

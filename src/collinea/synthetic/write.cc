@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 
 #include "collinea/base/random.h"
 #include "collinea/image/photo.h"
@@ -135,7 +136,27 @@ Result<> write_photographs(const Truth& truth, const std::filesystem::path& imag
   return {};
 }
 
+namespace {
+
+// What an earlier simulation left and this one does not write: rasters, and photographs that its own truth names.
+Result<> remove_earlier(const Truth& truth, const std::filesystem::path& folder) {
+  if (!is_there(folder / "truth/poses.csv")) return {};
+  for (const char* raster : {"truth/dsm.tif", "truth/ortho.tif"})
+    if (auto removed = remove_file(folder / raster); !removed) return removed;
+  const auto earlier = read_truth(folder);
+  if (!earlier) return {};  // damaged: nothing is known to be ours
+  std::set<std::string> files;
+  for (const auto& [id, image] : truth.block.images) files.insert(image.file);
+  for (const auto& [file, pose] : earlier->cam_from_world)
+    if (!files.contains(file))
+      if (auto removed = remove_file(folder / "images" / file); !removed) return removed;
+  return {};
+}
+
+}  // namespace
+
 Result<> write_tables(const Truth& truth, const std::filesystem::path& folder) {
+  if (auto removed = remove_earlier(truth, folder); !removed) return removed;
   const std::filesystem::path inner = folder / "truth";
   const std::pair<std::filesystem::path, std::string> files[] = {
       {folder / "control.csv", control_text(truth)},

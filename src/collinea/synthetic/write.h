@@ -22,6 +22,7 @@ namespace collinea {
 ///   truth/dsm.tif             height of the highest surface at the centre of each cell [m]
 ///   truth/ortho.tif           its colour under the same light and tone as the photographs, without lens or exposure
 /// World: local metric frame, z up. The rasters lie on the map's grid with cells of a GSD; a façade has none.
+/// Photographs and rasters of an earlier simulation in this folder that the new one does not write are removed.
 /// Errors: options, folder not writable, stopped.
 [[nodiscard]] Result<> simulate(const SurveyOptions& options, const std::filesystem::path& folder, const Run& run);
 [[nodiscard]] Result<> simulate(const FacadeOptions& options, const std::filesystem::path& folder, const Run& run);

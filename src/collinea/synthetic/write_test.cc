@@ -9,6 +9,7 @@
 #include "collinea/image/photo.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/control_file.h"
+#include "collinea/io/file.h"
 
 namespace collinea {
 namespace {
@@ -70,6 +71,35 @@ TEST(Write, ControlIsWhatTheReaderExpects) {
 }
 
 // EXIF and XMP hold degrees to 1e-8 or better, heights to a millimetre.
+TEST(Write, SmallAndVanishingSigmasOfControlCanBeReadToo) {
+  for (const double sigma : {0.0, 0.00003}) {
+    const TestFolder folder;
+    SurveyOptions options = tiny_survey();
+    options.control_sigma_plan_m = options.control_sigma_height_m = options.measurement_sigma_px = sigma;
+    ASSERT_TRUE(write_tables(*make_survey(options), folder / "survey"));
+    const auto control = read_control(folder / "survey" / "control.csv");
+    EXPECT_TRUE(control) << control.error().message;
+  }
+}
+
+TEST(Write, WhatAnEarlierSimulationLeftGoes) {
+  const TestFolder folder;
+  SurveyOptions options = tiny_survey();
+  ASSERT_TRUE(simulate(options, folder / "survey", {}));
+  ASSERT_TRUE(write_file(folder / "survey/images/IMG_0999.jpg", "the user's own"));
+  const FacadeOptions facade{.stations = 4, .width_px = 160, .height_px = 120, .control_points = 0, .check_points = 0};
+  const auto done = simulate(facade, folder / "survey", {});
+  ASSERT_TRUE(done) << done.error().message;
+  const auto read = read_truth(folder / "survey");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->cam_from_world.size(), 8u);
+  EXPECT_TRUE(read->dsm.empty());
+  EXPECT_TRUE(read->ortho.empty());
+  EXPECT_TRUE(std::filesystem::exists(folder / "survey/images/IMG_0008.jpg"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "survey/images/IMG_0009.jpg"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "survey/images/IMG_0999.jpg"));
+}
+
 TEST(Write, PhotographsSayWhereTheyWereTaken) {
   const TestFolder folder;
   const Truth truth = *make_survey(tiny_survey());

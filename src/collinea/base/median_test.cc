@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/base/median.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace collinea {
+namespace {
+
+TEST(Median, IsTheUpperOneOfAnEvenNumber) {
+  EXPECT_EQ(median(std::vector{3.0, 1.0, 2.0}), 2);
+  EXPECT_EQ(median(std::vector{4.0F, 1.0F, 3.0F, 2.0F}), 3);
+  std::vector<int> one{7};
+  EXPECT_EQ(median(one), 7);
+}
+
+}  // namespace
+}  // namespace collinea

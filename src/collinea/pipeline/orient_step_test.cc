@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "collinea/image/test_folder.h"
+#include "collinea/io/file.h"
+#include "collinea/orient/orient.h"
+#include "collinea/pipeline/info.h"
+#include "collinea/pipeline/project.h"
+#include "collinea/pipeline/simulated_project.h"
+#include "collinea/pipeline/step.h"
+
+namespace collinea {
+namespace {
+
+// A flight that orient can begin with, its setup to be spoilt.
+class OrientStepTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    SurveyOptions survey;
+    survey.images = 12;
+    survey.control_points = 6;
+    survey.check_points = 2;
+    ASSERT_TRUE(simulate_project(survey, {.points_per_image = 120}, folder_ / "block", {}));
+    auto settings = read_settings(folder_ / "block");
+    ASSERT_TRUE(settings) << settings.error().message;
+    auto project = create_project(folder_ / "block", *settings, {});
+    ASSERT_TRUE(project) << project.error().message;
+    project_ = *std::move(project);
+    setup_ = *project_->store.read_setup();
+  }
+  void orient() {
+    ASSERT_TRUE(project_->store.write_setup(setup_));
+    const auto done = bring_up_to(*project_, "orient");
+    ASSERT_TRUE(done) << done.error().message;
+  }
+  [[nodiscard]] nlohmann::json info() const { return nlohmann::json::parse(*info_json(project_->store)); }
+  [[nodiscard]] nlohmann::json report() {
+    const auto written = report_step(*project_, "inputs");
+    EXPECT_TRUE(written) << written.error().message;
+    return nlohmann::json::parse(*read_file(folder_ / "block" / "report" / "report.json"));
+  }
+  static nlohmann::json row(const nlohmann::json& rows, const std::string& name) {
+    for (const auto& row : rows)
+      if (row.at("name") == name) return row;
+    ADD_FAILURE() << "no row of " << name;
+    return {};
+  }
+
+  TestFolder folder_;
+  std::optional<Project> project_;
+  Block setup_;
+};
+
+TEST_F(OrientStepTest, ControlThatWasFoundWrongIsInReportAndInfoWithWhatItIsOff) {
+  ControlPoint& wrong = setup_.control.begin()->second;
+  ASSERT_EQ(wrong.role, ControlRole::kControl);
+  wrong.position_in_world.x() += 3;
+  orient();
+  const auto listed = row(info().at("control_points"), wrong.name);
+  EXPECT_EQ(listed.at("role"), "excluded");
+  EXPECT_NEAR(listed.at("difference_m").at(0).get<double>(), -3, 0.2);
+  EXPECT_GE(listed.at("images").get<int>(), 2);
+  const auto told = report();
+  EXPECT_EQ(row(told.at("control_points"), wrong.name).at("role"), "excluded");
+  EXPECT_EQ(told.at("control_rmse_m").at("points"), 5);
+  EXPECT_EQ(told.at("check_rmse_m").at("points"), 2);
+}
+
+TEST_F(OrientStepTest, SigmasOfCentresAndCamerasAreTimesSigma0) {
+  for (ControlObservation& seen : setup_.control_observations) seen.sigma_px *= 4;  // better than stated
+  for (auto& [id, image] : setup_.images) image.position->sigma_m *= 2;
+  orient();
+  const auto pairs = project_->store.read_pairs();
+  const auto keypoints = [&](ImageId image) { return project_->store.read_keypoints(image); };
+  const auto found = collinea::orient(setup_, *pairs, keypoints, project_->settings.orient, project_->run);
+  ASSERT_TRUE(found) << found.error().message;
+  const double sigma0 = found->adjusted.sigma0;
+  ASSERT_GT(std::abs(sigma0 - 1), 0.002);
+  const auto told = report();
+  const auto& [image, pose] = *found->adjusted.pose_covariance.begin();
+  const auto& row = told.at("image_list").at(0);
+  ASSERT_EQ(row.at("file"), setup_.images.at(image).file);
+  EXPECT_NEAR(row.at("centre_sigma_m").at(2).get<double>() / (sigma0 * std::sqrt(pose(5, 5))), 1, 1e-9);
+  const MatrixPd& camera = found->adjusted.camera_covariance.begin()->second;
+  EXPECT_NEAR(told.at("cameras").at(0).at("parameters").at("f").at("sigma").get<double>() /
+                  (sigma0 * std::sqrt(camera(Camera::kF, Camera::kF))),
+              1, 1e-9);
+}
+
+}  // namespace
+}  // namespace collinea
