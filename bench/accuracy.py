@@ -133,7 +133,8 @@ BLOCKS = {
     **{name: strecha(name) for name in STRECHA},
     "sceaux_castle": real("sceaux_castle", "orient", [], points),
     "park_gate": park_gate,
-    # Marks on toys, at another place of the toy from each side: what control can tell is a few centimetres.
+    # Coordinates rounded to 0.1 m, and two marks in three projected by another program, not measured (bench/rays.py): what
+    # control can tell is a decimetre.
     "oppaiyama": real("oppaiyama", "orient", ["--control", "DATA/gcp_list.txt"],
                       lambda i: points(i) + f", {1 + len(i.get('other_parts', []))} part, control {axes(i.get('control_rmse_m'))} m"),
     "ioniq5": real("ioniq5", "orient", ["--control", "DATA/gcp_list.txt"],

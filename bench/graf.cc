@@ -5,7 +5,8 @@
 // FOLDER holds img1.png ... img6.png and H1to2p ... H1to6p. A PICTURE is warped by homographies of our own instead, so
 // that the truth is exact. Both detectors give the same number of features: COUNT, or, where it is 0 or more than there
 // are, as many in each picture as OpenCV's SIFT finds there without a limit. Default: 1000, 2000 and 0. Ours twice:
-// with the part spread evenly over the picture that is the default, and the strongest alone, as OpenCV's.
+// with the evenness that is the default, and the strongest alone, as OpenCV's.
+//   covered        regions of the first picture (16 features each on an average) with at least 4 features
 //   repeatability  features of the first picture, in the part that the other sees, with a feature of the other within
 //                  2.5 px and half an octave, one to one, over the smaller number of features in the common part
 //   correct        matches (nearest both ways, ratio 0.8 both ways) within 5 px of the homography
@@ -50,11 +51,11 @@ struct Found {
   cv::Mat theirs;           // or of the other
 };
 
-Found by_collinea(const cv::Mat& picture, int count, double even_share) {
+Found by_collinea(const cv::Mat& picture, int count, double evenness) {
   collinea::GreyImage image(picture.cols, picture.rows);
   for (int y = 0; y < picture.rows; ++y) std::copy_n(picture.ptr(y), picture.cols, image.row(y));
   Found found;
-  found.ours = collinea::detect_sift(image, {.max_features = count, .even_share = even_share});
+  found.ours = collinea::detect_sift(image, {.max_features = count, .evenness = evenness});
   for (const auto& k : found.ours.keypoints) found.spots.push_back({{k.x - 0.5, k.y - 0.5}, k.scale_px});
   return found;
 }
@@ -98,6 +99,22 @@ std::vector<Match> matches_of(const Found& a, const Found& b) {
     if (of_a[i] >= 0 && of_b[static_cast<std::size_t>(of_a[i])] == static_cast<int>(i))
       matches.emplace_back(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(of_a[i]));
   return matches;
+}
+
+double covered(const std::vector<Spot>& spots, const cv::Mat& picture) {
+  constexpr double kMean = 16;
+  constexpr int kLeast = 4;
+  const double side_px =
+      std::sqrt(kMean * picture.cols * picture.rows / static_cast<double>(std::max<std::size_t>(1, spots.size())));
+  const int columns = std::max(1, static_cast<int>(std::lround(picture.cols / side_px)));
+  const int rows = std::max(1, static_cast<int>(std::lround(picture.rows / side_px)));
+  std::vector<int> count(static_cast<std::size_t>(columns * rows));
+  for (const Spot& s : spots) {
+    const int column = std::clamp(static_cast<int>(s.place_px.x() * columns / picture.cols), 0, columns - 1);
+    const int row = std::clamp(static_cast<int>(s.place_px.y() * rows / picture.rows), 0, rows - 1);
+    ++count[static_cast<std::size_t>(row * columns + column)];
+  }
+  return static_cast<double>(std::ranges::count_if(count, [](int n) { return n >= kLeast; })) / (columns * rows);
 }
 
 Eigen::Vector2d mapped(const Eigen::Matrix3d& h, const Eigen::Vector2d& p) {
@@ -197,22 +214,23 @@ const char* verdict(const Score& ours, const Score& theirs) {
 }
 
 // As many features of both: `count`, or all that OpenCV finds where these are fewer or `count` is 0.
-std::pair<Found, Found> features_of(const cv::Mat& picture, int count, double even_share) {
+std::pair<Found, Found> features_of(const cv::Mat& picture, int count, double evenness) {
   Found theirs = by_opencv(picture, count);
-  Found ours = by_collinea(picture, static_cast<int>(theirs.spots.size()), even_share);
+  Found ours = by_collinea(picture, static_cast<int>(theirs.spots.size()), evenness);
   return {std::move(ours), std::move(theirs)};
 }
 
-void compare(const Views& views, int count, double even_share) {
-  const auto [ours_first, theirs_first] = features_of(views.first, count, even_share);
+void compare(const Views& views, int count, double evenness) {
+  const auto [ours_first, theirs_first] = features_of(views.first, count, evenness);
   for (const View& view : views.others) {
-    const auto [ours_second, theirs_second] = features_of(view.picture, count, even_share);
+    const auto [ours_second, theirs_second] = features_of(view.picture, count, evenness);
     const Score ours = score(ours_first, ours_second, view, views);
     const Score theirs = score(theirs_first, theirs_second, view, views);
-    fmt::print("| {} | {} | {} / {} | {} / {} | {:.3f} / {:.3f} | {} / {} | {:.3f} / {:.3f} | {} |\n", even_share,
-               view.name, ours_first.spots.size(), theirs_first.spots.size(), ours_second.spots.size(),
-               theirs_second.spots.size(), ours.repeatability, theirs.repeatability, ours.correct, theirs.correct,
-               ours.inlier_ratio(), theirs.inlier_ratio(), verdict(ours, theirs));
+    fmt::print("| {} | {} | {} / {} | {} / {} | {:.2f} / {:.2f} | {:.3f} / {:.3f} | {} / {} | {:.3f} / {:.3f} | {} |\n",
+               evenness, view.name, ours_first.spots.size(), theirs_first.spots.size(), ours_second.spots.size(),
+               theirs_second.spots.size(), covered(ours_first.spots, views.first),
+               covered(theirs_first.spots, views.first), ours.repeatability, theirs.repeatability, ours.correct,
+               theirs.correct, ours.inlier_ratio(), theirs.inlier_ratio(), verdict(ours, theirs));
   }
 }
 
@@ -271,12 +289,11 @@ int main(int argc, char** argv) {
   for (int i = 2; i < argc; ++i) counts.push_back(std::atoi(argv[i]));
   if (counts.empty()) counts = {1000, 2000, 0};
   fmt::print(
-      "| evenly spread | pictures | features of the first, ours / OpenCV | of the second | repeatability | correct | "
-      "inlier ratio | "
-      "ours |\n");
-  fmt::print("|---|---|---|---|---|---|---|---|\n");
+      "| evenness | pictures | features of the first, ours / OpenCV | of the second | covered | repeatability | "
+      "correct | inlier ratio | ours |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|---|\n");
   const Views views = std::filesystem::is_directory(argv[1]) ? measured_views(argv[1]) : simulated_views(argv[1]);
   for (const int count : counts)
-    for (const double even_share : {collinea::SiftOptions{}.even_share, 0.0}) compare(views, count, even_share);
+    for (const double evenness : {collinea::SiftOptions{}.evenness, 0.0}) compare(views, count, evenness);
   return 0;
 }

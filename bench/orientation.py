@@ -7,7 +7,7 @@ usage: bench/orientation.py [--only SECTION,...] [--blocks BLOCK,...] [--data DI
   --only          sections (default: all)
                     speed     processor time, wall time and memory of every stage
                     accuracy  errors of the projection centres
-                    control   marks measured in pictures: how far from their common point
+                    control   marks in pictures: how far from their common point
                     features  repeatability and matches on known homographies, beside OpenCV's SIFT
                     pairs     what the selection of pairs finds, and its cost (bench/pairs.py)
                     bundle    the bundle adjustment beside Ceres (bench/bundle)
@@ -27,6 +27,7 @@ pairs). Processor time is user + system of the processes; ratios are ours over C
 import argparse
 import os
 import shutil
+import sqlite3
 import subprocess
 import sys
 
@@ -53,6 +54,7 @@ args = parser.parse_args()
 PEER_REPEATS = args.peer_repeats or args.repeats
 
 SCEAUX = "2905.88,2905.88,1416,1064"
+OPPAIYAMA_WIDTH_PX = 816
 STAGES = ("detect", "match", "orient")
 
 
@@ -130,7 +132,7 @@ def accuracy_blocks():
     """name, folder, cameras to run with (None: found by the block itself), true centres, their factor and unit"""
     for name, camera in truth.STRECHA.items():
         yield name, data("strecha2008", name), (camera, None), truth.strecha_centres, 1000, "mm"
-    yield ("park_gate", data("park_gate"), (None,),
+    yield ("park_gate", data("park_gate"), (truth.PARK_GATE, None),
            lambda f: truth.park_gate_centres(os.path.join(f, "P_reference_halfres.txt")), 1000,
            "thousandths of the reference's unit")
 
@@ -158,20 +160,40 @@ def accuracy():
                         *shown_errors(model, found, count, centres, factor, unit))
 
 
+def taken_s(project):
+    """Image name -> time of taking [s] of the day."""
+    with sqlite3.connect(os.path.join(project, "block.db")) as db:
+        times = dict(db.execute("select file, taken from images"))
+    clock = {name: list(map(float, taken.split()[1].split(":"))) for name, taken in times.items() if taken}
+    return {name: 3600 * h + 60 * m + s for name, (h, m, s) in clock.items()}
+
+
 def control():
-    """The marks of oppaiyama lie on toys, at another place of the toy from each side: that alone is some pixels."""
+    """A third of the marks of oppaiyama were set by hand, on toys. The others are projections of the marks by the program
+    that wrote them, with its own orientation: no measurements, but what a second orientation says. The two kinds mean
+    points some centimetres apart, beside the toys, so that they have no common point."""
     folder = data("oppaiyama")
     if not os.path.isdir(folder):
         print(f"control: skipped, no {folder}")
         return
-    print("\nMarks of oppaiyama: distances from their common point\n")
-    measure.head("oriented", "marks", "rays", "median px", "90 % px", "largest px")
+    print("\nMarks of oppaiyama: distances from their common point, and what pictures taken within a second of each other\n"
+          "show of the pointing\n")
+    measure.head("oriented", "marks", "rays", "median px", "90 % px", "largest px", "sigma of a coordinate px",
+                 "of it pointing px")
     images = os.path.join(folder, "images")
     _, model = ours("oppaiyama", images, None, 1)
-    by_mark = rays.errors_px(model, os.path.join(folder, "gcp_list.txt"))
-    errors = np.concatenate(list(by_mark.values())) if by_mark else np.full(1, np.nan)
-    measure.row(f"{len(truth.centres_of_model(model))}/{len(os.listdir(images))}", len(by_mark), len(errors),
-                *(f"{np.quantile(errors, q):.2f}" for q in (0.5, 0.9, 1)))
+    marks = rays.marks_of(os.path.join(folder, "marker_fullres_photoscan.xml"), OPPAIYAMA_WIDTH_PX)
+    times = taken_s(os.path.join(args.out, "oppaiyama"))
+    for by_hand, label in ((True, "measured by hand"), (False, "projected by another program")):
+        found = rays.errors_px(model, {mark: [(name, pixel) for name, pixel, hand in places if hand == by_hand]
+                                       for mark, places in marks.items()})
+        errors = np.array([error for places in found.values() for _, error in places]).reshape(-1, 2)
+        lengths = np.linalg.norm(errors, axis=1) if len(errors) else np.full(1, np.nan)
+        redundant = 2 * len(errors) - 3 * len(found)
+        sigma = np.sqrt(np.square(errors).sum() / redundant) if redundant > 0 else np.nan
+        measure.row(f"{len(truth.centres_of_model(model))}/{len(os.listdir(images))}", f"{len(found)} {label}",
+                    len(errors), *(f"{np.quantile(lengths, q):.2f}" for q in (0.5, 0.9, 1)), f"{sigma:.2f}",
+                    f"{rays.pointing_px(found, times):.2f}")
 
 
 def beside(name):

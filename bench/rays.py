@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far marks measured in pictures lie from their common point, as an oriented block sees it."""
 import os
+import xml.etree.ElementTree
 
 import numpy as np
 
@@ -73,19 +74,35 @@ def common_point(images, pixels):
     return point
 
 
-def errors_px(folder, marks_file):
-    """Mark -> distances [px] of its measurements from its common point, for marks in three oriented images or more.
-    `marks_file`: a line with the reference system, then lines of x y z column row image."""
-    model, marks = model_of(folder), {}
-    with open(marks_file) as lines:
-        for row in (line.split() for line in list(lines)[1:]):
-            if len(row) >= 6 and row[5] in model:
-                marks.setdefault(tuple(row[:3]), []).append((model[row[5]], np.array([float(row[3]), float(row[4])])))
-    result = {}
-    for name, seen in marks.items():
+def marks_of(file, width_px):
+    """Mark -> [(image name, pixel, measured by hand)] of an Agisoft marker file, brought to pictures of that width.
+    Its other places ("pinned" false) are the program's own projections of the mark, no measurements."""
+    root = xml.etree.ElementTree.parse(file).getroot()
+    scale = width_px / float(root.find(".//sensor/resolution").get("width"))
+    names = {camera.get("id"): camera.get("label") for camera in root.iter("camera")}
+    return {marker.get("marker_id"): [(names[at.get("camera_id")],
+                                       scale * np.array([float(at.get("x")), float(at.get("y"))]),
+                                       at.get("pinned") == "true") for at in marker.iter("location")]
+            for marker in root.find(".//frame").iter("marker")}
+
+
+def errors_px(folder, marks):
+    """Mark -> [(image name, projection minus pixel)] at the common point of a mark's places, for marks in three
+    oriented images or more. `marks`: mark -> [(image name, pixel)]."""
+    model, result = model_of(folder), {}
+    for mark, places in marks.items():
+        seen = [(name, pixel) for name, pixel in places if name in model]
         if len(seen) < 3:
             continue
-        images, pixels = zip(*seen)
+        images, pixels = [model[name] for name, _ in seen], [pixel for _, pixel in seen]
         point = common_point(images, pixels)
-        result[name] = np.array([np.linalg.norm(projected(i, point) - p) for i, p in seen])
+        result[mark] = [(name, projected(model[name], point) - pixel) for name, pixel in seen]
     return result
+
+
+def pointing_px(errors, taken_s, within_s=1):
+    """Standard deviation of a coordinate that pictures taken at nearly the same time show among each other: what the
+    block does to a mark is common to them, what is left is the pointing. nan without such pictures."""
+    differences = [a - b for places in errors.values() for i, (first, a) in enumerate(places)
+                   for second, b in places[:i] if abs(taken_s[first] - taken_s[second]) < within_s]
+    return np.sqrt(np.mean(np.square(differences)) / 2) if differences else np.nan

@@ -8,6 +8,9 @@ import numpy as np
 # fx, fy, cx, cy [px], centre of the first pixel at (0.5, 0.5)
 STRECHA = {"fountain-P11": "2759.48,2764.16,1521.19,1007.31", "Herz-Jesus-P8": "1379.74,1382.08,760.595,503.655",
            "entry-P10": "1379.74,1382.08,760.595,503.655", "castle-P19": "1379.74,1382.08,760.595,503.655"}
+# The camera of park_gate's reference: K_fullres.txt, whose first pixel has its centre at (1, 1), at half the size. It has no
+# distortion, and pixels 1 % wider than high.
+PARK_GATE = "1234.5372,1247.6166,488.1367,316.7557"
 
 
 def similarity(a, b):

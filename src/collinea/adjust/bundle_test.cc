@@ -208,6 +208,18 @@ struct Series {
   }
 };
 
+// e' C^-1 e of the poses, their mean.
+double squared_pose_error(const Adjusted& adjusted, const Block& truth) {
+  double sum = 0;
+  for (const auto& [id, pose] : adjusted.cam_from_world) {
+    const Rigid3& exact = truth.cam_from_world.at(id);
+    Eigen::Matrix<double, 6, 1> error;
+    error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
+    sum += error.dot(adjusted.pose_covariance.at(id).inverse() * error);
+  }
+  return sum / double(adjusted.cam_from_world.size());
+}
+
 // e' C^-1 e is chi-squared with 6 (pose), 3 (point) and 1 (f) degrees of freedom, so these are its means. Four standard
 // deviations of the mean: one false alarm in 16,000 seeds. A covariance of poses 10 % too large or small fails.
 TEST(Adjust, CovarianceMatchesTheRealErrors) {
@@ -220,15 +232,8 @@ TEST(Adjust, CovarianceMatchesTheRealErrors) {
     const auto adjusted = adjust(measured_anew(truth, scope, seed), scope, options, kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     ASSERT_EQ(adjusted->undetermined, "");
+    poses.values.push_back(squared_pose_error(*adjusted, truth));
     double sum = 0;
-    for (const auto& [id, pose] : adjusted->cam_from_world) {
-      const Rigid3& exact = truth.cam_from_world.at(id);
-      Eigen::Matrix<double, 6, 1> error;
-      error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
-      sum += error.dot(adjusted->pose_covariance.at(id).inverse() * error);
-    }
-    poses.values.push_back(sum / double(adjusted->cam_from_world.size()));
-    sum = 0;
     for (std::size_t i = 0; i < adjusted->points.size(); ++i) {
       const Eigen::Vector3d error =
           adjusted->points[i].second - truth.points.at(adjusted->points[i].first).position_in_world;
@@ -267,14 +272,7 @@ TEST(Adjust, Sigma0TurnsCovariancesOfARobustEstimateIntoTrueOnes) {
     AdjustScope scope{.fixed_images = {block.images.begin()->first, block.images.rbegin()->first}};
     const auto adjusted = adjust(block, scope, options, kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
-    double sum = 0;
-    for (const auto& [id, pose] : adjusted->cam_from_world) {
-      const Rigid3& exact = truth.cam_from_world.at(id);
-      Eigen::Matrix<double, 6, 1> error;
-      error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
-      sum += error.dot(adjusted->pose_covariance.at(id).inverse() * error);
-    }
-    bare.values.push_back(sum / double(adjusted->cam_from_world.size()));
+    bare.values.push_back(squared_pose_error(*adjusted, truth));
     poses.values.push_back(bare.values.back() / std::pow(adjusted->sigma0, 2));
   }
   EXPECT_NEAR(poses.mean(), 6, 6 * 0.21);  // a tenth of the sigmas: the correction holds for many rays a point

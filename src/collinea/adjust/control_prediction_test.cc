@@ -18,12 +18,21 @@ AdjustOptions with_covariances() {
   return {.calibration = "focal", .loss = "none", .position_loss = "none", .covariances = true};
 }
 
-// e' C^-1 e of a check point has mean 3 and variance 6; those of one block are correlated, so the bound comes from the
-// means of the blocks. Four standard deviations of the mean of 150 blocks.
+/// Mean over independent blocks and its standard deviation, from their own spread: points of one block are correlated.
+struct Series {
+  double sum = 0, squares = 0;
+  int blocks = 0;
+  void add(double of_block) { sum += of_block, squares += of_block * of_block, ++blocks; }
+  [[nodiscard]] double mean() const { return sum / blocks; }
+  [[nodiscard]] double sigma_of_mean() const { return std::sqrt((squares / blocks - mean() * mean()) / blocks); }
+};
+
+// e' C^-1 e of a check point is chi-squared with 3 degrees of freedom: mean 3. Differences of control points in their
+// predicted sigmas have mean square 1, and of all differences 0.27 % lie beyond three sigmas. Bounds: four standard
+// deviations of the mean of 600 blocks.
 TEST(ControlPrediction, CheckPointErrorsAreAsLongAsPredicted) {
-  double sum = 0, squares = 0, of_control = 0, residuals = 0;
-  int beyond = 0, axes = 0;
-  constexpr int kBlocks = 150;
+  Series of_checks, of_control, beyond;
+  constexpr int kBlocks = 600;
   for (int seed = 1; seed <= kBlocks; ++seed) {
     const Block block = test_block({.rows = 2,
                                     .columns = 3,
@@ -34,17 +43,17 @@ TEST(ControlPrediction, CheckPointErrorsAreAsLongAsPredicted) {
                                     .seed = static_cast<std::uint64_t>(seed)});
     const auto adjusted = adjust(block, {}, with_covariances(), {});
     ASSERT_TRUE(adjusted) << adjusted.error().message;
-    double of_block = 0;
-    int checks = 0;
+    double of_block = 0, residuals = 0, axes = 0, far = 0;
+    int checks = 0, used = 0;
     for (const ControlDifference& control : adjusted->control) {
       if (!control.covariance_m2) continue;
       for (int axis = 0; axis < 3; ++axis) {
         ++axes;
-        beyond += std::abs(control.difference_m[axis]) > 2 * control.difference_sigma_m[axis];
+        far += std::abs(control.difference_m[axis]) > 3 * control.difference_sigma_m[axis];
       }
       if (control.used) {
-        of_control += (control.difference_m.array() / control.difference_sigma_m.array()).square().sum();
-        residuals += 3;
+        residuals += (control.difference_m.array() / control.difference_sigma_m.array()).square().mean();
+        ++used;
         continue;
       }
       const Eigen::Matrix3d survey = 1e-4 * Eigen::Matrix3d::Identity();
@@ -52,16 +61,15 @@ TEST(ControlPrediction, CheckPointErrorsAreAsLongAsPredicted) {
       ++checks;
     }
     ASSERT_GE(checks, 2);
-    sum += of_block / checks;
-    squares += std::pow(of_block / checks, 2);
+    of_checks.add(of_block / checks);
+    of_control.add(residuals / used);
+    beyond.add(far / axes);
   }
-  const double mean = sum / kBlocks, sigma = std::sqrt((squares / kBlocks - mean * mean) / kBlocks);
-  EXPECT_NEAR(mean, 3, 4 * sigma);
-  EXPECT_LT(4 * sigma, 0.6);
-  EXPECT_NEAR(of_control / residuals, 1, 0.1);
-  // 4.55 % of normal errors lie beyond two sigmas; as those of a block are correlated, eight binomial deviations.
-  EXPECT_NEAR(beyond, 0.0455 * axes, 8 * std::sqrt(0.0455 * axes));
-  EXPECT_LT(8 * std::sqrt(0.0455 * axes), 0.6 * 0.0455 * axes);
+  EXPECT_NEAR(of_checks.mean(), 3, 4 * of_checks.sigma_of_mean());
+  EXPECT_LT(4 * of_checks.sigma_of_mean(), 0.3);
+  EXPECT_NEAR(of_control.mean(), 1, 4 * of_control.sigma_of_mean());
+  EXPECT_LT(4 * of_control.sigma_of_mean(), 0.1);
+  EXPECT_NEAR(beyond.mean(), 0.0027, 4 * beyond.sigma_of_mean());
 }
 
 // Image sigmas that are wrong by a factor, of a survey that is as good as stated: check points, control and control left

@@ -16,10 +16,10 @@ struct Keypoint {
   float x = 0, y = 0;   ///< [px]
   float scale_px = 0;   ///< standard deviation of the blur it was found at
   float angle_rad = 0;  ///< main gradient direction, from x to y (clockwise on the picture)
-  float strength = 0;   ///< the detector's response; larger is stronger
+  float strength = 0;   ///< the detector's response, in part beside that of the region; larger is stronger
 };
 
-using Descriptor = std::array<std::uint8_t, 128>;  ///< RootSIFT, L2 norm about 512: see feature/sift.h
+using Descriptor = std::array<std::uint8_t, 128>;  ///< RootSIFT, L2 norm about 512, at most 127: see feature/sift.h
 
 /// The features of one image, strongest first.
 struct Features {

@@ -116,6 +116,46 @@ TEST(Fuse, WhatOneMapAloneSaysIsDropped) {
   for (const FusedPoint& p : fused(scene, store).points) EXPECT_LT(std::abs(height_above_ground(scene, p)), 0.1);
 }
 
+// Two images in a row and a third one, `aside`, that has measured nothing.
+Scene with_a_blind_third(double aside) {
+  Scene scene = {.slope = 0};
+  for (const double x : {0.0, 1.0, aside}) scene.add_camera(x, 0, 0, Scene::camera());
+  scene.add_ties();
+  return scene;
+}
+
+// How many points fall into columns `left` to `right` of the third image, of those that its rows 20 to 140 show.
+double part_written(const Scene& scene, MemoryStore& store, double left, double right) {
+  for (float& depth : store.maps.at(ImageId{2}).depth.data) depth = std::numeric_limits<float>::quiet_NaN();
+  int count = 0;
+  for (const FusedPoint& p : fused(scene, store).points) {
+    const auto pixel =
+        project(scene.block.camera_of(ImageId{2}), scene.block.cam_from_world.at(ImageId{2}) * p.position_in_world);
+    count += pixel && pixel->x() > left && pixel->x() < right && pixel->y() > 20 && pixel->y() < 140;
+  }
+  return count / ((right - left) * 120);
+}
+
+TEST(Fuse, ABlindImageMustNotAgreeWhereItLooksFromFarAsideOrWithItsFrame) {
+  const Scene near = with_a_blind_third(4), wide = with_a_blind_third(6);  // rays meet at 0.4 and 0.58 rad
+  MemoryStore near_maps = true_maps(near, 0.01f, 0), wide_maps = true_maps(wide, 0.01f, 0);
+  EXPECT_EQ(part_written(near, near_maps, 7, 60), 0);  // it looks, and does not agree
+  EXPECT_GT(part_written(wide, wide_maps, 7, 60), 0.9);
+  EXPECT_GT(part_written(near, near_maps, 0.5, 5.5), 0.9);  // windows do not fit into the frame of a picture
+}
+
+// Two images 2 m apart: a metre of depth is 4 px. Depths of 0.3 m less interpolated ones of 0.2 m have a deviation of
+// 0.36 m = 1.44 px; within 2 sigmas = 2.4 px lie 90 % of them, within the 1 px of max_reprojection_px 51 %, within its
+// four sigmas all. A fifth of the picture is not on the other.
+TEST(Fuse, RoughSurfacesAgreeWithinTwoSigmas) {
+  Scene scene = {.slope = 0};
+  for (const double x : {0.0, 2.0}) scene.add_camera(x, 0, 0, Scene::camera());
+  scene.add_ties();
+  MemoryStore store = true_maps(scene, 0.3f, 1);
+  const double confirmed = fused(scene, store).report.confirmed.at(ImageId{0});
+  EXPECT_NEAR(confirmed, 0.8 * 0.9, 0.04);
+}
+
 TEST(Fuse, HolesStayHoles) {
   const Scene scene = Scene::of_four({.slope = 0});
   MemoryStore store = true_maps(scene, 0.01f, 0);

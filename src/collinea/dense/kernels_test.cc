@@ -7,6 +7,7 @@
 
 #include "collinea/base/random.h"
 #include "collinea/dense/aggregate.h"
+#include "collinea/dense/level.h"
 #include "collinea/dense/match_kernels.h"
 
 namespace collinea::dense {
@@ -197,6 +198,63 @@ TEST(Winner, LiesBetweenLabelsWhereTheParabolaSays) {
   const Winner best = winner(sums.data(), 10);
   EXPECT_NEAR(best.label, 4.3, 0.05);  // sums are whole numbers
   EXPECT_GT(best.runner_up, best.sum);
+}
+
+Level level_of(const GreyImage& picture) {
+  Level level;
+  level.picture = &picture;
+  level.focal_px = 100;
+  level.cx = 0.5f * float(picture.width);
+  level.cy = 0.5f * float(picture.height);
+  level.step = 0.002f;
+  return level;
+}
+
+// A view `aside` to the right whose picture, of chance, shows the whole reference at depths around 10.
+View view_of_chance(float aside, std::uint64_t seed) {
+  View view{quads_of(random_picture(160, 90, seed)), shift(30 + 10 * aside, 12), {aside, 0, 0}};
+  view.transfer.b = {-100 * aside, 0, 0};
+  return view;
+}
+
+FloatImage surface_by(const std::vector<View>& views) {
+  const GreyImage picture = random_picture(64, 64, 11);
+  Level level = level_of(picture);
+  level.views = views;
+  return match_level(level, labels_around_plane(64, 64, level.step, 0.1f, 0, 0, -8, 8), {});
+}
+
+// Rays meet at 0.1 rad, twice, and at 0.7 rad.
+TEST(MatchLevel, ViewsAtWideAnglesHaveNoSayWhereTwoOthersSee) {
+  const View near = view_of_chance(1, 12), other = view_of_chance(-1, 13), wide = view_of_chance(8, 14);
+  EXPECT_EQ(surface_by({near, other, wide}).data, surface_by({near, other}).data);
+  EXPECT_NE(surface_by({near, wide}).data, surface_by({near}).data);
+}
+
+TEST(KeepTextured, EmptiesWhatWindowsSeeOnlyBesideTheirMiddle) {
+  GreyImage picture(40, 20);  // a chequerboard, plain on the right
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 40; ++x) picture.at(x, y) = std::uint8_t(x >= 20 ? 128 : (x + y) % 2 ? 168 : 88);
+  FloatImage surface(40, 20, 1, 0.1f);
+  keep_textured(picture, surface);
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 23; ++x) EXPECT_EQ(std::isnan(surface.at(x, y)), x > 20) << x << " " << y;
+}
+
+// A patch of nine pixels, 0.5 above the rest.
+TEST(RemoveSpecks, StandardDeviationsJoinWhatTheyCannotTellApart) {
+  FloatImage surface(30, 20, 1, 1);
+  for (int y = 5; y < 8; ++y)
+    for (int x = 10; x < 13; ++x) surface.at(x, y) = 1.5f;
+  FloatImage exact = surface, uncertain = surface, certain = surface;
+  remove_specks(exact, 0.1f, 40);
+  EXPECT_TRUE(std::isnan(exact.at(11, 6)));
+  EXPECT_EQ(exact.at(9, 6), 1);
+  const FloatImage large(30, 20, 1, 0.11f), small(30, 20, 1, 0.09f);  // 0.1 + 2 (0.11 + 0.11) = 0.54; 0.46
+  remove_specks(uncertain, 0.1f, 40, &large);
+  EXPECT_EQ(uncertain.data, surface.data);
+  remove_specks(certain, 0.1f, 40, &small);
+  EXPECT_TRUE(std::isnan(certain.at(11, 6)));
 }
 
 TEST(FillHoles, LeavesValuesAndFillsTheRest) {

@@ -10,7 +10,6 @@
 #include "collinea/dense/level.h"
 #include "collinea/dense/overview.h"
 #include "collinea/dense/pinhole.h"
-#include "collinea/dense/window_variance.h"
 
 namespace collinea {
 namespace {
@@ -286,7 +285,7 @@ class Matching {
       if (l == 0) {
         result = std::move(refined);
       } else {
-        keep_textured(*level.picture, refined.inverse_depth);
+        dense::keep_textured(*level.picture, refined.inverse_depth);
         fill_from(refined, 1 << l, finest_surface, kAgreeing * level.step, result);
       }
       finer = std::move(surface);
@@ -328,18 +327,6 @@ class Matching {
     }
   }
 
-  // Wide windows also measure beside the texture they catch; there the surface is not seen, and stays empty.
-  static void keep_textured(const GreyImage& picture, FloatImage& surface) {
-    const auto variance = [&](int x, int y, int reach) {
-      return dense::variance_around(x, y, reach, picture.width, picture.height,
-                                    [&](int i, int j) { return float(picture.at(i, j)) - 128; });
-    };
-    for (int y = 0; y < surface.height; ++y)
-      for (int x = 0; x < surface.width; ++x)
-        if (!std::isnan(surface.at(x, y)) && variance(x, y, 1) < kLeastInside * variance(x, y, dense::kRadius))
-          surface.at(x, y) = std::numeric_limits<float>::quiet_NaN();
-  }
-
   // Takes over what four pixels of a coarser measurement say in unison, where it is much better than what there is. It
   // may not be far from the surface found at full resolution: wide windows reach across the edges of roofs.
   static void fill_from(const dense::Refined& coarse, int factor, const FloatImage& surface, float reach,
@@ -375,7 +362,6 @@ class Matching {
   // What the formula leaves out: errors of interpolation, and that resampled pixels are not independent. From truth.
   static constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f;
   static constexpr float kSmoothSigmaPx = 0.25f;  // of the regularised surface
-  static constexpr float kLeastInside = 0.15f;    // of the variance of a window, in its middle 3 x 3 pixels
   static constexpr float kUnison = 8;             // sigmas
   static constexpr float kMuchBetter = 0.6f;
   static constexpr int kSmallestPatch = 40;  // pixels

@@ -15,7 +15,8 @@ struct PlacedMap {
   Rigid3 reference_from_cam;
 };
 
-/// Inverse depths on which the overview `own` and those of the other images agree within `reach`. Of several surfaces
+/// Inverse depths on which the overview `own` and those of the other images agree within `reach`, or, where none are so
+/// close, within three times that: of leaves and grass no two images show the same. Of several surfaces
 /// along a ray the nearest one that at least three images confirm, or two when one of them is `own`: what lies in
 /// front hides the rest. NaN where no images agree.
 [[nodiscard]] FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& others, float reach);

@@ -45,6 +45,16 @@ TEST(AgreedSurface, OneOtherImageIsEnoughForWhatTheImageItselfFound) {
   EXPECT_TRUE(std::isnan(agreed_surface(own, {plane_seen_from(0.5, 20)}, 0.002f).at(30, 20)));
 }
 
+// Inverse depths; the reach is 0.002, three times that where nothing agrees so closely.
+TEST(AgreedSurface, RoughSurfacesMayDifferByThreeTimesTheReach) {
+  const DepthMap own = plane_seen_from(0, 1 / 0.1f).map;
+  const PlacedMap same = plane_seen_from(0.5, 1 / 0.101f), rough = plane_seen_from(0.3, 1 / 0.105f),
+                  other = plane_seen_from(0.3, 1 / 0.107f);
+  EXPECT_NEAR(agreed_surface(own, {rough}, 0.002f).at(30, 20), 0.1025f, 1e-5f);
+  EXPECT_TRUE(std::isnan(agreed_surface(own, {other}, 0.002f).at(30, 20)));
+  EXPECT_NEAR(agreed_surface(own, {same, rough}, 0.002f).at(30, 20), 0.1005f, 1e-5f);  // the rough one does not count
+}
+
 TEST(AgreedSurface, IsEmptyWhereNobodyElseLooks) {
   const DepthMap own = plane_seen_from(0, 10).map;
   const FloatImage agreed = agreed_surface(own, {plane_seen_from(5, 10)}, 0.002f);  // shifted by half a picture

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/epipolar/guide.h"
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,19 +10,16 @@
 #include "collinea/epipolar/essential.h"
 #include "collinea/epipolar/fundamental.h"
 #include "collinea/epipolar/point_pairs.h"
-#include "collinea/epipolar/relative.h"
+#include "collinea/epipolar/robust.h"
+#include "collinea/epipolar/two_view_problems.h"
 
 namespace collinea {
 namespace {
 
-constexpr double kBand = 2;  // largest errors on either side of a line
+constexpr double kBand = 2;  // largest errors on either side of a line, or round a place
 constexpr std::size_t kMatchesPerUnknown = 5;
 constexpr double kStrip_px = 128, kCell_px = 8;
-
-// a u + b v + c = 0 with a^2 + b^2 = 1.
-struct Line {
-  double a, b, c;
-};
+constexpr double kOnPlane = 0.95;  // of the matches: where more is off the plane, there is more to be found there
 
 // Points by strips across one axis and, within a strip, by cells along the other: the points of neighbouring cells lie
 // one after the other.
@@ -78,6 +75,20 @@ class Strips {
     found.insert(found.end(), room.begin(), room.begin() + static_cast<std::ptrdiff_t>(count));
   }
 
+  // Appends the points less than `radius_px` from a place.
+  void add_round(double across, double along, double radius_px, std::vector<std::uint32_t>& found) const {
+    if (strips_ == 0) return;
+    const auto part = [](double from_low, double size_px, std::size_t parts) {
+      return static_cast<std::size_t>(std::clamp(from_low / size_px, 0.0, static_cast<double>(parts - 1)));
+    };
+    const std::size_t first_cell = part(along - radius_px - along_low_, kCell_px, cells_);
+    const std::size_t last_cell = part(along + radius_px - along_low_, kCell_px, cells_);
+    const std::size_t last_strip = part(across + radius_px - across_low_, kStrip_px, strips_);
+    for (std::size_t s = part(across - radius_px - across_low_, kStrip_px, strips_); s <= last_strip; ++s)
+      for (std::size_t k = begin_[s * cells_ + first_cell]; k < begin_[s * cells_ + last_cell + 1]; ++k)
+        if (std::hypot(across_[k] - across, along_[k] - along) < radius_px) found.push_back(index_[k]);
+  }
+
  private:
   double across_low_ = 0, along_low_ = 0;
   std::size_t strips_ = 0, cells_ = 0;
@@ -87,6 +98,17 @@ class Strips {
 };
 
 bool is_known(const Camera& camera) { return camera.sigma_f_px == 0; }
+
+PointPairs matched_pairs(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
+                         std::span<const Keypoint> second, const ImagePair& verified) {
+  PointPairs pairs;
+  pairs.focal_first_px = camera_first.focal_px();
+  pairs.focal_second_px = camera_second.focal_px();
+  for (const auto& [i, j] : verified.matches)
+    pairs.add(normalized(camera_first, {first[i].x, first[i].y}),
+              normalized(camera_second, {second[j].x, second[j].y}));
+  return pairs;
+}
 
 // The matrix of the pair's own coordinates: its essential matrix where the focal lengths are beyond doubt, else what
 // the matches say by themselves.
@@ -98,12 +120,7 @@ std::optional<Eigen::Matrix3d> relation(const Camera& camera_first, std::span<co
     return essential_matrix(verified.second_from_first);
   }
   if (verified.matches.size() < 7 * kMatchesPerUnknown) return std::nullopt;
-  PointPairs pairs;
-  pairs.focal_first_px = camera_first.focal_px();
-  pairs.focal_second_px = camera_second.focal_px();
-  for (const auto& [i, j] : verified.matches)
-    pairs.add(normalized(camera_first, {first[i].x, first[i].y}),
-              normalized(camera_second, {second[j].x, second[j].y}));
+  const PointPairs pairs = matched_pairs(camera_first, first, camera_second, second, verified);
   std::vector<int> all(verified.matches.size());
   std::iota(all.begin(), all.end(), 0);
   const auto start = eight_point(pairs, all);
@@ -111,40 +128,79 @@ std::optional<Eigen::Matrix3d> relation(const Camera& camera_first, std::span<co
   return refine_fundamental(*start, pairs, all, loss_px);
 }
 
+// The homography that nearly all of the matches obey.
+std::optional<Eigen::Matrix3d> mapping(const Camera& camera_first, std::span<const Keypoint> first,
+                                       const Camera& camera_second, std::span<const Keypoint> second,
+                                       const ImagePair& verified, double threshold_px) {
+  if (verified.matches.size() < 8 * kMatchesPerUnknown) return std::nullopt;
+  const PointPairs pairs = matched_pairs(camera_first, first, camera_second, second, verified);
+  RobustOptions search;
+  search.max_error_px = threshold_px;
+  search.min_inlier_ratio = kOnPlane;
+  Random random(1);
+  const auto fit = robust_fit(HomographyProblem{pairs, threshold_px}, search, random);
+  if (!fit || static_cast<double>(fit->inliers.size()) < kOnPlane * pairs.size()) return std::nullopt;
+  return fit->model;
+}
+
+// Keypoints of the second picture in pixels freed from distortion.
+struct Undistorted {
+  std::vector<double> u, v;
+
+  Undistorted(const Camera& camera, std::span<const Keypoint> keypoints) : u(keypoints.size()), v(keypoints.size()) {
+    for (std::size_t j = 0; j < keypoints.size(); ++j) {
+      const Eigen::Vector2d at = camera.focal_px() * normalized(camera, {keypoints[j].x, keypoints[j].y});
+      u[j] = at.x();
+      v[j] = at.y();
+    }
+  }
+};
+
+// The candidates of every keypoint of the first picture as add(its normalised coordinates, candidates) gives them.
+template <class Add>
+Guide guide_of(const Camera& camera, std::span<const Keypoint> keypoints, const Add& add) {
+  Guide found;
+  found.begin.reserve(keypoints.size() + 1);
+  found.begin.push_back(0);
+  for (const Keypoint& k : keypoints) {
+    add(normalized(camera, {k.x, k.y}), found.candidates);
+    found.begin.push_back(static_cast<std::uint32_t>(found.candidates.size()));
+  }
+  return found;
+}
+
 }  // namespace
 
 std::optional<Guide> guide(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
                            std::span<const Keypoint> second, const ImagePair& verified, const VerifyOptions& options) {
-  if (verified.geometry != PairGeometry::kGeneral) return std::nullopt;
   const double threshold_px = largest_error_px(camera_first, camera_second, options);
+  const double focal_px = camera_second.focal_px(), reach_px = kBand * threshold_px;
+  if (verified.geometry == PairGeometry::kPlanar) {
+    const auto matrix = mapping(camera_first, first, camera_second, second, verified, threshold_px);
+    if (!matrix) return std::nullopt;
+    const Undistorted places(camera_second, second);
+    const Strips upright(places.u, places.v);
+    return guide_of(camera_first, first, [&](const Eigen::Vector2d& p, std::vector<std::uint32_t>& candidates) {
+      const Eigen::Vector2d at = focal_px * (*matrix * p.homogeneous()).hnormalized();
+      if (at.allFinite()) upright.add_round(at.x(), at.y(), reach_px, candidates);
+    });
+  }
+  if (verified.geometry != PairGeometry::kGeneral) return std::nullopt;
   const auto matrix = relation(camera_first, first, camera_second, second, verified, threshold_px);
   if (!matrix) return std::nullopt;
-
-  const double focal_px = camera_second.focal_px();
-  std::vector<double> u(second.size()), v(second.size());
-  for (std::size_t j = 0; j < second.size(); ++j) {
-    const Eigen::Vector2d at = focal_px * normalized(camera_second, {second[j].x, second[j].y});
-    u[j] = at.x();
-    v[j] = at.y();
-  }
-  const Strips upright(u, v), level(v, u);
+  const Undistorted places(camera_second, second);
+  const Strips upright(places.u, places.v), level(places.v, places.u);
   std::vector<std::uint32_t> room(second.size() + 1);
-  Guide found;
-  found.begin.reserve(first.size() + 1);
-  found.begin.push_back(0);
-  for (const Keypoint& k : first) {
-    const Eigen::Vector3d line = *matrix * normalized(camera_first, {k.x, k.y}).homogeneous();
+  return guide_of(camera_first, first, [&](const Eigen::Vector2d& p, std::vector<std::uint32_t>& candidates) {
+    const Eigen::Vector3d line = *matrix * p.homogeneous();
     const double norm = line.head<2>().norm();
-    if (norm > 0) {
-      const double a = line.x() / norm, b = line.y() / norm, c = focal_px * line.z() / norm;
-      if (std::abs(b) >= std::abs(a))
-        upright.add_near(a, b, c, kBand * threshold_px, room, found.candidates);
-      else
-        level.add_near(b, a, c, kBand * threshold_px, room, found.candidates);
-    }
-    found.begin.push_back(static_cast<std::uint32_t>(found.candidates.size()));
-  }
-  return found;
+    if (!(norm > 0)) return;
+    const double a = line.x() / norm, b = line.y() / norm, c = focal_px * line.z() / norm;
+    if (std::abs(b) >= std::abs(a))
+      upright.add_near(a, b, c, reach_px, room, candidates);
+    else
+      level.add_near(b, a, c, reach_px, room, candidates);
+  });
 }
 
 }  // namespace collinea

@@ -12,7 +12,7 @@
 
 namespace collinea {
 
-/// For each keypoint of the first picture those of the second that lie near its epipolar line:
+/// For each keypoint of the first picture those of the second that lie near its epipolar line, or near its place:
 /// candidates[begin[i]] to candidates[begin[i + 1] - 1], each once.
 struct Guide {
   std::vector<std::uint32_t> begin;  ///< one more than keypoints
@@ -20,7 +20,9 @@ struct Guide {
 };
 
 /// The guide that verified matches of some of the keypoints give to all of them: within twice the largest error of a
-/// match from the line. Nothing when the pair is not kGeneral, or when its matches are too few to fix the lines well.
+/// match from the epipolar line of a kGeneral pair, or from where the homography of a kPlanar pair maps the keypoint.
+/// Nothing for other pairs, when the matches are too few to fix the relation well, or when more than a few of a kPlanar
+/// pair are off the plane.
 [[nodiscard]] std::optional<Guide> guide(const Camera& camera_first, std::span<const Keypoint> first,
                                          const Camera& camera_second, std::span<const Keypoint> second,
                                          const ImagePair& verified, const VerifyOptions& options);

@@ -97,10 +97,55 @@ TEST(Guide, NeedsParallaxAndEnoughMatches) {
   p.verified.matches.emplace_back(24, 24);
   EXPECT_TRUE(p.guided(lens()));
   EXPECT_FALSE(p.guided(lens(300)));  // two unknowns more
-  for (const PairGeometry other : {PairGeometry::kNone, PairGeometry::kPlanar, PairGeometry::kRotation}) {
+  for (const PairGeometry other : {PairGeometry::kNone, PairGeometry::kRotation}) {
     p.verified.geometry = other;
     EXPECT_FALSE(p.guided(lens()));
   }
+}
+
+// Keypoints on a plane: `off` of every hundred lie elsewhere.
+Pictures flat(std::size_t count, std::size_t matched, int off, Random& random) {
+  Pictures p(lens(), 0, 0, random);
+  while (p.first.size() < count) {
+    const bool is_off = static_cast<int>(p.first.size() % 100) < off;
+    const Eigen::Vector3d x = is_off ? random_point(random) : random_point_on_plane(random);
+    const auto a = project(lens(), x), b = project(lens(), p.motion * x);
+    if (!a || !b || !inside(lens(), *a) || !inside(lens(), *b)) continue;
+    p.first.push_back({static_cast<float>(a->x()), static_cast<float>(a->y())});
+    p.second.push_back({static_cast<float>(b->x()), static_cast<float>(b->y())});
+  }
+  p.verified.geometry = PairGeometry::kPlanar;
+  for (std::uint32_t i = 0; i < matched; ++i) p.verified.matches.emplace_back(i, i);
+  return p;
+}
+
+TEST(Guide, OfAPlaneIsThePlaceWhereTheKeypointIsMapped) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Random random(seed);
+    const Pictures p = flat(600, 60, 0, random);
+    const auto found = p.guided(lens());
+    ASSERT_TRUE(found);
+    ASSERT_EQ(found->begin.size(), p.first.size() + 1);
+    std::vector<Eigen::Vector2d> at;
+    for (const Keypoint& k : p.second) at.push_back(2000 * normalized(lens(), {k.x, k.y}));
+    // Keypoints are exact to a float's rounding, and so is the homography of 60 of them.
+    for (std::uint32_t i = 0; i < p.first.size(); ++i) {
+      std::vector<std::uint32_t> candidates(candidates_of(*found, i).begin(), candidates_of(*found, i).end());
+      std::ranges::sort(candidates);
+      std::vector<std::uint32_t> expected;
+      for (std::uint32_t j = 0; j < p.second.size(); ++j)
+        if ((at[j] - at[i]).norm() < 2 * VerifyOptions{}.max_error_px) expected.push_back(j);
+      ASSERT_EQ(candidates, expected) << "keypoint " << i << ", seed " << seed;
+    }
+  }
+}
+
+TEST(Guide, OfAPlaneNeedsEnoughMatchesAndNothingBesideThePlane) {
+  Random random(12);
+  EXPECT_FALSE(flat(100, 39, 0, random).guided(lens()));
+  EXPECT_TRUE(flat(100, 40, 0, random).guided(lens()));
+  EXPECT_TRUE(flat(300, 300, 2, random).guided(lens()));
+  EXPECT_FALSE(flat(300, 300, 20, random).guided(lens()));
 }
 
 TEST(Guide, HasNoCandidatesWhereThereAreNoKeypoints) {

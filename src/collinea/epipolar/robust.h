@@ -51,10 +51,10 @@ struct RobustFit {
   return order;
 }
 
-/// The model with the least truncated squared error (MSAC, Torr and Zisserman 2000) found by random samples, each new
-/// best model improved by least squares over its inliers (Chum, Matas, Kittler 2003), bad models left early by Wald's
-/// sequential test (Matas and Chum 2005) and the number of samples adapted to the inliers found. Deterministic in the
-/// state of `random`. Nothing when no sample gave a model.
+/// The model with the least truncated squared error (MSAC, Torr and Zisserman 2000) found by random samples, the
+/// best of the first min_trials and each new best model after them improved by least squares over its inliers (Chum,
+/// Matas, Kittler 2003), bad models left early by Wald's sequential test (Matas and Chum 2005) and the number of
+/// samples adapted to the inliers found. Deterministic in the state of `random`. Nothing when no sample gave a model.
 template <RobustProblem Problem>
 class RobustSearch {
  public:
@@ -81,6 +81,11 @@ class RobustSearch {
         if (best_ && !(score.cost < best_score_.cost)) continue;
         best_ = candidate;
         best_score_ = score;
+        if (trial < options_.min_trials) continue;  // these are drawn anyway: only the best of them is improved
+        improve(3, kLocalSupport);
+        needed = std::min(needed, trials_for(best_score_));
+      }
+      if (trial + 1 == options_.min_trials && best_) {
         improve(3, kLocalSupport);
         needed = std::min(needed, trials_for(best_score_));
       }

@@ -21,10 +21,8 @@ namespace {
 constexpr double kReferenceSize_px = 3000;  // pictures up to this size share one threshold
 constexpr double kAssumedFocal = 0.1;       // sigma_f / f beyond which a focal length is a guess
 constexpr double kPlaneThreshold = 1.25;    // two degrees of freedom instead of one at the same 95 %
-constexpr double kStationary_px = 1.5;      // a match that stays at its pixel
-constexpr double kMostStationary = 0.9;
-constexpr double kMotionShare = 0.7;  // of the fundamental matrix's inliers that an essential matrix must keep
-constexpr double kLensDoubt = 3;      // thresholds that an uncalibrated lens may feign as parallax
+constexpr double kMotionShare = 0.7;        // of the fundamental matrix's inliers that an essential matrix must keep
+constexpr double kLensDoubt = 3;            // thresholds that an uncalibrated lens may feign as parallax
 
 // Matches in random order.
 struct Prepared {
@@ -70,17 +68,6 @@ class Verification {
     Finding finding = judged(epipolar, plane, prepared.pairs);
     if (!acceptable(prepared, finding.inliers)) return {};
     return finding;
-  }
-
-  // Nearly all of `inliers` are at the same pixel in both pictures.
-  static bool stationary(const Prepared& prepared, std::span<const int> inliers) {
-    std::size_t still = 0;
-    for (const int i : inliers) still += is_still(prepared, static_cast<std::size_t>(i));
-    return static_cast<double>(still) > kMostStationary * static_cast<double>(inliers.size());
-  }
-
-  static bool is_still(const Prepared& prepared, std::size_t i) {
-    return (prepared.first_px[i] - prepared.second_px[i]).squaredNorm() < kStationary_px * kStationary_px;
   }
 
  private:
@@ -378,19 +365,6 @@ class Verification {
   std::span<const int> preferred_;
 };
 
-Eigen::Vector2d pixel_of(std::span<const Keypoint> keypoints, std::uint32_t index) {
-  COLLINEA_CHECK(index < keypoints.size());
-  return {keypoints[index].x, keypoints[index].y};
-}
-
-void append(Prepared& prepared, const Camera& camera_first, const Camera& camera_second, const Match& match,
-            const Eigen::Vector2d& first_px, const Eigen::Vector2d& second_px) {
-  prepared.pairs.add(normalized(camera_first, first_px), normalized(camera_second, second_px));
-  prepared.matches.push_back(match);
-  prepared.first_px.push_back(first_px);
-  prepared.second_px.push_back(second_px);
-}
-
 Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
                         std::span<const Keypoint> second, std::span<const Match> matches, std::span<const int> order) {
   Prepared prepared;
@@ -400,28 +374,17 @@ Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> fi
   std::vector<TurnAndScale> changes;
   for (const int i : order) {
     const Match& match = matches[static_cast<std::size_t>(i)];
-    append(prepared, camera_first, camera_second, match, pixel_of(first, match.first), pixel_of(second, match.second));
     const Keypoint &a = first[match.first], &b = second[match.second];
+    prepared.matches.push_back(match);
+    prepared.first_px.emplace_back(a.x, a.y);
+    prepared.second_px.emplace_back(b.x, b.y);
+    prepared.pairs.add(normalized(camera_first, prepared.first_px.back()),
+                       normalized(camera_second, prepared.second_px.back()));
     changes.push_back(
         {b.angle_rad - a.angle_rad, a.scale_px > 0 && b.scale_px > 0 ? std::log2(b.scale_px / a.scale_px) : 0});
   }
   prepared.preferred = most_alike(changes);
   return prepared;
-}
-
-Prepared without_stationary(const Prepared& all) {
-  Prepared moving;
-  moving.pairs.focal_first_px = all.pairs.focal_first_px;
-  moving.pairs.focal_second_px = all.pairs.focal_second_px;
-  for (std::size_t i = 0; i < all.matches.size(); ++i) {
-    if (Verification::is_still(all, i)) continue;
-    const int k = static_cast<int>(i);
-    moving.pairs.add(all.pairs.first(k), all.pairs.second(k));
-    moving.matches.push_back(all.matches[i]);
-    moving.first_px.push_back(all.first_px[i]);
-    moving.second_px.push_back(all.second_px[i]);
-  }
-  return moving;
 }
 
 }  // namespace
@@ -436,21 +399,22 @@ ImagePair verify(const Camera& camera_first, std::span<const Keypoint> first, co
   ImagePair pair;
   pair.putative = static_cast<int>(putative.size());
   if (pair.putative < options.min_inliers) return pair;
+  for (const Match& match : putative) COLLINEA_CHECK(match.first < first.size() && match.second < second.size());
+  const std::vector<Match> moving = without_marks(first, second, putative);
 
   Random random(seed);
-  const std::vector<int> order = shuffled(pair.putative, random);
-  Prepared prepared = prepared_pairs(camera_first, first, camera_second, second, putative, order);
-  Verification verification(camera_first, camera_second, options, random);
-  Finding finding = verification.find(prepared);
-  if (finding.geometry != PairGeometry::kNone && Verification::stationary(prepared, finding.inliers)) {
-    prepared = without_stationary(prepared);  // what a watermark drowned
-    finding = verification.find(prepared);
-  }
+  const std::vector<int> order = shuffled(static_cast<int>(moving.size()), random);
+  const Prepared prepared = prepared_pairs(camera_first, first, camera_second, second, moving, order);
+  const Finding finding = Verification(camera_first, camera_second, options, random).find(prepared);
   if (finding.geometry == PairGeometry::kNone) return pair;
+  for (const int i : finding.inliers) pair.matches.push_back(prepared.matches[static_cast<std::size_t>(i)]);
+  if (nearly_all_still(first, second, pair.matches)) {
+    pair.matches.clear();
+    return pair;
+  }
   pair.geometry = finding.geometry;
   pair.second_from_first = finding.second_from_first;
   pair.median_parallax_rad = finding.median_parallax_rad;
-  for (const int i : finding.inliers) pair.matches.push_back(prepared.matches[static_cast<std::size_t>(i)]);
   std::sort(pair.matches.begin(), pair.matches.end());
   return pair;
 }

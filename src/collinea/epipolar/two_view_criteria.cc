@@ -25,6 +25,15 @@ double log_choose(std::size_t n, std::size_t k) {
   return sum;
 }
 
+constexpr double kStill_px = 1.5, kSlow_px = 6;
+constexpr std::size_t kLeastMarks = 5, kStillForEachSlow = 4;
+constexpr double kNearlyAll = 0.9;
+
+double moved_px(std::span<const Keypoint> first, std::span<const Keypoint> second, const Match& match) {
+  const Keypoint &a = first[match.first], &b = second[match.second];
+  return std::hypot(double{b.x} - a.x, double{b.y} - a.y);
+}
+
 constexpr int kTurnCells = 18;
 constexpr int kScaleCells = 18;  // of half an octave, the middle one around equal scales
 
@@ -118,6 +127,27 @@ bool beyond_chance(const std::vector<Eigen::Vector2d>& second_px, std::size_t in
                             log_choose(inliers, kSample) +
                             static_cast<double>(inliers - kSample) * std::log(std::min(band, 0.5));
   return log_alarms < kLogFalseAlarms;
+}
+
+std::vector<Match> without_marks(std::span<const Keypoint> first, std::span<const Keypoint> second,
+                                 std::span<const Match> matches) {
+  std::vector<Match> moving;
+  std::size_t slow = 0;
+  for (const Match& match : matches) {
+    const double distance_px = moved_px(first, second, match);
+    slow += distance_px >= kStill_px && distance_px < kSlow_px;
+    if (distance_px >= kStill_px) moving.push_back(match);
+  }
+  const std::size_t still = matches.size() - moving.size();
+  if (still < kLeastMarks || still <= kStillForEachSlow * slow) return {matches.begin(), matches.end()};
+  return moving;
+}
+
+bool nearly_all_still(std::span<const Keypoint> first, std::span<const Keypoint> second,
+                      std::span<const Match> matches) {
+  const auto still = std::count_if(matches.begin(), matches.end(),
+                                   [&](const Match& match) { return moved_px(first, second, match) < kStill_px; });
+  return static_cast<double>(still) > kNearlyAll * static_cast<double>(matches.size());
 }
 
 std::vector<int> most_alike(std::span<const TurnAndScale> changes) {

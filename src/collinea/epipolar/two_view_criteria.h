@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "collinea/block/features.h"
 #include "collinea/epipolar/point_pairs.h"
 
 namespace collinea {
@@ -39,6 +40,17 @@ namespace collinea {
 /// the second picture fill.
 [[nodiscard]] bool beyond_chance(const std::vector<Eigen::Vector2d>& second_px, std::size_t inliers,
                                  double threshold_px);
+
+/// The matches without those that stay at their pixel (within 1.5 px) while the picture moves: marks, dates and dirt,
+/// which are in every picture at the same place. Where the scene itself hardly moves somewhere, because it is far away
+/// or turns about that place, there are as many matches that move a little: fewer than a quarter as many between 1.5
+/// and 6 px as within 1.5 px, and five of these at least, are a sign of marks. Otherwise all matches are given back.
+[[nodiscard]] std::vector<Match> without_marks(std::span<const Keypoint> first, std::span<const Keypoint> second,
+                                               std::span<const Match> matches);
+
+/// Whether nearly all of some matches (nine tenths) stay within 1.5 px of their pixel.
+[[nodiscard]] bool nearly_all_still(std::span<const Keypoint> first, std::span<const Keypoint> second,
+                                    std::span<const Match> matches);
 
 /// How a keypoint differs between two pictures: turn [rad] and binary logarithm of the ratio of scales.
 struct TurnAndScale {

@@ -40,6 +40,44 @@ TEST(MostAlike, PrefersTheCommonTurnAndScale) {
   EXPECT_TRUE(most_alike({}).empty());
 }
 
+// Keypoints that move by the given distances.
+std::vector<Match> moved(std::initializer_list<std::pair<int, float>> counts, std::vector<Keypoint>& first,
+                         std::vector<Keypoint>& second) {
+  std::vector<Match> matches;
+  for (const auto& [count, distance_px] : counts)
+    for (int i = 0; i < count; ++i) {
+      const auto index = static_cast<std::uint32_t>(first.size());
+      first.push_back({.x = 10.0f * index, .y = 50});
+      second.push_back({.x = 10.0f * index, .y = 50 + distance_px});
+      matches.emplace_back(index, index);
+    }
+  return matches;
+}
+
+TEST(WithoutMarks, LeavesOutWhatIsStillWhereAllElseMoves) {
+  const auto left = [](std::initializer_list<std::pair<int, float>> counts) {
+    std::vector<Keypoint> first, second;
+    const auto matches = moved(counts, first, second);
+    return without_marks(first, second, matches).size();
+  };
+  EXPECT_EQ(left({{5, 0.5f}, {100, 40.0f}}), 100u);
+  EXPECT_EQ(left({{4, 0.5f}, {100, 40.0f}}), 104u);  // too few to tell
+  EXPECT_EQ(left({{40, 1.4f}, {9, 3.0f}, {100, 40.0f}}), 109u);
+  EXPECT_EQ(left({{40, 1.4f}, {10, 3.0f}, {100, 40.0f}}), 150u);  // the scene itself slows down
+  EXPECT_EQ(left({{60, 0.1f}}), 0u);
+  EXPECT_EQ(left({}), 0u);
+}
+
+TEST(NearlyAllStill, IsMoreThanNineTenths) {
+  const auto still = [](std::initializer_list<std::pair<int, float>> counts) {
+    std::vector<Keypoint> first, second;
+    const auto matches = moved(counts, first, second);
+    return nearly_all_still(first, second, matches);
+  };
+  EXPECT_FALSE(still({{90, 1.0f}, {10, 2.0f}}));
+  EXPECT_TRUE(still({{91, 1.0f}, {9, 2.0f}}));
+}
+
 TEST(Breadth, IsTheScatterAcrossTheMainDirection) {
   Random random(3);
   std::vector<Eigen::Vector2d> points;

@@ -206,6 +206,41 @@ TEST(Verify, WatermarkIsRefusedButNotWhatLiesBehindIt) {
   EXPECT_LE(pair.matches.size(), 45u);
 }
 
+// A camera that does not turn fits every mark: its essential matrix takes it for something far away. And the geometry
+// of no motion at all would fit the mark and much else by chance.
+TEST(Verify, DateBurntIntoThePictureIsNoMatch) {
+  Random random(17);
+  for (const Rigid3& motion : {Rigid3{rotation_by({0, 0, 0}), {-1, 0, 0}}, Rigid3{rotation_by({0, 0, 0}), {0, 0.1, -1}},
+                               Rigid3{rotation_by({0.02, 0.2, 0.01}), {0, 0, 0}}, random_motion(random)})
+    for (const int marks : {8, 40, 120}) {
+      Pictures p = pictures(lens(), motion, 200, 60, 0.5, random, random_point);
+      const std::size_t scene = p.first.size();
+      for (int i = 0; i < marks; ++i) {
+        const Eigen::Vector2d at(random.uniform(100, 600), random.uniform(1850, 1950));
+        p.add(at, at + noise(random, 0.3));
+      }
+      const ImagePair pair = verified(lens(), p);
+      EXPECT_EQ(pair.geometry, motion.translation.norm() > 0 ? PairGeometry::kGeneral : PairGeometry::kRotation);
+      EXPECT_GE(p.right_ones(pair), 190u);
+      for (const Match& m : pair.matches) EXPECT_LT(m.first, scene) << marks << " marks";
+    }
+}
+
+// Ahead of a camera that moves forward, what is far away hardly moves.
+TEST(Verify, WhatHardlyMovesBecauseItIsFarAwayStays) {
+  Random random(18);
+  const Rigid3 ahead{rotation_by({0, 0, 0}), {0, 0, -1}};
+  const Pictures p = pictures(lens(), ahead, 400, 50, 0.3, random, [](Random& r) {
+    const double depth = std::exp(r.uniform(1, 8));
+    return Eigen::Vector3d(r.uniform(-0.6, 0.6) * depth, r.uniform(-0.4, 0.4) * depth, depth);
+  });
+  std::size_t still = 0;
+  for (std::size_t i = 0; i < p.good; ++i)
+    still += std::hypot(p.first[i].x - p.second[i].x, p.first[i].y - p.second[i].y) < 1.5;
+  EXPECT_GT(still, 50u);
+  EXPECT_GE(p.right_ones(verified(lens(), p)), 390u);
+}
+
 TEST(Verify, LinesRepeatedPointsAndTooFewHaveNoGeometry) {
   Random random(9);
   const Rigid3 truth = random_motion(random);

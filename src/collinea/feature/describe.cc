@@ -17,6 +17,7 @@ constexpr double kRowsOfCell = 4;
 constexpr float kLeastPeak = 0.8f;     // of the highest
 constexpr float kLargestValue = 0.2f;  // of the norm
 constexpr float kNorm = 512;
+constexpr float kLargestByte = 127;  // seven bits are multiplied faster (match/descriptors_kernels.cc)
 
 using Histogram = std::array<float, kDirectionBins>;
 
@@ -73,7 +74,7 @@ Descriptor root_descriptor(std::array<float, 128> histogram) {
   Descriptor descriptor{};
   if (!(sum > 0)) return descriptor;
   for (std::size_t k = 0; k < histogram.size(); ++k)
-    descriptor[k] = static_cast<std::uint8_t>(std::min(255.0f, kNorm * std::sqrt(histogram[k] / sum) + 0.5f));
+    descriptor[k] = static_cast<std::uint8_t>(std::min(kLargestByte, kNorm * std::sqrt(histogram[k] / sum) + 0.5f));
   return descriptor;
 }
 

@@ -13,7 +13,8 @@
 namespace collinea {
 namespace {
 
-constexpr double kBlurOfPhoto_px = 0.5;
+// A pixel is the mean over its square. What lens and interpolation of colours add is not known.
+constexpr double kBlurOfPixel_px2 = 1.0 / 12;
 // Bilinear interpolation half-way between a pixel's centre and its edge spreads by 3/4 * 1/4 pixels squared.
 constexpr double kBlurOfUpsampling_px2 = 0.1875;
 
@@ -119,12 +120,12 @@ Plane blurred(const Plane& in, double sigma_px) {
 
 Plane first_level(const GreyImage& picture, bool upsample) {
   if (!upsample) {
-    const double sigma_px = std::sqrt(kFirstBlur_px * kFirstBlur_px - kBlurOfPhoto_px * kBlurOfPhoto_px);
+    const double sigma_px = std::sqrt(kFirstBlur_px * kFirstBlur_px - kBlurOfPixel_px2);
     return RowFilter(picture.width, picture.height, sigma_px).run([&](int y, float* row) {
       widen_row(picture.row(y), picture.width, row);
     });
   }
-  const double blur_px2 = 4 * (kBlurOfPhoto_px * kBlurOfPhoto_px + kBlurOfUpsampling_px2);
+  const double blur_px2 = 4 * (kBlurOfPixel_px2 + kBlurOfUpsampling_px2);
   std::vector<float> near(static_cast<std::size_t>(picture.width));
   return RowFilter(2 * picture.width, 2 * picture.height, std::sqrt(kFirstBlur_px * kFirstBlur_px - blur_px2))
       .run([&](int y, float* row) { upsampled_row(picture, y, near.data(), row); });

@@ -49,8 +49,8 @@ using Octave = std::array<Plane, kLevels>;
 [[nodiscard]] Plane blurred(const Plane& in, double sigma_px);
 
 /// Level 0 of the first octave: the picture as floats [0, 255], at twice its size if so wished, blurred to
-/// kFirstBlur_px. A photograph is taken to have a blur of half a pixel. Where its pixel centre (x, y), counted from 0,
-/// lies in the picture: (x + 0.5) * (upsample ? 0.5 : 1), likewise y.
+/// kFirstBlur_px. A photograph is taken to be blurred by the area of its pixels alone. Where its pixel centre (x, y),
+/// counted from 0, lies in the picture: (x + 0.5) * (upsample ? 0.5 : 1), likewise y.
 [[nodiscard]] Plane first_level(const GreyImage& picture, bool upsample);
 
 /// All levels of an octave from its level 0.

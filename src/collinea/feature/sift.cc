@@ -31,7 +31,7 @@ struct Candidate {
 
 struct Oriented {
   std::uint32_t candidate;
-  float angle_rad;
+  float angle_rad, strength;
 };
 
 struct Detection {
@@ -71,27 +71,32 @@ struct Site {
         blur_px(blur_of_level(candidate.extremum.level)) {}
 };
 
-Keypoint keypoint(const Site& site, float angle_rad) {
+Keypoint keypoint(const Site& site, float angle_rad, float strength) {
   const Extremum& extremum = site.candidate.extremum;
   const double scale = site.octave.pixel_px;
   return {.x = static_cast<float>(site.octave.origin_px + extremum.x * scale),
           .y = static_cast<float>(site.octave.origin_px + extremum.y * scale),
           .scale_px = static_cast<float>(site.blur_px * scale),
           .angle_rad = angle_rad,
-          .strength = extremum.strength};
+          .strength = strength};
 }
 
-// The candidates with their directions, in the order in which they are to be taken, as many features as wanted.
+// The candidates with their directions, strongest first, as many features as wanted.
 std::vector<Oriented> choose(const Detection& detection, const GreyImage& picture, const SiftOptions& options) {
   std::vector<Spot> spots;
   spots.reserve(detection.candidates.size());
   for (std::uint32_t i = 0; i < detection.candidates.size(); ++i) {
-    const Keypoint place = keypoint(Site(detection, i), 0);
-    spots.push_back({place.x, place.y, place.strength});
+    const float strength = detection.candidates[i].extremum.strength;
+    const Keypoint place = keypoint(Site(detection, i), 0, strength);
+    spots.push_back({place.x, place.y, strength});
   }
   const auto most = static_cast<std::size_t>(std::max(0, options.max_features));
   const int places = static_cast<int>(std::lround(options.max_features / kDirectionsOfPlace));
-  std::vector<std::uint32_t> order = spread_order(spots, picture.width, picture.height, places, options.even_share);
+  const std::vector<float> strengths =
+      regional_strengths(spots, picture.width, picture.height, places, options.evenness);
+  std::vector<std::uint32_t> order(spots.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::uint32_t i) { return strengths[i]; });
   if (order.size() > most) order.resize(most);
 
   // Neighbours are looked at one after the other: their pixels are still in the cache.
@@ -106,7 +111,7 @@ std::vector<Oriented> choose(const Detection& detection, const GreyImage& pictur
   std::vector<Oriented> chosen;
   for (const std::uint32_t i : order)
     for (std::size_t k = 0; k < directions[i].count && chosen.size() < most; ++k)
-      chosen.push_back({i, directions[i].angle_rad[k]});
+      chosen.push_back({i, directions[i].angle_rad[k], strengths[i]});
   return chosen;
 }
 
@@ -117,7 +122,7 @@ Features described(const Detection& detection, std::vector<Oriented> chosen) {
   for (const Oriented& one : chosen) {
     const Site site(detection, one.candidate);
     const Extremum& extremum = site.candidate.extremum;
-    features.keypoints.push_back(keypoint(site, one.angle_rad));
+    features.keypoints.push_back(keypoint(site, one.angle_rad, one.strength));
     features.descriptors.push_back(
         describe_patch(site.plane.view(), extremum.x, extremum.y, site.blur_px, one.angle_rad));
   }

@@ -14,7 +14,7 @@ struct SiftOptions {
   double peak_threshold = 0.002;
   double edge_ratio = 10;
   std::optional<bool> upsample;
-  double even_share = 0.15;
+  double evenness = 0.5;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -25,21 +25,20 @@ struct SiftOptions {
     visit(Field{"edge_ratio", &O::edge_ratio, "1", "largest ratio of the two principal curvatures", 1.0});
     visit(Field{"upsample", &O::upsample, "1",
                 "look for features finer than the pixels; by default for images below 2.5 megapixels"});
-    visit(Field{
-        "even_share", &O::even_share, "1",
-        "part of the features given to the image regions that have the fewest; the others are the strongest of all",
-        0.0, 1.0});
+    visit(Field{"evenness", &O::evenness, "1",
+                "how evenly features are spread: 0 = the strongest, wherever they are, 1 = as many in every region",
+                0.0, 1.0});
   }
 };
 
 /// Scale-invariant features (Lowe 2004) with RootSIFT descriptors (Arandjelovic and Zisserman 2012), strongest first.
 /// A keypoint's position is good to a few hundredths of a pixel of its octave; a place with two or three distinct
 /// gradient directions gives as many features. A descriptor is the square root of the L1-normalised SIFT descriptor,
-/// times 512, rounded, at most 255; hence its L2 norm is about 512.
+/// times 512, rounded, at most 127; hence its L2 norm is about 512.
 ///
 /// Unlike Lowe: gradients are taken over patches of three sizes (Dong and Soatto 2015). The weak peaks are kept at
-/// first; of all of them the strongest are taken, and then others where the image has had the fewest so far
-/// (SiftOptions::even_share).
+/// first; of all of them the strongest are taken, where strength is counted in part beside that of the neighbours
+/// (SiftOptions::evenness, regional_strengths).
 ///
 /// Single-threaded and without chance: the same image gives the same bits. Memory: about 30 bytes per pixel of the
 /// image (120 when upsampled). An image of less than 16 pixels in width or height has no features.

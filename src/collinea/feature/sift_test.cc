@@ -163,8 +163,8 @@ TEST(Sift, TheScaleIsThatOfTheBlob) {
   for (const bool upsample : {false, true})
     for (const double sigma_px : {2.5, 4.0, 5.0, 8.0, 13.0}) {
       const int size = static_cast<int>(60 + 10 * sigma_px);
-      // The photograph's own blur is counted as half a pixel, which a sampled function does not have.
-      const double expected_px = std::sqrt(sigma_px * sigma_px + 0.25) / std::pow(2.0, 1.0 / 6);
+      // The area of a pixel is counted as blur, which a sampled function does not have.
+      const double expected_px = std::sqrt(sigma_px * sigma_px + 1.0 / 12) / std::pow(2.0, 1.0 / 6);
       const Features features =
           detect_sift(picture_of({{size / 2.0, size / 2.0, sigma_px, 150}}, size, size), with_upsampling(upsample));
       ASSERT_FALSE(features.keypoints.empty()) << sigma_px;

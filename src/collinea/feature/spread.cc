@@ -3,53 +3,53 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <functional>
+
+#include "collinea/image/raster.h"
 
 namespace collinea {
 namespace {
 
-constexpr double kSpotsPerCell = 16;
+constexpr double kSpotsOfRegion = 16;    // wanted on an average
+constexpr float kLeastThreshold = 0.5f;  // of a region, beside that of the image
 
-// Cells of equal size, nearly square, about kSpotsPerCell wanted spots in each.
-class Grid {
- public:
-  Grid(int width, int height, int wanted) {
-    const double cell_px = std::sqrt(double(width) * height * kSpotsPerCell / std::max(1, wanted));
-    columns_ = std::max(1, static_cast<int>(std::lround(width / cell_px)));
-    rows_ = std::max(1, static_cast<int>(std::lround(height / cell_px)));
-    per_x_ = double(columns_) / width;
-    per_y_ = double(rows_) / height;
-  }
-  [[nodiscard]] std::size_t size() const {
-    return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-  }
-  [[nodiscard]] std::size_t cell_of(const Spot& spot) const {
-    const int column = std::clamp(static_cast<int>(spot.x * per_x_), 0, columns_ - 1);
-    const int row = std::clamp(static_cast<int>(spot.y * per_y_), 0, rows_ - 1);
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
-  }
-
- private:
-  int columns_ = 1, rows_ = 1;
-  double per_x_ = 0, per_y_ = 0;
-};
+// The count-th strongest, or nothing where there are fewer.
+float strength_reached(std::vector<float>& strengths, std::size_t count) {
+  if (count == 0 || strengths.size() < count) return 0;
+  const auto nth = strengths.begin() + static_cast<std::ptrdiff_t>(count - 1);
+  std::ranges::nth_element(strengths, nth, std::ranges::greater{});
+  return *nth;
+}
 
 }  // namespace
 
-std::vector<std::uint32_t> spread_order(std::span<const Spot> spots, int width, int height, int wanted,
-                                        double even_share) {
-  std::vector<std::uint32_t> order(spots.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::uint32_t i) { return spots[i].strength; });
-  if (order.size() <= static_cast<std::size_t>(std::max(0, wanted))) return order;
+std::vector<float> regional_strengths(std::span<const Spot> spots, int width, int height, int wanted, double evenness) {
+  std::vector<float> strengths;
+  for (const Spot& spot : spots) strengths.push_back(spot.strength);
+  const auto count = std::min(spots.size(), static_cast<std::size_t>(std::max(0, wanted)));
+  std::vector<float> sorted = strengths;
+  const float of_image = strength_reached(sorted, count);
+  if (!(of_image > 0)) return strengths;
 
-  // Sorted by strength as they are, the rank of a spot in its cell says how many the cell has when it is taken.
-  const Grid grid(width, height, wanted);
-  std::vector<std::uint32_t> taken(grid.size()), rank(spots.size());
-  for (const std::uint32_t i : order) rank[i] = taken[grid.cell_of(spots[i])]++;
-  const auto strongest = static_cast<std::ptrdiff_t>(std::lround(wanted * (1 - even_share)));
-  std::ranges::stable_sort(order.begin() + strongest, order.end(), {}, [&](std::uint32_t i) { return rank[i]; });
-  return order;
+  const double region_px = std::sqrt(double(width) * height * kSpotsOfRegion / static_cast<double>(count));
+  FloatImage threshold(std::max(1, static_cast<int>(std::lround(width / region_px))),
+                       std::max(1, static_cast<int>(std::lround(height / region_px))));
+  const double per_x = double(threshold.width) / width, per_y = double(threshold.height) / height;
+  std::vector<std::vector<float>> regions(threshold.data.size());
+  for (const Spot& spot : spots) {
+    const int column = std::clamp(static_cast<int>(spot.x * per_x), 0, threshold.width - 1);
+    const int row = std::clamp(static_cast<int>(spot.y * per_y), 0, threshold.height - 1);
+    regions[static_cast<std::size_t>(row * threshold.width + column)].push_back(spot.strength);
+  }
+  const auto count_of_region =
+      static_cast<std::size_t>(std::lround(static_cast<double>(count) / static_cast<double>(regions.size())));
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const float beside_image = strength_reached(regions[r], count_of_region) / of_image;
+    threshold.data[r] = std::max(kLeastThreshold, static_cast<float>(std::pow(beside_image, evenness)));
+  }
+  for (std::size_t i = 0; i < spots.size(); ++i)
+    strengths[i] /= bilinear(threshold, spots[i].x * per_x, spots[i].y * per_y);
+  return strengths;
 }
 
 }  // namespace collinea

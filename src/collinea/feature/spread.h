@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -13,11 +12,13 @@ struct Spot {
   float strength = 0;
 };
 
-/// The order in which to take spots of an image (their indices) when `wanted` of them may be taken: first the
-/// strongest, wherever they are; then, for the last even_share of the number wanted, again and again the strongest left
-/// of the cell of a grid that has the fewest. Equally strong ones keep their order. All spots are in the answer: the
-/// caller stops where it likes.
-[[nodiscard]] std::vector<std::uint32_t> spread_order(std::span<const Spot> spots, int width, int height, int wanted,
-                                                      double even_share);
+/// The strength of each spot beside what its region of the image asks for; the `wanted` spots that are strongest in
+/// this sense are the ones to take. A region asks for t^(1 - evenness) l^evenness: t is the strength that `wanted`
+/// spots of the whole image reach, l that which the same share of them reach in the region. With evenness 0 the
+/// strongest spots are taken wherever they are, with 1 as many in every region; but no region asks for less than t / 2,
+/// since what is much weaker than the others is better left out. Between the middles of the regions the threshold
+/// changes gradually, so that it asks the same of a spot in another picture, where it lies otherwise to the regions.
+[[nodiscard]] std::vector<float> regional_strengths(std::span<const Spot> spots, int width, int height, int wanted,
+                                                    double evenness);
 
 }  // namespace collinea

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "collinea/io/file.h"
 #include "collinea/io/packed.h"
 #include "collinea/io/project_store_state.h"
 

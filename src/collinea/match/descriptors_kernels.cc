@@ -3,8 +3,10 @@
 // row and by column. A tile is kRows descriptors of a times a panel of kVectors vectors of b, one descriptor of b in
 // each lane.
 //
-// The dot products are exact: bytes are widened (to 16 bits, multiplied in pairs); where there are byte dot
-// products (VNNI: unsigned times signed), a - 128 takes the place of a, and a.b = (a - 128).b + 128 sum(b).
+// The dot products are exact. Bytes are widened to 16 bits and multiplied in pairs. Where there are byte dot products
+// (VNNI: unsigned times signed), a - 128 takes the place of a, and a.b = (a - 128).b + 128 sum(b). Where there are
+// sums of two byte products in 16 bits (AVX2) and no byte is beyond 127, as in our own descriptors, so does a - 64: the
+// sum of four such products is at most 4 * 64 * 127 = 32512 and still fits.
 #include "collinea/match/descriptors_kernels.h"
 
 // Arrays of vectors need vectors of known size; the narrowest x86 target is not worth its code.
@@ -38,30 +40,57 @@ constexpr std::size_t kVectors = 2;
 #endif
 constexpr std::size_t kPanel = kVectors * kLanes;
 
+// How dot products are made: the elements of a and of b, what a is lowered by, and how many groups of elements (one in
+// each lane) are multiplied and added at once.
 #if HWY_TARGET == HWY_AVX3_DL
-using Element = std::uint8_t;
-constexpr std::int32_t kOffset = 128;
+struct ByteProducts {
+  using Element = std::uint8_t;
+  static constexpr std::int32_t kOffset = 128;
+  static constexpr std::size_t kTogether = 1;
 
-// Highway tests the machine for AVX512-VNNI before it takes this target, but does not tell the compiler: hence no
-// intrinsic.
-HWY_INLINE V multiply_add(V sum, V a, V b) {
-  asm("vpdpbusd %2, %1, %0" : "+v"(sum.raw) : "v"(b.raw), "v"(a.raw));
-  return sum;
-}
+  // Highway tests the machine for AVX512-VNNI before it takes this target, but does not tell the compiler: hence no
+  // intrinsic.
+  static HWY_INLINE V add(V sum, const V* a, const V* b) {
+    asm("vpdpbusd %2, %1, %0" : "+v"(sum.raw) : "v"(b->raw), "v"(a->raw));
+    return sum;
+  }
+};
+using Products = ByteProducts;
 #elif HWY_TARGET == HWY_SCALAR
-using Element = std::int32_t;
-constexpr std::int32_t kOffset = 0;
+struct PlainProducts {
+  using Element = std::int32_t;
+  static constexpr std::int32_t kOffset = 0;
+  static constexpr std::size_t kTogether = 1;
 
-HWY_INLINE V multiply_add(V sum, V a, V b) { return hn::Add(sum, hn::Mul(a, b)); }
+  static HWY_INLINE V add(V sum, const V* a, const V* b) { return hn::Add(sum, hn::Mul(*a, *b)); }
+};
+using Products = PlainProducts;
 #else
-using Element = std::int16_t;
-constexpr std::int32_t kOffset = 0;
+struct WideProducts {
+  using Element = std::int16_t;
+  static constexpr std::int32_t kOffset = 0;
+  static constexpr std::size_t kTogether = 1;
 
-HWY_INLINE V multiply_add(V sum, V a, V b) {
-  const hn::Repartition<std::int16_t, D> shorts;
-  V unused = hn::Zero(kInts);
-  return hn::ReorderWidenMulAccumulate(kInts, hn::BitCast(shorts, a), hn::BitCast(shorts, b), sum, unused);
-}
+  static HWY_INLINE V add(V sum, const V* a, const V* b) {
+    const hn::Repartition<std::int16_t, D> shorts;
+    V unused = hn::Zero(kInts);
+    return hn::ReorderWidenMulAccumulate(kInts, hn::BitCast(shorts, *a), hn::BitCast(shorts, *b), sum, unused);
+  }
+};
+using Products = WideProducts;
+#endif
+#if HWY_TARGET == HWY_AVX2
+struct SevenBitProducts {
+  using Element = std::uint8_t;
+  static constexpr std::int32_t kOffset = 64;
+  static constexpr std::size_t kTogether = 2;
+
+  static HWY_INLINE V add(V sum, const V* a, const V* b) {
+    const __m256i four =
+        _mm256_add_epi16(_mm256_maddubs_epi16(b[0].raw, a[0].raw), _mm256_maddubs_epi16(b[1].raw, a[1].raw));
+    return hn::Add(sum, V{_mm256_madd_epi16(four, _mm256_set1_epi16(1))});
+  }
+};
 #endif
 
 // A tile's sums stay in registers only when its loops are written out; -O2 does not do that by itself.
@@ -71,8 +100,10 @@ HWY_INLINE V multiply_add(V sum, V a, V b) {
 #define COLLINEA_UNROLL_ALL _Pragma("GCC unroll 16")
 
 // Elements of neighbouring dimensions that one lane holds, and lanes that a descriptor fills.
-constexpr std::size_t kGroup = sizeof(std::int32_t) / sizeof(Element);
-constexpr std::size_t kSteps = kSize / kGroup;
+template <class P>
+constexpr std::size_t kGroup = sizeof(std::int32_t) / sizeof(typename P::Element);
+template <class P>
+constexpr std::size_t kSteps = kSize / kGroup<P>;
 
 HWY_INLINE std::size_t padded(std::size_t count, std::size_t step) { return (count + step - 1) / step * step; }
 
@@ -89,21 +120,24 @@ HWY_INLINE std::int32_t sum_of(const std::uint8_t* descriptor) {
 }
 
 // Rows of a as they are multiplied, and what each adds to its distances.
-void pack_rows(const std::uint8_t* a, std::size_t count, Element* packed, std::int32_t* constants) {
+template <class P>
+void pack_rows(const std::uint8_t* a, std::size_t count, typename P::Element* packed, std::int32_t* constants) {
   for (std::size_t i = 0; i < padded(count, kRows); ++i) {
     for (std::size_t k = 0; k < kSize; ++k)
-      packed[i * kSize + k] = static_cast<Element>((i < count ? a[i * kSize + k] : 0) - kOffset);
+      packed[i * kSize + k] = static_cast<typename P::Element>((i < count ? a[i * kSize + k] : 0) - P::kOffset);
     constants[i] = i < count ? squared_norm(a + i * kSize) : kFar;
   }
 }
 
 // Panels of b: for each group of dimensions the groups of all its descriptors side by side.
-void pack_columns(const std::uint8_t* b, std::size_t count, Element* packed, std::int32_t* constants) {
+template <class P>
+void pack_columns(const std::uint8_t* b, std::size_t count, typename P::Element* packed, std::int32_t* constants) {
+  using Element = typename P::Element;
   for (std::size_t j = 0; j < padded(count, kPanel); ++j) {
-    Element* column = packed + j / kPanel * kPanel * kSize + j % kPanel * kGroup;
+    Element* column = packed + j / kPanel * kPanel * kSize + j % kPanel * kGroup<P>;
     for (std::size_t k = 0; k < kSize; ++k)
-      column[k / kGroup * kPanel * kGroup + k % kGroup] = j < count ? b[j * kSize + k] : Element{0};
-    constants[j] = j < count ? squared_norm(b + j * kSize) - 2 * kOffset * sum_of(b + j * kSize) : kFar;
+      column[k / kGroup<P> * kPanel * kGroup<P> + k % kGroup<P>] = j < count ? b[j * kSize + k] : Element{0};
+    constants[j] = j < count ? squared_norm(b + j * kSize) - 2 * P::kOffset * sum_of(b + j * kSize) : kFar;
   }
 }
 
@@ -132,32 +166,41 @@ void clear(std::int32_t* running, std::size_t count) {
     Running{hn::Set(kInts, kUnset), hn::Set(kInts, kUnset), hn::Zero(kInts)}.store(running + i * kRunning);
 }
 
+template <class P>
 struct Rows {
-  const Element* packed;
+  const typename P::Element* packed;
   const std::int32_t* constants;
   std::int32_t* running;  // kRunning for each row
 };
+template <class P>
 struct Panel {
-  const Element* packed;
+  const typename P::Element* packed;
   const std::int32_t* constants;
   std::int32_t* running;  // kRunning for each vector
 };
 
-HWY_INLINE void match_tile(const Rows& rows, std::int32_t first_row, const Panel& panel, std::int32_t first_column) {
+template <class P>
+HWY_INLINE void match_tile(const Rows<P>& rows, std::int32_t first_row, const Panel<P>& panel,
+                           std::int32_t first_column) {
+  constexpr std::size_t kTogether = P::kTogether;
   V dot[kRows][kVectors];
   COLLINEA_UNROLL
   for (std::size_t r = 0; r < kRows; ++r) COLLINEA_UNROLL
   for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = hn::Zero(kInts);
-  for (std::size_t k = 0; k < kSteps; ++k) {
-    V b[kVectors];
+  for (std::size_t k = 0; k < kSteps<P>; k += kTogether) {
+    V b[kVectors][kTogether];
     COLLINEA_UNROLL
-    for (std::size_t v = 0; v < kVectors; ++v)
-      b[v] = hn::Load(kInts, reinterpret_cast<const std::int32_t*>(panel.packed) + k * kPanel + v * kLanes);
+    for (std::size_t v = 0; v < kVectors; ++v) COLLINEA_UNROLL
+    for (std::size_t t = 0; t < kTogether; ++t)
+      b[v][t] = hn::Load(kInts, reinterpret_cast<const std::int32_t*>(panel.packed) + (k + t) * kPanel + v * kLanes);
     COLLINEA_UNROLL
     for (std::size_t r = 0; r < kRows; ++r) {
-      const V a = hn::Set(kInts, reinterpret_cast<const std::int32_t*>(rows.packed)[r * kSteps + k]);
+      V a[kTogether];
       COLLINEA_UNROLL
-      for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = multiply_add(dot[r][v], a, b[v]);
+      for (std::size_t t = 0; t < kTogether; ++t)
+        a[t] = hn::Set(kInts, reinterpret_cast<const std::int32_t*>(rows.packed)[r * kSteps<P> + k + t]);
+      COLLINEA_UNROLL
+      for (std::size_t v = 0; v < kVectors; ++v) dot[r][v] = P::add(dot[r][v], a, b[v]);
     }
   }
   Running of_column[kVectors];
@@ -195,8 +238,10 @@ NearestTwo gathered(const std::int32_t* running) {
   return {static_cast<std::uint32_t>(index), none_if_far(best), none_if_far(second)};
 }
 
-void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
-                 NearestTwo* of_a, NearestTwo* of_b) {
+template <class P>
+void nearest_two_by(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
+                    NearestTwo* of_a, NearestTwo* of_b) {
+  using Element = typename P::Element;
   const std::size_t rows = padded(count_a, kRows), columns = padded(count_b, kPanel);
   const auto packed_a = hwy::AllocateAligned<Element>(rows * kSize),
              packed_b = hwy::AllocateAligned<Element>(columns * kSize);
@@ -204,18 +249,18 @@ void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t*
              constants_b = hwy::AllocateAligned<std::int32_t>(columns);
   const auto running_a = hwy::AllocateAligned<std::int32_t>(kTileRows * kRunning);
   const auto running_b = hwy::AllocateAligned<std::int32_t>(columns / kLanes * kRunning);
-  pack_rows(a, count_a, packed_a.get(), constants_a.get());
-  pack_columns(b, count_b, packed_b.get(), constants_b.get());
+  pack_rows<P>(a, count_a, packed_a.get(), constants_a.get());
+  pack_columns<P>(b, count_b, packed_b.get(), constants_b.get());
   clear(running_b.get(), columns / kLanes);
 
   for (std::size_t tile = 0; tile < rows; tile += kTileRows) {
     const std::size_t tile_end = HWY_MIN(tile + kTileRows, rows);
     clear(running_a.get(), kTileRows);
     for (std::size_t j = 0; j < columns; j += kPanel) {
-      const Panel panel{packed_b.get() + j * kSize, constants_b.get() + j, running_b.get() + j / kLanes * kRunning};
+      const Panel<P> panel{packed_b.get() + j * kSize, constants_b.get() + j, running_b.get() + j / kLanes * kRunning};
       for (std::size_t i = tile; i < tile_end; i += kRows)
-        match_tile({packed_a.get() + i * kSize, constants_a.get() + i, running_a.get() + (i - tile) * kRunning},
-                   static_cast<std::int32_t>(i), panel, static_cast<std::int32_t>(j));
+        match_tile<P>({packed_a.get() + i * kSize, constants_a.get() + i, running_a.get() + (i - tile) * kRunning},
+                      static_cast<std::int32_t>(i), panel, static_cast<std::int32_t>(j));
     }
     for (std::size_t i = tile; i < HWY_MIN(tile_end, count_a); ++i)
       of_a[i] = gathered(running_a.get() + (i - tile) * kRunning);
@@ -224,6 +269,23 @@ void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t*
     const std::int32_t* lane = running_b.get() + j / kLanes * kRunning + j % kLanes;
     of_b[j] = {static_cast<std::uint32_t>(lane[2 * kLanes]), none_if_far(lane[0]), none_if_far(lane[kLanes])};
   }
+}
+
+#if HWY_TARGET == HWY_AVX2
+bool has_seven_bits(const std::uint8_t* descriptors, std::size_t count) {
+  std::uint8_t bits = 0;
+  for (std::size_t i = 0; i < count * kSize; ++i) bits |= descriptors[i];
+  return bits <= 127;
+}
+#endif
+
+void nearest_two(const std::uint8_t* a, std::size_t count_a, const std::uint8_t* b, std::size_t count_b,
+                 NearestTwo* of_a, NearestTwo* of_b) {
+#if HWY_TARGET == HWY_AVX2
+  if (has_seven_bits(a, count_a) && has_seven_bits(b, count_b))
+    return nearest_two_by<SevenBitProducts>(a, count_a, b, count_b, of_a, of_b);
+#endif
+  nearest_two_by<Products>(a, count_a, b, count_b, of_a, of_b);
 }
 
 #if HWY_TARGET == HWY_SCALAR

@@ -92,6 +92,19 @@ TEST_P(EveryTarget, OfEquallyNearOnesTheFirstIsTaken) {
   expect_nearest_two_by_definition(a, b);
 }
 
+// Sets of seven bits may be multiplied in another way.
+TEST_P(EveryTarget, TheLargestSevenBitsDoNotOverflow) {
+  std::vector<Descriptor> a(5), b(20);
+  a[0].fill(0);
+  for (std::size_t i = 1; i < a.size(); ++i) a[i].fill(127);
+  b[3].fill(127);
+  b[4].fill(126);
+  expect_nearest_two_by_definition(a, b);
+  b[4][17] = 128;
+  expect_nearest_two_by_definition(a, b);
+  expect_nearest_two_by_definition(b, a);
+}
+
 TEST_P(EveryTarget, TheLargestBytesDoNotOverflow) {
   std::vector<Descriptor> a(5), b(20);
   for (Descriptor& descriptor : a) descriptor.fill(255);

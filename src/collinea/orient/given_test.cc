@@ -9,16 +9,12 @@ namespace collinea {
 namespace {
 
 using testing::centre_rms_m;
+using testing::kPixel_m;
 using testing::Matched;
 using testing::matched;
 using testing::test_block;
 
-constexpr double kPixel_m = 60.0 / 1500;
-
-Matched small(double position_sigma_m = 0) {
-  return matched(test_block(
-      {.rows = 2, .columns = 4, .points = 500, .sigma_px = 0.5, .position_sigma_m = position_sigma_m, .seed = 3}));
-}
+Matched small(double position_sigma_m = 0) { return matched(testing::small_block(0.5, 0, position_sigma_m)); }
 
 GivenOrientation truth_of(const Matched& input) {
   return {input.truth.cam_from_world, input.truth.cameras, false, "elsewhere"};

@@ -116,11 +116,12 @@ std::size_t count_positions(const Block& block) {
 
 class Orienter {
  public:
-  Orienter(const Block& setup, const OrientOptions& options, const Run& run)
-      : setup_(setup), options_(options), run_(run) {}
+  Orienter(const Block& setup, const KeypointSource& keypoints, const PictureSource& pictures,
+           const OrientOptions& options, const Run& run)
+      : keypoints_(keypoints), pictures_(pictures), setup_(setup), options_(options), run_(run) {}
 
-  Result<Orientation> orient(std::span<const ImagePair> pairs, const KeypointSource& keypoints) {
-    COLLINEA_TRY(Reconstruction empty, Reconstruction::create(setup_, pairs, keypoints, options_));
+  Result<Orientation> orient(std::span<const ImagePair> pairs) {
+    COLLINEA_TRY(Reconstruction empty, Reconstruction::create(setup_, pairs, keypoints_, options_));
     empty.sleep_surplus();
     COLLINEA_TRY(Parts parts, grow_parts(setup_, std::move(empty), pairs, options_, run_));
     result_.other_parts = std::move(parts.others);
@@ -131,11 +132,10 @@ class Orienter {
   }
 
   // The tie points of poses that are there; these are adjusted only when that was asked for.
-  Result<Orientation> orient_from(const GivenOrientation& given, std::span<const ImagePair> pairs,
-                                  const KeypointSource& keypoints) {
+  Result<Orientation> orient_from(const GivenOrientation& given, std::span<const ImagePair> pairs) {
     given_ = &given;
     for (const auto& [id, camera] : given.cameras) setup_.cameras.at(id) = camera;
-    COLLINEA_TRY(Reconstruction part, Reconstruction::create(setup_, pairs, keypoints, options_));
+    COLLINEA_TRY(Reconstruction part, Reconstruction::create(setup_, pairs, keypoints_, options_));
     part.place(given.cam_from_world);
     part.extend_all(run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
@@ -187,7 +187,13 @@ class Orienter {
   Result<Orientation> settle_in_world(Reconstruction& part, std::span<const ImagePair> pairs, bool in_world) {
     // A part that lies in the world by its positions keeps them: without them a large block only sways.
     const AdjustScope by_itself{.use_positions = in_world && options_.use_positions, .use_control = false};
-    COLLINEA_TRY(const Adjusted settled, settle(part, by_itself, options_, true, run_));
+    COLLINEA_TRY(Adjusted settled, settle(part, by_itself, options_, true, run_));
+    if (options_.remeasure && pictures_) {
+      const Block measured = part.block();
+      COLLINEA_TRY(const auto places_px, remeasure(measured, keypoints_, pictures_, run_));
+      part.move_rays(measured, places_px);
+      COLLINEA_TRY(settled, settle(part, by_itself, options_, true, run_));
+    }
     take_sigma(part, settled.sigma0);
     const AdjustScope scope = place(part);
     if (result_.georeferenced) {
@@ -279,14 +285,15 @@ class Orienter {
     shift_positions(tied);
     double taken = 1;
     for (int round = 0; round < kControlRounds; ++round) {
-      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / kControlStep, kControlStep);
+      // never below what was stated: then it is not the coordinates that are wrong
+      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / taken, kControlStep);
       taken *= factor;
       for (auto& [id, point] : setup_.control)
         if (point.role == ControlRole::kControl) point.sigma_m *= factor;
       COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
       if (std::abs(std::log(factor)) < std::log(kControlSettled)) break;
     }
-    say_what_control_shows(taken);
+    if (taken > 1) say_what_control_shows(taken);
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
     return adjust_with_covariances(part, scope);
   }
@@ -487,6 +494,8 @@ class Orienter {
                                              setup_.images.at(result_.alone.front()).file));
   }
 
+  const KeypointSource& keypoints_;
+  const PictureSource& pictures_;
   Block setup_;  ///< ours: the examination of control may take observations out
   const OrientOptions& options_;
   const Run& run_;
@@ -498,19 +507,19 @@ class Orienter {
 }  // namespace
 
 Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs, const KeypointSource& keypoints,
-                           const OrientOptions& options, const Run& run) {
+                           const OrientOptions& options, const Run& run, const PictureSource& pictures) {
   if (options.mode == "global" && !options.use_positions)
     return fail(Errc::kBadInput,
                 "--mode global begins from the positions of the images, and these are not to be used: orient with "
                 "--mode incremental");
-  return Orienter(setup, options, run).orient(pairs, keypoints);
+  return Orienter(setup, keypoints, pictures, options, run).orient(pairs);
 }
 
 Result<Orientation> orient_as_given(const Block& setup, std::span<const ImagePair> pairs,
                                     const KeypointSource& keypoints, const GivenOrientation& given,
-                                    const OrientOptions& options, const Run& run) {
+                                    const OrientOptions& options, const Run& run, const PictureSource& pictures) {
   if (given.cam_from_world.empty()) return fail(Errc::kBadInput, given.source + " has no pose of any photograph");
-  return Orienter(setup, options, run).orient_from(given, pairs, keypoints);
+  return Orienter(setup, keypoints, pictures, options, run).orient_from(given, pairs);
 }
 
 }  // namespace collinea

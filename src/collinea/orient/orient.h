@@ -2,6 +2,7 @@
 #pragma once
 
 #include "collinea/orient/reconstruction.h"
+#include "collinea/orient/remeasure.h"
 
 namespace collinea {
 
@@ -20,9 +21,11 @@ struct Orientation {
 };
 
 /// Orients a block from verified pairs: growth image by image, or from all at once (options.mode); the largest of
-/// several parts is kept; then datum by positions (GNSS) and control, examination of control, and a final adjustment
-/// with all observations. Errors: no two images fit together; mode global without positions; cancelled.
+/// several parts is kept; with options.remeasure its tie points are measured anew in `pictures`; then datum by
+/// positions (GNSS) and control, examination of control, and a final adjustment with all observations. Errors: no two
+/// images fit together; mode global without positions; cancelled.
 [[nodiscard]] Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
-                                         const KeypointSource& keypoints, const OrientOptions& options, const Run& run);
+                                         const KeypointSource& keypoints, const OrientOptions& options, const Run& run,
+                                         const PictureSource& pictures = {});
 
 }  // namespace collinea

@@ -14,22 +14,11 @@ namespace collinea {
 namespace {
 
 using testing::centre_rms_m;
+using testing::kPixel_m;
 using testing::Matched;
 using testing::matched;
+using testing::small_block;
 using testing::test_block;
-
-// A pixel of these blocks covers 4 cm of ground.
-constexpr double kPixel_m = 60.0 / 1500;
-
-Block small_block(double sigma_px = 0.5, int control = 0, double position_sigma_m = 0) {
-  return test_block({.rows = 2,
-                     .columns = 4,
-                     .points = 500,
-                     .sigma_px = sigma_px,
-                     .position_sigma_m = position_sigma_m,
-                     .control = control,
-                     .seed = 3});
-}
 
 Matched on_the_map(const Block& block) {
   Matched result = matched(block);
@@ -58,6 +47,18 @@ TEST(Orient, ExactMatchesGiveTheExactBlock) {
   const Camera &camera = found->block.cameras.begin()->second, &exact = input.truth.cameras.begin()->second;
   EXPECT_NEAR(camera.focal_px(), exact.focal_px(), 0.01);
   EXPECT_NEAR(camera.params[Camera::kK1], exact.params[Camera::kK1], 1e-5);
+}
+
+TEST(Orient, WithoutReadablePicturesNothingIsMeasuredAnew) {
+  const Matched input = matched(small_block());
+  const auto unreadable = [](ImageId) -> Result<GreyImage> { return fail(Errc::kNotFound, "no picture"); };
+  const auto found = orient(input.setup, input.pairs, input.source(), {.remeasure = true}, {}, unreadable);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_LT(centre_rms_m(found->block, input.truth, true), 2 * kPixel_m);
+  for (const Observation& seen : found->block.observations) {
+    const Keypoint& keypoint = input.keypoints.at(seen.image).at(seen.feature);
+    EXPECT_EQ(seen.pixel, Eigen::Vector2d(keypoint.x, keypoint.y));
+  }
 }
 
 TEST(Orient, NoiseOfHalfAPixelMovesCentresByAboutAPixel) {

@@ -20,6 +20,7 @@ constexpr double kGuessedFocal = 0.2;  // relative sigma from which a focal leng
 constexpr int kNeedCells = 8,
               kNeededPerCell = 12;  // of a picture's cells: up to 768 tracks an image and what others need
 constexpr double kLeastSigma = 0.01, kMostSigma = 10;  // of the errors of tie points, over what the options say
+constexpr double kMovedSigma = 0.5;                    // of a ray measured anew, over that of a feature of 2 px
 constexpr std::size_t kChunk = 256;                    // tracks handed to a thread at once
 
 // Spread of pixels over a picture: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's
@@ -421,6 +422,18 @@ void Reconstruction::move_world(const Similarity3& new_from_old) {
   for (auto& [image, pose] : poses_) pose = moved(pose, new_from_old);
   for (TrackState& track : tracks_)
     if (track.point) track.point = new_from_old * *track.point;
+}
+
+void Reconstruction::move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> places_px) {
+  for (std::size_t i = 0; i < block.observations.size(); ++i) {
+    if (!places_px[i]) continue;
+    const Observation& seen = block.observations[i];
+    std::vector<Ray>& rays = tracks_[seen.point.value].rays;
+    const auto ray = std::lower_bound(rays.begin(), rays.end(), seen.image,
+                                      [](const Ray& one, ImageId image) { return one.image < image; });
+    ray->pixel = *places_px[i];
+    ray->sigma_factor = kMovedSigma;
+  }
 }
 
 void Reconstruction::place(const std::map<ImageId, Rigid3>& poses) {

@@ -38,5 +38,27 @@ TEST(Reconstruction, AnImageThatIsGivenUpLeavesNoFocalLengthBehind) {
   EXPECT_EQ(block->camera_of(stranger).focal_px(), first_px);
 }
 
+TEST(Reconstruction, ARayThatIsMovedCountsTwiceAndTheOthersStay) {
+  Matched input = matched(testing::test_block({.rows = 2, .columns = 3, .points = 100, .sigma_px = 0, .seed = 3}));
+  input.setup.cameras = input.truth.cameras;
+  auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
+  ASSERT_TRUE(reconstruction) << reconstruction.error().message;
+  reconstruction->place(input.truth.cam_from_world);
+  reconstruction->extend_all({});
+  const Block before = reconstruction->block();
+  ASSERT_GT(before.observations.size(), 100u);
+  constexpr std::size_t kMoved = 51;
+  std::vector<std::optional<Eigen::Vector2d>> places_px(before.observations.size());
+  places_px[kMoved] = before.observations[kMoved].pixel + Eigen::Vector2d(0.25, -0.5);
+  reconstruction->move_rays(before, places_px);
+  const Block after = reconstruction->block();
+  ASSERT_EQ(after.observations.size(), before.observations.size());
+  for (std::size_t i = 0; i < after.observations.size(); ++i) {
+    const bool moved = i == kMoved;
+    EXPECT_EQ(after.observations[i].pixel, moved ? *places_px[i] : before.observations[i].pixel);
+    EXPECT_DOUBLE_EQ(after.observations[i].sigma_px, (moved ? 0.5 : 1) * before.observations[i].sigma_px);
+  }
+}
+
 }  // namespace
 }  // namespace collinea

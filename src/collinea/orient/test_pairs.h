@@ -65,6 +65,18 @@ inline Matched matched(const Block& truth) {
   return result;
 }
 
+/// Two strips of four images; a pixel covers 4 cm of ground.
+inline Block small_block(double sigma_px = 0.5, int control = 0, double position_sigma_m = 0) {
+  return test_block({.rows = 2,
+                     .columns = 4,
+                     .points = 500,
+                     .sigma_px = sigma_px,
+                     .position_sigma_m = position_sigma_m,
+                     .control = control,
+                     .seed = 3});
+}
+inline constexpr double kPixel_m = 60.0 / 1500;
+
 /// Two blocks without anything in common, as one; the ids of the second are shifted.
 inline Block side_by_side(Block first, const Block& second, std::uint32_t shift = 1000) {
   for (const auto& [id, image] : second.images) first.images[ImageId{id.value + shift}] = image;

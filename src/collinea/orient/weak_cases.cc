@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "collinea/base/median.h"
+#include "collinea/orient/line_motion.h"
 
 namespace collinea {
 namespace {
@@ -20,7 +21,9 @@ constexpr double kHardlyDetermined = 0.5;  // sigma of f after adjustment over b
 constexpr double kAlong = 0.94;            // cosine: base within 20 degrees of the view
 constexpr std::size_t kManyMatches = 30;   // of a pair whose contradiction to the block is no accident
 constexpr double kFewOfThem = 0.1;
-constexpr double kOnSurface = 0.005;       // distance from a quadric over the size of the block
+constexpr double kOnSurface = 0.005;  // distance from a quadric over the size of the block
+constexpr double kMoved = 0.1;        // of the residual variance: below it the residuals lose less than a twentieth
+constexpr std::size_t kNamed = 3;     // images
 constexpr std::size_t kMostPoints = 2000;  // looked at
 constexpr std::size_t kLeastPoints = 30, kLeastImages = 3;
 
@@ -101,8 +104,23 @@ std::vector<std::string> undetermined_focals(const Block& setup, const Adjusted&
   return findings;
 }
 
+std::optional<std::string> moved_while_read(const Block& block) {
+  const LineMotion motion = line_motion(block);
+  if (motion.explained < kMoved || motion.images.size() < kLeastImages) return std::nullopt;
+  std::string worst;
+  for (std::size_t i = 0; i < std::min(kNamed, motion.images.size()); ++i)
+    worst += (i ? ", " : "") + block.images.at(motion.images[i].image).file;
+  return fmt::format(
+      "the camera turned while photographs were read out line by line (rolling shutter): {:.0f} % of the squared "
+      "residuals of tie points go with the line, most in {}. The adjustment takes a photograph as taken at one "
+      "instant, "
+      "so the model is strained there. Hold the camera still, light the scene well, or use a camera with a global "
+      "shutter",
+      100 * motion.explained, worst);
+}
+
 std::optional<std::string> contradicting_pairs(const Block& block, std::span<const ImagePair> pairs,
-                                               const std::map<Pair, std::size_t>& common) {
+                                               const std::map<Pair, std::size_t>& common, bool moved) {
   std::size_t count = 0;
   const ImagePair* worst = nullptr;
   for (const ImagePair& pair : pairs) {
@@ -117,12 +135,11 @@ std::optional<std::string> contradicting_pairs(const Block& block, std::span<con
   if (!worst) return std::nullopt;
   return fmt::format(
       "{} pair{} of images agree between themselves but not with the block, most of all {} and {} ({} matches): "
-      "repeated "
+      "{}repeated "
       "structure (windows, rows of trees), or things that moved. Such matches were left out. Should the model be "
-      "folded or "
-      "doubled, take these photographs out or add some that show the places apart",
+      "folded or doubled, take these photographs out or add some that show the places apart",
       count, count == 1 ? "" : "s", block.images.at(worst->first).file, block.images.at(worst->second).file,
-      worst->matches.size());
+      worst->matches.size(), moved ? "the rolling shutter, " : "");
 }
 
 using Vector10d = Eigen::Matrix<double, 10, 1>;
@@ -187,7 +204,10 @@ std::vector<std::string> weak_cases(const Block& oriented, const Block& setup, s
     findings.emplace_back(
         "the camera moved along its view: rays meet at small angles, and distances ahead are weak, most of all in the "
         "middle of the pictures. Photographs from the side, or looking sideways, would fix them");
-  if (auto pairs_against = contradicting_pairs(oriented, pairs, common)) findings.push_back(*pairs_against);
+  const auto moved = moved_while_read(oriented);
+  if (moved) findings.push_back(*moved);
+  if (auto pairs_against = contradicting_pairs(oriented, pairs, common, moved.has_value()))
+    findings.push_back(*pairs_against);
   if (!flat && on_critical_surface(points, centres))
     findings.emplace_back(
         "tie points and projection centres lie on one curved surface (cylinder, cone, hyperboloid): a critical "

@@ -8,6 +8,7 @@
 
 #include "collinea/adjust/intersect.h"
 #include "collinea/base/hash.h"
+#include "collinea/image/photo.h"
 #include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
@@ -157,9 +158,11 @@ json report_of(const Orientation& orientation, const Block& setup) {
 Result<Orientation> orientation_of(Project& project, const Block& setup, const std::vector<ImagePair>& pairs) {
   const auto keypoints = [&](ImageId image) { return project.store.read_keypoints(image); };
   const OrientOptions& options = project.settings.orient;
-  if (!options.orientation) return orient(setup, pairs, keypoints, options, project.run);
+  const auto pictures = [&](ImageId image) { return read_grey(project.photo(setup.images.at(image))); };
+  if (!options.orientation) return orient(setup, pairs, keypoints, options, project.run, pictures);
   COLLINEA_TRY(const ReadOrientation read, read_orientation(*options.orientation, setup));
-  COLLINEA_TRY(Orientation orientation, orient_as_given(setup, pairs, keypoints, read.given, options, project.run));
+  COLLINEA_TRY(Orientation orientation,
+               orient_as_given(setup, pairs, keypoints, read.given, options, project.run, pictures));
   orientation.findings.insert(orientation.findings.begin(), read.remarks.begin(), read.remarks.end());
   orientation.findings.insert(orientation.findings.begin(),
                               fmt::format("{} of the {} images is taken from {}{}",

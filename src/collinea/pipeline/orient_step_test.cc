@@ -7,9 +7,8 @@
 #include "collinea/io/file.h"
 #include "collinea/orient/orient.h"
 #include "collinea/pipeline/info.h"
-#include "collinea/pipeline/project.h"
-#include "collinea/pipeline/simulated_project.h"
 #include "collinea/pipeline/step.h"
+#include "collinea/pipeline/test_project.h"
 
 namespace collinea {
 namespace {
@@ -22,10 +21,7 @@ class OrientStepTest : public testing::Test {
     survey.images = 12;
     survey.control_points = 6;
     survey.check_points = 2;
-    ASSERT_TRUE(simulate_project(survey, {.points_per_image = 120}, folder_ / "block", {}));
-    auto settings = read_settings(folder_ / "block");
-    ASSERT_TRUE(settings) << settings.error().message;
-    auto project = create_project(folder_ / "block", *settings, {});
+    auto project = open_simulated(folder_ / "block", survey, {.points_per_image = 120});
     ASSERT_TRUE(project) << project.error().message;
     project_ = *std::move(project);
     setup_ = *project_->store.read_setup();

@@ -135,7 +135,7 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
 std::string adjustment_page(const AdjustmentReport& report) {
   const std::string title = escaped(report.title.empty() ? "Project" : report.title);
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
-                     ": adjustment</title>\n<style>" + style_sheet() +
+                     ": adjustment</title>\n<style>" + kStyleSheet +
                      "</style></head>\n<body><main>\n<header><div><h1>" + title +
                      "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
   html += summary(report.adjusted) + control_table(report);

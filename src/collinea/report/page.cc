@@ -187,7 +187,7 @@ std::string report_page(const ReportInput& input, const ReportSummary& s, const 
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
       ": quality report</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
-      style_sheet() + "</style></head>\n<body><main>\n";
+      kStyleSheet + "</style></head>\n<body><main>\n";
   html += "<header><div><h1>" + title + "</h1>Quality report</div><p>collinea " COLLINEA_VERSION +
           (input.date.empty() ? "" : "<br>" + escaped(input.date)) + "</p></header>\n";
   html += statement_section(input, s);

@@ -22,6 +22,6 @@ namespace collinea {
 [[nodiscard]] std::string process_section(const ReportInput& input);
 
 /// The looks of the page.
-[[nodiscard]] const char* style_sheet();
+extern const char* const kStyleSheet;
 
 }  // namespace collinea

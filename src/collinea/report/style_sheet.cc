@@ -3,8 +3,7 @@
 
 namespace collinea {
 
-const char* style_sheet() {
-  return R"css(
+const char* const kStyleSheet = R"css(
 :root { --ink: #17212f; --soft: #5b6778; --line: #d5dbe3; --wash: #f4f6f9; --blue: #1f5fa8; --red: #c2410c; --teal: #0b7a75; }
 * { box-sizing: border-box; }
 body { margin: 0; background: #fff; color: var(--ink); font: 15px/1.5 "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif; }
@@ -88,6 +87,5 @@ svg path, svg polyline, svg polygon { stroke-linejoin: round; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 )css";
-}
 
 }  // namespace collinea

@@ -9,27 +9,33 @@
 
 namespace collinea {
 
-/// A small survey flight with everything a report can show, for tests: `strips` x `per_strip` nadir images 60 m above
-/// gentle ground, residuals of 0.3 px, five control and four check points with differences of 2 and 3 cm.
-inline ReportInput report_of_test_flight(int strips, int per_strip, int points) {
-  Random random(21);
-  ReportInput input;
-  input.title = "Quarry north <1>";
-  input.date = "2024-05-17";
-  Block& block = input.block;
-  block.georeference = Georeference{"EPSG:32633", 45, 15, 100};
-  input.georeferenced = true;
-  input.crs_name = "WGS 84 / UTM zone 33N";
-  input.gauge = "control points and image positions";
+namespace test_flight {
+
+inline double ground(double x, double y) { return 4 * std::sin(x / 60) + 0.02 * y; }
+
+template <class Take>
+void see(const Block& block, const Eigen::Vector3d& point, Take&& take) {
+  for (const auto& [image, pose] : block.cam_from_world) {
+    const auto pixel = project(block.cameras.at({0}), pose * point);
+    if (pixel && inside(block.cameras.at({0}), *pixel)) take(image, *pixel);
+  }
+}
+
+inline Eigen::Vector2d noisy(const Eigen::Vector2d& pixel, Random& random) {
+  return pixel + 0.3 * Eigen::Vector2d(random.normal(), random.normal());
+}
+
+inline void add_camera(ReportInput& input) {
   Camera camera = ideal_camera(3650, 4000, 3000);
   camera.name = "DJI FC6310 0123";
   camera.source = "EXIF";
   input.first_cameras[{0}] = camera;
   camera.params = {3661.4, 2004.1, 1490.7, -0.0123, 0.0061, -0.002, 0.0004, -0.0003, 0, 0};
-  block.cameras[{0}] = camera;
+  input.block.cameras[{0}] = camera;
   input.camera_sigma[{0}] = {0.41, 0.22, 0.25, 1e-4, 3e-4, 2e-4, 8e-6, 9e-6, 0, 0};
+}
 
-  const auto ground = [](double x, double y) { return 4 * std::sin(x / 60) + 0.02 * y; };
+inline void add_images(int strips, int per_strip, Random& random, ReportInput& input) {
   std::uint32_t id = 0;
   for (int s = 0; s < strips; ++s)
     for (int i = 0; i < per_strip; ++i, ++id) {
@@ -40,38 +46,34 @@ inline ReportInput report_of_test_flight(int strips, int per_strip, int points) 
       image.file = "100MEDIA/DJI_" + std::to_string(1000 + id) + ".JPG";
       image.camera = {0};
       image.position = PositionPrior{centre, {2, 2, 4}, 45, 15, 160};
-      block.images[{id}] = image;
+      input.block.images[{id}] = image;
       if (s == strips - 1 && i == per_strip - 1) continue;  // one image is lost
-      block.cam_from_world[{id}] = {rotation, -(rotation * centre)};
+      input.block.cam_from_world[{id}] = {rotation, -(rotation * centre)};
       input.centre_sigma_m[{id}] = Eigen::Vector3d(0.011, 0.012, 0.02);
       input.positions.push_back({{id}, Eigen::Vector3d(random.normal(), random.normal(), 3 * random.normal()), 1});
     }
-  const double width = 12.0 * (per_strip - 1), height = 22.0 * (strips - 1);
-  const auto see = [&](const Eigen::Vector3d& p, auto&& take) {
-    for (const auto& [image, pose] : block.cam_from_world) {
-      const auto pixel = project(block.cameras.at({0}), pose * p);
-      if (pixel && inside(block.cameras.at({0}), *pixel)) take(image, *pixel);
-    }
-  };
-  const auto noisy = [&](const Eigen::Vector2d& pixel) {
-    return Eigen::Vector2d(pixel + 0.3 * Eigen::Vector2d(random.normal(), random.normal()));
-  };
+}
+
+inline void add_tie_points(int points, double width, double height, Random& random, Block& block) {
   for (std::uint32_t p = 0; p < std::uint32_t(points); ++p) {
     const double x = random.uniform(-20, width + 20), y = random.uniform(-15, height + 15);
     const Eigen::Vector3d position(x, y, ground(x, y));
     std::vector<Observation> seen;
-    see(position, [&](ImageId image, const Eigen::Vector2d& pixel) {
+    see(block, position, [&](ImageId image, const Eigen::Vector2d& pixel) {
       if (random.uniform() < 0.4) return;
       Observation o;
       o.image = image;
       o.point = {p};
-      o.pixel = noisy(pixel);
+      o.pixel = noisy(pixel, random);
       seen.push_back(o);
     });
     if (seen.size() < 2) continue;
     block.points[{p}] = {position, {}};
     block.observations.insert(block.observations.end(), seen.begin(), seen.end());
   }
+}
+
+inline void add_control(double width, double height, Random& random, ReportInput& input) {
   for (std::uint32_t c = 0; c < 9; ++c) {
     const double x = width * (c % 3) / 2.0, y = height * (c / 3) / 2.0;
     const bool check = c % 2 == 1;
@@ -80,22 +82,22 @@ inline ReportInput report_of_test_flight(int strips, int per_strip, int points) 
                        {500000 + x, 4.98e6 + y, 100 + ground(x, y)},
                        {x, y, ground(x, y)},
                        {0.01, 0.01, 0.015}};
-    block.control[{c}] = point;
+    input.block.control[{c}] = point;
     ReportControl result;
     result.point = {c};
     result.used = !check;
     result.difference_m =
         (check ? 0.03 : 0.02) * Eigen::Vector3d(random.normal(), random.normal(), 1.5 * random.normal());
     result.sigma_m = Eigen::Vector3d(0.02, 0.02, 0.03);
-    see(point.position_in_world, [&](ImageId image, const Eigen::Vector2d& pixel) {
-      block.control_observations.push_back({{c}, image, noisy(pixel), 0.5});
+    see(input.block, point.position_in_world, [&](ImageId image, const Eigen::Vector2d& pixel) {
+      input.block.control_observations.push_back({{c}, image, noisy(pixel, random), 0.5});
       ++result.rays;
     });
     input.control.push_back(result);
   }
-  input.sigma0 = 1.04;
-  input.redundancy = long(block.observations.size()) * 2 - long(block.points.size()) * 3;
-  input.gsd_m = 0.0164;
+}
+
+inline void add_words(ReportInput& input) {
   input.skipped = {{"100MEDIA/DJI_0999.JPG", "truncated: ends after 12 % of its rows"},
                    {"notes.txt", "not a photograph"}};
   input.findings = {"Control point P3 lies 0.4 m outside the images' footprints."};
@@ -106,6 +108,30 @@ inline ReportInput report_of_test_flight(int strips, int per_strip, int points) 
                     {"Point cloud", "products/cloud.las", 1'412'345'678, "34.4 million points, LAS 1.4"}};
   input.options = {{"orient.calibration", "brown"}, {"seed", "1"}};
   input.versions = {{"collinea", "0.1.0"}, {"GDAL", "3.6.2"}};
+}
+
+}  // namespace test_flight
+
+/// A small survey flight with everything a report can show, for tests: `strips` x `per_strip` nadir images 60 m above
+/// gentle ground, residuals of 0.3 px, five control and four check points with differences of 2 and 3 cm.
+inline ReportInput report_of_test_flight(int strips, int per_strip, int points) {
+  Random random(21);
+  ReportInput input;
+  input.title = "Quarry north <1>";
+  input.date = "2024-05-17";
+  input.block.georeference = Georeference{"EPSG:32633", 45, 15, 100};
+  input.georeferenced = true;
+  input.crs_name = "WGS 84 / UTM zone 33N";
+  input.gauge = "control points and image positions";
+  const double width = 12.0 * (per_strip - 1), height = 22.0 * (strips - 1);
+  test_flight::add_camera(input);
+  test_flight::add_images(strips, per_strip, random, input);
+  test_flight::add_tie_points(points, width, height, random, input.block);
+  test_flight::add_control(width, height, random, input);
+  test_flight::add_words(input);
+  input.sigma0 = 1.04;
+  input.redundancy = long(input.block.observations.size()) * 2 - long(input.block.points.size()) * 3;
+  input.gsd_m = 0.0164;
   return input;
 }
 

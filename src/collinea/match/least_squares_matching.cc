@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/match/least_squares_matching.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace collinea {
+namespace {
+
+constexpr int kHalf = kWindow / 2, kPoints = kWindow * kWindow;
+constexpr double kWeightSigma = 0.6;  // of the half width: the corners count by 1/16
+constexpr int kMostIterations = 20;
+constexpr double kSettled = 0.003;  // spacings: a tenth of what a good match is worth
+constexpr double kLeastCorrelation = 0.8;
+constexpr double kLargestChange = 0.5;  // of the map against its start
+constexpr double kLargestSigma = 0.25;  // spacings: less is no better than a feature's own place
+constexpr double kLeastNoise_grey = 1;  // of any picture: what is smaller is no texture
+
+// The points of a window, in spacings from its middle, and their weights; what fills the arrays up has none.
+struct Points {
+  std::array<float, kWindowFloats> u{}, v{}, weight{};
+  double weights = 0;
+
+  Points() {
+    for (int k = 0; k < kPoints; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      u[i] = static_cast<float>(k % kWindow - kHalf);
+      v[i] = static_cast<float>(k / kWindow - kHalf);
+      const double square = (u[i] * u[i] + v[i] * v[i]) / double{kHalf * kHalf};
+      weight[i] = static_cast<float>(std::exp(-0.5 * square / (kWeightSigma * kWeightSigma)));
+      weights += weight[i];
+    }
+  }
+};
+
+const Points& points() {
+  static const Points all;
+  return all;
+}
+
+// Grey values where a window whose place lies at `place` from its middle [spacings] is put.
+bool sample(const Patch& patch, const Placement& placement, const Eigen::Vector2d& place, double spacing_px,
+            float* out) {
+  const Eigen::Matrix2d step = placement.warp * (spacing_px / patch.pixel_px);
+  const Eigen::Vector2d middle =
+      (placement.place_px - patch.corner_px) / patch.pixel_px - Eigen::Vector2d(0.5, 0.5) - step * place;
+  if (!(middle.norm() + step.norm() < 1e6)) return false;
+  return sample_window({patch.grey.data(), Patch::kSize},
+                       {static_cast<float>(middle.x()), static_cast<float>(middle.y()), static_cast<float>(step(0, 0)),
+                        static_cast<float>(step(0, 1)), static_cast<float>(step(1, 0)), static_cast<float>(step(1, 1))},
+                       points().u.data(), points().v.data(), out);
+}
+
+double weighted_mean(const std::array<float, kWindowFloats>& values) {
+  double sum = 0;
+  for (std::size_t i = 0; i < kPoints; ++i) sum += double{points().weight[i]} * values[i];
+  return sum / points().weights;
+}
+
+double largest_eigenvalue(const Eigen::Matrix2d& m) {
+  const double half = m.trace() / 2;
+  return half + std::sqrt(std::max(0.0, half * half - m.determinant()));
+}
+
+// By Sobel's operator: along `step`, smoothed across it.
+float slope(const std::uint8_t* pixel, int across, int step) {
+  const auto difference = [&](const std::uint8_t* p) { return static_cast<float>(p[step] - p[-step]); };
+  return 0.125f * (difference(pixel - across) + 2 * difference(pixel) + difference(pixel + across));
+}
+
+}  // namespace
+
+std::optional<Patch> cut_patch(const GreyImage& level, double pixel_px, const Eigen::Vector2d& place_px) {
+  if (std::min(level.width, level.height) < Patch::kSize) return std::nullopt;
+  const auto first = [&](double place, int end) {
+    const double wanted = std::clamp(std::round(place / pixel_px) - Patch::kSize / 2, 0.0, double(end - Patch::kSize));
+    return static_cast<int>(wanted);
+  };
+  const int left = first(place_px.x(), level.width), top = first(place_px.y(), level.height);
+  Patch patch;
+  patch.pixel_px = pixel_px;
+  patch.corner_px = {left * pixel_px, top * pixel_px};
+  for (int y = 0; y < Patch::kSize; ++y)
+    std::copy_n(level.row(top + y) + left, Patch::kSize, patch.grey.data() + y * Patch::kSize);
+  return patch;
+}
+
+// Between pixels noise is smoothed, the more the farther from their centres, and so it would have a mean gradient of
+// its own where points lie alike between pixels: places would be off by tenths of a pixel in noisy pictures. At the
+// pixels themselves a grey value and the slopes there share no noise.
+std::optional<ReferenceWindow> ReferenceWindow::of(const Patch& patch, const Eigen::Vector2d& place_px) {
+  ReferenceWindow window;
+  window.spacing_px_ = patch.pixel_px;
+  const Eigen::Vector2d place = (place_px - patch.corner_px) / patch.pixel_px - Eigen::Vector2d(0.5, 0.5);
+  const Eigen::Vector2d middle(std::round(place.x()), std::round(place.y()));
+  window.place_ = place - middle;
+  constexpr double kInside = kHalf + 1;  // slopes
+  if (!(middle.minCoeff() >= kInside && middle.maxCoeff() <= Patch::kSize - 1 - kInside)) return std::nullopt;
+
+  const Points& p = points();
+  const std::uint8_t* centre =
+      patch.grey.data() + static_cast<int>(middle.y()) * Patch::kSize + static_cast<int>(middle.x());
+  const auto pixel_of = [&](std::size_t i) {
+    return centre + static_cast<int>(p.v[i]) * Patch::kSize + static_cast<int>(p.u[i]);
+  };
+  for (std::size_t i = 0; i < kPoints; ++i) window.grey_[i] = *pixel_of(i);
+  const auto mean = static_cast<float>(weighted_mean(window.grey_));
+  Values squares{};
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    window.grey_[i] -= mean;
+    squares[i] = window.grey_[i] * window.grey_[i];
+  }
+  window.grey_square_ = weighted_mean(squares);
+
+  std::array<float, kUnknowns * kWindowFloats> derivatives{};
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const std::uint8_t* pixel = pixel_of(i);
+    const float x = slope(pixel, Patch::kSize, 1), y = slope(pixel, 1, Patch::kSize);
+    const float u = p.u[i] - static_cast<float>(window.place_.x()), v = p.v[i] - static_cast<float>(window.place_.y());
+    const float of[kUnknowns] = {x, y, x * u, x * v, y * u, y * v, window.grey_[i], 1};
+    for (std::size_t k = 0; k < kUnknowns; ++k) {
+      derivatives[k * kWindowFloats + i] = of[k];
+      window.weighted_[k * kWindowFloats + i] = of[k] * p.weight[i];
+    }
+  }
+  Matrix8d normal, twice;  // derivatives weighted once and twice
+  for (int k = 0; k < kUnknowns; ++k) {
+    float once[kUnknowns], squared[kUnknowns];
+    const std::ptrdiff_t column = std::ptrdiff_t{k} * kWindowFloats;
+    window_products(window.weighted_.data(), derivatives.data() + column, once);
+    window_products(window.weighted_.data(), window.weighted_.data() + column, squared);
+    for (int i = 0; i < kUnknowns; ++i) {
+      normal(i, k) = once[i];
+      twice(i, k) = squared[i];
+    }
+  }
+  // In units in which the diagonal is one.
+  const Eigen::Matrix<double, kUnknowns, 1> scale = normal.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix8d> solver(scale.asDiagonal() * normal * scale.asDiagonal());
+  if (!(solver.eigenvalues()[0] > 1e-6)) return std::nullopt;
+  window.inverse_ = scale.asDiagonal() * solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() *
+                    solver.eigenvectors().transpose() * scale.asDiagonal();
+  const Matrix8d spread = window.inverse_ * twice;
+  window.cofactor_ = (spread * window.inverse_).topLeftCorner<2, 2>();
+  window.redundancy_ = p.weights - spread.trace();
+  if (largest_eigenvalue(window.cofactor_) * std::pow(kLeastNoise_grey, 2) > kLargestSigma * kLargestSigma)
+    return std::nullopt;
+  return window;
+}
+
+std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const Placement& start,
+                                                       double farthest_px) const {
+  const Points& p = points();
+  Placement now = start;
+  const Eigen::Matrix2d first_inverse = start.warp.inverse();
+  Values seen, left_over;
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    if (!sample(other, now, place_, spacing_px_, seen.data())) return std::nullopt;
+    const double mean = weighted_mean(seen);
+    double square = 0, common = 0;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      const double value = seen[i] - mean, weighted = p.weight[i] * value;
+      square += weighted * value;
+      common += weighted * grey_[i];
+    }
+    square /= p.weights;
+    common /= p.weights;
+    const double correlation = common / std::sqrt(square * grey_square_);
+    if (!(correlation > 0)) return std::nullopt;
+    const double gain = common / grey_square_;
+    double squares_left = 0;
+    for (std::size_t i = 0; i < kWindowFloats; ++i) {
+      left_over[i] = static_cast<float>((seen[i] - mean) / gain) - grey_[i];
+      squares_left += double{p.weight[i]} * left_over[i] * left_over[i];
+    }
+    float right_side[kUnknowns];
+    window_products(weighted_.data(), left_over.data(), right_side);
+    Eigen::Matrix<double, kUnknowns, 1> b;
+    for (int k = 0; k < kUnknowns; ++k) b[k] = right_side[k];
+    const Eigen::Matrix<double, 6, 1> step = inverse_.topRows<6>() * b;
+    // The reference, so moved, is what is seen here: the window goes the other way.
+    Eigen::Matrix2d stretch;
+    stretch << 1 + step[2], step[3], step[4], 1 + step[5];
+    if (!(stretch.determinant() > 0.1)) return std::nullopt;
+    now.warp = now.warp * stretch.inverse();
+    const Eigen::Vector2d moved_px = now.warp * step.head<2>() * spacing_px_;
+    now.place_px -= moved_px;
+    if (!((now.place_px - start.place_px).norm() <= farthest_px)) return std::nullopt;
+    if (!((first_inverse * now.warp - Eigen::Matrix2d::Identity()).norm() <= kLargestChange)) return std::nullopt;
+    if (step.head<2>().norm() > kSettled) continue;
+    const Eigen::Matrix2d cofactor = cofactor_ * (squares_left / redundancy_);
+    if (correlation < kLeastCorrelation || largest_eigenvalue(cofactor) > kLargestSigma * kLargestSigma)
+      return std::nullopt;
+    const Eigen::Matrix2d px_from_spacings = now.warp * spacing_px_;
+    return LeastSquaresMatch{now, px_from_spacings * cofactor * px_from_spacings.transpose(), correlation};
+  }
+  return std::nullopt;
+}
+
+}  // namespace collinea

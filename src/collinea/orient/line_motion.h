@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "collinea/block/block.h"
+
+namespace collinea {
+
+/// What residuals show of a turn of the camera while a picture was read out line by line (rolling shutter).
+struct ImageMotion {
+  ImageId image;
+  double explained = 0;  ///< share of its residual variance
+  double turn_rad = 0;   ///< between the first line and the last; too small, since points and pose have given way
+};
+
+struct LineMotion {
+  double explained = 0;             ///< share of the residual variance of all these images; noise alone: 0
+  std::vector<ImageMotion> images;  ///< the most explained first
+};
+
+/// For every image with enough tie points of three rays and more: its robust residuals by six unknowns of the pose and,
+/// beside them, three of a turn that grows from line to line. Points and cameras are held, the fall in variance pays
+/// for the three unknowns. Lines run along rows or columns of the pictures (a telephone held upright), whichever
+/// explains more.
+[[nodiscard]] LineMotion line_motion(const Block& oriented);
+
+}  // namespace collinea
