@@ -3,7 +3,7 @@
 """From photographs to oriented images: collinea and COLMAP on the same images, as tables of medians.
 
 usage: bench/orientation.py [--only SECTION,...] [--blocks BLOCK,...] [--data DIR] [--out DIR] [--repeats N]
-                            [--peer-repeats N] [--peer-cache DIR] [--collinea PROGRAM]
+                            [--peer-repeats N] [--peer-cache DIR] [--bundle-images N,N,...] [--collinea PROGRAM]
   --only          sections (default: all)
                     speed     processor time, wall time and memory of every stage
                     accuracy  errors of the projection centres
@@ -17,6 +17,7 @@ usage: bench/orientation.py [--only SECTION,...] [--blocks BLOCK,...] [--data DI
   --out           where projects go (default build/bench-orientation); what is there is removed first
   --repeats       runs of ours on each block where costs are shown (default 3)
   --peer-repeats  runs of COLMAP where costs are shown (default: as many as of ours)
+  --bundle-images sizes of the section bundle (default 100,500,2000; with 2000 Ceres takes many minutes)
   --peer-cache    folder of COLMAP's results, used and added to: its runs take minutes
 Sections features and bundle need the programs built where CMake is given -DCOLLINEA_BENCH=ON and finds OpenCV or Ceres;
 they are looked for beside the program.
@@ -47,6 +48,7 @@ parser.add_argument("--blocks", default="")
 parser.add_argument("--repeats", type=int, default=3)
 parser.add_argument("--peer-repeats", type=int, default=0)
 parser.add_argument("--peer-cache", default="")
+parser.add_argument("--bundle-images", default="100,500,2000")
 parser.add_argument("--collinea", default=program)
 args = parser.parse_args()
 PEER_REPEATS = args.peer_repeats or args.repeats
@@ -230,7 +232,7 @@ def bundle():
     compared = beside("collinea_bundle_bench")
     if compared:
         print(flush=True)
-        subprocess.run([compared, "--repeats", str(args.repeats)], check=True)
+        subprocess.run([compared, "--repeats", str(args.repeats), "--images", args.bundle_images], check=True)
 
 
 def scale():

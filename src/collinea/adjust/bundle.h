@@ -177,11 +177,6 @@ struct Adjusted {
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 
-/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 without redundancy.
-[[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
-  return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
-}
-
 /// adjust() for a large block that is adjusted again and again: keeps the factor of the normal equations, by which the
 /// next steps of the same images are solved with less work. The answers are the same within the accuracy of the
 /// options, and depend on what was adjusted before in no other way.
@@ -200,6 +195,11 @@ class Adjuster {
  private:
   std::unique_ptr<bundle::KeptFactor> kept_;
 };
+
+/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 without redundancy.
+[[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
+  return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
+}
 
 /// Writes poses, cameras and points of the adjustment into the block.
 void apply(const Adjusted& adjusted, Block& block);
