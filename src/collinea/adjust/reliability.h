@@ -64,10 +64,10 @@ struct Reliability {
   double false_alarm = 0, power = 0;  ///< as asked for
   bool sigma0_known = false;          ///< tests by w with sigma0 = 1; otherwise by tau
   double limit = 0;                   ///< of |w| or tau
-  double delta0 = 0;                  ///< shift of w that is found with that power; of the normal distribution, for tau too
-  long tested = 0, rejected = 0;      ///< coordinates; beyond the limit
-  long unseen = 0;                    ///< rays whose point its image does not see: not tested, all suspect
-  double redundancy_sum = 0;          ///< over all observations, weak ones and verticals too: Adjusted::redundancy
+  double delta0 = 0;              ///< shift of w that is found with that power; of the normal distribution, for tau too
+  long tested = 0, rejected = 0;  ///< coordinates; beyond the limit
+  long unseen = 0;                ///< rays whose point its image does not see: not tested, all suspect
+  double redundancy_sum = 0;      ///< over all observations, weak ones and verticals too: Adjusted::redundancy
   std::vector<Eigen::Vector2d> tie_redundancy;  ///< parallel to Adjusted::observations; NaN when not seen
   std::vector<TestedObservation> others;        ///< control (images, coordinates) and positions, every one
   std::vector<TestedObservation> suspects;      ///< beyond the limit, worst first, 1000 at most

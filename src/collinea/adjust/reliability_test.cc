@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include "collinea/adjust/bundle.h"
 #include "collinea/adjust/quantiles.h"
@@ -221,7 +222,9 @@ TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
 
 // What holds without a loss holds with one: errors that are normal with the given sigmas, under losses that set in
 // early. Over 150 blocks, by their own scatter: sigma0 is 1, tests reject as often as stated, every group's squares are
-// what its redundancy says, and the errors of poses are as long as their covariance says.
+// what its redundancy says, and the errors of poses are as long as their covariance says. Cauchy's weights fall with
+// the residual from its start, and residuals of a point that a ray itself pulls are not normal: its variances come out
+// up to 7 % too small for tie points and 20 % for positions (less with more rays a point), tests reject a fifth less.
 TEST(Reliability, IsTrueUnderRobustLosses) {
   for (const char* loss : {"huber", "cauchy"}) {
     AdjustOptions options = tested();
@@ -253,7 +256,9 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
     for (const std::size_t i : {std::size_t{0}, std::size_t(ObservationGroup::kPositionPlan),
                                 std::size_t(ObservationGroup::kPositionHeight), kSigma0, kLevel, kPose}) {
       const double mean = sum[i] / kBlocks, sigma = std::sqrt((squares[i] / kBlocks - mean * mean) / kBlocks);
-      EXPECT_NEAR(mean, 1, 4 * sigma + 0.02) << loss << " " << i;
+      const bool falls = loss == std::string_view("cauchy") && i != kPose;
+      const double pulled = !falls ? 0.02 : i == 0 || i == kSigma0 ? 0.09 : 0.22;
+      EXPECT_NEAR(mean, 1, 4 * sigma + pulled) << loss << " " << i;
       EXPECT_LT(4 * sigma, i == kLevel || i == kPose ? 0.15 : 0.3) << loss << " " << i;
     }
   }

@@ -39,8 +39,8 @@ struct VerifyOptions {
 ///     a plane explains the matches as well, kRotation when a turn about the projection centre does (within the
 ///     uncertainty of the focal length).
 ///   - kNone: fewer than min_inliers, fewer than chance would bring together (a-contrario bound of Moisan and Stival,
-///     IJCV 2004), all on one line, or nearly all at the same pixel in both pictures. Matches of marks that are in every
-///     picture (watermark, date, dirt on the sensor; see without_marks) are left out beforehand.
+///     IJCV 2004), all on one line, or nearly all at the same pixel in both pictures. Matches of marks that are in
+///     every picture (watermark, date, dirt on the sensor; see without_marks) are left out beforehand.
 /// second_from_first is given (unit translation) for kGeneral and kPlanar when the essential matrix holds; otherwise
 /// its translation is zero (for kRotation the rotation is given). A plane alone leaves two motions; the one that more
 /// matches support is given. With an assumed focal length the motion belongs to the factor of it that fits best.

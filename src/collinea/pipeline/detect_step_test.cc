@@ -85,7 +85,7 @@ TEST(DetectStep, AFullDiskEndsItAtOnce) {
   Settings settings;
   settings.photos = (folder / "photos").string();
   int reported = 0;
-  Run run;
+  collinea::Run run;
   run.progress = [&](std::string_view stage, double done) { reported += stage == "detect" && done > 0; };
   auto project = create_project(folder / "project", settings, run);
   ASSERT_TRUE(project) << project.error().message;
