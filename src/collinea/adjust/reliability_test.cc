@@ -59,9 +59,13 @@ TEST(Reliability, EveryLevelAndPowerThatCanBeAskedForHasAnAnswer) {
         const Adjusted adjusted = adjusted_of(block, options);
         const Reliability& found = *adjusted.reliability;
         EXPECT_TRUE(std::isfinite(found.limit) && std::isfinite(found.delta0));
-        if (power == 0.5) EXPECT_DOUBLE_EQ(found.delta0, normal_limit(false_alarm));
+        if (power == 0.5) {
+          EXPECT_DOUBLE_EQ(found.delta0, normal_limit(false_alarm));
+        }
         // What is found half of the time lies on the limit.
-        if (known) EXPECT_EQ(found.delta0 > found.limit, power > 0.5);
+        if (known) {
+          EXPECT_EQ(found.delta0 > found.limit, power > 0.5);
+        }
       }
 }
 

@@ -6,8 +6,6 @@
 #include <numbers>
 
 #include "collinea/block/world_frame.h"
-#include "collinea/orient/level_datum.h"
-#include "collinea/orient/strip_datum.h"
 #include "collinea/orient/test_pairs.h"
 
 namespace collinea {
@@ -18,6 +16,7 @@ using testing::kPixel_m;
 using testing::Matched;
 using testing::matched;
 using testing::small_block;
+using testing::straight_strip;
 using testing::test_block;
 
 Matched on_the_map(const Block& block) {
@@ -312,16 +311,8 @@ TEST(Orient, TwoPositionsDoNotFixThePlaceAndThisIsSaid) {
   EXPECT_TRUE(mentions(found->findings, "do not fix the place"));
 }
 
-// One strip, flown straight, with the attitudes a gimbal would write.
-Matched straight_strip() {
-  Block block = test_block(
-      {.rows = 1, .columns = 12, .points = 800, .sigma_px = 0.5, .position_sigma_m = 3, .tilt_rad = 0, .seed = 4});
-  for (auto& [id, image] : block.images) image.attitude = AttitudePrior{90, -90, 0};
-  return on_the_map(block);
-}
-
 TEST(Orient, ASingleStripGetsItsTiltFromTheAttitudes) {
-  const Matched input = straight_strip();
+  const Matched input = on_the_map(straight_strip());
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_TRUE(found->georeferenced);
@@ -334,7 +325,7 @@ TEST(Orient, ASingleStripGetsItsTiltFromTheAttitudes) {
 }
 
 TEST(Orient, ASingleStripWithoutAttitudesKeepsItsOwnGauge) {
-  Matched input = straight_strip();
+  Matched input = on_the_map(straight_strip());
   for (auto& [id, image] : input.setup.images) image.attitude.reset();
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
@@ -431,135 +422,6 @@ TEST(Orient, PositionsThatDoNotTellTheScaleAreNoPlace) {
   const auto found = orient(on_the_map(small_block(0.5, 0, 60)));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->georeferenced);
-}
-
-// Pictures taken level, on a ring about something: the edges of the pictures tell what is level.
-TEST(LevelDatum, AWalkRoundAThingIsLevelledByTheEdgesOfItsPictures) {
-  Block block;
-  const Similarity3 world_from_block{3, rotation_by({0.4, -1, 2}), {10, 20, 30}};
-  for (std::uint32_t i = 0; i < 12; ++i) {
-    const double angle = 2 * std::numbers::pi * i / 12;
-    const Eigen::Vector3d centre(5 * std::cos(angle), 5 * std::sin(angle), 1.5);
-    Eigen::Matrix3d cam_from_world;  // 20 degrees down
-    const Eigen::Vector3d forward = Eigen::Vector3d(-std::cos(angle), -std::sin(angle), -0.36).normalized();
-    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-    cam_from_world << right.transpose(), forward.cross(right).transpose(), forward.transpose();
-    const bool upright = i % 2;  // every other one with the camera turned by a quarter
-    const Eigen::Quaterniond rotation =
-        Eigen::AngleAxisd(upright ? std::numbers::pi / 2 : 0, Eigen::Vector3d::UnitZ()) *
-        Eigen::Quaterniond(cam_from_world);
-    block.cam_from_world[{i}] = moved({rotation, -(rotation * centre)}, inverse(world_from_block));
-    block.images[{i}].orientation = upright ? 8 : 1;
-    block.images[{i}].position =
-        PositionPrior{{centre.x(), centre.y(), 0}, {0.5, 0.5, std::numeric_limits<double>::infinity()}};
-  }
-  const auto found = level_datum(block);
-  ASSERT_TRUE(found);
-  EXPECT_NE(found->level_by.find("edges"), std::string::npos) << found->level_by;
-  EXPECT_NEAR(found->world_from_block.scale, 3, 1e-6);
-  EXPECT_LT(found->world_from_block.rotation.angularDistance(world_from_block.rotation), 1e-6);
-  EXPECT_LT((found->world_from_block.translation - world_from_block.translation).head<2>().norm(), 1e-6);
-  EXPECT_NEAR(found->turn_sigma_rad, 0.5 / (5 * std::sqrt(12.0)), 1e-6);
-  EXPECT_EQ(found->heights, 0u);
-  for (auto& [id, image] : block.images) image.position->position_in_world.y() = 0;  // on a line
-  for (auto& [id, pose] : block.cam_from_world) pose.translation = -(pose.rotation * Eigen::Vector3d(id.value, 0, 0));
-  EXPECT_FALSE(level_datum(block));
-}
-
-TEST(StripDatum, ExactPositionsAndAttitudesGiveTheExactFrame) {
-  for (const double pitch_deg : {-90.0, -40.0, 0.0})
-    for (const double roll_deg : {0.0, 25.0, -70.0}) {
-      Block block;
-      const AttitudePrior attitude{0, pitch_deg, roll_deg};  // heading north
-      const double pitch = pitch_deg * std::numbers::pi / 180, roll = roll_deg * std::numbers::pi / 180;
-      // Columns: the camera's axes in the world, before roll.
-      Eigen::Matrix3d world_from_cam;
-      world_from_cam << 1, 0, 0, 0, std::sin(pitch), std::cos(pitch), 0, -std::cos(pitch), std::sin(pitch);
-      world_from_cam = world_from_cam * Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());
-      const Similarity3 world_from_block{3, rotation_by({0.4, -1, 2}), {10, 20, 30}};
-      for (std::uint32_t i = 0; i < 4; ++i) {
-        const ImageId id{i};
-        const Eigen::Vector3d centre(20 * i, 5 * i, 100);
-        const Rigid3 pose{Eigen::Quaterniond(world_from_cam).conjugate(), -(world_from_cam.transpose() * centre)};
-        block.cam_from_world[id] = moved(pose, inverse(world_from_block));
-        block.images[id].position = PositionPrior{centre, Eigen::Vector3d::Constant(0.1)};
-        block.images[id].attitude = attitude;
-      }
-      const auto found = strip_datum(block);
-      ASSERT_TRUE(found) << pitch_deg << " " << roll_deg;
-      EXPECT_NEAR(found->scale, 3, 1e-9);
-      EXPECT_LT(found->rotation.angularDistance(world_from_block.rotation), 1e-7) << pitch_deg << " " << roll_deg;
-      EXPECT_LT((found->translation - world_from_block.translation).norm(), 1e-7);
-    }
-}
-
-TEST(StripDatum, TheTurnIsTheWorseKnownTheStraighterTheLine) {
-  Block block;
-  for (std::uint32_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d centre(10.0 * i, i % 2 ? 0.5 : -0.5, 0);  // in the block; half as large as in the world
-    block.cam_from_world[{i}] = {Eigen::Quaterniond::Identity(), -centre};
-    block.images[{i}].position = PositionPrior{2 * centre, Eigen::Vector3d::Constant(0.3)};
-  }
-  // Levers of about 1 m, four of them: 0.3 / sqrt(4); the line itself slants a little along the zigzag.
-  EXPECT_NEAR(turn_sigma_rad(block, 2), 0.15, 0.02);
-  block.images.erase({3});
-  block.cam_from_world.erase({3});
-  EXPECT_TRUE(std::isfinite(turn_sigma_rad(block, 2)));
-  block.images.at({0}).position.reset();
-  EXPECT_TRUE(std::isinf(turn_sigma_rad(block, 2)));
-}
-
-// The first and the last station of a line flown there and back are nearly the same, one above the other.
-TEST(StripDatum, ALineFlownThereAndBackHasADirection) {
-  Block strip = straight_strip().truth;
-  const auto count = static_cast<std::uint32_t>(strip.images.size());
-  const std::uint32_t first = strip.images.begin()->first.value;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    Image back = strip.images.at({first + count - 1 - i});
-    back.position->position_in_world.z() += 2;
-    Rigid3 pose = strip.cam_from_world.at({first + count - 1 - i});
-    pose.translation -= pose.rotation * Eigen::Vector3d(0, 0, 2);
-    strip.images[{first + count + i}] = back;
-    strip.cam_from_world[{first + count + i}] = pose;
-  }
-  const auto found = strip_datum(strip);
-  ASSERT_TRUE(found);
-  EXPECT_LT(found->rotation.angularDistance(Eigen::Quaterniond::Identity()), 0.1);
-}
-
-// 1 / sqrt(sum of lever^2 / sigma^2): one vague position among good ones takes away its own share only.
-TEST(StripDatum, EveryPositionCountsByItsOwnSigma) {
-  Block block;
-  for (std::uint32_t i = 0; i < 18; ++i) {
-    const Eigen::Vector3d centre(10.0 * (i / 2), i % 2 ? 5 : -5, 0);
-    block.cam_from_world[{i}] = {Eigen::Quaterniond::Identity(), -centre};
-    block.images[{i}].position = PositionPrior{centre, Eigen::Vector3d::Constant(0.02)};
-  }
-  EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(18.0)), 1e-6);
-  block.images.at({7}).position->sigma_m.setConstant(30);
-  EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(17.0)), 0.02 * 0.02 / 5);
-  Block strip = straight_strip().truth;
-  for (auto& [id, image] : strip.images) image.position->sigma_m.setConstant(0.02);
-  ImageId vague = strip.images.rbegin()->first;
-  strip.images.at(vague).position->sigma_m.setConstant(300);
-  strip.images.at(vague).position->position_in_world.x() += 250;
-  const auto found = strip_datum(strip);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->scale, 1, 0.1);  // the others err by 3 m over 150 m
-}
-
-TEST(StripDatum, ContradictingAttitudesOrAShortLineGiveNone) {
-  const Block good = [] {
-    Matched input = straight_strip();
-    return input.truth;
-  }();
-  ASSERT_TRUE(strip_datum(good));
-  Block contradicting = good;
-  contradicting.images.begin()->second.attitude->pitch_deg = 30;
-  EXPECT_FALSE(strip_datum(contradicting));
-  Block vague = good;
-  for (auto& [id, image] : vague.images) image.position->sigma_m.setConstant(20);
-  EXPECT_FALSE(strip_datum(vague));
 }
 
 TEST(Orient, NoPairsAreAnErrorInWords) {

@@ -75,6 +75,15 @@ inline Block small_block(double sigma_px = 0.5, int control = 0, double position
                      .control = control,
                      .seed = 3});
 }
+
+/// One strip, flown straight, with the attitudes a gimbal would write.
+inline Block straight_strip() {
+  Block block = test_block(
+      {.rows = 1, .columns = 12, .points = 800, .sigma_px = 0.5, .position_sigma_m = 3, .tilt_rad = 0, .seed = 4});
+  for (auto& [id, image] : block.images) image.attitude = AttitudePrior{90, -90, 0};
+  return block;
+}
+
 inline constexpr double kPixel_m = 60.0 / 1500;
 
 /// Two blocks without anything in common, as one; the ids of the second are shifted.

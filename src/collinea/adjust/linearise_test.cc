@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/linearise.h"
+
+#include <gtest/gtest.h>
+
+#include "collinea/adjust/test_block.h"
+
+namespace collinea {
+namespace {
+
+using testing::normal3;
+using testing::test_block;
+
+TEST(Lens, AgreesWithTheCameraModel) {
+  Camera camera = testing::test_camera();
+  camera.params[Camera::kB1] = 3;
+  camera.params[Camera::kB2] = -2;
+  const bundle::Lens lens = bundle::lens_of(camera.params.data());
+  Random random(4);
+  int compared = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d point =
+        normal3(random).cwiseProduct(Eigen::Vector3d(0.8, 0.6, 0)) + Eigen::Vector3d(0, 0, 1.7);
+    Matrix23 by_point;
+    Matrix2P by_params;
+    const auto pixel = project(camera, point, &by_point, &by_params);
+    bundle::Projected at{};
+    const bool seen = bundle::project(lens, point.data(), &at);
+    if (seen != pixel.has_value()) {  // only on the very edge of the field of view, which they find in different ways
+      const auto is_seen = [&](double stretch) {
+        return project(camera, point.cwiseProduct(Eigen::Vector3d(stretch, stretch, 1))).has_value();
+      };
+      EXPECT_NE(is_seen(0.99), is_seen(1.01)) << point.transpose();
+      continue;
+    }
+    if (!pixel) continue;
+    ++compared;
+    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> mine;
+    Eigen::Matrix<double, 2, Camera::kParams, Eigen::RowMajor> mine_params;
+    bundle::derive_by_point(lens, at, point.z(), mine.data());
+    bundle::derive_by_params(lens, at, mine_params.data());
+    EXPECT_LT((*pixel - Eigen::Vector2d(at.pixel[0], at.pixel[1])).norm(), 1e-9);
+    EXPECT_LT((by_point - mine).norm(), 1e-10 * by_point.norm());
+    EXPECT_LT((by_params - mine_params).norm(), 1e-10 * by_params.norm());
+  }
+  EXPECT_GT(compared, 150);
+  bundle::Projected at;
+  const double behind[3] = {0, 0, -1};
+  EXPECT_FALSE(bundle::project(lens, behind, &at));
+}
+
+TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
+  const Block block = test_block({.tilt_rad = 0.4});
+  const Camera& camera = block.cameras.begin()->second;
+  const bundle::Lens lens = bundle::lens_of(camera.params.data());
+  const Observation& observation = block.observations.front();
+  const Rigid3 pose = block.cam_from_world.at(observation.image);
+  const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
+  const bundle::Ray ray{{observation.pixel.x() + 1, observation.pixel.y() - 2}, 0.5, 0, 0};
+  const auto residual = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& move, const Eigen::Vector3d& shift) {
+    bundle::LinearRay out;
+    const Eigen::Vector3d moved_centre = centre + move, moved_point = point + shift;
+    linearise(ray, bundle::frame_of(rotation_by(turn) * pose.rotation, moved_centre.data()), lens, moved_point.data(),
+              Loss{}, &out);
+    return out;
+  };
+  const bundle::LinearRay at = residual({0, 0, 0}, {0, 0, 0}, {0, 0, 0});
+  EXPECT_NEAR(at.residual[0], 0.5, 1e-9);
+  EXPECT_NEAR(at.residual[1], -1, 1e-9);
+  for (int c = 0; c < 3; ++c) {
+    const double h = 1e-5;
+    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(c), zero = Eigen::Vector3d::Zero();
+    const auto turned = residual(e, zero, zero), back = residual(-e, zero, zero);
+    const auto shifted = residual(zero, zero, e), shifted_back = residual(zero, zero, -e);
+    const auto moved = residual(zero, e, zero), moved_back = residual(zero, -e, zero);
+    for (int row = 0; row < 2; ++row) {
+      EXPECT_NEAR(at.by_rotation[3 * row + c], -(turned.residual[row] - back.residual[row]) / (2 * h), 1e-4);
+      EXPECT_NEAR(at.by_point[3 * row + c], -(shifted.residual[row] - shifted_back.residual[row]) / (2 * h), 1e-5);
+      EXPECT_NEAR(-at.by_point[3 * row + c], -(moved.residual[row] - moved_back.residual[row]) / (2 * h), 1e-5);
+    }
+  }
+}
+
+TEST(Loss, WeightAndCurvatureAreDerivativesOfTheCost) {
+  for (const char* name : {"none", "huber", "cauchy"}) {
+    Loss loss = *loss_named(name, 1.5);
+    loss.least_curvature = -10;
+    for (const double x : {0.4, 1.3, 1.7, 6.0}) {
+      const double h = 1e-4, s = x * x;
+      const auto cost = [&](double at) { return loss.cost(at * at); };
+      EXPECT_NEAR(loss.weight(s), (cost(x + h) - cost(x - h)) / (2 * h) / (2 * x), 1e-6);
+      EXPECT_NEAR(loss.weight(s) * loss.curvature(s), (cost(x + h) - 2 * cost(x) + cost(x - h)) / (2 * h * h), 1e-6);
+    }
+  }
+  EXPECT_FALSE(loss_named("tukey", 1));
+}
+
+// The gradient is that of the cost whatever curvature is assumed; J^T r = -1/2 d(cost).
+TEST(Linearise, GradientIsThatOfTheRobustCost) {
+  const Block block = test_block();
+  const bundle::Lens lens = bundle::lens_of(block.cameras.begin()->second.params.data());
+  const Observation& observation = block.observations.front();
+  const Rigid3 pose = block.cam_from_world.at(observation.image);
+  const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
+  const bundle::Frame frame = bundle::frame_of(pose.rotation, centre.data());
+  const bundle::Ray ray{{observation.pixel.x() + 3, observation.pixel.y() - 5}, 0.5, 0, 0};
+  for (const double least_curvature : {1.0, 0.1}) {
+    const Loss loss{Loss::kCauchy, 1, least_curvature};
+    bundle::LinearRay at;
+    linearise(ray, frame, lens, point.data(), loss, &at);
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::Vector3d e = 1e-5 * Eigen::Vector3d::Unit(c), ahead = point + e, back = point - e;
+      const double slope =
+          (loss.cost(square_of(ray, frame, lens, ahead.data())) - loss.cost(square_of(ray, frame, lens, back.data()))) /
+          2e-5;
+      EXPECT_NEAR(at.by_point[c] * at.residual[0] + at.by_point[3 + c] * at.residual[1], -slope / 2, 1e-5);
+    }
+  }
+}
+}  // namespace
+}  // namespace collinea
