@@ -9,7 +9,9 @@
 
 #include "collinea/adjust/control_check.h"
 #include "collinea/io/adjustment_file.h"
+#include "collinea/io/dbat_script.h"
 #include "collinea/io/file.h"
+#include "collinea/io/photomodeler.h"
 #include "collinea/orient/approximate.h"
 #include "collinea/report/adjustment_report.h"
 
@@ -138,7 +140,9 @@ AdjustmentFile file_of(const Task& task) {
 
 Result<AdjustmentFile> read_adjustment(const std::filesystem::path& path) {
   COLLINEA_TRY(const std::string text, read_file(path));
-  return parse_adjustment_file(text).map_error([&](Error e) { return std::move(e).within(path.string()); });
+  if (is_dbat_script(text)) return read_dbat_script(path);
+  const auto parse = !is_adjustment_file(text) && is_photomodeler(text) ? parse_photomodeler : parse_adjustment_file;
+  return parse(text).map_error([&](Error e) { return std::move(e).within(path.string()); });
 }
 
 template <class Id>
