@@ -31,8 +31,12 @@ def numbers_after(text, name):
 def published(path):
     """sigma0, redundancy, camera {name: (value, sigma)}, images [[(value, sigma)] * 6], control {name: row}."""
     text = path.read_text(errors="replace")
-    report = {"sigma0": numbers_after(text, "Sigma0")[0], "camera": {}, "images": [], "posterior": []}
+    report = {"sigma0": numbers_after(text, "Sigma0")[0], "camera": {}, "images": [], "posterior": [], "exact": {}}
     found = re.search(r"Redundancy\s+(\d+)", text)
+    for file in path.parent.glob("*.xml"):  # the camera with all digits
+        exact = file.read_text()
+        for tag, named in {"cc": ["cc"], "pp": ["px", "py"], "K": ["K1", "K2", "K3"], "P": ["P1", "P2"]}.items():
+            report["exact"].update(zip(named, re.search(f"<{tag}>(.*?)</{tag}>", exact)[1].split(",")))
     report["redundancy"] = int(found[1]) if found else None
     names = {"Camera Constant": "cc", "px - ": "px", "py - ": "py", "K1 - ": "K1", "K2 - ": "K2", "K3 - ": "K3",
              "P1 - ": "P1", "P2 - ": "P2", "as - ": "as"}
@@ -40,7 +44,7 @@ def published(path):
     for title, name in names.items():
         found = re.search(re.escape(title) + r"[^\n]*\n\s+Value:\s+(\S+)[^\n]*(?:\n\s+Deviation:\s+(\S+))?", cameras)
         if found:
-            report["camera"][name] = (float(found[1]), float(found[2]) if found[2] else 0)
+            report["camera"][name] = (float(report["exact"].get(name, found[1])), float(found[2]) if found[2] else 0)
     for block in re.split(r"\n\s+Photo \d+: ", photos.split("\n   Quality")[0])[1:]:
         image = []
         for name in ["Omega", "Phi", "Kappa", "Xc", "Yc", "Zc"]:
@@ -162,12 +166,12 @@ def as_model(text, model):
     return text if free is None else re.sub(r"^(parameter \S+|parameter \".*?\") (\S+ \S+) \S+$", free, text, flags=re.M)
 
 
-def control_rows(path, shift):
+def control_rows(path):
     rows = {}
     for line in path.read_text().split("\n"):
         fields = [field.strip() for field in line.split(",")]
         if len(fields) >= 5 and not line.startswith("#"):
-            rows[fields[0]] = (*(float(f) + s for f, s in zip(fields[2:5], shift)), float((fields + ["0"])[5]))
+            rows[fields[0]] = (*map(float, fields[2:5]), float((fields + ["0"])[5]))
     return rows
 
 
@@ -185,9 +189,14 @@ def cases(data, work, program):
             if source.exists():
                 subprocess.run([program, "adjust", "--import", source, "--export", converted, "--progress", "none"],
                                check=True, capture_output=True)
-                # PhotoModeler's project has its origin in the middle of the control.
-                rows = control_rows(prague / f"ref/ctrlpts-{kind}.txt", (-0.5, -0.5, 0))
-                converted.write_text(with_control(converted.read_text(), rows))
+                # DBAT shifts the control it loads by the difference of means to that of PhotoModeler's project.
+                text = converted.read_text()
+                there = [line.split()[2:5] for line in text.split("\n") if line.startswith("control ")]
+                rows = control_rows(prague / f"ref/ctrlpts-{kind}.txt")
+                shift = [(sum(float(row[i]) for row in there) - sum(row[i] for row in rows.values())) / len(rows)
+                         for i in range(3)]
+                rows = {name: (*(row[i] + shift[i] for i in range(3)), row[3]) for name, row in rows.items()}
+                converted.write_text(with_control(text, rows))
             yield (f"prague2016 {kind}{orient}", converted,
                    prague / f"dbatexports/{kind}{orient}-dbatreport.txt", 5.4399 / 1704)
 

@@ -55,6 +55,9 @@ AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& c
   options.false_alarm = asked.false_alarm;
   options.power = asked.power;
   options.sigma0_known = asked.sigma0_known;
+  // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
+  options.relative_cost_change = 1e-12;
+  options.step_sigmas = 1e-3;
   return options;
 }
 
