@@ -112,7 +112,10 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
 
 }  // namespace
 
-double shown_factor(const GroupSums& sums) { return sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(); }
+double shown_factor(const GroupSums& sums) {
+  const double factor = sums.sigma_factor();
+  return sums.told() || factor > 1 ? factor : std::nan("");
+}
 
 const char* unit_of(const TestedObservation& one) {
   return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";
