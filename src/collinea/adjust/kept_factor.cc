@@ -34,7 +34,7 @@ void KeptFactor::meet(const Problem& problem) {
     for (const int parameter : camera.free) unknowns_.parameters.emplace_back(camera.id, parameter);
   same_structure_ = usable_ = false;
   row_.clear();
-  if (!factor_) return;
+  if (!factor_ || !complete_) return;
   std::map<ImageId, int> row_of_image;
   for (std::size_t i = 0; i < factored_.images.size(); ++i) row_of_image[factored_.images[i]] = 6 * static_cast<int>(i);
   std::map<std::pair<CameraId, int>, int> row_of_parameter;
@@ -61,7 +61,7 @@ bool KeptFactor::refresh(const TileMatrix& matrix, const TilePattern& pattern, c
     same_structure_ = true;
     row_.clear();
   }
-  usable_ = factor_->factor(matrix, run, least_pivot);
+  usable_ = complete_ = factor_->factor(matrix, run, least_pivot);
   return usable_;
 }
 
