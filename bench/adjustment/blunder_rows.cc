@@ -31,10 +31,10 @@ struct Counts {
   }
   [[nodiscard]] bool ok() const { return std::abs(found - expected) < 4 * std::sqrt(variance) + 0.5; }
   [[nodiscard]] Row row(const std::string& what) const {
-    return {what, "share that theory says, within 4 binomial deviations",
-            fmt::format("{:.0f} of {:.0f} found; expected {:.1f} +- {:.1f}", found, planted, expected,
-                        std::sqrt(variance)),
-            ok()};
+    return {
+        what, "share that theory says, within 4 binomial deviations",
+        fmt::format("{:.0f} of {:.0f} found; expected {:.1f} +- {:.1f}", found, planted, expected, std::sqrt(variance)),
+        ok()};
   }
 };
 
@@ -142,9 +142,9 @@ Rows blunders(const Effort& effort, const Run& run) {
     }
     // What is left is as true as a block without blunders.
     for (const auto& [id, covariance] : snooped->adjusted.pose_covariance) {
-      const Eigen::Vector3d by = centre_of(snooped->adjusted.cam_from_world.at(id)) -
-                                 centre_of(exact_block(static_cast<Layout>(i % 3), {.points = 1, .control = 0}, seed)
-                                               .cam_from_world.at(id));
+      const Eigen::Vector3d by =
+          centre_of(snooped->adjusted.cam_from_world.at(id)) -
+          centre_of(exact_block(static_cast<Layout>(i % 3), {.points = 1, .control = 0}, seed).cam_from_world.at(id));
       error += by.dot(covariance.bottomRightCorner<3, 3>().inverse() * by) / 3;
       ++errors;
     }
@@ -158,9 +158,8 @@ Rows blunders(const Effort& effort, const Run& run) {
            std::abs(false_alarms - expected) < 4 * std::sqrt(expected)},
           {"places of images after snooping", "mean chi-squared / freedom below 1.1",
            fmt::format("{:.3f}", error / errors), error / errors < 1.1},
-          {"snooping ends", "in all blocks", fmt::format("{} of {} not; at most {:.0f} rounds", failed,
-                                                         effort.blunder_blocks, rounds),
-           failed == 0}};
+          {"snooping ends", "in all blocks",
+           fmt::format("{} of {} not; at most {:.0f} rounds", failed, effort.blunder_blocks, rounds), failed == 0}};
 }
 
 }  // namespace collinea::bench

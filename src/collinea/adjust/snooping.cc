@@ -8,6 +8,9 @@
 #include <set>
 #include <tuple>
 
+#include "collinea/adjust/control_check.h"
+#include "collinea/adjust/intersect.h"
+
 namespace collinea {
 namespace {
 
@@ -18,6 +21,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeastRedundancy = 0.1;  // below, Foerstner calls an observation not controllable
 constexpr int kLeastRaysOfImage = 6;      // twice what orients it
 constexpr double kSame = 0.99;            // of |w|
+constexpr double kGross = 100;            // sigmas: such a ray of control bends the images it is in
 // A blunder in one of n rays of an image shows in another as h / r of itself; h of the six unknowns of the image is 3 /
 // n on average, and three times that in corners.
 constexpr double kSpoiltByRay = 10;
@@ -39,6 +43,7 @@ class Snooper {
   }
 
   Result<Snooped> snoop() {
+    if (scope_.use_control) take_out_gross();
     for (;;) {
       COLLINEA_TRY(Adjusted adjusted, adjuster_.adjust(out_.block, scope_, options_, run_));
       ++out_.rounds;
@@ -92,6 +97,26 @@ class Snooper {
     return {group, seen.image.value, group == Group::kTieImages ? seen.point.value : seen.control.value};
   }
 
+  void take_out_gross() {
+    std::vector<std::uint32_t> gross;
+    for (const Finding& finding : check_control(given_, run_.seed).findings) {
+      if (!finding.point || !finding.image) continue;
+      for (std::size_t i = 0; i < given_.control_observations.size(); ++i) {
+        const ControlObservation& seen = given_.control_observations[i];
+        if (seen.point != *finding.point || seen.image != *finding.image || finding.size < kGross * seen.sigma_px)
+          continue;
+        gross.push_back(static_cast<std::uint32_t>(i));
+        TakenOut gone{Group::kControlImages, seen.image, {}, seen.point};
+        gone.w = finding.size / seen.sigma_px;
+        gone.redundancy = gone.pulled = kNaN;
+        gone.sigma = kNaN;
+        out_.taken_out.push_back(gone);
+        sigmas_.push_back(seen.sigma_px);
+      }
+    }
+    erase(out_.block.control_observations, gross);
+  }
+
   // One pass over the suspects, worst first.
   void take_out_worst(const Adjusted& adjusted) {
     const Reliability& tests = *adjusted.reliability;
@@ -116,8 +141,8 @@ class Snooper {
         double& worse = worse_in_image[seen.image];
         const double spoilt = worse * std::min(1.0, kSpoiltByRay / rays_[seen.image]);
         waits = std::isfinite(one.w) && std::abs(one.w) - spoilt < tests.limit;
-        waits |= one.group == Group::kTieImages ? !points.insert(seen.point).second
-                                                : !controls.insert(seen.control).second;
+        waits |=
+            one.group == Group::kTieImages ? !points.insert(seen.point).second : !controls.insert(seen.control).second;
         if (std::isfinite(one.w)) worse += std::abs(one.w);
       } else {
         waits = ground || (seen.control.valid() && controls.contains(seen.control));
@@ -278,6 +303,12 @@ class Snooper {
       } else if (const auto place = place_of(gone.control)) {
         tell(gone, given_.control.at(gone.control).position_in_world - *place);
       }
+      if (gone.round == 0) {
+        const double size = gone.blunder.head<2>().norm();
+        gone.axis = std::abs(gone.blunder.y()) > std::abs(gone.blunder.x()) ? 1 : 0;
+        gone.sigma = variance_by_rays(gone) / (sigmas_[i] * sigmas_[i]);
+        if (std::isfinite(size)) gone.w = size / sigmas_[i];
+      }
       const double own = is_ray(gone.group) ? sigma0 : 1;
       gone.sigma = sigmas_[i] * std::sqrt(own * own + sigma0 * sigma0 * gone.sigma);
     }
@@ -286,6 +317,15 @@ class Snooper {
     for (const ControlDifference& one : out_.adjusted.control)
       if (one.point == id) return one.position_in_world;
     return std::nullopt;
+  }
+  // Of a coordinate of the image of a control point where its other rays meet, all images being exact.
+  [[nodiscard]] double variance_by_rays(const TakenOut& gone) const {
+    const auto met = intersect(sight_lines(out_.block, gone.control));
+    const Rigid3& pose = out_.block.cam_from_world.at(gone.image);
+    Matrix23 by_cam;
+    if (!met || !project(out_.block.camera_of(gone.image), pose * met->point_in_world, &by_cam, nullptr)) return kNaN;
+    const Eigen::RowVector3d by_world = by_cam.row(gone.axis) * pose.rotation.toRotationMatrix();
+    return by_world * met->covariance * by_world.transpose();
   }
   void tell(TakenOut& gone, const Eigen::Vector2d& pixel, const Eigen::Vector3d& place) const {
     const Rigid3& pose = out_.block.cam_from_world.at(gone.image);

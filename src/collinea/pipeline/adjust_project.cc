@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/adjust/control_check.h"
-#include "collinea/report/adjustment_report.h"
+#include "collinea/pipeline/adjusted_report.h"
 
 namespace collinea {
 namespace {
@@ -70,23 +70,14 @@ Result<std::string> adjust_project(const Project& project, const AdjustProjectOp
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
   COLLINEA_TRY(const json orientation, orient_report(project));
   COLLINEA_TRY(const Block setup, project.store.read_setup());
-  AdjustmentReport report;
-  COLLINEA_TRY(report.block, project.store.read_block());
+  COLLINEA_TRY(Block block, project.store.read_block());
   const AdjustScope scope{.first_cameras = setup.cameras,
                           .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
                           .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
-  if (scope.use_positions && scope.use_control) apply(check_control(report.block, project.settings.seed), report.block);
+  if (scope.use_positions && scope.use_control) apply(check_control(block, project.settings.seed), block);
+  if (asked.snoop) block.control_observations = setup.control_observations;  // those that orient took out too
   const AdjustOptions options = options_of(asked, orientation);
-  if (asked.variance_components) {
-    COLLINEA_TRY(report.components, estimate_variance_components(report.block, scope, options, project.run));
-    if (!report.components->converged)
-      project.run.say("note: the variance components have not settled; the last ones are used");
-    report.adjusted = report.components->adjusted;
-    report.block = with_sigmas(report.block, report.components->factors);
-  } else {
-    COLLINEA_TRY(report.adjusted, adjust(report.block, scope, options, project.run));
-  }
-  apply(report.adjusted, report.block);
+  COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(block), scope, options, asked, project.run));
   std::error_code error;
   report.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
   const auto folder = project.folder / "adjustment";

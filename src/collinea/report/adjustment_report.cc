@@ -8,6 +8,7 @@
 
 #include "collinea/io/file.h"
 #include "collinea/io/opk.h"
+#include "collinea/report/adjustment_findings.h"
 
 namespace collinea {
 namespace {
@@ -159,6 +160,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"adjustment.html", adjustment_page(report)}};
   for (const auto& [name, text] : files)
     if (auto written = write_file(folder / name, text); !written) return written;
+  if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
   return {};
 }
 
