@@ -105,27 +105,63 @@ Result<GdalDataset> in_memory(const FloatImage& heights_m, const MapGrid& grid) 
   return raster;
 }
 
-Result<> add_contours(void* raster, double interval_m, OGRLayerH layer, bool fields) {
+// All lines of a raster as a layer in memory, with their heights.
+Result<GdalDataset> lines_of(void* raster, double interval_m) {
+  const GdalErrors errors;
+  GdalDataset lines(GDALCreate(GDALGetDriverByName("Memory"), "", 0, 0, 0, GDT_Unknown, nullptr));
+  if (!lines) return errors.error(Errc::kBadInput, "contours");
+  const OGRLayerH layer = GDALDatasetCreateLayer(lines.get(), "contours", nullptr, wkbLineString25D, nullptr);
   char** options = nullptr;
   char text[64];
   std::snprintf(text, sizeof text, "%.17g", interval_m);
   options = CSLSetNameValue(options, "LEVEL_INTERVAL", text);
   std::snprintf(text, sizeof text, "%.17g", double(float(kNothing)));
   options = CSLSetNameValue(options, "NODATA", text);
-  if (fields) options = CSLSetNameValue(options, "ELEV_FIELD", "0");
-  const GdalErrors errors;
-  const bool begun = OGR_L_StartTransaction(layer) == OGRERR_NONE;
   const CPLErr verdict = GDALContourGenerateEx(GDALGetRasterBand(raster, 1), layer, options, nullptr, nullptr);
-  const bool ended = !begun || OGR_L_CommitTransaction(layer) == OGRERR_NONE;
   CSLDestroy(options);
-  if (verdict != CE_None || !ended || errors.any()) return errors.error(Errc::kBadInput, "contours");
+  if (verdict != CE_None || errors.any()) return errors.error(Errc::kBadInput, "contours");
+  return lines;
+}
+
+Result<> add_line(OGRLayerH layer, OGRGeometryH line) {
+  const GdalErrors errors;
+  const OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
+  if (const int field = OGR_F_GetFieldIndex(feature, "height_m"); field >= 0)
+    OGR_F_SetFieldDouble(feature, field, OGR_G_GetZ(line, 0));
+  const bool added =
+      OGR_F_SetGeometry(feature, line) == OGRERR_NONE && OGR_L_CreateFeature(layer, feature) == OGRERR_NONE;
+  OGR_F_Destroy(feature);
+  if (!added || errors.any()) return errors.error(Errc::kBadInput, "contours");
   return {};
+}
+
+struct FeatureDestroyer {
+  void operator()(void* feature) const { OGR_F_Destroy(feature); }
+};
+
+// Returns how many there were.
+Result<std::uint64_t> copy_lines(OGRLayerH from, double shortest_m, OGRLayerH package, OGRLayerH drawing) {
+  std::uint64_t count = 0;
+  OGR_L_ResetReading(from);
+  const bool begun = OGR_L_StartTransaction(package) == OGRERR_NONE;
+  for (;;) {
+    const std::unique_ptr<void, FeatureDestroyer> feature(OGR_L_GetNextFeature(from));
+    if (!feature) break;
+    const OGRGeometryH line = OGR_F_GetGeometryRef(feature.get());
+    if (!line || OGR_G_Length(line) < shortest_m) continue;
+    ++count;
+    for (const OGRLayerH layer : {package, drawing})
+      if (auto added = add_line(layer, line); !added) return tl::unexpected(added.error());
+  }
+  if (begun && OGR_L_CommitTransaction(package) != OGRERR_NONE) return fail(Errc::kBadInput, "contours: not written");
+  return count;
 }
 
 }  // namespace
 
 Result<std::uint64_t> write_contours(const FloatImage& heights_m, const MapGrid& grid, double interval_m,
-                                     const std::filesystem::path& geopackage, const std::filesystem::path& dxf) {
+                                     double shortest_m, const std::filesystem::path& geopackage,
+                                     const std::filesystem::path& dxf) {
   COLLINEA_CHECK(interval_m > 0 && heights_m.width == grid.width && heights_m.height == grid.height);
   set_up_gdal();
   const FixedDate date;
@@ -133,11 +169,9 @@ Result<std::uint64_t> write_contours(const FloatImage& heights_m, const MapGrid&
   LineFile package, drawing;
   if (auto made = package.create("GPKG", geopackage, grid.wkt, true); !made) return tl::unexpected(made.error());
   if (auto made = drawing.create("DXF", dxf, grid.wkt, false); !made) return tl::unexpected(made.error());
-  if (auto added = add_contours(raster.get(), interval_m, package.layer(), true); !added)
-    return tl::unexpected(added.error());
-  if (auto added = add_contours(raster.get(), interval_m, drawing.layer(), false); !added)
-    return tl::unexpected(added.error());
-  const auto lines = std::uint64_t(std::max<GIntBig>(0, OGR_L_GetFeatureCount(package.layer(), TRUE)));
+  COLLINEA_TRY(const GdalDataset all, lines_of(raster.get(), interval_m));
+  COLLINEA_TRY(const std::uint64_t lines,
+               copy_lines(GDALDatasetGetLayer(all.get(), 0), shortest_m, package.layer(), drawing.layer()));
   if (auto finished = package.finish(); !finished) return tl::unexpected(finished.error());
   if (auto finished = drawing.finish(); !finished) return tl::unexpected(finished.error());
   return lines;

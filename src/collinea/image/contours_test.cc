@@ -38,7 +38,7 @@ std::string bytes_of(const std::filesystem::path& path) {
 TEST(Contours, OfAConeAreCirclesAtTheirHeights) {
   const TestFolder folder;
   const Cone cone;
-  const auto lines = write_contours(cone.heights_m, cone.grid, 10, folder / "c.gpkg", folder / "c.dxf");
+  const auto lines = write_contours(cone.heights_m, cone.grid, 10, 0, folder / "c.gpkg", folder / "c.dxf");
   ASSERT_TRUE(lines) << lines.error().message;
   const GdalDataset file(
       GDALOpenEx((folder / "c.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
@@ -68,17 +68,25 @@ TEST(Contours, OfAConeAreCirclesAtTheirHeights) {
 TEST(Contours, TheSameHeightsMakeTheSameBytes) {
   const TestFolder folder;
   const Cone cone;
-  ASSERT_TRUE(write_contours(cone.heights_m, cone.grid, 5, folder / "a.gpkg", folder / "a.dxf"));
-  ASSERT_TRUE(write_contours(cone.heights_m, cone.grid, 5, folder / "b.gpkg", folder / "b.dxf"));
+  ASSERT_TRUE(write_contours(cone.heights_m, cone.grid, 5, 0, folder / "a.gpkg", folder / "a.dxf"));
+  ASSERT_TRUE(write_contours(cone.heights_m, cone.grid, 5, 0, folder / "b.gpkg", folder / "b.dxf"));
   EXPECT_EQ(bytes_of(folder / "a.gpkg"), bytes_of(folder / "b.gpkg"));
   EXPECT_EQ(bytes_of(folder / "a.dxf"), bytes_of(folder / "b.dxf"));
+}
+
+TEST(Contours, ShortLinesAreLeftOut) {
+  const TestFolder folder;
+  const Cone cone;
+  const auto lines = write_contours(cone.heights_m, cone.grid, 10, 100, folder / "c.gpkg", folder / "c.dxf");
+  ASSERT_TRUE(lines) << lines.error().message;
+  EXPECT_EQ(*lines, 3u);  // circles of 20, 30 and 40 m; that of 10 m is 63 m long, the arcs are no longer than 79 m
 }
 
 TEST(Contours, WhereNothingIsKnownThereIsNoLine) {
   const TestFolder folder;
   Cone cone;
   for (float& height : cone.heights_m.data) height = std::numeric_limits<float>::quiet_NaN();
-  const auto lines = write_contours(cone.heights_m, cone.grid, 5, folder / "a.gpkg", folder / "a.dxf");
+  const auto lines = write_contours(cone.heights_m, cone.grid, 5, 0, folder / "a.gpkg", folder / "a.dxf");
   ASSERT_TRUE(lines) << lines.error().message;
   EXPECT_EQ(*lines, 0u);
 }
@@ -86,7 +94,7 @@ TEST(Contours, WhereNothingIsKnownThereIsNoLine) {
 TEST(Contours, AFolderThatIsNotThereIsAnErrorInWords) {
   const TestFolder folder;
   const Cone cone;
-  const auto lines = write_contours(cone.heights_m, cone.grid, 5, folder / "no/a.gpkg", folder / "no/a.dxf");
+  const auto lines = write_contours(cone.heights_m, cone.grid, 5, 0, folder / "no/a.gpkg", folder / "no/a.dxf");
   ASSERT_FALSE(lines);
   EXPECT_NE(lines.error().message.find("a.gpkg"), std::string::npos) << lines.error().message;
 }

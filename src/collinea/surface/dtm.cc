@@ -2,6 +2,7 @@
 #include "collinea/surface/dtm.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -22,8 +23,10 @@ constexpr double kLowQuantile = 0.1;     // of the heights in a coarse cell: bel
 constexpr double kLeastMeasured = 0.1;   // of a coarse cell, for it to count
 constexpr double kToleranceCells = 0.5;  // of heights over the ground, in coarse cells
 constexpr double kContoursOverRelief = 20;
-constexpr double kStrayShare = 0.01;  // of the ground, at either end, says nothing of the relief
-constexpr double kContourSigmas = 4;  // lines closer than that would cross by chance
+constexpr double kContourBlurCells = 2;  // coarse: contours are to show the land, not the grass
+constexpr double kShortestContour = 20;  // coarse cells around
+constexpr double kStrayShare = 0.01;     // of the ground, at either end, says nothing of the relief
+constexpr double kContourSigmas = 4;     // lines closer than that would cross by chance
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -256,6 +259,33 @@ class Terrain {
     return 10 * unit_m;
   }
 
+  // The means where the surface model has anything, NaN elsewhere, blurred by a Gaussian over their like.
+  [[nodiscard]] FloatImage blurred_means() const {
+    constexpr int kRadius = int(3 * kContourBlurCells);
+    std::array<float, 2 * kRadius + 1> weights;
+    for (int i = -kRadius; i <= kRadius; ++i)
+      weights[std::size_t(i + kRadius)] = float(std::exp(-0.5 * i * i / (kContourBlurCells * kContourBlurCells)));
+    const auto sums_along = [&](const FloatImage& from, int dx, int dy) {
+      FloatImage to(from.width, from.height);
+      parallel_for(run_, std::size_t(from.height), [&](std::size_t line) {
+        const int y = int(line);
+        for (int x = 0; x < from.width; ++x)
+          for (int i = -kRadius; i <= kRadius; ++i)
+            to.at(x, y) += weights[std::size_t(i + kRadius)] * from.at(std::clamp(x + i * dx, 0, from.width - 1),
+                                                                       std::clamp(y + i * dy, 0, from.height - 1));
+      });
+      return to;
+    };
+    FloatImage sums(coarse_width_, coarse_height_), counts = sums;
+    for (std::size_t i = 0; i < covered_.data.size(); ++i)
+      if (covered_.data[i]) sums.data[i] = mean_.height_m.data[i], counts.data[i] = 1;
+    sums = sums_along(sums_along(sums, 1, 0), 0, 1);
+    counts = sums_along(sums_along(counts, 1, 0), 0, 1);
+    for (std::size_t i = 0; i < covered_.data.size(); ++i)
+      sums.data[i] = covered_.data[i] ? sums.data[i] / counts.data[i] : kNaN;
+    return sums;
+  }
+
   Result<> draw_contours() {
     std::filesystem::path drawing = files_.contours;
     drawing.replace_extension(".dxf");
@@ -268,9 +298,8 @@ class Terrain {
     MapGrid grid = summary_.grid;
     grid.cell_m = cell_m_;
     grid.width = coarse_width_, grid.height = coarse_height_;
-    for (std::size_t i = 0; i < covered_.data.size(); ++i)
-      if (!covered_.data[i]) mean_.height_m.data[i] = kNaN;
-    COLLINEA_TRY(summary_.contours, write_contours(mean_.height_m, grid, summary_.contour_m, files_.contours, drawing));
+    COLLINEA_TRY(summary_.contours, write_contours(blurred_means(), grid, summary_.contour_m,
+                                                   kShortestContour * cell_m_, files_.contours, drawing));
     return {};
   }
 
