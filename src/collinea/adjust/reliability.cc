@@ -13,11 +13,21 @@
 #include "collinea/geometry/rotation.h"
 
 namespace collinea {
+namespace {
 
+constexpr double kLeastRedundancy = 3;  // of a group: its factor is then known by 40 %
+
+}  // namespace
+
+// Sigmas given far too small make redundancy numbers small, and the residuals still say so.
 double GroupSums::sigma_factor() const {
-  constexpr double kLeastRedundancy = 3;
-  return redundancy < kLeastRedundancy ? 1 : std::sqrt(std::max(squares, 0.0) / redundancy);
+  const double factor = std::sqrt(std::max(squares, 0.0) / redundancy);
+  return told() || (redundancy >= kLeastRedundancy && factor > 1) ? factor : 1;
 }
+
+double GroupSums::relative_sigma() const { return 1 / std::sqrt(2 * squared_redundancy); }
+
+bool GroupSums::told() const { return squared_redundancy >= kLeastRedundancy; }
 
 namespace bundle {
 namespace {
@@ -81,6 +91,7 @@ class Examiner {
     GroupSums& group = sums(one.group);
     ++group.observations;
     group.redundancy += 1 - leverage;
+    group.squared_redundancy += r * r;
     out_.redundancy_sum += 1 - leverage;
     one.redundancy = r;
     one.least_blunder = one.effect = one.effect_in_sigmas = kInfinity;

@@ -13,7 +13,7 @@
 #include "collinea/io/file.h"
 #include "collinea/io/photomodeler.h"
 #include "collinea/orient/approximate.h"
-#include "collinea/report/adjustment_report.h"
+#include "collinea/pipeline/adjusted_report.h"
 
 namespace collinea {
 namespace {
@@ -80,6 +80,7 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
                 .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
   if (task.scope.use_positions && task.scope.use_control)
     apply(check_control(task.block, project.settings.seed), task.block);
+  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
   task.options = options_of(asked, asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration);
   std::error_code error;
   task.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
@@ -98,20 +99,10 @@ std::string outcome_text(const Adjusted& adjusted, const std::filesystem::path& 
   return text + "; " + (folder / "adjustment.html").string();
 }
 
-Result<std::string> adjust_task(Task task, bool variance_components, const std::filesystem::path& folder,
+Result<std::string> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
                                 const Run& run) {
-  AdjustmentReport report;
+  COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(task.block), task.scope, task.options, asked, run));
   report.title = task.title;
-  report.block = std::move(task.block);
-  if (variance_components) {
-    COLLINEA_TRY(report.components, estimate_variance_components(report.block, task.scope, task.options, run));
-    if (!report.components->converged) run.say("note: the variance components have not settled; the last ones are used");
-    report.adjusted = report.components->adjusted;
-    report.block = with_sigmas(report.block, report.components->factors);
-  } else {
-    COLLINEA_TRY(report.adjusted, adjust(report.block, task.scope, task.options, run));
-  }
-  apply(report.adjusted, report.block);
   if (auto written = write_adjustment(report, folder); !written) return tl::unexpected(written.error());
   return outcome_text(report.adjusted, folder);
 }
@@ -134,9 +125,8 @@ AdjustmentFile file_of(const Task& task) {
     const auto first = task.scope.first_cameras.find(id);
     const Camera& given = first == task.scope.first_cameras.end() ? camera : first->second;
     file.given_cameras[id] = given;
-    file.camera_sigmas[id] = camera.calibrate
-                                 ? calibration_named(task.options.calibration, given).value_or(CameraSigmas{})
-                                 : CameraSigmas{};
+    file.camera_sigmas[id] =
+        camera.calibrate ? calibration_named(task.options.calibration, given).value_or(CameraSigmas{}) : CameraSigmas{};
   }
   return file;
 }
@@ -189,7 +179,7 @@ Result<> set_calibration(const std::string& asked, const AdjustmentFile& file, A
 
 Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
   COLLINEA_TRY(Task task, task_of(project, asked));
-  return adjust_task(std::move(task), asked.variance_components, project.folder / "adjustment", project.run);
+  return adjust_task(std::move(task), asked, project.folder / "adjustment", project.run);
 }
 
 Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
@@ -216,7 +206,7 @@ Result<std::string> adjust_file(const std::filesystem::path& path, const std::fi
             .options = options_of(asked, "none")};
   if (Result<> set = set_calibration(asked.calibration, file, task.scope); !set) return tl::unexpected(set.error());
   task.block = std::move(file.block);
-  return adjust_task(std::move(task), asked.variance_components, folder, run);
+  return adjust_task(std::move(task), asked, folder, run);
 }
 
 Result<> convert_adjustment(const std::filesystem::path& path, const std::filesystem::path& converted) {

@@ -15,6 +15,8 @@ struct AdjustProjectOptions {
   double loss_scale_sigmas = 2;
   bool use_positions = true;
   bool use_control = true;
+  bool snoop = false;
+  int snoop_most = 1000;
   bool variance_components = false;
   double false_alarm = 0.001;
   double power = 0.8;
@@ -23,15 +25,19 @@ struct AdjustProjectOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = AdjustProjectOptions;
-    visit(
-        Field{"calibration", &O::calibration, "",
-              "free camera parameters: auto (those of orient, or of the file) | none | focal | focal_radial | brown | brown_affinity"});
+    visit(Field{"calibration", &O::calibration, "",
+                "free camera parameters: auto (those of orient, or of the file) | none | focal | focal_radial | brown "
+                "| brown_affinity"});
     visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions: none | huber | cauchy"});
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
     visit(Field{"use_positions", &O::use_positions, "", "use the positions of images where orient did"});
     visit(Field{"use_control", &O::use_control, "",
                 "use control points where orient did; otherwise they are all check points"});
+    visit(Field{"snoop", &O::snoop, "",
+                "take out the worst suspect and adjust again, until none is left; measurements of control that orient "
+                "took out are tried again"});
+    visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping takes out", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
     visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",

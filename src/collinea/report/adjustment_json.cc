@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/report/adjustment_report.h"
+#include "collinea/report/adjustment_findings.h"
 #include "collinea/report/json_values.h"
 
 namespace collinea {
@@ -109,6 +109,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"cameras", cameras(report)},
             {"control_points", control(report)}};
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
+  if (report.snooped) j["snooping"] = snooping_json(report);
   return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 

@@ -9,6 +9,7 @@
 #include "collinea/io/file.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/opk.h"
+#include "collinea/report/adjustment_findings.h"
 
 namespace collinea {
 namespace {
@@ -131,7 +132,10 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
 
 }  // namespace
 
-double shown_factor(const GroupSums& sums) { return sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(); }
+double shown_factor(const GroupSums& sums) {
+  const double factor = sums.sigma_factor();
+  return sums.told() || factor > 1 ? factor : std::nan("");
+}
 
 const char* unit_of(const TestedObservation& one) {
   return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";
@@ -175,6 +179,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"adjustment.html", adjustment_page(report)}};
   for (const auto& [name, text] : files)
     if (auto written = write_file(folder / name, text); !written) return written;
+  if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
   return {};
 }
 
