@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Control that is held, cameras whose parameters are free, weighted or held one by one, and lenses that correct measured
-// coordinates.
+// Control that is held, cameras whose parameters are free, weighted or held one by one, and lenses that correct
+// measured coordinates.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -40,7 +40,8 @@ Block with_control_sigma(Block block, const Eigen::Vector3d& sigma_m) {
   return block;
 }
 
-// Half a pixel is 2 cm on the ground: sigmas of 0.02 mm differ from no freedom by (0.02 / 20)^2, for each of some images.
+// Half a pixel is 2 cm on the ground: sigmas of 0.02 mm differ from no freedom by (0.02 / 20)^2, for each of some
+// images.
 TEST(HeldControl, IsTheLimitOfEverSmallerSigmas) {
   const Block block = test_block({.sigma_px = 0.5, .control = 12});
   const auto held = adjust(with_control_sigma(block, {0, 0, 0}), {}, exact(), kRun);

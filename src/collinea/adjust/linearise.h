@@ -101,7 +101,8 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
 }
 
 /// Derivatives by the free parameters of the camera, times weight^1/2: 2 x free.size(), by rows.
-inline void linearise_camera(const LinearRay& ray, const Lens& lens, const std::vector<int>& free, double* by_camera) {
+[[gnu::always_inline]] inline void linearise_camera(const LinearRay& ray, const Lens& lens,
+                                                    const std::vector<int>& free, double* by_camera) {
   const std::size_t count = free.size();
   if (ray.root_weight == 0) {
     for (std::size_t k = 0; k < 2 * count; ++k) by_camera[k] = 0;

@@ -16,21 +16,21 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 const std::string kSmall =
-    "collinea-adjustment 1\n"                     // 1
-    "# two images, one point\n"                   // 2
-    "camera wide 4000 3000 brown\n"               // 3
-    "parameter wide f 3600.5 free\n"              // 4
-    "parameter wide k1 -0.02 0.01 -0.03\n"        // 5
-    "image \"left one.jpg\" wide   # a remark\n"  // 6
-    "image b wide\n"                              // 7
+    "collinea-adjustment 1\n"                      // 1
+    "# two images, one point\n"                    // 2
+    "camera wide 4000 3000 brown\n"                // 3
+    "parameter wide f 3600.5 free\n"               // 4
+    "parameter wide k1 -0.02 0.01 -0.03\n"         // 5
+    "image \"left one.jpg\" wide   # a remark\n"   // 6
+    "image b wide\n"                               // 7
     "pose \"left one.jpg\" 0 0 50 0 0 90 fixed\n"  // 8
-    "position b 10 0 - 0.5 0.5 -\n"               // 9
-    "control G1 1 2 3 0 0 -\n"                    // 10
-    "check \"a \"\"b\"\"\" 1 2 3 0.1 0.1 0.2\n"   // 11
-    "point 7 5 5 1\n"                             // 12
-    "measured_control b G1 100.5 200 0.3\n"       // 13
-    "measured_tie b 7 1 2 0.5\n"                  // 14
-    "measured_tie \"left one.jpg\" 7 3 4 0.5\n";  // 15
+    "position b 10 0 - 0.5 0.5 -\n"                // 9
+    "control G1 1 2 3 0 0 -\n"                     // 10
+    "check \"a \"\"b\"\"\" 1 2 3 0.1 0.1 0.2\n"    // 11
+    "point 7 5 5 1\n"                              // 12
+    "measured_control b G1 100.5 200 0.3\n"        // 13
+    "measured_tie b 7 1 2 0.5\n"                   // 14
+    "measured_tie \"left one.jpg\" 7 3 4 0.5\n";   // 15
 
 TEST(AdjustmentFile, IsReadAsItSays) {
   const auto file = parse_adjustment_file(kSmall);
@@ -182,7 +182,8 @@ TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {
     EXPECT_NE(file.error().message.find(message), std::string::npos) << line << file.error().message;
   }
   EXPECT_NE(parse_adjustment_file("").error().message.find("empty"), std::string::npos);
-  EXPECT_NE(parse_adjustment_file("P5\n").error().message.find("line 1: the file does not begin with"), std::string::npos);
+  EXPECT_NE(parse_adjustment_file("P5\n").error().message.find("line 1: the file does not begin with"),
+            std::string::npos);
   EXPECT_NE(parse_adjustment_file("collinea-adjustment 2\n").error().message.find("version"), std::string::npos);
 }
 

@@ -47,9 +47,9 @@ TEST(Photomodeler, ExportIsRead) {
   const Block& block = file->block;
   const Camera& camera = block.cameras.at({0});
   EXPECT_EQ(camera.model, CameraModel::kBrownOfMeasured);
-  EXPECT_NEAR(camera.params[Camera::kF], 2000, 1e-9);     // 8 mm at 4 um
-  EXPECT_NEAR(camera.params[Camera::kCx], 1025, 1e-9);    // 4.1 mm
-  EXPECT_NEAR(camera.params[Camera::kK1], 0.32, 1e-12);   // 5e-3 * 64
+  EXPECT_NEAR(camera.params[Camera::kF], 2000, 1e-9);    // 8 mm at 4 um
+  EXPECT_NEAR(camera.params[Camera::kCx], 1025, 1e-9);   // 4.1 mm
+  EXPECT_NEAR(camera.params[Camera::kK1], 0.32, 1e-12);  // 5e-3 * 64
   EXPECT_EQ(camera.params[Camera::kB1], 0);
   EXPECT_TRUE(file->corrected_cameras.contains({0}));
   EXPECT_EQ(block.images.at({0}).file, "one.JPG");
@@ -92,7 +92,8 @@ TEST(Photomodeler, SurvivesTruncationAndGarbage) {
 
 TEST(MillimetreCamera, RoundTripIsExact) {
   for (const bool forward : {false, true}) {
-    const MillimetreCamera mm{2272, 1704, 0.00319, 4e-4, 7.457, {3.6, 2.6}, {4.6e-3, -4.5e-5, -2e-6}, {-6e-5, -4e-5}, forward};
+    const MillimetreCamera mm{2272,           1704,   0.00319, 4e-4, 7.457, {3.6, 2.6}, {4.6e-3, -4.5e-5, -2e-6},
+                              {-6e-5, -4e-5}, forward};
     const MillimetreCamera back = millimetre_camera(camera_of(mm), mm.pixel_height_mm);
     EXPECT_EQ(back.forward, forward);
     EXPECT_NEAR(back.focal_mm, mm.focal_mm, 1e-14);
@@ -114,7 +115,8 @@ TEST(MillimetreCamera, FormulasAreThoseOfTheHeader) {
   const double r2 = x * x + y * y, radial = r2 * (mm.k[0] + r2 * (mm.k[1] + r2 * mm.k[2]));
   const Eigen::Vector2d corrected(x + x * radial + mm.p[0] * (r2 + 2 * x * x) + 2 * mm.p[1] * x * y,
                                   y + y * radial + mm.p[1] * (r2 + 2 * y * y) + 2 * mm.p[0] * x * y);
-  EXPECT_LT((normalized(camera, measured) - Eigen::Vector2d(corrected.x(), -corrected.y()) / mm.focal_mm).norm(), 1e-14);
+  EXPECT_LT((normalized(camera, measured) - Eigen::Vector2d(corrected.x(), -corrected.y()) / mm.focal_mm).norm(),
+            1e-14);
 }
 
 }  // namespace
