@@ -69,6 +69,7 @@ void measured_by_ideal(const Lens& lens, const Projected& at, double* d) {
 }  // namespace
 
 bool project_other(const Lens& lens, const double* point_in_cam, const double* measured_pixel, Projected* out) {
+  if (!(point_in_cam[2] > 0)) return false;
   const double w = 1 / point_in_cam[2];
   out->x = point_in_cam[0] * w;
   out->y = point_in_cam[1] * w;
