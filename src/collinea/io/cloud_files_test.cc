@@ -99,6 +99,25 @@ TEST_F(CloudFiles, LasComesBackWithinItsResolution) {
   EXPECT_EQ(header.highest, highest);
 }
 
+// What was read from a file and is written like it is the same file, though the bounds stated are others.
+TEST_F(CloudFiles, LasWrittenLikeAnotherIsTheSame) {
+  for (const bool compressed : {false, true}) {
+    LasWriter::Options options = options_of_site();
+    options.compressed = compressed;
+    write_las(folder_ / "a.las", cloud(5'000), options);
+    auto reader = LasReader::open(folder_ / "a.las");
+    ASSERT_TRUE(reader) << reader.error().message;
+    options.like = reader->header();
+    options.lowest = options.highest = Eigen::Vector3d(3, 1, 4);
+    const auto points = reader->read(5'000);
+    ASSERT_TRUE(points);
+    write_las(folder_ / "b.las", *points, options);
+    EXPECT_EQ(bytes_of("a.las"), bytes_of("b.las"));
+    fs::remove(folder_ / "b.las");
+    fs::remove(folder_ / "a.las");
+  }
+}
+
 // Offsets and values from the ASPRS LAS 1.4 R15 specification, tables 3 and 24.
 TEST_F(CloudFiles, LasBytesLieWhereTheSpecificationPutsThem) {
   auto points = cloud(3);

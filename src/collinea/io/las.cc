@@ -80,6 +80,7 @@ LasWriter::LasWriter(OutputFile file, const Options& options)
   header_.software = "collinea " COLLINEA_VERSION;
   header_.scale.setConstant(scale_for(options.lowest, options.highest));
   for (int i = 0; i < 3; ++i) header_.offset[i] = std::round((options.lowest[i] + options.highest[i]) / 2);
+  if (options.like) header_.scale = options.like->scale, header_.offset = options.like->offset;
   header_.lowest.setConstant(std::numeric_limits<double>::infinity());
   header_.highest.setConstant(-std::numeric_limits<double>::infinity());
   if (extra_bytes_) header_.extra_names = {"sigma_m", "images"};

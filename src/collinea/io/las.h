@@ -39,9 +39,10 @@ class LasWriter {
     /// Where the points lie, about (their bounds, or a superset): the offset becomes its middle; coordinates are kept
     /// to 0.1 mm below 100 km, to 1 mm below 1000 km, else coarser.
     Eigen::Vector3d lowest = Eigen::Vector3d::Zero(), highest = Eigen::Vector3d::Zero();
-    std::string wkt;          ///< of the CRS, WKT1 as LAS asks for (LocalFrame::wkt1); empty: none
-    bool extra_bytes = true;  ///< sigma_m and images
-    bool compressed = false;  ///< LAZ: then with run.threads, and run.stop is looked at
+    std::string wkt;                ///< of the CRS, WKT1 as LAS asks for (LocalFrame::wkt1); empty: none
+    bool extra_bytes = true;        ///< sigma_m and images
+    std::optional<LasHeader> like;  ///< scale and offset as there, whatever the bounds: its points stay what they are
+    bool compressed = false;        ///< LAZ: then with run.threads, and run.stop is looked at
     Run run = {};
   };
   static Result<LasWriter> create(const std::filesystem::path& path, const Options& options);

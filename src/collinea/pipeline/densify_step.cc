@@ -108,7 +108,8 @@ class CloudFiles {
     if (places.frame) las.wkt = places.frame->wkt1();
     las.compressed = project.settings.densify.cloud == "laz";
     las.run = project.run;
-    for (const char* earlier : {"cloud.las", "cloud.laz"})
+    // A new cloud has no classes: the step that writes them must not count as done.
+    for (const char* earlier : {"cloud.las", "cloud.laz", "dtm.tif"})
       if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     COLLINEA_TRY(PlyWriter ply_writer,

@@ -12,6 +12,7 @@
 #include "collinea/block/world_frame.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
+#include "collinea/io/las.h"
 #include "collinea/pipeline/export.h"
 #include "collinea/pipeline/info.h"
 #include "collinea/synthetic/write.h"
@@ -107,6 +108,7 @@ class SmallProject : public ::testing::Test {
   void export_writes_every_format_and_refuses_others();
   void a_compressed_cloud_gives_the_same_surface();
   void what_is_up_to_date_is_not_done_again();
+  void a_lost_cloud_comes_back_with_its_classes();
   void a_changed_option_redoes_its_step_and_what_follows();
   void options_of_fusion_leave_depth_maps_alone_and_others_do_not();
   void photographs_that_were_moved_are_only_read_again();
@@ -131,6 +133,16 @@ void SmallProject::every_image_is_oriented_and_every_product_there() {
   for (const std::string& product : kProducts)
     EXPECT_GT(fs::file_size(root_ / "mapped/products" / product), 500u) << product;
   EXPECT_GT(fs::file_size(root_ / "mapped/report/report.html"), 10'000u);
+  auto cloud = LasReader::open(project->cloud());
+  ASSERT_TRUE(cloud);
+  const auto points = cloud->read(10'000'000);
+  ASSERT_TRUE(points);
+  const auto of_class = [&](int number) {
+    return std::count_if(points->begin(), points->end(),
+                         [&](const CloudPoint& p) { return p.classification == number; });
+  };
+  EXPECT_EQ(of_class(1) + of_class(2), std::ptrdiff_t(points->size()));
+  EXPECT_GT(of_class(2), of_class(1));  // more ground than houses and trees
 }
 
 void SmallProject::projection_centres_are_where_they_were() {
@@ -193,11 +205,12 @@ void SmallProject::a_compressed_cloud_gives_the_same_surface() {
   Settings changed = settings();
   changed.densify.cloud = "laz";
   Log log;
-  ASSERT_TRUE(bring(root_ / "compressed", changed, log, "surface"));
+  ASSERT_TRUE(bring(root_ / "compressed", changed, log, "terrain"));
   const fs::path products = root_ / "compressed/products";
   EXPECT_FALSE(fs::exists(products / "cloud.las"));  // that of the earlier setting is not left beside
   EXPECT_LT(5 * fs::file_size(products / "cloud.laz"), fs::file_size(root_ / "mapped/products/cloud.las"));
-  EXPECT_TRUE(bytes_of(products / "dsm.tif") == bytes_of(root_ / "mapped/products/dsm.tif"));
+  for (const char* product : {"dsm.tif", "dtm.tif"})
+    EXPECT_TRUE(bytes_of(products / product) == bytes_of(root_ / "mapped/products" / product));
   fs::remove_all(root_ / "compressed");
 }
 
@@ -205,6 +218,15 @@ void SmallProject::what_is_up_to_date_is_not_done_again() {
   Log log;
   ASSERT_TRUE(bring(root_ / "mapped", settings(), log, "report"));
   EXPECT_TRUE(log.steps_done().empty());
+}
+
+void SmallProject::a_lost_cloud_comes_back_with_its_classes() {
+  const fs::path project = copy("lost");
+  fs::remove(project / "products/cloud.las");
+  Log log;
+  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"densify", "terrain"}));
+  EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
 }
 
 void SmallProject::a_changed_option_redoes_its_step_and_what_follows() {
@@ -317,7 +339,7 @@ void SmallProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_ru
   EXPECT_NE(failed.error().message.find(in_the_way.filename().string()), std::string::npos) << failed.error().message;
   EXPECT_TRUE(overviews().empty());  // no others were tried
   fs::remove_all(in_the_way);
-  const auto done = bring(project, settings(), log, "densify");
+  const auto done = bring(project, settings(), log, "terrain");
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
 }
@@ -397,6 +419,7 @@ TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   export_writes_every_format_and_refuses_others();
   a_compressed_cloud_gives_the_same_surface();
   what_is_up_to_date_is_not_done_again();
+  a_lost_cloud_comes_back_with_its_classes();
   a_changed_option_redoes_its_step_and_what_follows();
   options_of_fusion_leave_depth_maps_alone_and_others_do_not();
   photographs_that_were_moved_are_only_read_again();

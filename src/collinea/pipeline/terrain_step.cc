@@ -3,12 +3,46 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/step.h"
 #include "collinea/surface/dtm.h"
 
 namespace collinea {
+namespace {
+
+constexpr std::uint8_t kUnclassified = 1, kGround = 2;  // of ASPRS
+constexpr std::size_t kBatch = 200'000;
+
+// Writes the cloud anew: all stays as it is but the classes. Returns how many points show the ground.
+Result<std::uint64_t> classify(const Project& project, const GroundSurface& ground) {
+  COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
+  LasWriter::Options options;
+  options.wkt = reader.header().wkt;
+  options.like = reader.header();
+  options.compressed = project.settings.densify.cloud == "laz";
+  options.run = project.run;
+  COLLINEA_TRY(LasWriter writer, LasWriter::create(project.cloud(), options));
+  std::uint64_t count = 0, done = 0;
+  for (;;) {
+    COLLINEA_TRY(std::vector<CloudPoint> points, reader.read(kBatch));
+    if (points.empty()) break;
+    for (CloudPoint& point : points) {
+      const bool shows = ground.shows_ground(point.position, double(point.sigma_m));
+      point.classification = shows ? kGround : kUnclassified;
+      count += shows;
+    }
+    if (auto written = writer.write(points); !written) return tl::unexpected(written.error());
+    if (project.run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    done += points.size();
+    project.run.report("terrain: classes", double(done) / double(std::max<std::uint64_t>(1, reader.header().points)));
+  }
+  if (auto finished = writer.finish(); !finished) return tl::unexpected(finished.error());
+  return count;
+}
+
+}  // namespace
 
 Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_block());
@@ -24,13 +58,16 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
                        products / "contours.gpkg"};
   const auto made = build_dtm(dsm, files, project.settings.terrain, project.run);
   if (!made && made.error().code == Errc::kIllPosed) return without(made.error().message);
-  COLLINEA_TRY(const DtmSummary summary, made);
+  if (!made) return tl::unexpected(made.error());
+  const DtmSummary& summary = made->summary;
+  COLLINEA_TRY(const std::uint64_t ground_points, classify(project, made->ground));
   const double cells = double(summary.ground_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
                                  {"width", summary.grid.width},
                                  {"height", summary.grid.height},
                                  {"ground_cells", summary.ground_cells},
                                  {"interpolated_cells", summary.interpolated_cells},
+                                 {"ground_points", ground_points},
                                  {"coarse_cell_m", summary.coarse_cell_m},
                                  {"lowest_m", summary.lowest_m},
                                  {"highest_m", summary.highest_m},

@@ -38,7 +38,7 @@ class Terrain {
   Terrain(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run)
       : dsm_(dsm), files_(files), options_(options), run_(run) {}
 
-  Result<DtmSummary> make() {
+  Result<Dtm> make() {
     COLLINEA_TRY(auto height, GeoTiffReader::open(dsm_.height));
     COLLINEA_TRY(auto sigma, GeoTiffReader::open(dsm_.sigma));
     COLLINEA_TRY(auto state, GeoTiffReader::open(dsm_.state));
@@ -49,7 +49,7 @@ class Terrain {
     if (made) made = write();
     if (made) made = draw_contours();
     if (!made) return tl::unexpected(std::move(made).error());
-    return summary_;
+    return Dtm{summary_, std::move(ground_)};
   }
 
  private:
@@ -129,22 +129,17 @@ class Terrain {
       level.weight.data[i] = 1;
     }
     fill_all(level);
-    low_m_ = std::move(level.height_m);
+    MapGrid grid = summary_.grid;
+    grid.cell_m = cell_m_;
+    grid.width = coarse_width_, grid.height = coarse_height_;
+    ground_ = GroundSurface(grid, std::move(level.height_m));
+    low_m_ = FloatImage();
     return {};
   }
 
-  [[nodiscard]] double tolerance_m(int u, int v) const {
-    const auto at = [&](int x, int y) {
-      return double(low_m_.at(std::clamp(x, 0, coarse_width_ - 1), std::clamp(y, 0, coarse_height_ - 1)));
-    };
-    const double slope = std::hypot(at(u + 1, v) - at(u - 1, v), at(u, v + 1) - at(u, v - 1)) / 2;
-    return kToleranceCells * cell_m_ + slope;
-  }
-
-  // Whether a measured cell shows the ground; `tolerance`: of its coarse cell.
-  [[nodiscard]] bool is_ground(const Strip& strip, int first_row, int x, int y, double tolerance) const {
-    const double ground_m = double(bilinear(low_m_, (x + 0.5) / each_, (first_row + y + 0.5) / each_));
-    return std::abs(double(strip.height_m.at(x, y)) - ground_m) <= tolerance + 3 * double(strip.sigma_m.at(x, y));
+  [[nodiscard]] bool is_ground(const Strip& strip, int first_row, int x, int y) const {
+    return ground_.shows_ground((x + 0.5) / each_, (first_row + y + 0.5) / each_, double(strip.height_m.at(x, y)),
+                                double(strip.sigma_m.at(x, y)));
   }
 
   // Means of the ground in coarse cells, continued where there is none.
@@ -162,11 +157,10 @@ class Terrain {
   }
 
   void average_cell(const Strip& strip, int first_row, int u, int v) {
-    const double tolerance = tolerance_m(u, v);
     double sum = 0, squares = 0;
     std::size_t count = 0;
     for_measured(strip, first_row, u, v, [&](int x, int y) {
-      if (!is_ground(strip, first_row, x, y, tolerance)) return;
+      if (!is_ground(strip, first_row, x, y)) return;
       sum += double(strip.height_m.at(x, y));
       squares += std::pow(double(strip.sigma_m.at(x, y)), 2);
       ++count;
@@ -186,9 +180,7 @@ class Terrain {
     for (int x = 0; x < strip.state.width; ++x) {
       std::uint8_t& state = strip.state.at(x, y);
       if (state == std::uint8_t(CellState::kEmpty)) continue;
-      if (state == std::uint8_t(CellState::kMeasured) &&
-          is_ground(strip, first_row, x, y, tolerance_m(x / each_, (first_row + y) / each_)))
-        continue;
+      if (state == std::uint8_t(CellState::kMeasured) && is_ground(strip, first_row, x, y)) continue;
       state = std::uint8_t(CellState::kInterpolated);
       const double u = (x + 0.5) / each_, v = (first_row + y + 0.5) / each_;
       strip.height_m.at(x, y) = bilinear(mean_.height_m, u, v);
@@ -291,14 +283,38 @@ class Terrain {
   int each_ = 1;  // cells of the surface model along a coarse one
   int coarse_width_ = 0, coarse_height_ = 0;
   double cell_m_ = 0;             // of the coarse grid
-  FloatImage low_m_;              // low heights of coarse cells; then the ground they tell, everywhere
+  FloatImage low_m_;              // low heights of coarse cells
+  GroundSurface ground_;          // that they tell, everywhere
   HeightLevel mean_;              // of the ground
   Raster<std::uint8_t> covered_;  // by the surface model
 };
 
 }  // namespace
 
-Result<DtmSummary> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run) {
+GroundSurface::GroundSurface(MapGrid grid, FloatImage low_m)
+    : grid_(std::move(grid)), low_m_(std::move(low_m)), tolerance_m_(low_m_.width, low_m_.height) {
+  const auto at = [&](int x, int y) {
+    return double(low_m_.at(std::clamp(x, 0, low_m_.width - 1), std::clamp(y, 0, low_m_.height - 1)));
+  };
+  for (int v = 0; v < low_m_.height; ++v)
+    for (int u = 0; u < low_m_.width; ++u) {
+      const double rise_m = std::hypot(at(u + 1, v) - at(u - 1, v), at(u, v + 1) - at(u, v - 1)) / 2;
+      tolerance_m_.at(u, v) = float(kToleranceCells * grid_.cell_m + rise_m);
+    }
+}
+
+bool GroundSurface::shows_ground(double column, double row, double height_m, double sigma_m) const {
+  const int u = std::clamp(int(column), 0, low_m_.width - 1), v = std::clamp(int(row), 0, low_m_.height - 1);
+  return std::abs(height_m - double(bilinear(low_m_, column, row))) <= double(tolerance_m_.at(u, v)) + 3 * sigma_m;
+}
+
+bool GroundSurface::shows_ground(const Eigen::Vector3d& on_map, double sigma_m) const {
+  const double column = (on_map.x() - grid_.west_m) / grid_.cell_m, row = (grid_.north_m - on_map.y()) / grid_.cell_m;
+  if (!(column >= 0 && row >= 0 && column < grid_.width && row < grid_.height)) return false;
+  return shows_ground(column, row, on_map.z(), sigma_m);
+}
+
+Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run) {
   if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
   return Terrain(dsm, files, options, run).make();
 }

@@ -41,11 +41,35 @@ struct DtmSummary {
   std::uint64_t contours = 0;  ///< lines
 };
 
-/// The terrain model of a surface model: heights of the ground, as measured where the ground is seen (within half a
-/// coarse cell, the slope's part and three sigmas of it), and interpolated from around under buildings, trees and
+/// Where the ground is, to about half a cell of a coarse grid: tells what shows the ground from what stands on it.
+class GroundSurface {
+ public:
+  GroundSurface() = default;
+  /// `low_m`: low heights of the ground, one for every cell of `grid`.
+  GroundSurface(MapGrid grid, FloatImage low_m);
+
+  /// Whether a measured height shows the ground: no farther from it than half a cell, the slope's part and three
+  /// sigmas. `column` and `row` are continuous, in coarse cells.
+  [[nodiscard]] bool shows_ground(double column, double row, double height_m, double sigma_m) const;
+  /// The same of a point on the map; false outside the grid.
+  [[nodiscard]] bool shows_ground(const Eigen::Vector3d& on_map, double sigma_m) const;
+
+ private:
+  MapGrid grid_;
+  FloatImage low_m_, tolerance_m_;
+};
+
+/// A terrain model that was written, and what points of the cloud can be classified with.
+struct Dtm {
+  DtmSummary summary;
+  GroundSurface ground;
+};
+
+/// The terrain model of a surface model: heights of the ground, as measured where the ground is seen (see
+/// GroundSurface), and interpolated from around under buildings, trees and
 /// whatever else stands on it (see ground_cells). It covers what the surface model covers. Contours are those of the
 /// coarse grid's means. Memory: the coarse grid, at most 64 million cells, and strips of the rasters. The same bits
 /// with any number of threads. Errors: no ground at all; reading; disk; cancelled.
-Result<DtmSummary> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run);
+Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run);
 
 }  // namespace collinea

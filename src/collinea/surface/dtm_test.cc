@@ -68,8 +68,9 @@ class DtmOfAHouse : public testing::Test {
 // The ground under the house is met to what a bend of 2 m * 0.08^2 per m^2 makes over half of 10 m, 0.16 m.
 TEST_F(DtmOfAHouse, TheGroundStaysAndGoesOnUnderTheHouse) {
   const DtmFiles dtm = files("dtm");
-  const auto summary = build_dtm(dsm_, dtm, {}, {});
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto made = build_dtm(dsm_, dtm, {}, {});
+  ASSERT_TRUE(made) << made.error().message;
+  const DtmSummary* const summary = &made->summary;
   const FloatImage height = heights_of(dtm.height), sigma = heights_of(dtm.sigma), surface = heights_of(dsm_.height);
   const auto state = bytes_of(dtm.state);
   for (int y = 0; y < kHeight; ++y)
@@ -94,6 +95,15 @@ TEST_F(DtmOfAHouse, TheGroundStaysAndGoesOnUnderTheHouse) {
   EXPECT_EQ(summary->contour_m, 0.5);  // 6 m of relief / 20, the next of 1, 2, 5
   EXPECT_GT(summary->contours, 10u);
   EXPECT_TRUE(is_there(folder_ / "dtm.dxf"));
+  const auto shows_ground = [&](int x, int y, double above_m) {
+    return made->ground.shows_ground({1000 + (x + 0.5) * kCell, 2000 - (y + 0.5) * kCell, terrain_m(x, y) + above_m},
+                                     kSigma);
+  };
+  EXPECT_TRUE(shows_ground(600, 300, 0.05));
+  EXPECT_FALSE(shows_ground(600, 300, 1));
+  EXPECT_TRUE(shows_ground(250, 350, 0.1));  // under the house
+  EXPECT_FALSE(shows_ground(250, 350, 5));
+  EXPECT_FALSE(made->ground.shows_ground({900, 2000, 250}, kSigma));  // off the map
 }
 
 TEST_F(DtmOfAHouse, ThreadsDoNotMatter) {
@@ -112,9 +122,9 @@ TEST_F(DtmOfAHouse, WithoutContoursEarlierOnesGo) {
   ASSERT_TRUE(build_dtm(dsm_, files("dtm"), options, {}));
   EXPECT_TRUE(is_there(folder_ / "dtm.gpkg"));
   options.contour_m = 0;
-  const auto summary = build_dtm(dsm_, files("dtm"), options, {});
-  ASSERT_TRUE(summary);
-  EXPECT_EQ(summary->contours, 0u);
+  const auto made = build_dtm(dsm_, files("dtm"), options, {});
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->summary.contours, 0u);
   EXPECT_FALSE(is_there(folder_ / "dtm.gpkg"));
   EXPECT_FALSE(is_there(folder_ / "dtm.dxf"));
 }
