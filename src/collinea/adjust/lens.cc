@@ -34,8 +34,7 @@ Correction corrected(const Lens& lens, double x, double y) {
   const double by_r2 = 2 * (lens.k1 + r2 * (2 * lens.k2 + r2 * 3 * lens.k3));
   return {x * radial + lens.p1 * (r2 + 2 * x * x) + 2 * lens.p2 * x * y,
           y * radial + lens.p2 * (r2 + 2 * y * y) + 2 * lens.p1 * x * y,
-          radial + x * x * by_r2 + 6 * lens.p1 * x + 2 * lens.p2 * y,
-          x * y * by_r2 + 2 * lens.p1 * y + 2 * lens.p2 * x,
+          radial + x * x * by_r2 + 6 * lens.p1 * x + 2 * lens.p2 * y, x * y * by_r2 + 2 * lens.p1 * y + 2 * lens.p2 * x,
           radial + y * y * by_r2 + 6 * lens.p2 * y + 2 * lens.p1 * x};
 }
 
@@ -70,6 +69,7 @@ void measured_by_ideal(const Lens& lens, const Projected& at, double* d) {
 }  // namespace
 
 bool project_other(const Lens& lens, const double* point_in_cam, const double* measured_pixel, Projected* out) {
+  if (!(point_in_cam[2] > 0)) return false;
   const double w = 1 / point_in_cam[2];
   out->x = point_in_cam[0] * w;
   out->y = point_in_cam[1] * w;

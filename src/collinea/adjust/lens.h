@@ -43,14 +43,12 @@ bool project_other(const Lens& lens, const double* point_in_cam, const double* m
 void derive_other_by_point(const Lens& lens, const Projected& at, double z, double* by_point);
 void derive_other_by_params(const Lens& lens, const Projected& at, double* by_params);
 
-/// Where the point is seen, to be compared with the measured pixel (of kCorrected the measured one less the difference
-/// after correction). False when the point is not seen: behind the camera or outside the field of view.
-inline bool project(const Lens& lens, const double* point_in_cam, const double* measured_pixel, Projected* out) {
+/// Where the point is seen by a lens of kBrown; any other answers false.
+inline bool project_brown(const Lens& lens, const double* point_in_cam, Projected* out) {
   if (!(point_in_cam[2] > 0)) return false;
   const double w = 1 / point_in_cam[2], x = point_in_cam[0] * w, y = point_in_cam[1] * w;
   const double r2 = x * x + y * y;
-  if (!(r2 < lens.max_r2)) [[unlikely]]
-    return lens.kind != LensKind::kBrown && project_other(lens, point_in_cam, measured_pixel, out);
+  if (!(r2 < lens.max_r2)) return false;
   const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
   out->x = x;
   out->y = y;
@@ -62,10 +60,15 @@ inline bool project(const Lens& lens, const double* point_in_cam, const double* 
   return true;
 }
 
-/// d(pixel) / d(point in camera frame), 2 x 3 by rows, of a point that was projected.
-inline void derive_by_point(const Lens& lens, const Projected& at, double z, double* by_point) {
-  if (lens.kind != LensKind::kBrown) [[unlikely]]
-    return derive_other_by_point(lens, at, z, by_point);
+/// Where the point is seen, to be compared with the measured pixel (of kCorrected the measured one less the difference
+/// after correction). False when the point is not seen: behind the camera or outside the field of view.
+inline bool project(const Lens& lens, const double* point_in_cam, const double* measured_pixel, Projected* out) {
+  if (project_brown(lens, point_in_cam, out)) return true;
+  return lens.kind != LensKind::kBrown && project_other(lens, point_in_cam, measured_pixel, out);
+}
+
+/// d(pixel) / d(point in camera frame), 2 x 3 by rows, of a point that was projected by a lens of kBrown.
+inline void derive_brown_by_point(const Lens& lens, const Projected& at, double z, double* by_point) {
   const double x = at.x, y = at.y, r2 = at.r2, w = 1 / z;
   const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
   const double by_r2 = 2 * (lens.k1 + r2 * (2 * lens.k2 + r2 * 3 * lens.k3));
@@ -80,6 +83,12 @@ inline void derive_by_point(const Lens& lens, const Projected& at, double z, dou
   by_point[3] = row_dx;
   by_point[4] = row_dy;
   by_point[5] = -(row_dx * x + row_dy * y);
+}
+
+/// The same of any lens.
+inline void derive_by_point(const Lens& lens, const Projected& at, double z, double* by_point) {
+  if (lens.kind == LensKind::kBrown) return derive_brown_by_point(lens, at, z, by_point);
+  derive_other_by_point(lens, at, z, by_point);
 }
 
 /// d(pixel) / d(Camera::params), 2 x Camera::kParams by rows, of a point that was projected.

@@ -66,12 +66,14 @@ inline void bend(const Loss& loss, double s, double* by_cam, LinearRay* out) {
   shrink_along(*out, by_cam, 3);
 }
 
-/// The same with derivatives. An observation that is not seen has a square but all zero derivatives and residual.
-inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
-                        LinearRay* out) {
+/// linearise() of a lens of kBrown, or of any.
+template <bool kOfBrown>
+inline double linearise_as(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
+                           LinearRay* out) {
   double p[3];
   to_camera(frame, point, p);
-  if (!project(lens, p, ray.pixel, &out->at)) [[unlikely]] {
+  const bool seen = kOfBrown ? project_brown(lens, p, &out->at) : project(lens, p, ray.pixel, &out->at);
+  if (!seen) [[unlikely]] {
     *out = LinearRay{};
     return lost_square(ray);
   }
@@ -84,7 +86,10 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
   out->residual[1] = v * root_rho;
   out->root_weight = w;
   double d[6];
-  derive_by_point(lens, out->at, p[2], d);
+  if constexpr (kOfBrown)
+    derive_brown_by_point(lens, out->at, p[2], d);
+  else
+    derive_by_point(lens, out->at, p[2], d);
   for (double& value : d) value *= w;
   out->shrink = 0;
   if (loss.kind != Loss::kNone) bend(loss, s, d, out);
@@ -100,8 +105,20 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
   return s;
 }
 
+double linearise_other(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
+                       LinearRay* out);
+
+/// The same with derivatives. An observation that is not seen has a square but all zero derivatives and residual.
+inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
+                        LinearRay* out) {
+  if (lens.kind != LensKind::kBrown) [[unlikely]]
+    return linearise_other(ray, frame, lens, point, loss, out);
+  return linearise_as<true>(ray, frame, lens, point, loss, out);
+}
+
 /// Derivatives by the free parameters of the camera, times weight^1/2: 2 x free.size(), by rows.
-inline void linearise_camera(const LinearRay& ray, const Lens& lens, const std::vector<int>& free, double* by_camera) {
+[[gnu::always_inline]] inline void linearise_camera(const LinearRay& ray, const Lens& lens,
+                                                    const std::vector<int>& free, double* by_camera) {
   const std::size_t count = free.size();
   if (ray.root_weight == 0) {
     for (std::size_t k = 0; k < 2 * count; ++k) by_camera[k] = 0;

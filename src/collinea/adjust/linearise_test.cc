@@ -53,8 +53,7 @@ TEST_P(LensOfModel, AgreesWithTheCamera) {
   EXPECT_FALSE(bundle::project(lens, behind, middle, &at));
 }
 
-INSTANTIATE_TEST_SUITE_P(Lens, LensOfModel,
-                         ::testing::Values(CameraModel::kBrown, CameraModel::kBrownOfMeasured),
+INSTANTIATE_TEST_SUITE_P(Lens, LensOfModel, ::testing::Values(CameraModel::kBrown, CameraModel::kBrownOfMeasured),
                          [](const auto& tested) { return std::string(kCameraModelNames[std::size_t(tested.param)]); });
 
 // The difference after correction, and its derivatives: those of the computed pixel are minus those of the difference.
@@ -67,7 +66,8 @@ TEST(Lens, ComparesAfterCorrection) {
   const Eigen::Vector2d measured = *project(camera, point) + Eigen::Vector2d(1.5, -0.7);
   const auto difference = [&](const Camera& c, const Eigen::Vector3d& p) {
     bundle::Projected at;
-    EXPECT_TRUE(bundle::project(bundle::lens_of(c.params.data(), bundle::kind_of(c, true)), p.data(), measured.data(), &at));
+    EXPECT_TRUE(
+        bundle::project(bundle::lens_of(c.params.data(), bundle::kind_of(c, true)), p.data(), measured.data(), &at));
     return Eigen::Vector2d(measured.x() - at.pixel[0], measured.y() - at.pixel[1]);
   };
   const Eigen::Vector2d expected = camera.focal_px() * (normalized(camera, measured) - point.head<2>() / point.z());
@@ -90,7 +90,8 @@ TEST(Lens, ComparesAfterCorrection) {
     plus.params[std::size_t(k)] += h;
     minus.params[std::size_t(k)] -= h;
     const Eigen::Vector2d numeric = -(difference(plus, point) - difference(minus, point)) / (2 * h);
-    EXPECT_LT((numeric - by_params.col(k)).norm(), 1e-6 * (1 + by_params.col(k).norm())) << Camera::kParamNames[std::size_t(k)];
+    EXPECT_LT((numeric - by_params.col(k)).norm(), 1e-6 * (1 + by_params.col(k).norm()))
+        << Camera::kParamNames[std::size_t(k)];
   }
 }
 

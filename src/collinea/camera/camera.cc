@@ -104,8 +104,7 @@ std::optional<Eigen::Vector2d> project_to_measured(const Camera& camera, const E
     by_params->col(Camera::kB1) << m.x, 0;
     by_params->col(Camera::kB2) << m.y, 0;
     const PolynomialTerms terms = terms_of(m.x, m.y);
-    for (int k = 0; k < 5; ++k)
-      by_params->col(Camera::kK1 + k) = -(by_ideal * Eigen::Vector2d(terms.x[k], terms.y[k]));
+    for (int k = 0; k < 5; ++k) by_params->col(Camera::kK1 + k) = -(by_ideal * Eigen::Vector2d(terms.x[k], terms.y[k]));
   }
   const Eigen::Vector2d measured = affinity * Eigen::Vector2d(m.x, m.y);
   return Eigen::Vector2d(p[Camera::kCx] + measured.x(), p[Camera::kCy] + measured.y());

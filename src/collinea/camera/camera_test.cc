@@ -23,8 +23,7 @@ class CameraLaws : public ::testing::TestWithParam<CameraModel> {
   const Camera camera = distorted_camera(GetParam());
 };
 
-INSTANTIATE_TEST_SUITE_P(Models, CameraLaws,
-                         ::testing::Values(CameraModel::kBrown, CameraModel::kBrownOfMeasured),
+INSTANTIATE_TEST_SUITE_P(Models, CameraLaws, ::testing::Values(CameraModel::kBrown, CameraModel::kBrownOfMeasured),
                          [](const auto& tested) { return std::string(kCameraModelNames[std::size_t(tested.param)]); });
 
 TEST_P(CameraLaws, OpticalAxisMeetsThePrincipalPoint) {
@@ -47,7 +46,7 @@ TEST(Camera, CorrectsMeasuredCoordinatesInMillimetres) {
   camera.params[Camera::kK2] = k2 * c * c * c * c;
   camera.params[Camera::kK3] = k3 * c * c * c * c * c * c;
   camera.params[Camera::kP1] = p1 * c;
-  camera.params[Camera::kP2] = -p2 * c;  // y is turned round
+  camera.params[Camera::kP2] = -p2 * c;                // y is turned round
   const double x = 2.9, y = -1.7, r2 = x * x + y * y;  // mm
   const double radial = r2 * (k1 + r2 * (k2 + r2 * k3));
   const double x_corrected = x + x * radial + p1 * (r2 + 2 * x * x) + 2 * p2 * x * y;

@@ -141,7 +141,8 @@ class Parser {
         if (line.words[0] != kTitle)
           return bad_line(line.number, "the file does not begin with \"collinea-adjustment 1\": it is none of ours");
         if (line.words.size() != 2 || line.words[1] != "1")
-          return bad_line(line.number, "only version 1 of collinea-adjustment is known here: a newer program is needed");
+          return bad_line(line.number,
+                          "only version 1 of collinea-adjustment is known here: a newer program is needed");
         titled = true;
         continue;
       }
@@ -207,7 +208,8 @@ class Parser {
       const std::string &value = line.words[i + k], &deviation = line.words[i + 3 + k];
       const bool no_value = value == "-", no_sigma = deviation == "-" || deviation == "inf";
       if (no_value && !no_sigma)
-        return bad_line(line.number, "a coordinate is not given (-), but its standard deviation is: write - for it too");
+        return bad_line(line.number,
+                        "a coordinate is not given (-), but its standard deviation is: write - for it too");
       place[axis] = std::numeric_limits<double>::quiet_NaN();
       sigma[axis] = kInfinity;
       if (!no_value) {
@@ -256,12 +258,14 @@ class Parser {
     camera.params[Camera::kCy] = camera.height_px / 2.0;
     const auto model = std::find(kCameraModelNames.begin(), kCameraModelNames.end(), line.words[4]);
     if (model == kCameraModelNames.end())
-      return bad_line(line.number, shown(line.words[4]) + " is no model of cameras; there are: brown brown_of_measured");
+      return bad_line(line.number,
+                      shown(line.words[4]) + " is no model of cameras; there are: brown brown_of_measured");
     camera.model = CameraModel(model - kCameraModelNames.begin());
     const CameraId id{std::uint32_t(cameras_.size())};
     if (line.count() > 4) {
       if (line.words[5] != "sigmas_after_correction" || camera.model != CameraModel::kBrownOfMeasured)
-        return bad_line(line.number, "behind the model stands nothing, or of brown_of_measured sigmas_after_correction");
+        return bad_line(line.number,
+                        "behind the model stands nothing, or of brown_of_measured sigmas_after_correction");
       file_.corrected_cameras.insert(id);
     }
     cameras_[name] = id;
@@ -273,8 +277,7 @@ class Parser {
 
   Result<> take_parameter(const Line& line) {
     const auto camera = cameras_.find(line.words[1]);
-    if (camera == cameras_.end())
-      return bad_line(line.number, "there is no camera " + shown(line.words[1]) + " above");
+    if (camera == cameras_.end()) return bad_line(line.number, "there is no camera " + shown(line.words[1]) + " above");
     const auto name = std::find(Camera::kParamNames.begin(), Camera::kParamNames.end(), line.words[2]);
     if (name == Camera::kParamNames.end()) {
       std::string known;
@@ -292,7 +295,8 @@ class Parser {
     } else if (line.words[4] != "fixed") {
       const auto deviation = number(line.words[4]);
       if (!deviation || !(*deviation > 0) || std::isinf(*deviation))
-        return bad_line(line.number, shown(line.words[4]) + " says not how the parameter takes part: fixed, free, or a " +
+        return bad_line(line.number, shown(line.words[4]) +
+                                         " says not how the parameter takes part: fixed, free, or a " +
                                          "standard deviation above 0");
       sigma = *deviation;
     }
@@ -309,8 +313,7 @@ class Parser {
 
   Result<> take_image(const Line& line) {
     const auto camera = cameras_.find(line.words[2]);
-    if (camera == cameras_.end())
-      return bad_line(line.number, "there is no camera " + shown(line.words[2]) + " above");
+    if (camera == cameras_.end()) return bad_line(line.number, "there is no camera " + shown(line.words[2]) + " above");
     const ImageId id{std::uint32_t(images_.size())};
     if (line.words[1].empty()) return bad_line(line.number, "an image needs a name");
     if (!images_.emplace(line.words[1], id).second)
@@ -340,8 +343,9 @@ class Parser {
     PositionPrior prior{};
     if (Result<> given = given3(line, 2, prior.position_in_world, prior.sigma_m); !given) return given;
     if (!(prior.sigma_m.minCoeff() > 0))
-      return bad_line(line.number, "a measured position has standard deviations above 0; to hold the image, write "
-                                   "fixed behind its pose");
+      return bad_line(line.number,
+                      "a measured position has standard deviations above 0; to hold the image, write "
+                      "fixed behind its pose");
     file_.block.images[image].position = prior;
     return {};
   }
@@ -370,8 +374,9 @@ class Parser {
   Result<> take_point(const Line& line) {
     const auto id = point_numbered(line.words[1]);
     if (!id)
-      return bad_line(line.number, shown(line.words[1]) + " is no number of a tie point: a whole number from 0 is "
-                                                           "expected; points with names are control or check");
+      return bad_line(line.number, shown(line.words[1]) +
+                                       " is no number of a tie point: a whole number from 0 is "
+                                       "expected; points with names are control or check");
     COLLINEA_TRY(const Eigen::Vector3d place, finite3(line, 2, "a coordinate"));
     if (!file_.block.points.emplace(*id, TiePoint{place, {}}).second)
       return bad_line(line.number, "a second tie point " + line.words[1]);
@@ -391,8 +396,9 @@ class Parser {
     }
     const auto id = point_numbered(line.words[2]);
     if (!id)
-      return bad_line(line.number, shown(line.words[2]) + " is no number of a tie point: a whole number from 0 is "
-                                                           "expected; points with names are measured_control");
+      return bad_line(line.number, shown(line.words[2]) +
+                                       " is no number of a tie point: a whole number from 0 is "
+                                       "expected; points with names are measured_control");
     ties_.push_back({line.number, {image, *id, 0, pixel, sigma}});
     return {};
   }
@@ -428,8 +434,8 @@ class Parser {
                                  ": there is nothing to adjust; is it complete?");
     for (const auto& [name, id] : cameras_)
       if (!(file_.block.cameras[id].focal_px() > 0))
-        return bad_line(lines, "camera " + shown(name) + " has no focal length: add a line parameter " + name +
-                                   " f VALUE HOW");
+        return bad_line(
+            lines, "camera " + shown(name) + " has no focal length: add a line parameter " + name + " f VALUE HOW");
     if (Result<> sorted = sort_measured(); !sorted) return tl::unexpected(sorted.error());
     COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(file_.block));
     for (auto& [id, control] : file_.block.control)

@@ -104,8 +104,7 @@ class XmlParser {
       if (at_ >= text_.size()) return bad("the file ends within element " + e.name + "; is it complete?");
       if (text_.substr(at_).starts_with("</")) {
         at_ += 2;
-        if (const auto name = word(); name != e.name)
-          return bad("element " + e.name + " ends as " + std::string(name));
+        if (const auto name = word(); name != e.name) return bad("element " + e.name + " ends as " + std::string(name));
         skip_blank();
         if (at_ >= text_.size() || text_[at_] != '>') return bad("the end of element " + e.name + " lacks its >");
         ++at_;
@@ -165,7 +164,8 @@ class Reader {
   }
 
   [[nodiscard]] std::filesystem::path place(std::string name, const std::filesystem::path& script) const {
-    if (name.starts_with("$HERE")) return script.parent_path() / trimmed(name.substr(5)).substr(name.size() > 6 ? 1 : 0);
+    if (name.starts_with("$HERE"))
+      return script.parent_path() / trimmed(name.substr(5)).substr(name.size() > 6 ? 1 : 0);
     const std::filesystem::path path(name);
     return path.is_absolute() ? path : base_ / path;
   }
@@ -174,12 +174,14 @@ class Reader {
     std::vector<double> values;
     for (const std::string_view field : fields_of(e.text, ',')) {
       const auto value = number(field);
-      if (!value || !std::isfinite(*value)) return bad(path, e.line, e.name + ": \"" + std::string(field) + "\" is no number");
+      if (!value || !std::isfinite(*value))
+        return bad(path, e.line, e.name + ": \"" + std::string(field) + "\" is no number");
       values.push_back(*value);
     }
     if (values.size() != count)
-      return bad(path, e.line, e.name + " has " + std::to_string(values.size()) + " numbers; " + std::to_string(count) +
-                                   (count == 1 ? " is" : " are") + " expected");
+      return bad(path, e.line,
+                 e.name + " has " + std::to_string(values.size()) + " numbers; " + std::to_string(count) +
+                     (count == 1 ? " is" : " are") + " expected");
     return values;
   }
 
@@ -255,7 +257,8 @@ class Reader {
     const Element* element = input.child(table);
     const Element* file = element ? element->child("file") : nullptr;
     if (!file)
-      return needed ? Result<>(fail(Errc::kBadFormat, std::string("the script names no file for ") + table)) : Result<>{};
+      return needed ? Result<>(fail(Errc::kBadFormat, std::string("the script names no file for ") + table))
+                    : Result<>{};
     const std::filesystem::path path = place(file->text, {});
     COLLINEA_TRY(const std::string text, read_file(path));
     const std::string format = lower(file->attribute("format"));
@@ -284,7 +287,7 @@ class Reader {
     const auto its = row.text.find(column);
     const auto found = its == row.text.end() ? std::nullopt : integer(its->second);
     return found && *found >= 0 && *found < std::int64_t(PointId::kNone) ? std::optional(std::uint32_t(*found))
-                                                                        : std::nullopt;
+                                                                         : std::nullopt;
   }
 
   static std::optional<Eigen::Vector3d> three(const Row& row, const char* a, const char* b, const char* c) {
@@ -394,13 +397,24 @@ class Reader {
     using C = Camera;
     static const std::map<std::string, std::vector<int>> kNames = {
         {"all", {C::kF, C::kCx, C::kCy, C::kB1, C::kB2, C::kK1, C::kK2, C::kK3, C::kP1, C::kP2}},
-        {"cc", {C::kF}},  {"px", {C::kCx}},  {"py", {C::kCy}},  {"pp", {C::kCx, C::kCy}},
-        {"aspect", {C::kB1}}, {"skew", {C::kB2}}, {"K", {C::kK1, C::kK2, C::kK3}}, {"K1", {C::kK1}}, {"K2", {C::kK2}},
-        {"K3", {C::kK3}}, {"P", {C::kP1, C::kP2}}, {"P1", {C::kP1}}, {"P2", {C::kP2}}};
+        {"cc", {C::kF}},
+        {"px", {C::kCx}},
+        {"py", {C::kCy}},
+        {"pp", {C::kCx, C::kCy}},
+        {"aspect", {C::kB1}},
+        {"skew", {C::kB2}},
+        {"K", {C::kK1, C::kK2, C::kK3}},
+        {"K1", {C::kK1}},
+        {"K2", {C::kK2}},
+        {"K3", {C::kK3}},
+        {"P", {C::kP1, C::kP2}},
+        {"P1", {C::kP1}},
+        {"P2", {C::kP2}}};
     for (const Element& e : io.children) {
       const auto its = kNames.find(e.name);
       if (its == kNames.end() || (e.text != "true" && e.text != "false"))
-        return bad(path, e.line, "io: " + e.name + " = " + e.text + ": true or false of a parameter of the camera is expected");
+        return bad(path, e.line,
+                   "io: " + e.name + " = " + e.text + ": true or false of a parameter of the camera is expected");
       for (const int param : its->second)
         file_.camera_sigmas[{0}][std::size_t(param)] = e.text == "true" ? kInfinity : 0;
     }

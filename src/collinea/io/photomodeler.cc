@@ -31,8 +31,8 @@ class Parser {
   explicit Parser(std::string_view text) : lines_(lines_of(text)) {}
 
   Result<AdjustmentFile> parse() {
-    for (const auto part : {&Parser::take_camera, &Parser::take_images, &Parser::take_control, &Parser::take_points,
-                            &Parser::take_marks})
+    for (const auto part :
+         {&Parser::take_camera, &Parser::take_images, &Parser::take_control, &Parser::take_points, &Parser::take_marks})
       if (Result<> taken = (this->*part)(); !taken) return tl::unexpected(taken.error());
     std::stable_sort(file_.block.observations.begin(), file_.block.observations.end(),
                      [](const Observation& a, const Observation& b) {
@@ -72,8 +72,9 @@ class Parser {
     ++at_;  // the title
     COLLINEA_TRY(const auto head, row(2, "tolerance, iterations, width and height of the pictures"));
     if (head.size() < 4 || !is_whole(head[2], 1e6) || !is_whole(head[3], 1e6) || head[2] < 1 || head[3] < 1)
-      return bad("the line above lacks width and height of the pictures [px]: export again with a newer PhotoModeler, "
-                 "or add them behind the number of iterations");
+      return bad(
+          "the line above lacks width and height of the pictures [px]: export again with a newer PhotoModeler, "
+          "or add them behind the number of iterations");
     COLLINEA_TRY(const auto unused, row(9, "standard deviations"));
     COLLINEA_TRY(const auto v, row(10, "the camera: focal length, principal point, format, K1 K2 K3 P1 P2 [mm]"));
     if (!(v[0] > 0) || !(v[3] > 0) || !(v[4] > 0)) return bad("focal length and format above are not above 0 [mm]");

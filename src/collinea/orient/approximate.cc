@@ -12,8 +12,8 @@
 namespace collinea {
 namespace {
 
-// A lens may be known badly beforehand (a camera that is to be calibrated): then even good measurements lie this part of
-// the picture's width off, and that is what a pose may miss them by.
+// A lens may be known badly beforehand (a camera that is to be calibrated): then even good measurements lie this part
+// of the picture's width off, and that is what a pose may miss them by.
 constexpr double kLoosePart = 0.1;
 constexpr int kLeastPoints = 4;  // three have up to four solutions
 
@@ -38,9 +38,10 @@ class Approximator {
     intersect_all(missing);
     while (resect_best()) intersect_all(missing);
     if (block_.cam_from_world.empty())
-      return fail(Errc::kIllPosed,
-                  "no image has an approximate pose, and none can be resected, which takes four measured control points "
-                  "that do not lie on a line: give the poses of two images at least, or measure more control");
+      return fail(
+          Errc::kIllPosed,
+          "no image has an approximate pose, and none can be resected, which takes four measured control points "
+          "that do not lie on a line: give the poses of two images at least, or measure more control");
     for (const auto& [id, image] : block_.images)
       if (!block_.cam_from_world.contains(id)) found_.without_pose.push_back(id);
     found_.without_place.assign(missing.begin(), missing.end());

@@ -23,7 +23,7 @@ std::string in_quotes(std::string_view text) {
   return out + "\"";
 }
 
-std::string number(double value) { return std::isfinite(value) ? fmt::format(",{:.10g}", value) : ","; }
+std::string number(double value) { return std::isfinite(value) ? fmt::format(",{:.12g}", value) : ","; }
 
 // Standard deviations of the angles as they are written, from those of small turns about the axes of the world.
 Eigen::Vector3d sigma_of_angles(const OmegaPhiKappa& angles, const Rigid3& pose, const Matrix6d& covariance) {

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/io/adjustment_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "collinea/base/random.h"
+#include "collinea/geometry/rotation.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+const std::string kSmall =
+    "collinea-adjustment 1\n"                      // 1
+    "# two images, one point\n"                    // 2
+    "camera wide 4000 3000 brown\n"                // 3
+    "parameter wide f 3600.5 free\n"               // 4
+    "parameter wide k1 -0.02 0.01 -0.03\n"         // 5
+    "image \"left one.jpg\" wide   # a remark\n"   // 6
+    "image b wide\n"                               // 7
+    "pose \"left one.jpg\" 0 0 50 0 0 90 fixed\n"  // 8
+    "position b 10 0 - 0.5 0.5 -\n"                // 9
+    "control G1 1 2 3 0 0 -\n"                     // 10
+    "check \"a \"\"b\"\"\" 1 2 3 0.1 0.1 0.2\n"    // 11
+    "point 7 5 5 1\n"                              // 12
+    "measured_control b G1 100.5 200 0.3\n"        // 13
+    "measured_tie b 7 1 2 0.5\n"                   // 14
+    "measured_tie \"left one.jpg\" 7 3 4 0.5\n";   // 15
+
+TEST(AdjustmentFile, IsReadAsItSays) {
+  const auto file = parse_adjustment_file(kSmall);
+  ASSERT_TRUE(file) << file.error().message;
+  const Block& block = file->block;
+  const Camera& camera = block.cameras.at({0});
+  EXPECT_EQ(camera.params[Camera::kF], 3600.5);
+  EXPECT_EQ(camera.params[Camera::kCx], 2000);  // not said: the middle, held
+  EXPECT_EQ(file->camera_sigmas.at({0})[Camera::kCx], 0);
+  EXPECT_EQ(file->camera_sigmas.at({0})[Camera::kF], kInfinity);
+  EXPECT_EQ(file->camera_sigmas.at({0})[Camera::kK1], 0.01);
+  EXPECT_EQ(camera.params[Camera::kK1], -0.02);
+  EXPECT_EQ(file->given_cameras.at({0}).params[Camera::kK1], -0.03);
+  EXPECT_EQ(block.images.at({0}).file, "left one.jpg");
+  EXPECT_TRUE(file->held_images.contains({0}));
+  EXPECT_LT((centre_of(block.cam_from_world.at({0})) - Eigen::Vector3d(0, 0, 50)).norm(), 1e-14);
+  EXPECT_FALSE(block.cam_from_world.contains({1}));
+  EXPECT_EQ(block.images.at({1}).position->sigma_m.z(), kInfinity);
+  EXPECT_EQ(block.control.at({0}).sigma_m, Eigen::Vector3d(0, 0, kInfinity));
+  EXPECT_EQ(block.control.at({1}).name, "a \"b\"");
+  EXPECT_EQ(block.control.at({1}).role, ControlRole::kCheck);
+  ASSERT_EQ(block.observations.size(), 2u);
+  EXPECT_EQ(block.observations[0].image, ImageId{0});  // sorted by point and image
+  EXPECT_EQ(block.observations[0].pixel, Eigen::Vector2d(3, 4));
+  EXPECT_EQ(block.control_observations.at(0).sigma_px, 0.3);
+}
+
+// Everything an adjustment knows, with names that need quotes and names that occur twice.
+AdjustmentFile random_file() {
+  Random random(5);
+  AdjustmentFile file;
+  Block& block = file.block;
+  block.georeference = Georeference{"EPSG:32633", 48.1, 15.3, 312.25};
+  for (std::uint32_t c = 0; c < 2; ++c) {
+    Camera camera = ideal_camera(3000 + random.normal(), 4000, 3000);
+    camera.model = c == 0 ? CameraModel::kBrown : CameraModel::kBrownOfMeasured;
+    camera.name = "same # name";
+    for (double& value : camera.params) value += 1e-3 * random.normal();
+    block.cameras[{c}] = camera;
+    for (double& value : camera.params) value += 1e-3 * random.normal();
+    file.given_cameras[{c}] = camera;
+    for (std::size_t k = 0; k < Camera::kParams; ++k)
+      file.camera_sigmas[{c}][k] = k % 3 == 0 ? 0 : k % 3 == 1 ? kInfinity : random.uniform(0.1, 2);
+  }
+  file.corrected_cameras.insert({1});
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    block.images[{i}] = {.file = i < 2 ? "IMG.jpg" : "a\"" + std::to_string(i), .camera = {i % 2}};
+    if (i == 4) continue;
+    const Eigen::Vector3d turn(random.normal(), random.normal(), random.normal());
+    block.cam_from_world[{i}] = {rotation_by(turn), 100 * turn};
+    if (i == 2)
+      block.images[{i}].position = PositionPrior{{random.normal(), random.normal(), kNaN}, {0.1, 0.2, kInfinity}};
+  }
+  file.held_images.insert({3});
+  for (std::uint32_t p = 0; p < 3; ++p)
+    block.control[{p}] = {.name = std::to_string(p),
+                          .role = p == 1 ? ControlRole::kCheck : ControlRole::kControl,
+                          .position_in_map = {},
+                          .position_in_world = {random.normal(), 1e6 * random.normal(), p == 2 ? kNaN : 1.0},
+                          .sigma_m = {0, 0.01, p == 2 ? kInfinity : 0.02}};
+  for (std::uint32_t p = 0; p < 5; ++p) {
+    if (p != 3) block.points[{p}] = {{random.normal(), random.normal(), random.normal()}, {}};
+    for (std::uint32_t i = 0; i < 6; ++i)
+      block.observations.push_back({{i}, {p}, 0, {random.uniform(0, 4000), random.uniform(0, 3000)}, 0.5});
+  }
+  for (std::uint32_t i = 0; i < 6; ++i)
+    block.control_observations.push_back({{i % 3}, {i}, {random.uniform(0, 4000), random.uniform(0, 3000)}, 0.25});
+  return file;
+}
+
+TEST(AdjustmentFile, RoundTripKeepsEverything) {
+  const AdjustmentFile file = random_file();
+  const std::string text = adjustment_file_text(file);
+  const auto back = parse_adjustment_file(text);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->camera_sigmas, file.camera_sigmas);
+  EXPECT_EQ(back->held_images, file.held_images);
+  EXPECT_EQ(back->corrected_cameras, file.corrected_cameras);
+  EXPECT_EQ(back->block.georeference->crs, "EPSG:32633");
+  EXPECT_EQ(back->block.georeference->origin_height_m, 312.25);
+  for (const auto& [id, camera] : file.block.cameras) {
+    EXPECT_EQ(back->block.cameras.at(id).params, camera.params);
+    EXPECT_EQ(back->block.cameras.at(id).model, camera.model);
+    for (std::size_t k = 0; k < Camera::kParams; ++k) {
+      const double sigma = file.camera_sigmas.at(id)[k];
+      if (sigma > 0 && std::isfinite(sigma)) {
+        EXPECT_EQ(back->given_cameras.at(id).params[k], file.given_cameras.at(id).params[k]);
+      }
+    }
+  }
+  ASSERT_EQ(back->block.cam_from_world.size(), file.block.cam_from_world.size());
+  for (const auto& [id, pose] : file.block.cam_from_world) {
+    EXPECT_LT(angle_between(back->block.cam_from_world.at(id).rotation, pose.rotation), 1e-14);
+    EXPECT_LT((centre_of(back->block.cam_from_world.at(id)) - centre_of(pose)).norm(), 1e-12);
+  }
+  EXPECT_EQ(back->block.images.at({2}).position->sigma_m, file.block.images.at({2}).position->sigma_m);
+  for (const auto& [id, control] : file.block.control) {
+    EXPECT_EQ(back->block.control.at(id).name, control.name);
+    EXPECT_EQ(back->block.control.at(id).role, control.role);
+    EXPECT_EQ(back->block.control.at(id).sigma_m, control.sigma_m);
+    EXPECT_EQ(back->block.control.at(id).position_in_world.y(), control.position_in_world.y());
+  }
+  ASSERT_EQ(back->block.observations.size(), file.block.observations.size());
+  for (std::size_t i = 0; i < file.block.observations.size(); ++i) {
+    EXPECT_EQ(back->block.observations[i].pixel, file.block.observations[i].pixel);
+    EXPECT_EQ(back->block.observations[i].image, file.block.observations[i].image);
+  }
+  ASSERT_EQ(back->block.points.size(), file.block.points.size());
+  for (const auto& [id, point] : file.block.points)
+    EXPECT_EQ(back->block.points.at(id).position_in_world, point.position_in_world);
+}
+
+TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"measured_tie b 7 1 2 0.5\n", "line 16: point \"7\" is measured twice in \"b\", before in line 14"},
+      {"measured_tie b G1 1 2 0.5\n", "line 16: \"G1\" is no number of a tie point"},
+      {"measured_control b G9 1 2 0.5\n", "line 16: there is no control or check point \"G9\""},
+      {"measured_tie c 8 1 2 0.5\n", "line 16: there is no image \"c\" above"},
+      {"measured_tie b 8 1 2\n", "line 16: measured_tie has 4 words behind it; expected: measured_tie IMAGE"},
+      {"measured_tie b 8 1 2 0\n", "line 16: the standard deviation of a measurement is above 0"},
+      {"measured_tie b 8 1 2,5 1\n", "line 16: \"2,5\" is not a row: a number is expected"},
+      {"measured_tie b 8 nan 2 1\n", "line 16: \"nan\" is not a column"},
+      {"mesured_tie b 8 1 2 1\n", "line 16: \"mesured_tie\" is no keyword; a line begins with one of"},
+      {"camera wide 10 10 brown\n", "line 16: a second camera"},
+      {"camera new 10 0 brown\n", "line 16: width and height"},
+      {"camera new 10 10 fisheye\n", "line 16: \"fisheye\" is no model of cameras; there are: brown brown_of_measured"},
+      {"camera new 10 10 brown sigmas_after_correction\n", "line 16: behind the model"},
+      {"camera new 10 10 brown\n", "camera \"new\" has no focal length"},
+      {"parameter wide f 1 free\n", "line 16: f of camera wide is given twice"},
+      {"parameter wide q 1 free\n", "line 16: \"q\" is no parameter of a camera; there are: f cx cy k1"},
+      {"parameter wide k2 1 frei\n", "line 16: \"frei\" says not how the parameter takes part"},
+      {"parameter wide k2 1 free 2\n", "line 16: a given value belongs to a standard deviation"},
+      {"image b wide\n", "line 16: a second image \"b\""},
+      {"image c narrow\n", "line 16: there is no camera \"narrow\" above"},
+      {"pose b 0 0 0 0 0 0 free\n", "line 16: behind kappa stands fixed or nothing"},
+      {"position \"left one.jpg\" 0 0 0 0 0 0\n", "line 16: a measured position has standard deviations above 0"},
+      {"control G1 1 2 3 1 1 1\n", "line 16: a second point \"G1\""},
+      {"control G2 1 2 - 1 1 1\n", "line 16: a coordinate is not given (-), but its standard deviation is"},
+      {"control G2 1 2 3 1 1 -1\n", "line 16: \"-1\" is not a standard deviation"},
+      {"point P7 1 2 3\n", "line 16: \"P7\" is no number of a tie point"},
+      {"point 7 1 2 3\n", "line 16: a second tie point 7"},
+      {"georeference EPSG:32633 100 10 0\n", "line 16: no such latitude and longitude"},
+      {"image \"c\n", "line 16: a name in quotes does not end"},
+  };
+  for (const auto& [line, message] : cases) {
+    const auto file = parse_adjustment_file(kSmall + line);
+    ASSERT_FALSE(file) << line;
+    EXPECT_EQ(file.error().code, Errc::kBadFormat);
+    EXPECT_NE(file.error().message.find(message), std::string::npos) << line << file.error().message;
+  }
+  EXPECT_NE(parse_adjustment_file("").error().message.find("empty"), std::string::npos);
+  EXPECT_NE(parse_adjustment_file("P5\n").error().message.find("line 1: the file does not begin with"),
+            std::string::npos);
+  EXPECT_NE(parse_adjustment_file("collinea-adjustment 2\n").error().message.find("version"), std::string::npos);
+}
+
+// A file that breaks off is told or is a file of fewer lines; bytes gone wrong never end the program.
+TEST(AdjustmentFile, SurvivesTruncationAndGarbage) {
+  const std::string text = adjustment_file_text(random_file());
+  for (std::size_t end = 0; end < text.size(); ++end) {
+    const auto file = parse_adjustment_file(std::string_view(text).substr(0, end));
+    if (!file) {
+      EXPECT_FALSE(file.error().message.empty());
+    }
+  }
+  Random random(3);
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::string broken = text;
+    for (int k = 0; k < 1 + trial % 5; ++k)
+      broken[std::size_t(random.uniform(0, double(text.size() - 1)))] = char(int(random.uniform(0, 255)));
+    (void)parse_adjustment_file(broken);
+  }
+  EXPECT_TRUE(is_adjustment_file(text));
+  EXPECT_FALSE(is_adjustment_file("image 1"));
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/io/photomodeler.h"
+
+#include <gtest/gtest.h>
+
+#include "collinea/base/random.h"
+#include "collinea/geometry/rotation.h"
+#include "collinea/io/millimetre_camera.h"
+
+namespace collinea {
+namespace {
+
+const std::string kExport =
+    "Bundle of two photographs\n"
+    " 0.0005 20 2000 1500\n"
+    " 1.0 0.1 10.0 100.0 100.0 100.0 20.0 20.0 20.0\n"
+    " 8.0 4.1 2.9 8.00 6.00 5e-3 -1e-4 1e-6 -6e-5 -3e-5\n"
+    " 0.0 0.0 0.0 0.5 0.5 0.001 0.0001 0.0001 0.001 0.001\n"
+    "   0 photos\\one.JPG\n"
+    "   0 1.0 2.0 30.0 90.0 2.0 1.0\n"
+    "   0 0.1 0.1 0.1 0.1 0.1 0.1\n"
+    "\n"
+    "   0 8.0 4.1 2.9 8.0 6.0 0 0 0 0 0\n"
+    "   0 0 0 0 0 0 0 0 0 0 0\n"
+    "   1 photos/two.JPG\n"
+    "   1 5.0 2.0 30.0 0.0 0.0 0.0\n"
+    "   1 0.1 0.1 0.1 0.1 0.1 0.1\n"
+    "\n"
+    "   1 8.0 4.1 2.9 8.0 6.0 0 0 0 0 0\n"
+    "   1 0 0 0 0 0 0 0 0 0 0\n"
+    "\n"
+    " 1001 0.5 0.5 0.0 -1.7 -1.7 0.01\n"
+    "\n"
+    " 2 1.0 1.0 0.1 0.01 0.01 0.01\n"
+    "\n"
+    " 1 2 800.5 600.25 0.1 0.1\n"
+    " 0 2 700 500 0.1 0.1\n"
+    " 0 1001 900 700 0.2 0.2\n"
+    "\n"
+    " 1 1 2\n";
+
+TEST(Photomodeler, ExportIsRead) {
+  ASSERT_TRUE(is_photomodeler(kExport));
+  EXPECT_FALSE(is_photomodeler("collinea-adjustment 1\n"));
+  const auto file = parse_photomodeler(kExport);
+  ASSERT_TRUE(file) << file.error().message;
+  const Block& block = file->block;
+  const Camera& camera = block.cameras.at({0});
+  EXPECT_EQ(camera.model, CameraModel::kBrownOfMeasured);
+  EXPECT_NEAR(camera.params[Camera::kF], 2000, 1e-9);    // 8 mm at 4 um
+  EXPECT_NEAR(camera.params[Camera::kCx], 1025, 1e-9);   // 4.1 mm
+  EXPECT_NEAR(camera.params[Camera::kK1], 0.32, 1e-12);  // 5e-3 * 64
+  EXPECT_EQ(camera.params[Camera::kB1], 0);
+  EXPECT_TRUE(file->corrected_cameras.contains({0}));
+  EXPECT_EQ(block.images.at({0}).file, "one.JPG");
+  EXPECT_EQ(block.images.at({1}).file, "two.JPG");
+  const OmegaPhiKappa angles = omega_phi_kappa(block.cam_from_world.at({0}).rotation);
+  EXPECT_NEAR(angles.omega_deg, 1, 1e-9);
+  EXPECT_NEAR(angles.phi_deg, 2, 1e-9);
+  EXPECT_NEAR(angles.kappa_deg, 90, 1e-9);
+  EXPECT_EQ(block.control.at({1001}).sigma_m, Eigen::Vector3d(0, 0, 0.01));
+  ASSERT_EQ(block.observations.size(), 2u);
+  EXPECT_EQ(block.observations[0].image, ImageId{0});
+  EXPECT_EQ(block.control_observations.at(0).sigma_px, 0.2);
+}
+
+TEST(Photomodeler, SaysInWhichLineWhatIsWrong) {
+  const auto with = [](std::string_view was, std::string_view is) {
+    std::string text = kExport;
+    text.replace(text.find(was), was.size(), is);
+    const auto file = parse_photomodeler(text);
+    return file ? std::string("read") : file.error().message;
+  };
+  EXPECT_NE(with("8.0 4.1 2.9 8.00 6.00", "0 4.1 2.9 8 6").find("focal length and format"), std::string::npos);
+  EXPECT_NE(with(" 20 2000 1500", " 20").find("lacks width and height"), std::string::npos);
+  EXPECT_NE(with("90.0 2.0 1.0", "x 2.0 1.0").find("line 7: not number, projection centre"), std::string::npos);
+  EXPECT_NE(with(" 0 1001 900", " 5 1001 900").find("in an image that was not listed"), std::string::npos);
+  EXPECT_NE(with("900 700 0.2 0.2", "900 700 0 0").find("standard deviations of the mark"), std::string::npos);
+  EXPECT_NE(with(" 1 2 800.5", " 0 2 800.5").find("marked twice"), std::string::npos);
+}
+
+TEST(Photomodeler, SurvivesTruncationAndGarbage) {
+  for (std::size_t end = 0; end < kExport.size(); ++end) (void)parse_photomodeler(kExport.substr(0, end));
+  Random random(4);
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::string broken = kExport;
+    for (int k = 0; k < 1 + trial % 4; ++k)
+      broken[std::size_t(random.uniform(0, double(broken.size() - 1)))] = char(int(random.uniform(0, 255)));
+    (void)parse_photomodeler(broken);
+  }
+}
+
+TEST(MillimetreCamera, RoundTripIsExact) {
+  for (const bool forward : {false, true}) {
+    const MillimetreCamera mm{2272,           1704,   0.00319, 4e-4, 7.457, {3.6, 2.6}, {4.6e-3, -4.5e-5, -2e-6},
+                              {-6e-5, -4e-5}, forward};
+    const MillimetreCamera back = millimetre_camera(camera_of(mm), mm.pixel_height_mm);
+    EXPECT_EQ(back.forward, forward);
+    EXPECT_NEAR(back.focal_mm, mm.focal_mm, 1e-14);
+    EXPECT_NEAR(back.off_aspect, mm.off_aspect, 1e-15);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_NEAR(back.principal_mm[i], mm.principal_mm[i], 1e-14);
+      EXPECT_NEAR(back.p[i], mm.p[i], 1e-18);
+    }
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(back.k[i], mm.k[i], 1e-16);
+  }
+}
+
+// As the header says, with pixels that are not square, straight from its formulas.
+TEST(MillimetreCamera, FormulasAreThoseOfTheHeader) {
+  const MillimetreCamera mm{2272, 1704, 0.00319, 4e-4, 7.457, {3.6, 2.6}, {4.6e-3, -4.5e-5, -2e-6}, {-6e-5, -4e-5}};
+  const Camera camera = camera_of(mm);
+  const Eigen::Vector2d measured(300.25, 1500.75);
+  const double x = (measured.x() * mm.pixel_height_mm - 3.6) * (1 + 4e-4), y = 2.6 - measured.y() * mm.pixel_height_mm;
+  const double r2 = x * x + y * y, radial = r2 * (mm.k[0] + r2 * (mm.k[1] + r2 * mm.k[2]));
+  const Eigen::Vector2d corrected(x + x * radial + mm.p[0] * (r2 + 2 * x * x) + 2 * mm.p[1] * x * y,
+                                  y + y * radial + mm.p[1] * (r2 + 2 * y * y) + 2 * mm.p[0] * x * y);
+  EXPECT_LT((normalized(camera, measured) - Eigen::Vector2d(corrected.x(), -corrected.y()) / mm.focal_mm).norm(),
+            1e-14);
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/approximate.h"
+
+#include <gtest/gtest.h>
+
+#include "collinea/geometry/rotation.h"
+
+namespace collinea {
+namespace {
+
+// Four images over a grid of points 5 m apart, every point measured in all; the corners of the first images' field are
+// control.
+struct Scene {
+  Block truth;
+
+  Scene() {
+    Camera camera = ideal_camera(1000, 1500, 1500);
+    camera.params[Camera::kK1] = -0.05;
+    truth.cameras[{0}] = camera;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      truth.images[{i}] = {.file = "image " + std::to_string(i), .camera = {0}};
+      const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{3.0 * i - 4, 5 - 2.0 * i, 40.0 * i});
+      truth.cam_from_world[{i}] = {rotation, -(rotation * Eigen::Vector3d(6.0 * i, 2.0 * (i % 2), 30))};
+    }
+    std::uint32_t number = 0;
+    for (int x = -1; x < 6; ++x)
+      for (int y = -1; y < 2; ++y) {
+        const Eigen::Vector3d place(5 * x, 5 * y, 0.3 * ((x * x + 3 * y) % 5));
+        truth.points[{number}] = {place, {}};
+        for (std::uint32_t i = 0; i < 4; ++i)
+          if (const auto pixel = project(camera, truth.cam_from_world[{i}] * place); pixel && inside(camera, *pixel))
+            truth.observations.push_back({{i}, {number}, 0, *pixel, 1});
+        ++number;
+      }
+  }
+
+  // Tie points become control.
+  [[nodiscard]] Block with_control(const std::vector<std::uint32_t>& points) const {
+    Block block = truth;
+    for (const std::uint32_t p : points) {
+      const Eigen::Vector3d place = truth.points.at({p}).position_in_world;
+      block.control[{p}] = {.name = std::to_string(p),
+                            .role = ControlRole::kControl,
+                            .position_in_map = place,
+                            .position_in_world = place,
+                            .sigma_m = {0.01, 0.01, 0.01}};
+      for (const Observation& seen : truth.observations)
+        if (seen.point == PointId{p}) block.control_observations.push_back({{p}, seen.image, seen.pixel, 1});
+      std::erase_if(block.observations, [&](const Observation& seen) { return seen.point == PointId{p}; });
+    }
+    block.points.clear();
+    block.cam_from_world.clear();
+    return block;
+  }
+};
+
+TEST(Approximate, FindsEveryPoseAndPointFromControlOfTheFirstImages) {
+  const Scene scene;
+  Block block = scene.with_control({0, 2, 4, 6, 8, 10});
+  const auto found = approximate(block, 1);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->resected.size(), 4u);
+  EXPECT_TRUE(found->without_pose.empty());
+  ASSERT_EQ(block.cam_from_world.size(), 4u);
+  for (const auto& [id, pose] : scene.truth.cam_from_world)
+    EXPECT_LT((centre_of(block.cam_from_world.at(id)) - centre_of(pose)).norm(), 1e-5);
+  EXPECT_GT(block.points.size(), 10u);
+  for (const auto& [id, point] : block.points)
+    EXPECT_LT((point.position_in_world - scene.truth.points.at(id).position_in_world).norm(), 1e-5);
+}
+
+TEST(Approximate, NamesWhatItCannotFind) {
+  const Scene scene;
+  Block block = scene.with_control({0, 2, 4, 6, 8, 10});
+  block.images[{9}] = {.file = "far away", .camera = {0}};
+  block.observations.push_back({{9}, {50}, 0, {700, 700}, 1});
+  block.observations.push_back({{9}, {51}, 0, {800, 700}, 1});
+  const auto found = approximate(block, 1);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->without_pose, std::vector<ImageId>{{9}});
+  EXPECT_EQ(found->without_place, (std::vector<PointId>{{50}, {51}}));
+}
+
+TEST(Approximate, SaysWhenThereIsNothingToBeginAt) {
+  const Scene scene;
+  Block block = scene.with_control({0, 2});
+  const auto found = approximate(block, 1);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, Errc::kIllPosed);
+  EXPECT_NE(found.error().message.find("four measured control points"), std::string::npos);
+}
+
+// What is known stays as it is given.
+TEST(Approximate, LeavesGivenValuesAlone) {
+  const Scene scene;
+  Block block = scene.truth;
+  block.cam_from_world.erase({3});
+  block.points[{0}].position_in_world += Eigen::Vector3d(0.5, 0, 0);
+  const Block before = block;
+  ASSERT_TRUE(approximate(block, 1));
+  EXPECT_EQ(block.points.at({0}).position_in_world, before.points.at({0}).position_in_world);
+  EXPECT_EQ(block.cam_from_world.at({0}).translation, before.cam_from_world.at({0}).translation);
+  EXPECT_EQ(block.cam_from_world.size(), 4u);
+}
+
+}  // namespace
+}  // namespace collinea
