@@ -123,6 +123,16 @@ struct ControlDifference {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using MatrixPd = Eigen::Matrix<double, Camera::kParams, Camera::kParams>;
 
+/// Something that the observations determine badly or not at all, in words.
+struct Weakness {
+  /// no_datum, datum_defect, weak_turn, weak_scale, focal_and_height, camera_and_tilt, parameter_not_determined,
+  /// scale_drifts, loose_images, no_base, images_left_out, weak_images
+  std::string code;
+  std::string what, cure;
+  double size = 0;  ///< motions, parameters or images; of a weak motion its standard deviation, of a mixture its
+                    ///< correlation
+};
+
 /// The outcome of a bundle adjustment. Residuals are observed minus computed.
 struct Adjusted {
   std::map<ImageId, Rigid3> cam_from_world;                 ///< of the images that moved
@@ -154,6 +164,7 @@ struct Adjusted {
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points
   std::string undetermined;
+  std::vector<Weakness> weaknesses;        ///< with covariances; none: everything is well determined
   std::optional<Reliability> reliability;  ///< when asked for and everything is determined
 };
 

@@ -103,6 +103,13 @@ Eigen::Matrix3d PointSystem::with_own(const Eigen::Matrix3d& quadratic) const {
   return middle;
 }
 
+void PointSystem::add_following(const Eigen::Vector3d& direction, Eigen::VectorXd& by_reduced) const {
+  Eigen::Vector3d forward = direction;  // L^-1 direction
+  normals_.forward(forward.data());
+  for (const Group& group : groups_)
+    by_reduced.segment(group.row, group.count) -= z_.middleRows(group.first, group.count) * forward;
+}
+
 Eigen::Matrix3d PointSystem::covariance(TileCholesky& inverse) const {
   return with_own(z_.transpose() * local(inverse) * z_);
 }

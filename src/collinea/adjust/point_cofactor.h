@@ -30,6 +30,8 @@ class PointSystem {
   /// Cofactors of the adjusted measurement of every ray in the order they were added, in units of its weight: the
   /// diagonal blocks of the hat matrix, A N^-1 A' P.
   [[nodiscard]] std::vector<Eigen::Matrix2d> leverages(TileCholesky& inverse) const;
+  /// Adds to `by_reduced` how the point follows the reduced unknowns along a direction: -direction' L^-T Z'.
+  void add_following(const Eigen::Vector3d& direction, Eigen::VectorXd& by_reduced) const;
   /// False when the rays and coordinates do not fix the point.
   [[nodiscard]] bool determined() const;
 

@@ -73,6 +73,8 @@ struct GivenUp {
 struct DatumConstraint {
   std::vector<int> poses;
   std::vector<std::array<double, 6>> direction;  ///< one for each pose: rotation in the camera frame, centre
+  Eigen::Matrix<double, 7, 1> motion{};          ///< of the whole part, see motion_of
+  int part = 0;
 };
 
 /// The structure of an adjustment: flat tables of numbers, nothing that changes with the iterations.

@@ -38,6 +38,12 @@ std::string summary(const Adjusted& adjusted) {
   html += "</tbody></table>\n";
   if (!adjusted.undetermined.empty())
     html += "<p>There are no standard deviations: " + escaped(adjusted.undetermined) + ".</p>\n";
+  if (!adjusted.weaknesses.empty()) {
+    html += "<h2>What is weak</h2>\n<ul>";
+    for (const Weakness& weak : adjusted.weaknesses)
+      html += "<li>" + escaped(weak.what) + ".<br>Cure: " + escaped(weak.cure) + ".</li>\n";
+    html += "</ul>\n";
+  }
   return html + "</section>\n";
 }
 
