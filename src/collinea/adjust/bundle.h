@@ -179,7 +179,8 @@ struct Adjusted {
 ///
 /// Datum: a part of the block whose place, attitude or scale nothing fixes keeps them: every step is orthogonal to the
 /// motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do not
-/// depend on that choice; covariances refer to that datum.
+/// depend on that choice. Covariances of poses and points refer to the datum of all tie points of the part (inner
+/// constraints over them: the least trace there is).
 ///
 /// Points with fewer than two rays (one for held points and for control known on three axes) and images with fewer than
 /// three measured points take no part. Errors: kBadInput (options, sigmas not positive, coordinates with finite sigmas

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collinea/adjust/control_prediction.h"
+#include "collinea/adjust/free_network.h"
 #include "collinea/adjust/normals.h"
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
@@ -49,6 +50,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   }
   TileCholesky& matrix = *factor;
   weaknesses.look_at_correlations(matrix);
+  const FreeNetwork free_network(problem, state, matrix);
   predict_check_points(block, problem, state, matrix, run, adjusted);
   matrix.invert(run);
   if (run.stopped()) return;
@@ -57,7 +59,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
     Matrix6d to_world = Matrix6d::Identity();
     to_world.topLeftCorner<3, 3>() = state.rotations[i].conjugate().toRotationMatrix();
     adjusted.pose_covariance[problem.images[i].id] =
-        to_world * block_of(matrix, 6 * i, 6, 6 * i, 6) * to_world.transpose();
+        free_network.of_pose(to_world * block_of(matrix, 6 * i, 6, 6 * i, 6) * to_world.transpose(), i, to_world);
   }
   weaknesses.look_at_images();
   for (const ProblemCamera& camera : problem.cameras) {
@@ -79,7 +81,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   parallel_for(run, problem.point_count(), [&](std::size_t p) {
     if (problem.point(p).held || problem.point(p).control >= 0) return;
     adjusted.point_covariance[place.at(PointId{problem.point(p).id})] =
-        PointSystem(problem, state, p).covariance(matrix);
+        free_network.of_point(PointSystem(problem, state, p).covariance(matrix), p);
   });
 }
 

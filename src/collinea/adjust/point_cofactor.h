@@ -23,6 +23,10 @@ class PointSystem {
   /// After the last ray. Held points have no unknowns of their own.
   void close(bool held, const ControlCoordinates* control, const double* position);
 
+  /// V^-1 b, V being the point's own normal matrix.
+  [[nodiscard]] Eigen::Vector3d solve_own(Eigen::Vector3d b) const;
+  /// How the point follows the reduced unknowns: -L^-T Z' x.
+  [[nodiscard]] Eigen::Vector3d follow(const double* reduced) const;
   /// Covariance of the point, by the selected inverse: L^-T (I + Z' Q Z) L^-1.
   [[nodiscard]] Eigen::Matrix3d covariance(TileCholesky& inverse) const;
   /// The same by three solutions with the Cholesky factor: for points whose images share no tile of the inverse.

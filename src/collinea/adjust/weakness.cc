@@ -29,19 +29,15 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWeakMotion = 5;
 // A parameter that owes half of its information, and more, to its weak observation.
 constexpr double kShareOfPrior = 0.5;
-// A motion whose standard deviation the camera's parameters enlarge so many times: a correlation of 0.98 with them.
-constexpr double kInflation = 5;
+// A motion whose standard deviation the camera's parameters enlarge so many times: a correlation of 0.995 with them.
+// (Principal point and tilt have 0.97 in any block whose images look down.)
+constexpr double kInflation = 10;
 constexpr double kWeakImage = 10;      // times the median standard deviation
 constexpr double kDepthUnknown = 0.3;  // standard deviation of the distance to a point over the distance
 constexpr std::size_t kMostCameras = 3, kSampledPoints = 300, kNamed = 6;
 
 Eigen::Vector3d centre_in(const State& state, std::size_t image) {
   return Eigen::Map<const Eigen::Vector3d>(state.frames[image].data() + 9);
-}
-
-Eigen::Vector3d axis_of(const State& state, std::size_t image) {
-  const Frame& frame = state.frames[image];
-  return {frame[6], frame[7], frame[8]};
 }
 
 std::string direction_text(const Eigen::Vector3d& axis) {
@@ -83,7 +79,8 @@ void WeaknessFinder::look_at_observations() {
       names.push_back(block_.images.at(adjusted_.images_left_out[i]).file);
     if (adjusted_.images_left_out.size() > kNamed)
       names.push_back(fmt::format("{} more", adjusted_.images_left_out.size() - kNamed));
-    add("images_left_out", joined(names) + " cannot be determined: fewer than three of their points are known elsewhere",
+    add("images_left_out",
+        joined(names) + " cannot be determined: fewer than three of their points are known elsewhere",
         "measure more tie points that they share with other images, or control in them",
         static_cast<double>(adjusted_.images_left_out.size()));
   }
@@ -116,8 +113,9 @@ void WeaknessFinder::look_at_observations() {
     if (points[i] > 0 && 2 * deep[i] > points[i]) turned.push_back(i);
   if (!turned.empty())
     add("no_base",
-        files(turned) + " look from nearly one place: turned only, so that the distances of their points, and the scale "
-                        "of what hangs on them, are not determined",
+        files(turned) +
+            " look from nearly one place: turned only, so that the distances of their points, and the scale "
+            "of what hangs on them, are not determined",
         "images of the same things from other places, at a tenth of the distance and more apart; or leave these out",
         static_cast<double>(turned.size()));
 }
@@ -125,8 +123,7 @@ void WeaknessFinder::look_at_observations() {
 // The motions that nothing observes: first what turns and scales, then what is only shifted.
 void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole) {
   const auto count = static_cast<int>(unseen.size());
-  const std::string which =
-      whole ? "" : fmt::format(" of the part with {}", files({unseen.front()->poses.front()}));
+  const std::string which = whole ? "" : fmt::format(" of the part with {}", files({unseen.front()->poses.front()}));
   if (count == 7) {
     add("no_datum", "nothing fixes place, attitude and scale" + which + ": a free network",
         "three control points off one line, positions of three images off one line, or (for the scale alone) a known "
@@ -148,6 +145,7 @@ void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unse
       ++surveyed;
       names.push_back(block_.control.at(ControlId{problem_.point(p).id}).name);
     }
+  std::sort(names.begin(), names.end());
   const bool alone = problem_.positions.empty();
   if (rank > 0) {
     if (space.row(3).norm() > 0.3) {
@@ -156,7 +154,8 @@ void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unse
     }
     const Eigen::JacobiSVD<Eigen::MatrixXd> axes(space.topRows(3), Eigen::ComputeFullU);
     int turns = 0;
-    while (turns < std::min<int>(3, static_cast<int>(axes.singularValues().size())) && axes.singularValues()[turns] > 0.3)
+    while (turns < std::min<int>(3, static_cast<int>(axes.singularValues().size())) &&
+           axes.singularValues()[turns] > 0.3)
       ++turns;
     const bool upright = turns == 2 && std::abs(axes.matrixU()(2, 2)) > 0.9;
     if (turns == 3) {
@@ -260,7 +259,8 @@ void WeaknessFinder::look_at_loose_images(const Run& run, Normals& normals) {
   for (int round = 0; round < kRounds; ++round)
     for (int k = 0; k < kVectors; ++k) {
       std::vector<double> x(size, 0.0);
-      for (std::size_t i = 0; i < size; ++i) x[i] = weights[static_cast<Eigen::Index>(i)] * vectors(static_cast<Eigen::Index>(i), k);
+      for (std::size_t i = 0; i < size; ++i)
+        x[i] = weights[static_cast<Eigen::Index>(i)] * vectors(static_cast<Eigen::Index>(i), k);
       factor->solve(x.data());
       vectors.col(k) = Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(size));
       for (int other = 0; other < k; ++other)
@@ -348,9 +348,10 @@ void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
     const Eigen::Vector3d axis = motion.head<3>().normalized();
     const double reference = reference_sigma(!scales && std::abs(axis.z()) < 0.7);
     if (!(reference > 0) || !(sigma * size > kWeakMotion * reference)) continue;
-    const std::string known = fmt::format("which shifts what lies {:.3g} m from the middle by {:.2g} m, while what fixes "
-                                          "it is known to {:.2g} m",
-                                          size, sigma * size, reference);
+    const std::string known = fmt::format(
+        "which shifts what lies {:.3g} m from the middle by {:.2g} m, while what fixes "
+        "it is known to {:.2g} m",
+        size, sigma * size, reference);
     if (scales)
       add("weak_scale", fmt::format("the scale is known to {:.2g} only, {}", sigma, known),
           "a longer known distance, control farther apart, or positions of images", sigma);
@@ -391,7 +392,7 @@ void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t numb
     decentred |= param == Camera::kCx || param == Camera::kCy || param == Camera::kP1 || param == Camera::kP2;
   }
   // Motions of the images that imitate the camera: the distance of the object, tilts about its two axes.
-  std::vector<Eigen::VectorXd> motions(3, Eigen::VectorXd::Zero(first + free));
+  std::vector<Eigen::VectorXd> motions(5, Eigen::VectorXd::Zero(first + free));
   double images = 0;
   for (int i = 0; i < problem_.poses; ++i) {
     if (problem_.images[i].camera != static_cast<int>(number)) continue;
@@ -411,22 +412,28 @@ void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t numb
     if (problem_.images[image].camera != static_cast<int>(number)) continue;
     const PointSystem system(problem_, state_, p);
     if (!system.determined()) continue;
-    const Eigen::Vector3d axis = axis_of(state_, static_cast<std::size_t>(image));
-    system.add_following(axis, motions[0]);
-    for (int c = 0; c < 3; ++c) motions[0][6 * image + 3 + c] -= axis[c];
+    for (int across = 0; across < 3; ++across) {  // along the optical axis, to the right, down
+      const Frame& frame = state_.frames[static_cast<std::size_t>(image)];
+      const double* row = frame.data() + (across == 0 ? 6 : 3 * (across - 1));
+      Eigen::VectorXd& motion = motions[across == 0 ? 0 : static_cast<std::size_t>(across) + 2];
+      system.add_following(Eigen::Vector3d(row), motion);
+      for (int c = 0; c < 3; ++c) motion[6 * image + 3 + c] -= row[c];
+    }
     ++sampled;
   }
-  if (sampled > 0) motions[0] /= sampled;
-  constexpr const char* kMotions[] = {"the distance between images and object", "the tilt of the images about their x axis",
-                                      "the tilt of the images about their y axis"};
+  if (sampled > 0)
+    for (const std::size_t m : {0, 3, 4}) motions[m] /= sampled;
+  const std::size_t compared = sampled > 0 ? motions.size() : 0;
+  constexpr const char* kMotions[] = {
+      "the distance between images and object", "the tilt of the images about their x axis",
+      "the tilt of the images about their y axis", "the place of the images along their x axis",
+      "the place of the images along their y axis"};
   const Eigen::MatrixXd weights = q.inverse();
   std::vector<std::string> imitating;
-  for (std::size_t m = 0; m < motions.size(); ++m) {
-    if (motions[m].size() != first + free || (m == 0 && sampled == 0)) continue;
+  for (std::size_t m = 0; m < compared; ++m) {
     std::vector<double> right(motions[m].data(), motions[m].data() + motions[m].size());
     const std::vector<double> x = solved(factor, std::move(right));
-    const double variance =
-        motions[m].dot(Eigen::Map<const Eigen::VectorXd>(x.data(), motions[m].size()));
+    const double variance = motions[m].dot(Eigen::Map<const Eigen::VectorXd>(x.data(), motions[m].size()));
     const Eigen::VectorXd with_camera = Eigen::Map<const Eigen::VectorXd>(x.data() + first, free);
     const double left = variance - with_camera.dot(weights * with_camera);
     if (!(variance > kInflation * kInflation * std::max(left, 0.0))) continue;
@@ -436,16 +443,17 @@ void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t numb
       const double correlation = with_camera[k] / std::sqrt(variance * q(k, k));
       strongest = std::max(strongest, std::abs(correlation));
       if (std::abs(correlation) > 0.8)
-        mixed.push_back(fmt::format("{} ({:+.3f})", Camera::kParamNames[camera.free[static_cast<std::size_t>(k)]],
-                                    correlation));
+        mixed.push_back(
+            fmt::format("{} ({:+.3f})", Camera::kParamNames[camera.free[static_cast<std::size_t>(k)]], correlation));
     }
     if (mixed.empty()) mixed.push_back("its parameters together");
     const double times = std::sqrt(variance / std::max(left, 1e-12 * variance));
     imitating.push_back(kMotions[m]);
     add(m == 0 ? "focal_and_height" : "camera_and_tilt",
-        fmt::format("{} and {} of camera {} can hardly be separated (correlation): {} is known {:.0f} times worse than "
-                    "with a known camera",
-                    kMotions[m], joined(mixed), name, m == 0 ? "it" : "the tilt", times),
+        fmt::format(
+            "{} and {} of camera {} can hardly be separated (correlations in brackets): the former is known {:.0f} "
+            "times worse than with a known camera",
+            kMotions[m], joined(mixed), name, times),
         m == 0 ? "images at different heights or oblique ones, control or relief at different heights, or a calibrated "
                  "camera (--calibration none)"
                : "strips flown across or back (images turned by 90 and 180 degrees), relief, or fewer parameters",
@@ -453,14 +461,15 @@ void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t numb
   }
   if (!owed.empty())
     add("parameter_not_determined",
-        fmt::format("the measurements do not determine {} of camera {}: {} owe what they are to the values assumed before"
+        fmt::format("the measurements do not determine {} of camera {}: {} the value to what was assumed before"
                     "{}",
-                    joined(owed), name, owed.size() > 1 ? "they" : "it",
+                    joined(owed), name, owed.size() > 1 ? "they owe" : "it owes",
                     focal && !imitating.empty() ? "; height and focal length cannot be separated" : ""),
-        focal ? "images at different heights or oblique ones, relief, control at different heights, or a calibrated camera"
-        : decentred
-            ? "images turned by 90 and 180 degrees about their axes, relief, or fewer parameters (--calibration focal_radial)"
-            : "points out to the corners of the images, or fewer parameters (--calibration focal)",
+        focal ? "images at different heights or oblique ones, relief, control at different heights, or a calibrated "
+                "camera"
+        : decentred ? "images turned by 90 and 180 degrees about their axes, relief, or fewer parameters "
+                      "(--calibration focal_radial)"
+                    : "points out to the corners of the images, or fewer parameters (--calibration focal)",
         static_cast<double>(owed.size()));
 }
 
