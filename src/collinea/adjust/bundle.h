@@ -125,7 +125,7 @@ using MatrixPd = Eigen::Matrix<double, Camera::kParams, Camera::kParams>;
 
 /// Something that the observations determine badly or not at all, in words.
 struct Weakness {
-  /// no_datum, datum_defect, weak_turn, weak_scale, focal_and_height, camera_and_tilt, parameter_not_determined,
+  /// no_datum, datum_defect, weak_turn, weak_scale, focal_and_height, camera_and_pose, parameter_not_determined,
   /// scale_drifts, loose_images, no_base, images_left_out, weak_images
   std::string code;
   std::string what, cure;

@@ -32,7 +32,7 @@ constexpr double kShareOfPrior = 0.5;
 // A motion whose standard deviation the camera's parameters enlarge so many times: a correlation of 0.995 with them.
 // (Principal point and tilt have 0.97 in any block whose images look down.)
 constexpr double kInflation = 10;
-constexpr double kWeakImage = 10;      // times the median standard deviation
+constexpr double kWeakImage = 5;       // times the median standard deviation
 constexpr double kDepthUnknown = 0.3;  // standard deviation of the distance to a point over the distance
 constexpr std::size_t kMostCameras = 3, kSampledPoints = 300, kNamed = 6;
 
@@ -296,13 +296,17 @@ std::vector<double> WeaknessFinder::solved(const TileCholesky& factor, std::vect
 }
 
 void WeaknessFinder::look_at_correlations(const TileCholesky& factor) {
-  if (problem_.poses > 1) look_at_motions(factor);
   std::vector<std::size_t> images(problem_.cameras.size(), 0), order(problem_.cameras.size());
   for (int i = 0; i < problem_.poses; ++i) ++images[problem_.images[i].camera];
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return images[a] > images[b]; });
   for (std::size_t k = 0; k < std::min(kMostCameras, order.size()); ++k)
     if (!problem_.cameras[order[k]].free.empty() && images[order[k]] > 0) look_at_camera(factor, order[k]);
+  // What a camera leaves open moves the block too: that is named already.
+  const bool by_camera = std::any_of(adjusted_.weaknesses.begin(), adjusted_.weaknesses.end(), [](const Weakness& w) {
+    return w.code == "focal_and_height" || w.code == "camera_and_pose" || w.code == "parameter_not_determined";
+  });
+  if (problem_.poses > 1 && !by_camera) look_at_motions(factor);
 }
 
 // The median standard deviation of what fixes plan or height: control, where there are three and more, else positions.
@@ -449,7 +453,7 @@ void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t numb
     if (mixed.empty()) mixed.push_back("its parameters together");
     const double times = std::sqrt(variance / std::max(left, 1e-12 * variance));
     imitating.push_back(kMotions[m]);
-    add(m == 0 ? "focal_and_height" : "camera_and_tilt",
+    add(m == 0 ? "focal_and_height" : "camera_and_pose",
         fmt::format(
             "{} and {} of camera {} can hardly be separated (correlations in brackets): the former is known {:.0f} "
             "times worse than with a known camera",
@@ -491,7 +495,7 @@ void WeaknessFinder::look_at_images() {
     if (sigma > kWeakImage * typical) weak.push_back(image);
   if (weak.empty()) return;
   add("weak_images",
-      fmt::format("{} {} more than ten times worse than the others: {:.2g} m against {:.2g} m", files(weak),
+      fmt::format("{} {} more than five times worse than the others: {:.2g} m against {:.2g} m", files(weak),
                   weak.size() > 1 ? "are known" : "is known", sigmas.front().first * sigma_scale(adjusted_),
                   typical * sigma_scale(adjusted_)),
       "more tie points, well spread over them, that other images see too", sigmas.front().first / typical);

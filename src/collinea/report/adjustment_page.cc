@@ -149,6 +149,7 @@ std::string adjustment_page(const AdjustmentReport& report) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);
   }
+  html += residual_section(report);
   return html +
          "<footer>All figures are also in adjustment.json and the tables beside it.</footer>\n</main></body></html>\n";
 }
