@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+
 #include "collinea/base/options.h"
 #include "collinea/pipeline/project.h"
 
@@ -23,9 +25,9 @@ struct AdjustProjectOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = AdjustProjectOptions;
-    visit(
-        Field{"calibration", &O::calibration, "",
-              "free camera parameters: auto (those of orient) | none | focal | focal_radial | brown | brown_affinity"});
+    visit(Field{"calibration", &O::calibration, "",
+                "free camera parameters: auto (those of orient, or of the file) | none | focal | focal_radial | brown "
+                "| brown_affinity"});
     visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions: none | huber | cauchy"});
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
@@ -49,5 +51,18 @@ struct AdjustProjectOptions {
 /// Adjusts the oriented block of a project once more and writes report and tables to PROJECT/adjustment. The project
 /// itself stays as it is. Answers a line for the user. Errors: not oriented yet; those of adjust().
 [[nodiscard]] Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& options);
+
+/// Writes what adjust_project would adjust, as a text file that adjust_file reads. Errors: not oriented yet, disk.
+Result<> export_adjustment(const Project& project, const AdjustProjectOptions& options,
+                           const std::filesystem::path& file);
+
+/// Adjusts measurements without a project: finds approximate values that are missing, and writes to `folder` what
+/// adjust_project writes. A named set of free parameters takes the place of what the file says, but for the standard
+/// deviations of those it frees. Errors: the file's, with its name and line; nothing to begin at; those of adjust().
+[[nodiscard]] Result<std::string> adjust_file(const std::filesystem::path& file, const std::filesystem::path& folder,
+                                              const AdjustProjectOptions& options, const Run& run);
+
+/// The file in our own format, whatever it was in: "converted".
+Result<> convert_adjustment(const std::filesystem::path& file, const std::filesystem::path& converted);
 
 }  // namespace collinea

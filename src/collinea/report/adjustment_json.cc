@@ -18,6 +18,30 @@ json control(const AdjustmentReport& report) {
   return list;
 }
 
+// Of each parameter its value, standard deviation and correlations with those that are free.
+json cameras(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const auto& [id, camera] : report.block.cameras) {
+    json one = {{"name", camera.name}, {"model", kCameraModelNames[std::size_t(camera.model)]}};
+    const auto covariance = report.adjusted.camera_covariance.find(id);
+    const bool known = covariance != report.adjusted.camera_covariance.end();
+    const auto sigma = [&](int k) { return known ? std::sqrt(covariance->second(k, k)) : 0; };
+    for (int k = 0; k < Camera::kParams; ++k) {
+      const std::string name(Camera::kParamNames[std::size_t(k)]);
+      one["parameters"][name] = {{"value", number(camera.params[std::size_t(k)])},
+                                 {"unit", Camera::kParamUnits[std::size_t(k)]}};
+      if (!(sigma(k) > 0)) continue;
+      one["parameters"][name]["sigma"] = number(sigma(k) * sigma_scale(report.adjusted));
+      for (int other = 0; other < k; ++other)
+        if (sigma(other) > 0)
+          one["correlations"][name][std::string(Camera::kParamNames[std::size_t(other)])] =
+              number(covariance->second(k, other) / (sigma(k) * sigma(other)));
+    }
+    list.push_back(one);
+  }
+  return list;
+}
+
 json tested(const std::vector<TestedObservation>& observations, const Block& block) {
   json list = json::array();
   for (const TestedObservation& one : observations)
@@ -82,6 +106,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"datum", adjusted.datum},
             {"converged", adjusted.converged},
             {"undetermined", adjusted.undetermined},
+            {"cameras", cameras(report)},
             {"control_points", control(report)}};
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
   j["residuals"] = residual_json(report);
