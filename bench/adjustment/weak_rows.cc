@@ -12,6 +12,8 @@
 namespace collinea::bench {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 // Exact image points of where everything is now; what is no longer seen goes.
 void project_again(Block& block) {
   const auto move = [&](auto& seen, const Eigen::Vector3d& place) {
@@ -58,7 +60,6 @@ struct Case {
 };
 
 std::vector<Case> cases() {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   return {
       {"no datum", "no_datum", "none", Layout::kRing, 0, [](Block&) {}},
       {"one control point (scale, attitude)", "datum_defect", "none", Layout::kRing, 1, [](Block&) {}},

@@ -100,10 +100,12 @@ Block flat_nadir(int control, double middle = 1, double spacing_m = 15) {
   }
   measure_again(block);
   const Camera& camera = block.cameras.begin()->second;
-  std::erase_if(block.observations, [&](const Observation& seen) {
+  const auto outside = [&](const auto& seen) {
     return (seen.pixel - Eigen::Vector2d(camera.params[Camera::kCx], camera.params[Camera::kCy])).norm() >
            middle * camera.width_px;
-  });
+  };
+  std::erase_if(block.observations, outside);
+  std::erase_if(block.control_observations, outside);
   return block;
 }
 
