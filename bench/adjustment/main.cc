@@ -2,7 +2,8 @@
 // What the adjustment says of itself, held against simulated truth: the table that README.md beside it shows.
 //
 // usage: collinea_bench_adjustment [--quick] [--threads N] [--blocks N] [--only WORD]
-// --quick: a tenth of the blocks and of the large block. --only: truth, inverse, free, blunders, components, speed.
+// --quick: a tenth of the blocks and of the large block. --only: inverse, free, truth, components, blunders, weak,
+// speed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
                                                                  {"truth", [&] { return true_errors(effort, run); }},
                                                                  {"components", [&] { return variance_components(effort, run); }},
                                                                  {"blunders", [&] { return blunders(effort, run); }},
+                                                                 {"weak", [&] { return weak_blocks(run); }},
                                                                  {"speed", [&] { return large_block(effort, run); }}};
   bool ok = true;
   fmt::print("| what | must show | measured | ok |\n|---|---|---|---|\n");

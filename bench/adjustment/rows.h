@@ -27,6 +27,7 @@ struct Effort {
 [[nodiscard]] Rows free_network(const Run& run);
 [[nodiscard]] Rows blunders(const Effort& effort, const Run& run);
 [[nodiscard]] Rows variance_components(const Effort& effort, const Run& run);
+[[nodiscard]] Rows weak_blocks(const Run& run);
 [[nodiscard]] Rows large_block(const Effort& effort, const Run& run);
 
 }  // namespace collinea::bench

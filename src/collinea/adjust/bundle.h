@@ -135,6 +135,16 @@ struct ControlDifference {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using MatrixPd = Eigen::Matrix<double, Camera::kParams, Camera::kParams>;
 
+/// Something that the observations determine badly or not at all, in words.
+struct Weakness {
+  /// no_datum, datum_defect, weak_turn, weak_scale, focal_and_height, camera_and_pose, parameter_not_determined,
+  /// scale_drifts, loose_images, no_base, images_left_out, weak_images
+  std::string code;
+  std::string what, cure;
+  double size = 0;  ///< motions, parameters or images; of a weak motion its standard deviation, of a mixture its
+                    ///< correlation
+};
+
 /// The outcome of a bundle adjustment. Residuals are observed minus computed.
 struct Adjusted {
   std::map<ImageId, Rigid3> cam_from_world;                 ///< of the images that moved
@@ -166,6 +176,7 @@ struct Adjusted {
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points
   std::string undetermined;
+  std::vector<Weakness> weaknesses;        ///< with covariances; none: everything is well determined
   std::optional<Reliability> reliability;  ///< when asked for and everything is determined
 };
 
@@ -183,7 +194,8 @@ struct Adjusted {
 ///
 /// Datum: a part of the block whose place, attitude or scale nothing fixes keeps them: every step is orthogonal to the
 /// motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do not
-/// depend on that choice; covariances refer to that datum.
+/// depend on that choice. Covariances of poses and points refer to the datum of all tie points of the part (inner
+/// constraints over them: the least trace there is).
 ///
 /// Points with fewer than two rays (one for held points and for control known on three axes) and images with fewer than
 /// three measured points take no part. Errors: kBadInput (options, sigmas not positive, coordinates with finite sigmas

@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include "collinea/adjust/control_prediction.h"
+#include "collinea/adjust/free_network.h"
 #include "collinea/adjust/normals.h"
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
+#include "collinea/adjust/weakness.h"
 #include "collinea/base/parallel.h"
 
 namespace collinea::bundle {
@@ -35,15 +37,20 @@ Eigen::MatrixXd block_of(TileCholesky& inverse, int row, int rows, int column, i
 
 void add_covariances(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
                      const Run& run, Normals& normals, Adjusted& adjusted) {
+  WeaknessFinder weaknesses(block, problem, state, adjusted);
+  weaknesses.look_at_observations();
   normals.accumulate(state, 0, run, kDatumStiffness);
   int failed_row = -1;
   std::optional<TileCholesky> factor = normals.factor(run, kLeastPivot, failed_row);
   if (run.stopped()) return;
   if (!factor) {
     adjusted.undetermined = name_of_unknown(block, problem, failed_row) + " is not determined by the observations";
+    weaknesses.look_at_loose_images(run, normals);
     return;
   }
   TileCholesky& matrix = *factor;
+  weaknesses.look_at_correlations(matrix);
+  const FreeNetwork free_network(problem, state, matrix);
   predict_check_points(block, problem, state, matrix, run, adjusted);
   matrix.invert(run);
   if (run.stopped()) return;
@@ -52,8 +59,9 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
     Matrix6d to_world = Matrix6d::Identity();
     to_world.topLeftCorner<3, 3>() = state.rotations[i].conjugate().toRotationMatrix();
     adjusted.pose_covariance[problem.images[i].id] =
-        to_world * block_of(matrix, 6 * i, 6, 6 * i, 6) * to_world.transpose();
+        free_network.of_pose(to_world * block_of(matrix, 6 * i, 6, 6 * i, 6) * to_world.transpose(), i, to_world);
   }
+  weaknesses.look_at_images();
   for (const ProblemCamera& camera : problem.cameras) {
     if (camera.free.empty()) continue;
     MatrixPd covariance = MatrixPd::Zero();
@@ -73,7 +81,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   parallel_for(run, problem.point_count(), [&](std::size_t p) {
     if (problem.point(p).held || problem.point(p).control >= 0) return;
     adjusted.point_covariance[place.at(PointId{problem.point(p).id})] =
-        PointSystem(problem, state, p).covariance(matrix);
+        free_network.of_point(PointSystem(problem, state, p).covariance(matrix), p);
   });
 }
 

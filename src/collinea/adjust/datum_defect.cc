@@ -141,7 +141,7 @@ std::vector<int> spread_poses(const Part& part, const State& state) {
 // The motion `unseen` of the whole part as a motion of single poses; inner product in units of angle and size.
 DatumConstraint constraint(const Part& part, const State& state, const std::vector<int>& poses,
                            const Eigen::Matrix<double, 7, 1>& unseen) {
-  DatumConstraint result{poses, {}};
+  DatumConstraint result{poses, {}, {}, part.centre, part.size, 0};
   double squared = 0;
   for (const int pose : poses) {
     // A world turned by w turns cam_from_world by -R w in the camera frame.
@@ -182,6 +182,7 @@ void find_datum(Problem& problem, const State& start) {
   int count = 0;
   std::vector<int> part_of_point;
   const std::vector<int> part = parts_of(problem, part_of_point, count);
+  problem.part_of_pose = part;
   std::vector<Part> parts(count);
   for (int i = 0; i < problem.poses; ++i) parts[part[i]].poses.push_back(i);
   measure(parts, problem, start, part);
@@ -193,6 +194,8 @@ void find_datum(Problem& problem, const State& start) {
     const std::vector<int> poses = spread_poses(one, start);
     for (int k = 0; k < 7 && eigen.eigenvalues()[k] <= kSeen * largest; ++k) {
       problem.datum.push_back(constraint(one, start, poses, eigen.eigenvectors().col(k)));
+      problem.datum.back().motion = eigen.eigenvectors().col(k);
+      problem.datum.back().part = static_cast<int>(&one - parts.data());
       ++problem.rank_defect;
     }
   }

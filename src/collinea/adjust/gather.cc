@@ -248,7 +248,9 @@ class Gatherer {
     const auto takes_part = [](const auto& one) { return !one.out; };
     if (block_.cam_from_world.empty()) return fail(Errc::kIllPosed, "no image is oriented: there is nothing to adjust");
     if (std::none_of(points_.begin(), points_.end(), takes_part))
-      return fail(Errc::kIllPosed, "no point is measured in two images that take part: there is nothing to adjust");
+      return fail(Errc::kIllPosed,
+                  "no point is measured in two images that take part: there is nothing to adjust. Measure tie "
+                  "points in a second image, or control points known in plan and height");
     if (std::none_of(candidates_.begin(), candidates_.end(), [](const Candidate& c) { return c.free && !c.out; }) &&
         options_.calibration == "none" && scope_.camera_sigmas.empty() && std::all_of(points_.begin(), points_.end(), [](auto& p) { return p.held; }))
       return fail(Errc::kIllPosed, "every image, camera and point is held: there is nothing to adjust");

@@ -25,6 +25,8 @@ class Normals {
   double accumulate(const State& state, double lambda, const Run& run, double datum_stiffness = 1);
   /// Solves for poses and cameras. False when the matrix is not positive definite.
   [[nodiscard]] bool solve(const Run& run, Step& step);
+  /// The diagonal that was damped.
+  [[nodiscard]] const std::vector<double>& diagonal() const { return diagonal_; }
   /// The factor of the matrix; nothing when it is not positive definite, see TileCholesky::factor.
   [[nodiscard]] std::optional<TileCholesky> factor(const Run& run, double least_pivot, int& failed_row) {
     return kept_.take(matrix_, pattern_, run, least_pivot, failed_row);

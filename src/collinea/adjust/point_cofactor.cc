@@ -103,6 +103,28 @@ Eigen::Matrix3d PointSystem::with_own(const Eigen::Matrix3d& quadratic) const {
   return middle;
 }
 
+Eigen::Vector3d PointSystem::solve_own(Eigen::Vector3d b) const {
+  normals_.forward(b.data());
+  normals_.backward(b.data());
+  return b;
+}
+
+Eigen::Vector3d PointSystem::follow(const double* reduced) const {
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+  for (const Group& group : groups_)
+    moved -= z_.middleRows(group.first, group.count).transpose() *
+             Eigen::Map<const Eigen::VectorXd>(reduced + group.row, group.count);
+  normals_.backward(moved.data());
+  return moved;
+}
+
+void PointSystem::add_following(const Eigen::Vector3d& direction, Eigen::VectorXd& by_reduced) const {
+  Eigen::Vector3d forward = direction;  // L^-1 direction
+  normals_.forward(forward.data());
+  for (const Group& group : groups_)
+    by_reduced.segment(group.row, group.count) -= z_.middleRows(group.first, group.count) * forward;
+}
+
 Eigen::Matrix3d PointSystem::covariance(TileCholesky& inverse) const {
   return with_own(z_.transpose() * local(inverse) * z_);
 }

@@ -23,6 +23,10 @@ class PointSystem {
   /// After the last ray. Held points have no unknowns of their own.
   void close(bool held, const ControlCoordinates* control, const double* position);
 
+  /// V^-1 b, V being the point's own normal matrix.
+  [[nodiscard]] Eigen::Vector3d solve_own(Eigen::Vector3d b) const;
+  /// How the point follows the reduced unknowns: -L^-T Z' x.
+  [[nodiscard]] Eigen::Vector3d follow(const double* reduced) const;
   /// Covariance of the point, by the selected inverse: L^-T (I + Z' Q Z) L^-1.
   [[nodiscard]] Eigen::Matrix3d covariance(TileCholesky& inverse) const;
   /// The same by three solutions with the Cholesky factor: for points whose images share no tile of the inverse.
@@ -30,6 +34,8 @@ class PointSystem {
   /// Cofactors of the adjusted measurement of every ray in the order they were added, in units of its weight: the
   /// diagonal blocks of the hat matrix, A N^-1 A' P.
   [[nodiscard]] std::vector<Eigen::Matrix2d> leverages(TileCholesky& inverse) const;
+  /// Adds to `by_reduced` how the point follows the reduced unknowns along a direction: -direction' L^-T Z'.
+  void add_following(const Eigen::Vector3d& direction, Eigen::VectorXd& by_reduced) const;
   /// False when the rays and coordinates do not fix the point.
   [[nodiscard]] bool determined() const;
 

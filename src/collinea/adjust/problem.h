@@ -73,6 +73,10 @@ struct GivenUp {
 struct DatumConstraint {
   std::vector<int> poses;
   std::vector<std::array<double, 6>> direction;  ///< one for each pose: rotation in the camera frame, centre
+  Eigen::Matrix<double, 7, 1> motion{};          ///< of the whole part, see motion_of
+  Eigen::Vector3d centre{};
+  double size = 1;
+  int part = 0;
 };
 
 /// The structure of an adjustment: flat tables of numbers, nothing that changes with the iterations.
@@ -87,6 +91,7 @@ struct Problem {
   std::vector<GivenPosition> positions;
   std::vector<GivenUp> verticals;
   std::vector<DatumConstraint> datum;
+  std::vector<int> part_of_pose;  ///< images connected by points, as numbers of parts
   int rank_defect = 0;
   std::string datum_text;
   std::vector<ImageId> images_left_out;

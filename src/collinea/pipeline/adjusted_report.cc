@@ -40,6 +40,7 @@ Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, 
   } else {
     COLLINEA_TRY(report.adjusted, adjust(report.block, scope, options, run));
   }
+  for (const Weakness& weak : report.adjusted.weaknesses) run.say("note: " + weak.what + "; cure: " + weak.cure);
   apply(report.adjusted, report.block);
   return report;
 }

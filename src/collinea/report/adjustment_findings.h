@@ -13,6 +13,9 @@ namespace collinea {
 
 [[nodiscard]] std::string snooping_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json snooping_json(const AdjustmentReport& report);
+/// Mean residuals of tie points on a grid over the format of each camera, and how far residuals are from normal ones.
+[[nodiscard]] std::string residual_section(const AdjustmentReport& report);
+[[nodiscard]] nlohmann::ordered_json residual_json(const AdjustmentReport& report);
 [[nodiscard]] std::string taken_out_csv(const Snooped& snooped);
 
 }  // namespace collinea

@@ -109,6 +109,11 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"cameras", cameras(report)},
             {"control_points", control(report)}};
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
+  j["residuals"] = residual_json(report);
+  j["weaknesses"] = json::array();
+  for (const Weakness& weak : adjusted.weaknesses)
+    j["weaknesses"].push_back(
+        {{"code", weak.code}, {"what", weak.what}, {"cure", weak.cure}, {"size", number(weak.size)}});
   if (report.snooped) j["snooping"] = snooping_json(report);
   return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }

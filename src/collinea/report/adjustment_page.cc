@@ -38,6 +38,12 @@ std::string summary(const Adjusted& adjusted) {
   html += "</tbody></table>\n";
   if (!adjusted.undetermined.empty())
     html += "<p>There are no standard deviations: " + escaped(adjusted.undetermined) + ".</p>\n";
+  if (!adjusted.weaknesses.empty()) {
+    html += "<h2>What is weak</h2>\n<ul>";
+    for (const Weakness& weak : adjusted.weaknesses)
+      html += "<li>" + escaped(weak.what) + ".<br>Cure: " + escaped(weak.cure) + ".</li>\n";
+    html += "</ul>\n";
+  }
   return html + "</section>\n";
 }
 
@@ -143,6 +149,7 @@ std::string adjustment_page(const AdjustmentReport& report) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);
   }
+  html += residual_section(report);
   return html +
          "<footer>All figures are also in adjustment.json and the tables beside it.</footer>\n</main></body></html>\n";
 }

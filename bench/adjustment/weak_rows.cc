@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <map>
+
+#include "blocks.h"
+#include "rows.h"
+
+namespace collinea::bench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Exact image points of where everything is now; what is no longer seen goes.
+void project_again(Block& block) {
+  const auto move = [&](auto& seen, const Eigen::Vector3d& place) {
+    const auto pixel = project(block.camera_of(seen.image), block.cam_from_world.at(seen.image) * place);
+    const bool in = pixel && inside(block.camera_of(seen.image), *pixel);
+    if (in) seen.pixel = *pixel;
+    return !in;
+  };
+  std::erase_if(block.observations,
+                [&](auto& seen) { return move(seen, block.points.at(seen.point).position_in_world); });
+  std::erase_if(block.control_observations,
+                [&](auto& seen) { return move(seen, block.control.at(seen.point).position_in_world); });
+}
+
+void forget_positions(Block& block) {
+  for (auto& [id, image] : block.images) image.position.reset();
+}
+
+void keep_images(Block& block, std::uint32_t count) {
+  std::erase_if(block.cam_from_world, [&](const auto& one) { return one.first.value > count; });
+  std::erase_if(block.observations, [&](const auto& seen) { return seen.image.value > count; });
+  std::erase_if(block.control_observations, [&](const auto& seen) { return seen.image.value > count; });
+}
+
+void look_straight_down(Block& block) {
+  for (auto& [id, pose] : block.cam_from_world) {
+    Eigen::Vector3d centre = centre_of(pose);
+    centre.z() = 60;
+    pose.rotation = Eigen::Quaterniond(0, 1, 0, 0);
+    pose.translation = -(pose.rotation * centre);
+  }
+  for (auto& [id, point] : block.points) point.position_in_world.z() = 0;
+  for (auto& [id, point] : block.control) point.position_in_world.z() = 0;
+  project_again(block);
+}
+
+struct Case {
+  const char* what;
+  const char* code;
+  const char* calibration;
+  Layout layout;
+  int control;
+  std::function<void(Block&)> weaken;
+};
+
+std::vector<Case> cases() {
+  return {
+      {"no datum", "no_datum", "none", Layout::kRing, 0, [](Block&) {}},
+      {"one control point (scale, attitude)", "datum_defect", "none", Layout::kRing, 1, [](Block&) {}},
+      {"two control points (turn about their line)", "datum_defect", "none", Layout::kRing, 2, [](Block&) {}},
+      {"control without heights", "datum_defect", "none", Layout::kCrossStrips, 8,
+       [](Block& block) {
+         forget_positions(block);
+         for (auto& [id, control] : block.control) control.sigma_m.z() = kInfinity;
+       }},
+      {"control in height only", "datum_defect", "none", Layout::kCrossStrips, 8,
+       [](Block& block) {
+         forget_positions(block);
+         for (auto& [id, control] : block.control) control.sigma_m.head<2>().setConstant(kInfinity);
+       }},
+      {"three control points nearly on a line", "weak_turn", "none", Layout::kRing, 3,
+       [](Block& block) {
+         double x = -4;
+         for (auto& [id, control] : block.control) {
+           control.position_in_world = {x, x == 0 ? 0.05 : 0, 3};
+           x += 4;
+         }
+         project_again(block);
+       }},
+      {"one strip, positions alone (roll)", "weak_turn", "none", Layout::kCrossStrips, 0,
+       [](Block& block) { keep_images(block, 6); }},
+      {"pairs without triple overlap", "scale_drifts", "none", Layout::kCrossStrips, 0,
+       [](Block& block) {
+         forget_positions(block);
+         keep_images(block, 6);
+         std::map<PointId, std::uint32_t> first;
+         std::erase_if(block.observations, [&](const Observation& seen) {
+           return seen.image.value > first.try_emplace(seen.point, seen.image.value).first->second + 1;
+         });
+       }},
+      {"images turned only", "no_base", "none", Layout::kCrossStrips, 8,
+       [](Block& block) {
+         forget_positions(block);
+         const Eigen::Vector3d place(50, 30, 60);
+         for (auto& [id, pose] : block.cam_from_world) pose.translation = -(pose.rotation * place);
+         project_again(block);
+       }},
+      {"an image that hangs on two points", "images_left_out", "none", Layout::kCrossStrips, 0,
+       [](Block& block) {
+         int kept = 0;
+         std::erase_if(block.observations,
+                       [&](const Observation& seen) { return seen.image == ImageId{3} && kept++ >= 2; });
+       }},
+      {"focal length and height over level ground", "focal_and_height", "focal", Layout::kCrossStrips, 8,
+       [](Block& block) {
+         forget_positions(block);
+         keep_images(block, 18);
+         look_straight_down(block);
+       }},
+  };
+}
+
+}  // namespace
+
+Rows weak_blocks(const Run& run) {
+  Rows rows;
+  for (const Case& one : cases()) {
+    Block exact = exact_block(one.layout, {.points = 300, .control = one.control}, 4);
+    one.weaken(exact);
+    Measured made = measured(exact, 4);
+    if (std::string_view(one.code) == "no_base") made.block.cam_from_world = exact.cam_from_world;
+    AdjustOptions options{.calibration = one.calibration, .loss = "none", .position_loss = "none"};
+    options.covariances = true;
+    const auto adjusted = adjust(made.block, made.scope, options, run);
+    Row row{std::string("weak: ") + one.what, "named, with a cure", adjusted ? "not named" : adjusted.error().message};
+    if (adjusted)
+      for (const Weakness& weak : adjusted->weaknesses)
+        if (weak.code == one.code && !weak.cure.empty()) {
+          row.measured = weak.what;
+          row.ok = true;
+          break;
+        }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace collinea::bench

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "collinea/adjust/normals.h"
+#include "collinea/adjust/problem.h"
+
+namespace collinea::bundle {
+
+/// What is weak, from three looks at an adjustment; fills Adjusted::weaknesses.
+class WeaknessFinder {
+ public:
+  WeaknessFinder(const Block& block, const Problem& problem, const State& state, Adjusted& adjusted)
+      : block_(block), problem_(problem), state_(state), adjusted_(adjusted) {}
+
+  /// Without any solution: motions of the whole that nothing observes, images that are left out or look from one place.
+  void look_at_observations();
+  /// Where the normal equations are singular beyond the datum: which images hang loose, by inverse iteration with a
+  /// slightly stiffened matrix. Uses up what `normals` holds.
+  void look_at_loose_images(const Run& run, Normals& normals);
+  /// With the factor: motions of the whole that are far worse known than what fixes them, parameters of cameras that
+  /// only their weak observations determine, and motions of the images that imitate them. At most seven solutions for
+  /// the block and thirteen for each of up to three cameras.
+  void look_at_correlations(const TileCholesky& factor);
+  /// With covariances: images known far worse than the others.
+  void look_at_images();
+
+ private:
+  void add(std::string code, std::string what, std::string cure, double size = 0);
+  void name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole);
+  void name_hinges();
+  void look_at_motions(const TileCholesky& factor);
+  void look_at_camera(const TileCholesky& factor, std::size_t camera);
+  [[nodiscard]] double reference_sigma(bool height) const;
+  [[nodiscard]] std::string files(const std::vector<int>& images) const;
+  [[nodiscard]] std::vector<double> solved(const TileCholesky& factor, std::vector<double> right) const;
+
+  const Block& block_;
+  const Problem& problem_;
+  const State& state_;
+  Adjusted& adjusted_;
+};
+
+}  // namespace collinea::bundle
