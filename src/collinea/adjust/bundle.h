@@ -96,6 +96,35 @@ struct AdjustScope {
   std::map<ImageId, GivenVertical> verticals;  ///< observations of the attitudes of images
   bool use_positions = true;                   ///< Image::position
   bool use_control = true;                     ///< ControlRole::kControl; when false they are treated as check points
+  bool use_ground = true;                      ///< Block::ground; not in a local adjustment
+};
+
+/// Unknowns beside those of images, cameras and points.
+enum class UnknownKind : std::uint8_t {
+  kOrientation,  ///< azimuth of zero of a horizontal circle [rad]
+};
+
+/// One of them, as estimated.
+struct EstimatedUnknown {
+  UnknownKind kind{};
+  std::uint32_t owner = 0;  ///< number of the set-up
+  int axis = 0;
+  double value = 0;
+  double sigma = std::numeric_limits<double>::quiet_NaN();  ///< by the given sigmas; with covariances
+};
+
+/// "the orientation of set-up 3", "the height of the antenna".
+[[nodiscard]] std::string name_of_extra(const Block& block, UnknownKind kind, std::uint32_t owner, int axis);
+
+/// A measurement on the ground after the adjustment.
+struct GroundDifference {
+  std::uint32_t observation = 0;  ///< place in Block::ground
+  bool used = false;              ///< it took part; false: only compared
+  double adjusted = 0;            ///< [m] or [rad]
+  double difference = 0;          ///< adjusted minus given
+  /// With covariances: of `adjusted`, by the given sigmas, and what `difference` is expected to be. NaN: not known.
+  double sigma = std::numeric_limits<double>::quiet_NaN();
+  double difference_sigma = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The position of an image against what its receiver said.
@@ -135,6 +164,8 @@ struct Adjusted {
   std::vector<PositionDifference> positions;
   std::vector<ControlDifference> control;             ///< every control and check point with a ray, ascending
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
+  std::vector<GroundDifference> ground;               ///< those whose two points take part, ascending
+  std::vector<EstimatedUnknown> extras;               ///< unknowns beside images, cameras and points
   std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
 
   double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true,
@@ -161,7 +192,9 @@ struct Adjusted {
 /// at once, points eliminated (Schur complement), robust losses by reweighting.
 ///
 /// Observations: tie points; control points (their image measurements, never robust, and their coordinates by sigma_m,
-/// infinite = not given); GNSS positions; scope.verticals; and weak ones for the parameters of calibration so that weak
+/// infinite = not given); measurements on the ground between control points (Block::ground, never robust; check points
+/// among them take part with their image measurements, not with their coordinates); GNSS positions; scope.verticals;
+/// and weak ones for the parameters of calibration so that weak
 /// geometry does not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2
 /// 0.5, k3 0.5, p1 and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false
 /// are held.
@@ -171,9 +204,10 @@ struct Adjusted {
 /// depend on that choice; covariances refer to that datum.
 ///
 /// Points with fewer than two rays (one for held points and for control known on three axes) and images with fewer than
-/// three measured points take no part. Errors: kBadInput (options, sigmas not positive, coordinates with finite sigmas
-/// that are no numbers), kIllPosed (nothing to adjust, or more unknowns than observations), kUnsupported (more than
-/// 10,000 unknowns of cameras), kCancelled.
+/// three measured points take no part, nor do measurements on the ground to such points. Errors: kBadInput (options,
+/// sigmas not positive, coordinates with finite sigmas that are no numbers), kIllPosed (nothing to adjust, or more
+/// unknowns than observations), kUnsupported (more than 10,000 unknowns of cameras and of points that are joined by
+/// measurements), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 

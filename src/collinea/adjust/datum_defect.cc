@@ -50,7 +50,7 @@ struct Part {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double size = 1;
   Matrix7 seen = Matrix7::Zero();  // which motions something observes
-  bool held = false, positions = false, control = false, verticals = false;
+  bool held = false, positions = false, control = false, verticals = false, ground = false;
 
   void add(const Eigen::Vector3d& point, const Eigen::Vector3d& axes = Eigen::Vector3d::Ones()) {
     const Matrix37 g = axes.asDiagonal() * motion_of(point, centre, size);
@@ -103,7 +103,7 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
     } else if (point.control >= 0) {
       const double* inverse_sigma = problem.control[point.control].inverse_sigma;
       its.add(place, (Eigen::Map<const Eigen::Array3d>(inverse_sigma) > 0).cast<double>());
-      its.control = true;
+      its.control |= Eigen::Map<const Eigen::Array3d>(inverse_sigma).maxCoeff() > 0;
     }
     if (point.first_ray < point.first_free &&
         !point.held) {  // seen by held images: their rays fix the point's direction
@@ -115,6 +115,22 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
       }
       its.held = true;
     }
+  }
+}
+
+// Which motions of its part a measurement between two points sees, as far as its direction goes.
+void gather_motions_on_ground(const Problem& problem, const State& state, const std::vector<int>& part_of_point,
+                              std::vector<Part>& parts) {
+  for (const GroundLink& link : problem.ground) {
+    const int part = part_of_point[link.from];
+    if (!(link.inverse_sigma > 0) || part < 0 || part != part_of_point[link.to]) continue;
+    Part& its = parts[part];
+    const GroundModel model = model_of(problem, link, state.points, state.extras);
+    const Eigen::Matrix<double, 1, 7> seen =
+        model.by_from.transpose() * motion_of(Eigen::Vector3d(&state.points[3ul * link.from]), its.centre, its.size) +
+        model.by_to.transpose() * motion_of(Eigen::Vector3d(&state.points[3ul * link.to]), its.centre, its.size);
+    if (seen.squaredNorm() > 0) its.seen += seen.transpose() * seen / seen.squaredNorm();
+    its.ground = true;
   }
 }
 
@@ -156,8 +172,9 @@ DatumConstraint constraint(const Part& part, const State& state, const std::vect
 }
 
 std::string describe_datum(const std::vector<Part>& parts, int defect) {
-  bool held = false, positions = false, control = false, verticals = false;
+  bool held = false, positions = false, control = false, verticals = false, ground = false;
   for (const Part& part : parts) {
+    ground |= part.ground;
     held |= part.held, positions |= part.positions;
     control |= part.control, verticals |= part.verticals;
   }
@@ -168,6 +185,7 @@ std::string describe_datum(const std::vector<Part>& parts, int defect) {
   name(control, "control points");
   name(positions, "camera positions");
   name(verticals, "attitudes");
+  name(ground, "measurements on the ground");
   name(held, "held images or points");
   if (defect == 0) return text.empty() ? "nothing to be fixed" : text;
   text = text.empty() ? "free network" : "partly " + text;
@@ -186,6 +204,7 @@ void find_datum(Problem& problem, const State& start) {
   for (int i = 0; i < problem.poses; ++i) parts[part[i]].poses.push_back(i);
   measure(parts, problem, start, part);
   gather_observed_motions(problem, start, part, part_of_point, parts);
+  gather_motions_on_ground(problem, start, part_of_point, parts);
   for (const Part& one : parts) {
     problem.extent_m = std::max(problem.extent_m, one.size);
     const Eigen::SelfAdjointEigenSolver<Matrix7> eigen(one.seen);

@@ -60,6 +60,7 @@ class Gatherer {
   Result<ProblemAndStart> gather() {
     COLLINEA_TRY(const auto free, camera_freedom());
     number_images();
+    if (Result<> found = find_ground(); !found) return tl::unexpected(found.error());
     if (Result<> taken = take_tie_points(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_control(); !taken) return tl::unexpected(taken.error());
     drop_weak();
@@ -68,13 +69,16 @@ class Gatherer {
     order_points();
     lay_out_images();
     lay_out_cameras(free);
+    lay_out_ground();
     if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_verticals(); !taken) return tl::unexpected(taken.error());
     count();
     if (out_.problem.border > kMostCameraUnknowns)
       return fail(Errc::kUnsupported,
-                  std::to_string(out_.problem.cameras.size()) + " cameras with " + std::to_string(out_.problem.border) +
-                      " unknowns to calibrate: more than " + std::to_string(kMostCameraUnknowns) +
+                  std::to_string(out_.problem.cameras.size()) + " cameras with " +
+                      std::to_string(out_.problem.first_extra) + " unknowns to calibrate and " +
+                      std::to_string(out_.problem.border - out_.problem.first_extra) +
+                      " of points that are measured on the ground: more than " + std::to_string(kMostCameraUnknowns) +
                       " do not fit into memory. Pictures of one camera should share it; or hold the cameras, or "
                       "calibrate fewer parameters");
     return std::move(out_);
@@ -91,6 +95,7 @@ class Gatherer {
     std::uint32_t id = 0, first_ray = 0, end_ray = 0;
     int control = -1;
     bool held = false, out = false;
+    bool for_ground = false;  // it takes part only because something is measured on the ground to it
     int least_rays = 2;
     double position[3] = {};
   };
@@ -177,30 +182,55 @@ class Gatherer {
     return {};
   }
 
+  // What is measured on the ground joins its two points; a local adjustment does without.
+  Result<> find_ground() {
+    if (!scope_.use_ground || scope_.free_images) return {};
+    for (std::size_t i = 0; i < block_.ground.size(); ++i) {
+      const GroundObservation& measured = block_.ground[i];
+      if (!(measured.sigma > 0) || !std::isfinite(measured.sigma) || !std::isfinite(measured.value))
+        return fail(Errc::kBadInput, std::string(kGroundKindNames[static_cast<std::size_t>(measured.kind)]) + " " +
+                                         block_.control.at(measured.from).name + " - " +
+                                         block_.control.at(measured.to).name +
+                                         " is no number with a positive standard deviation");
+      if (measured.from == measured.to)
+        return fail(Errc::kBadInput, "a measurement joins " + block_.control.at(measured.from).name + " with itself");
+      links_.push_back(static_cast<std::uint32_t>(i));
+      wanted_.insert({measured.from, measured.to});
+    }
+    return {};
+  }
+
+  // Coordinates that take part: of control points when these are used, on the axes that were surveyed.
+  Result<ControlCoordinates> coordinates_of(const ControlPoint& control) const {
+    ControlCoordinates coordinates{};
+    if (!scope_.use_control || control.role != ControlRole::kControl) return coordinates;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(control.sigma_m[axis] > 0))
+        return fail(Errc::kBadInput, "control point " + control.name + " has no positive standard deviation");
+      if (!known(control.position_in_world[axis], control.sigma_m[axis]))
+        return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
+      coordinates.inverse_sigma[axis] = 1 / control.sigma_m[axis];
+      coordinates.given[axis] = coordinates.inverse_sigma[axis] > 0 ? control.position_in_world[axis] : 0;
+    }
+    return coordinates;
+  }
+
   Result<> take_control() {
-    if (!scope_.use_control) return {};
+    if (!scope_.use_control && wanted_.empty()) return {};
     std::map<ControlId, std::vector<std::size_t>> places;
     for (std::size_t i = 0; i < block_.control_observations.size(); ++i)
       places[block_.control_observations[i].point].push_back(i);
     for (const auto& [id, control] : block_.control) {
-      if (control.role != ControlRole::kControl || !places.contains(id)) continue;
+      const bool is_control = scope_.use_control && control.role == ControlRole::kControl;
+      if ((!is_control && !wanted_.contains(id)) || !places.contains(id)) continue;
       CandidatePoint point;
       point.id = id.value;
       point.first_ray = static_cast<std::uint32_t>(rays_.size());
-      ControlCoordinates coordinates;
-      int given = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!(control.sigma_m[axis] > 0))
-          return fail(Errc::kBadInput, "control point " + control.name + " has no positive standard deviation");
-        if (!known(control.position_in_world[axis], control.sigma_m[axis]))
-          return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
-        coordinates.inverse_sigma[axis] = 1 / control.sigma_m[axis];
-        coordinates.given[axis] = coordinates.inverse_sigma[axis] > 0 ? control.position_in_world[axis] : 0;
-        given += coordinates.inverse_sigma[axis] > 0;
-      }
+      point.for_ground = !is_control;
+      COLLINEA_TRY(const ControlCoordinates coordinates, coordinates_of(control));
       const auto met = intersect(sight_lines(block_, id));
       if (!met && !control.position_in_world.allFinite()) continue;  // there is no place to begin at
-      if (given == 3) point.least_rays = 1;
+      if (Eigen::Map<const Eigen::Vector3d>(coordinates.inverse_sigma).minCoeff() > 0) point.least_rays = 1;
       for (const std::size_t place : places[id])
         if (Result<> added = add_ray(block_.control_observations[place], place); !added) return added;
       point.control = static_cast<int>(out_.problem.control.size());
@@ -208,6 +238,23 @@ class Gatherer {
       if (close_point(point)) out_.problem.control.push_back(coordinates);
     }
     return {};
+  }
+
+  [[nodiscard]] bool is_linked(ControlId point) const {
+    return std::any_of(links_.begin(), links_.end(), [&](std::uint32_t link) {
+      return block_.ground[link].from == point || block_.ground[link].to == point;
+    });
+  }
+
+  // What is measured to a point that takes no part goes; true when something went.
+  bool drop_links() {
+    if (links_.empty()) return false;
+    std::set<ControlId> there;
+    for (const CandidatePoint& point : points_)
+      if (!point.out && point.control >= 0) there.insert(ControlId{point.id});
+    return std::erase_if(links_, [&](std::uint32_t link) {
+             return !there.contains(block_.ground[link].from) || !there.contains(block_.ground[link].to);
+           }) > 0;
   }
 
   // Points with too few rays and images with too few points go, until all that remain have enough.
@@ -219,12 +266,13 @@ class Gatherer {
         if (point.out) continue;
         int rays = 0;
         for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) rays += !candidates_[rays_[r].image].out;
-        point.out = rays < point.least_rays;
+        point.out = rays < point.least_rays || (point.for_ground && !is_linked(ControlId{point.id}));
         if (point.out) continue;
         for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) ++candidates_[rays_[r].image].rays;
       }
       for (Candidate& image : candidates_)
         if (image.free && !image.out && image.rays < kLeastRaysOfImage) changed = image.out = true;
+      changed |= drop_links();
     }
     for (Candidate& image : candidates_) {
       if (image.free && image.out) out_.problem.images_left_out.push_back(image.id);
@@ -250,7 +298,7 @@ class Gatherer {
     std::vector<std::uint32_t> first{0};
     std::vector<int> image_of_ray;
     for (const CandidatePoint& point : points_) {
-      if (point.out || point.held) continue;
+      if (point.out || point.held || (point.control >= 0 && is_linked(ControlId{point.id}))) continue;
       for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r)
         if (free_number[rays_[r].image] >= 0) image_of_ray.push_back(free_number[rays_[r].image]);
       first.push_back(static_cast<std::uint32_t>(image_of_ray.size()));
@@ -349,6 +397,29 @@ class Gatherer {
       out_.start.cameras.push_back(camera.params);
       out_.start.lenses.push_back(lens_of(camera.params.data()));
     }
+    problem.first_extra = problem.border;
+  }
+
+  // Points that are measured between get their unknowns in the border, behind all others.
+  void lay_out_ground() {
+    Problem& problem = out_.problem;
+    std::map<ControlId, std::uint32_t> number;
+    for (std::size_t p = 0; p < problem.point_count(); ++p)
+      if (problem.point(p).control >= 0) number[ControlId{problem.point(p).id}] = static_cast<std::uint32_t>(p);
+    for (const std::uint32_t source : links_) {
+      const GroundObservation& measured = block_.ground[source];
+      GroundLink link{measured, source, number.at(measured.from), number.at(measured.to)};
+      if (measured.role == ControlRole::kControl) link.inverse_sigma = 1 / measured.sigma;
+      problem.ground.push_back(link);
+      problem.joined.insert(problem.joined.end(), {link.from, link.to});
+    }
+    std::sort(problem.joined.begin(), problem.joined.end());
+    problem.joined.erase(std::unique(problem.joined.begin(), problem.joined.end()), problem.joined.end());
+    for (const std::uint32_t p : problem.joined) {
+      problem.points[p].joined = problem.border;
+      problem.border += 3;
+    }
+    problem.level_at_origin = block_.georeference.has_value();
   }
 
   Result<> take_positions() {
@@ -386,12 +457,14 @@ class Gatherer {
 
   void count() {
     Problem& problem = out_.problem;
-    problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.border;
+    problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.first_extra;
     for (const GivenPosition& position : problem.positions) problem.observation_count += position.axes();
     problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
+    for (const ExtraUnknown& extra : problem.extras) problem.observation_count += extra.inverse_sigma > 0;
+    for (const GroundLink& link : problem.ground) problem.observation_count += link.inverse_sigma > 0;
     problem.unknown_count = 6L * problem.poses + problem.border;
     for (std::size_t p = 0; p < problem.point_count(); ++p) {
-      problem.unknown_count += problem.point(p).held ? 0 : 3;
+      problem.unknown_count += problem.point(p).eliminated() ? 3 : 0;
       if (problem.first_control == p && problem.point(p).control < 0) ++problem.first_control;
       if (const int control = problem.point(p).control; control >= 0)
         for (const double inverse_sigma : problem.control[control].inverse_sigma)
@@ -406,6 +479,8 @@ class Gatherer {
   std::vector<Candidate> candidates_;
   std::vector<CandidatePoint> points_;
   std::vector<Ray> rays_;
+  std::vector<std::uint32_t> links_;  // places in Block::ground of what takes part
+  std::set<ControlId> wanted_;        // their points
   ProblemAndStart out_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <utility>
 
 #include "collinea/adjust/linearise.h"
 #include "collinea/geometry/rotation.h"
@@ -89,6 +90,15 @@ void transform(State& state, const Similarity3& moved) {
   }
 }
 
+// Observations that a motion of the whole block changes too, but that do not help to find it.
+double cost_of_others(const Problem& problem, const State& state) {
+  double cost = 0;
+  for (const GroundLink& link : problem.ground)
+    cost += std::pow(
+        ground_residual(link.observation, model_of(problem, link, state.points, state.extras)) * link.inverse_sigma, 2);
+  return cost;
+}
+
 }  // namespace
 
 Matrix37 motion_of(const Eigen::Vector3d& point, const Eigen::Vector3d& centre, double size) {
@@ -115,9 +125,17 @@ double settle_gauge(const Problem& problem, State& state) {
     moved = next;
     normals = there;
   }
-  const double fallen = before - normals.cost;
+  double fallen = before - normals.cost;
   if (!(fallen > 0)) return 0;
-  transform(state, moved);
+  if (problem.ground.empty()) {
+    transform(state, moved);
+    return fallen;
+  }
+  State there = state;
+  transform(there, moved);
+  fallen -= cost_of_others(problem, there) - cost_of_others(problem, state);
+  if (!(fallen > 0)) return 0;
+  state = std::move(there);
   return fallen;
 }
 

@@ -87,6 +87,27 @@ void write_positions(const Problem& problem, const State& state, RobustSquares& 
   std::sort(adjusted.positions.begin(), adjusted.positions.end(), [](auto& a, auto& b) { return a.image < b.image; });
 }
 
+// What was measured on the ground; answers the weighted squares.
+double write_ground(const Problem& problem, const State& state, Adjusted& adjusted) {
+  double sum = 0;
+  for (const GroundLink& link : problem.ground) {
+    const double difference = -ground_residual(link.observation, model_of(problem, link, state.points, state.extras));
+    adjusted.ground.push_back({link.source, link.inverse_sigma > 0, link.observation.value + difference, difference});
+    sum += std::pow(difference * link.inverse_sigma, 2);
+  }
+  return sum;
+}
+
+double write_extras(const Problem& problem, const State& state, Adjusted& adjusted) {
+  double sum = 0;
+  for (std::size_t i = 0; i < problem.extras.size(); ++i) {
+    const ExtraUnknown& extra = problem.extras[i];
+    adjusted.extras.push_back({extra.kind, extra.owner, extra.axis, state.extras[i]});
+    sum += std::pow((state.extras[i] - extra.given) * extra.inverse_sigma, 2);
+  }
+  return sum;
+}
+
 double vertical_squares(const Problem& problem, const State& state) {
   double sum = 0;
   for (const GivenUp& given : problem.verticals)
@@ -146,9 +167,10 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
     if (lines.empty()) continue;
     ControlDifference difference;
     difference.point = id;
-    difference.used = used != estimated.end();
+    const bool takes_part = used != estimated.end();
+    difference.used = takes_part && scope.use_control && control.role == ControlRole::kControl;
     difference.rays = static_cast<int>(lines.size());
-    if (difference.used) {
+    if (takes_part) {
       difference.position_in_world = used->second;
     } else if (const auto met = intersect(lines)) {
       difference.position_in_world = met->point_in_world;
@@ -186,6 +208,8 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
   squares += vertical_squares(problem, state);
   squares += weak_camera_squares(problem, state);
   squares += write_control(block, scope, problem, state, adjusted);
+  squares += write_ground(problem, state, adjusted);
+  squares += write_extras(problem, state, adjusted);
   adjusted.redundancy = problem.redundancy();
   adjusted.sigma0 = adjusted.redundancy > 0 ? std::sqrt(squares / static_cast<double>(adjusted.redundancy)) : 0;
   adjusted.observation_count = problem.observation_count;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collinea/adjust/bundle.h"
+#include "collinea/adjust/ground_model.h"
 #include "collinea/adjust/lens.h"
 #include "collinea/adjust/robust.h"
 
@@ -43,6 +44,27 @@ struct ProblemPoint {
   std::uint32_t first_ray, first_free;
   int control = -1;  ///< number in Problem::control, -1 for tie points
   bool held = false;
+  int joined = -1;  ///< where its three unknowns begin in the border: other points are observed with it
+
+  /// It has unknowns, and no observation that another point shares: it is eliminated before all others.
+  [[nodiscard]] bool eliminated() const { return !held && joined < 0; }
+};
+
+/// An unknown beside poses, cameras and points. It has a place in the border, behind those of the cameras.
+struct ExtraUnknown {
+  UnknownKind kind;
+  std::uint32_t owner;  ///< of a CameraId, or a number in AdjustScope::position_tracks or of a set-up
+  int axis = 0;
+  double given = 0, inverse_sigma = 0;  ///< its observation; 0: free
+};
+
+/// A measurement between two joined points.
+struct GroundLink {
+  GroundObservation observation;
+  std::uint32_t source;      ///< place in Block::ground
+  std::uint32_t from, to;    ///< numbers in Problem::points
+  int orientation = -1;      ///< number in Problem::extras
+  double inverse_sigma = 0;  ///< 0: only compared
 };
 
 struct ControlCoordinates {
@@ -80,12 +102,17 @@ struct Problem {
   std::vector<ProblemImage> images;
   int poses = 0;  ///< free images
   std::vector<ProblemCamera> cameras;
-  int border = 0;                    ///< unknowns of all cameras
+  int border = 0;                    ///< unknowns of all cameras, then `extras`, then the joined points
   std::vector<ProblemPoint> points;  ///< ordered by their first free image; one more at the end closes the last
   std::vector<Ray> rays;
   std::vector<ControlCoordinates> control;
   std::vector<GivenPosition> positions;
   std::vector<GivenUp> verticals;
+  std::vector<ExtraUnknown> extras;
+  int first_extra = 0;                ///< of the border
+  std::vector<std::uint32_t> joined;  ///< numbers of points, ascending
+  std::vector<GroundLink> ground;
+  bool level_at_origin = false;  ///< see ground_model()
   std::vector<DatumConstraint> datum;
   int rank_defect = 0;
   std::string datum_text;
@@ -103,6 +130,27 @@ struct Problem {
   [[nodiscard]] std::uint32_t end_ray(std::size_t i) const { return points[i + 1].first_ray; }
 };
 
+[[nodiscard]] inline GroundModel model_of(const Problem& problem, const GroundLink& link,
+                                          const std::vector<double>& points, const std::vector<double>& extras) {
+  return ground_model(
+      link.observation, Eigen::Vector3d(&points[3ul * link.from]), Eigen::Vector3d(&points[3ul * link.to]),
+      link.orientation < 0 ? 0 : extras[static_cast<std::size_t>(link.orientation)], problem.level_at_origin);
+}
+
+/// The derivative of a measurement by one unknown of the border.
+struct RowPart {
+  int row;
+  double derivative;
+};
+[[nodiscard]] inline std::vector<RowPart> row_of(const Problem& problem, const GroundLink& link,
+                                                 const GroundModel& model) {
+  std::vector<RowPart> parts;
+  for (int c = 0; c < 3; ++c) parts.push_back({problem.point(link.from).joined + c, model.by_from[c]});
+  for (int c = 0; c < 3; ++c) parts.push_back({problem.point(link.to).joined + c, model.by_to[c]});
+  if (link.orientation >= 0) parts.push_back({problem.first_extra + link.orientation, model.by_orientation});
+  return parts;
+}
+
 /// Rotation cam_from_world by rows, then the projection centre in the world.
 using Frame = std::array<double, 12>;
 
@@ -113,6 +161,7 @@ struct State {
   std::vector<std::array<double, Camera::kParams>> cameras;
   std::vector<Lens> lenses;
   std::vector<double> points;  ///< 3 of each point
+  std::vector<double> extras;  ///< parallel to Problem::extras
 };
 
 /// The world's z axis in the camera.

@@ -54,6 +54,8 @@ class Examiner {
     take_positions();
     take_verticals();
     take_weak_cameras();
+    take_ground();
+    take_extras();
     sums(ObservationGroup::kTieImages).squares = tie_.squares();
     std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
                      [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
@@ -237,6 +239,29 @@ class Examiner {
         const double w = camera.inverse_sigma[param];
         out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
       }
+    }
+  }
+
+  void take_ground() {
+    for (const GroundLink& link : problem_.ground) {
+      if (!(link.inverse_sigma > 0)) continue;
+      const GroundModel model = model_of(problem_, link, state_.points, state_.extras);
+      TestedObservation one;
+      one.group = group_of(link.observation.kind);
+      one.source = link.source;
+      one.residual = ground_residual(link.observation, model);
+      one.sigma = link.observation.sigma;
+      sums(one.group).squares += std::pow(one.residual * link.inverse_sigma, 2);
+      const double variance = variance_of(row_of(problem_, link, model), 6 * problem_.poses, inverse_);
+      test(one, variance * link.inverse_sigma * link.inverse_sigma, 1);
+    }
+  }
+
+  void take_extras() {
+    for (std::size_t i = 0; i < problem_.extras.size(); ++i) {
+      const double w = problem_.extras[i].inverse_sigma;
+      const int row = 6 * problem_.poses + problem_.first_extra + static_cast<int>(i);
+      if (w > 0) out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
     }
   }
 

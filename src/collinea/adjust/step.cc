@@ -37,6 +37,11 @@ State with_reduced_moved(const Problem& problem, const State& state, Step& step)
       next.cameras[i][camera.free[k]] += by_camera[camera.border + static_cast<int>(k)];
     if (!camera.free.empty()) next.lenses[i] = lens_of(next.cameras[i].data());
   }
+  for (std::size_t i = 0; i < problem.extras.size(); ++i)
+    next.extras[i] += by_camera[problem.first_extra + static_cast<int>(i)];
+  for (const std::uint32_t p : problem.joined)
+    for (int c = 0; c < 3; ++c)
+      next.points[3ul * p + static_cast<std::size_t>(c)] += by_camera[problem.point(p).joined + c];
   return next;
 }
 
@@ -110,10 +115,34 @@ double settle_point(const Problem& problem, const State& state, std::size_t p, d
   return cost;
 }
 
+// A point that keeps its unknowns has moved already.
+Sums of_joined(const Problem& problem, const State& state, const Step& step, std::size_t p, const State& next) {
+  const ProblemPoint& point = problem.point(p);
+  const Loss loss = problem.loss_of(point);
+  const double *position = &state.points[3 * p], *there = &next.points[3 * p];
+  const double* d = step.reduced.data() + 6 * problem.poses + point.joined;
+  Sums sums;
+  for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
+    const Ray& ray = problem.rays[r];
+    LinearRay linear;
+    linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
+    sums.promised += squared(linear.residual);
+    take_step_of_image(problem, state, step, ray, linear);
+    for (int row = 0; row < 2; ++row)
+      for (int c = 0; c < 3; ++c) linear.residual[row] -= linear.by_point[3 * row + c] * d[c];
+    sums.promised -= squared(linear.residual);
+  }
+  sums.promised += PointNormals().add(problem.control[point.control], position);
+  sums.promised -= PointNormals().add(problem.control[point.control], there);
+  sums.cost = cost_of_point(problem, next, p, there);
+  return sums;
+}
+
 // V d = A^T (r - J d - B dc) for the point; the promise is |r|^2 - |r - J d - B dc - A dp|^2.
 Sums move_point(const Problem& problem, const State& state, double lambda, const Step& step, std::size_t p,
                 State& next) {
   const ProblemPoint& point = problem.point(p);
+  if (point.joined >= 0) return of_joined(problem, state, step, p, next);
   const Loss loss = problem.loss_of(point);
   const double* position = &state.points[3 * p];
   double* target = &next.points[3 * p];
@@ -198,6 +227,36 @@ Sums of_weak_cameras(const Problem& problem, const State& state, const State& ne
   return sums;
 }
 
+Sums of_extras(const Problem& problem, const State& state, const State& next) {
+  Sums sums;
+  for (std::size_t i = 0; i < problem.extras.size(); ++i) {
+    const ExtraUnknown& extra = problem.extras[i];
+    const double before = (extra.given - state.extras[i]) * extra.inverse_sigma;
+    const double after = (extra.given - next.extras[i]) * extra.inverse_sigma;
+    sums.cost += after * after;
+    sums.promised += before * before - after * after;
+  }
+  return sums;
+}
+
+Sums of_ground(const Problem& problem, const State& state, const State& next, const Step& step) {
+  Sums sums;
+  for (const GroundLink& link : problem.ground) {
+    if (!(link.inverse_sigma > 0)) continue;
+    const GroundModel model = model_of(problem, link, state.points, state.extras);
+    const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
+    double left = residual;
+    for (const RowPart& part : row_of(problem, link, model))
+      left -=
+          part.derivative * link.inverse_sigma * step.reduced[static_cast<std::size_t>(6 * problem.poses + part.row)];
+    const double after =
+        ground_residual(link.observation, model_of(problem, link, next.points, next.extras)) * link.inverse_sigma;
+    sums.cost += after * after;
+    sums.promised += residual * residual - left * left;
+  }
+  return sums;
+}
+
 }  // namespace
 
 State moved(const Problem& problem, const State& state, double lambda, Step& step, const Run& run) {
@@ -215,6 +274,8 @@ State moved(const Problem& problem, const State& state, double lambda, Step& ste
   sums.push_back(of_positions(problem, state, next, step));
   sums.push_back(of_verticals(problem, state, next, step));
   sums.push_back(of_weak_cameras(problem, state, next));
+  sums.push_back(of_extras(problem, state, next));
+  sums.push_back(of_ground(problem, state, next, step));
   step.cost = step.promised = 0;
   for (const Sums& one : sums) {
     step.cost += one.cost;

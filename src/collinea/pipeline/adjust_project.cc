@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "collinea/adjust/control_check.h"
 #include "collinea/report/adjustment_report.h"
@@ -40,6 +41,15 @@ std::string calibration_of(const json& orientation) {
   return calibration;
 }
 
+// What orientation did without, or shall be done without, is compared all the same.
+void choose_ground(Block& block, const json& orientation, bool use_ground) {
+  std::set<std::size_t> used;
+  for (const json& row : orientation.at("details").value("ground", json::array()))
+    if (row.at("used").get<bool>()) used.insert(row.at("observation").get<std::size_t>());
+  for (std::size_t i = 0; i < block.ground.size(); ++i)
+    if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
+}
+
 AdjustOptions options_of(const AdjustProjectOptions& asked, const json& orientation) {
   AdjustOptions options;
   options.calibration = asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration;
@@ -72,6 +82,7 @@ Result<std::string> adjust_project(const Project& project, const AdjustProjectOp
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   AdjustmentReport report;
   COLLINEA_TRY(report.block, project.store.read_block());
+  choose_ground(report.block, orientation, asked.use_ground);
   const AdjustScope scope{.first_cameras = setup.cameras,
                           .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
                           .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};

@@ -13,6 +13,7 @@ struct AdjustProjectOptions {
   double loss_scale_sigmas = 2;
   bool use_positions = true;
   bool use_control = true;
+  bool use_ground = true;
   bool variance_components = false;
   double false_alarm = 0.001;
   double power = 0.8;
@@ -30,6 +31,8 @@ struct AdjustProjectOptions {
     visit(Field{"use_positions", &O::use_positions, "", "use the positions of images where orient did"});
     visit(Field{"use_control", &O::use_control, "",
                 "use control points where orient did; otherwise they are all check points"});
+    visit(Field{"use_ground", &O::use_ground, "",
+                "use what was measured between control points where orient did; otherwise it is only compared"});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
     visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",

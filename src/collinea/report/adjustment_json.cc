@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/adjustment_report.h"
+#include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"
 
 namespace collinea {
@@ -15,6 +16,23 @@ json control(const AdjustmentReport& report) {
                     {"images", one.rays},
                     {"difference_m", vector(one.difference_m)},
                     {"sigma_m", vector(one.difference_sigma_m)}});
+  return list;
+}
+
+json ground(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const GroundDifference& one : report.adjusted.ground) {
+    const GroundObservation& measured = report.block.ground[one.observation];
+    list.push_back({{"measurement", ground_name(measured, report.block)},
+                    {"unit", measured.is_angle() ? "rad" : "m"},
+                    {"role", one.used ? "control" : "check"},
+                    {"given", measured.value},
+                    {"sigma_given", measured.sigma},
+                    {"adjusted", number(one.adjusted)},
+                    {"sigma_adjusted", number(one.sigma * sigma_scale(report.adjusted))},
+                    {"difference", number(one.difference)},
+                    {"sigma", number(one.difference_sigma)}});
+  }
   return list;
 }
 
@@ -83,6 +101,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"converged", adjusted.converged},
             {"undetermined", adjusted.undetermined},
             {"control_points", control(report)}};
+  if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
   return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }

@@ -8,6 +8,7 @@
 
 #include "collinea/io/file.h"
 #include "collinea/io/opk.h"
+#include "collinea/report/cells.h"
 
 namespace collinea {
 namespace {
@@ -95,6 +96,24 @@ std::string control_csv(const AdjustmentReport& report) {
   return text;
 }
 
+std::string ground_csv(const AdjustmentReport& report) {
+  std::string text =
+      "from,to,name,kind,unit,role,given,sigma_given,adjusted,sigma_adjusted,difference,sigma_difference\n";
+  for (const GroundDifference& one : report.adjusted.ground) {
+    const GroundObservation& measured = report.block.ground[one.observation];
+    const double unit = measured.is_angle() ? kDegrees : 1;
+    text += in_quotes(report.block.control.at(measured.from).name) + "," +
+            in_quotes(report.block.control.at(measured.to).name) + "," + in_quotes(measured.name) + "," +
+            in_quotes(kGroundKindNames[static_cast<std::size_t>(measured.kind)]) +
+            (measured.is_angle() ? ",deg" : ",m") + (one.used ? ",control" : ",check");
+    for (const double value : {measured.value, measured.sigma, one.adjusted, one.sigma * sigma_scale(report.adjusted),
+                               one.difference, one.difference_sigma})
+      text += number(unit * value);
+    text += "\n";
+  }
+  return text;
+}
+
 std::string observations_csv(const AdjustmentReport& report, const std::vector<TestedObservation>& observations) {
   std::string text =
       "observation,group,unit,residual,sigma,redundancy,w,blunder,least_detectable_blunder,its_effect,"
@@ -115,6 +134,7 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
 double shown_factor(const GroupSums& sums) { return sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(); }
 
 const char* unit_of(const TestedObservation& one) {
+  if (one.group == ObservationGroup::kDirection || one.group == ObservationGroup::kZenithAngle) return "rad";
   return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";
 }
 
@@ -138,6 +158,11 @@ std::string name_of(const TestedObservation& one, const Block& block) {
     case ObservationGroup::kPositionPlan:
     case ObservationGroup::kPositionHeight:
       return fmt::format("position of {}, {}", block.images.at(ImageId{one.source}).file, kOnGround[one.axis]);
+    case ObservationGroup::kDistance:
+    case ObservationGroup::kHeightDifference:
+    case ObservationGroup::kDirection:
+    case ObservationGroup::kZenithAngle:
+      return ground_name(block.ground[one.source], block);
   }
   return "";
 }
@@ -150,6 +175,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"cameras.csv", cameras_csv(report)},
                                                        {"points.csv", points_csv(report)},
                                                        {"control.csv", control_csv(report)},
+                                                       {"ground.csv", ground_csv(report)},
                                                        {"observations.csv", observations_csv(report, tests.others)},
                                                        {"suspects.csv", observations_csv(report, tests.suspects)},
                                                        {"adjustment.json", adjustment_json(report)},

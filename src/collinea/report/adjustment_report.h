@@ -19,8 +19,9 @@ struct AdjustmentReport {
 };
 
 /// Writes into the folder: adjustment.html (for people), adjustment.json (the same figures), and the tables poses.csv,
-/// cameras.csv, points.csv, control.csv, observations.csv (control and positions, each with its test) and suspects.csv.
-/// Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ does not know.
+/// cameras.csv, points.csv, control.csv, ground.csv, observations.csv (control, positions and ground, each with its
+/// test) and suspects.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS
+/// that PROJ does not know.
 [[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder);
 
 // Its parts.
