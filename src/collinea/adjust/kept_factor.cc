@@ -42,7 +42,7 @@ void KeptFactor::meet(const Problem& problem) {
     for (std::uint32_t axis = 0; axis < 3; ++axis) unknowns_.others.push_back({kJoined, problem.point(p).id, axis});
   same_structure_ = usable_ = false;
   row_.clear();
-  if (!factor_) return;
+  if (!factor_ || !complete_) return;
   std::map<ImageId, int> row_of_image;
   for (std::size_t i = 0; i < factored_.images.size(); ++i) row_of_image[factored_.images[i]] = 6 * static_cast<int>(i);
   std::map<std::array<std::uint32_t, 3>, int> row_of_other;
@@ -69,7 +69,7 @@ bool KeptFactor::refresh(const TileMatrix& matrix, const TilePattern& pattern, c
     same_structure_ = true;
     row_.clear();
   }
-  usable_ = factor_->factor(matrix, run, least_pivot);
+  usable_ = complete_ = factor_->factor(matrix, run, least_pivot);
   return usable_;
 }
 

@@ -20,7 +20,8 @@ class KeptFactor {
   /// From here on the unknowns are those of `problem`. A factor from before serves as preconditioner when it has all of
   /// them.
   void meet(const Problem& problem);
-  /// Solves matrix x = x in place. False when the matrix is not positive definite. `pattern`: of the matrix.
+  /// Solves matrix x = x in place. False when the matrix is found not to be positive definite, or the run
+  /// was stopped. `pattern`: of the matrix.
   [[nodiscard]] bool solve(const TileMatrix& matrix, const TilePattern& pattern, double* x, const Run& run);
   /// Factors the matrix; the factor is handed out and no longer kept. `failed_row`: see TileCholesky.
   [[nodiscard]] std::optional<TileCholesky> take(const TileMatrix& matrix, const TilePattern& pattern, const Run& run,
@@ -39,7 +40,8 @@ class KeptFactor {
   std::optional<TileCholesky> factor_;
   bool same_structure_ = false;  // the factor was made for the matrix of this problem
   std::vector<int> row_;         // of each unknown in the factor; empty: the same
-  bool usable_ = false;
+  bool complete_ = false;        // the factor was found to its end
+  bool usable_ = false;          // as it is, or as preconditioner
 };
 
 }  // namespace collinea::bundle

@@ -197,7 +197,7 @@ bool TileCholesky::factor(const TileMatrix& matrix, const Run& run, double least
     if (row >= 0 && (failed_row_ < 0 || row < failed_row_)) failed_row_ = row;
   for (std::size_t i = 0; i < top_.size() && failed_row_ < 0 && !run.stopped(); ++i)
     failed_row_ = factor_column(matrix, top_[i], least_pivot, run);
-  return failed_row_ < 0;
+  return failed_row_ < 0 && !run.stopped();
 }
 
 void TileCholesky::solve(double* x) const {

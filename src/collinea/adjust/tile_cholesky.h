@@ -28,7 +28,7 @@ class TileCholesky {
   [[nodiscard]] double work() const { return work_; }
 
   /// Factors a matrix whose tiles are all held here. False when it is not positive definite: a pivot is not above
-  /// `least_pivot` times its diagonal element; `failed_row` then tells which.
+  /// `least_pivot` times its diagonal element; `failed_row` then tells which. False, too, when the run was stopped.
   [[nodiscard]] bool factor(const TileMatrix& matrix, const Run& run, double least_pivot = 0);
   [[nodiscard]] int failed_row() const { return failed_row_; }
   /// Solves in place, after factor. x has at least tile_rows() * kTile elements, zero beyond size().

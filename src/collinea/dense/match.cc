@@ -359,7 +359,8 @@ class Matching {
   }
 
   static constexpr float kAgreeing = 1.5f;  // steps
-  // What the formula leaves out: errors of interpolation, and that resampled pixels are not independent. From truth.
+  // The factor is fitted to rendered pictures where noise decides (docs/theory/dense.md); the floor stands for errors of
+  // interpolation.
   static constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f;
   static constexpr float kSmoothSigmaPx = 0.25f;  // of the regularised surface
   static constexpr float kUnison = 8;             // sigmas

@@ -150,13 +150,14 @@ TEST(DepthMap, SigmaTellsTheTruthWhereNoiseDecides) {
   EXPECT_NEAR(e.rms_sigmas(), 1, 0.12);
 }
 
-// Noise of 4 makes 0.055 px. The factor of 1.2 and the floor of 0.05 px stand for what photographs add, of which these
-// pictures have little: hypot(1.2 0.055, 0.05) / 0.055 = 1.5 times too large. Too small by no more than 10 %.
+// Noise of 4 makes 0.055 px where the formula gives that, too, before its factor of 1.2 and its floor of 0.05 px, which
+// stands for errors of interpolation and adds to noise what these pictures have little of: sigma is
+// hypot(1.2 0.055, 0.05) / 0.055 = 1.5 times too large, and no more than that and the 12 % of above.
 TEST(DepthMap, SigmaIsRatherTooLargeOnClearPictures) {
   const Scene scene = Scene::of_four({.slope = 0.05, .noise = 4});
   const Errors e = errors(scene, matched(scene), everywhere);
   EXPECT_GT(e.part_measured(), 0.85);
-  EXPECT_GT(e.rms_sigmas(), 1 / 1.7);
+  EXPECT_GT(e.rms_sigmas(), 1 / 1.5 - 0.08);
   EXPECT_LT(e.rms_sigmas(), 1.1);
 }
 

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
@@ -37,6 +39,12 @@ constexpr double kWeakTurn_rad = 0.03;  // of a block about the line of its posi
 constexpr double kNoTurn_rad = 0.2;     // not known
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one; of two each stands alone
+
+// Plan and height of a survey have errors of their own.
+enum Kind { kPlan, kHeight };
+template <class T>
+using ByKind = std::array<T, 2>;
+Kind kind_of(int axis) { return axis == 2 ? kHeight : kPlan; }
 
 struct Parts {
   Reconstruction largest;
@@ -284,64 +292,100 @@ class Orienter {
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
     COLLINEA_TRY(Adjusted tied, adjust_with_covariances(part, scope));
     if (control_misfit(tied) < kControlMisfit) return tied;
-    shift_positions(tied);
-    double taken = 1;
+    Eigen::Vector3d shift_m = shift_positions(tied);
+    ByKind<double> taken{1, 1};
     for (int round = 0; round < kControlRounds; ++round) {
-      // never below what was stated: then it is not the coordinates that are wrong
-      const double factor = std::clamp(shown_by_coordinates(tied).sigma_factor(), 1 / taken, kControlStep);
-      taken *= factor;
+      // One kind at a time, the surest first: what is wrong in plan makes the block contradict heights too.
+      const ByKind<Shown> shown = shown_by_coordinates(tied);
+      Kind kind = kPlan;
+      double factor = 1, surest = 0;
+      for (const Kind its : {kPlan, kHeight}) {
+        // never below what was stated: then it is not the coordinates that are wrong
+        const double wanted = std::clamp(shown[its].sigma_factor(its), 1 / taken[its], kControlStep);
+        const double change = std::abs(std::log(wanted));
+        const double sure = change * std::sqrt(shown[its].redundancy);
+        if (change > std::log(kControlSettled) && sure > surest) kind = its, factor = wanted, surest = sure;
+      }
+      if (factor == 1) break;
+      taken[kind] *= factor;
       for (auto& [id, point] : setup_.control)
-        if (point.role == ControlRole::kControl) point.sigma_m *= factor;
+        if (point.role == ControlRole::kControl)
+          for (int axis = 0; axis < 3; ++axis)
+            if (kind_of(axis) == kind) point.sigma_m[axis] *= factor;
       COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
-      if (std::abs(std::log(factor)) < std::log(kControlSettled)) break;
+      shift_m += shift_positions(tied);
     }
-    if (taken > 1) say_what_control_shows(taken);
+    say_how_positions_were_shifted(shift_m);
+    say_what_control_shows(taken);
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
     return adjust_with_covariances(part, scope);
   }
 
-  // Errors of positions are mostly common to all: control decides the place of the block however weak it is.
-  void shift_positions(const Adjusted& tied) {
+  // Errors of positions are mostly common to all: control decides the place of the block however weak it is. Moves the
+  // positions to where they do not pull the block away from the middle of control, and returns by how much [m].
+  Eigen::Vector3d shift_positions(const Adjusted& tied) {
     Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
     for (int axis = 0; axis < 3; ++axis) {
-      std::vector<double> differences_m;
+      std::vector<double> positions_m, control_m;
       for (const PositionDifference& position : tied.positions)
         if (std::isfinite(setup_.images.at(position.image).position->sigma_m[axis]))
-          differences_m.push_back(position.difference_m[axis]);
-      if (!differences_m.empty()) shift_m[axis] = median(differences_m);
+          positions_m.push_back(position.difference_m[axis]);
+      for (const ControlDifference& control : tied.control)
+        if (control.used && std::isfinite(control.difference_m[axis])) control_m.push_back(control.difference_m[axis]);
+      if (positions_m.empty() || control_m.empty()) continue;
+      const double middle_m = std::accumulate(control_m.begin(), control_m.end(), 0.0) / control_m.size();
+      shift_m[axis] = median(positions_m) - middle_m;
     }
     for (auto& [id, image] : setup_.images)
       if (image.position) image.position->position_in_world += shift_m;
+    return shift_m;
   }
 
-  void say_what_control_shows(double taken) {
-    double sigma_m = 0;
-    for (const auto& [id, point] : setup_.control)
-      if (point.role == ControlRole::kControl && point.sigma_m.allFinite())
-        sigma_m = std::max(sigma_m, point.sigma_m.maxCoeff());
+  void say_how_positions_were_shifted(const Eigen::Vector3d& shift_m) {
+    if (shift_m.isZero()) return;
     result_.findings.push_back(
-        fmt::format("control points contradict the images by {:.1f} times their sigma; it is taken as {:.2g} m. "
-                    "Look for wrong points, or state the sigma they really have",
-                    taken, sigma_m));
+        fmt::format("control points contradict the positions of the images, which were shifted by {:+.2f} m east, "
+                    "{:+.2f} m north and {:+.2f} m up: control decides the place of the block. Their differences are "
+                    "told without this shift",
+                    shift_m.x(), shift_m.y(), shift_m.z()));
   }
 
-  // Sums over the coordinates of the control points, for their variance component.
+  void say_what_control_shows(const ByKind<double>& taken) {
+    for (const Kind kind : {kPlan, kHeight}) {
+      if (taken[kind] == 1) continue;
+      double sigma_m = 0;
+      for (const auto& [id, point] : setup_.control)
+        for (int axis = 0; axis < 3; ++axis)
+          if (point.role == ControlRole::kControl && kind_of(axis) == kind && std::isfinite(point.sigma_m[axis]))
+            sigma_m = std::max(sigma_m, point.sigma_m[axis]);
+      result_.findings.push_back(fmt::format(
+          "control points contradict the images by {:.1f} times their sigma in {}; it is taken as {:.2g} m. "
+          "Look for wrong points, or state the sigma they really have",
+          taken[kind], kind == kPlan ? "plan" : "height", sigma_m));
+    }
+  }
+
+  // Sums over coordinates of the control points, for their variance components (adjust/variance_components).
   struct Shown {
     double squares = 0, redundancy = 0;  // of residuals in sigmas; what the block and the other points know of them
-    [[nodiscard]] double sigma_factor() const {
-      return squares > 0 && redundancy > 0 ? std::sqrt(squares / redundancy) : 1;
+    int coordinates = 0;
+    // Of control that positions alone contradict, nothing is known: their errors are mostly common to all.
+    [[nodiscard]] double sigma_factor(Kind kind) const {
+      const int of_datum = kind == kPlan ? 4 : 3;
+      return coordinates > of_datum && squares > 0 && redundancy > 0 ? std::sqrt(squares / redundancy) : 1;
     }
   };
-  [[nodiscard]] Shown shown_by_coordinates(const Adjusted& adjusted) const {
-    Shown shown;
-    for (const ControlDifference& difference : adjusted.control) {
-      if (!difference.used) continue;
-      const Eigen::Vector3d& sigma_m = setup_.control.at(difference.point).sigma_m;
+  [[nodiscard]] ByKind<Shown> shown_by_coordinates(const Adjusted& adjusted) const {
+    ByKind<Shown> shown;
+    for (const ControlDifference& control : adjusted.control) {
+      if (!control.used || !control.covariance_m2) continue;
+      const Eigen::Vector3d& sigma_m = setup_.control.at(control.point).sigma_m;
       for (int axis = 0; axis < 3; ++axis) {
-        const double expected_m = difference.difference_sigma_m[axis];
-        if (!std::isfinite(expected_m)) continue;
-        shown.squares += std::pow(difference.difference_m[axis] / sigma_m[axis], 2);
-        shown.redundancy += std::pow(expected_m / (adjusted.sigma0 * sigma_m[axis]), 2);
+        if (!std::isfinite(sigma_m[axis])) continue;
+        Shown& its = shown[kind_of(axis)];
+        ++its.coordinates;
+        its.squares += std::pow(control.difference_m[axis] / sigma_m[axis], 2);
+        its.redundancy += 1 - (*control.covariance_m2)(axis, axis) / (sigma_m[axis] * sigma_m[axis]);
       }
     }
     return shown;
@@ -351,8 +395,12 @@ class Orienter {
   // coordinates and, because these hardly give way when they are stated to be exact, its image measurements; or of the
   // coordinates alone, which many images would hide. 0 with fewer than three points.
   [[nodiscard]] double control_misfit(const Adjusted& adjusted) const {
-    const Shown coordinates = shown_by_coordinates(adjusted);
-    double sum = coordinates.squares;
+    double sum = 0, largest = 0;
+    const ByKind<Shown> shown = shown_by_coordinates(adjusted);
+    for (const Kind kind : {kPlan, kHeight}) {
+      sum += shown[kind].squares;
+      if (shown[kind].redundancy >= kLeastRedundancy) largest = std::max(largest, shown[kind].sigma_factor(kind));
+    }
     int measured = 0;
     std::set<ControlId> used;
     for (const ControlDifference& difference : adjusted.control) {
@@ -368,8 +416,7 @@ class Orienter {
     }
     const int redundancy = measured - 3 * static_cast<int>(used.size());
     if (used.size() < 3 || redundancy < kLeastRedundancy) return 0;
-    const double together = std::sqrt(sum / redundancy);
-    return coordinates.redundancy < kLeastRedundancy ? together : std::max(together, coordinates.sigma_factor());
+    return std::max(largest, std::sqrt(sum / redundancy));
   }
 
   // Positions that do not tell the tilt must not change it: the attitudes do or, without any, it stays to two degrees.

@@ -235,13 +235,23 @@ TEST(Orient, SloppyMarksAreWeighedByWhatTheyShowAndTheCoordinatesAreNotBlamed) {
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 10 * kPixel_m);  // marks err by 4 pixels
 }
 
+// The sigma that a finding says control is given, in plan or in height [m].
+std::optional<double> sigma_said(const std::vector<std::string>& findings, const std::string& kind) {
+  const std::string before = "times their sigma in " + kind + "; it is taken as ";
+  for (const std::string& finding : findings)
+    if (const auto at = finding.find(before); at != std::string::npos)
+      return std::stod(finding.substr(at + before.size()));
+  return std::nullopt;
+}
+
 // Coordinates ten times worse than stated, and positions that all have an error of 1.2 m in common. Six control points
-// less seven parameters leave eleven coordinates, so the sigma they show is known to 1 / sqrt(22), the root mean square
-// of eight blocks to 7.5 %: four of those. The estimated places have errors of their own, far below those of control.
+// less seven parameters leave eight coordinates in plan and three in height, so over eight blocks the root mean square
+// of the sigma they show is known to 1 / sqrt(2 * 8 * 8), 9 %, and 1 / sqrt(2 * 8 * 3), 14 %: three of those. The
+// estimated places have errors of their own, far below those of control.
 TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
   constexpr int kBlocks = 8;
-  constexpr double kReal_m = 0.1;
-  double squares = 0, shift_m = 0;
+  constexpr double kStated_m = 0.01, kReal_m = 0.1;
+  double plan = 0, height = 0, shift_m = 0;
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
     Matched input = on_the_map(test_block({.rows = 2,
                                            .columns = 4,
@@ -258,12 +268,12 @@ TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
     }
     const auto found = orient(input);
     ASSERT_TRUE(found) << found.error().message;
-    const auto said = std::find_if(found->findings.begin(), found->findings.end(), [](const std::string& finding) {
-      return finding.starts_with("control points contradict");
-    });
-    ASSERT_NE(said, found->findings.end());
-    const std::string before_number = "it is taken as ";
-    squares += std::pow(std::stod(said->substr(said->find(before_number) + before_number.size())), 2) / kBlocks;
+    const auto plan_m = sigma_said(found->findings, "plan");
+    const double height_m = sigma_said(found->findings, "height").value_or(kStated_m);
+    ASSERT_TRUE(plan_m);
+    plan += *plan_m * *plan_m / kBlocks;
+    height += height_m * height_m / kBlocks;
+    EXPECT_TRUE(mentions(found->findings, "contradict the positions"));
     for (const ControlDifference& control : found->adjusted.control) {
       if (!control.used) continue;
       shift_m += control.difference_m.x() / (6 * kBlocks);
@@ -271,8 +281,29 @@ TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
         EXPECT_LT(std::abs(control.difference_m[axis]), 4 * control.difference_sigma_m[axis]);
     }
   }
-  EXPECT_NEAR(std::sqrt(squares) / kReal_m, 1, 0.3);
+  EXPECT_NEAR(std::sqrt(plan) / kReal_m, 1, 0.27);
+  EXPECT_NEAR(std::sqrt(height) / kReal_m, 1, 0.42);
   EXPECT_NEAR(shift_m, 0, 4 * kReal_m / std::sqrt(6.0 * kBlocks));  // control decides the place
+}
+
+// Plan ten times worse than stated, heights as stated: these are still believed.
+TEST(Orient, ControlThatIsWrongInPlanIsBelievedInHeight) {
+  Matched input = on_the_map(test_block(
+      {.rows = 2, .columns = 4, .points = 300, .sigma_px = 0.5, .position_sigma_m = 0.2, .control = 9, .seed = 2}));
+  Random random(4);
+  std::map<ControlId, double> height_m;
+  for (auto& [id, point] : input.setup.control) {
+    point.position_in_world.head<2>() += 0.2 * testing::normal3(random).head<2>();
+    height_m[id] = point.sigma_m.z();
+  }
+  const auto found = orient(input);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(sigma_said(found->findings, "plan"));
+  EXPECT_FALSE(sigma_said(found->findings, "height"));
+  for (const ControlDifference& control : found->adjusted.control)
+    if (control.used) {
+      EXPECT_LT(std::abs(control.difference_m.z()), 4 * height_m.at(control.point));
+    }
 }
 
 TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {
