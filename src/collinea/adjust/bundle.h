@@ -82,6 +82,25 @@ struct GivenVertical {
   double sigma_rad = 0;
 };
 
+/// The whole attitude of an image, as an inertial system says.
+struct GivenAttitude {
+  Eigen::Quaterniond cam_from_world;
+  Eigen::Vector3d sigma_rad;  ///< of turns about x, y, z of the world: two of level and one of heading
+};
+
+/// From the projection centre to the antenna whose place Image::position is.
+struct LeverArm {
+  Eigen::Vector3d antenna_in_cam_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();  ///< 0: exact; infinite: not known
+};
+
+/// Images whose positions have a shift in common and a drift, which grows with time.
+struct PositionTrack {
+  std::map<ImageId, double> time;                           ///< in any unit, of no use without a drift; best about zero
+  Eigen::Vector3d shift_sigma_m = Eigen::Vector3d::Zero();  ///< 0: there is none; infinite: not known
+  Eigen::Vector3d drift_sigma_m = Eigen::Vector3d::Zero();  ///< the same, in a unit of time
+};
+
 /// What takes part and what is held. As it stands: everything moves, everything known is used.
 struct AdjustScope {
   /// Nothing: every oriented image moves. Otherwise only these move; other images that see the same points take part,
@@ -94,6 +113,12 @@ struct AdjustScope {
   /// named counts as it stands in the block.
   std::map<CameraId, Camera> first_cameras;
   std::map<ImageId, GivenVertical> verticals;  ///< observations of the attitudes of images
+  std::map<ImageId, GivenAttitude> attitudes;
+  /// Of the turn from the camera that `attitudes` mean to the true one, about its axes: 0 there is none, infinite not
+  /// known.
+  std::map<CameraId, Eigen::Vector3d> boresight_sigma_rad;
+  std::map<CameraId, LeverArm> lever_arms;
+  std::vector<PositionTrack> position_tracks;  ///< an image is in one at most
   bool use_positions = true;                   ///< Image::position
   bool use_control = true;                     ///< ControlRole::kControl; when false they are treated as check points
   bool use_ground = true;                      ///< Block::ground; not in a local adjustment
@@ -102,12 +127,16 @@ struct AdjustScope {
 /// Unknowns beside those of images, cameras and points.
 enum class UnknownKind : std::uint8_t {
   kOrientation,  ///< azimuth of zero of a horizontal circle [rad]
+  kLeverArm,     ///< of a camera, along its axes [m]
+  kShift,        ///< of the positions of a track [m]
+  kDrift,        ///< the same in a unit of its time [m]
+  kBoresight,    ///< of a camera, a rotation vector about its axes: cam_from_world = turn * given [rad]
 };
 
 /// One of them, as estimated.
 struct EstimatedUnknown {
   UnknownKind kind{};
-  std::uint32_t owner = 0;  ///< number of the set-up
+  std::uint32_t owner = 0;  ///< number of the set-up or of the track, or of a CameraId
   int axis = 0;
   double value = 0;
   double sigma = std::numeric_limits<double>::quiet_NaN();  ///< by the given sigmas; with covariances
@@ -132,6 +161,12 @@ struct PositionDifference {
   ImageId image;
   Eigen::Vector3d difference_m;  ///< adjusted minus given; NaN on axes that were not given
   double weight = 1;             ///< by the robust loss; below 1: partly disbelieved
+};
+
+/// The attitude of an image against what was given.
+struct AttitudeDifference {
+  ImageId image;
+  Eigen::Vector3d difference_rad;  ///< adjusted minus given, less the boresight: a turn about x, y, z of the world
 };
 
 /// A control or check point after the adjustment.
@@ -166,6 +201,9 @@ struct Adjusted {
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
   std::vector<GroundDifference> ground;               ///< those whose two points take part, ascending
   std::vector<EstimatedUnknown> extras;               ///< unknowns beside images, cameras and points
+  std::vector<AttitudeDifference> attitudes;          ///< ascending
+  /// With covariances: pairs of unknowns that hardly differ in what they do (correlation beyond 0.99), and what helps.
+  std::vector<std::string> inseparable;
   std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
 
   double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true,
@@ -193,8 +231,9 @@ struct Adjusted {
 ///
 /// Observations: tie points; control points (their image measurements, never robust, and their coordinates by sigma_m,
 /// infinite = not given); measurements on the ground between control points (Block::ground, never robust; check points
-/// among them take part with their image measurements, not with their coordinates); GNSS positions; scope.verticals;
-/// and weak ones for the parameters of calibration so that weak
+/// among them take part with their image measurements, not with their coordinates); GNSS positions, of an antenna
+/// with a lever arm, a shift and a drift if the scope says so; scope.attitudes with a boresight; scope.verticals; and
+/// weak ones for the parameters of calibration so that weak
 /// geometry does not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2
 /// 0.5, k3 0.5, p1 and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false
 /// are held.

@@ -37,6 +37,38 @@ Eigen::MatrixXd block_of(TileCholesky& inverse, int row, int rows, int column, i
   return block;
 }
 
+constexpr double kInseparable = 0.99;  // correlation: the sigma of each is seven times what it were without the other
+
+bool is_along_axis(const ExtraUnknown& extra) { return extra.kind == UnknownKind::kLeverArm && extra.axis == 2; }
+
+// What would part an unknown from another one, or (other = nullptr) from a parameter of a camera.
+const char* cure_of(const ExtraUnknown& extra, const ExtraUnknown* other) {
+  if (is_along_axis(extra) || (other && is_along_axis(*other)))
+    return "add strips at another height or oblique images, or give one of them";
+  if (extra.kind == UnknownKind::kOrientation) return "measure to more points from there";
+  if (extra.kind == UnknownKind::kLeverArm || (other && other->kind == UnknownKind::kLeverArm) ||
+      extra.kind == UnknownKind::kBoresight)
+    return "add strips in the opposite direction and across, or give one of them";
+  return "add cross strips, or control in every strip";
+}
+
+void name_inseparable(const Block& block, const Problem& problem, TileCholesky& inverse, Adjusted& adjusted) {
+  const int border = 6 * problem.poses;
+  for (int i = 0; i < static_cast<int>(problem.extras.size()); ++i) {
+    const int row = border + problem.first_extra + i;
+    const ExtraUnknown& extra = problem.extras[static_cast<std::size_t>(i)];
+    for (int other = border; other < row; ++other) {
+      const double correlation = inverse.at(row, other) / std::sqrt(inverse.at(row, row) * inverse.at(other, other));
+      if (!(std::abs(correlation) > kInseparable)) continue;
+      const int k = other - border - problem.first_extra;
+      adjusted.inseparable.push_back(
+          name_of_unknown(block, problem, row) + " and " + name_of_unknown(block, problem, other) +
+          " can hardly be separated (correlation " + std::to_string(correlation).substr(0, correlation < 0 ? 6 : 5) +
+          "): " + cure_of(extra, k < 0 ? nullptr : &problem.extras[static_cast<std::size_t>(k)]));
+    }
+  }
+}
+
 // Standard deviations of unknowns beside images, cameras and points, and of what was measured on the ground.
 void predict_others(const Problem& problem, const State& state, TileCholesky& inverse, Adjusted& adjusted) {
   const int border = 6 * problem.poses;
@@ -47,8 +79,7 @@ void predict_others(const Problem& problem, const State& state, TileCholesky& in
   for (std::size_t i = 0; i < problem.ground.size(); ++i) {
     const GroundLink& link = problem.ground[i];
     GroundDifference& difference = adjusted.ground[i];
-    const double variance =
-        variance_of(row_of(problem, link, model_of(problem, link, state.points, state.extras)), border, inverse);
+    const double variance = variance_of(row_of(problem, link, model_of(problem, link, state)), inverse);
     const double sigma = link.observation.sigma, scaled = std::pow(sigma_scale(adjusted), 2) * variance;
     difference.sigma = std::sqrt(std::max(variance, 0.0));
     // Of a residual it is what is left of the sigma; see predict_control_points.
@@ -61,11 +92,11 @@ void predict_others(const Problem& problem, const State& state, TileCholesky& in
 
 }  // namespace
 
-double variance_of(const std::vector<RowPart>& row, int border, TileCholesky& inverse) {
+double variance_of(const Row& row, TileCholesky& inverse) {
   double sum = 0;
   for (const RowPart& a : row)
     for (const RowPart& b : row)
-      sum += a.derivative * b.derivative * inverse.at(border + std::max(a.row, b.row), border + std::min(a.row, b.row));
+      sum += a.derivative * b.derivative * inverse.at(std::max(a.row, b.row), std::min(a.row, b.row));
   return sum;
 }
 
@@ -85,6 +116,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   if (run.stopped()) return;
   predict_control_points(block, problem, state, matrix, adjusted);
   predict_others(problem, state, matrix, adjusted);
+  name_inseparable(block, problem, matrix, adjusted);
   for (int i = 0; i < problem.poses; ++i) {
     Matrix6d to_world = Matrix6d::Identity();
     to_world.topLeftCorner<3, 3>() = state.rotations[i].conjugate().toRotationMatrix();

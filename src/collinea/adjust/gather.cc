@@ -69,9 +69,10 @@ class Gatherer {
     order_points();
     lay_out_images();
     lay_out_cameras(free);
-    lay_out_ground();
     if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_verticals(); !taken) return tl::unexpected(taken.error());
+    if (Result<> taken = take_attitudes(); !taken) return tl::unexpected(taken.error());
+    lay_out_ground();
     count();
     if (out_.problem.border > kMostCameraUnknowns)
       return fail(Errc::kUnsupported,
@@ -400,9 +401,11 @@ class Gatherer {
     problem.first_extra = problem.border;
   }
 
-  // Points that are measured between get their unknowns in the border, behind all others.
+  // Points that are measured between get their unknowns in the border, behind all others. Directions of one set-up have
+  // its orientation in common, which begins with what the first of them says.
   void lay_out_ground() {
     Problem& problem = out_.problem;
+    problem.level_at_origin = block_.georeference.has_value();
     std::map<ControlId, std::uint32_t> number;
     for (std::size_t p = 0; p < problem.point_count(); ++p)
       if (problem.point(p).control >= 0) number[ControlId{problem.point(p).id}] = static_cast<std::uint32_t>(p);
@@ -410,16 +413,27 @@ class Gatherer {
       const GroundObservation& measured = block_.ground[source];
       GroundLink link{measured, source, number.at(measured.from), number.at(measured.to)};
       if (measured.role == ControlRole::kControl) link.inverse_sigma = 1 / measured.sigma;
+      if (measured.kind == GroundKind::kDirection) link.orientation = orientation_of(measured, link);
       problem.ground.push_back(link);
       problem.joined.insert(problem.joined.end(), {link.from, link.to});
     }
+    problem.border += static_cast<int>(problem.extras.size());
     std::sort(problem.joined.begin(), problem.joined.end());
     problem.joined.erase(std::unique(problem.joined.begin(), problem.joined.end()), problem.joined.end());
     for (const std::uint32_t p : problem.joined) {
       problem.points[p].joined = problem.border;
       problem.border += 3;
     }
-    problem.level_at_origin = block_.georeference.has_value();
+  }
+
+  int orientation_of(const GroundObservation& measured, const GroundLink& link) {
+    auto& extras = out_.problem.extras;
+    for (std::size_t i = 0; i < extras.size(); ++i)
+      if (extras[i].kind == UnknownKind::kOrientation && extras[i].owner == measured.setup) return static_cast<int>(i);
+    extras.push_back({UnknownKind::kOrientation, measured.setup});
+    // By its first direction; those that follow are at most a turn away, and residuals of angles know no turns.
+    out_.start.extras.push_back(-ground_residual(measured, model_of(out_.problem, link, out_.start)));
+    return static_cast<int>(extras.size()) - 1;
   }
 
   Result<> take_positions() {
@@ -437,6 +451,70 @@ class Gatherer {
       const Eigen::Vector3d inverse_sigma = sigma_m.cwiseInverse();
       problem.positions.push_back(
           {static_cast<std::uint32_t>(i), (inverse_sigma.array() > 0).select(place, 0.0), inverse_sigma});
+      if (Result<> placed = place_antenna(problem.positions.back(), image.camera); !placed) return placed;
+    }
+    return {};
+  }
+
+  // Three unknowns, made when they are first asked for; -1 when all sigmas are 0: there are none.
+  Result<int> three_extras(UnknownKind kind, std::uint32_t owner, const Eigen::Vector3d& given,
+                           const Eigen::Vector3d& sigma) {
+    if ((sigma.array() == 0).all()) return -1;
+    if (!(sigma.minCoeff() > 0) || !given.allFinite())
+      return fail(Errc::kBadInput, name_of_extra(block_, kind, owner, 0) +
+                                       ": needs finite values with standard deviations that are all zero or all "
+                                       "positive (infinite: not known)");
+    auto& extras = out_.problem.extras;
+    for (std::size_t i = 0; i < extras.size(); ++i)
+      if (extras[i].kind == kind && extras[i].owner == owner) return static_cast<int>(i);
+    const auto first = static_cast<int>(extras.size());
+    for (int axis = 0; axis < 3; ++axis) {
+      extras.push_back({kind, owner, axis, given[axis], 1 / sigma[axis]});
+      out_.start.extras.push_back(given[axis]);
+    }
+    return first;
+  }
+
+  Result<> place_antenna(GivenPosition& position, CameraId camera) {
+    const ImageId id = out_.problem.images[position.image].id;
+    if (const auto its = scope_.lever_arms.find(camera); its != scope_.lever_arms.end()) {
+      const LeverArm& arm = its->second;
+      COLLINEA_TRY(position.lever_arm,
+                   three_extras(UnknownKind::kLeverArm, camera.value, arm.antenna_in_cam_m, arm.sigma_m));
+      if (position.lever_arm < 0) position.arm = arm.antenna_in_cam_m;
+      if (!position.arm.allFinite()) return fail(Errc::kBadInput, "the lever arm is no vector of finite numbers");
+    }
+    for (std::uint32_t t = 0; t < scope_.position_tracks.size(); ++t) {
+      const PositionTrack& track = scope_.position_tracks[t];
+      const auto time = track.time.find(id);
+      if (time == track.time.end()) continue;
+      position.time = time->second;
+      if (!std::isfinite(position.time)) return fail(Errc::kBadInput, "a time of a track of positions is not finite");
+      const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+      COLLINEA_TRY(position.shift, three_extras(UnknownKind::kShift, t, zero, track.shift_sigma_m));
+      COLLINEA_TRY(position.drift, three_extras(UnknownKind::kDrift, t, zero, track.drift_sigma_m));
+      break;
+    }
+    return {};
+  }
+
+  Result<> take_attitudes() {
+    Problem& problem = out_.problem;
+    for (int i = 0; i < problem.poses; ++i) {
+      const ImageId id = problem.images[i].id;
+      const auto its = scope_.attitudes.find(id);
+      if (its == scope_.attitudes.end()) continue;
+      const auto& [cam_from_world, sigma_rad] = its->second;
+      if (!(sigma_rad.minCoeff() > 0) || !(std::abs(cam_from_world.norm() - 1) < 1e-6))
+        return fail(Errc::kBadInput, "the attitude of " + block_.images.at(id).file +
+                                         " is no rotation with positive standard deviations");
+      GivenTurn given{static_cast<std::uint32_t>(i), cam_from_world, sigma_rad.cwiseInverse()};
+      const CameraId camera = block_.images.at(id).camera;
+      if (const auto sigma = scope_.boresight_sigma_rad.find(camera); sigma != scope_.boresight_sigma_rad.end()) {
+        COLLINEA_TRY(given.boresight,
+                     three_extras(UnknownKind::kBoresight, camera.value, Eigen::Vector3d::Zero(), sigma->second));
+      }
+      problem.attitudes.push_back(given);
     }
     return {};
   }
@@ -459,6 +537,7 @@ class Gatherer {
     Problem& problem = out_.problem;
     problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.first_extra;
     for (const GivenPosition& position : problem.positions) problem.observation_count += position.axes();
+    problem.observation_count += 3 * static_cast<long>(problem.attitudes.size());
     problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
     for (const ExtraUnknown& extra : problem.extras) problem.observation_count += extra.inverse_sigma > 0;
     for (const GroundLink& link : problem.ground) problem.observation_count += link.inverse_sigma > 0;

@@ -184,7 +184,7 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
     border_.cost += chunks_[c].cost;
   }
   const double cost = border_.cost + add_positions(state) + add_verticals(state) + add_weak_cameras(state) +
-                      add_extras(state) + add_joined(state) + add_ground(state);
+                      add_extras(state) + add_joined(state) + add_ground(state) + add_attitudes(state);
   add_datum(datum_stiffness);
   assemble(lambda);
   return cost;
@@ -334,10 +334,17 @@ void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
 double Normals::add_positions(const State& state) {
   double cost = 0;
   for (const GivenPosition& position : problem_.positions) {
-    const Eigen::Vector3d centre(state.frames[position.image].data() + 9);
-    const Eigen::Vector3d residual = (position.given - centre).cwiseProduct(position.inverse_sigma);
+    const Eigen::Vector3d residual =
+        (position.given - antenna_of(state, position)).cwiseProduct(position.inverse_sigma);
     const double s = residual.squaredNorm(), weight = problem_.position_loss.weight(s);
     cost += problem_.position_loss.cost(s);
+    if (!position.plain()) {
+      const double root = std::sqrt(weight);
+      for (int axis = 0; axis < 3; ++axis)
+        add_observation(row_of(problem_, state, position, axis), root * position.inverse_sigma[axis],
+                        root * residual[axis]);
+      continue;
+    }
     for (int c = 0; c < 3; ++c) {
       const int row = 6 * static_cast<int>(position.image) + 3 + c;
       const double w = position.inverse_sigma[c];
@@ -450,19 +457,48 @@ double Normals::add_ground(const State& state) {
   double cost = 0;
   for (const GroundLink& link : problem_.ground) {
     if (!(link.inverse_sigma > 0)) continue;
-    const GroundModel model = model_of(problem_, link, state.points, state.extras);
+    const GroundModel model = model_of(problem_, link, state);
     const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
     cost += residual * residual;
-    const std::vector<RowPart> parts = row_of(problem_, link, model);
-    for (const RowPart& one : parts) {
-      const double d = one.derivative * link.inverse_sigma;
-      border_.right[static_cast<std::size_t>(one.row)] += d * residual;
-      border_.diagonal[static_cast<std::size_t>(one.row)] += d * d;
-      for (const RowPart& other : parts)
-        if (other.row <= one.row) add_to_border(one.row, other.row, d * other.derivative * link.inverse_sigma);
-    }
+    add_observation(row_of(problem_, link, model), link.inverse_sigma, residual);
   }
   return cost;
+}
+
+double Normals::add_attitudes(const State& state) {
+  double cost = 0;
+  for (const GivenTurn& given : problem_.attitudes) {
+    const Eigen::Vector3d residual = residual_of(state, given).cwiseProduct(given.inverse_sigma);
+    cost += residual.squaredNorm();
+    for (int axis = 0; axis < 3; ++axis)
+      add_observation(row_of(problem_, state, given, axis), given.inverse_sigma[axis], residual[axis]);
+  }
+  return cost;
+}
+
+// One observation by its row; `residual` has its weight already.
+void Normals::add_observation(const Row& row, double weight, double residual) {
+  const int border = 6 * problem_.poses;
+  for (const RowPart& one : row) {
+    const double d = one.derivative * weight;
+    const bool is_pose = one.row < border;
+    (is_pose ? right_[static_cast<std::size_t>(one.row)] : border_.right[static_cast<std::size_t>(one.row - border)]) +=
+        d * residual;
+    (is_pose ? diagonal_[static_cast<std::size_t>(one.row)]
+             : border_.diagonal[static_cast<std::size_t>(one.row - border)]) += d * d;
+    for (const RowPart& other : row) {
+      if (other.row > one.row) continue;
+      const double product = d * other.derivative * weight;
+      if (is_pose)
+        matrix_.at(one.row, other.row) += product;
+      else if (other.row >= border)
+        add_to_border(one.row - border, other.row - border, product);
+      else
+        pose_camera_[6ul * (static_cast<std::size_t>(other.row / 6) * static_cast<std::size_t>(problem_.border) +
+                            static_cast<std::size_t>(one.row - border)) +
+                     static_cast<std::size_t>(other.row % 6)] += product;
+    }
+  }
 }
 
 // A heavy weight on motions that no observation sees: it changes which of many equal solutions is taken, not the

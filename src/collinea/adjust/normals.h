@@ -62,6 +62,8 @@ class Normals {
   double add_extras(const State& state);
   double add_joined(const State& state);
   double add_ground(const State& state);
+  double add_attitudes(const State& state);
+  void add_observation(const Row& row, double weight, double residual);
   void add_to_border(int row, int column, double value);
   void add_datum(double stiffness);
   void assemble(double lambda);

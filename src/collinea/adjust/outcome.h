@@ -20,8 +20,8 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
 void add_covariances(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
                      const Run& run, Normals& normals, Adjusted& adjusted);
 
-/// The cofactor of an observation by unknowns of the border alone, whose first row is `border`.
-[[nodiscard]] double variance_of(const std::vector<RowPart>& row, int border, TileCholesky& inverse);
+/// The cofactor of an observation by one pose and unknowns of the border.
+[[nodiscard]] double variance_of(const Row& row, TileCholesky& inverse);
 
 /// Fills Adjusted::reliability, by the selected inverse.
 void add_reliability(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,

@@ -74,6 +74,12 @@ struct ControlCoordinates {
 struct GivenPosition {
   std::uint32_t image;
   Eigen::Vector3d given, inverse_sigma;
+  Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< exact part of the lever arm
+  int lever_arm = -1, shift = -1, drift = -1;     ///< first of three numbers in Problem::extras; -1: none
+  double time = 0;
+
+  /// It is that of the projection centre.
+  [[nodiscard]] bool plain() const { return lever_arm < 0 && shift < 0 && drift < 0 && arm.isZero(0); }
 
   /// How many of its coordinates are given.
   [[nodiscard]] int axes() const { return static_cast<int>((inverse_sigma.array() > 0).count()); }
@@ -89,6 +95,14 @@ struct GivenUp {
   [[nodiscard]] Eigen::Vector3d residual(const Eigen::Vector3d& z_in_cam) const {
     return inverse_sigma * (up_in_cam - z_in_cam);
   }
+};
+
+/// A turn about x, y, z of the world.
+struct GivenTurn {
+  std::uint32_t image;
+  Eigen::Quaterniond cam_from_world;
+  Eigen::Vector3d inverse_sigma;
+  int boresight = -1;  ///< first of three numbers in Problem::extras; -1: none
 };
 
 /// Directions in which the poses of some images must not move together, because nothing observes that motion.
@@ -108,6 +122,7 @@ struct Problem {
   std::vector<ControlCoordinates> control;
   std::vector<GivenPosition> positions;
   std::vector<GivenUp> verticals;
+  std::vector<GivenTurn> attitudes;
   std::vector<ExtraUnknown> extras;
   int first_extra = 0;                ///< of the border
   std::vector<std::uint32_t> joined;  ///< numbers of points, ascending
@@ -130,27 +145,6 @@ struct Problem {
   [[nodiscard]] std::uint32_t end_ray(std::size_t i) const { return points[i + 1].first_ray; }
 };
 
-[[nodiscard]] inline GroundModel model_of(const Problem& problem, const GroundLink& link,
-                                          const std::vector<double>& points, const std::vector<double>& extras) {
-  return ground_model(
-      link.observation, Eigen::Vector3d(&points[3ul * link.from]), Eigen::Vector3d(&points[3ul * link.to]),
-      link.orientation < 0 ? 0 : extras[static_cast<std::size_t>(link.orientation)], problem.level_at_origin);
-}
-
-/// The derivative of a measurement by one unknown of the border.
-struct RowPart {
-  int row;
-  double derivative;
-};
-[[nodiscard]] inline std::vector<RowPart> row_of(const Problem& problem, const GroundLink& link,
-                                                 const GroundModel& model) {
-  std::vector<RowPart> parts;
-  for (int c = 0; c < 3; ++c) parts.push_back({problem.point(link.from).joined + c, model.by_from[c]});
-  for (int c = 0; c < 3; ++c) parts.push_back({problem.point(link.to).joined + c, model.by_to[c]});
-  if (link.orientation >= 0) parts.push_back({problem.first_extra + link.orientation, model.by_orientation});
-  return parts;
-}
-
 /// Rotation cam_from_world by rows, then the projection centre in the world.
 using Frame = std::array<double, 12>;
 
@@ -166,6 +160,27 @@ struct State {
 
 /// The world's z axis in the camera.
 [[nodiscard]] inline Eigen::Vector3d z_in_cam(const Frame& frame) { return {frame[2], frame[5], frame[8]}; }
+
+/// The derivative of an observation by one of the reduced unknowns.
+struct RowPart {
+  int row;
+  double derivative;
+};
+using Row = std::vector<RowPart>;
+
+/// A measurement on the ground as the unknowns foretell it.
+[[nodiscard]] GroundModel model_of(const Problem& problem, const GroundLink& link, const State& state);
+[[nodiscard]] Row row_of(const Problem& problem, const GroundLink& link, const GroundModel& model);
+
+/// Where the antenna says it is: the projection centre, and what lies between.
+[[nodiscard]] Eigen::Vector3d antenna_of(const State& state, const GivenPosition& position);
+/// Its derivative along one axis of the world.
+[[nodiscard]] Row row_of(const Problem& problem, const State& state, const GivenPosition& position, int axis);
+
+/// Given minus adjusted attitude, as a turn in the world.
+[[nodiscard]] Eigen::Vector3d residual_of(const State& state, const GivenTurn& given);
+/// The derivative of the adjusted one about one axis of the world.
+[[nodiscard]] Row row_of(const Problem& problem, const State& state, const GivenTurn& given, int axis);
 
 [[nodiscard]] Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre);
 

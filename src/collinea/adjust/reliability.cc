@@ -55,6 +55,7 @@ class Examiner {
     take_verticals();
     take_weak_cameras();
     take_ground();
+    take_attitudes();
     take_extras();
     sums(ObservationGroup::kTieImages).squares = tie_.squares();
     std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
@@ -196,7 +197,7 @@ class Examiner {
   void take_positions() {
     RobustSquares all(problem_.position_loss);
     for (const GivenPosition& position : problem_.positions) {
-      const Eigen::Vector3d residual = position.given - Eigen::Vector3d(state_.frames[position.image].data() + 9);
+      const Eigen::Vector3d residual = position.given - antenna_of(state_, position);
       const double s = residual.cwiseProduct(position.inverse_sigma).squaredNorm();
       const double weight = problem_.position_loss.weight(s);
       if (position.axes() > 0) all.add(s, position.axes());
@@ -211,7 +212,9 @@ class Examiner {
         one.residual = residual[axis];
         one.sigma = 1 / w;
         sums(one.group).squares += weight / problem_.position_loss.information * std::pow(residual[axis] * w, 2);
-        test(one, weight * w * w * inverse_.at(row, row), weight);
+        const double cofactor =
+            position.plain() ? inverse_.at(row, row) : variance_of(row_of(problem_, state_, position, axis), inverse_);
+        test(one, weight * w * w * cofactor, weight);
       }
     }
     if (!(all.weighted() > 0)) return;
@@ -245,15 +248,32 @@ class Examiner {
   void take_ground() {
     for (const GroundLink& link : problem_.ground) {
       if (!(link.inverse_sigma > 0)) continue;
-      const GroundModel model = model_of(problem_, link, state_.points, state_.extras);
+      const GroundModel model = model_of(problem_, link, state_);
       TestedObservation one;
       one.group = group_of(link.observation.kind);
       one.source = link.source;
       one.residual = ground_residual(link.observation, model);
       one.sigma = link.observation.sigma;
       sums(one.group).squares += std::pow(one.residual * link.inverse_sigma, 2);
-      const double variance = variance_of(row_of(problem_, link, model), 6 * problem_.poses, inverse_);
+      const double variance = variance_of(row_of(problem_, link, model), inverse_);
       test(one, variance * link.inverse_sigma * link.inverse_sigma, 1);
+    }
+  }
+
+  void take_attitudes() {
+    for (const GivenTurn& given : problem_.attitudes) {
+      const Eigen::Vector3d residual = residual_of(state_, given);
+      for (int axis = 0; axis < 3; ++axis) {
+        const double w = given.inverse_sigma[axis];
+        TestedObservation one;
+        one.group = axis < 2 ? ObservationGroup::kAttitudeLevel : ObservationGroup::kAttitudeHeading;
+        one.source = problem_.images[given.image].id.value;
+        one.axis = axis;
+        one.residual = residual[axis];
+        one.sigma = 1 / w;
+        sums(one.group).squares += std::pow(residual[axis] * w, 2);
+        test(one, w * w * variance_of(row_of(problem_, state_, given, axis), inverse_), 1);
+      }
     }
   }
 

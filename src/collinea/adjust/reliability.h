@@ -26,11 +26,14 @@ enum class ObservationGroup {
   kHeightDifference,
   kDirection,
   kZenithAngle,
+  kAttitudeLevel,
+  kAttitudeHeading,
 };
-inline constexpr std::size_t kObservationGroups = 10;
+inline constexpr std::size_t kObservationGroups = 12;
 inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = {
-    "tie points in images", "control in images", "control, plan",      "control, height", "positions, plan",
-    "positions, height",    "distances",         "height differences", "directions",      "zenith angles"};
+    "tie points in images", "control in images", "control, plan",    "control, height",
+    "positions, plan",      "positions, height", "distances",        "height differences",
+    "directions",           "zenith angles",     "attitudes, level", "attitudes, heading"};
 
 /// The group of a measurement on the ground.
 [[nodiscard]] constexpr ObservationGroup group_of(GroundKind kind) {

@@ -187,18 +187,39 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
   return sums;
 }
 
+// What a step changes of an observation, by the linear model.
+double change_of(const Row& row, const Step& step) {
+  double change = 0;
+  for (const RowPart& part : row) change += part.derivative * step.reduced[static_cast<std::size_t>(part.row)];
+  return change;
+}
+
 Sums of_positions(const Problem& problem, const State& state, const State& next, const Step& step) {
   Sums sums;
   for (const GivenPosition& position : problem.positions) {
-    const Eigen::Vector3d centre(state.frames[position.image].data() + 9),
-        after(next.frames[position.image].data() + 9);
-    const Eigen::Vector3d residual = (position.given - centre).cwiseProduct(position.inverse_sigma);
-    const Eigen::Vector3d d(&step.reduced[6ul * position.image + 3]);
+    const Eigen::Vector3d residual =
+        (position.given - antenna_of(state, position)).cwiseProduct(position.inverse_sigma);
+    Eigen::Vector3d d(&step.reduced[6ul * position.image + 3]);
+    if (!position.plain())
+      for (int axis = 0; axis < 3; ++axis) d[axis] = change_of(row_of(problem, state, position, axis), step);
     const double s = residual.squaredNorm();
-    sums.cost +=
-        problem.position_loss.cost((position.given - after).cwiseProduct(position.inverse_sigma).squaredNorm());
+    sums.cost += problem.position_loss.cost(
+        (position.given - antenna_of(next, position)).cwiseProduct(position.inverse_sigma).squaredNorm());
     sums.promised +=
         problem.position_loss.weight(s) * (s - (residual - d.cwiseProduct(position.inverse_sigma)).squaredNorm());
+  }
+  return sums;
+}
+
+Sums of_attitudes(const Problem& problem, const State& state, const State& next, const Step& step) {
+  Sums sums;
+  for (const GivenTurn& given : problem.attitudes) {
+    const Eigen::Vector3d residual = residual_of(state, given);
+    Eigen::Vector3d left = residual;
+    for (int axis = 0; axis < 3; ++axis) left[axis] -= change_of(row_of(problem, state, given, axis), step);
+    sums.cost += residual_of(next, given).cwiseProduct(given.inverse_sigma).squaredNorm();
+    sums.promised +=
+        residual.cwiseProduct(given.inverse_sigma).squaredNorm() - left.cwiseProduct(given.inverse_sigma).squaredNorm();
   }
   return sums;
 }
@@ -243,14 +264,10 @@ Sums of_ground(const Problem& problem, const State& state, const State& next, co
   Sums sums;
   for (const GroundLink& link : problem.ground) {
     if (!(link.inverse_sigma > 0)) continue;
-    const GroundModel model = model_of(problem, link, state.points, state.extras);
+    const GroundModel model = model_of(problem, link, state);
     const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
-    double left = residual;
-    for (const RowPart& part : row_of(problem, link, model))
-      left -=
-          part.derivative * link.inverse_sigma * step.reduced[static_cast<std::size_t>(6 * problem.poses + part.row)];
-    const double after =
-        ground_residual(link.observation, model_of(problem, link, next.points, next.extras)) * link.inverse_sigma;
+    const double left = residual - link.inverse_sigma * change_of(row_of(problem, link, model), step);
+    const double after = ground_residual(link.observation, model_of(problem, link, next)) * link.inverse_sigma;
     sums.cost += after * after;
     sums.promised += residual * residual - left * left;
   }
@@ -276,6 +293,7 @@ State moved(const Problem& problem, const State& state, double lambda, Step& ste
   sums.push_back(of_weak_cameras(problem, state, next));
   sums.push_back(of_extras(problem, state, next));
   sums.push_back(of_ground(problem, state, next, step));
+  sums.push_back(of_attitudes(problem, state, next, step));
   step.cost = step.promised = 0;
   for (const Sums& one : sums) {
     step.cost += one.cost;

@@ -47,6 +47,11 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
   found.factors.fill(1);
   Block scaled = block;
   for (;; ++found.iterations) {
+    for (auto& [id, attitude] : around.attitudes) {
+      attitude.sigma_rad = scope.attitudes.at(id).sigma_rad;
+      attitude.sigma_rad.head<2>() *= factor_of(found.factors, ObservationGroup::kAttitudeLevel);
+      attitude.sigma_rad.z() *= factor_of(found.factors, ObservationGroup::kAttitudeHeading);
+    }
     COLLINEA_TRY(found.adjusted, adjust(scaled, around, asked, run));
     if (!found.adjusted.reliability)
       return fail(Errc::kIllPosed, "variance components: " + found.adjusted.undetermined);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "collinea/base/options.h"
 #include "collinea/pipeline/project.h"
 
@@ -14,6 +17,12 @@ struct AdjustProjectOptions {
   bool use_positions = true;
   bool use_control = true;
   bool use_ground = true;
+  std::optional<std::string> lever_arm;
+  std::string position_shift = "none";
+  bool position_drift = false;
+  bool use_attitudes = false;
+  double attitude_sigma_deg = 1;
+  double heading_sigma_deg = 3;
   bool variance_components = false;
   double false_alarm = 0.001;
   double power = 0.8;
@@ -33,6 +42,15 @@ struct AdjustProjectOptions {
                 "use control points where orient did; otherwise they are all check points"});
     visit(Field{"use_ground", &O::use_ground, "",
                 "use what was measured between control points where orient did; otherwise it is only compared"});
+    visit(Field{"lever_arm", &O::lever_arm, "m",
+                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate"});
+    visit(Field{"position_shift", &O::position_shift, "",
+                "shift that the positions have in common, to be found: none | block | strips"});
+    visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
+    visit(Field{"use_attitudes", &O::use_attitudes, "",
+                "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
+    visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg", "their standard deviation from level", 1e-6, 90});
+    visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
     visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",

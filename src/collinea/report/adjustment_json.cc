@@ -36,6 +36,16 @@ json ground(const AdjustmentReport& report) {
   return list;
 }
 
+json unknowns(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const EstimatedUnknown& one : report.adjusted.extras)
+    list.push_back({{"unknown", name_of_extra(report.block, one.kind, one.owner, one.axis)},
+                    {"unit", unit_of(one.kind)},
+                    {"value", number(in_unit(one.kind, one.value))},
+                    {"sigma", number(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted))}});
+  return list;
+}
+
 json tested(const std::vector<TestedObservation>& observations, const Block& block) {
   json list = json::array();
   for (const TestedObservation& one : observations)
@@ -102,6 +112,8 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"undetermined", adjusted.undetermined},
             {"control_points", control(report)}};
   if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
+  if (!adjusted.extras.empty()) j["unknowns"] = unknowns(report);
+  if (!adjusted.inseparable.empty()) j["inseparable"] = adjusted.inseparable;
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
   return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }

@@ -81,6 +81,18 @@ std::string ground_table(const AdjustmentReport& report) {
   return html + "</tbody></table></section>\n";
 }
 
+std::string unknowns_table(const AdjustmentReport& report) {
+  if (report.adjusted.extras.empty()) return "";
+  std::string html = "<section><h2>Lever arms, shifts, boresight, orientations</h2>\n";
+  for (const std::string& pair : report.adjusted.inseparable) html += "<p>" + escaped(pair) + ".</p>\n";
+  html += head({"unknown", "unit", "value", "&sigma;"});
+  for (const EstimatedUnknown& one : report.adjusted.extras)
+    html += "<tr>" + text_cell(name_of_extra(report.block, one.kind, one.owner, one.axis)) +
+            text_cell(unit_of(one.kind)) + cell(in_unit(one.kind, one.value), kDecimals) +
+            cell(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted), kDecimals) + "</tr>\n";
+  return html + "</tbody></table></section>\n";
+}
+
 std::string left_out_table(const AdjustmentReport& report, const Reliability& tests) {
   if (tests.left_out.empty()) return "";
   std::string html =
@@ -141,7 +153,7 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
   std::vector<TestedObservation> surveyed;
   for (const TestedObservation& one : tests.others)
     if (one.group == ObservationGroup::kControlPlan || one.group == ObservationGroup::kControlHeight ||
-        one.group >= ObservationGroup::kDistance)
+        (one.group >= ObservationGroup::kDistance && one.group <= ObservationGroup::kZenithAngle))
       surveyed.push_back(one);
   if (!surveyed.empty())
     html += fmt::format(
@@ -160,7 +172,7 @@ std::string adjustment_page(const AdjustmentReport& report) {
                      ": adjustment</title>\n<style>" + kStyleSheet +
                      "</style></head>\n<body><main>\n<header><div><h1>" + title +
                      "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
-  html += summary(report.adjusted) + control_table(report) + ground_table(report);
+  html += summary(report.adjusted) + control_table(report) + ground_table(report) + unknowns_table(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);

@@ -114,6 +114,15 @@ std::string ground_csv(const AdjustmentReport& report) {
   return text;
 }
 
+std::string unknowns_csv(const AdjustmentReport& report) {
+  std::string text = "unknown,unit,value,sigma\n";
+  for (const EstimatedUnknown& one : report.adjusted.extras)
+    text += in_quotes(name_of_extra(report.block, one.kind, one.owner, one.axis)) + "," + unit_of(one.kind) +
+            number(in_unit(one.kind, one.value)) + number(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) +
+            "\n";
+  return text;
+}
+
 std::string observations_csv(const AdjustmentReport& report, const std::vector<TestedObservation>& observations) {
   std::string text =
       "observation,group,unit,residual,sigma,redundancy,w,blunder,least_detectable_blunder,its_effect,"
@@ -133,8 +142,17 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
 
 double shown_factor(const GroupSums& sums) { return sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(); }
 
+const char* unit_of(UnknownKind kind) {
+  if (kind == UnknownKind::kDrift) return "m/s";
+  return kind == UnknownKind::kOrientation || kind == UnknownKind::kBoresight ? "deg" : "m";
+}
+
+double in_unit(UnknownKind kind, double value) {
+  return std::string_view(unit_of(kind)) == "deg" ? kDegrees * value : value;
+}
+
 const char* unit_of(const TestedObservation& one) {
-  if (one.group == ObservationGroup::kDirection || one.group == ObservationGroup::kZenithAngle) return "rad";
+  if (one.group >= ObservationGroup::kDirection) return "rad";  // angles, the last of the groups
   return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";
 }
 
@@ -163,6 +181,12 @@ std::string name_of(const TestedObservation& one, const Block& block) {
     case ObservationGroup::kDirection:
     case ObservationGroup::kZenithAngle:
       return ground_name(block.ground[one.source], block);
+    case ObservationGroup::kAttitudeLevel:
+    case ObservationGroup::kAttitudeHeading:
+      return fmt::format("attitude of {}, about {}", block.images.at(ImageId{one.source}).file,
+                         one.axis == 0   ? "east"
+                         : one.axis == 1 ? "north"
+                                         : "the plumb line");
   }
   return "";
 }
@@ -176,6 +200,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"points.csv", points_csv(report)},
                                                        {"control.csv", control_csv(report)},
                                                        {"ground.csv", ground_csv(report)},
+                                                       {"unknowns.csv", unknowns_csv(report)},
                                                        {"observations.csv", observations_csv(report, tests.others)},
                                                        {"suspects.csv", observations_csv(report, tests.suspects)},
                                                        {"adjustment.json", adjustment_json(report)},

@@ -19,7 +19,8 @@ struct AdjustmentReport {
 };
 
 /// Writes into the folder: adjustment.html (for people), adjustment.json (the same figures), and the tables poses.csv,
-/// cameras.csv, points.csv, control.csv, ground.csv, observations.csv (control, positions and ground, each with its
+/// cameras.csv, points.csv, control.csv, ground.csv, unknowns.csv (beside those of images,
+/// cameras and points), observations.csv (control, positions and ground, each with its
 /// test) and suspects.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS
 /// that PROJ does not know.
 [[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder);
@@ -33,5 +34,9 @@ struct AdjustmentReport {
 /// What was measured, in words: "tie point 17 in IMG_2.jpg, row", "gcp3, height", "position of IMG_2.jpg, east".
 [[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
 [[nodiscard]] const char* unit_of(const TestedObservation& observation);
+
+/// Unknowns beside those of images, cameras and points are told in m, m/s (where times are known) and deg.
+[[nodiscard]] const char* unit_of(UnknownKind kind);
+[[nodiscard]] double in_unit(UnknownKind kind, double value);
 
 }  // namespace collinea
