@@ -80,7 +80,7 @@ def cost(i):
 
 def demo(out):
     block, project = os.path.join(out, "block"), os.path.join(out, "project")
-    if not os.path.exists(os.path.join(block, "truth")):
+    if not os.path.exists(os.path.join(block, "truth", "dtm.tif")):
         collinea("simulate", block)
     collinea("run", os.path.join(block, "images"), "-o", project, "--control", os.path.join(block, "control.csv"))
     i = info(project)

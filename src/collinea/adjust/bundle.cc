@@ -91,6 +91,18 @@ class LevenbergMarquardt {
   double damping_, growth_ = 2;
 };
 
+// Brings every point to its place, images and cameras as they are. The iterations end when these are at rest: a point
+// with far to go (one ray and coarse coordinates) may still be off by some of its sigmas, which would be taken for a
+// blunder where hardly anything checks it.
+void place_points(const Problem& problem, Search& found, const Run& run) {
+  Step none;
+  none.reduced.assign(static_cast<std::size_t>(6 * problem.poses + problem.border), 0.0);
+  State placed = bundle::moved(problem, found.state, 0, none, run);
+  if (!(none.cost < found.cost)) return;
+  found.state = std::move(placed);
+  found.cost = none.cost;
+}
+
 }  // namespace
 
 Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options, const Run& run) {
@@ -121,6 +133,7 @@ Result<Adjusted> Adjuster::adjust(const Block& block, const AdjustScope& scope, 
   Search found = LevenbergMarquardt(problem, normals, options, run).search(std::move(gathered.start));
   if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
   problem.tie_loss.least_curvature = 1;  // statistics are those of the weights
+  if (options.reliability) place_points(problem, found, run);
 
   Adjusted adjusted;
   adjusted.initial_cost = found.initial_cost;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 #include <map>
 #include <memory>
@@ -100,6 +101,12 @@ struct PositionTrack {
   Eigen::Vector3d shift_sigma_m = Eigen::Vector3d::Zero();  ///< 0: there is none; infinite: not known
   Eigen::Vector3d drift_sigma_m = Eigen::Vector3d::Zero();  ///< the same, in a unit of time
 };
+/// How each of Camera::params takes part. 0: held; a standard deviation: observed with it; infinite: free.
+using CameraSigmas = std::array<double, Camera::kParams>;
+
+/// Those that AdjustOptions::calibration stands for, where `first` is the camera before any adjustment: the weak
+/// observations told at adjust(). Nothing when there is no such name.
+[[nodiscard]] std::optional<CameraSigmas> calibration_named(const std::string& name, const Camera& first);
 
 /// What takes part and what is held. As it stands: everything moves, everything known is used.
 struct AdjustScope {
@@ -112,6 +119,10 @@ struct AdjustScope {
   /// The cameras as they were before any adjustment: the values of the weak observations below. A camera that is not
   /// named counts as it stands in the block.
   std::map<CameraId, Camera> first_cameras;
+  std::map<CameraId, CameraSigmas> camera_sigmas;  ///< of cameras that are not calibrated as the options say
+  /// Cameras of kBrownOfMeasured whose measurements are compared after correction, where their sigmas then hold, as
+  /// PhotoModeler and DBAT do. Residuals are then those, too. Else they are compared where they were measured.
+  std::set<CameraId> corrected_cameras;
   std::map<ImageId, GivenVertical> verticals;  ///< observations of the attitudes of images
   std::map<ImageId, GivenAttitude> attitudes;
   /// Of the turn from the camera that `attitudes` mean to the true one, about its axes: 0 there is none, infinite not
@@ -236,7 +247,10 @@ struct Adjusted {
 /// weak ones for the parameters of calibration so that weak
 /// geometry does not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2
 /// 0.5, k3 0.5, p1 and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false
-/// are held.
+/// are held. scope.camera_sigmas takes the place of all that for the cameras it names.
+///
+/// A control point with the sigmas 0 is held where it is given. Where only some axes have the sigma 0, these get a
+/// thousandth of what one measured pixel is on the ground at the point.
 ///
 /// Datum: a part of the block whose place, attitude or scale nothing fixes keeps them: every step is orthogonal to the
 /// motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do not

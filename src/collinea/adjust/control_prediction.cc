@@ -22,8 +22,9 @@ void add_measurement(const Block& block, const Problem& problem, const State& st
   const Rigid3& pose = block.cam_from_world.at(seen.image);
   const Eigen::Vector3d centre = centre_of(pose);
   const Frame frame = image >= 0 ? state.frames[image] : frame_of(pose.rotation.normalized(), centre.data());
+  const Camera& camera = block.camera_of(seen.image);
   const Lens lens =
-      image >= 0 ? state.lenses[problem.images[image].camera] : lens_of(block.camera_of(seen.image).params.data());
+      image >= 0 ? state.lenses[problem.images[image].camera] : lens_of(camera.params.data(), kind_of(camera, false));
   const Ray ray{{seen.pixel.x(), seen.pixel.y()}, 1 / seen.sigma_px, 0, 0};
   LinearRay linear;
   linearise(ray, frame, lens, position.data(), Loss{}, &linear);
@@ -67,6 +68,11 @@ void predict_control_points(const Block& block, const Problem& problem, const St
     const auto its = std::find_if(adjusted.control.begin(), adjusted.control.end(),
                                   [&](const ControlDifference& c) { return c.point == ControlId{point.id}; });
     if (its == adjusted.control.end()) continue;
+    if (point.held) {
+      its->covariance_m2 = Eigen::Matrix3d::Zero();
+      its->difference_sigma_m.setZero();
+      continue;
+    }
     const Eigen::Matrix3d covariance = PointSystem(problem, state, p).covariance(inverse);
     its->covariance_m2 = covariance;
     const Eigen::Map<const Eigen::Vector3d> inverse_sigma(problem.control[point.control].inverse_sigma);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Observations by unknowns beside poses, cameras and points, and by points that are joined.
 #include <string>
+#include <utility>
 
 #include "collinea/adjust/problem.h"
 #include "collinea/geometry/rotation.h"
@@ -71,8 +72,10 @@ GroundModel model_of(const Problem& problem, const GroundLink& link, const State
 Row row_of(const Problem& problem, const GroundLink& link, const GroundModel& model) {
   const int border = 6 * problem.poses;
   Row row;
-  for (int c = 0; c < 3; ++c) row.push_back({border + problem.point(link.from).joined + c, model.by_from[c]});
-  for (int c = 0; c < 3; ++c) row.push_back({border + problem.point(link.to).joined + c, model.by_to[c]});
+  // Held points have no unknowns.
+  for (const auto& [point, derivative] : {std::pair(link.from, &model.by_from), std::pair(link.to, &model.by_to)})
+    for (int c = 0; c < 3 && problem.point(point).joined >= 0; ++c)
+      row.push_back({border + problem.point(point).joined + c, (*derivative)[c]});
   if (link.orientation >= 0) row.push_back({border + problem.first_extra + link.orientation, model.by_orientation});
   return row;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "collinea/adjust/intersect.h"
@@ -8,10 +9,14 @@
 #include "collinea/adjust/problem.h"
 #include "collinea/adjust/tile_kernels.h"
 
-namespace collinea::bundle {
+namespace collinea {
+namespace bundle {
 namespace {
 
 constexpr int kLeastRaysOfImage = 3;
+// Of the finest a pixel is on the ground: what a fixed coordinate may move beside a free one. The results then differ
+// by the square of it from those of a coordinate that is really held, which a stiffer spring would spoil by rounding.
+constexpr double kHeldPart = 1e-3;
 constexpr int kMostCameraUnknowns = 10000;  // their normal equations are full: 0.8 GB, held twice
 constexpr std::uint32_t kNobody = ~std::uint32_t{0};
 
@@ -48,6 +53,14 @@ double weak_sigma(const Camera& camera, int param) {
   }
 }
 
+// What a pixel's sigma is across the sight line at that place, the least of all lines; of no line: of no length.
+double finest_on_ground_m(const std::vector<SightLine>& lines, const Eigen::Vector3d& place) {
+  double finest = lines.empty() ? 0 : std::numeric_limits<double>::infinity();
+  for (const SightLine& line : lines)
+    finest = std::min(finest, line.sigma_px * (line.cam_from_world * place).norm() / line.camera->focal_px());
+  return finest;
+}
+
 // A coordinate that counts must be a number; one that was not given (its sigma is infinite) need not.
 bool known(double coordinate, double sigma) { return std::isfinite(coordinate) || std::isinf(sigma); }
 
@@ -58,7 +71,8 @@ class Gatherer {
       : block_(block), scope_(scope), options_(options) {}
 
   Result<ProblemAndStart> gather() {
-    COLLINEA_TRY(const auto free, camera_freedom());
+    if (!free_params(options_.calibration))
+      return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
     number_images();
     if (Result<> found = find_ground(); !found) return tl::unexpected(found.error());
     if (Result<> taken = take_tie_points(); !taken) return tl::unexpected(taken.error());
@@ -68,7 +82,7 @@ class Gatherer {
     order_images();
     order_points();
     lay_out_images();
-    lay_out_cameras(free);
+    if (Result<> laid_out = lay_out_cameras(); !laid_out) return tl::unexpected(laid_out.error());
     if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_verticals(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_attitudes(); !taken) return tl::unexpected(taken.error());
@@ -100,13 +114,6 @@ class Gatherer {
     int least_rays = 2;
     double position[3] = {};
   };
-
-  Result<std::vector<int>> camera_freedom() const {
-    auto free = free_params(options_.calibration);
-    if (!free)
-      return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
-    return *std::move(free);
-  }
 
   void number_images() {
     if (!block_.cam_from_world.empty()) number_of_id_.assign(block_.cam_from_world.rbegin()->first.value + 1, kNobody);
@@ -201,21 +208,6 @@ class Gatherer {
     return {};
   }
 
-  // Coordinates that take part: of control points when these are used, on the axes that were surveyed.
-  Result<ControlCoordinates> coordinates_of(const ControlPoint& control) const {
-    ControlCoordinates coordinates{};
-    if (!scope_.use_control || control.role != ControlRole::kControl) return coordinates;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(control.sigma_m[axis] > 0))
-        return fail(Errc::kBadInput, "control point " + control.name + " has no positive standard deviation");
-      if (!known(control.position_in_world[axis], control.sigma_m[axis]))
-        return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
-      coordinates.inverse_sigma[axis] = 1 / control.sigma_m[axis];
-      coordinates.given[axis] = coordinates.inverse_sigma[axis] > 0 ? control.position_in_world[axis] : 0;
-    }
-    return coordinates;
-  }
-
   Result<> take_control() {
     if (!scope_.use_control && wanted_.empty()) return {};
     std::map<ControlId, std::vector<std::size_t>> places;
@@ -228,14 +220,30 @@ class Gatherer {
       point.id = id.value;
       point.first_ray = static_cast<std::uint32_t>(rays_.size());
       point.for_ground = !is_control;
-      COLLINEA_TRY(const ControlCoordinates coordinates, coordinates_of(control));
-      const auto met = intersect(sight_lines(block_, id));
-      if (!met && !control.position_in_world.allFinite()) continue;  // there is no place to begin at
-      if (Eigen::Map<const Eigen::Vector3d>(coordinates.inverse_sigma).minCoeff() > 0) point.least_rays = 1;
+      const std::vector<SightLine> lines = sight_lines(block_, id);
+      point.held = is_control && (control.sigma_m.array() == 0).all();
+      const auto met = point.held ? std::nullopt : intersect(lines);
+      const Eigen::Vector3d start = met ? met->point_in_world : control.position_in_world;
+      ControlCoordinates coordinates{};
+      int given = 0;
+      for (int axis = 0; axis < 3 && is_control; ++axis) {
+        double sigma_m = control.sigma_m[axis];
+        if (!(sigma_m >= 0))
+          return fail(Errc::kBadInput,
+                      "a standard deviation of control point " + control.name + " is no number from 0");
+        if (!known(control.position_in_world[axis], sigma_m))
+          return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
+        given += std::isfinite(sigma_m);
+        if (sigma_m == 0) sigma_m = kHeldPart * finest_on_ground_m(lines, start);
+        coordinates.inverse_sigma[axis] = point.held || !(sigma_m > 0) ? 0 : 1 / sigma_m;
+        coordinates.given[axis] = std::isfinite(sigma_m) ? control.position_in_world[axis] : 0;
+      }
+      if (!start.allFinite()) continue;  // there is no place to begin at
+      if (given == 3) point.least_rays = 1;
       for (const std::size_t place : places[id])
         if (Result<> added = add_ray(block_.control_observations[place], place); !added) return added;
       point.control = static_cast<int>(out_.problem.control.size());
-      Eigen::Map<Eigen::Vector3d>(point.position) = met ? met->point_in_world : control.position_in_world;
+      Eigen::Map<Eigen::Vector3d>(point.position) = start;
       if (close_point(point)) out_.problem.control.push_back(coordinates);
     }
     return {};
@@ -287,7 +295,8 @@ class Gatherer {
     if (std::none_of(points_.begin(), points_.end(), takes_part))
       return fail(Errc::kIllPosed, "no point is measured in two images that take part: there is nothing to adjust");
     if (std::none_of(candidates_.begin(), candidates_.end(), [](const Candidate& c) { return c.free && !c.out; }) &&
-        options_.calibration == "none" && std::all_of(points_.begin(), points_.end(), [](auto& p) { return p.held; }))
+        options_.calibration == "none" && scope_.camera_sigmas.empty() &&
+        std::all_of(points_.begin(), points_.end(), [](auto& p) { return p.held; }))
       return fail(Errc::kIllPosed, "every image, camera and point is held: there is nothing to adjust");
     return {};
   }
@@ -380,7 +389,7 @@ class Gatherer {
     }
   }
 
-  void lay_out_cameras(const std::vector<int>& free) {
+  Result<> lay_out_cameras() {
     Problem& problem = out_.problem;
     for (ProblemCamera& unknowns : problem.cameras) {
       const Camera& camera = block_.cameras.at(unknowns.id);
@@ -388,17 +397,27 @@ class Gatherer {
       const Camera& given = first == scope_.first_cameras.end() ? camera : first->second;
       unknowns.border = problem.border;
       unknowns.given = given.params;
-      for (const int param : free) {
-        const double sigma = weak_sigma(given, param);
-        if (!camera.calibrate || scope_.fixed_cameras.contains(unknowns.id) || !(sigma > 0)) continue;
+      const auto own = scope_.camera_sigmas.find(unknowns.id);
+      const bool held = own == scope_.camera_sigmas.end() && !camera.calibrate;
+      const CameraSigmas sigmas =
+          own == scope_.camera_sigmas.end() ? *calibration_named(options_.calibration, given) : own->second;
+      for (int param = 0; param < Camera::kParams; ++param) {
+        const double sigma = sigmas[static_cast<std::size_t>(param)];
+        if (!(sigma >= 0))
+          return fail(Errc::kBadInput, "the standard deviation of " +
+                                           std::string(Camera::kParamNames[static_cast<std::size_t>(param)]) +
+                                           " of camera " + camera.name + " is no number from 0");
+        if (held || scope_.fixed_cameras.contains(unknowns.id) || sigma == 0) continue;
         unknowns.free.push_back(param);
-        unknowns.inverse_sigma[param] = 1 / sigma;
+        unknowns.inverse_sigma[static_cast<std::size_t>(param)] = 1 / sigma;
       }
       problem.border += static_cast<int>(unknowns.free.size());
       out_.start.cameras.push_back(camera.params);
-      out_.start.lenses.push_back(lens_of(camera.params.data()));
+      out_.start.lenses.push_back(
+          lens_of(camera.params.data(), kind_of(camera, scope_.corrected_cameras.contains(unknowns.id))));
     }
     problem.first_extra = problem.border;
+    return {};
   }
 
   // Points that are measured between get their unknowns in the border, behind all others. Directions of one set-up have
@@ -420,6 +439,7 @@ class Gatherer {
     problem.border += static_cast<int>(problem.extras.size());
     std::sort(problem.joined.begin(), problem.joined.end());
     problem.joined.erase(std::unique(problem.joined.begin(), problem.joined.end()), problem.joined.end());
+    std::erase_if(problem.joined, [&](std::uint32_t p) { return problem.point(p).held; });
     for (const std::uint32_t p : problem.joined) {
       problem.points[p].joined = problem.border;
       problem.border += 3;
@@ -535,7 +555,9 @@ class Gatherer {
 
   void count() {
     Problem& problem = out_.problem;
-    problem.observation_count = 2 * static_cast<long>(problem.rays.size()) + problem.first_extra;
+    problem.observation_count = 2 * static_cast<long>(problem.rays.size());
+    for (const ProblemCamera& camera : problem.cameras)
+      for (const double inverse_sigma : camera.inverse_sigma) problem.observation_count += inverse_sigma > 0;
     for (const GivenPosition& position : problem.positions) problem.observation_count += position.axes();
     problem.observation_count += 3 * static_cast<long>(problem.attitudes.size());
     problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
@@ -564,6 +586,17 @@ class Gatherer {
 };
 
 }  // namespace
+}  // namespace bundle
+
+std::optional<CameraSigmas> calibration_named(const std::string& name, const Camera& first) {
+  const auto free = bundle::free_params(name);
+  if (!free) return std::nullopt;
+  CameraSigmas sigmas{};
+  for (const int param : *free) sigmas[static_cast<std::size_t>(param)] = bundle::weak_sigma(first, param);
+  return sigmas;
+}
+
+namespace bundle {
 
 Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre) {
   const Eigen::Matrix3d r = rotation.toRotationMatrix();
@@ -584,4 +617,5 @@ Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, con
   return gathered;
 }
 
-}  // namespace collinea::bundle
+}  // namespace bundle
+}  // namespace collinea

@@ -1,33 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 #include "collinea/camera/camera.h"
 
 namespace collinea::bundle {
 
+/// What is compared with what.
+enum class LensKind : std::uint8_t {
+  kBrown,     ///< the pixel where the point is seen, with the pixel that was measured
+  kMeasured,  ///< the same for CameraModel::kBrownOfMeasured
+  /// The measured coordinates after correction, with X/Z and Y/Z, both times f [px]: AdjustScope::corrected_cameras.
+  kCorrected
+};
+
 /// A camera laid out for the inner loop of the adjustment. The mathematics is that of camera/camera.h (a test compares
-/// the two); here it is inline, without branches on the model, and knows the edge of its field of view beforehand.
+/// the two); here it is inline for the common model, and knows the edge of its field of view beforehand.
 struct Lens {
   double f = 0, fx = 0, b2 = 0, cx = 0, cy = 0;  // fx = f + b1
   double k1 = 0, k2 = 0, k3 = 0, p1 = 0, p2 = 0;
-  double max_r2 = 0;  ///< of X/Z, Y/Z: where the radial polynomial stops growing; infinite when nowhere
+  double max_r2 = 0;   ///< of X/Z, Y/Z: where a point is no longer seen; infinite when nowhere; -1: not of kBrown
+  double fold_r2 = 0;  ///< where the radial polynomial stops growing
+  LensKind kind = LensKind::kBrown;
 };
 
-[[nodiscard]] Lens lens_of(const double* params);
+[[nodiscard]] inline LensKind kind_of(const Camera& camera, bool compare_corrected) {
+  if (camera.model == CameraModel::kBrown) return LensKind::kBrown;
+  return compare_corrected ? LensKind::kCorrected : LensKind::kMeasured;
+}
+[[nodiscard]] Lens lens_of(const double* params, LensKind kind);
 
 /// A point of the camera frame on its way to the picture.
 struct Projected {
   double pixel[2];
   double x, y, r2;  // X/Z, Y/Z, x^2 + y^2
-  double xd, yd;    // distorted
+  double xd, yd;    // measured coordinates; of kCorrected those of the pixel that was measured
 };
 
-/// False when the point is not seen: behind the camera or outside the field of view.
-inline bool project(const Lens& lens, const double* point_in_cam, Projected* out) {
+// Of the other kinds.
+bool project_other(const Lens& lens, const double* point_in_cam, const double* measured_pixel, Projected* out);
+void derive_other_by_point(const Lens& lens, const Projected& at, double z, double* by_point);
+void derive_other_by_params(const Lens& lens, const Projected& at, double* by_params);
+
+/// Where the point is seen, to be compared with the measured pixel (of kCorrected the measured one less the difference
+/// after correction). False when the point is not seen: behind the camera or outside the field of view.
+inline bool project(const Lens& lens, const double* point_in_cam, const double* measured_pixel, Projected* out) {
   if (!(point_in_cam[2] > 0)) return false;
   const double w = 1 / point_in_cam[2], x = point_in_cam[0] * w, y = point_in_cam[1] * w;
   const double r2 = x * x + y * y;
-  if (!(r2 < lens.max_r2)) return false;
+  if (!(r2 < lens.max_r2)) [[unlikely]]
+    return lens.kind != LensKind::kBrown && project_other(lens, point_in_cam, measured_pixel, out);
   const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
   out->x = x;
   out->y = y;
@@ -41,6 +64,8 @@ inline bool project(const Lens& lens, const double* point_in_cam, Projected* out
 
 /// d(pixel) / d(point in camera frame), 2 x 3 by rows, of a point that was projected.
 inline void derive_by_point(const Lens& lens, const Projected& at, double z, double* by_point) {
+  if (lens.kind != LensKind::kBrown) [[unlikely]]
+    return derive_other_by_point(lens, at, z, by_point);
   const double x = at.x, y = at.y, r2 = at.r2, w = 1 / z;
   const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
   const double by_r2 = 2 * (lens.k1 + r2 * (2 * lens.k2 + r2 * 3 * lens.k3));
@@ -59,6 +84,8 @@ inline void derive_by_point(const Lens& lens, const Projected& at, double z, dou
 
 /// d(pixel) / d(Camera::params), 2 x Camera::kParams by rows, of a point that was projected.
 inline void derive_by_params(const Lens& lens, const Projected& at, double* by_params) {
+  if (lens.kind != LensKind::kBrown) [[unlikely]]
+    return derive_other_by_params(lens, at, by_params);
   const double x = at.x, y = at.y, r2 = at.r2, r4 = r2 * r2, r6 = r4 * r2;
   const double column = lens.fx * x + lens.b2 * y, row = lens.f * y;
   const double xp1 = r2 + 2 * x * x, xy2 = 2 * x * y, yp2 = r2 + 2 * y * y;

@@ -38,7 +38,7 @@ inline double square_of(const Ray& ray, const Frame& frame, const Lens& lens, co
   double in_cam[3];
   Projected at;
   to_camera(frame, point, in_cam);
-  if (!project(lens, in_cam, &at)) return lost_square(ray);
+  if (!project(lens, in_cam, ray.pixel, &at)) return lost_square(ray);
   const double u = (ray.pixel[0] - at.pixel[0]) * ray.inverse_sigma,
                v = (ray.pixel[1] - at.pixel[1]) * ray.inverse_sigma;
   return u * u + v * v;
@@ -71,7 +71,7 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
                         LinearRay* out) {
   double p[3];
   to_camera(frame, point, p);
-  if (!project(lens, p, &out->at)) [[unlikely]] {
+  if (!project(lens, p, ray.pixel, &out->at)) [[unlikely]] {
     *out = LinearRay{};
     return lost_square(ray);
   }

@@ -11,11 +11,14 @@ namespace {
 using testing::normal3;
 using testing::test_block;
 
-TEST(Lens, AgreesWithTheCameraModel) {
+class LensOfModel : public ::testing::TestWithParam<CameraModel> {};
+
+TEST_P(LensOfModel, AgreesWithTheCamera) {
   Camera camera = testing::test_camera();
+  camera.model = GetParam();
   camera.params[Camera::kB1] = 3;
   camera.params[Camera::kB2] = -2;
-  const bundle::Lens lens = bundle::lens_of(camera.params.data());
+  const bundle::Lens lens = bundle::lens_of(camera.params.data(), bundle::kind_of(camera, false));
   Random random(4);
   int compared = 0;
   for (int i = 0; i < 200; ++i) {
@@ -25,7 +28,8 @@ TEST(Lens, AgreesWithTheCameraModel) {
     Matrix2P by_params;
     const auto pixel = project(camera, point, &by_point, &by_params);
     bundle::Projected at{};
-    const bool seen = bundle::project(lens, point.data(), &at);
+    const Eigen::Vector2d near = pixel.value_or(Eigen::Vector2d(1000, 750)) + Eigen::Vector2d(3, -2);
+    const bool seen = bundle::project(lens, point.data(), near.data(), &at);
     if (seen != pixel.has_value()) {  // only on the very edge of the field of view, which they find in different ways
       const auto is_seen = [&](double stretch) {
         return project(camera, point.cwiseProduct(Eigen::Vector3d(stretch, stretch, 1))).has_value();
@@ -45,14 +49,55 @@ TEST(Lens, AgreesWithTheCameraModel) {
   }
   EXPECT_GT(compared, 150);
   bundle::Projected at;
-  const double behind[3] = {0, 0, -1};
-  EXPECT_FALSE(bundle::project(lens, behind, &at));
+  const double behind[3] = {0, 0, -1}, middle[2] = {1000, 750};
+  EXPECT_FALSE(bundle::project(lens, behind, middle, &at));
+}
+
+INSTANTIATE_TEST_SUITE_P(Lens, LensOfModel,
+                         ::testing::Values(CameraModel::kBrown, CameraModel::kBrownOfMeasured),
+                         [](const auto& tested) { return std::string(kCameraModelNames[std::size_t(tested.param)]); });
+
+// The difference after correction, and its derivatives: those of the computed pixel are minus those of the difference.
+TEST(Lens, ComparesAfterCorrection) {
+  Camera camera = testing::test_camera();
+  camera.model = CameraModel::kBrownOfMeasured;
+  camera.params[Camera::kB1] = 3;
+  camera.params[Camera::kB2] = -2;
+  const Eigen::Vector3d point(0.5, -0.3, 1.4);
+  const Eigen::Vector2d measured = *project(camera, point) + Eigen::Vector2d(1.5, -0.7);
+  const auto difference = [&](const Camera& c, const Eigen::Vector3d& p) {
+    bundle::Projected at;
+    EXPECT_TRUE(bundle::project(bundle::lens_of(c.params.data(), bundle::kind_of(c, true)), p.data(), measured.data(), &at));
+    return Eigen::Vector2d(measured.x() - at.pixel[0], measured.y() - at.pixel[1]);
+  };
+  const Eigen::Vector2d expected = camera.focal_px() * (normalized(camera, measured) - point.head<2>() / point.z());
+  EXPECT_LT((difference(camera, point) - expected).norm(), 1e-9);
+  const bundle::Lens lens = bundle::lens_of(camera.params.data(), bundle::kind_of(camera, true));
+  bundle::Projected at;
+  ASSERT_TRUE(bundle::project(lens, point.data(), measured.data(), &at));
+  Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
+  Eigen::Matrix<double, 2, Camera::kParams, Eigen::RowMajor> by_params;
+  bundle::derive_by_point(lens, at, point.z(), by_point.data());
+  bundle::derive_by_params(lens, at, by_params.data());
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d step = 1e-6 * Eigen::Vector3d::Unit(k);
+    const Eigen::Vector2d numeric = -(difference(camera, point + step) - difference(camera, point - step)) / 2e-6;
+    EXPECT_LT((numeric - by_point.col(k)).norm(), 1e-4);
+  }
+  for (int k = 0; k < Camera::kParams; ++k) {
+    const double h = k >= Camera::kK1 && k <= Camera::kP2 ? 1e-6 : 1e-3;
+    Camera plus = camera, minus = camera;
+    plus.params[std::size_t(k)] += h;
+    minus.params[std::size_t(k)] -= h;
+    const Eigen::Vector2d numeric = -(difference(plus, point) - difference(minus, point)) / (2 * h);
+    EXPECT_LT((numeric - by_params.col(k)).norm(), 1e-6 * (1 + by_params.col(k).norm())) << Camera::kParamNames[std::size_t(k)];
+  }
 }
 
 TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   const Block block = test_block({.tilt_rad = 0.4});
   const Camera& camera = block.cameras.begin()->second;
-  const bundle::Lens lens = bundle::lens_of(camera.params.data());
+  const bundle::Lens lens = bundle::lens_of(camera.params.data(), bundle::LensKind::kBrown);
   const Observation& observation = block.observations.front();
   const Rigid3 pose = block.cam_from_world.at(observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
@@ -98,7 +143,7 @@ TEST(Loss, WeightAndCurvatureAreDerivativesOfTheCost) {
 // The gradient is that of the cost whatever curvature is assumed; J^T r = -1/2 d(cost).
 TEST(Linearise, GradientIsThatOfTheRobustCost) {
   const Block block = test_block();
-  const bundle::Lens lens = bundle::lens_of(block.cameras.begin()->second.params.data());
+  const bundle::Lens lens = bundle::lens_of(block.cameras.begin()->second.params.data(), bundle::LensKind::kBrown);
   const Observation& observation = block.observations.front();
   const Rigid3 pose = block.cam_from_world.at(observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;

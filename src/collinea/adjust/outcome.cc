@@ -53,7 +53,7 @@ RaySums write_residuals(const Problem& problem, const State& state, RobustSquare
       Projected at;
       to_camera(state.frames[ray.image], &state.points[3 * p], in_cam);
       Eigen::Vector2d px = kUnknown;
-      if (project(state.lenses[problem.images[ray.image].camera], in_cam, &at)) {
+      if (project(state.lenses[problem.images[ray.image].camera], in_cam, ray.pixel, &at)) {
         px = {ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]};
         const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
         if (problem.point(p).control < 0)

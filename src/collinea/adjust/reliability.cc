@@ -13,11 +13,21 @@
 #include "collinea/geometry/rotation.h"
 
 namespace collinea {
+namespace {
 
+constexpr double kLeastRedundancy = 3;  // of a group: its factor is then known by 40 %
+
+}  // namespace
+
+// Sigmas given far too small make redundancy numbers small, and the residuals still say so.
 double GroupSums::sigma_factor() const {
-  constexpr double kLeastRedundancy = 3;
-  return redundancy < kLeastRedundancy ? 1 : std::sqrt(std::max(squares, 0.0) / redundancy);
+  const double factor = std::sqrt(std::max(squares, 0.0) / redundancy);
+  return told() || (redundancy >= kLeastRedundancy && factor > 1) ? factor : 1;
 }
+
+double GroupSums::relative_sigma() const { return 1 / std::sqrt(2 * squared_redundancy); }
+
+bool GroupSums::told() const { return squared_redundancy >= kLeastRedundancy; }
 
 namespace bundle {
 namespace {
@@ -50,7 +60,7 @@ class Examiner {
     out_.tie_redundancy.reserve(adjusted_.observations.size());
     for (const std::uint32_t source : adjusted_.observations) out_.tie_redundancy.push_back(by_source_[source]);
     for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p)
-      if (problem_.point(p).control >= 0) take_control(p);
+      if (problem_.point(p).control >= 0 && !problem_.point(p).held) take_control(p);
     take_positions();
     take_verticals();
     take_weak_cameras();
@@ -84,6 +94,7 @@ class Examiner {
     GroupSums& group = sums(one.group);
     ++group.observations;
     group.redundancy += 1 - leverage;
+    group.squared_redundancy += r * r;
     out_.redundancy_sum += 1 - leverage;
     one.redundancy = r;
     one.least_blunder = one.effect = one.effect_in_sigmas = kInfinity;
@@ -129,7 +140,7 @@ class Examiner {
       double in_cam[3];
       Projected at{};
       to_camera(state_.frames[ray.image], &state_.points[3 * p], in_cam);
-      const bool seen = project(state_.lenses[problem_.images[ray.image].camera], in_cam, &at);
+      const bool seen = project(state_.lenses[problem_.images[ray.image].camera], in_cam, ray.pixel, &at);
       TestedObservation one;
       one.group = tie ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
       one.source = ray.source;
@@ -240,7 +251,7 @@ class Examiner {
       for (std::size_t k = 0; k < camera.free.size(); ++k) {
         const int row = 6 * problem_.poses + camera.border + static_cast<int>(k), param = camera.free[k];
         const double w = camera.inverse_sigma[param];
-        out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
+        if (w > 0) out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
       }
     }
   }

@@ -69,9 +69,17 @@ struct LeftOutPoint {
 struct GroupSums {
   long observations = 0;
   double redundancy = 0;
-  double squares = 0;  ///< weighted squares of residuals
-  /// The factor by which the given sigmas should be multiplied; 1 when too little is left to tell (redundancy < 3).
+  double squared_redundancy = 0;  ///< the sum of r^2
+  double squares = 0;             ///< weighted squares of residuals
+  /// The factor by which the given sigmas should be multiplied; 1 when it is not told: not even that
+  /// it should be larger.
   [[nodiscard]] double sigma_factor() const;
+  /// The standard deviation of sigma_factor() over the factor, (2 sum r^2)^-1/2: as if each observation were checked by
+  /// other groups alone, so that its own variance is r of that of its residual. Where a group checks itself it is a
+  /// little better known. Infinite when nothing is.
+  [[nodiscard]] double relative_sigma() const;
+  /// False when the group is drowned in what checks it: its factor would be uncertain by 40 % and more.
+  [[nodiscard]] bool told() const;
 };
 
 /// Reliability of an adjustment (Baarda 1968; Pope 1976; Foerstner 1983).

@@ -35,7 +35,7 @@ State with_reduced_moved(const Problem& problem, const State& state, Step& step)
     const ProblemCamera& camera = problem.cameras[i];
     for (std::size_t k = 0; k < camera.free.size(); ++k)
       next.cameras[i][camera.free[k]] += by_camera[camera.border + static_cast<int>(k)];
-    if (!camera.free.empty()) next.lenses[i] = lens_of(next.cameras[i].data());
+    if (!camera.free.empty()) next.lenses[i] = lens_of(next.cameras[i].data(), state.lenses[i].kind);
   }
   for (std::size_t i = 0; i < problem.extras.size(); ++i)
     next.extras[i] += by_camera[problem.first_extra + static_cast<int>(i)];

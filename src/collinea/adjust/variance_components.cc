@@ -62,7 +62,9 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
       const double step = std::clamp(sums.sigma_factor(), kSmallestStep, kLargestStep);
       largest = std::max(largest, std::abs(std::log(step)));
       next[g] *= step;
-      found.sigma[g] = sums.redundancy < 3 ? 0 : found.factors[g] / std::sqrt(2 * sums.redundancy);
+      const bool moved = found.factors[g] != 1;  // drowned on the way: what remains is uncertain
+      found.sigma[g] =
+          sums.told() || (moved && sums.squared_redundancy > 0) ? found.factors[g] * sums.relative_sigma() : 0;
     }
     found.converged = largest < kSettled;
     if (found.converged || found.iterations == kMostIterations) return found;

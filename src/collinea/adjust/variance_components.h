@@ -12,8 +12,10 @@ using SigmaFactors = std::array<double, kObservationGroups>;
 
 /// The outcome of estimating variance components.
 struct VarianceComponents {
-  SigmaFactors factors;  ///< 1 for groups with too little redundancy to tell
-  SigmaFactors sigma;    ///< standard deviation of each factor, from its redundancy; 0 where not estimated
+  /// 1 for groups of which too little is told. One that became so on the way (its errors are drowned in those of what
+  /// checks it) keeps the factor it had then, an upper bound; its standard deviation is then 40 % and more.
+  SigmaFactors factors;
+  SigmaFactors sigma;  ///< standard deviation of each factor, from its redundancy numbers; 0 where not estimated
   int iterations = 0;
   bool converged = false;
   Adjusted adjusted;  ///< with the factors, with reliability

@@ -14,8 +14,8 @@ using testing::test_block;
 
 AdjustOptions plain() { return {.calibration = "focal", .loss = "none", .position_loss = "none"}; }
 
-// Sigmas wrong threefold, in both directions. A factor is known by factor / sqrt(2 r); the mean of 20 blocks by 1 /
-// sqrt(20) of that: four of those.
+// Sigmas wrong threefold, in both directions. A factor is known by factor / sqrt(2 sum r^2); the mean of 20 blocks by 1
+// / sqrt(20) of that: four of those.
 TEST(VarianceComponents, WrongSigmasAreRecovered) {
   const SigmaFactors wrong = {3, 1 / 3.0, 1 / 3.0, 3, 3, 1 / 3.0};
   SigmaFactors sum{}, variance{};
@@ -41,7 +41,7 @@ TEST(VarianceComponents, WrongSigmasAreRecovered) {
   }
   for (std::size_t g = 0; g < kGroupsHere; ++g) {
     EXPECT_NEAR(sum[g] / kBlocks, 1, 4 * std::sqrt(variance[g]) / kBlocks + 0.01) << kObservationGroupNames[g];
-    EXPECT_LT(4 * std::sqrt(variance[g]) / kBlocks, 0.2) << kObservationGroupNames[g];
+    EXPECT_LT(4 * std::sqrt(variance[g]) / kBlocks, 0.25) << kObservationGroupNames[g];
   }
 }
 

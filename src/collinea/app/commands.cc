@@ -12,6 +12,7 @@ std::vector<Command> all_commands() {
       step_command("orient", "find poses, cameras and tie points; adjust them with GNSS and control"),
       step_command("densify", "depth maps and fused point cloud"),
       step_command("surface", "digital surface model (GeoTIFF)"),
+      step_command("terrain", "digital terrain model and contours (GeoTIFF, GeoPackage, DXF)"),
       step_command("ortho", "orthophoto (Cloud-Optimised GeoTIFF)"),
       step_command("report", "quality report (HTML and JSON)"),
       info_command(),

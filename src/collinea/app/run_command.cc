@@ -35,7 +35,7 @@ int run_until(Asked& asked, const std::string& last) {
 
 Command run_command() {
   auto asked = std::make_shared<Asked>();
-  return {"run", "photographs to oriented images, cloud, surface model, orthophoto and report",
+  return {"run", "photographs to oriented images, cloud, surface and terrain model, orthophoto and report",
           [asked](Flags& flags) {
             flags.positional("photos", asked->photos, "folder of photographs (searched with its subfolders)");
             flags.required("-o", "project", asked->project, "project folder; made when missing, continued when there");

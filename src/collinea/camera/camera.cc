@@ -41,6 +41,76 @@ bool folds_before(const Camera& camera, double r2) {
   return false;
 }
 
+// Where D meets (xd, yd), by damped Newton iteration; `met` tells whether it did, to rounding.
+struct Undistorted {
+  double x, y;
+  bool met;
+};
+
+Undistorted undistort(const Camera& camera, double xd, double yd) {
+  double x = xd, y = yd;
+  bool met = false;
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const Distorted d = distort(camera, x, y);
+    const double ex = xd - d.x, ey = yd - d.y;
+    const double determinant = d.dx_dx * d.dy_dy - d.dx_dy * d.dx_dy;
+    if (d.folded || !(determinant > 1e-3)) {  // damp: walk back towards the centre
+      x *= 0.8;
+      y *= 0.8;
+      continue;
+    }
+    const double step_x = (d.dy_dy * ex - d.dx_dy * ey) / determinant;
+    const double step_y = (d.dx_dx * ey - d.dx_dy * ex) / determinant;
+    x += step_x;
+    y += step_y;
+    const double step = std::abs(step_x) + std::abs(step_y);
+    met = step < 1e-12;
+    if (step < 1e-14) break;
+  }
+  return {x, y, met};
+}
+
+struct PolynomialTerms {
+  double x[5], y[5];  // D by k1, k2, k3, p1, p2
+};
+
+PolynomialTerms terms_of(double x, double y) {
+  const double r2 = x * x + y * y, r4 = r2 * r2, r6 = r4 * r2, xy2 = 2 * x * y;
+  return {{x * r2, x * r4, x * r6, r2 + 2 * x * x, xy2}, {y * r2, y * r4, y * r6, xy2, r2 + 2 * y * y}};
+}
+
+// project() of a lens whose polynomial corrects measured coordinates.
+std::optional<Eigen::Vector2d> project_to_measured(const Camera& camera, const Eigen::Vector3d& point_in_cam,
+                                                   Matrix23* by_point, Matrix2P* by_params) {
+  const double w = 1 / point_in_cam.z(), x = point_in_cam.x() * w, y = point_in_cam.y() * w;
+  const Undistorted m = undistort(camera, x, y);
+  const Distorted d = distort(camera, m.x, m.y);
+  if (!m.met || d.folded || folds_before(camera, m.x * m.x + m.y * m.y)) return std::nullopt;
+  const auto& p = camera.params;
+  Eigen::Matrix2d affinity, by_measured;
+  affinity << p[Camera::kF] + p[Camera::kB1], p[Camera::kB2], 0, p[Camera::kF];
+  by_measured << d.dx_dx, d.dx_dy, d.dx_dy, d.dy_dy;
+  const Eigen::Matrix2d by_ideal = affinity * by_measured.inverse();
+  if (by_point) {
+    Matrix23 ideal_by_point;
+    ideal_by_point << w, 0, -x * w, 0, w, -y * w;
+    *by_point = by_ideal * ideal_by_point;
+  }
+  if (by_params) {
+    by_params->setZero();
+    by_params->col(Camera::kF) << m.x, m.y;
+    by_params->col(Camera::kCx) << 1, 0;
+    by_params->col(Camera::kCy) << 0, 1;
+    by_params->col(Camera::kB1) << m.x, 0;
+    by_params->col(Camera::kB2) << m.y, 0;
+    const PolynomialTerms terms = terms_of(m.x, m.y);
+    for (int k = 0; k < 5; ++k)
+      by_params->col(Camera::kK1 + k) = -(by_ideal * Eigen::Vector2d(terms.x[k], terms.y[k]));
+  }
+  const Eigen::Vector2d measured = affinity * Eigen::Vector2d(m.x, m.y);
+  return Eigen::Vector2d(p[Camera::kCx] + measured.x(), p[Camera::kCy] + measured.y());
+}
+
 }  // namespace
 
 Camera ideal_camera(double focal_px, int width_px, int height_px) {
@@ -60,6 +130,8 @@ std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector
 std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam, Matrix23* by_point,
                                        Matrix2P* by_params) {
   if (!(point_in_cam.z() > 0)) return std::nullopt;
+  if (camera.model == CameraModel::kBrownOfMeasured)
+    return project_to_measured(camera, point_in_cam, by_point, by_params);
   const double w = 1 / point_in_cam.z(), x = point_in_cam.x() * w, y = point_in_cam.y() * w;
   const double r2 = x * x + y * y;
   const Distorted d = distort(camera, x, y);
@@ -87,23 +159,12 @@ Eigen::Vector2d normalized(const Camera& camera, const Eigen::Vector2d& pixel) {
   const auto& p = camera.params;
   const double yd = (pixel.y() - p[Camera::kCy]) / p[Camera::kF];
   const double xd = (pixel.x() - p[Camera::kCx] - p[Camera::kB2] * yd) / (p[Camera::kF] + p[Camera::kB1]);
-  double x = xd, y = yd;
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    const Distorted d = distort(camera, x, y);
-    const double ex = xd - d.x, ey = yd - d.y;
-    const double determinant = d.dx_dx * d.dy_dy - d.dx_dy * d.dx_dy;
-    if (d.folded || !(determinant > 1e-3)) {  // damp: walk back towards the centre
-      x *= 0.8;
-      y *= 0.8;
-      continue;
-    }
-    const double step_x = (d.dy_dy * ex - d.dx_dy * ey) / determinant;
-    const double step_y = (d.dx_dx * ey - d.dx_dy * ex) / determinant;
-    x += step_x;
-    y += step_y;
-    if (std::abs(step_x) + std::abs(step_y) < 1e-14) break;
+  if (camera.model == CameraModel::kBrownOfMeasured) {
+    const Distorted ideal = distort(camera, xd, yd);
+    return {ideal.x, ideal.y};
   }
-  return {x, y};
+  const Undistorted ideal = undistort(camera, xd, yd);
+  return {ideal.x, ideal.y};
 }
 
 Eigen::Vector3d ray_in_cam(const Camera& camera, const Eigen::Vector2d& pixel) {

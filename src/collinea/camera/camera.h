@@ -3,18 +3,30 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace collinea {
 
+/// Which way the polynomial of the distortion goes.
+enum class CameraModel : std::uint8_t {
+  kBrown,            ///< from where the point would be seen to where it is seen
+  kBrownOfMeasured,  ///< from where it is seen to where it would be: corrections of measured coordinates
+};
+inline constexpr std::array<std::string_view, 2> kCameraModelNames = {"brown", "brown_of_measured"};
+
 /// The interior orientation of a camera with one lens and one focus setting: central projection with the distortion of
-/// Brown (1971) and the affinity and shear of the sensor. With x = X/Z, y = Y/Z, r2 = x^2 + y^2 of a point in the
-/// camera frame:
+/// Brown (1971) and the affinity and shear of the sensor. The polynomial D of the distortion is, with
+/// r2 = x^2 + y^2,
 ///     radial = k1 r2 + k2 r2^2 + k3 r2^3
-///     xd = x + x radial + p1 (r2 + 2 x^2) + 2 p2 x y
-///     yd = y + y radial + p2 (r2 + 2 y^2) + 2 p1 x y
+///     D(x, y) = (x + x radial + p1 (r2 + 2 x^2) + 2 p2 x y,
+///                y + y radial + p2 (r2 + 2 y^2) + 2 p1 x y)
+/// The measured coordinates (xd, yd) of a point X, Y, Z of the camera frame follow from
+///     kBrown:            (xd, yd) = D(X/Z, Y/Z)
+///     kBrownOfMeasured:  D(xd, yd) = (X/Z, Y/Z)
+/// and the pixel from them:
 ///     column = cx + f xd + b1 xd + b2 yd,   row = cy + f yd
 /// Pixel convention: the centre of the upper-left pixel is (0.5, 0.5). Camera frame: x right, y down, z forward.
 struct Camera {
@@ -25,6 +37,7 @@ struct Camera {
                                                                         "1",  "1",  "1",  "px", "px"};
 
   std::array<double, kParams> params{};
+  CameraModel model = CameraModel::kBrown;
   int width_px = 0;
   int height_px = 0;
   std::string name;       ///< maker, model, serial: for people
@@ -39,7 +52,8 @@ struct Camera {
 [[nodiscard]] Camera ideal_camera(double focal_px, int width_px, int height_px);
 
 /// Where a point of the camera frame is seen [px]; nothing when it lies behind the camera or so far outside the field
-/// of view that the distortion polynomial folds back (its radial derivative is no longer positive).
+/// of view that the distortion polynomial folds back (its radial derivative is no longer positive). Where the
+/// polynomial is one of measured coordinates it is inverted by Newton iteration, to rounding.
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam);
 
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
@@ -49,9 +63,9 @@ using Matrix2P = Eigen::Matrix<double, 2, Camera::kParams>;
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam,
                                                      Matrix23* by_point, Matrix2P* by_params);
 
-/// The undistorted image coordinates (X/Z, Y/Z) of a pixel: the inverse of project, by Newton iteration, to 1e-10 and
-/// better inside the image for lenses whose distortion does not fold back. Outside that domain the nearest the
-/// iteration comes.
+/// The undistorted image coordinates (X/Z, Y/Z) of a pixel: the inverse of project. For kBrown by Newton iteration, to
+/// 1e-10 and better inside the image for lenses whose distortion does not fold back; outside that domain the nearest
+/// the iteration comes. For kBrownOfMeasured the polynomial itself.
 [[nodiscard]] Eigen::Vector2d normalized(const Camera& camera, const Eigen::Vector2d& pixel);
 
 /// The unit direction of a pixel in the camera frame.

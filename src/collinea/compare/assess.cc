@@ -53,6 +53,14 @@ Result<SurfaceErrors> assess_surface(const ProductFiles& products, const TruthFo
   return surface_errors(model, state, expected, views_of(true_block(truth), &frame), &frame, run);
 }
 
+Result<TerrainErrors> assess_terrain(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
+  COLLINEA_TRY(const HeightField model, open_height_field(products.dtm));
+  COLLINEA_TRY(const StateReader state, byte_reader(products.dtm_state, nullptr));
+  COLLINEA_TRY(const HeightField terrain, open_height_field(truth.dtm));
+  COLLINEA_TRY(const HeightField surface, open_height_field(truth.dsm));
+  return terrain_errors(model, state, terrain, surface, run);
+}
+
 Result<OrthoErrors> assess_ortho(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
   PictureField product, expected;
   COLLINEA_TRY(product.read, byte_reader(products.ortho, &product.grid));
@@ -96,6 +104,9 @@ Result<Assessment> assess(const Block& block, const ProductFiles& products, cons
   if (there(products.dsm) && there(truth.dsm)) {
     COLLINEA_TRY(result.surface, assess_surface(products, truth, run));
   }
+  if (there(products.dtm) && there(products.dtm_state) && there(truth.dtm) && there(truth.dsm)) {
+    COLLINEA_TRY(result.terrain, assess_terrain(products, truth, run));
+  }
   if (there(products.ortho) && there(truth.ortho)) {
     COLLINEA_TRY(result.ortho, assess_ortho(products, truth, run));
   }
@@ -124,6 +135,14 @@ std::string table(const Assessment& a) {
         "{:.4g} m\n",
         100 * a.surface->completeness, 100 * a.surface->completeness_measured, 100 * a.surface->completeness_seen,
         a.surface->cell_m);
+  }
+  if (a.terrain) {
+    const double unit_m = a.gsd_m.value_or(a.terrain->cell_m);
+    text += line("terrain model, all", a.terrain->overall, unit_m);
+    if (a.terrain->measured.cells) text += line("  ground seen", a.terrain->measured, unit_m);
+    if (a.terrain->interpolated.cells) text += line("  interpolated", a.terrain->interpolated, unit_m);
+    text += fmt::format("terrain model, objects removed     {:.2f} % of {} cells\n", 100 * a.terrain->share_removed,
+                        a.terrain->object_cells);
   }
   if (a.ortho)
     text += fmt::format(

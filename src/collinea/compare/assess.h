@@ -15,7 +15,7 @@ namespace collinea {
 
 /// The products to be assessed; paths that are empty or do not exist are left out.
 struct ProductFiles {
-  std::filesystem::path dsm, dsm_state, ortho;
+  std::filesystem::path dsm, dsm_state, dtm, dtm_state, ortho;
 };
 
 /// How far the results of a simulated block are from the truth.
@@ -23,6 +23,7 @@ struct Assessment {
   PoseErrors poses;
   std::optional<PointErrors> check_points, control_points;  ///< nothing without such marks or without georeference
   std::optional<SurfaceErrors> surface;
+  std::optional<TerrainErrors> terrain;
   std::optional<OrthoErrors> ortho;
   std::optional<double> gsd_m;  ///< cell of the true rasters
 };

@@ -7,6 +7,7 @@
 
 #include "collinea/base/random.h"
 #include "collinea/compare/assess.h"
+#include "collinea/surface/surface_filter.h"
 
 namespace collinea {
 namespace {
@@ -161,6 +162,38 @@ TEST(SurfaceErrors, OnlyWhatThreeCamerasSeeMustBeThere) {
   EXPECT_GT(errors->cells_seen, 300u);
   EXPECT_LT(errors->cells_seen, 5000u);
   EXPECT_GT(errors->completeness_seen, 0.1);
+}
+
+float ground_at(double x, double) { return float(0.1 * x); }
+
+// The block is 4 to 3 m above the ground. A fifth of it, a strip of 2 m, was left standing.
+TEST(TerrainErrors, WhatWasRemovedAndHowWellTheGroundWasMet) {
+  const auto left_standing = [](double x, double y) { return x > 28 && height_at(x, y) == 5; };
+  const auto model = [&](double x, double y) {
+    return left_standing(x, y) ? 5 : ground_at(x, y) + (height_at(x, y) == 5 ? 0.2f : 0.1f);
+  };
+  const HeightField field = field_of(0.1, 400, model);
+  const StateReader state = [&](int column, int row, int width, int rows) -> Result<Raster<std::uint8_t>> {
+    Raster<std::uint8_t> states(width, rows);
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < width; ++x) {
+        const double east = field.grid.east_of(column + x + 0.5), north = field.grid.north_of(row + y + 0.5);
+        const bool covered = height_at(east, north) == 5 && !left_standing(east, north);
+        states.at(x, y) = std::uint8_t(covered ? CellState::kInterpolated : CellState::kMeasured);
+      }
+    return states;
+  };
+  const auto errors =
+      terrain_errors(field, state, field_of(0.1, 400, ground_at), field_of(0.1, 400, height_at), collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_EQ(errors->object_cells, 10000u);
+  EXPECT_NEAR(errors->share_removed, 0.8, 1e-12);
+  EXPECT_EQ(errors->interpolated.cells, 8000u);
+  EXPECT_NEAR(errors->interpolated.rmse_m, 0.2, 1e-5);
+  EXPECT_EQ(errors->measured.cells, 152000u);
+  EXPECT_NEAR(errors->measured.median_m, 0.1, 1e-5);
+  const HeightField elsewhere = field_of(0.1, 10, [](double, double) { return kNone; });
+  EXPECT_FALSE(terrain_errors(field, state, elsewhere, elsewhere, collinea::Run{}));
 }
 
 TEST(SurfaceErrors, RastersThatDoNotMeetAreAnError) {

@@ -191,6 +191,50 @@ Result<SurfaceErrors> Assessor::all() {
 
 }  // namespace
 
+Result<TerrainErrors> terrain_errors(const HeightField& model, const StateReader& state, const HeightField& terrain,
+                                     const HeightField& surface, const Run& run) {
+  constexpr double kObject_m = 1;
+  const MapGrid &grid = model.grid, &truth = terrain.grid;
+  const auto truth_x = [&](double column) { return (grid.east_of(column) - truth.west_m) / truth.cell_m; };
+  const auto truth_y = [&](double row) { return (truth.north_m - grid.north_of(row)) / truth.cell_m; };
+  std::vector<float> measured, interpolated;
+  TerrainErrors errors;
+  std::size_t removed = 0;
+  for (int row = 0; row < grid.height; row += kStripRows) {
+    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    const int rows = std::min(kStripRows, grid.height - row);
+    const int top = std::max(0, int(std::floor(truth_y(row))) - 1);
+    const int bottom = std::min(truth.height, int(std::ceil(truth_y(row + rows))) + 1);
+    if (bottom <= top) continue;
+    COLLINEA_TRY(const FloatImage heights, model.read(0, row, grid.width, rows));
+    COLLINEA_TRY(const auto states, state(0, row, grid.width, rows));
+    COLLINEA_TRY(const FloatImage ground, terrain.read(0, top, truth.width, bottom - top));
+    COLLINEA_TRY(const FloatImage highest, surface.read(0, top, truth.width, bottom - top));
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < grid.width; ++x) {
+        const double u = truth_x(x + 0.5), v = truth_y(row + y + 0.5) - top;
+        const float z = heights.at(x, y), at_top = true_height(highest, u, v, true);
+        if (std::isnan(z) || std::isnan(at_top)) continue;
+        const float at_ground = bilinear(ground, u, v);
+        if (std::isnan(at_ground)) continue;
+        const bool seen = states.at(x, y) == std::uint8_t(CellState::kMeasured);
+        (seen ? measured : interpolated).push_back(z - at_ground);
+        if (at_top - at_ground <= kObject_m) continue;
+        ++errors.object_cells;
+        removed += z - at_ground < (at_top - at_ground) / 2;
+      }
+  }
+  std::vector<float> all = measured;
+  all.insert(all.end(), interpolated.begin(), interpolated.end());
+  if (all.empty()) return fail(Errc::kBadInput, "the terrain model and the true one do not overlap: another CRS?");
+  errors.cell_m = grid.cell_m;
+  errors.overall = height_errors(all, 3 * grid.cell_m);
+  errors.measured = height_errors(measured, 3 * grid.cell_m);
+  errors.interpolated = height_errors(interpolated, 3 * grid.cell_m);
+  errors.share_removed = errors.object_cells > 0 ? double(removed) / double(errors.object_cells) : 1;
+  return errors;
+}
+
 HeightErrors height_errors(std::vector<float>& differences_m, double gross_m) {
   HeightErrors errors;
   errors.cells = differences_m.size();

@@ -40,6 +40,21 @@ using StateReader = std::function<Result<Raster<std::uint8_t>>(int column, int r
                                                    const HeightField& truth, std::span<const View> views,
                                                    const LocalFrame* frame, const Run& run);
 
+struct TerrainErrors {
+  double cell_m = 0;
+  HeightErrors overall;                 ///< cells with a height in both
+  HeightErrors measured, interpolated;  ///< of these: the ground was seen; it was continued
+  std::size_t object_cells = 0;         ///< where something stands more than a metre above the ground
+  double share_removed = 0;             ///< of these, nearer to the ground than to the top of what stands there
+};
+
+/// Compares a terrain model with the true terrain at the centres of its cells; all in the same map. `state`: CellState,
+/// measured where the ground was seen. `surface`: the true surface on the grid of `terrain`. Errors: reading; rasters
+/// do not overlap; cancelled.
+[[nodiscard]] Result<TerrainErrors> terrain_errors(const HeightField& model, const StateReader& state,
+                                                   const HeightField& terrain, const HeightField& surface,
+                                                   const Run& run);
+
 /// The statistics of a list of differences. Reorders it.
 [[nodiscard]] HeightErrors height_errors(std::vector<float>& differences_m, double gross_m);
 

@@ -154,6 +154,7 @@ Result<> write_cameras(Database& db, const std::string& table, const std::map<Ca
     Packer numbers;
     for (const double value : camera.params) numbers.put(value);
     numbers.put(camera.sigma_f_px);
+    if (camera.model != CameraModel::kBrown) numbers.put(double(camera.model));
     insert.bind(id.value).bind_text(camera.name).bind_text(camera.source);
     insert.bind(camera.width_px).bind(camera.height_px).bind(int(camera.calibrate));
     if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
@@ -175,6 +176,11 @@ Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId,
     Unpacker numbers(select.blob(6));
     for (double& value : camera.params) numbers.get(value);
     numbers.get(camera.sigma_f_px);
+    if (double model = 0; !numbers.done()) {
+      numbers.get(model);
+      if (model != double(CameraModel::kBrownOfMeasured)) return damaged(table);
+      camera.model = CameraModel::kBrownOfMeasured;
+    }
     if (!numbers.done()) return damaged(table);
     cameras[{std::uint32_t(select.integer(0))}] = std::move(camera);
   }

@@ -13,8 +13,13 @@
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/flight_strips.h"
 #include "collinea/block/picture_axes.h"
+#include "collinea/io/adjustment_file.h"
+#include "collinea/io/dbat_script.h"
+#include "collinea/io/file.h"
+#include "collinea/io/photomodeler.h"
 #include "collinea/io/text.h"
-#include "collinea/report/adjustment_report.h"
+#include "collinea/orient/approximate.h"
+#include "collinea/pipeline/adjusted_report.h"
 
 namespace collinea {
 namespace {
@@ -99,16 +104,47 @@ Result<> add_instruments(const Block& block, const AdjustProjectOptions& asked, 
   return {};
 }
 
-AdjustOptions options_of(const AdjustProjectOptions& asked, const json& orientation) {
+AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
   AdjustOptions options;
-  options.calibration = asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration;
+  options.calibration = calibration;
   options.loss = options.position_loss = asked.loss;
   options.loss_scale_sigmas = asked.loss_scale_sigmas;
   options.reliability = options.covariances = options.point_covariances = true;
   options.false_alarm = asked.false_alarm;
   options.power = asked.power;
   options.sigma0_known = asked.sigma0_known;
+  // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
+  options.relative_cost_change = 1e-12;
+  options.step_sigmas = 1e-3;
   return options;
+}
+
+/// All that is needed to adjust and to report.
+struct Task {
+  std::string title;
+  Block block;
+  AdjustScope scope;
+  AdjustOptions options;
+};
+
+Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) {
+  if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
+  COLLINEA_TRY(const json orientation, orient_report(project));
+  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  Task task;
+  COLLINEA_TRY(task.block, project.store.read_block());
+  task.scope = {.first_cameras = setup.cameras,
+                .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
+                .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
+  if (task.scope.use_positions && task.scope.use_control)
+    apply(check_control(task.block, project.settings.seed), task.block);
+  choose_ground(task.block, orientation, asked.use_ground);
+  if (Result<> known = add_instruments(task.block, asked, task.scope); !known) return tl::unexpected(known.error());
+  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
+  task.options = options_of(asked, asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration);
+  std::error_code error;
+  task.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
+  return task;
 }
 
 // One line for the user.
@@ -124,36 +160,119 @@ std::string outcome_text(const Adjusted& adjusted, const std::filesystem::path& 
   return text + "; " + (folder / "adjustment.html").string();
 }
 
+Result<std::string> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
+                                const Run& run) {
+  COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(task.block), task.scope, task.options, asked, run));
+  report.title = task.title;
+  if (auto written = write_adjustment(report, folder); !written) return tl::unexpected(written.error());
+  return outcome_text(report.adjusted, folder);
+}
+
+// Only what takes part: nothing of an image that orientation left out.
+AdjustmentFile file_of(const Task& task) {
+  AdjustmentFile file;
+  file.block = task.block;
+  Block& block = file.block;
+  std::erase_if(block.images, [&](const auto& image) { return !block.cam_from_world.contains(image.first); });
+  const auto unknown = [&](const auto& seen) { return !block.images.contains(seen.image); };
+  std::erase_if(block.control_observations, unknown);
+  std::erase_if(block.observations,
+                [&](const Observation& seen) { return unknown(seen) || !block.points.contains(seen.point); });
+  if (!task.scope.use_positions)
+    for (auto& [id, image] : block.images) image.position.reset();
+  if (!task.scope.use_control)
+    for (auto& [id, control] : block.control) control.role = ControlRole::kCheck;
+  for (const auto& [id, camera] : block.cameras) {
+    const auto first = task.scope.first_cameras.find(id);
+    const Camera& given = first == task.scope.first_cameras.end() ? camera : first->second;
+    file.given_cameras[id] = given;
+    file.camera_sigmas[id] =
+        camera.calibrate ? calibration_named(task.options.calibration, given).value_or(CameraSigmas{}) : CameraSigmas{};
+  }
+  return file;
+}
+
+Result<AdjustmentFile> read_adjustment(const std::filesystem::path& path) {
+  COLLINEA_TRY(const std::string text, read_file(path));
+  if (is_dbat_script(text)) return read_dbat_script(path);
+  const auto parse = !is_adjustment_file(text) && is_photomodeler(text) ? parse_photomodeler : parse_adjustment_file;
+  return parse(text).map_error([&](Error e) { return std::move(e).within(path.string()); });
+}
+
+template <class Id>
+std::string names(const std::vector<Id>& ids, const auto& name_of) {
+  constexpr std::size_t kShown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(ids.size(), kShown); ++i) text += (i > 0 ? ", " : "") + name_of(ids[i]);
+  return ids.size() > kShown ? text + fmt::format(" and {} more", ids.size() - kShown) : text;
+}
+
+Result<> complete(Block& block, const Run& run) {
+  COLLINEA_TRY(const Approximation found, approximate(block, run.seed));
+  if (!found.resected.empty() || found.intersected > 0)
+    run.say(fmt::format("approximate values: {} images resected, {} points intersected", found.resected.size(),
+                        found.intersected));
+  if (!found.without_pose.empty())
+    run.say("note: no approximate pose, and fewer than four known points to find one: " +
+            names(found.without_pose, [&](ImageId id) { return block.images.at(id).file; }) +
+            "; left out. Give a line pose, or measure more points there");
+  if (!found.without_place.empty())
+    run.say("note: seen in fewer than two oriented images, or along nearly the same line: tie points " +
+            names(found.without_place, [](PointId id) { return std::to_string(id.value); }) + "; left out");
+  return {};
+}
+
+Result<> set_calibration(const std::string& asked, const AdjustmentFile& file, AdjustScope& scope) {
+  scope.camera_sigmas = file.camera_sigmas;
+  if (asked == "auto") return {};
+  for (auto& [id, sigmas] : scope.camera_sigmas) {
+    Camera camera = file.given_cameras.at(id);
+    camera.sigma_f_px = 1;
+    const auto named = calibration_named(asked, camera);
+    if (!named) return fail(Errc::kBadInput, "calibration = \"" + asked + "\": no such set of parameters");
+    for (std::size_t k = 0; k < sigmas.size(); ++k)
+      sigmas[k] = (*named)[k] == 0 ? 0 : sigmas[k] > 0 ? sigmas[k] : std::numeric_limits<double>::infinity();
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
+  COLLINEA_TRY(Task task, task_of(project, asked));
+  return adjust_task(std::move(task), asked, project.folder / "adjustment", project.run);
+}
+
+Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
+                           const std::filesystem::path& file) {
+  COLLINEA_TRY(const Task task, task_of(project, asked));
+  if (!calibration_named(task.options.calibration, Camera{}))
+    return fail(Errc::kBadInput, "calibration = \"" + task.options.calibration + "\": no such set of parameters");
+  return write_adjustment_file(file, file_of(task));
+}
+
+Result<std::string> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
+                                const AdjustProjectOptions& asked, const Run& run) {
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
-  COLLINEA_TRY(const json orientation, orient_report(project));
-  COLLINEA_TRY(const Block setup, project.store.read_setup());
-  AdjustmentReport report;
-  COLLINEA_TRY(report.block, project.store.read_block());
-  choose_ground(report.block, orientation, asked.use_ground);
-  AdjustScope scope{.first_cameras = setup.cameras,
-                    .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
-                    .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
-  if (scope.use_positions && scope.use_control) apply(check_control(report.block, project.settings.seed), report.block);
-  if (Result<> known = add_instruments(report.block, asked, scope); !known) return tl::unexpected(known.error());
-  const AdjustOptions options = options_of(asked, orientation);
-  if (asked.variance_components) {
-    COLLINEA_TRY(report.components, estimate_variance_components(report.block, scope, options, project.run));
-    if (!report.components->converged)
-      project.run.say("note: the variance components have not settled; the last ones are used");
-    report.adjusted = report.components->adjusted;
-    report.block = with_sigmas(report.block, report.components->factors);
-  } else {
-    COLLINEA_TRY(report.adjusted, adjust(report.block, scope, options, project.run));
-  }
-  apply(report.adjusted, report.block);
-  std::error_code error;
-  report.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
-  const auto folder = project.folder / "adjustment";
-  if (auto written = write_adjustment(report, folder); !written) return tl::unexpected(written.error());
-  return outcome_text(report.adjusted, folder);
+  COLLINEA_TRY(AdjustmentFile file, read_adjustment(path));
+  if (Result<> completed = complete(file.block, run); !completed)
+    return tl::unexpected(std::move(completed).error().within(path.string()));
+  Task task{.title = path.stem().string(),
+            .block = {},
+            .scope = {.fixed_images = file.held_images,
+                      .first_cameras = file.given_cameras,
+                      .corrected_cameras = file.corrected_cameras,
+                      .use_positions = asked.use_positions,
+                      .use_control = asked.use_control},
+            .options = options_of(asked, "none")};
+  if (Result<> set = set_calibration(asked.calibration, file, task.scope); !set) return tl::unexpected(set.error());
+  task.block = std::move(file.block);
+  return adjust_task(std::move(task), asked, folder, run);
+}
+
+Result<> convert_adjustment(const std::filesystem::path& path, const std::filesystem::path& converted) {
+  COLLINEA_TRY(const AdjustmentFile file, read_adjustment(path));
+  return write_adjustment_file(converted, file);
 }
 
 }  // namespace collinea

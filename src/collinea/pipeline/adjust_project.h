@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -23,6 +24,8 @@ struct AdjustProjectOptions {
   bool use_attitudes = false;
   double attitude_sigma_deg = 1;
   double heading_sigma_deg = 3;
+  bool snoop = false;
+  int snoop_most = 1000;
   bool variance_components = false;
   double false_alarm = 0.001;
   double power = 0.8;
@@ -31,9 +34,9 @@ struct AdjustProjectOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = AdjustProjectOptions;
-    visit(
-        Field{"calibration", &O::calibration, "",
-              "free camera parameters: auto (those of orient) | none | focal | focal_radial | brown | brown_affinity"});
+    visit(Field{"calibration", &O::calibration, "",
+                "free camera parameters: auto (those of orient, or of the file) | none | focal | focal_radial | brown "
+                "| brown_affinity"});
     visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions: none | huber | cauchy"});
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
@@ -51,6 +54,10 @@ struct AdjustProjectOptions {
                 "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
     visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg", "their standard deviation from level", 1e-6, 90});
     visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
+    visit(Field{"snoop", &O::snoop, "",
+                "take out the worst suspect and adjust again, until none is left; measurements of control that orient "
+                "took out are tried again"});
+    visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping takes out", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
     visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",
@@ -64,5 +71,18 @@ struct AdjustProjectOptions {
 /// Adjusts the oriented block of a project once more and writes report and tables to PROJECT/adjustment. The project
 /// itself stays as it is. Answers a line for the user. Errors: not oriented yet; those of adjust().
 [[nodiscard]] Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& options);
+
+/// Writes what adjust_project would adjust, as a text file that adjust_file reads. Errors: not oriented yet, disk.
+Result<> export_adjustment(const Project& project, const AdjustProjectOptions& options,
+                           const std::filesystem::path& file);
+
+/// Adjusts measurements without a project: finds approximate values that are missing, and writes to `folder` what
+/// adjust_project writes. A named set of free parameters takes the place of what the file says, but for the standard
+/// deviations of those it frees. Errors: the file's, with its name and line; nothing to begin at; those of adjust().
+[[nodiscard]] Result<std::string> adjust_file(const std::filesystem::path& file, const std::filesystem::path& folder,
+                                              const AdjustProjectOptions& options, const Run& run);
+
+/// The file in our own format, whatever it was in: "converted".
+Result<> convert_adjustment(const std::filesystem::path& file, const std::filesystem::path& converted);
 
 }  // namespace collinea

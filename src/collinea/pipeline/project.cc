@@ -32,8 +32,8 @@ struct Step {
 constexpr const char* kCloud = "products/cloud.las or .laz, as asked for";
 
 // The only place that knows the order of work.
-const std::array<Step, 8>& steps() {
-  static const std::array<Step, 8> all = {{
+const std::array<Step, 9>& steps() {
+  static const std::array<Step, 9> all = {{
       {"import", import_step, {}, {}},
       {"detect", detect_step, {"import"}, {}},
       {"match", match_step, {"import", "detect"}, {}},
@@ -43,10 +43,14 @@ const std::array<Step, 8>& steps() {
        surface_step,
        {"orient", "densify"},
        {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif"}},
+      {"terrain",
+       terrain_step,
+       {"orient", "surface"},
+       {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif"}},
       {"ortho", ortho_step, {"orient", "surface"}, {"products/ortho.tif", "products/ortho_source.tif"}},
       {"report",
        report_step,
-       {"import", "detect", "match", "orient", "densify", "surface", "ortho"},
+       {"import", "detect", "match", "orient", "densify", "surface", "terrain", "ortho"},
        {"report/report.html"},
        /*reads_setup=*/true,
        /*reads_sources=*/true},

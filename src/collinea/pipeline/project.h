@@ -37,7 +37,7 @@ struct Project {
 /// Opens a project made before, to look at what it holds.
 [[nodiscard]] Result<Project> open_project(const std::filesystem::path& folder, const Run& run);
 
-/// The steps in their order: import, detect, match, orient, densify, surface, ortho, report.
+/// The steps in their order: import, detect, match, orient, densify, surface, terrain, ortho, report.
 [[nodiscard]] std::vector<std::string> step_names();
 /// An error that lists the steps, when none is called so.
 [[nodiscard]] Result<> check_step_name(const std::string& name);

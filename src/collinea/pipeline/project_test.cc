@@ -43,8 +43,9 @@ std::string bytes_of(const fs::path& path) {
   return std::move(bytes).str();
 }
 
-const std::vector<std::string> kProducts = {"cloud.las",     "cloud.ply", "dsm.tif",         "dsm_sigma.tif",
-                                            "dsm_state.tif", "ortho.tif", "ortho_source.tif"};
+const std::vector<std::string> kProducts = {"cloud.las",     "cloud.ply",    "dsm.tif",       "dsm_sigma.tif",
+                                            "dsm_state.tif", "dtm.tif",      "dtm_sigma.tif", "dtm_state.tif",
+                                            "contours.gpkg", "contours.dxf", "ortho.tif",     "ortho_source.tif"};
 
 // Six small photographs of a made-up village, mapped once. Tests are run one by one, each in a process of its own: what
 // follows on the mapping is therefore one test, made of many small ones.
@@ -168,7 +169,7 @@ void SmallProject::info_tells_what_machines_read() {
       EXPECT_LT(point.at("sigma_m").at(axis).get<double>(), 1) << point;
     }
   }
-  ASSERT_EQ(info.at("steps").size(), 8u);
+  ASSERT_EQ(info.at("steps").size(), 9u);
   EXPECT_EQ(info.at("steps")[0].at("name"), "import");
   EXPECT_NE(info_text(project->store).value().find("6 (6 oriented)"), std::string::npos);
 }
@@ -211,7 +212,7 @@ void SmallProject::a_changed_option_redoes_its_step_and_what_follows() {
   changed.surface.cell_m = 1;
   Log log;
   ASSERT_TRUE(bring(copy("option"), changed, log, "report"));
-  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"surface", "ortho", "report"}));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"surface", "terrain", "ortho", "report"}));
 }
 
 std::map<fs::path, fs::file_time_type> times_of_depth_maps(const fs::path& project) {
@@ -446,7 +447,7 @@ TEST(Project, AnOrientationThatIsNotThereIsAnErrorBeforeAnythingIsMade) {
 TEST(Project, AStepThatDoesNotExistIsNamedBesideThoseThatDo) {
   const auto known = check_step_name("orthophoto");
   ASSERT_FALSE(known);
-  EXPECT_NE(known.error().message.find("surface, ortho, report"), std::string::npos) << known.error().message;
+  EXPECT_NE(known.error().message.find("surface, terrain, ortho, report"), std::string::npos) << known.error().message;
   for (const std::string& step : step_names()) EXPECT_TRUE(check_step_name(step)) << step;
 }
 

@@ -96,6 +96,12 @@ void add_products(const Project& project, const std::map<std::string, json>& rep
   add("Surface model, standard deviations", "products/dsm_sigma.tif", "m");
   add("Surface model, state", "products/dsm_state.tif", "0 nothing, 1 measured, 2 interpolated");
   add("Surface model, count", "products/dsm_count.tif", "points that made a cell");
+  add("Terrain model", "products/dtm.tif", cells_text(of("terrain")));
+  add("Terrain model, standard deviations", "products/dtm_sigma.tif", "m");
+  add("Terrain model, state", "products/dtm_state.tif", "0 nothing, 1 ground as measured, 2 interpolated");
+  const std::string contours = fmt::format("every {:.4g} m, with heights", of("terrain").value("contour_m", 0.0));
+  add("Contours", "products/contours.gpkg", contours + ", GeoPackage");
+  add("Contours", "products/contours.dxf", contours + ", DXF");
   add("Orthophoto", "products/ortho.tif", cells_text(of("ortho")) + ", Cloud-Optimised GeoTIFF");
   add("Orthophoto, sources", "products/ortho_source.tif", "index of the leading photograph");
   if (of("surface").contains("cell_m")) input.dsm = project.folder / "products/dsm.tif";

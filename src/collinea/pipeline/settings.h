@@ -15,6 +15,7 @@
 #include "collinea/ortho/orthophoto.h"
 #include "collinea/pipeline/import.h"
 #include "collinea/surface/dsm.h"
+#include "collinea/surface/dtm.h"
 
 namespace collinea {
 
@@ -30,6 +31,7 @@ struct Settings {
   OrientOptions orient;
   DenseOptions densify;
   DsmOptions surface;
+  DtmOptions terrain;
   OrthoOptions ortho;
 
   /// Calls visit(name of the step, name of the group, options) for every group of options: the only list of them.
@@ -43,6 +45,7 @@ struct Settings {
     visit("orient", "orient", self.orient);
     visit("densify", "densify", self.densify);
     visit("surface", "surface", self.surface);
+    visit("terrain", "terrain", self.terrain);
     visit("ortho", "ortho", self.ortho);
   }
 };

@@ -25,6 +25,7 @@ Result<StepOutput> match_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> report_step(Project& project, const std::string& inputs_hash);
 

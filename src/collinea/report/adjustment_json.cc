@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/report/adjustment_report.h"
+#include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"
 
@@ -32,6 +32,30 @@ json ground(const AdjustmentReport& report) {
                     {"sigma_adjusted", number(one.sigma * sigma_scale(report.adjusted))},
                     {"difference", number(one.difference)},
                     {"sigma", number(one.difference_sigma)}});
+  }
+  return list;
+}
+
+// Of each parameter its value, standard deviation and correlations with those that are free.
+json cameras(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const auto& [id, camera] : report.block.cameras) {
+    json one = {{"name", camera.name}, {"model", kCameraModelNames[std::size_t(camera.model)]}};
+    const auto covariance = report.adjusted.camera_covariance.find(id);
+    const bool known = covariance != report.adjusted.camera_covariance.end();
+    const auto sigma = [&](int k) { return known ? std::sqrt(covariance->second(k, k)) : 0; };
+    for (int k = 0; k < Camera::kParams; ++k) {
+      const std::string name(Camera::kParamNames[std::size_t(k)]);
+      one["parameters"][name] = {{"value", number(camera.params[std::size_t(k)])},
+                                 {"unit", Camera::kParamUnits[std::size_t(k)]}};
+      if (!(sigma(k) > 0)) continue;
+      one["parameters"][name]["sigma"] = number(sigma(k) * sigma_scale(report.adjusted));
+      for (int other = 0; other < k; ++other)
+        if (sigma(other) > 0)
+          one["correlations"][name][std::string(Camera::kParamNames[std::size_t(other)])] =
+              number(covariance->second(k, other) / (sigma(k) * sigma(other)));
+    }
+    list.push_back(one);
   }
   return list;
 }
@@ -110,11 +134,13 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"datum", adjusted.datum},
             {"converged", adjusted.converged},
             {"undetermined", adjusted.undetermined},
+            {"cameras", cameras(report)},
             {"control_points", control(report)}};
   if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
   if (!adjusted.extras.empty()) j["unknowns"] = unknowns(report);
   if (!adjusted.inseparable.empty()) j["inseparable"] = adjusted.inseparable;
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
+  if (report.snooped) j["snooping"] = snooping_json(report);
   return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 

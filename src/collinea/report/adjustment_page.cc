@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/report/adjustment_report.h"
+#include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/page.h"
 #include "collinea/report/svg.h"
@@ -172,7 +172,8 @@ std::string adjustment_page(const AdjustmentReport& report) {
                      ": adjustment</title>\n<style>" + kStyleSheet +
                      "</style></head>\n<body><main>\n<header><div><h1>" + title +
                      "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
-  html += summary(report.adjusted) + control_table(report) + ground_table(report) + unknowns_table(report);
+  html += summary(report.adjusted) + snooping_section(report) + control_table(report) + ground_table(report) +
+          unknowns_table(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);

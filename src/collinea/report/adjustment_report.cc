@@ -6,8 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/geometry/rotation.h"
 #include "collinea/io/file.h"
 #include "collinea/io/opk.h"
+#include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
 
 namespace collinea {
@@ -24,17 +26,31 @@ std::string in_quotes(std::string_view text) {
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format(",{:.10g}", value) : ","; }
 
+// Standard deviations of the angles as they are written, from those of small turns about the axes of the world.
+Eigen::Vector3d sigma_of_angles(const OmegaPhiKappa& angles, const Rigid3& pose, const Matrix6d& covariance) {
+  const double omega = angles.omega_deg / kDegrees, phi = angles.phi_deg / kDegrees;
+  // Axes of omega, phi and kappa in the map, whose axes are those of the world but for the convergence of meridians.
+  Eigen::Matrix3d axes;
+  axes << 1, 0, std::sin(phi),                               //
+      0, std::cos(omega), -std::sin(omega) * std::cos(phi),  //
+      0, std::sin(omega), std::cos(omega) * std::cos(phi);
+  const Eigen::Matrix3d map_from_world = (cam_from_world(angles).conjugate() * pose.rotation).toRotationMatrix();
+  const Eigen::Matrix3d angles_by_turn = axes.inverse() * map_from_world;
+  return (angles_by_turn * covariance.topLeftCorner<3, 3>() * angles_by_turn.transpose()).diagonal().cwiseSqrt();
+}
+
 Result<std::string> poses_csv(const AdjustmentReport& report) {
   COLLINEA_TRY(const std::vector<ExteriorOrientation> rows, exterior_orientations(report.block));
   std::string text =
       "image,x_m,y_m,z_m,omega_deg,phi_deg,kappa_deg,sigma_x_m,sigma_y_m,sigma_z_m,sigma_turn_about_x_deg,"
-      "sigma_turn_about_y_deg,sigma_turn_about_z_deg\n";
+      "sigma_turn_about_y_deg,sigma_turn_about_z_deg,sigma_omega_deg,sigma_phi_deg,sigma_kappa_deg\n";
   auto image = report.block.cam_from_world.begin();
   for (const ExteriorOrientation& row : rows) {
     text += in_quotes(row.file);
     for (int i = 0; i < 3; ++i) text += number(row.centre_in_map[i]);
     for (const double angle : {row.angles.omega_deg, row.angles.phi_deg, row.angles.kappa_deg}) text += number(angle);
-    const auto covariance = report.adjusted.pose_covariance.find((image++)->first);
+    const auto& [id, pose] = *image++;
+    const auto covariance = report.adjusted.pose_covariance.find(id);
     for (int i = 0; i < 6; ++i) {
       const int k = (i + 3) % 6;  // the centre first
       const double sigma = covariance == report.adjusted.pose_covariance.end()
@@ -42,6 +58,10 @@ Result<std::string> poses_csv(const AdjustmentReport& report) {
                                : std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted);
       text += number(i < 3 ? sigma : sigma * kDegrees);
     }
+    Eigen::Vector3d sigma = Eigen::Vector3d::Constant(std::nan(""));
+    if (covariance != report.adjusted.pose_covariance.end())
+      sigma = sigma_of_angles(row.angles, pose, covariance->second) * sigma_scale(report.adjusted);
+    for (int i = 0; i < 3; ++i) text += number(sigma[i] * kDegrees);
     text += "\n";
   }
   return text;
@@ -140,7 +160,10 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
 
 }  // namespace
 
-double shown_factor(const GroupSums& sums) { return sums.redundancy < 3 ? std::nan("") : sums.sigma_factor(); }
+double shown_factor(const GroupSums& sums) {
+  const double factor = sums.sigma_factor();
+  return sums.told() || factor > 1 ? factor : std::nan("");
+}
 
 const char* unit_of(UnknownKind kind) {
   if (kind == UnknownKind::kDrift) return "m/s";
@@ -207,6 +230,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"adjustment.html", adjustment_page(report)}};
   for (const auto& [name, text] : files)
     if (auto written = write_file(folder / name, text); !written) return written;
+  if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
   return {};
 }
 

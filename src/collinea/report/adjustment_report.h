@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "collinea/adjust/snooping.h"
 #include "collinea/adjust/variance_components.h"
 #include "collinea/base/result.h"
 
@@ -16,13 +17,14 @@ struct AdjustmentReport {
   Block block;                                   ///< as adjusted, with the sigmas that were used
   Adjusted adjusted;                             ///< with covariances and reliability
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
+  std::optional<Snooped> snooped;                ///< when blunders were taken out; its `adjusted` may have been moved
 };
 
 /// Writes into the folder: adjustment.html (for people), adjustment.json (the same figures), and the tables poses.csv,
-/// cameras.csv, points.csv, control.csv, ground.csv, unknowns.csv (beside those of images,
-/// cameras and points), observations.csv (control, positions and ground, each with its
-/// test) and suspects.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS
-/// that PROJ does not know.
+/// cameras.csv, points.csv, control.csv, ground.csv, unknowns.csv (beside those of images, cameras and points),
+/// observations.csv (control, positions and ground, each with its test), suspects.csv and, after snooping,
+/// taken_out.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ
+/// does not know.
 [[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder);
 
 // Its parts.
@@ -33,6 +35,8 @@ struct AdjustmentReport {
 [[nodiscard]] double shown_factor(const GroupSums& sums);
 /// What was measured, in words: "tie point 17 in IMG_2.jpg, row", "gcp3, height", "position of IMG_2.jpg, east".
 [[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
+/// A measurement that was taken out, and how wrong it was: "gcp4 in IMG_31.jpg, off by 12.3 px (row ...)".
+[[nodiscard]] std::string told(const TakenOut& gone, const Block& block);
 [[nodiscard]] const char* unit_of(const TestedObservation& observation);
 
 /// Unknowns beside those of images, cameras and points are told in m, m/s (where times are known) and deg.

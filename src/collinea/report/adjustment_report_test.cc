@@ -31,9 +31,9 @@ TEST(WriteAdjustment, AFactorThatNothingSupportsIsNull) {
   AdjustmentReport report;
   report.adjusted.reliability.emplace();
   GroupSums& tie = report.adjusted.reliability->groups[static_cast<std::size_t>(ObservationGroup::kTieImages)];
-  tie = {.observations = 100, .redundancy = 50, .squares = 200};
+  tie = {.observations = 100, .redundancy = 50, .squared_redundancy = 25, .squares = 200};
   GroupSums& control = report.adjusted.reliability->groups[static_cast<std::size_t>(ObservationGroup::kControlPlan)];
-  control = {.observations = 4, .redundancy = 2.5, .squares = 10};
+  control = {.observations = 4, .redundancy = 3.5, .squared_redundancy = 2.9, .squares = 2};
   const auto groups = nlohmann::json::parse(adjustment_json(report)).at("reliability").at("groups");
   ASSERT_EQ(groups.size(), 2u);
   EXPECT_NEAR(groups.at(0).at("sigma_factor").get<double>(), 2, 1e-12);

@@ -52,15 +52,26 @@ PlumbLines plumb_lines(const LocalFrame& frame, const MapGrid& grid, int column,
 }
 
 struct Strip {
-  FloatImage heights;
+  FloatImage heights, terrain;
   ColourImage colours;
 };
+
+// Where a plumb line that starts at `start` meets the terrain, which is never steep: three rounds are more than enough.
+float terrain_height(const Scene& scene, const PlumbLines& lines, const Eigen::Vector3d& start) {
+  double fallen_m = 0;
+  for (int round = 0; round < 3; ++round) {
+    const Eigen::Vector3d at = start + fallen_m * lines.down;
+    fallen_m += (at.z() - scene.terrain_height(at.x(), at.y())) / -lines.down.z();
+  }
+  return float(lines.top_m - fallen_m);
+}
 
 void fill_tile(const Truth& truth, const PlumbLines& lines, double cell_m, int column, Strip& strip) {
   const double along = lines.down.norm();  // metres of the world in a metre of map height
   for (int y = 0; y < strip.heights.height; ++y)
     for (int x = column; x < std::min(column + kTile, strip.heights.width); ++x) {
       const Eigen::Vector3d start = lines.corner + (x - column) * lines.by_column + y * lines.by_row;
+      strip.terrain.at(x, y) = terrain_height(truth.scene, lines, start);
       const auto hit = truth.scene.cast(start, lines.down / along);
       if (!hit) continue;
       strip.heights.at(x, y) = float(lines.top_m - hit->distance_m / along);
@@ -84,23 +95,28 @@ Result<> write_products(const Truth& truth, const std::filesystem::path& folder,
   ortho_options.alpha = true;
   ortho_options.description = "true orthophoto";
   COLLINEA_TRY(auto dsm, GeoTiffWriter<float>::create(folder / "dsm.tif", grid, 1, dsm_options));
+  dsm_options.description = "true terrain height [m]";
+  COLLINEA_TRY(auto dtm, GeoTiffWriter<float>::create(folder / "dtm.tif", grid, 1, dsm_options));
   COLLINEA_TRY(auto ortho, GeoTiffWriter<std::uint8_t>::create(folder / "ortho.tif", grid, 4, ortho_options));
 
   const double top_m = truth.frame.map_from_local({0, 0, truth.scene.highest_m() + 5}).z();
   const std::size_t tiles = std::size_t((grid.width + kTile - 1) / kTile);
   for (int row = 0; row < grid.height; row += kTile) {
     const int rows = std::min(kTile, grid.height - row);
-    Strip strip{FloatImage(grid.width, rows, 1, kNoHeight), ColourImage(grid.width, rows, 4)};
+    Strip strip{FloatImage(grid.width, rows, 1, kNoHeight), FloatImage(grid.width, rows, 1, kNoHeight),
+                ColourImage(grid.width, rows, 4)};
     parallel_for(run, tiles, [&](std::size_t tile) {
       const int column = int(tile) * kTile;
       fill_tile(truth, plumb_lines(truth.frame, grid, column, row, top_m), cell_m, column, strip);
     });
     if (run.stopped()) return fail(Errc::kCancelled, "writing the true surface was stopped");
     if (auto written = dsm.write(0, row, strip.heights); !written) return written;
+    if (auto written = dtm.write(0, row, strip.terrain); !written) return written;
     if (auto written = ortho.write(0, row, strip.colours); !written) return written;
     run.report("true surface", double(row + rows) / grid.height);
   }
   if (auto written = dsm.finish(); !written) return written;
+  if (auto written = dtm.finish(); !written) return written;
   return ortho.finish();
 }
 

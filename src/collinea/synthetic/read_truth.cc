@@ -88,6 +88,7 @@ Result<TruthFolder> read_truth(const std::filesystem::path& path) {
   if (read) read = read_table(folder / "marks.csv", [&](const Fields& f) { return take_mark(f, truth); });
   if (!read) return tl::unexpected(std::move(read).error());
   if (is_there(folder / "dsm.tif")) truth.dsm = folder / "dsm.tif";
+  if (is_there(folder / "dtm.tif")) truth.dtm = folder / "dtm.tif";
   if (is_there(folder / "ortho.tif")) truth.ortho = folder / "ortho.tif";
   return truth;
 }

@@ -141,7 +141,7 @@ namespace {
 // What an earlier simulation left and this one does not write: rasters, and photographs that its own truth names.
 Result<> remove_earlier(const Truth& truth, const std::filesystem::path& folder) {
   if (!is_there(folder / "truth/poses.csv")) return {};
-  for (const char* raster : {"truth/dsm.tif", "truth/ortho.tif"})
+  for (const char* raster : {"truth/dsm.tif", "truth/dtm.tif", "truth/ortho.tif"})
     if (auto removed = remove_file(folder / raster); !removed) return removed;
   const auto earlier = read_truth(folder);
   if (!earlier) return {};  // damaged: nothing is known to be ours

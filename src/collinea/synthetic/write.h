@@ -20,6 +20,7 @@ namespace collinea {
 ///   truth/marks.csv           id, role, x, y, z in the world, easting, northing, height on the map [m]
 ///   truth/frame.csv           crs, latitude_deg, longitude_deg, height_m of the origin of the world frame
 ///   truth/dsm.tif             height of the highest surface at the centre of each cell [m]
+///   truth/dtm.tif             height of the terrain under it [m]
 ///   truth/ortho.tif           its colour under the same light and tone as the photographs, without lens or exposure
 /// World: local metric frame, z up. The rasters lie on the map's grid with cells of a GSD; a façade has none.
 /// Photographs and rasters of an earlier simulation in this folder that the new one does not write are removed.
@@ -30,7 +31,7 @@ namespace collinea {
 /// The parts of it.
 [[nodiscard]] Result<> write_photographs(const Truth& truth, const std::filesystem::path& images, const Run& run);
 [[nodiscard]] Result<> write_tables(const Truth& truth, const std::filesystem::path& folder);
-/// dsm.tif and ortho.tif with cells of `cell_m`; nothing to do when the truth has no mapped area.
+/// dsm.tif, dtm.tif and ortho.tif with cells of `cell_m`; nothing to do when the truth has no mapped area.
 [[nodiscard]] Result<> write_products(const Truth& truth, const std::filesystem::path& folder, double cell_m,
                                       const Run& run);
 
@@ -46,7 +47,7 @@ struct TruthFolder {
   std::map<std::string, Rigid3> cam_from_world;          ///< by file name of the photograph
   std::map<std::string, Eigen::Vector3d> centre_in_map;  ///< easting, northing, height [m]
   std::map<std::string, TrueMark> marks;                 ///< by name
-  std::filesystem::path dsm, ortho;                      ///< empty when there is none
+  std::filesystem::path dsm, dtm, ortho;                 ///< empty when there is none
 };
 
 /// `path`: the folder given to simulate, or its truth/ itself. Errors: missing or broken files, with their line.

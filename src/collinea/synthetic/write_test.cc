@@ -146,6 +146,29 @@ TEST(Write, TheSurfaceRasterIsTheSurface) {
   EXPECT_LT(apart, compared / 500);
 }
 
+TEST(Write, TheTerrainRasterIsTheTerrainUnderTheSurface) {
+  const TestFolder folder;
+  const Truth truth = *make_survey(tiny_survey());
+  ASSERT_TRUE(write_products(truth, folder / "", 0.3, {}));
+  const auto dtm = GeoTiffReader::open(folder / "dtm.tif"), dsm = GeoTiffReader::open(folder / "dsm.tif");
+  ASSERT_TRUE(dtm && dsm);
+  const MapGrid& grid = dtm->grid();
+  const auto ground = dtm->read_float(0, 0, grid.width, grid.height);
+  const auto surface = dsm->read_float(0, 0, grid.width, grid.height);
+  ASSERT_TRUE(ground && surface);
+  int covered = 0;
+  for (int row = 0; row < grid.height; row += 3)
+    for (int column = 0; column < grid.width; column += 3) {
+      const double height = ground->at(column, row);
+      const Eigen::Vector3d local =
+          truth.frame.local_from_map({grid.east_of(column + 0.5), grid.north_of(row + 0.5), height});
+      ASSERT_NEAR(local.z(), truth.scene.terrain_height(local.x(), local.y()), 1e-4);
+      ASSERT_LT(height, surface->at(column, row) + 1e-4);
+      covered += surface->at(column, row) > height + 1;
+    }
+  EXPECT_GT(covered, 10);
+}
+
 TEST(Write, BrokenTruthNamesItsLine) {
   const TestFolder folder;
   const Truth truth = *make_survey(tiny_survey());

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <cmath>
+
+#include "blocks.h"
+#include "collinea/geometry/rotation.h"
+#include "rows.h"
+
+namespace collinea::bench {
+namespace {
+
+// 95 % of chi-squared with 3, 6 and 8 degrees of freedom.
+constexpr double kChi3 = 7.8147, kChi6 = 12.5916, kChi8 = 15.5073;
+constexpr double kDeviations = 4;
+
+// Squared lengths of errors in units of their covariances. Those of one block are correlated: its mean is one sample.
+class Lengths {
+ public:
+  Lengths(int freedom, double limit) : freedom_(freedom), limit_(limit) {}
+  void add(double squared) {
+    block_ += squared / freedom_;
+    ++in_block_;
+    inside_ += squared < limit_;
+    ++all_;
+  }
+  void end_block() {
+    if (in_block_ == 0) return;
+    const double mean = block_ / in_block_;
+    sum_ += mean;
+    squares_ += mean * mean;
+    ++blocks_;
+    block_ = in_block_ = 0;
+  }
+  [[nodiscard]] double mean() const { return sum_ / blocks_; }
+  [[nodiscard]] double deviation() const {
+    return std::sqrt(std::max(0.0, squares_ / blocks_ - mean() * mean()) / blocks_);
+  }
+  [[nodiscard]] bool in_bound() const { return std::abs(mean() - 1) < kDeviations * deviation(); }
+  [[nodiscard]] double share() const { return inside_ / all_; }
+  [[nodiscard]] double all() const { return all_; }
+
+ private:
+  int freedom_;
+  double limit_, block_ = 0, in_block_ = 0, sum_ = 0, squares_ = 0, blocks_ = 0, inside_ = 0, all_ = 0;
+};
+
+struct Errors {
+  Lengths poses{6, kChi6}, points{3, kChi3}, cameras{8, kChi8}, left_out{1, 3.8415};
+
+  void take(const Adjusted& adjusted, const Block& exact) {
+    const double variance = std::pow(sigma_scale(adjusted), 2);
+    for (const auto& [id, pose] : adjusted.cam_from_world) {
+      const Rigid3& its = exact.cam_from_world.at(id);
+      Eigen::Matrix<double, 6, 1> error;
+      error << rotation_vector(pose.rotation.conjugate() * its.rotation), centre_of(its) - centre_of(pose);
+      poses.add(error.dot(adjusted.pose_covariance.at(id).llt().solve(error)) / variance);
+    }
+    for (std::size_t i = 0; i < adjusted.points.size(); ++i) {
+      const Eigen::Vector3d error =
+          exact.points.at(adjusted.points[i].first).position_in_world - adjusted.points[i].second;
+      points.add(error.dot(adjusted.point_covariance[i].llt().solve(error)) / variance);
+    }
+    for (const auto& [id, camera] : adjusted.cameras) {
+      constexpr int kFree = 8;  // the parameters of "brown" come first
+      Eigen::Matrix<double, kFree, 1> error;
+      for (int k = 0; k < kFree; ++k) error[k] = exact.cameras.at(id).params[k] - camera.params[k];
+      const Eigen::Matrix<double, kFree, kFree> c = adjusted.camera_covariance.at(id).topLeftCorner<kFree, kFree>();
+      cameras.add(error.dot(c.llt().solve(error)) / variance);
+    }
+    for (const LeftOutPoint& one : adjusted.reliability->left_out)
+      for (int axis = 0; axis < 3; ++axis)
+        left_out.add(std::pow(one.difference_m[axis] / one.difference_sigma_m[axis], 2));
+    for (Lengths* one : {&poses, &points, &cameras, &left_out}) one->end_block();
+  }
+};
+
+Row row(const std::string& what, const Lengths& lengths) {
+  const double of_chance = kDeviations * std::sqrt(0.95 * 0.05 / lengths.all());
+  const bool share = std::abs(lengths.share() - 0.95) < std::max(0.02, of_chance);
+  return {what, "mean chi-squared / freedom 1 within 4 deviations; 93-97 % of errors in the 95 % region",
+          fmt::format("{:.3f} +- {:.3f}; {:.1f} % of {:.0f}", lengths.mean(), lengths.deviation(),
+                      100 * lengths.share(), lengths.all()),
+          lengths.in_bound() && share};
+}
+
+}  // namespace
+
+Rows true_errors(const Effort& effort, const Run& run) {
+  std::array<Errors, 3> of_layout;
+  Errors all;
+  int failed = 0;
+  for (int i = 0; i < effort.blocks; ++i) {
+    const auto layout = static_cast<Layout>(i % 3);
+    const auto seed = static_cast<std::uint64_t>(1000 + i);
+    const Block exact = exact_block(layout, {}, seed);
+    const Measured made = measured(exact, seed);
+    AdjustOptions options = exact_options("brown");
+    options.covariances = options.point_covariances = options.reliability = true;
+    const auto adjusted = adjust(made.block, made.scope, options, run);
+    if (!adjusted || !adjusted->reliability || !adjusted->converged) {
+      ++failed;
+      continue;
+    }
+    of_layout[static_cast<std::size_t>(i % 3)].take(*adjusted, exact);
+    all.take(*adjusted, exact);
+  }
+  Rows rows;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::string name = kLayoutNames[k];
+    rows.push_back(row(name + ": poses", of_layout[k].poses));
+    rows.push_back(row(name + ": points", of_layout[k].points));
+    rows.push_back(row(name + ": cameras", of_layout[k].cameras));
+  }
+  rows.push_back(row("leave-one-out of control: foretold against real differences", all.left_out));
+  rows.push_back(
+      {fmt::format("{} blocks adjusted", effort.blocks), "none fails", fmt::format("{} failed", failed), failed == 0});
+  return rows;
+}
+
+}  // namespace collinea::bench

@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Adjusts the measurements of published adjustments and sets our results beside theirs.
+
+usage: bench/published_adjustments.py [--data FOLDER] [--collinea PROGRAM] [--work FOLDER]
+
+DBAT (the Damped Bundle Adjustment Toolbox of Börlin and Grussenmeyer) publishes inputs and reports of its demos: sigma 0,
+every camera parameter and orientation with its standard deviation. A row says by how much of a published standard
+deviation our value differs at most, and between what ratios our standard deviations lie; published numbers have three
+digits, which is 0.5 % of some of them. Inputs that are not in the data folder are skipped.
+"""
+import argparse
+import csv
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+WANTED_DIFFERENCE, WANTED_RATIO = 0.02, 0.01
+
+
+# --- what was published ----------------------------------------------------------------------------------------------
+
+def numbers_after(text, name):
+    return [float(value) for value in re.findall(name + r":\s+(-?[\d.]+(?:e[-+]?\d+)?)", text)]
+
+
+def published(path):
+    """sigma0, redundancy, camera {name: (value, sigma)}, images [[(value, sigma)] * 6], control {name: row}."""
+    text = path.read_text(errors="replace")
+    report = {"sigma0": numbers_after(text, "Sigma0")[0], "camera": {}, "images": [], "posterior": [], "exact": {}}
+    found = re.search(r"Redundancy\s+(\d+)", text)
+    for file in path.parent.glob("*.xml"):  # the camera with all digits
+        exact = file.read_text()
+        for tag, named in {"cc": ["cc"], "pp": ["px", "py"], "K": ["K1", "K2", "K3"], "P": ["P1", "P2"]}.items():
+            report["exact"].update(zip(named, re.search(f"<{tag}>(.*?)</{tag}>", exact)[1].split(",")))
+    report["redundancy"] = int(found[1]) if found else None
+    names = {"Camera Constant": "cc", "px - ": "px", "py - ": "py", "K1 - ": "K1", "K2 - ": "K2", "K3 - ": "K3",
+             "P1 - ": "P1", "P2 - ": "P2", "as - ": "as"}
+    cameras, photos = text.split("Photograph Standard Deviations")
+    for title, name in names.items():
+        found = re.search(re.escape(title) + r"[^\n]*\n\s+Value:\s+(\S+)[^\n]*(?:\n\s+Deviation:\s+(\S+))?", cameras)
+        if found:
+            report["camera"][name] = (float(report["exact"].get(name, found[1])), float(found[2]) if found[2] else 0)
+    for block in re.split(r"\n\s+Photo \d+: ", photos.split("\n   Quality")[0])[1:]:
+        image = []
+        for name in ["Omega", "Phi", "Kappa", "Xc", "Yc", "Zc"]:
+            found = re.search(name + r":\n\s+Value:\s+(\S+)[^\n]*(?:\n\s+Deviation:\s+(\S+))?", block)
+            image.append((found[1], float(found[2]) if found[2] else 0))
+        report["images"].append((block.split("\n")[0].strip(), image))
+    found = re.search(r"Posterior\n[^\n]*\n(.*?)\n\s+Diff", text, re.S)
+    if found:
+        for line in found[1].split("\n"):
+            fields = [field.strip() for field in line.split(",")]
+            report["posterior"].append((fields[0], fields[8], fields[1:7]))
+    return report
+
+
+# --- ours ------------------------------------------------------------------------------------------------------------
+
+def adjusted(program, source, folder, *options):
+    done = subprocess.run([program, "adjust", "--import", source, "--output", folder, "--loss", "none", "--progress",
+                           "lines", *options], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{source}: {done.stderr}")
+    ours = json.loads((folder / "adjustment.json").read_text())
+    with open(folder / "poses.csv") as file:
+        ours["images"] = {row["image"]: row for row in csv.DictReader(file)}
+    with open(folder / "control.csv") as file:
+        ours["control"] = {row["point"]: row for row in csv.DictReader(file)}
+    return ours
+
+
+def camera_in_mm(camera, pixel_height_mm):
+    """{name: (value, sigma)} as DBAT writes it, standard deviations by propagation of ours with their correlations."""
+    parameters = camera["parameters"]
+    names = list(parameters)
+    values = [parameters[name]["value"] for name in names]
+    sigmas = [parameters[name].get("sigma", 0) for name in names]
+
+    def covariance(i, j):
+        if i == j:
+            return sigmas[i] ** 2
+        a, b = names[max(i, j)], names[min(i, j)]
+        return sigmas[i] * sigmas[j] * camera.get("correlations", {}).get(a, {}).get(b, 0)
+
+    sign = -1 if camera["model"] == "brown" else 1
+
+    def convert(v):
+        p = dict(zip(names, v))
+        c = p["f"] * pixel_height_mm
+        return {"cc": c, "px": p["cx"] * pixel_height_mm, "py": p["cy"] * pixel_height_mm,
+                "as": -p["b1"] / (p["f"] + p["b1"]), "K1": sign * p["k1"] / c**2, "K2": sign * p["k2"] / c**4,
+                "K3": sign * p["k3"] / c**6, "P1": sign * p["p1"] / c, "P2": -sign * p["p2"] / c}
+
+    at = convert(values)
+    gradient = {name: [] for name in at}
+    for i, value in enumerate(values):
+        step = 1e-6 * max(abs(value), 1e-3)
+        plus, minus = (convert(values[:i] + [value + s] + values[i + 1:]) for s in (step, -step))
+        for name in at:
+            gradient[name].append((plus[name] - minus[name]) / (2 * step))
+    variance = {name: sum(g[i] * g[j] * covariance(i, j) for i in range(len(g)) for j in range(len(g)))
+                for name, g in gradient.items()}
+    return {name: (at[name], math.sqrt(max(0, variance[name]))) for name in at}
+
+
+class Comparison:
+    """Differences in published sigmas, ratios of standard deviations, and values that differ in a printed digit."""
+
+    def __init__(self):
+        self.worst, self.least, self.most, self.printed, self.digits = (0, ""), (9, ""), (0, ""), 0, 0
+
+    def add(self, name, ours, sigma, text, their_sigma):
+        if not their_sigma:
+            return
+        their = float(text)
+        difference = abs(ours - their)
+        if name.split()[-1] in ("Omega", "Phi", "Kappa"):
+            difference = min(difference % 360, -difference % 360)
+        self.worst = max(self.worst, (difference / their_sigma, name))
+        self.least = min(self.least, (sigma / their_sigma, name))
+        self.most = max(self.most, (sigma / their_sigma, name))
+        if isinstance(text, str) and "." in text:
+            self.printed += 1
+            last = 10.0 ** -len(text.split(".")[1])
+            self.digits += difference <= 0.5 * last * (1 + 1e-6)
+
+
+def compare(ours, theirs, pixel_height_mm):
+    camera, images = Comparison(), Comparison()
+    if theirs["camera"]:
+        mine = camera_in_mm(ours["cameras"][0], pixel_height_mm)
+        for name, (value, sigma) in theirs["camera"].items():
+            camera.add(name, *mine[name], value, sigma)
+    for name, image in theirs["images"]:
+        row = ours["images"][name]
+        for (text, sigma), title, mine in zip(image, ["Omega", "Phi", "Kappa", "X", "Y", "Z"],
+                                             ["omega_deg", "phi_deg", "kappa_deg", "x_m", "y_m", "z_m"]):
+            if sigma:
+                images.add(f"{name} {title}", float(row[mine]), float(row["sigma_" + mine]), text, sigma)
+    return camera, images
+
+
+def shown(comparison):
+    if not comparison.worst[1]:
+        return f"{'':^28}"
+    return f"{comparison.worst[0]:8.4f} {comparison.least[0]:9.4f} {comparison.most[0]:9.4f}"
+
+
+# --- the cases -------------------------------------------------------------------------------------------------------
+
+def with_control(text, rows):
+    """The exchange file with other control: rows {name: (x, y, z, sigma)}."""
+    kept = [line for line in text.split("\n") if not line.startswith("control ")]
+    return "\n".join(kept + [f"control {name} {x} {y} {z} {s} {s} {s}" for name, (x, y, z, s) in rows.items()]) + "\n"
+
+
+def as_model(text, model):
+    """The same measurements and camera with a lens of another model, all parameters free."""
+    text = re.sub(r"^(camera .*) brown_of_measured.*$", r"\1 " + model, text, flags=re.M)
+    free = r"\1 \2 free" if "aspect" in model else None
+    return text if free is None else re.sub(r"^(parameter \S+|parameter \".*?\") (\S+ \S+) \S+$", free, text, flags=re.M)
+
+
+def control_rows(path):
+    rows = {}
+    for line in path.read_text().split("\n"):
+        fields = [field.strip() for field in line.split(",")]
+        if len(fields) >= 5 and not line.startswith("#"):
+            rows[fields[0]] = (*map(float, fields[2:5]), float((fields + ["0"])[5]))
+    return rows
+
+
+def cases(data, work, program):
+    """(name, file to import, published report, height of a pixel [mm])."""
+    script = data / "script"
+    yield "camcaldemo", script / "camcaldemo/camcaldemo.xml", script / "camcaldemo/result/report.txt", 5.43764 / 1704
+    yield ("romabundledemo", script / "romabundledemo/romabundledemo.xml",
+           script / "romabundledemo/result/report.txt", 24 / 3744)
+    prague = data / "prague2016/cam"
+    for kind in ["fixed", "weighted"]:
+        for orient in ["", "-no-orient", "-with-orient"]:
+            source = prague / f"pmexports/{kind}{orient or '-no-orient'}-pmexport.txt"
+            converted = work / f"prague-{kind}{orient}.txt"
+            if source.exists():
+                subprocess.run([program, "adjust", "--import", source, "--export", converted, "--progress", "none"],
+                               check=True, capture_output=True)
+                # DBAT shifts the control it loads by the difference of means to that of PhotoModeler's project.
+                text = converted.read_text()
+                there = [line.split()[2:5] for line in text.split("\n") if line.startswith("control ")]
+                rows = control_rows(prague / f"ref/ctrlpts-{kind}.txt")
+                shift = [(sum(float(row[i]) for row in there) - sum(row[i] for row in rows.values())) / len(rows)
+                         for i in range(3)]
+                rows = {name: (*(row[i] + shift[i] for i in range(3)), row[3]) for name, row in rows.items()}
+                converted.write_text(with_control(text, rows))
+            yield (f"prague2016 {kind}{orient}", converted,
+                   prague / f"dbatexports/{kind}{orient}-dbatreport.txt", 5.4399 / 1704)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=pathlib.Path, default=ROOT.parent / "shared/data/dbat_text")
+    parser.add_argument("--collinea", default=ROOT / "build/release/bin/collinea")
+    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("/tmp/published_adjustments"))
+    asked = parser.parse_args()
+    asked.work.mkdir(parents=True, exist_ok=True)
+    print(f"{'':28} {'sigma0':>17} {'redundancy':>15} | camera: {'differ':>6} {'ratio of std devs':>19} | "
+          f"images: {'differ':>6} {'ratio of std devs':>19} | printed digits")
+    failed = 0
+    for name, source, report, pixel in cases(asked.data, asked.work, asked.collinea):
+        if not source.exists() or not report.exists():
+            print(f"{name:28} skipped: no {source if not source.exists() else report}")
+            continue
+        theirs, ours = published(report), adjusted(asked.collinea, source, asked.work / name.replace(" ", "-"))
+        camera, images = compare(ours, theirs, pixel)
+        print(f"{name:28} {ours['sigma0']:8.6g} {theirs['sigma0']:8.6g} {ours['redundancy']:7} "
+              f"{theirs['redundancy'] or '':>7} | {shown(camera)}  | {shown(images)}  | "
+              f"{images.digits} of {images.printed}")
+        failed += max(camera.worst[0], images.worst[0]) > WANTED_DIFFERENCE
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(main())

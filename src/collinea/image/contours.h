@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "collinea/image/geotiff.h"
+
+namespace collinea {
+
+/// Writes the contours of a raster of heights [m] (NaN: nothing there), through the centres of its cells, at all
+/// multiples of `interval_m`: a GeoPackage with one layer "contours" (field height_m, lines with heights) in the CRS of
+/// the grid, and a DXF drawing of the same lines. Returns the number of lines. By GDAL. The same heights give the same
+/// bytes. Errors: not writable, GDAL without these formats.
+[[nodiscard]] Result<std::uint64_t> write_contours(const FloatImage& heights_m, const MapGrid& grid, double interval_m,
+                                                   const std::filesystem::path& geopackage,
+                                                   const std::filesystem::path& dxf);
+
+}  // namespace collinea

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "collinea/base/result.h"
+#include "collinea/block/block.h"
+
+namespace collinea {
+
+/// All that an adjustment starts from: measurements with their standard deviations, what is known of cameras, images
+/// and points, and what is held. Images without a pose and tie points without coordinates are allowed: they are in
+/// block.images and block.observations, but not in block.cam_from_world and block.points.
+struct AdjustmentFile {
+  Block block;  ///< sigmas of control: 0 = held, infinite = not given
+  std::set<ImageId> held_images;
+  std::set<CameraId> corrected_cameras;  ///< of CameraModel::kBrownOfMeasured: their sigmas hold after the correction
+  /// Of each of Camera::params. 0: held; a standard deviation: observed; infinite: free.
+  std::map<CameraId, std::array<double, Camera::kParams>> camera_sigmas;
+  std::map<CameraId, Camera> given_cameras;  ///< what was observed of the cameras; block.cameras is where they start
+};
+
+/// Writes the text format of docs/manual/adjustment-file.md. Numbers read back as the same doubles, but for attitudes
+/// (angles in degrees): those to 1e-15.
+[[nodiscard]] Result<> write_adjustment_file(const std::filesystem::path& path, const AdjustmentFile& file);
+[[nodiscard]] std::string adjustment_file_text(const AdjustmentFile& file);
+
+/// Reads that format. Ids are given in the order of the file; tie points keep their numbers. Errors name the line, what
+/// is wrong in it and what is expected.
+[[nodiscard]] Result<AdjustmentFile> parse_adjustment_file(std::string_view text);
+
+/// Whether the text claims to be of that format.
+[[nodiscard]] bool is_adjustment_file(std::string_view text);
+
+}  // namespace collinea

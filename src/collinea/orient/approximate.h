@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/block.h"
+
+namespace collinea {
+
+/// What was found for a block that came without.
+struct Approximation {
+  std::vector<ImageId> resected;       ///< images that had no pose
+  int intersected = 0;                 ///< tie points that had no coordinates
+  std::vector<ImageId> without_pose;   ///< nothing determines them; with fewer than three measured points, or these on a line
+  std::vector<PointId> without_place;  ///< measured in fewer than two oriented images, or along nearly parallel rays
+};
+
+/// Finds approximate poses and coordinates where they are missing: images are resected from control and from tie points
+/// that are known, tie points are intersected from oriented images, the best determined image first, until nothing more
+/// is found. Measurements are taken to be free of gross blunders. Errors: kIllPosed when no image has a pose and none
+/// can be resected.
+[[nodiscard]] Result<Approximation> approximate(Block& block, std::uint64_t seed);
+
+}  // namespace collinea

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "collinea/report/adjustment_findings.h"
+#include "collinea/report/cells.h"
+#include "collinea/report/json_values.h"
+#include "collinea/report/svg.h"
+
+namespace collinea {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostRows = 50;
+
+bool in_image(ObservationGroup group) {
+  return group == ObservationGroup::kTieImages || group == ObservationGroup::kControlImages;
+}
+
+std::string name_of(const TakenOut& gone, const Block& block) {
+  switch (gone.group) {
+    case ObservationGroup::kTieImages:
+      return fmt::format("tie point {} in {}", gone.point.value, block.images.at(gone.image).file);
+    case ObservationGroup::kControlImages:
+      return fmt::format("{} in {}", block.control.at(gone.control).name, block.images.at(gone.image).file);
+    case ObservationGroup::kControlPlan:
+      return block.control.at(gone.control).name + ", plan";
+    case ObservationGroup::kControlHeight:
+      return block.control.at(gone.control).name + ", height";
+    case ObservationGroup::kPositionPlan:
+      return "position of " + block.images.at(gone.image).file + ", plan";
+    case ObservationGroup::kPositionHeight:
+      return "position of " + block.images.at(gone.image).file + ", height";
+  }
+  return "";
+}
+
+const char* unit(const TakenOut& gone) { return in_image(gone.group) ? "px" : "m"; }
+
+const char* axis_of(const TakenOut& gone) {
+  constexpr const char* kInImage[] = {"column", "row", ""};
+  constexpr const char* kOnGround[] = {"east", "north", "height"};
+  return in_image(gone.group) ? kInImage[gone.axis] : kOnGround[gone.axis];
+}
+
+}  // namespace
+
+std::string told(const TakenOut& gone, const Block& block) {
+  std::string text = name_of(gone, block);
+  if (gone.as_pair) return text + " (the only other ray of the point contradicts it; both went)";
+  if (!std::isfinite(gone.w)) return text + " (not seen there)";
+  const int decimals = in_image(gone.group) ? 1 : 3;
+  const double size =
+      (gone.group == ObservationGroup::kControlHeight || gone.group == ObservationGroup::kPositionHeight)
+          ? std::abs(gone.blunder.z())
+          : gone.blunder.head<2>().norm();
+  if (std::isfinite(size)) text += fmt::format(", off by {:.{}f} {}", size, decimals, unit(gone));
+  return text + fmt::format(" ({} {:+.{}f} {} with a sigma of {:.{}f} {})", axis_of(gone), gone.blunder[gone.axis],
+                            decimals, unit(gone), gone.sigma, decimals + 1, unit(gone));
+}
+
+std::string snooping_section(const AdjustmentReport& report) {
+  if (!report.snooped) return "";
+  const Snooped& snooped = *report.snooped;
+  std::string html = fmt::format(
+      "<section><h2>Data snooping</h2>\n<p>{} observations were taken out in {} adjustments; sigma 0 with all of them "
+      "was {:.3f}.{} Blunder: measured minus what the adjustment without it says. Drawn: by how much the adjusted "
+      "value followed it while it took part.</p>\n",
+      snooped.taken_out.size(), snooped.rounds, snooped.sigma0_before,
+      snooped.finished ? "" : " More are suspect: the bound was reached.");
+  if (!snooped.taken_out.empty()) {
+    html +=
+        "<table><thead><tr><th class=\"l\">observation</th><th class=\"l\">coordinate</th><th>w</th><th>blunder</th>"
+        "<th>&sigma;</th><th>drawn</th><th class=\"l\">unit</th><th>redundancy</th></tr></thead><tbody>\n";
+    for (std::size_t i = 0; i < std::min(kMostRows, snooped.taken_out.size()); ++i) {
+      const TakenOut& gone = snooped.taken_out[i];
+      const int decimals = in_image(gone.group) ? 2 : 4;
+      html += "<tr>" + text_cell(name_of(gone, snooped.block)) + text_cell(axis_of(gone)) + cell(gone.w, 1) +
+              cell(gone.blunder[gone.axis], decimals) + cell(gone.sigma, decimals) + cell(gone.pulled, decimals) +
+              text_cell(unit(gone)) + cell(gone.redundancy, 2) + "</tr>\n";
+    }
+    html += "</tbody></table>\n";
+    if (snooped.taken_out.size() > kMostRows) html += "<p>taken_out.csv has more.</p>\n";
+  }
+  if (!snooped.kept.empty()) {
+    html += "<p>Suspect, but they cannot be taken out:</p>\n<ul>";
+    for (std::size_t i = 0; i < std::min(kMostRows, snooped.kept.size()); ++i)
+      html += "<li>" + escaped(name_of(snooped.kept[i].observation, snooped.block) + ": " + snooped.kept[i].reason) +
+              "</li>\n";
+    html += "</ul>\n";
+  }
+  if (!snooped.with.empty() && !snooped.taken_out.empty()) {
+    html +=
+        "<p>Differences of control and check points with all observations, and now [m]:</p>\n<table><thead><tr><th "
+        "class=\"l\">point</th><th>east</th><th>north</th><th>height</th><th>east, now</th><th>north, now</th>"
+        "<th>height, now</th></tr></thead><tbody>\n";
+    for (const ControlDifference& before : snooped.with) {
+      html += "<tr>" + text_cell(snooped.block.control.at(before.point).name);
+      for (int axis = 0; axis < 3; ++axis) html += cell(before.difference_m[axis], 4);
+      Eigen::Vector3d now = Eigen::Vector3d::Constant(std::nan(""));
+      for (const ControlDifference& after : report.adjusted.control)
+        if (after.point == before.point) now = after.difference_m;
+      for (int axis = 0; axis < 3; ++axis) html += cell(now[axis], 4);
+      html += "</tr>\n";
+    }
+    html += "</tbody></table>\n";
+  }
+  return html + "</section>\n";
+}
+
+json snooping_json(const AdjustmentReport& report) {
+  const Snooped& snooped = *report.snooped;
+  json taken_out = json::array(), kept = json::array(), with = json::array();
+  for (const TakenOut& gone : snooped.taken_out)
+    taken_out.push_back({{"observation", name_of(gone, snooped.block)},
+                         {"coordinate", axis_of(gone)},
+                         {"unit", unit(gone)},
+                         {"w", number(gone.w)},
+                         {"blunder", vector(gone.blunder)},
+                         {"sigma", number(gone.sigma)},
+                         {"drawn", number(gone.pulled)},
+                         {"redundancy", number(gone.redundancy)},
+                         {"as_pair", gone.as_pair},
+                         {"round", gone.round}});
+  for (const NotTakenOut& one : snooped.kept)
+    kept.push_back({{"observation", name_of(one.observation, snooped.block)},
+                    {"w", number(one.observation.w)},
+                    {"reason", one.reason}});
+  for (const ControlDifference& one : snooped.with)
+    with.push_back({{"name", snooped.block.control.at(one.point).name}, {"difference_m", vector(one.difference_m)}});
+  return {{"adjustments", snooped.rounds}, {"finished", snooped.finished}, {"sigma0_before", snooped.sigma0_before},
+          {"taken_out", taken_out},        {"not_to_be_taken_out", kept},  {"control_points_before", with}};
+}
+
+std::string taken_out_csv(const Snooped& snooped) {
+  std::string text = "observation,coordinate,unit,w,blunder,sigma,drawn,redundancy,as_pair,adjustment\n";
+  const auto value = [](double x) { return std::isfinite(x) ? fmt::format(",{:.10g}", x) : std::string(","); };
+  for (const TakenOut& gone : snooped.taken_out) {
+    std::string name;
+    for (const char c : name_of(gone, snooped.block)) name += c == '"' ? std::string("\"\"") : std::string(1, c);
+    text += fmt::format("\"{}\",{},{}", name, axis_of(gone), unit(gone));
+    for (const double x : {gone.w, gone.blunder[gone.axis], gone.sigma, gone.pulled, gone.redundancy}) text += value(x);
+    text += fmt::format(",{},{}\n", gone.as_pair ? "yes" : "no", gone.round);
+  }
+  return text;
+}
+
+}  // namespace collinea

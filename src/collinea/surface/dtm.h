@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "collinea/base/options.h"
+#include "collinea/base/run.h"
+#include "collinea/surface/dsm.h"
+
+namespace collinea {
+
+struct DtmOptions {
+  double largest_object_m = 40;
+  std::optional<double> contour_m;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = DtmOptions;
+    visit(Field{"largest_object_m", &O::largest_object_m, "m",
+                "buildings, trees and all else up to this width is taken from the ground", 0.01, 1000});
+    visit(Field{"contour_m", &O::contour_m, "m",
+                "interval of the contours; else by relief and accuracy; 0: no contours", 0.0});
+  }
+};
+
+struct DtmFiles {
+  std::filesystem::path height;    ///< float, m; no data -9999
+  std::filesystem::path sigma;     ///< float, m; no data -9999
+  std::filesystem::path state;     ///< byte: 0 nothing, 1 ground as measured, 2 interpolated under an object or a gap
+  std::filesystem::path contours;  ///< GeoPackage and, beside it with the ending .dxf, DXF
+};
+
+struct DtmSummary {
+  MapGrid grid;  ///< that of the surface model
+  std::uint64_t ground_cells = 0, interpolated_cells = 0, empty_cells = 0;
+  double coarse_cell_m = 0;  ///< of the grid on which objects are told from the ground
+  double lowest_m = 0, highest_m = 0;
+  double mean_sigma_m = 0;     ///< quadratic mean over ground cells
+  double contour_m = 0;        ///< interval taken; 0: none
+  std::uint64_t contours = 0;  ///< lines
+};
+
+/// The terrain model of a surface model: heights of the ground, as measured where the ground is seen (within half a
+/// coarse cell, the slope's part and three sigmas of it), and interpolated from around under buildings, trees and
+/// whatever else stands on it (see ground_cells). It covers what the surface model covers. Contours are those of the
+/// coarse grid's means. Memory: the coarse grid, at most 64 million cells, and strips of the rasters. The same bits
+/// with any number of threads. Errors: no ground at all; reading; disk; cancelled.
+Result<DtmSummary> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run);
+
+}  // namespace collinea

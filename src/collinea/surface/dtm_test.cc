@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/surface/dtm.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "collinea/base/random.h"
+#include "collinea/image/test_folder.h"
+#include "collinea/io/file.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kCell = 0.1;
+constexpr int kWidth = 700, kHeight = 600;
+constexpr float kSigma = 0.02f;
+
+double terrain_m(int x, int y) { return 250 + 2 * std::sin(0.008 * x) + 0.004 * y; }
+
+// 12 m x 10 m and 5 m high.
+bool is_house(int x, int y) { return x >= 200 && x < 320 && y >= 300 && y < 400; }
+bool is_hole(int x, int y) { return x >= 500 && x < 540 && y >= 100 && y < 140; }
+
+// A surface model on disk: rolling ground with noise, a house, a hole that was filled, and an empty corner.
+class DtmOfAHouse : public testing::Test {
+ protected:
+  void SetUp() override {
+    MapGrid grid;
+    grid.west_m = 1000, grid.north_m = 2000, grid.cell_m = kCell;
+    grid.width = kWidth, grid.height = kHeight;
+    FloatImage height(kWidth, kHeight, 1, kNoHeight), sigma = height;
+    Raster<std::uint8_t> state(kWidth, kHeight);
+    Random random(8);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        if (x < 50 && y < 50) continue;
+        height.at(x, y) = float(terrain_m(x, y) + (is_house(x, y) ? 5 : 0) + kSigma * random.normal());
+        sigma.at(x, y) = kSigma;
+        state.at(x, y) = std::uint8_t(is_hole(x, y) ? CellState::kInterpolated : CellState::kMeasured);
+      }
+    dsm_ = {folder_ / "dsm.tif", folder_ / "dsm_sigma.tif", folder_ / "dsm_state.tif", {}};
+    write<float>(dsm_.height, grid, height);
+    write<float>(dsm_.sigma, grid, sigma);
+    write<std::uint8_t>(dsm_.state, grid, state);
+  }
+  template <class T>
+  static void write(const std::filesystem::path& path, const MapGrid& grid, const Raster<T>& raster) {
+    auto writer = GeoTiffWriter<T>::create(path, grid, 1, {});
+    ASSERT_TRUE(writer && writer->write(0, 0, raster) && writer->finish());
+  }
+  [[nodiscard]] DtmFiles files(const std::string& name) const {
+    return {folder_ / (name + ".tif"), folder_ / (name + "_sigma.tif"), folder_ / (name + "_state.tif"),
+            folder_ / (name + ".gpkg")};
+  }
+  static FloatImage heights_of(const std::filesystem::path& path) {
+    return *GeoTiffReader::open(path)->read_float(0, 0, kWidth, kHeight);
+  }
+  static Raster<std::uint8_t> bytes_of(const std::filesystem::path& path) {
+    return *GeoTiffReader::open(path)->read_byte(0, 0, kWidth, kHeight);
+  }
+
+  TestFolder folder_;
+  DsmFiles dsm_;
+};
+
+// The ground under the house is met to what a bend of 2 m * 0.08^2 per m^2 makes over half of 10 m, 0.16 m.
+TEST_F(DtmOfAHouse, TheGroundStaysAndGoesOnUnderTheHouse) {
+  const DtmFiles dtm = files("dtm");
+  const auto summary = build_dtm(dsm_, dtm, {}, {});
+  ASSERT_TRUE(summary) << summary.error().message;
+  const FloatImage height = heights_of(dtm.height), sigma = heights_of(dtm.sigma), surface = heights_of(dsm_.height);
+  const auto state = bytes_of(dtm.state);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const auto is = CellState(state.at(x, y));
+      if (x < 50 && y < 50) {
+        EXPECT_EQ(is, CellState::kEmpty);
+        EXPECT_EQ(height.at(x, y), kNoHeight);
+      } else if (is_house(x, y) || is_hole(x, y)) {
+        EXPECT_EQ(is, CellState::kInterpolated);
+        EXPECT_NEAR(height.at(x, y), terrain_m(x, y), 0.17);
+        EXPECT_GT(sigma.at(x, y), 0);
+      } else {
+        EXPECT_EQ(is, CellState::kMeasured);
+        EXPECT_EQ(height.at(x, y), surface.at(x, y));
+        EXPECT_EQ(sigma.at(x, y), kSigma);
+      }
+    }
+  EXPECT_EQ(summary->interpolated_cells, 120u * 100 + 40 * 40);
+  EXPECT_EQ(summary->empty_cells, 2500u);
+  EXPECT_NEAR(summary->mean_sigma_m, kSigma, 1e-6);
+  EXPECT_EQ(summary->contour_m, 0.5);  // 6 m of relief / 20, the next of 1, 2, 5
+  EXPECT_GT(summary->contours, 10u);
+  EXPECT_TRUE(is_there(folder_ / "dtm.dxf"));
+}
+
+TEST_F(DtmOfAHouse, ThreadsDoNotMatter) {
+  collinea::Run three;
+  three.threads = 3;
+  ASSERT_TRUE(build_dtm(dsm_, files("one"), {}, {}));
+  ASSERT_TRUE(build_dtm(dsm_, files("three"), {}, three));
+  for (const char* ending : {".tif", "_sigma.tif", "_state.tif", ".gpkg", ".dxf"})
+    EXPECT_EQ(*read_file(folder_ / (std::string("one") + ending)),
+              *read_file(folder_ / (std::string("three") + ending)))
+        << ending;
+}
+
+TEST_F(DtmOfAHouse, WithoutContoursEarlierOnesGo) {
+  DtmOptions options;
+  ASSERT_TRUE(build_dtm(dsm_, files("dtm"), options, {}));
+  EXPECT_TRUE(is_there(folder_ / "dtm.gpkg"));
+  options.contour_m = 0;
+  const auto summary = build_dtm(dsm_, files("dtm"), options, {});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->contours, 0u);
+  EXPECT_FALSE(is_there(folder_ / "dtm.gpkg"));
+  EXPECT_FALSE(is_there(folder_ / "dtm.dxf"));
+}
+
+TEST_F(DtmOfAHouse, AMissingSurfaceIsAnErrorInWords) {
+  dsm_.state = folder_ / "nowhere.tif";
+  const auto summary = build_dtm(dsm_, files("dtm"), {}, {});
+  ASSERT_FALSE(summary);
+  EXPECT_NE(summary.error().message.find("nowhere.tif"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace collinea
