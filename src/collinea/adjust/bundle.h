@@ -83,6 +83,24 @@ struct GivenVertical {
   double sigma_rad = 0;
 };
 
+/// The whole attitude of an image, as an inertial system says.
+struct GivenAttitude {
+  Eigen::Quaterniond cam_from_world;
+  Eigen::Vector3d sigma_rad;  ///< of turns about x, y, z of the world: two of level and one of heading
+};
+
+/// From the projection centre to the antenna whose place Image::position is.
+struct LeverArm {
+  Eigen::Vector3d antenna_in_cam_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();  ///< 0: exact; infinite: not known
+};
+
+/// Images whose positions have a shift in common and a drift, which grows with time.
+struct PositionTrack {
+  std::map<ImageId, double> time;                           ///< in any unit, of no use without a drift; best about zero
+  Eigen::Vector3d shift_sigma_m = Eigen::Vector3d::Zero();  ///< 0: there is none; infinite: not known
+  Eigen::Vector3d drift_sigma_m = Eigen::Vector3d::Zero();  ///< the same, in a unit of time
+};
 /// How each of Camera::params takes part. 0: held; a standard deviation: observed with it; infinite: free.
 using CameraSigmas = std::array<double, Camera::kParams>;
 
@@ -106,8 +124,47 @@ struct AdjustScope {
   /// PhotoModeler and DBAT do. Residuals are then those, too. Else they are compared where they were measured.
   std::set<CameraId> corrected_cameras;
   std::map<ImageId, GivenVertical> verticals;  ///< observations of the attitudes of images
+  std::map<ImageId, GivenAttitude> attitudes;
+  /// Of the turn from the camera that `attitudes` mean to the true one, about its axes: 0 there is none, infinite not
+  /// known.
+  std::map<CameraId, Eigen::Vector3d> boresight_sigma_rad;
+  std::map<CameraId, LeverArm> lever_arms;
+  std::vector<PositionTrack> position_tracks;  ///< an image is in one at most
   bool use_positions = true;                   ///< Image::position
   bool use_control = true;                     ///< ControlRole::kControl; when false they are treated as check points
+  bool use_ground = true;                      ///< Block::ground; not in a local adjustment
+};
+
+/// Unknowns beside those of images, cameras and points.
+enum class UnknownKind : std::uint8_t {
+  kOrientation,  ///< azimuth of zero of a horizontal circle [rad]
+  kLeverArm,     ///< of a camera, along its axes [m]
+  kShift,        ///< of the positions of a track [m]
+  kDrift,        ///< the same in a unit of its time [m]
+  kBoresight,    ///< of a camera, a rotation vector about its axes: cam_from_world = turn * given [rad]
+};
+
+/// One of them, as estimated.
+struct EstimatedUnknown {
+  UnknownKind kind{};
+  std::uint32_t owner = 0;  ///< number of the set-up or of the track, or of a CameraId
+  int axis = 0;
+  double value = 0;
+  double sigma = std::numeric_limits<double>::quiet_NaN();  ///< by the given sigmas; with covariances
+};
+
+/// "the orientation of set-up 3", "the height of the antenna".
+[[nodiscard]] std::string name_of_extra(const Block& block, UnknownKind kind, std::uint32_t owner, int axis);
+
+/// A measurement on the ground after the adjustment.
+struct GroundDifference {
+  std::uint32_t observation = 0;  ///< place in Block::ground
+  bool used = false;              ///< it took part; false: only compared
+  double adjusted = 0;            ///< [m] or [rad]
+  double difference = 0;          ///< adjusted minus given
+  /// With covariances: of `adjusted`, by the given sigmas, and what `difference` is expected to be. NaN: not known.
+  double sigma = std::numeric_limits<double>::quiet_NaN();
+  double difference_sigma = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The position of an image against what its receiver said.
@@ -115,6 +172,12 @@ struct PositionDifference {
   ImageId image;
   Eigen::Vector3d difference_m;  ///< adjusted minus given; NaN on axes that were not given
   double weight = 1;             ///< by the robust loss; below 1: partly disbelieved
+};
+
+/// The attitude of an image against what was given.
+struct AttitudeDifference {
+  ImageId image;
+  Eigen::Vector3d difference_rad;  ///< adjusted minus given, less the boresight: a turn about x, y, z of the world
 };
 
 /// A control or check point after the adjustment.
@@ -157,6 +220,11 @@ struct Adjusted {
   std::vector<PositionDifference> positions;
   std::vector<ControlDifference> control;             ///< every control and check point with a ray, ascending
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
+  std::vector<GroundDifference> ground;               ///< those whose two points take part, ascending
+  std::vector<EstimatedUnknown> extras;               ///< unknowns beside images, cameras and points
+  std::vector<AttitudeDifference> attitudes;          ///< ascending
+  /// With covariances: pairs of unknowns that hardly differ in what they do (correlation beyond 0.99), and what helps.
+  std::vector<std::string> inseparable;
   std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
 
   double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true,
@@ -184,7 +252,10 @@ struct Adjusted {
 /// at once, points eliminated (Schur complement), robust losses by reweighting.
 ///
 /// Observations: tie points; control points (their image measurements, never robust, and their coordinates by sigma_m,
-/// infinite = not given); GNSS positions; scope.verticals; and weak ones for the parameters of calibration so that weak
+/// infinite = not given); measurements on the ground between control points (Block::ground, never robust; check points
+/// among them take part with their image measurements, not with their coordinates); GNSS positions, of an antenna
+/// with a lever arm, a shift and a drift if the scope says so; scope.attitudes with a boresight; scope.verticals; and
+/// weak ones for the parameters of calibration so that weak
 /// geometry does not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2
 /// 0.5, k3 0.5, p1 and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false
 /// are held. scope.camera_sigmas takes the place of all that for the cameras it names.
@@ -198,9 +269,10 @@ struct Adjusted {
 /// constraints over them: the least trace there is).
 ///
 /// Points with fewer than two rays (one for held points and for control known on three axes) and images with fewer than
-/// three measured points take no part. Errors: kBadInput (options, sigmas not positive, coordinates with finite sigmas
-/// that are no numbers), kIllPosed (nothing to adjust, or more unknowns than observations), kUnsupported (more than
-/// 10,000 unknowns of cameras), kCancelled.
+/// three measured points take no part, nor do measurements on the ground to such points. Errors: kBadInput (options,
+/// sigmas not positive, coordinates with finite sigmas that are no numbers), kIllPosed (nothing to adjust, or more
+/// unknowns than observations), kUnsupported (more than 10,000 unknowns of cameras and of points that are joined by
+/// measurements), kCancelled.
 [[nodiscard]] Result<Adjusted> adjust(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                       const Run& run);
 

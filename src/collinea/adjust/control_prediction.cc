@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
@@ -40,9 +41,11 @@ void predict_check_points(const Block& block, const Problem& problem, const Stat
   for (const ControlObservation& seen : block.control_observations)
     if (block.cam_from_world.contains(seen.image) && !is_left_out(adjusted, seen.image))
       measured[seen.point].push_back(&seen);
+  std::set<ControlId> joined;  // they took part
+  for (const std::uint32_t p : problem.joined) joined.insert(ControlId{problem.point(p).id});
   parallel_for(run, adjusted.control.size(), [&](std::size_t i) {
     ControlDifference& check = adjusted.control[i];
-    if (check.used || !check.position_in_world) return;
+    if (check.used || !check.position_in_world || joined.contains(check.point)) return;
     PointSystem system(problem);
     for (const ControlObservation* seen : measured.at(check.point))
       add_measurement(block, problem, state, number, *seen, *check.position_in_world, system);
@@ -57,7 +60,8 @@ void predict_check_points(const Block& block, const Problem& problem, const Stat
   });
 }
 
-void predict_control_points(const Problem& problem, const State& state, TileCholesky& inverse, Adjusted& adjusted) {
+void predict_control_points(const Block& block, const Problem& problem, const State& state, TileCholesky& inverse,
+                            Adjusted& adjusted) {
   for (std::size_t p = problem.first_control; p < problem.point_count(); ++p) {
     const ProblemPoint& point = problem.point(p);
     if (point.control < 0) continue;
@@ -74,6 +78,11 @@ void predict_control_points(const Problem& problem, const State& state, TileChol
     const Eigen::Map<const Eigen::Vector3d> inverse_sigma(problem.control[point.control].inverse_sigma);
     for (int axis = 0; axis < 3; ++axis) {
       const double w = inverse_sigma[axis];
+      if (!its->used)  // its coordinates did not take part
+        its->difference_sigma_m[axis] = std::hypot(sigma_scale(adjusted) * std::sqrt(covariance(axis, axis)),
+                                                   block.control.at(its->point).sigma_m[axis]);
+      if (!its->used && !std::isfinite(its->difference_sigma_m[axis]))
+        its->difference_sigma_m[axis] = std::numeric_limits<double>::quiet_NaN();
       if (!(w > 0)) continue;
       // The difference is (I - Q P) times that of the point without its coordinates, whose variance is that of the
       // block and that of the survey.

@@ -12,8 +12,10 @@ namespace collinea::bundle {
 void predict_check_points(const Block& block, const Problem& problem, const State& state, const TileCholesky& factor,
                           const Run& run, Adjusted& adjusted);
 
-/// The same of the control points that took part, with the selected inverse. Their differences are residuals, smaller
-/// than their errors: the variance of the survey less that of the adjusted point.
-void predict_control_points(const Problem& problem, const State& state, TileCholesky& inverse, Adjusted& adjusted);
+/// The same of the control points that took part, and of check points that did without their coordinates, with the
+/// selected inverse. Their differences are residuals, smaller than their errors: the variance of the survey less that
+/// of the adjusted point.
+void predict_control_points(const Block& block, const Problem& problem, const State& state, TileCholesky& inverse,
+                            Adjusted& adjusted);
 
 }  // namespace collinea::bundle

@@ -50,7 +50,7 @@ struct Part {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double size = 1;
   Matrix7 seen = Matrix7::Zero();  // which motions something observes
-  bool held = false, positions = false, control = false, verticals = false;
+  bool held = false, positions = false, control = false, verticals = false, ground = false;
 
   void add(const Eigen::Vector3d& point, const Eigen::Vector3d& axes = Eigen::Vector3d::Ones()) {
     const Matrix37 g = axes.asDiagonal() * motion_of(point, centre, size);
@@ -80,6 +80,7 @@ void measure(std::vector<Part>& parts, const Problem& problem, const State& stat
 void gather_observed_motions(const Problem& problem, const State& state, const std::vector<int>& part,
                              const std::vector<int>& part_of_point, std::vector<Part>& parts) {
   for (const GivenPosition& position : problem.positions) {
+    if (!position.plain()) continue;
     Part& its = parts[part[position.image]];
     its.add(centre_in(state, position.image), (position.inverse_sigma.array() > 0).cast<double>());
     its.positions = true;
@@ -103,7 +104,7 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
     } else if (point.control >= 0) {
       const double* inverse_sigma = problem.control[point.control].inverse_sigma;
       its.add(place, (Eigen::Map<const Eigen::Array3d>(inverse_sigma) > 0).cast<double>());
-      its.control = true;
+      its.control |= Eigen::Map<const Eigen::Array3d>(inverse_sigma).maxCoeff() > 0;
     }
     if (point.first_ray < point.first_free &&
         !point.held) {  // seen by held images: their rays fix the point's direction
@@ -116,6 +117,84 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
       its.held = true;
     }
   }
+}
+
+// Observations by unknowns of their own see what these leave: their rows by the motions and by those unknowns.
+class SeenWithExtras {
+ public:
+  SeenWithExtras(const Problem& problem, std::size_t parts) : problem_(problem) {
+    normals_.assign(parts, Eigen::MatrixXd::Zero(7 + count(), 7 + count()));
+  }
+  /// `row` may hold other unknowns too, which are those that the motions stand for.
+  void add(int part, const Eigen::Matrix<double, 1, 7>& motions, const Row& row) {
+    Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(7 + count());
+    all.head<7>() = motions;
+    for (const RowPart& one : row)
+      if (const int k = one.row - 6 * problem_.poses - problem_.first_extra; k >= 0 && k < count())
+        all[7 + k] += one.derivative;
+    if (all.squaredNorm() > 0) normals_[part] += all.transpose() * all;
+  }
+  /// What the motions keep when the extras may be anything that their own observations allow.
+  [[nodiscard]] Matrix7 seen(int part) const {
+    Eigen::MatrixXd n = normals_[part];
+    Matrix7 seen = n.topLeftCorner<7, 7>();
+    if (count() == 0) return seen;
+    for (int k = 0; k < count(); ++k)
+      if (problem_.extras[k].inverse_sigma > 0) n(7 + k, 7 + k) += std::max(1.0, n(7 + k, 7 + k));
+    const Eigen::VectorXd scale = n.diagonal().tail(count()).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd own = scale.asDiagonal() * n.bottomRightCorner(count(), count()) * scale.asDiagonal();
+    const Eigen::MatrixXd coupling = n.topRightCorner(7, count()) * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own);
+    for (int k = 0; k < count(); ++k) {
+      if (!(eigen.eigenvalues()[k] > kSeen)) continue;
+      const Eigen::Matrix<double, 7, 1> along = coupling * eigen.eigenvectors().col(k);
+      seen -= along * along.transpose() / eigen.eigenvalues()[k];
+    }
+    return seen;
+  }
+
+ private:
+  [[nodiscard]] int count() const { return static_cast<int>(problem_.extras.size()); }
+
+  const Problem& problem_;
+  std::vector<Eigen::MatrixXd> normals_;
+};
+
+// Which motions of its part a measurement on the ground, an antenna or an attitude sees, as far as its direction goes.
+void gather_other_motions(const Problem& problem, const State& state, const std::vector<int>& part,
+                          const std::vector<int>& part_of_point, std::vector<Part>& parts) {
+  SeenWithExtras all(problem, parts.size());
+  for (const GroundLink& link : problem.ground) {
+    const int its = part_of_point[link.from];
+    if (!(link.inverse_sigma > 0) || its < 0 || its != part_of_point[link.to]) continue;
+    const Part& one = parts[its];
+    const GroundModel model = model_of(problem, link, state);
+    Eigen::Matrix<double, 1, 7> seen =
+        model.by_from.transpose() * motion_of(Eigen::Vector3d(&state.points[3ul * link.from]), one.centre, one.size) +
+        model.by_to.transpose() * motion_of(Eigen::Vector3d(&state.points[3ul * link.to]), one.centre, one.size);
+    Row row = row_of(problem, link, model);
+    if (const double length = seen.norm(); length > 0) {
+      seen /= length;
+      for (RowPart& entry : row) entry.derivative = entry.row < 6 * problem.poses ? 0 : entry.derivative / length;
+    }
+    all.add(its, seen, row);
+    parts[its].ground = true;
+  }
+  for (const GivenPosition& position : problem.positions) {
+    if (position.plain()) continue;
+    Part& its = parts[part[position.image]];
+    const Matrix37 motions = motion_of(centre_in(state, position.image), its.centre, its.size);
+    for (int axis = 0; axis < 3; ++axis)
+      if (position.inverse_sigma[axis] > 0)
+        all.add(part[position.image], motions.row(axis), row_of(problem, state, position, axis));
+    its.positions = true;
+  }
+  for (const GivenTurn& given : problem.attitudes) {
+    for (int axis = 0; axis < 3; ++axis)  // a world turned by w turns cam_from_world by -w in the world
+      all.add(part[given.image], -Eigen::Matrix<double, 1, 7>::Unit(3 + axis), row_of(problem, state, given, axis));
+    parts[part[given.image]].verticals = true;
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) parts[i].seen += all.seen(static_cast<int>(i));
 }
 
 // Up to kDatumImages poses of the part, each as far as possible from those before; of a large part among those that are
@@ -156,8 +235,9 @@ DatumConstraint constraint(const Part& part, const State& state, const std::vect
 }
 
 std::string describe_datum(const std::vector<Part>& parts, int defect) {
-  bool held = false, positions = false, control = false, verticals = false;
+  bool held = false, positions = false, control = false, verticals = false, ground = false;
   for (const Part& part : parts) {
+    ground |= part.ground;
     held |= part.held, positions |= part.positions;
     control |= part.control, verticals |= part.verticals;
   }
@@ -168,6 +248,7 @@ std::string describe_datum(const std::vector<Part>& parts, int defect) {
   name(control, "control points");
   name(positions, "camera positions");
   name(verticals, "attitudes");
+  name(ground, "measurements on the ground");
   name(held, "held images or points");
   if (defect == 0) return text.empty() ? "nothing to be fixed" : text;
   text = text.empty() ? "free network" : "partly " + text;
@@ -187,6 +268,8 @@ void find_datum(Problem& problem, const State& start) {
   for (int i = 0; i < problem.poses; ++i) parts[part[i]].poses.push_back(i);
   measure(parts, problem, start, part);
   gather_observed_motions(problem, start, part, part_of_point, parts);
+  if (!problem.extras.empty() || !problem.ground.empty() || !problem.attitudes.empty())
+    gather_other_motions(problem, start, part, part_of_point, parts);
   for (const Part& one : parts) {
     problem.extent_m = std::max(problem.extent_m, one.size);
     const Eigen::SelfAdjointEigenSolver<Matrix7> eigen(one.seen);

@@ -14,8 +14,8 @@ namespace bundle {
 namespace {
 
 constexpr int kLeastRaysOfImage = 3;
-// Of the finest a pixel is on the ground: what a fixed coordinate may move beside a free one. The results then differ by
-// the square of it from those of a coordinate that is really held, which a stiffer spring would spoil by rounding.
+// Of the finest a pixel is on the ground: what a fixed coordinate may move beside a free one. The results then differ
+// by the square of it from those of a coordinate that is really held, which a stiffer spring would spoil by rounding.
 constexpr double kHeldPart = 1e-3;
 constexpr int kMostCameraUnknowns = 10000;  // their normal equations are full: 0.8 GB, held twice
 constexpr std::uint32_t kNobody = ~std::uint32_t{0};
@@ -74,6 +74,7 @@ class Gatherer {
     if (!free_params(options_.calibration))
       return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
     number_images();
+    if (Result<> found = find_ground(); !found) return tl::unexpected(found.error());
     if (Result<> taken = take_tie_points(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_control(); !taken) return tl::unexpected(taken.error());
     drop_weak();
@@ -84,11 +85,15 @@ class Gatherer {
     if (Result<> laid_out = lay_out_cameras(); !laid_out) return tl::unexpected(laid_out.error());
     if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_verticals(); !taken) return tl::unexpected(taken.error());
+    if (Result<> taken = take_attitudes(); !taken) return tl::unexpected(taken.error());
+    lay_out_ground();
     count();
     if (out_.problem.border > kMostCameraUnknowns)
       return fail(Errc::kUnsupported,
-                  std::to_string(out_.problem.cameras.size()) + " cameras with " + std::to_string(out_.problem.border) +
-                      " unknowns to calibrate: more than " + std::to_string(kMostCameraUnknowns) +
+                  std::to_string(out_.problem.cameras.size()) + " cameras with " +
+                      std::to_string(out_.problem.first_extra) + " unknowns to calibrate and " +
+                      std::to_string(out_.problem.border - out_.problem.first_extra) +
+                      " of points that are measured on the ground: more than " + std::to_string(kMostCameraUnknowns) +
                       " do not fit into memory. Pictures of one camera should share it; or hold the cameras, or "
                       "calibrate fewer parameters");
     return std::move(out_);
@@ -105,6 +110,7 @@ class Gatherer {
     std::uint32_t id = 0, first_ray = 0, end_ray = 0;
     int control = -1;
     bool held = false, out = false;
+    bool for_ground = false;  // it takes part only because something is measured on the ground to it
     int least_rays = 2;
     double position[3] = {};
   };
@@ -184,26 +190,47 @@ class Gatherer {
     return {};
   }
 
+  // What is measured on the ground joins its two points; a local adjustment does without.
+  Result<> find_ground() {
+    if (!scope_.use_ground || scope_.free_images) return {};
+    for (std::size_t i = 0; i < block_.ground.size(); ++i) {
+      const GroundObservation& measured = block_.ground[i];
+      if (!(measured.sigma > 0) || !std::isfinite(measured.sigma) || !std::isfinite(measured.value))
+        return fail(Errc::kBadInput, std::string(kGroundKindNames[static_cast<std::size_t>(measured.kind)]) + " " +
+                                         block_.control.at(measured.from).name + " - " +
+                                         block_.control.at(measured.to).name +
+                                         " is no number with a positive standard deviation");
+      if (measured.from == measured.to)
+        return fail(Errc::kBadInput, "a measurement joins " + block_.control.at(measured.from).name + " with itself");
+      links_.push_back(static_cast<std::uint32_t>(i));
+      wanted_.insert({measured.from, measured.to});
+    }
+    return {};
+  }
+
   Result<> take_control() {
-    if (!scope_.use_control) return {};
+    if (!scope_.use_control && wanted_.empty()) return {};
     std::map<ControlId, std::vector<std::size_t>> places;
     for (std::size_t i = 0; i < block_.control_observations.size(); ++i)
       places[block_.control_observations[i].point].push_back(i);
     for (const auto& [id, control] : block_.control) {
-      if (control.role != ControlRole::kControl || !places.contains(id)) continue;
+      const bool is_control = scope_.use_control && control.role == ControlRole::kControl;
+      if ((!is_control && !wanted_.contains(id)) || !places.contains(id)) continue;
       CandidatePoint point;
       point.id = id.value;
       point.first_ray = static_cast<std::uint32_t>(rays_.size());
-      ControlCoordinates coordinates;
-      int given = 0;
+      point.for_ground = !is_control;
       const std::vector<SightLine> lines = sight_lines(block_, id);
-      point.held = (control.sigma_m.array() == 0).all();
+      point.held = is_control && (control.sigma_m.array() == 0).all();
       const auto met = point.held ? std::nullopt : intersect(lines);
       const Eigen::Vector3d start = met ? met->point_in_world : control.position_in_world;
-      for (int axis = 0; axis < 3; ++axis) {
+      ControlCoordinates coordinates{};
+      int given = 0;
+      for (int axis = 0; axis < 3 && is_control; ++axis) {
         double sigma_m = control.sigma_m[axis];
         if (!(sigma_m >= 0))
-          return fail(Errc::kBadInput, "a standard deviation of control point " + control.name + " is no number from 0");
+          return fail(Errc::kBadInput,
+                      "a standard deviation of control point " + control.name + " is no number from 0");
         if (!known(control.position_in_world[axis], sigma_m))
           return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
         given += std::isfinite(sigma_m);
@@ -222,6 +249,23 @@ class Gatherer {
     return {};
   }
 
+  [[nodiscard]] bool is_linked(ControlId point) const {
+    return std::any_of(links_.begin(), links_.end(), [&](std::uint32_t link) {
+      return block_.ground[link].from == point || block_.ground[link].to == point;
+    });
+  }
+
+  // What is measured to a point that takes no part goes; true when something went.
+  bool drop_links() {
+    if (links_.empty()) return false;
+    std::set<ControlId> there;
+    for (const CandidatePoint& point : points_)
+      if (!point.out && point.control >= 0) there.insert(ControlId{point.id});
+    return std::erase_if(links_, [&](std::uint32_t link) {
+             return !there.contains(block_.ground[link].from) || !there.contains(block_.ground[link].to);
+           }) > 0;
+  }
+
   // Points with too few rays and images with too few points go, until all that remain have enough.
   void drop_weak() {
     for (bool changed = true; changed;) {
@@ -231,12 +275,13 @@ class Gatherer {
         if (point.out) continue;
         int rays = 0;
         for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) rays += !candidates_[rays_[r].image].out;
-        point.out = rays < point.least_rays;
+        point.out = rays < point.least_rays || (point.for_ground && !is_linked(ControlId{point.id}));
         if (point.out) continue;
         for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) ++candidates_[rays_[r].image].rays;
       }
       for (Candidate& image : candidates_)
         if (image.free && !image.out && image.rays < kLeastRaysOfImage) changed = image.out = true;
+      changed |= drop_links();
     }
     for (Candidate& image : candidates_) {
       if (image.free && image.out) out_.problem.images_left_out.push_back(image.id);
@@ -252,7 +297,8 @@ class Gatherer {
                   "no point is measured in two images that take part: there is nothing to adjust. Measure tie "
                   "points in a second image, or control points known in plan and height");
     if (std::none_of(candidates_.begin(), candidates_.end(), [](const Candidate& c) { return c.free && !c.out; }) &&
-        options_.calibration == "none" && scope_.camera_sigmas.empty() && std::all_of(points_.begin(), points_.end(), [](auto& p) { return p.held; }))
+        options_.calibration == "none" && scope_.camera_sigmas.empty() &&
+        std::all_of(points_.begin(), points_.end(), [](auto& p) { return p.held; }))
       return fail(Errc::kIllPosed, "every image, camera and point is held: there is nothing to adjust");
     return {};
   }
@@ -264,7 +310,7 @@ class Gatherer {
     std::vector<std::uint32_t> first{0};
     std::vector<int> image_of_ray;
     for (const CandidatePoint& point : points_) {
-      if (point.out || point.held) continue;
+      if (point.out || point.held || (point.control >= 0 && is_linked(ControlId{point.id}))) continue;
       for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r)
         if (free_number[rays_[r].image] >= 0) image_of_ray.push_back(free_number[rays_[r].image]);
       first.push_back(static_cast<std::uint32_t>(image_of_ray.size()));
@@ -369,9 +415,47 @@ class Gatherer {
       }
       problem.border += static_cast<int>(unknowns.free.size());
       out_.start.cameras.push_back(camera.params);
-      out_.start.lenses.push_back(lens_of(camera.params.data(), kind_of(camera, scope_.corrected_cameras.contains(unknowns.id))));
+      out_.start.lenses.push_back(
+          lens_of(camera.params.data(), kind_of(camera, scope_.corrected_cameras.contains(unknowns.id))));
     }
+    problem.first_extra = problem.border;
     return {};
+  }
+
+  // Points that are measured between get their unknowns in the border, behind all others. Directions of one set-up have
+  // its orientation in common, which begins with what the first of them says.
+  void lay_out_ground() {
+    Problem& problem = out_.problem;
+    problem.level_at_origin = block_.georeference.has_value();
+    std::map<ControlId, std::uint32_t> number;
+    for (std::size_t p = 0; p < problem.point_count(); ++p)
+      if (problem.point(p).control >= 0) number[ControlId{problem.point(p).id}] = static_cast<std::uint32_t>(p);
+    for (const std::uint32_t source : links_) {
+      const GroundObservation& measured = block_.ground[source];
+      GroundLink link{measured, source, number.at(measured.from), number.at(measured.to)};
+      if (measured.role == ControlRole::kControl) link.inverse_sigma = 1 / measured.sigma;
+      if (measured.kind == GroundKind::kDirection) link.orientation = orientation_of(measured, link);
+      problem.ground.push_back(link);
+      problem.joined.insert(problem.joined.end(), {link.from, link.to});
+    }
+    problem.border += static_cast<int>(problem.extras.size());
+    std::sort(problem.joined.begin(), problem.joined.end());
+    problem.joined.erase(std::unique(problem.joined.begin(), problem.joined.end()), problem.joined.end());
+    std::erase_if(problem.joined, [&](std::uint32_t p) { return problem.point(p).held; });
+    for (const std::uint32_t p : problem.joined) {
+      problem.points[p].joined = problem.border;
+      problem.border += 3;
+    }
+  }
+
+  int orientation_of(const GroundObservation& measured, const GroundLink& link) {
+    auto& extras = out_.problem.extras;
+    for (std::size_t i = 0; i < extras.size(); ++i)
+      if (extras[i].kind == UnknownKind::kOrientation && extras[i].owner == measured.setup) return static_cast<int>(i);
+    extras.push_back({UnknownKind::kOrientation, measured.setup});
+    // By its first direction; those that follow are at most a turn away, and residuals of angles know no turns.
+    out_.start.extras.push_back(-ground_residual(measured, model_of(out_.problem, link, out_.start)));
+    return static_cast<int>(extras.size()) - 1;
   }
 
   Result<> take_positions() {
@@ -389,6 +473,70 @@ class Gatherer {
       const Eigen::Vector3d inverse_sigma = sigma_m.cwiseInverse();
       problem.positions.push_back(
           {static_cast<std::uint32_t>(i), (inverse_sigma.array() > 0).select(place, 0.0), inverse_sigma});
+      if (Result<> placed = place_antenna(problem.positions.back(), image.camera); !placed) return placed;
+    }
+    return {};
+  }
+
+  // Three unknowns, made when they are first asked for; -1 when all sigmas are 0: there are none.
+  Result<int> three_extras(UnknownKind kind, std::uint32_t owner, const Eigen::Vector3d& given,
+                           const Eigen::Vector3d& sigma) {
+    if ((sigma.array() == 0).all()) return -1;
+    if (!(sigma.minCoeff() > 0) || !given.allFinite())
+      return fail(Errc::kBadInput, name_of_extra(block_, kind, owner, 0) +
+                                       ": needs finite values with standard deviations that are all zero or all "
+                                       "positive (infinite: not known)");
+    auto& extras = out_.problem.extras;
+    for (std::size_t i = 0; i < extras.size(); ++i)
+      if (extras[i].kind == kind && extras[i].owner == owner) return static_cast<int>(i);
+    const auto first = static_cast<int>(extras.size());
+    for (int axis = 0; axis < 3; ++axis) {
+      extras.push_back({kind, owner, axis, given[axis], 1 / sigma[axis]});
+      out_.start.extras.push_back(given[axis]);
+    }
+    return first;
+  }
+
+  Result<> place_antenna(GivenPosition& position, CameraId camera) {
+    const ImageId id = out_.problem.images[position.image].id;
+    if (const auto its = scope_.lever_arms.find(camera); its != scope_.lever_arms.end()) {
+      const LeverArm& arm = its->second;
+      COLLINEA_TRY(position.lever_arm,
+                   three_extras(UnknownKind::kLeverArm, camera.value, arm.antenna_in_cam_m, arm.sigma_m));
+      if (position.lever_arm < 0) position.arm = arm.antenna_in_cam_m;
+      if (!position.arm.allFinite()) return fail(Errc::kBadInput, "the lever arm is no vector of finite numbers");
+    }
+    for (std::uint32_t t = 0; t < scope_.position_tracks.size(); ++t) {
+      const PositionTrack& track = scope_.position_tracks[t];
+      const auto time = track.time.find(id);
+      if (time == track.time.end()) continue;
+      position.time = time->second;
+      if (!std::isfinite(position.time)) return fail(Errc::kBadInput, "a time of a track of positions is not finite");
+      const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+      COLLINEA_TRY(position.shift, three_extras(UnknownKind::kShift, t, zero, track.shift_sigma_m));
+      COLLINEA_TRY(position.drift, three_extras(UnknownKind::kDrift, t, zero, track.drift_sigma_m));
+      break;
+    }
+    return {};
+  }
+
+  Result<> take_attitudes() {
+    Problem& problem = out_.problem;
+    for (int i = 0; i < problem.poses; ++i) {
+      const ImageId id = problem.images[i].id;
+      const auto its = scope_.attitudes.find(id);
+      if (its == scope_.attitudes.end()) continue;
+      const auto& [cam_from_world, sigma_rad] = its->second;
+      if (!(sigma_rad.minCoeff() > 0) || !(std::abs(cam_from_world.norm() - 1) < 1e-6))
+        return fail(Errc::kBadInput, "the attitude of " + block_.images.at(id).file +
+                                         " is no rotation with positive standard deviations");
+      GivenTurn given{static_cast<std::uint32_t>(i), cam_from_world, sigma_rad.cwiseInverse()};
+      const CameraId camera = block_.images.at(id).camera;
+      if (const auto sigma = scope_.boresight_sigma_rad.find(camera); sigma != scope_.boresight_sigma_rad.end()) {
+        COLLINEA_TRY(given.boresight,
+                     three_extras(UnknownKind::kBoresight, camera.value, Eigen::Vector3d::Zero(), sigma->second));
+      }
+      problem.attitudes.push_back(given);
     }
     return {};
   }
@@ -413,10 +561,13 @@ class Gatherer {
     for (const ProblemCamera& camera : problem.cameras)
       for (const double inverse_sigma : camera.inverse_sigma) problem.observation_count += inverse_sigma > 0;
     for (const GivenPosition& position : problem.positions) problem.observation_count += position.axes();
+    problem.observation_count += 3 * static_cast<long>(problem.attitudes.size());
     problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
+    for (const ExtraUnknown& extra : problem.extras) problem.observation_count += extra.inverse_sigma > 0;
+    for (const GroundLink& link : problem.ground) problem.observation_count += link.inverse_sigma > 0;
     problem.unknown_count = 6L * problem.poses + problem.border;
     for (std::size_t p = 0; p < problem.point_count(); ++p) {
-      problem.unknown_count += problem.point(p).held ? 0 : 3;
+      problem.unknown_count += problem.point(p).eliminated() ? 3 : 0;
       if (problem.first_control == p && problem.point(p).control < 0) ++problem.first_control;
       if (const int control = problem.point(p).control; control >= 0)
         for (const double inverse_sigma : problem.control[control].inverse_sigma)
@@ -431,6 +582,8 @@ class Gatherer {
   std::vector<Candidate> candidates_;
   std::vector<CandidatePoint> points_;
   std::vector<Ray> rays_;
+  std::vector<std::uint32_t> links_;  // places in Block::ground of what takes part
+  std::set<ControlId> wanted_;        // their points
   ProblemAndStart out_;
 };
 

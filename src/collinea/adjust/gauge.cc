@@ -2,7 +2,9 @@
 #include "collinea/adjust/gauge.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "collinea/adjust/linearise.h"
 #include "collinea/geometry/rotation.h"
@@ -36,8 +38,13 @@ GaugeNormals normals_at(const Problem& problem, const State& state, const Simila
     normals.right += weight * by_motion.transpose() * residual;
     normals.cost += loss.cost(s);
   };
-  for (const GivenPosition& position : problem.positions)
-    add(centre_in(state, position.image), position.given, position.inverse_sigma, problem.position_loss);
+  for (const GivenPosition& position : problem.positions) {
+    const Eigen::Vector3d place = centre_in(state, position.image);
+    // What lies between centre and antenna is taken as it is.
+    const Eigen::Vector3d given =
+        position.plain() ? position.given : position.given - (antenna_of(state, position) - place);
+    add(place, given, position.inverse_sigma, problem.position_loss);
+  }
   for (const GivenUp& given : problem.verticals) {
     const Eigen::Matrix3d cam_from_world =
         (state.rotations[given.image] * moved.rotation.conjugate()).toRotationMatrix();
@@ -89,6 +96,30 @@ void transform(State& state, const Similarity3& moved) {
   }
 }
 
+// Nothing is observed of the place of the block but what normals_at() knows.
+bool is_plain(const Problem& problem) {
+  return problem.ground.empty() && problem.attitudes.empty() &&
+         std::all_of(problem.positions.begin(), problem.positions.end(), [](const auto& one) { return one.plain(); });
+}
+
+// All that a motion of the whole block changes.
+double cost_of_place(const Problem& problem, const State& state) {
+  double cost = 0;
+  for (const GivenPosition& position : problem.positions)
+    cost += problem.position_loss.cost(
+        (position.given - antenna_of(state, position)).cwiseProduct(position.inverse_sigma).squaredNorm());
+  for (const GivenUp& given : problem.verticals)
+    cost += given.residual(z_in_cam(state.frames[given.image])).squaredNorm();
+  for (std::size_t p = problem.first_control; p < problem.point_count(); ++p)
+    if (const int control = problem.point(p).control; control >= 0)
+      cost += PointNormals().add(problem.control[control], &state.points[3 * p]);
+  for (const GroundLink& link : problem.ground)
+    cost += std::pow(ground_residual(link.observation, model_of(problem, link, state)) * link.inverse_sigma, 2);
+  for (const GivenTurn& given : problem.attitudes)
+    cost += residual_of(state, given).cwiseProduct(given.inverse_sigma).squaredNorm();
+  return cost;
+}
+
 }  // namespace
 
 Matrix37 motion_of(const Eigen::Vector3d& point, const Eigen::Vector3d& centre, double size) {
@@ -115,9 +146,17 @@ double settle_gauge(const Problem& problem, State& state) {
     moved = next;
     normals = there;
   }
-  const double fallen = before - normals.cost;
+  double fallen = before - normals.cost;
   if (!(fallen > 0)) return 0;
-  transform(state, moved);
+  if (is_plain(problem)) {
+    transform(state, moved);
+    return fallen;
+  }
+  State there = state;
+  transform(there, moved);
+  fallen = cost_of_place(problem, state) - cost_of_place(problem, there);
+  if (!(fallen > 0)) return 0;
+  state = std::move(there);
   return fallen;
 }
 

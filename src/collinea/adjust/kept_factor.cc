@@ -15,6 +15,8 @@ constexpr double kShareOfFactor = 0.5;  // of the cost of a factor, spent at mos
 constexpr double kFewestIterations = 3;
 constexpr double kAccuracy = 0.05;  // of a step's length in standard deviations; the next step begins anew
 
+constexpr std::uint32_t kCamera = 0, kJoined = 1, kExtra = 2;  // kinds of unknowns; extras have kinds of their own
+
 // How many iterations are worth a try.
 int worthwhile_iterations(const TileCholesky& factor, const TileMatrix& matrix) {
   const double products_with_vectors = 2 * static_cast<double>(factor.tile_count() + matrix.tile_count());
@@ -31,23 +33,29 @@ void KeptFactor::meet(const Problem& problem) {
   unknowns_ = {};
   for (int i = 0; i < problem.poses; ++i) unknowns_.images.push_back(problem.images[i].id);
   for (const ProblemCamera& camera : problem.cameras)
-    for (const int parameter : camera.free) unknowns_.parameters.emplace_back(camera.id, parameter);
+    for (const int parameter : camera.free)
+      unknowns_.others.push_back({kCamera, camera.id.value, static_cast<std::uint32_t>(parameter)});
+  for (const ExtraUnknown& extra : problem.extras)
+    unknowns_.others.push_back(
+        {kExtra + static_cast<std::uint32_t>(extra.kind), extra.owner, static_cast<std::uint32_t>(extra.axis)});
+  for (const std::uint32_t p : problem.joined)
+    for (std::uint32_t axis = 0; axis < 3; ++axis) unknowns_.others.push_back({kJoined, problem.point(p).id, axis});
   same_structure_ = usable_ = false;
   row_.clear();
   if (!factor_ || !complete_) return;
   std::map<ImageId, int> row_of_image;
   for (std::size_t i = 0; i < factored_.images.size(); ++i) row_of_image[factored_.images[i]] = 6 * static_cast<int>(i);
-  std::map<std::pair<CameraId, int>, int> row_of_parameter;
-  for (const auto& parameter : factored_.parameters)
-    row_of_parameter.emplace(parameter, static_cast<int>(6 * factored_.images.size() + row_of_parameter.size()));
+  std::map<std::array<std::uint32_t, 3>, int> row_of_other;
+  for (const auto& other : factored_.others)
+    row_of_other.emplace(other, static_cast<int>(6 * factored_.images.size() + row_of_other.size()));
   for (const ImageId image : unknowns_.images) {
     const auto its = row_of_image.find(image);
     if (its == row_of_image.end()) return;
     for (int c = 0; c < 6; ++c) row_.push_back(its->second + c);
   }
-  for (const auto& parameter : unknowns_.parameters) {
-    const auto its = row_of_parameter.find(parameter);
-    if (its == row_of_parameter.end()) return;
+  for (const auto& other : unknowns_.others) {
+    const auto its = row_of_other.find(other);
+    if (its == row_of_other.end()) return;
     row_.push_back(its->second);
   }
   usable_ = true;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "collinea/adjust/problem.h"
@@ -29,7 +30,7 @@ class KeptFactor {
  private:
   struct Unknowns {
     std::vector<ImageId> images;
-    std::vector<std::pair<CameraId, int>> parameters;
+    std::vector<std::array<std::uint32_t, 3>> others;  // of the border: what it is, whose, which of its
   };
   [[nodiscard]] bool refresh(const TileMatrix& matrix, const TilePattern& pattern, const Run& run, double least_pivot);
   [[nodiscard]] bool solve_by_old(const TileMatrix& matrix, double* x) const;

@@ -32,7 +32,7 @@ TilePattern pattern_of(const Problem& problem) {
     if (tiles.empty() || tiles.back() != tile) tiles.push_back(tile);
   };
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
-    if (problem.point(p).held) continue;
+    if (!problem.point(p).eliminated()) continue;
     for (std::uint32_t r = problem.point(p).first_free; r < problem.end_ray(p); ++r)
       add(static_cast<int>(problem.rays[r].image));
     tie_all();
@@ -151,7 +151,7 @@ void Normals::index_rows() {
     for (const int row : rows) count[row] = 0;
     for (std::size_t p = batch.first_point; p < batch.end_point; ++p)
       for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
-        first_of_ray_[r] = problem_.point(p).held ? r + 1 : problem_.point(p).first_free;  // held: no partners
+        first_of_ray_[r] = problem_.point(p).eliminated() ? problem_.point(p).first_free : r + 1;  // or no partners
         point_of_ray_[r] = static_cast<std::uint32_t>(p);
       }
   }
@@ -183,7 +183,8 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
     for (std::size_t i = 0; i < border_.right.size(); ++i) border_.diagonal[i] += chunks_[c].diagonal[i];
     border_.cost += chunks_[c].cost;
   }
-  const double cost = border_.cost + add_positions(state) + add_verticals(state) + add_weak_cameras(state);
+  const double cost = border_.cost + add_positions(state) + add_verticals(state) + add_weak_cameras(state) +
+                      add_extras(state) + add_joined(state) + add_ground(state) + add_attitudes(state);
   add_datum(datum_stiffness);
   assemble(lambda);
   return cost;
@@ -211,17 +212,17 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
     const int camera = problem_.images[ray.image].camera;
     LinearRay linear;
     cost.add(linearise(ray, state.frames[ray.image], state.lenses[camera], &state.points[3 * p], loss, &linear));
-    if (!point.held) normals.add(linear);
+    if (point.eliminated()) normals.add(linear);
     if (r >= point.first_free) keep(linear, pose_rays_[r - base]);
     if (problem_.cameras[camera].free.empty()) continue;
     double* b = camera_rays_.data() + 2ul * (r - base) * width;
     linearise_camera(linear, state.lenses[camera], problem_.cameras[camera].free, b);
     double* its_zc = zc;
     for (const int* its = cameras_of_point_.data() + camera_begin_[p]; *its != camera; ++its) its_zc += 3 * width;
-    add_camera_ray(linear, problem_.cameras[camera], b, point.held ? nullptr : its_zc, sums);
+    add_camera_ray(linear, problem_.cameras[camera], b, point.eliminated() ? its_zc : nullptr, sums);
   }
   sums.cost += cost.value();
-  if (point.held) {
+  if (!point.eliminated()) {
     for (std::uint32_t r = point.first_free; r < problem_.end_ray(p); ++r)
       std::fill(std::begin(pose_rays_[r - base].z), std::end(pose_rays_[r - base].z), 0.0);
     return;
@@ -234,7 +235,7 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
   reduce_cameras(p, normals, y, batch, sums);
 }
 
-// Camera normals of one ray: matrix += B^T B, right += B^T r, and Wc += B^T A of its point (unless held).
+// Camera normals of one ray: matrix += B^T B, right += B^T r, and Wc += B^T A of its point (if it is eliminated).
 void Normals::add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc,
                              BorderSums& sums) const {
   const std::size_t count = camera.free.size();
@@ -322,7 +323,7 @@ void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
   const ProblemCamera& own = problem_.cameras[problem_.images[image].camera];
   const double* b = camera_rays_.data() + 2ul * (r - base) * width;
   add_pose_camera(out + 6 * own.border, ray, b, static_cast<int>(own.free.size()));
-  if (problem_.point(p).held) return;
+  if (!problem_.point(p).eliminated()) return;
   const double* z = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
   for (std::uint32_t its = camera_begin_[p]; its < camera_begin_[p + 1]; ++its, z += 3 * width) {
     const ProblemCamera& camera = problem_.cameras[cameras_of_point_[its]];
@@ -333,10 +334,17 @@ void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
 double Normals::add_positions(const State& state) {
   double cost = 0;
   for (const GivenPosition& position : problem_.positions) {
-    const Eigen::Vector3d centre(state.frames[position.image].data() + 9);
-    const Eigen::Vector3d residual = (position.given - centre).cwiseProduct(position.inverse_sigma);
+    const Eigen::Vector3d residual =
+        (position.given - antenna_of(state, position)).cwiseProduct(position.inverse_sigma);
     const double s = residual.squaredNorm(), weight = problem_.position_loss.weight(s);
     cost += problem_.position_loss.cost(s);
+    if (!position.plain()) {
+      const double root = std::sqrt(weight);
+      for (int axis = 0; axis < 3; ++axis)
+        add_observation(row_of(problem_, state, position, axis), root * position.inverse_sigma[axis],
+                        root * residual[axis]);
+      continue;
+    }
     for (int c = 0; c < 3; ++c) {
       const int row = 6 * static_cast<int>(position.image) + 3 + c;
       const double w = position.inverse_sigma[c];
@@ -381,6 +389,116 @@ double Normals::add_weak_cameras(const State& state) {
     }
   }
   return cost;
+}
+
+void Normals::add_to_border(int row, int column, double value) {
+  border_.matrix[static_cast<std::size_t>(std::max(row, column)) * static_cast<std::size_t>(problem_.border) +
+                 static_cast<std::size_t>(std::min(row, column))] += value;
+}
+
+double Normals::add_extras(const State& state) {
+  double cost = 0;
+  for (std::size_t i = 0; i < problem_.extras.size(); ++i) {
+    const ExtraUnknown& extra = problem_.extras[i];
+    const double w = extra.inverse_sigma, residual = (extra.given - state.extras[i]) * w;
+    const int row = problem_.first_extra + static_cast<int>(i);
+    add_to_border(row, row, w * w);
+    border_.diagonal[static_cast<std::size_t>(row)] += w * w;
+    border_.right[static_cast<std::size_t>(row)] += w * residual;
+    cost += residual * residual;
+  }
+  return cost;
+}
+
+// Points that keep their unknowns: what their rays say of images and cameras alone is there already.
+double Normals::add_joined(const State& state) {
+  double cost = 0;
+  for (const std::uint32_t p : problem_.joined) {
+    const ProblemPoint& point = problem_.point(p);
+    const double* position = &state.points[3ul * p];
+    PointNormals normals;
+    for (std::uint32_t r = point.first_ray; r < problem_.end_ray(p); ++r) {
+      const Ray& ray = problem_.rays[r];
+      const int camera = problem_.images[ray.image].camera;
+      LinearRay linear;
+      linearise(ray, state.frames[ray.image], state.lenses[camera], position, problem_.loss_of(point), &linear);
+      normals.add(linear);
+      const double *a = linear.by_point, *turn = linear.by_rotation;
+      for (int c = 0; c < 3; ++c) {
+        if (static_cast<int>(ray.image) < problem_.poses) {
+          double* out = &pose_camera_[6ul * (std::size_t{ray.image} * static_cast<std::size_t>(problem_.border) +
+                                             static_cast<std::size_t>(point.joined + c))];
+          for (int i = 0; i < 3; ++i) {
+            out[i] += turn[i] * a[c] + turn[3 + i] * a[3 + c];
+            out[3 + i] -= a[i] * a[c] + a[3 + i] * a[3 + c];
+          }
+        }
+        const ProblemCamera& unknowns = problem_.cameras[camera];
+        double b[2 * Camera::kParams];
+        linearise_camera(linear, state.lenses[camera], unknowns.free, b);
+        const std::size_t count = unknowns.free.size();
+        for (std::size_t k = 0; k < count; ++k)
+          add_to_border(point.joined + c, unknowns.border + static_cast<int>(k), a[c] * b[k] + a[3 + c] * b[count + k]);
+      }
+    }
+    cost += normals.add(problem_.control[point.control], position);
+    constexpr int kElement[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    for (int c = 0; c < 3; ++c) {
+      const auto row = static_cast<std::size_t>(point.joined + c);
+      for (int k = 0; k <= c; ++k) add_to_border(point.joined + c, point.joined + k, normals.v[kElement[c][k]]);
+      border_.right[row] += normals.right[c];
+      border_.diagonal[row] += normals.v[kElement[c][c]];
+    }
+  }
+  return cost;
+}
+
+double Normals::add_ground(const State& state) {
+  double cost = 0;
+  for (const GroundLink& link : problem_.ground) {
+    if (!(link.inverse_sigma > 0)) continue;
+    const GroundModel model = model_of(problem_, link, state);
+    const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
+    cost += residual * residual;
+    add_observation(row_of(problem_, link, model), link.inverse_sigma, residual);
+  }
+  return cost;
+}
+
+double Normals::add_attitudes(const State& state) {
+  double cost = 0;
+  for (const GivenTurn& given : problem_.attitudes) {
+    const Eigen::Vector3d residual = residual_of(state, given).cwiseProduct(given.inverse_sigma);
+    cost += residual.squaredNorm();
+    for (int axis = 0; axis < 3; ++axis)
+      add_observation(row_of(problem_, state, given, axis), given.inverse_sigma[axis], residual[axis]);
+  }
+  return cost;
+}
+
+// One observation by its row; `residual` has its weight already.
+void Normals::add_observation(const Row& row, double weight, double residual) {
+  const int border = 6 * problem_.poses;
+  for (const RowPart& one : row) {
+    const double d = one.derivative * weight;
+    const bool is_pose = one.row < border;
+    (is_pose ? right_[static_cast<std::size_t>(one.row)] : border_.right[static_cast<std::size_t>(one.row - border)]) +=
+        d * residual;
+    (is_pose ? diagonal_[static_cast<std::size_t>(one.row)]
+             : border_.diagonal[static_cast<std::size_t>(one.row - border)]) += d * d;
+    for (const RowPart& other : row) {
+      if (other.row > one.row) continue;
+      const double product = d * other.derivative * weight;
+      if (is_pose)
+        matrix_.at(one.row, other.row) += product;
+      else if (other.row >= border)
+        add_to_border(one.row - border, other.row - border, product);
+      else
+        pose_camera_[6ul * (static_cast<std::size_t>(other.row / 6) * static_cast<std::size_t>(problem_.border) +
+                            static_cast<std::size_t>(one.row - border)) +
+                     static_cast<std::size_t>(other.row % 6)] += product;
+    }
+  }
 }
 
 // A heavy weight on motions that no observation sees: it changes which of many equal solutions is taken, not the

@@ -12,9 +12,10 @@ namespace collinea::bundle {
 /// Below this a problem is done before threads have started.
 inline constexpr std::size_t kRaysWorthThreads = 3000;
 
-/// The reduced normal equations of poses and cameras (points eliminated). Work is cut into batches of points that stay
-/// in the cache; within a batch first every point, then every row of tiles is one item, so that sums have one order
-/// whatever the number of threads.
+/// The reduced normal equations of poses and cameras (points eliminated). Behind the cameras in the border, whose rows
+/// are full, come other unknowns and the points that measurements join to each other. Work is cut into batches of
+/// points that stay in the cache; within a batch first every point, then every row of tiles is one item, so that sums
+/// have one order whatever the number of threads.
 class Normals {
  public:
   /// `kept`: may hold the factor of an earlier adjustment; outlives this.
@@ -60,6 +61,12 @@ class Normals {
   double add_positions(const State& state);
   double add_verticals(const State& state);
   double add_weak_cameras(const State& state);
+  double add_extras(const State& state);
+  double add_joined(const State& state);
+  double add_ground(const State& state);
+  double add_attitudes(const State& state);
+  void add_observation(const Row& row, double weight, double residual);
+  void add_to_border(int row, int column, double value);
   void add_datum(double stiffness);
   void assemble(double lambda);
 

@@ -78,13 +78,45 @@ RaySums write_residuals(const Problem& problem, const State& state, RobustSquare
 // Not the differences on axes that were not given.
 void write_positions(const Problem& problem, const State& state, RobustSquares& squares, Adjusted& adjusted) {
   for (const GivenPosition& position : problem.positions) {
-    Eigen::Vector3d difference = Eigen::Vector3d(state.frames[position.image].data() + 9) - position.given;
+    Eigen::Vector3d difference = antenna_of(state, position) - position.given;
     const double s = difference.cwiseProduct(position.inverse_sigma).squaredNorm();
     difference = (position.inverse_sigma.array() > 0).select(difference, kUnknown.x());
     adjusted.positions.push_back({problem.images[position.image].id, difference, problem.position_loss.weight(s)});
     if (const int axes = position.axes(); axes > 0) squares.add(s, axes);
   }
   std::sort(adjusted.positions.begin(), adjusted.positions.end(), [](auto& a, auto& b) { return a.image < b.image; });
+}
+
+// What was measured on the ground; answers the weighted squares.
+double write_ground(const Problem& problem, const State& state, Adjusted& adjusted) {
+  double sum = 0;
+  for (const GroundLink& link : problem.ground) {
+    const double difference = -ground_residual(link.observation, model_of(problem, link, state));
+    adjusted.ground.push_back({link.source, link.inverse_sigma > 0, link.observation.value + difference, difference});
+    sum += std::pow(difference * link.inverse_sigma, 2);
+  }
+  return sum;
+}
+
+double write_attitudes(const Problem& problem, const State& state, Adjusted& adjusted) {
+  double sum = 0;
+  for (const GivenTurn& given : problem.attitudes) {
+    const Eigen::Vector3d residual = residual_of(state, given);
+    adjusted.attitudes.push_back({problem.images[given.image].id, -residual});
+    sum += residual.cwiseProduct(given.inverse_sigma).squaredNorm();
+  }
+  std::sort(adjusted.attitudes.begin(), adjusted.attitudes.end(), [](auto& a, auto& b) { return a.image < b.image; });
+  return sum;
+}
+
+double write_extras(const Problem& problem, const State& state, Adjusted& adjusted) {
+  double sum = 0;
+  for (std::size_t i = 0; i < problem.extras.size(); ++i) {
+    const ExtraUnknown& extra = problem.extras[i];
+    adjusted.extras.push_back({extra.kind, extra.owner, extra.axis, state.extras[i]});
+    sum += std::pow((state.extras[i] - extra.given) * extra.inverse_sigma, 2);
+  }
+  return sum;
 }
 
 double vertical_squares(const Problem& problem, const State& state) {
@@ -146,9 +178,10 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
     if (lines.empty()) continue;
     ControlDifference difference;
     difference.point = id;
-    difference.used = used != estimated.end();
+    const bool takes_part = used != estimated.end();
+    difference.used = takes_part && scope.use_control && control.role == ControlRole::kControl;
     difference.rays = static_cast<int>(lines.size());
-    if (difference.used) {
+    if (takes_part) {
       difference.position_in_world = used->second;
     } else if (const auto met = intersect(lines)) {
       difference.position_in_world = met->point_in_world;
@@ -186,6 +219,9 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
   squares += vertical_squares(problem, state);
   squares += weak_camera_squares(problem, state);
   squares += write_control(block, scope, problem, state, adjusted);
+  squares += write_ground(problem, state, adjusted);
+  squares += write_extras(problem, state, adjusted);
+  squares += write_attitudes(problem, state, adjusted);
   adjusted.redundancy = problem.redundancy();
   adjusted.sigma0 = adjusted.redundancy > 0 ? std::sqrt(squares / static_cast<double>(adjusted.redundancy)) : 0;
   adjusted.observation_count = problem.observation_count;

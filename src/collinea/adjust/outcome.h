@@ -20,6 +20,9 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
 void add_covariances(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
                      const Run& run, Normals& normals, Adjusted& adjusted);
 
+/// The cofactor of an observation by one pose and unknowns of the border.
+[[nodiscard]] double variance_of(const Row& row, TileCholesky& inverse);
+
 /// Fills Adjusted::reliability, by the selected inverse.
 void add_reliability(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
                      TileCholesky& inverse, const Run& run, Adjusted& adjusted);

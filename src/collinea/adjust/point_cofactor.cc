@@ -14,7 +14,7 @@ PointSystem::PointSystem(const Problem& problem, const State& state, std::size_t
               problem.loss_of(point), &linear);
     add(linear, static_cast<int>(ray.image), state);
   }
-  close(point.held, point.control >= 0 ? &problem.control[point.control] : nullptr, &state.points[3 * p]);
+  close(point.held, point.control >= 0 ? &problem.control[point.control] : nullptr, &state.points[3 * p], point.joined);
 }
 
 int PointSystem::group(int row, int count, bool is_pose) {
@@ -47,12 +47,13 @@ void PointSystem::add(const LinearRay& linear, int image, const State& state) {
   rays_.push_back(ray);
 }
 
-void PointSystem::close(bool held, const ControlCoordinates* control, const double* position) {
-  held_ = held;
+void PointSystem::close(bool held, const ControlCoordinates* control, const double* position, int joined) {
+  eliminated_ = !held && joined < 0;
+  if (joined >= 0) joined_ = group(6 * problem_.poses + joined, 3, false);
   if (control) normals_.add(*control, position);
   normals_.factor(0);
   z_.setZero(width_, 3);
-  if (held) return;
+  if (!eliminated_) return;
   for (const Measured& ray : rays_) {
     if (ray.pose >= 0) z_.middleRows<6>(groups_[ray.pose].first) += ray.by_pose.transpose() * ray.by_point;
     if (ray.camera >= 0)
@@ -71,8 +72,8 @@ bool PointSystem::determined() const {
          normals_.l[5] * normals_.l[5] > least;
 }
 
-// The part of the inverse that belongs to the groups. A pose lies in one tile, which is looked up once. Held points tie
-// no poses to each other, and need nothing between them.
+// The part of the inverse that belongs to the groups. A pose lies in one tile, which is looked up once. Points that are
+// not eliminated tie no poses to each other, and need nothing between them.
 Eigen::MatrixXd PointSystem::local(TileCholesky& inverse) const {
   Eigen::MatrixXd q(width_, width_);
   for (std::size_t a = 0; a < groups_.size(); ++a)
@@ -80,7 +81,7 @@ Eigen::MatrixXd PointSystem::local(TileCholesky& inverse) const {
       const bool swap = groups_[a].row < groups_[b].row;
       const Group &low = swap ? groups_[b] : groups_[a], &high = swap ? groups_[a] : groups_[b];
       auto out = q.block(low.first, high.first, low.count, high.count);
-      if (held_ && a != b && low.is_pose && high.is_pose)
+      if (!eliminated_ && a != b && low.is_pose && high.is_pose)
         out.setZero();
       else if (low.is_pose && a != b)
         out =
@@ -126,6 +127,13 @@ void PointSystem::add_following(const Eigen::Vector3d& direction, Eigen::VectorX
 }
 
 Eigen::Matrix3d PointSystem::covariance(TileCholesky& inverse) const {
+  if (joined_ >= 0) {
+    Eigen::Matrix3d covariance;
+    const int row = groups_[joined_].row;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) covariance(r, c) = inverse.at(row + std::max(r, c), row + std::min(r, c));
+    return covariance;
+  }
   return with_own(z_.transpose() * local(inverse) * z_);
 }
 
@@ -156,7 +164,7 @@ std::vector<Eigen::Matrix2d> PointSystem::leverages(TileCholesky& inverse) const
       normals_.forward(forward.data());
       c.row(row) = forward;
     }
-    if (held_) c.setZero();
+    if (!eliminated_) c.setZero();
     struct Part {
       const Group* group;
       Design design;
@@ -164,6 +172,7 @@ std::vector<Eigen::Matrix2d> PointSystem::leverages(TileCholesky& inverse) const
     std::vector<Part> parts;
     if (ray.pose >= 0) parts.push_back({&groups_[ray.pose], ray.by_pose});
     if (ray.camera >= 0) parts.push_back({&groups_[ray.camera], ray.by_camera});
+    if (joined_ >= 0) parts.push_back({&groups_[joined_], ray.by_point});
     Eigen::Matrix2d leverage = c * own * c.transpose();
     for (const Part& one : parts) {
       const Eigen::Matrix2d mixed = one.design * qz.middleRows(one.group->first, one.group->count) * c.transpose();

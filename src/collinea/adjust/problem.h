@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collinea/adjust/bundle.h"
+#include "collinea/adjust/ground_model.h"
 #include "collinea/adjust/lens.h"
 #include "collinea/adjust/robust.h"
 
@@ -43,6 +44,27 @@ struct ProblemPoint {
   std::uint32_t first_ray, first_free;
   int control = -1;  ///< number in Problem::control, -1 for tie points
   bool held = false;
+  int joined = -1;  ///< where its three unknowns begin in the border: other points are observed with it
+
+  /// It has unknowns, and no observation that another point shares: it is eliminated before all others.
+  [[nodiscard]] bool eliminated() const { return !held && joined < 0; }
+};
+
+/// An unknown beside poses, cameras and points. It has a place in the border, behind those of the cameras.
+struct ExtraUnknown {
+  UnknownKind kind;
+  std::uint32_t owner;  ///< of a CameraId, or a number in AdjustScope::position_tracks or of a set-up
+  int axis = 0;
+  double given = 0, inverse_sigma = 0;  ///< its observation; 0: free
+};
+
+/// A measurement between two joined points.
+struct GroundLink {
+  GroundObservation observation;
+  std::uint32_t source;      ///< place in Block::ground
+  std::uint32_t from, to;    ///< numbers in Problem::points
+  int orientation = -1;      ///< number in Problem::extras
+  double inverse_sigma = 0;  ///< 0: only compared
 };
 
 struct ControlCoordinates {
@@ -52,6 +74,12 @@ struct ControlCoordinates {
 struct GivenPosition {
   std::uint32_t image;
   Eigen::Vector3d given, inverse_sigma;
+  Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< exact part of the lever arm
+  int lever_arm = -1, shift = -1, drift = -1;     ///< first of three numbers in Problem::extras; -1: none
+  double time = 0;
+
+  /// It is that of the projection centre.
+  [[nodiscard]] bool plain() const { return lever_arm < 0 && shift < 0 && drift < 0 && arm.isZero(0); }
 
   /// How many of its coordinates are given.
   [[nodiscard]] int axes() const { return static_cast<int>((inverse_sigma.array() > 0).count()); }
@@ -69,6 +97,14 @@ struct GivenUp {
   }
 };
 
+/// A turn about x, y, z of the world.
+struct GivenTurn {
+  std::uint32_t image;
+  Eigen::Quaterniond cam_from_world;
+  Eigen::Vector3d inverse_sigma;
+  int boresight = -1;  ///< first of three numbers in Problem::extras; -1: none
+};
+
 /// Directions in which the poses of some images must not move together, because nothing observes that motion.
 struct DatumConstraint {
   std::vector<int> poses;
@@ -84,12 +120,18 @@ struct Problem {
   std::vector<ProblemImage> images;
   int poses = 0;  ///< free images
   std::vector<ProblemCamera> cameras;
-  int border = 0;                    ///< unknowns of all cameras
+  int border = 0;                    ///< unknowns of all cameras, then `extras`, then the joined points
   std::vector<ProblemPoint> points;  ///< ordered by their first free image; one more at the end closes the last
   std::vector<Ray> rays;
   std::vector<ControlCoordinates> control;
   std::vector<GivenPosition> positions;
   std::vector<GivenUp> verticals;
+  std::vector<GivenTurn> attitudes;
+  std::vector<ExtraUnknown> extras;
+  int first_extra = 0;                ///< of the border
+  std::vector<std::uint32_t> joined;  ///< numbers of points, ascending
+  std::vector<GroundLink> ground;
+  bool level_at_origin = false;  ///< see ground_model()
   std::vector<DatumConstraint> datum;
   std::vector<int> part_of_pose;  ///< images connected by points, as numbers of parts
   int rank_defect = 0;
@@ -118,10 +160,32 @@ struct State {
   std::vector<std::array<double, Camera::kParams>> cameras;
   std::vector<Lens> lenses;
   std::vector<double> points;  ///< 3 of each point
+  std::vector<double> extras;  ///< parallel to Problem::extras
 };
 
 /// The world's z axis in the camera.
 [[nodiscard]] inline Eigen::Vector3d z_in_cam(const Frame& frame) { return {frame[2], frame[5], frame[8]}; }
+
+/// The derivative of an observation by one of the reduced unknowns.
+struct RowPart {
+  int row;
+  double derivative;
+};
+using Row = std::vector<RowPart>;
+
+/// A measurement on the ground as the unknowns foretell it.
+[[nodiscard]] GroundModel model_of(const Problem& problem, const GroundLink& link, const State& state);
+[[nodiscard]] Row row_of(const Problem& problem, const GroundLink& link, const GroundModel& model);
+
+/// Where the antenna says it is: the projection centre, and what lies between.
+[[nodiscard]] Eigen::Vector3d antenna_of(const State& state, const GivenPosition& position);
+/// Its derivative along one axis of the world.
+[[nodiscard]] Row row_of(const Problem& problem, const State& state, const GivenPosition& position, int axis);
+
+/// Given minus adjusted attitude, as a turn in the world.
+[[nodiscard]] Eigen::Vector3d residual_of(const State& state, const GivenTurn& given);
+/// The derivative of the adjusted one about one axis of the world.
+[[nodiscard]] Row row_of(const Problem& problem, const State& state, const GivenTurn& given, int axis);
 
 [[nodiscard]] Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre);
 

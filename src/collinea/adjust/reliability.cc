@@ -64,6 +64,9 @@ class Examiner {
     take_positions();
     take_verticals();
     take_weak_cameras();
+    take_ground();
+    take_attitudes();
+    take_extras();
     sums(ObservationGroup::kTieImages).squares = tie_.squares();
     std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
                      [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
@@ -205,7 +208,7 @@ class Examiner {
   void take_positions() {
     RobustSquares all(problem_.position_loss);
     for (const GivenPosition& position : problem_.positions) {
-      const Eigen::Vector3d residual = position.given - Eigen::Vector3d(state_.frames[position.image].data() + 9);
+      const Eigen::Vector3d residual = position.given - antenna_of(state_, position);
       const double s = residual.cwiseProduct(position.inverse_sigma).squaredNorm();
       const double weight = problem_.position_loss.weight(s);
       if (position.axes() > 0) all.add(s, position.axes());
@@ -220,7 +223,9 @@ class Examiner {
         one.residual = residual[axis];
         one.sigma = 1 / w;
         sums(one.group).squares += weight / problem_.position_loss.information * std::pow(residual[axis] * w, 2);
-        test(one, weight * w * w * inverse_.at(row, row), weight);
+        const double cofactor =
+            position.plain() ? inverse_.at(row, row) : variance_of(row_of(problem_, state_, position, axis), inverse_);
+        test(one, weight * w * w * cofactor, weight);
       }
     }
     if (!(all.weighted() > 0)) return;
@@ -248,6 +253,46 @@ class Examiner {
         const double w = camera.inverse_sigma[param];
         if (w > 0) out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
       }
+    }
+  }
+
+  void take_ground() {
+    for (const GroundLink& link : problem_.ground) {
+      if (!(link.inverse_sigma > 0)) continue;
+      const GroundModel model = model_of(problem_, link, state_);
+      TestedObservation one;
+      one.group = group_of(link.observation.kind);
+      one.source = link.source;
+      one.residual = ground_residual(link.observation, model);
+      one.sigma = link.observation.sigma;
+      sums(one.group).squares += std::pow(one.residual * link.inverse_sigma, 2);
+      const double variance = variance_of(row_of(problem_, link, model), inverse_);
+      test(one, variance * link.inverse_sigma * link.inverse_sigma, 1);
+    }
+  }
+
+  void take_attitudes() {
+    for (const GivenTurn& given : problem_.attitudes) {
+      const Eigen::Vector3d residual = residual_of(state_, given);
+      for (int axis = 0; axis < 3; ++axis) {
+        const double w = given.inverse_sigma[axis];
+        TestedObservation one;
+        one.group = axis < 2 ? ObservationGroup::kAttitudeLevel : ObservationGroup::kAttitudeHeading;
+        one.source = problem_.images[given.image].id.value;
+        one.axis = axis;
+        one.residual = residual[axis];
+        one.sigma = 1 / w;
+        sums(one.group).squares += std::pow(residual[axis] * w, 2);
+        test(one, w * w * variance_of(row_of(problem_, state_, given, axis), inverse_), 1);
+      }
+    }
+  }
+
+  void take_extras() {
+    for (std::size_t i = 0; i < problem_.extras.size(); ++i) {
+      const double w = problem_.extras[i].inverse_sigma;
+      const int row = 6 * problem_.poses + problem_.first_extra + static_cast<int>(i);
+      if (w > 0) out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
     }
   }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "collinea/base/id.h"
+#include "collinea/block/ground.h"
 
 namespace collinea {
 
@@ -20,17 +21,31 @@ enum class ObservationGroup {
   kControlPlan,
   kControlHeight,
   kPositionPlan,
-  kPositionHeight
+  kPositionHeight,
+  kDistance,
+  kHeightDifference,
+  kDirection,
+  kZenithAngle,
+  kAttitudeLevel,
+  kAttitudeHeading,
 };
-inline constexpr std::size_t kObservationGroups = 6;
+inline constexpr std::size_t kObservationGroups = 12;
 inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = {
-    "tie points in images", "control in images", "control, plan",
-    "control, height",      "positions, plan",   "positions, height"};
+    "tie points in images", "control in images", "control, plan",    "control, height",
+    "positions, plan",      "positions, height", "distances",        "height differences",
+    "directions",           "zenith angles",     "attitudes, level", "attitudes, heading"};
 
-/// One measured coordinate and what the others say of it. Units: px in images, m on the ground.
+/// The group of a measurement on the ground.
+[[nodiscard]] constexpr ObservationGroup group_of(GroundKind kind) {
+  return static_cast<ObservationGroup>(static_cast<std::size_t>(ObservationGroup::kDistance) +
+                                       static_cast<std::size_t>(kind));
+}
+
+/// One measured coordinate and what the others say of it. Units: px in images, m on the ground, rad for angles.
 struct TestedObservation {
   ObservationGroup group{};
-  std::uint32_t source = 0;     ///< place in Block::observations or Block::control_observations, ControlId or ImageId
+  std::uint32_t source = 0;     ///< place in Block::observations, Block::control_observations or Block::ground,
+                                ///< ControlId or ImageId
   int axis = 0;                 ///< 0 column or east, 1 row or north, 2 height
   double residual = 0;          ///< observed minus adjusted
   double sigma = 0;             ///< as given
@@ -77,7 +92,7 @@ struct Reliability {
   long unseen = 0;                ///< rays whose point its image does not see: not tested, all suspect
   double redundancy_sum = 0;      ///< over all observations, weak ones and verticals too: Adjusted::redundancy
   std::vector<Eigen::Vector2d> tie_redundancy;  ///< parallel to Adjusted::observations; NaN when not seen
-  std::vector<TestedObservation> others;        ///< control (images, coordinates) and positions, every one
+  std::vector<TestedObservation> others;        ///< all but tie points: control, positions, ground, every one
   std::vector<TestedObservation> suspects;      ///< beyond the limit, worst first, 1000 at most
   std::vector<LeftOutPoint> left_out;  ///< every control point without whose coordinates the block is determined
   std::array<GroupSums, kObservationGroups> groups;

@@ -28,6 +28,8 @@ constexpr double kSpoiltByRay = 10;
 
 bool is_ray(Group group) { return group == Group::kTieImages || group == Group::kControlImages; }
 bool is_height(Group group) { return group == Group::kControlHeight || group == Group::kPositionHeight; }
+// Of what was measured on the ground, or of an attitude: whoever measured it decides.
+bool is_told_only(Group group) { return group >= Group::kDistance; }
 bool is_position(Group group) { return group == Group::kPositionPlan || group == Group::kPositionHeight; }
 
 // What an observation is, whatever place it has in a block.
@@ -173,6 +175,7 @@ class Snooper {
   [[nodiscard]] std::string reason_to_stay(const TestedObservation& one, const Seen& seen,
                                            const Reliability& tests) const {
     if (const auto why = stays_.find(key_of(one.group, seen)); why != stays_.end()) return why->second;
+    if (is_told_only(one.group)) return "measurements on the ground and attitudes are named, not taken out";
     if (!std::isfinite(one.w)) return "";
     if (one.redundancy < kLeastRedundancy) return "too little checks it";
     if (is_ray(one.group))

@@ -37,6 +37,11 @@ State with_reduced_moved(const Problem& problem, const State& state, Step& step)
       next.cameras[i][camera.free[k]] += by_camera[camera.border + static_cast<int>(k)];
     if (!camera.free.empty()) next.lenses[i] = lens_of(next.cameras[i].data(), state.lenses[i].kind);
   }
+  for (std::size_t i = 0; i < problem.extras.size(); ++i)
+    next.extras[i] += by_camera[problem.first_extra + static_cast<int>(i)];
+  for (const std::uint32_t p : problem.joined)
+    for (int c = 0; c < 3; ++c)
+      next.points[3ul * p + static_cast<std::size_t>(c)] += by_camera[problem.point(p).joined + c];
   return next;
 }
 
@@ -110,10 +115,34 @@ double settle_point(const Problem& problem, const State& state, std::size_t p, d
   return cost;
 }
 
+// A point that keeps its unknowns has moved already.
+Sums of_joined(const Problem& problem, const State& state, const Step& step, std::size_t p, const State& next) {
+  const ProblemPoint& point = problem.point(p);
+  const Loss loss = problem.loss_of(point);
+  const double *position = &state.points[3 * p], *there = &next.points[3 * p];
+  const double* d = step.reduced.data() + 6 * problem.poses + point.joined;
+  Sums sums;
+  for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
+    const Ray& ray = problem.rays[r];
+    LinearRay linear;
+    linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
+    sums.promised += squared(linear.residual);
+    take_step_of_image(problem, state, step, ray, linear);
+    for (int row = 0; row < 2; ++row)
+      for (int c = 0; c < 3; ++c) linear.residual[row] -= linear.by_point[3 * row + c] * d[c];
+    sums.promised -= squared(linear.residual);
+  }
+  sums.promised += PointNormals().add(problem.control[point.control], position);
+  sums.promised -= PointNormals().add(problem.control[point.control], there);
+  sums.cost = cost_of_point(problem, next, p, there);
+  return sums;
+}
+
 // V d = A^T (r - J d - B dc) for the point; the promise is |r|^2 - |r - J d - B dc - A dp|^2.
 Sums move_point(const Problem& problem, const State& state, double lambda, const Step& step, std::size_t p,
                 State& next) {
   const ProblemPoint& point = problem.point(p);
+  if (point.joined >= 0) return of_joined(problem, state, step, p, next);
   const Loss loss = problem.loss_of(point);
   const double* position = &state.points[3 * p];
   double* target = &next.points[3 * p];
@@ -158,18 +187,39 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
   return sums;
 }
 
+// What a step changes of an observation, by the linear model.
+double change_of(const Row& row, const Step& step) {
+  double change = 0;
+  for (const RowPart& part : row) change += part.derivative * step.reduced[static_cast<std::size_t>(part.row)];
+  return change;
+}
+
 Sums of_positions(const Problem& problem, const State& state, const State& next, const Step& step) {
   Sums sums;
   for (const GivenPosition& position : problem.positions) {
-    const Eigen::Vector3d centre(state.frames[position.image].data() + 9),
-        after(next.frames[position.image].data() + 9);
-    const Eigen::Vector3d residual = (position.given - centre).cwiseProduct(position.inverse_sigma);
-    const Eigen::Vector3d d(&step.reduced[6ul * position.image + 3]);
+    const Eigen::Vector3d residual =
+        (position.given - antenna_of(state, position)).cwiseProduct(position.inverse_sigma);
+    Eigen::Vector3d d(&step.reduced[6ul * position.image + 3]);
+    if (!position.plain())
+      for (int axis = 0; axis < 3; ++axis) d[axis] = change_of(row_of(problem, state, position, axis), step);
     const double s = residual.squaredNorm();
-    sums.cost +=
-        problem.position_loss.cost((position.given - after).cwiseProduct(position.inverse_sigma).squaredNorm());
+    sums.cost += problem.position_loss.cost(
+        (position.given - antenna_of(next, position)).cwiseProduct(position.inverse_sigma).squaredNorm());
     sums.promised +=
         problem.position_loss.weight(s) * (s - (residual - d.cwiseProduct(position.inverse_sigma)).squaredNorm());
+  }
+  return sums;
+}
+
+Sums of_attitudes(const Problem& problem, const State& state, const State& next, const Step& step) {
+  Sums sums;
+  for (const GivenTurn& given : problem.attitudes) {
+    const Eigen::Vector3d residual = residual_of(state, given);
+    Eigen::Vector3d left = residual;
+    for (int axis = 0; axis < 3; ++axis) left[axis] -= change_of(row_of(problem, state, given, axis), step);
+    sums.cost += residual_of(next, given).cwiseProduct(given.inverse_sigma).squaredNorm();
+    sums.promised +=
+        residual.cwiseProduct(given.inverse_sigma).squaredNorm() - left.cwiseProduct(given.inverse_sigma).squaredNorm();
   }
   return sums;
 }
@@ -198,6 +248,32 @@ Sums of_weak_cameras(const Problem& problem, const State& state, const State& ne
   return sums;
 }
 
+Sums of_extras(const Problem& problem, const State& state, const State& next) {
+  Sums sums;
+  for (std::size_t i = 0; i < problem.extras.size(); ++i) {
+    const ExtraUnknown& extra = problem.extras[i];
+    const double before = (extra.given - state.extras[i]) * extra.inverse_sigma;
+    const double after = (extra.given - next.extras[i]) * extra.inverse_sigma;
+    sums.cost += after * after;
+    sums.promised += before * before - after * after;
+  }
+  return sums;
+}
+
+Sums of_ground(const Problem& problem, const State& state, const State& next, const Step& step) {
+  Sums sums;
+  for (const GroundLink& link : problem.ground) {
+    if (!(link.inverse_sigma > 0)) continue;
+    const GroundModel model = model_of(problem, link, state);
+    const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
+    const double left = residual - link.inverse_sigma * change_of(row_of(problem, link, model), step);
+    const double after = ground_residual(link.observation, model_of(problem, link, next)) * link.inverse_sigma;
+    sums.cost += after * after;
+    sums.promised += residual * residual - left * left;
+  }
+  return sums;
+}
+
 }  // namespace
 
 State moved(const Problem& problem, const State& state, double lambda, Step& step, const Run& run) {
@@ -215,6 +291,9 @@ State moved(const Problem& problem, const State& state, double lambda, Step& ste
   sums.push_back(of_positions(problem, state, next, step));
   sums.push_back(of_verticals(problem, state, next, step));
   sums.push_back(of_weak_cameras(problem, state, next));
+  sums.push_back(of_extras(problem, state, next));
+  sums.push_back(of_ground(problem, state, next, step));
+  sums.push_back(of_attitudes(problem, state, next, step));
   step.cost = step.promised = 0;
   for (const Sums& one : sums) {
     step.cost += one.cost;

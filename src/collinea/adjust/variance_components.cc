@@ -32,6 +32,8 @@ Block with_sigmas(const Block& block, const SigmaFactors& factors) {
     image.position->sigma_m.head<2>() *= factor_of(factors, ObservationGroup::kPositionPlan);
     image.position->sigma_m.z() *= factor_of(factors, ObservationGroup::kPositionHeight);
   }
+  for (GroundObservation& measured : scaled.ground)
+    if (measured.role == ControlRole::kControl) measured.sigma *= factor_of(factors, group_of(measured.kind));
   return scaled;
 }
 
@@ -45,6 +47,11 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
   found.factors.fill(1);
   Block scaled = block;
   for (;; ++found.iterations) {
+    for (auto& [id, attitude] : around.attitudes) {
+      attitude.sigma_rad = scope.attitudes.at(id).sigma_rad;
+      attitude.sigma_rad.head<2>() *= factor_of(found.factors, ObservationGroup::kAttitudeLevel);
+      attitude.sigma_rad.z() *= factor_of(found.factors, ObservationGroup::kAttitudeHeading);
+    }
     COLLINEA_TRY(found.adjusted, adjust(scaled, around, asked, run));
     if (!found.adjusted.reliability)
       return fail(Errc::kIllPosed, "variance components: " + found.adjusted.undetermined);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collinea/base/id.h"
+#include "collinea/block/ground.h"
 #include "collinea/camera/camera.h"
 #include "collinea/geometry/rigid3.h"
 
@@ -60,8 +61,6 @@ struct Observation {
   double sigma_px = 1;        ///< standard deviation of each coordinate
 };
 
-enum class ControlRole { kControl, kCheck };
-
 /// A surveyed point. Heights-only or plan-only control has an infinite sigma on the other axes.
 struct ControlPoint {
   std::string name;
@@ -88,6 +87,7 @@ struct Block {
   std::vector<Observation> observations;  ///< of tie points; sorted by (point, image)
   std::map<ControlId, ControlPoint> control;
   std::vector<ControlObservation> control_observations;
+  std::vector<GroundObservation> ground;  ///< measured between control points
 
   [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras.at(images.at(image).camera); }
 };

@@ -225,8 +225,13 @@ Result<ControlFile> parse_odm(const std::vector<std::string_view>& lines, const 
 
 constexpr std::string_view kMark = "# collinea control";
 
+// A point without any coordinate has no number either, but no words in their place.
 bool is_title(const Fields& fields) {
-  return std::none_of(fields.begin() + 1, fields.end(), [](std::string_view f) { return number(f).has_value(); });
+  const bool numbers =
+      std::any_of(fields.begin() + 1, fields.end(), [](std::string_view f) { return number(f).has_value(); });
+  const auto first = fields.begin() + std::min<std::ptrdiff_t>(2, std::ssize(fields)),
+             last = fields.begin() + std::min<std::ptrdiff_t>(8, std::ssize(fields));
+  return !numbers && std::any_of(first, last, [](std::string_view f) { return !f.empty(); });
 }
 
 Result<ControlFilePoint> csv_point(int line, const Fields& f, const ControlDefaults& defaults) {

@@ -57,7 +57,8 @@ struct ControlFile {
 ///     point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role
 ///     image, id, file, x_px, y_px, sigma_px
 /// Role is control (default) or check. Sigmas may all be left out: `defaults`. `inf`, or an empty field beside given
-/// sigmas, or an empty coordinate, means that the axis was not surveyed. sigma_px may be left out.
+/// sigmas, or an empty coordinate, means that the axis was not surveyed; a point may have none of the three. sigma_px
+/// may be left out.
 ///
 /// Both count pixels from the outer corner of the picture, as we do. Errors name the line.
 [[nodiscard]] Result<ControlFile> read_control(const std::filesystem::path& path, const ControlDefaults& defaults = {});

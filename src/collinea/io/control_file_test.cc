@@ -66,6 +66,18 @@ TEST(ControlFile, AHeightOnlyPointHasNoPlan) {
   EXPECT_EQ(control->points[0].position_in_map, Eigen::Vector3d(10, 20, 7));
 }
 
+TEST(ControlFile, APointMayHaveNoCoordinatesAtAll) {
+  const auto control = parse_control(
+      "point, id, easting, northing, height\n"
+      "point, A, , ,\n"
+      "image, id, file, x_px, y_px\n"
+      "image, A, a.jpg, 1, 2\n");
+  ASSERT_TRUE(control) << control.error().message;
+  ASSERT_EQ(control->points.size(), 1u);
+  EXPECT_TRUE(control->points[0].sigma_m.array().isInf().all());
+  EXPECT_EQ(control->points[0].position_in_map, Eigen::Vector3d(0, 0, 0));
+}
+
 TEST(ControlFile, ErrorsOfOurCsvNameTheLine) {
   EXPECT_TRUE(contains(message_of("point, A, 1, 2, 3\npoint, B, 1O4, 2, 3\n"), "line 2"));
   EXPECT_TRUE(contains(message_of("point, A, 1, 2, 3\npoint, A, 4, 5, 6\n"), "line 2: point A is given twice"));

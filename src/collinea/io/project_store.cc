@@ -42,6 +42,11 @@ CREATE TABLE steps (sequence INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT UNIQUE
                     seconds REAL, cpu_seconds REAL, peak_memory_bytes REAL, report_json TEXT);
 )sql";
 
+// Tables that came later: projects from before do without until they are written to.
+constexpr const char* kLaterTables = R"sql(
+CREATE TABLE IF NOT EXISTS ground (id INTEGER PRIMARY KEY, name TEXT, numbers BLOB);
+)sql";
+
 constexpr std::array<std::string_view, 4> kGeometryWords = {"none", "general", "planar", "rotation"};
 
 Result<> make_tables(Database& database) {
@@ -64,17 +69,25 @@ Result<> check_tables(Database& database) {
   return {};
 }
 
+// A lock for writing is asked for only where something is missing.
+Result<> add_later_tables(Database& database) {
+  COLLINEA_TRY(const auto there, database.integer("SELECT count(*) FROM sqlite_master WHERE name = 'ground'"));
+  return there > 0 ? Result<>{} : database.execute(kLaterTables);
+}
+
 Result<> prepare(Database& database) {
   if (auto set = database.execute("PRAGMA page_size = 16384"); !set) return set;
   COLLINEA_TRY(const auto tables, database.integer("SELECT count(*) FROM sqlite_master"));
   const char* mode = "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;";
   if (tables > 0) {  // a stranger's file must not even be switched to WAL
     if (auto checked = check_tables(database); !checked) return checked;
-    return database.execute(mode);
+    if (auto set = database.execute(mode); !set) return set;
+    return add_later_tables(database);
   }
   if (auto set = database.execute(mode); !set) return set;
   if (auto made = make_tables(database); !made) return made;
-  return check_tables(database);
+  if (auto checked = check_tables(database); !checked) return checked;
+  return add_later_tables(database);
 }
 
 std::string packed(const std::vector<Keypoint>& keypoints) {

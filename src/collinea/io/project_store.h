@@ -39,8 +39,9 @@ class ProjectStore {
 
   [[nodiscard]] const std::filesystem::path& folder() const;  ///< PROJECT
 
-  /// Georeference, cameras, images and control with its observations: what is known before orientation. Replaces all
-  /// of it. An orientation of images or control points that are no longer there is erased; another one stays.
+  /// Georeference, cameras, images, control with its observations and what was measured on the ground: what is known
+  /// before orientation. Replaces all of it. An orientation of images or control points that are no longer there is
+  /// erased; another one stays.
   Result<> write_setup(const Block& block);
   /// Cameras (as adjusted), poses, tie points, observations, control observations. Replaces all of it.
   Result<> write_orientation(const Block& block);

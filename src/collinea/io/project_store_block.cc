@@ -280,6 +280,49 @@ Result<> read_control(Database& db, std::map<ControlId, ControlPoint>& control) 
   }
 }
 
+Result<> write_ground(Database& db, const std::vector<GroundObservation>& ground) {
+  if (auto cleared = db.execute("DELETE FROM ground"); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO ground VALUES (?, ?, ?)"));
+  for (std::size_t i = 0; i < ground.size(); ++i) {
+    const GroundObservation& one = ground[i];
+    Packer numbers;
+    for (const std::uint32_t value : {static_cast<std::uint32_t>(one.kind), one.from.value, one.to.value,
+                                      static_cast<std::uint32_t>(one.role), one.setup})
+      numbers.put(value);
+    for (const double value : {one.value, one.sigma, one.instrument_height_m, one.target_height_m}) numbers.put(value);
+    insert.bind(static_cast<std::int64_t>(i)).bind_text(one.name);
+    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+  }
+  return {};
+}
+
+// Projects of older versions that cannot be written have no such table.
+Result<bool> has_ground(Database& db) {
+  return db.integer("SELECT count(*) FROM sqlite_master WHERE name = 'ground'").map([](auto count) {
+    return count > 0;
+  });
+}
+
+Result<> read_ground(Database& db, std::vector<GroundObservation>& ground) {
+  COLLINEA_TRY(const bool there, has_ground(db));
+  if (!there) return {};
+  COLLINEA_TRY(auto select, db.prepare("SELECT name, numbers FROM ground ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    GroundObservation one;
+    one.name = select.text(0);
+    Unpacker numbers(select.blob(1));
+    std::uint32_t kind = 0, role = 0;
+    for (std::uint32_t* value : {&kind, &one.from.value, &one.to.value, &role, &one.setup}) numbers.get(*value);
+    for (double* value : {&one.value, &one.sigma, &one.instrument_height_m, &one.target_height_m}) numbers.get(*value);
+    if (!numbers.done() || kind >= kGroundKinds || role > 1) return damaged("a measurement on the ground");
+    one.kind = static_cast<GroundKind>(kind);
+    one.role = static_cast<ControlRole>(role);
+    ground.push_back(std::move(one));
+  }
+}
+
 Result<> read_control_observations(Database& db, const std::string& table, Block& block) {
   return read_chunks<ControlObservationRecord>(
       db, table, [&](const ControlObservation& o) { block.control_observations.push_back(o); });
@@ -289,7 +332,8 @@ Result<> read_setup_tables(Database& db, Block& block) {
   if (auto read = read_georeference(db, block.georeference); !read) return read;
   if (auto read = read_cameras(db, "cameras", block.cameras); !read) return read;
   if (auto read = read_images(db, block); !read) return read;
-  return read_control(db, block.control);
+  if (auto read = read_control(db, block.control); !read) return read;
+  return read_ground(db, block.ground);
 }
 
 Result<> write_poses(Database& db, const std::map<ImageId, Rigid3>& cam_from_world) {
@@ -349,6 +393,8 @@ bool fits_together(const Block& block) {
   }
   for (const ControlObservation& o : block.control_observations)
     if (!block.images.contains(o.image) || !block.control.contains(o.point)) return false;
+  for (const GroundObservation& o : block.ground)
+    if (!block.control.contains(o.from) || !block.control.contains(o.to)) return false;
   return true;
 }
 
@@ -374,7 +420,13 @@ Result<Block> read_consistently(Database& db, bool with_orientation) {
 Result<std::uint64_t> ProjectStore::setup_hash() const {
   return state_->read([](Database& db) -> Result<std::uint64_t> {
     Hash hash;
-    for (const char* table : {"georeference", "cameras", "images", "control", "control_observations"}) {
+    std::vector<const char*> tables = {"georeference", "cameras", "images", "control", "control_observations"};
+    COLLINEA_TRY(const bool may_have_ground, has_ground(db));
+    if (may_have_ground) {
+      COLLINEA_TRY(const auto measured, db.integer("SELECT count(*) FROM ground"));
+      if (measured > 0) tables.push_back("ground");  // without any, the fingerprint is that of older versions
+    }
+    for (const char* table : tables) {
       hash.add(std::string_view(table));
       COLLINEA_TRY(auto select, db.prepare(std::string("SELECT * FROM ") + table + " ORDER BY 1"));
       while (true) {
@@ -394,6 +446,7 @@ Result<> ProjectStore::write_setup(const Block& block) {
     if (auto written = write_cameras(db, "cameras", block.cameras); !written) return written;
     if (auto written = write_images(db, block.images); !written) return written;
     if (auto written = write_control(db, block.control); !written) return written;
+    if (auto written = write_ground(db, block.ground); !written) return written;
     if (auto written = write_chunks<ControlObservationRecord>(db, "control_observations", block.control_observations);
         !written)
       return written;

@@ -77,7 +77,10 @@ Block setup_block() {
   ControlPoint point{"GCP 1", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
   point.sigma_m.z() = std::numeric_limits<double>::infinity();
   block.control[{9}] = point;
+  block.control[{2}] = {"S", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
   block.control_observations.push_back({{9}, {1}, {1.0 / 3, 2.0 / 3}, 0.5});
+  block.ground.push_back(
+      {GroundKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
   return block;
 }
 
@@ -144,6 +147,14 @@ void expect_same_control(const Block& a, const Block& b) {
     EXPECT_TRUE(same_vector(point.position_in_map, other.position_in_map));
     EXPECT_TRUE(same_vector(point.position_in_world, other.position_in_world));
     EXPECT_TRUE(same_vector(point.sigma_m, other.sigma_m));
+  }
+  ASSERT_EQ(a.ground.size(), b.ground.size());
+  for (std::size_t i = 0; i < a.ground.size(); ++i) {
+    const GroundObservation &one = a.ground[i], &other = b.ground[i];
+    EXPECT_EQ(std::tie(one.kind, one.name, one.from, one.to, one.role, one.setup),
+              std::tie(other.kind, other.name, other.from, other.to, other.role, other.setup));
+    EXPECT_EQ(std::tie(one.value, one.sigma, one.instrument_height_m, one.target_height_m),
+              std::tie(other.value, other.sigma, other.instrument_height_m, other.target_height_m));
   }
   ASSERT_EQ(a.control_observations.size(), b.control_observations.size());
   for (std::size_t i = 0; i < a.control_observations.size(); ++i) {
@@ -286,13 +297,15 @@ TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
   };
   const Block setup = setup_block();
   const std::uint64_t first = hash_of(setup);
-  std::vector<Block> changed(6, setup);
+  std::vector<Block> changed(8, setup);
   changed[0].georeference->origin_height_m += 1e-9;
   changed[1].cameras.begin()->second.sigma_f_px += 1e-9;
   changed[2].images.begin()->second.position->sigma_m.z() *= 2;
   changed[3].control.begin()->second.sigma_m.x() *= 2;
   changed[4].control.begin()->second.role = ControlRole::kControl;
   changed[5].control_observations.front().sigma_px *= 2;
+  changed[6].ground.front().sigma *= 2;
+  changed[7].ground.clear();
   for (const Block& other : changed) EXPECT_NE(hash_of(other), first);
   EXPECT_EQ(hash_of(setup), first);
   ASSERT_TRUE(store.write_orientation(oriented_block(3)));

@@ -140,7 +140,7 @@ Result<bool> place_globally(Reconstruction& block, const Block& setup, std::span
     adjust.max_iterations = 10;
     adjust.relative_cost_change = 1e-2;
     if (round > 0) adjust.first_damping = kSettledDamping;
-    if (auto adjusted = block.adjust_all(adjust, {.use_control = false}, run); !adjusted) {
+    if (auto adjusted = block.adjust_all(adjust, {.use_control = false, .use_ground = false}, run); !adjusted) {
       if (run.stopped()) return tl::unexpected(adjusted.error());
       block.forget();
       block.set_max_error_px(options.max_error_px);

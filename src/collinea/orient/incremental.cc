@@ -91,8 +91,8 @@ class Grower {
       if (run_.stopped()) break;
       block_.forget();
       if (block_.start(pair->first, pair->second, pair->second_from_first) < kMinInitialPoints) continue;
-      const auto adjusted =
-          block_.adjust_all(growing("none", 20), {.use_positions = false, .use_control = false}, run_);
+      const auto adjusted = block_.adjust_all(
+          growing("none", 20), {.use_positions = false, .use_control = false, .use_ground = false}, run_);
       if (!adjusted) continue;
       block_.filter(options_.max_error_px, run_);
       if (block_.point_count() < kMinInitialPoints) continue;
@@ -140,7 +140,9 @@ class Grower {
   Result<> global(int rounds) {
     for (int round = 0; round < rounds; ++round) {
       const AdjustOptions adjust = growing(young_calibration(options_, block_.poses().size()), 20);
-      if (auto adjusted = block_.adjust_all(adjust, {.use_positions = false, .use_control = false}, run_); !adjusted)
+      if (auto adjusted =
+              block_.adjust_all(adjust, {.use_positions = false, .use_control = false, .use_ground = false}, run_);
+          !adjusted)
         return tl::unexpected(adjusted.error());
       block_.filter(options_.max_error_px, run_);
       block_.extend_all(run_);

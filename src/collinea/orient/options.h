@@ -25,6 +25,7 @@ struct OrientOptions {
   double sigma_px = 0.5;
   bool use_positions = true;
   bool use_control = true;
+  bool use_ground = true;
   bool remeasure = false;
   std::optional<std::string> orientation;
   bool refine_orientation = false;
@@ -45,6 +46,7 @@ struct OrientOptions {
     visit(Field{"sigma_px", &O::sigma_px, "px", "standard deviation of a tie point's image before adjustment", 1e-3});
     visit(Field{"use_positions", &O::use_positions, "", "use GNSS positions of the images as observations"});
     visit(Field{"use_control", &O::use_control, "", "use control points as observations"});
+    visit(Field{"use_ground", &O::use_ground, "", "use what was measured between control points as observations"});
     visit(Field{"remeasure", &O::remeasure, "",
                 "measure the images of the tie points once more, by least squares matching of the pictures: smaller "
                 "errors, but "

@@ -18,6 +18,7 @@
 #include "collinea/block/world_frame.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
+#include "collinea/orient/ground_scale.h"
 #include "collinea/orient/incremental.h"
 #include "collinea/orient/level_datum.h"
 #include "collinea/orient/strip_datum.h"
@@ -163,7 +164,7 @@ class Orienter {
  private:
   // Poses stay; cameras that nobody gave and points are estimated on them.
   Result<Orientation> hold(Reconstruction& part) {
-    AdjustScope held{.use_positions = false, .use_control = false};
+    AdjustScope held{.use_positions = false, .use_control = false, .use_ground = false};
     for (const auto& [image, pose] : part.poses()) held.fixed_images.insert(image);
     AdjustOptions adjust = settled_options(part, options_);
     if (!given_->cameras.empty()) adjust.calibration = "none";
@@ -194,7 +195,8 @@ class Orienter {
 
   Result<Orientation> settle_in_world(Reconstruction& part, std::span<const ImagePair> pairs, bool in_world) {
     // A part that lies in the world by its positions keeps them: without them a large block only sways.
-    const AdjustScope by_itself{.use_positions = in_world && options_.use_positions, .use_control = false};
+    const AdjustScope by_itself{
+        .use_positions = in_world && options_.use_positions, .use_control = false, .use_ground = false};
     COLLINEA_TRY(Adjusted settled, settle(part, by_itself, options_, true, run_));
     if (options_.remeasure && pictures_) {
       const Block measured = part.block();
@@ -440,11 +442,14 @@ class Orienter {
 
   // Brings the part into the frame of control or positions, where there are enough of them.
   AdjustScope place(Reconstruction& part) {
-    AdjustScope scope{.use_positions = options_.use_positions, .use_control = options_.use_control};
+    AdjustScope scope{.use_positions = options_.use_positions,
+                      .use_control = options_.use_control,
+                      .use_ground = options_.use_ground};
     if (setup_.georeference && scope.use_control) examine(part.block());
     if (given_ && stays_as_given(part)) {
       scope.use_positions &= result_.georeferenced;
       scope.use_control &= result_.georeferenced;
+      scope.use_ground = scope.use_ground && (result_.georeferenced || scale_by_distances(part));
       if (scope.use_positions && turn_sigma_rad(part.block(), 1) > kWeakTurn_rad) scope.verticals = kept_level(part);
       return scope;
     }
@@ -463,6 +468,7 @@ class Orienter {
           given_
               ? fmt::format("local gauge, as given by {}", given_->source)
               : "local gauge without scale, place or north: the unit is the first base, z is up as the pictures stand";
+      scope.use_ground = scope.use_ground && scale_by_distances(part);
       if (setup_.georeference)
         result_.findings.push_back(
             "positions and control do not fix the place of the block (fewer than three, or all on one line): local "
@@ -477,6 +483,23 @@ class Orienter {
     if (positions) by += (by.empty() ? "" : " and ") + fmt::format("{} image positions", positions);
     result_.gauge = fmt::format("map {}, fixed by {}", setup_.georeference->crs, by);
     return scope;
+  }
+
+  // A block without place gets at least its scale. Distances that contradict the others are left out, for good.
+  bool scale_by_distances(Reconstruction& part) {
+    const auto found = ground_scale(part.block());
+    if (!found) return false;
+    for (const std::size_t place : found->excluded) setup_.ground[place].role = ControlRole::kCheck;
+    result_.excluded_ground.insert(found->excluded.begin(), found->excluded.end());
+    result_.findings.insert(result_.findings.end(), found->findings.begin(), found->findings.end());
+    Similarity3 scaled;
+    scaled.scale = found->scale;
+    part.move_world(scaled);
+    result_.metric = true;
+    result_.gauge = fmt::format("local gauge in metres, {}scale by {} distance{}",
+                                given_ ? "as given by " + given_->source + " but for its " : "", found->distances,
+                                found->distances == 1 ? "" : "s");
+    return true;
   }
 
   // Positions on one line: the turn about it is held by the attitudes, with their sigma.
@@ -527,7 +550,27 @@ class Orienter {
     return alone;
   }
 
+  // What was measured on the ground and differs by more than chance explains, worst first.
+  void doubt_ground() {
+    constexpr double kBeyond = 4;  // standard deviations of the difference: one of 16,000
+    std::vector<const GroundDifference*> beyond;
+    const auto by_sigma = [](const GroundDifference& one) { return std::abs(one.difference) / one.difference_sigma; };
+    for (const GroundDifference& one : result_.adjusted.ground)
+      if (by_sigma(one) > kBeyond && !result_.excluded_ground.contains(one.observation)) beyond.push_back(&one);
+    std::sort(beyond.begin(), beyond.end(), [&](auto* a, auto* b) { return by_sigma(*a) > by_sigma(*b); });
+    for (const GroundDifference* one : beyond) {
+      const GroundObservation& measured = setup_.ground[one->observation];
+      result_.findings.push_back(fmt::format(
+          "the {} {} - {} differs from the adjusted block by {:.3g} {}, {:.0f} times what is expected",
+          kGroundKindNames[static_cast<std::size_t>(measured.kind)], setup_.control.at(measured.from).name,
+          setup_.control.at(measured.to).name, measured.is_angle() ? one->difference * kDegrees : one->difference,
+          measured.is_angle() ? "degrees" : "m", by_sigma(*one)));
+    }
+  }
+
   void finish(Reconstruction& part) {
+    result_.metric |= result_.georeferenced;
+    doubt_ground();
     result_.block = part.block();
     result_.alone = left_alone();
     result_.gsd_m = median_pixel_m(result_.block);

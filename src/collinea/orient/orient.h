@@ -10,19 +10,22 @@ namespace collinea {
 struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
   Adjusted adjusted;  ///< of `block`; with covariances of poses and cameras, unless poses were held as given
-  bool georeferenced = false;                     ///< false: gauge without place and scale, see adjusted.datum
+  bool georeferenced = false;                     ///< false: gauge without place, see adjusted.datum
+  bool metric = false;                            ///< lengths are in metres: georeferenced, or scaled by distances
   bool relative_heights = false;                  ///< georeferenced in plan, but nothing told a height
   std::string gauge;                              ///< what fixes place, attitude and scale, in words
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
   std::vector<ImageId> alone;                     ///< images that are in no part
   std::vector<std::string> findings;              ///< what the user should know, blunders in control among them
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
+  std::set<std::size_t> excluded_ground;          ///< the same of Block::ground
   double gsd_m = 0;  ///< median size of a pixel at the tie points [m, or units of the gauge]
 };
 
 /// Orients a block from verified pairs: growth image by image, or from all at once (options.mode); the largest of
 /// several parts is kept; with options.remeasure its tie points are measured anew in `pictures`; then datum by
-/// positions (GNSS) and control, examination of control, and a final adjustment with all observations. Errors: no two
+/// positions (GNSS) and control, or scale by distances where neither fixes it, examination of both, and a final
+/// adjustment with all observations. Errors: no two
 /// images fit together; mode global without positions; cancelled.
 [[nodiscard]] Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
                                          const KeypointSource& keypoints, const OrientOptions& options, const Run& run,

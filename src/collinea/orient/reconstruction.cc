@@ -383,7 +383,7 @@ Result<> Reconstruction::adjust_around(ImageId centre, const AdjustOptions& opti
   if (moving.size() >= poses_.size()) moving = {centre};  // a young block: something must hold the gauge
   const Block local = block_around(moving);
   AdjustScope scope;
-  scope.use_positions = scope.use_control = false;
+  scope.use_positions = scope.use_control = scope.use_ground = false;
   scope.free_images = moving;
   COLLINEA_TRY(const Adjusted adjusted, adjust(local, scope, options, run));
   for (const ImageId image : moving)
@@ -409,6 +409,8 @@ Block Reconstruction::block() const {
   block.cam_from_world = poses_;
   block.control = setup_->control;
   block.control_observations = setup_->control_observations;
+  block.ground = setup_->ground;
+  block.georeference = setup_->georeference;
   return block;
 }
 

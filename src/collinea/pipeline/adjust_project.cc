@@ -4,14 +4,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <set>
 
 #include "collinea/adjust/control_check.h"
+#include "collinea/adjust/flight_strips.h"
+#include "collinea/block/picture_axes.h"
 #include "collinea/io/adjustment_file.h"
 #include "collinea/io/dbat_script.h"
 #include "collinea/io/file.h"
 #include "collinea/io/photomodeler.h"
+#include "collinea/io/text.h"
 #include "collinea/orient/approximate.h"
 #include "collinea/pipeline/adjusted_report.h"
 
@@ -44,6 +50,58 @@ std::string calibration_of(const json& orientation) {
         calibration = steps[i].first;
       }
   return calibration;
+}
+
+// What orientation did without, or shall be done without, is compared all the same.
+void choose_ground(Block& block, const json& orientation, bool use_ground) {
+  std::set<std::size_t> used;
+  for (const json& row : orientation.at("details").value("ground", json::array()))
+    if (row.at("used").get<bool>()) used.insert(row.at("observation").get<std::size_t>());
+  for (std::size_t i = 0; i < block.ground.size(); ++i)
+    if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
+}
+
+const Eigen::Vector3d kNotKnown = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+
+Result<LeverArm> lever_arm_of(const std::string& text) {
+  if (text == "estimate") return LeverArm{Eigen::Vector3d::Zero(), kNotKnown};
+  const auto fields = fields_of(text, ',');
+  LeverArm arm;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto value = fields.size() == 3 ? number(fields[i]) : std::nullopt;
+    if (!value || !std::isfinite(*value))
+      return fail(Errc::kBadInput, "lever_arm = \"" + text +
+                                       "\": give x,y,z in metres (right, down, forward in the "
+                                       "camera), or estimate");
+    arm.antenna_in_cam_m[static_cast<Eigen::Index>(i)] = *value;
+  }
+  return arm;
+}
+
+// What receivers and inertial systems measure, and what of their mounting is not known.
+Result<> add_instruments(const Block& block, const AdjustProjectOptions& asked, AdjustScope& scope) {
+  if (asked.lever_arm) {
+    COLLINEA_TRY(const LeverArm arm, lever_arm_of(*asked.lever_arm));
+    for (const auto& [id, camera] : block.cameras) scope.lever_arms[id] = arm;
+  }
+  if (asked.position_shift != "none" && asked.position_shift != "block" && asked.position_shift != "strips")
+    return fail(Errc::kBadInput, "position_shift = \"" + asked.position_shift + "\": choose none, block or strips");
+  if (asked.position_drift && asked.position_shift == "none")
+    return fail(Errc::kBadInput, "position_drift needs a position_shift: block or strips");
+  if (asked.position_shift != "none")
+    for (FlightStrip& strip : asked.position_shift == "block" ? one_strip(block) : flight_strips(block))
+      scope.position_tracks.push_back(
+          {std::move(strip), kNotKnown, asked.position_drift ? kNotKnown : Eigen::Vector3d(0, 0, 0)});
+  if (!asked.use_attitudes) return {};
+  const double level = asked.attitude_sigma_deg * std::numbers::pi / 180,
+               heading = asked.heading_sigma_deg * std::numbers::pi / 180;
+  for (const auto& [id, image] : block.images) {
+    if (!image.attitude) continue;
+    scope.attitudes[id] = {cam_from_world(*image.attitude), {level, level, heading}};
+    scope.boresight_sigma_rad[image.camera] = kNotKnown;
+  }
+  if (scope.attitudes.empty()) return fail(Errc::kBadInput, "no photograph says how its camera was turned");
+  return {};
 }
 
 AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
@@ -80,6 +138,8 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
                 .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
   if (task.scope.use_positions && task.scope.use_control)
     apply(check_control(task.block, project.settings.seed), task.block);
+  choose_ground(task.block, orientation, asked.use_ground);
+  if (Result<> known = add_instruments(task.block, asked, task.scope); !known) return tl::unexpected(known.error());
   if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
   task.options = options_of(asked, asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration);
   std::error_code error;
@@ -96,6 +156,7 @@ std::string outcome_text(const Adjusted& adjusted, const std::filesystem::path& 
         fmt::format("; {} of {} observations suspected", adjusted.reliability->rejected, adjusted.reliability->tested);
   else
     text += "; no standard deviations: " + adjusted.undetermined;
+  for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
   return text + "; " + (folder / "adjustment.html").string();
 }
 

@@ -311,7 +311,7 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
       return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\" (--crs)"));
   Eigen::Vector3d origin = middle_of(block);
   if (!has_gps) {
-    if (control.points.empty()) return {};
+    if (!is_surveyed(control)) return add_control(imported, control, nullptr);
     if (crs.empty())
       return fail(Errc::kBadInput,
                   "the control file names no CRS and the photographs have no GPS: give --crs EPSG:code");
@@ -331,7 +331,7 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
     if (auto& prior = image.position)
       prior->position_in_world =
           frame.local_from_geographic({prior->latitude_deg, prior->longitude_deg, prior->height_m});
-  return add_control(imported, control, frame);
+  return add_control(imported, control, &frame);
 }
 
 Result<ControlFile> control_of(const ImportOptions& options) {
@@ -375,6 +375,9 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
   if (camera_params)
     if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
   if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
+  if (options.ground)
+    if (auto added = add_ground(imported, *options.ground); !added) return tl::unexpected(added.error());
+  name_unseen_control(imported);
   return imported;
 }
 
@@ -387,6 +390,7 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   };
   for (const std::string& file : files_below(photos).files) add_file(photos / file);
   if (options.control) add_file(*options.control);
+  if (options.ground) add_file(*options.ground);
   return hash.hex();
 }
 

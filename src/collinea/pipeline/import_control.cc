@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "collinea/io/ground_file.h"
 #include "collinea/pipeline/image_names.h"
 
 namespace collinea {
@@ -16,20 +19,30 @@ Result<Eigen::Vector3d> in_world(const ControlFilePoint& point, const std::strin
       .map_error([&](Error error) { return std::move(error).within("control " + point.name); });
 }
 
+bool is_surveyed(const ControlFilePoint& point) { return point.sigma_m.array().isFinite().any(); }
+
 }  // namespace
 
-Result<> add_control(Imported& imported, const ControlFile& control, const LocalFrame& frame) {
+bool is_surveyed(const ControlFile& control) {
+  return std::any_of(control.points.begin(), control.points.end(),
+                     [](const auto& point) { return is_surveyed(point); });
+}
+
+Result<> add_control(Imported& imported, const ControlFile& control, const LocalFrame* frame) {
   Block& block = imported.block;
   std::map<std::string, ControlId> by_name;
   for (const ControlFilePoint& point : control.points) {
     const ControlId id{static_cast<std::uint32_t>(block.control.size())};
     by_name[point.name] = id;
-    COLLINEA_TRY(const Eigen::Vector3d world, in_world(point, control.crs, frame));
-    block.control[id] = {point.name, point.role, frame.map_from_local(world), world, point.sigma_m};
+    Eigen::Vector3d world = Eigen::Vector3d::Zero();  // of a point without any coordinate nothing is known
+    if (is_surveyed(point)) {
+      COLLINEA_TRY(world, in_world(point, control.crs, *frame));
+    }
+    const Eigen::Vector3d in_map = frame ? frame->map_from_local(world) : world;
+    block.control[id] = {point.name, point.role, in_map, world, point.sigma_m};
   }
   const ImageNames images(block);
   std::map<std::string, int> missing;
-  std::map<ControlId, int> seen;
   for (const ControlFileObservation& row : control.observations) {
     const auto image = images.find(row.file);
     if (!image) {
@@ -43,16 +56,55 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
       continue;
     }
     const ControlId point = by_name.at(row.point);
-    ++seen[point];
     block.control_observations.push_back({point, *image, row.pixel, row.sigma_px});
   }
   for (const auto& [file, rows] : missing)
     imported.findings.push_back(
         fmt::format("control file: no photograph is called {} ({} measurements left out)", file, rows));
+  return {};
+}
+
+void name_unseen_control(Imported& imported) {
+  const Block& block = imported.block;
+  std::map<ControlId, int> seen;
+  for (const ControlObservation& observation : block.control_observations) ++seen[observation.point];
   for (const auto& [id, point] : block.control)
     if (seen[id] < 2)
       imported.findings.push_back(fmt::format("control {} is seen in {} image{}: it cannot be used", point.name,
                                               seen[id], seen[id] == 1 ? "" : "s"));
+}
+
+Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
+  Block& block = imported.block;
+  COLLINEA_TRY(const std::vector<GroundFileRow> rows, read_ground(file));
+  std::map<std::string, ControlId> by_name;
+  for (const auto& [id, point] : block.control) by_name[point.name] = id;
+  std::map<std::string, std::pair<std::uint32_t, ControlId>> setups;
+  for (const GroundFileRow& row : rows) {
+    const auto bad = [&](const std::string& what) {
+      return fail(Errc::kBadInput, fmt::format("{}: line {}: {}", file.string(), row.line, what));
+    };
+    GroundObservation one{.kind = row.kind, .name = row.name, .value = row.value, .sigma = row.sigma, .role = row.role};
+    one.instrument_height_m = row.instrument_height_m;
+    one.target_height_m = row.target_height_m;
+    for (const auto& [name, id] : {std::pair(&row.from, &one.from), std::pair(&row.to, &one.to)}) {
+      const auto known = by_name.find(*name);
+      if (known == by_name.end())
+        return bad(block.control.empty()
+                       ? "there is no point " + *name + ": points and where images show them come from --control"
+                       : "there is no point " + *name + " in the control file");
+      *id = known->second;
+    }
+    if (row.kind == GroundKind::kDirection) {
+      const auto [its, is_new] = setups.try_emplace(row.setup.empty() ? "on " + row.from : row.setup,
+                                                    static_cast<std::uint32_t>(setups.size()), one.from);
+      if (its->second.second != one.from)
+        return bad("set-up " + row.setup + " stands on " + block.control.at(its->second.second).name + " and on " +
+                   row.from);
+      one.setup = its->second.first;
+    }
+    block.ground.push_back(std::move(one));
+  }
   return {};
 }
 

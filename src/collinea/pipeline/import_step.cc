@@ -49,8 +49,9 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
   const Block& block = imported.block;
   return StepOutput{
       hash_of_pictures(imported), json_text(report),
-      fmt::format("{} images, {} camera{}, {} positions, {} control points{}", block.images.size(),
+      fmt::format("{} images, {} camera{}, {} positions, {} control points{}{}", block.images.size(),
                   block.cameras.size(), block.cameras.size() == 1 ? "" : "s", positions, block.control.size(),
+                  block.ground.empty() ? "" : fmt::format(", {} measurements on the ground", block.ground.size()),
                   block.georeference ? ", map " + block.georeference->crs : ", no map: local gauge")};
 }
 

@@ -262,12 +262,17 @@ TEST(Import, WithoutPositionsAndControlThereIsNoMap) {
 }
 
 // Three photographs without positions and a control file with this text.
-Result<Imported> import_with_control(const std::string& text, ImportOptions options = {}) {
+Result<Imported> import_with_control(const std::string& text, ImportOptions options = {},
+                                     const std::string& ground = "") {
   const TestFolder folder;
   const PhotoHeader header = drone_header();
   for (const char* file : {"IMG_1.jpg", "IMG_2.jpg", "sub/IMG_3.JPG"}) put_photo(folder / file, &header);
   EXPECT_TRUE(write_file(folder / "control.csv", text));
   options.control = (folder / "control.csv").string();
+  if (!ground.empty()) {
+    EXPECT_TRUE(write_file(folder / "ground.csv", ground));
+    options.ground = (folder / "ground.csv").string();
+  }
   return import_photos(folder / "", options, {});
 }
 
@@ -356,6 +361,45 @@ TEST(ImportControl, WhatIsWrongIsSaid) {
     EXPECT_EQ(imported.error().code, code) << imported.error().message;
     EXPECT_NE(imported.error().message.find(named), std::string::npos) << imported.error().message;
   }
+}
+
+const std::string kMarks = R"(point, A, , ,
+point, B, , ,
+image, A, IMG_1.jpg, 10, 20
+image, A, IMG_2.jpg, 12, 20
+image, B, IMG_1.jpg, 30, 20
+image, B, IMG_2.jpg, 32, 20
+)";
+
+TEST(ImportGround, PointsWithoutCoordinatesNeedNoMap) {
+  const auto imported = import_with_control(kMarks, {}, "from,to,distance_m,sigma_m\nA,B,2.5,0.001\n");
+  ASSERT_TRUE(imported) << imported.error().message;
+  EXPECT_FALSE(imported->block.georeference);
+  EXPECT_EQ(imported->block.control_observations.size(), 4u);
+  ASSERT_EQ(imported->block.ground.size(), 1u);
+  EXPECT_EQ(imported->block.ground[0].value, 2.5);
+  EXPECT_EQ(imported->block.ground[0].to, ControlId{1});
+}
+
+TEST(ImportGround, DirectionsOfOneSetupShareIt) {
+  const auto imported = import_with_control(kMarks, {},
+                                            "from,to,setup,direction_gon,sigma_direction_mgon\n"
+                                            "A,B,,10,1\nA,B,,20,1\nB,A,x,30,1\n");
+  ASSERT_TRUE(imported) << imported.error().message;
+  EXPECT_EQ(imported->block.ground[0].setup, imported->block.ground[1].setup);
+  EXPECT_NE(imported->block.ground[0].setup, imported->block.ground[2].setup);
+}
+
+TEST(ImportGround, WhatDoesNotFitIsNamedWithFileAndLine) {
+  const auto message = [](const std::string& ground) {
+    const auto imported = import_with_control(kMarks, {}, ground);
+    return imported ? "accepted" : imported.error().message;
+  };
+  const std::string title = "from,to,distance_m,sigma_m\n";
+  EXPECT_TRUE(message(title + "A,C,1,1\n").ends_with("ground.csv: line 2: there is no point C in the control file"));
+  EXPECT_TRUE(message(title + "A,B,1,0\n").ends_with("ground.csv: line 2: sigma_m must be above 0"));
+  EXPECT_TRUE(message("from,to,setup,direction_deg,sigma_direction_arcsec\nA,B,1,1,1\nB,A,1,1,1\n")
+                  .ends_with("ground.csv: line 3: set-up 1 stands on A and on B"));
 }
 
 TEST(ImportControl, CheckPointsWithoutControlAreAnError) {

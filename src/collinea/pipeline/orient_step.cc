@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -106,6 +107,7 @@ json details_of(const Orientation& orientation, const Block& setup) {
   const Adjusted& adjusted = orientation.adjusted;
   json details = {{"control", json::array()},
                   {"positions", json::array()},
+                  {"ground", json::array()},
                   {"centre_sigma_m", json::object()},
                   {"camera_sigma", json::object()}};
   for (const ControlDifference& control : adjusted.control)
@@ -120,6 +122,13 @@ json details_of(const Orientation& orientation, const Block& setup) {
     details["positions"].push_back({{"image", position.image.value},
                                     {"difference_m", numbers(measured_axes(position, orientation.block))},
                                     {"weight", position.weight}});
+  for (const GroundDifference& ground : adjusted.ground)
+    details["ground"].push_back({{"observation", ground.observation},
+                                 {"used", ground.used},
+                                 {"excluded", orientation.excluded_ground.contains(ground.observation)},
+                                 {"adjusted", ground.adjusted},
+                                 {"difference", ground.difference},
+                                 {"sigma", numbers(std::array{ground.difference_sigma})[0]}});
   for (const auto& [image, covariance] : adjusted.pose_covariance)
     details["centre_sigma_m"][std::to_string(image.value)] =
         numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt() * sigma_scale(adjusted)));
@@ -136,11 +145,12 @@ json report_of(const Orientation& orientation, const Block& setup) {
                  {"tie_points", orientation.block.points.size()},
                  {"observations", orientation.block.observations.size()},
                  {"mean_reprojection_px", mean_residual_px(adjusted)},
-                 {"gsd_m", orientation.georeferenced ? json(orientation.gsd_m) : json(nullptr)},
+                 {"gsd_m", orientation.metric ? json(orientation.gsd_m) : json(nullptr)},
                  {"pixel_in_units", orientation.gsd_m},
                  {"sigma0", adjusted.sigma0},
                  {"redundancy", adjusted.redundancy},
                  {"georeferenced", orientation.georeferenced},
+                 {"metric", orientation.metric},
                  {"gauge", orientation.gauge},
                  {"relative_heights", orientation.relative_heights},
                  {"control_rmse_m", control_rms(orientation, true)},

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
 #include "collinea/orient/orient.h"
+#include "collinea/pipeline/adjust_project.h"
 #include "collinea/pipeline/info.h"
 #include "collinea/pipeline/step.h"
 #include "collinea/pipeline/test_project.h"
@@ -83,6 +87,51 @@ TEST_F(OrientStepTest, SigmasOfCentresAndCamerasAreTimesSigma0) {
   EXPECT_NEAR(told.at("cameras").at(0).at("parameters").at("f").at("sigma").get<double>() /
                   (sigma0 * std::sqrt(camera(Camera::kF, Camera::kF))),
               1, 1e-9);
+}
+
+// No place on Earth, and control points that are only marked: what is measured between them tells the scale.
+TEST_F(OrientStepTest, DistancesMakeABlockWithoutPlaceMetric) {
+  std::map<ControlId, Eigen::Vector3d> truth;
+  for (auto& [id, point] : setup_.control) {
+    truth[id] = point.position_in_world;
+    point.role = ControlRole::kControl;
+    point.position_in_world = point.position_in_map = Eigen::Vector3d::Zero();
+    point.sigma_m.setConstant(std::numeric_limits<double>::infinity());
+  }
+  setup_.georeference.reset();
+  for (auto& [id, image] : setup_.images) image.position.reset();
+  const auto measure = [&](std::uint32_t from, std::uint32_t to, double error_m, ControlRole role) {
+    const double length = (truth.at({from}) - truth.at({to})).norm();
+    setup_.ground.push_back({.from = {from}, .to = {to}, .value = length + error_m, .sigma = 0.02, .role = role});
+  };
+  measure(0, 1, 0.01, ControlRole::kControl);
+  measure(1, 2, -0.01, ControlRole::kControl);
+  measure(2, 3, 10, ControlRole::kControl);  // a slip of the pen
+  measure(3, 4, 0, ControlRole::kCheck);
+  orient();
+  const nlohmann::json told = info();
+  EXPECT_FALSE(told.at("georeferenced").get<bool>());
+  EXPECT_TRUE(told.at("metric").get<bool>());
+  EXPECT_TRUE(told.at("gsd_m").is_number());
+  EXPECT_NE(told.at("gauge").get<std::string>().find("scale by 2 distances"), std::string::npos);
+  EXPECT_NE(told.at("findings").dump().find("contradicts the others"), std::string::npos);
+  const nlohmann::json shown = report();
+  EXPECT_EQ(shown.at("length_unit"), "m");
+  ASSERT_EQ(shown.at("ground").size(), 4u);
+  EXPECT_EQ(shown.at("ground").at(2).at("role"), "excluded");
+  const nlohmann::json& check = shown.at("ground").at(3);
+  EXPECT_EQ(check.at("role"), "check");
+  EXPECT_LT(std::abs(check.at("difference").get<double>()), 4 * check.at("sigma").get<double>());
+  EXPECT_LT(check.at("sigma").get<double>(), 0.1);
+
+  ASSERT_TRUE(adjust_project(*project_, {}));
+  const nlohmann::json adjusted =
+      nlohmann::json::parse(*read_file(folder_ / "block" / "adjustment" / "adjustment.json"));
+  ASSERT_EQ(adjusted.at("ground").size(), 4u);
+  EXPECT_EQ(adjusted.at("ground").at(0).at("role"), "control");
+  EXPECT_EQ(adjusted.at("ground").at(2).at("role"), "check");  // what orientation left out stays out
+  EXPECT_NE(read_file(folder_ / "block" / "adjustment" / "ground.csv")->find("\"distance\",m,check"),
+            std::string::npos);
 }
 
 }  // namespace

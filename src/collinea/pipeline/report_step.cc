@@ -45,7 +45,15 @@ void add_orientation(const json& orientation, ReportInput& input) {
   }
   input.sigma0 = orientation.at("sigma0").get<double>();
   input.redundancy = orientation.at("redundancy").get<long>();
+  for (const json& row : details.value("ground", json::array()))
+    input.ground.push_back({.observation = row.at("observation").get<std::uint32_t>(),
+                            .used = row.at("used").get<bool>(),
+                            .excluded = row.at("excluded").get<bool>(),
+                            .adjusted = row.at("adjusted").get<double>(),
+                            .difference = row.at("difference").get<double>(),
+                            .sigma = row.at("sigma").is_null() ? std::nan("") : row.at("sigma").get<double>()});
   input.georeferenced = orientation.at("georeferenced").get<bool>();
+  input.metric = orientation.value("metric", input.georeferenced);
   input.gauge = orientation.at("gauge").get<std::string>();
   if (orientation.at("gsd_m").is_number()) input.gsd_m = orientation.at("gsd_m").get<double>();
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/adjustment_findings.h"
+#include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"
 
 namespace collinea {
@@ -15,6 +16,23 @@ json control(const AdjustmentReport& report) {
                     {"images", one.rays},
                     {"difference_m", vector(one.difference_m)},
                     {"sigma_m", vector(one.difference_sigma_m)}});
+  return list;
+}
+
+json ground(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const GroundDifference& one : report.adjusted.ground) {
+    const GroundObservation& measured = report.block.ground[one.observation];
+    list.push_back({{"measurement", ground_name(measured, report.block)},
+                    {"unit", measured.is_angle() ? "rad" : "m"},
+                    {"role", one.used ? "control" : "check"},
+                    {"given", measured.value},
+                    {"sigma_given", measured.sigma},
+                    {"adjusted", number(one.adjusted)},
+                    {"sigma_adjusted", number(one.sigma * sigma_scale(report.adjusted))},
+                    {"difference", number(one.difference)},
+                    {"sigma", number(one.difference_sigma)}});
+  }
   return list;
 }
 
@@ -39,6 +57,16 @@ json cameras(const AdjustmentReport& report) {
     }
     list.push_back(one);
   }
+  return list;
+}
+
+json unknowns(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const EstimatedUnknown& one : report.adjusted.extras)
+    list.push_back({{"unknown", name_of_extra(report.block, one.kind, one.owner, one.axis)},
+                    {"unit", unit_of(one.kind)},
+                    {"value", number(in_unit(one.kind, one.value))},
+                    {"sigma", number(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted))}});
   return list;
 }
 
@@ -108,6 +136,9 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"undetermined", adjusted.undetermined},
             {"cameras", cameras(report)},
             {"control_points", control(report)}};
+  if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
+  if (!adjusted.extras.empty()) j["unknowns"] = unknowns(report);
+  if (!adjusted.inseparable.empty()) j["inseparable"] = adjusted.inseparable;
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
   j["residuals"] = residual_json(report);
   j["weaknesses"] = json::array();

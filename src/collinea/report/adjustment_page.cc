@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
@@ -67,6 +68,37 @@ std::string control_table(const AdjustmentReport& report) {
   return html + "</tbody></table></section>\n";
 }
 
+std::string ground_table(const AdjustmentReport& report) {
+  if (report.adjusted.ground.empty()) return "";
+  std::string html =
+      "<section><h2>Measurements on the ground</h2>\n<p>Adjusted minus given. &sigma;: what the difference is expected "
+      "to be. Red: more than three times that.</p>\n" +
+      head({"measurement", "role", "unit", "given", "&sigma; given", "adjusted", "difference", "&sigma;"});
+  for (const GroundDifference& one : report.adjusted.ground) {
+    const GroundObservation& measured = report.block.ground[one.observation];
+    const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
+    const int decimals = measured.is_angle() ? 5 : kDecimals;
+    html += "<tr>" + text_cell(ground_name(measured, report.block)) + text_cell(one.used ? "used" : "check") +
+            text_cell(measured.is_angle() ? "deg" : "m") + cell(unit * measured.value, decimals) +
+            cell(unit * measured.sigma, decimals) + cell(unit * one.adjusted, decimals) +
+            difference_cell(unit * one.difference, unit * one.difference_sigma, decimals) +
+            cell(unit * one.difference_sigma, decimals) + "</tr>\n";
+  }
+  return html + "</tbody></table></section>\n";
+}
+
+std::string unknowns_table(const AdjustmentReport& report) {
+  if (report.adjusted.extras.empty()) return "";
+  std::string html = "<section><h2>Lever arms, shifts, boresight, orientations</h2>\n";
+  for (const std::string& pair : report.adjusted.inseparable) html += "<p>" + escaped(pair) + ".</p>\n";
+  html += head({"unknown", "unit", "value", "&sigma;"});
+  for (const EstimatedUnknown& one : report.adjusted.extras)
+    html += "<tr>" + text_cell(name_of_extra(report.block, one.kind, one.owner, one.axis)) +
+            text_cell(unit_of(one.kind)) + cell(in_unit(one.kind, one.value), kDecimals) +
+            cell(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted), kDecimals) + "</tr>\n";
+  return html + "</tbody></table></section>\n";
+}
+
 std::string left_out_table(const AdjustmentReport& report, const Reliability& tests) {
   if (tests.left_out.empty()) return "";
   std::string html =
@@ -103,7 +135,8 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
                            "least detectable", "its effect", "in &sigma;"});
   for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
     const TestedObservation& one = observations[i];
-    const int decimals = std::string_view(unit_of(one)) == "px" ? 2 : kDecimals;
+    const std::string_view unit = unit_of(one);
+    const int decimals = unit == "px" ? 2 : unit == "rad" ? 7 : kDecimals;
     html += "<tr>" + text_cell(name_of(one, block)) + text_cell(unit_of(one)) + cell(one.residual, decimals) +
             cell(one.sigma, decimals) + cell(one.redundancy, 2) +
             fmt::format("<td{}>{:+.1f}</td>", std::abs(one.w) > limit ? " class=\"bad\"" : "", one.w) +
@@ -125,13 +158,14 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
   html += "</section>\n";
   std::vector<TestedObservation> surveyed;
   for (const TestedObservation& one : tests.others)
-    if (one.group == ObservationGroup::kControlPlan || one.group == ObservationGroup::kControlHeight)
+    if (one.group == ObservationGroup::kControlPlan || one.group == ObservationGroup::kControlHeight ||
+        (one.group >= ObservationGroup::kDistance && one.group <= ObservationGroup::kZenithAngle))
       surveyed.push_back(one);
   if (!surveyed.empty())
     html += fmt::format(
-                "<section><h2>Reliability of control</h2>\n<p>A blunder of the least detectable size is found with a "
+                "<section><h2>Reliability of control{}</h2>\n<p>A blunder of the least detectable size is found with a "
                 "probability of {:.0f} %; its effect is how far it would move the adjusted coordinate unnoticed.</p>\n",
-                100 * tests.power) +
+                report.adjusted.ground.empty() ? "" : " and measurements on the ground", 100 * tests.power) +
             test_rows(surveyed, report.block, tests.limit) + "</section>\n";
   return html;
 }
@@ -144,7 +178,8 @@ std::string adjustment_page(const AdjustmentReport& report) {
                      ": adjustment</title>\n<style>" + kStyleSheet +
                      "</style></head>\n<body><main>\n<header><div><h1>" + title +
                      "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
-  html += summary(report.adjusted) + snooping_section(report) + control_table(report);
+  html += summary(report.adjusted) + snooping_section(report) + control_table(report) + ground_table(report) +
+          unknowns_table(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);

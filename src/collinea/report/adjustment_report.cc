@@ -6,10 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/io/file.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/io/file.h"
 #include "collinea/io/opk.h"
 #include "collinea/report/adjustment_findings.h"
+#include "collinea/report/cells.h"
 
 namespace collinea {
 namespace {
@@ -30,8 +31,8 @@ Eigen::Vector3d sigma_of_angles(const OmegaPhiKappa& angles, const Rigid3& pose,
   const double omega = angles.omega_deg / kDegrees, phi = angles.phi_deg / kDegrees;
   // Axes of omega, phi and kappa in the map, whose axes are those of the world but for the convergence of meridians.
   Eigen::Matrix3d axes;
-  axes << 1, 0, std::sin(phi),                                         //
-      0, std::cos(omega), -std::sin(omega) * std::cos(phi),            //
+  axes << 1, 0, std::sin(phi),                               //
+      0, std::cos(omega), -std::sin(omega) * std::cos(phi),  //
       0, std::sin(omega), std::cos(omega) * std::cos(phi);
   const Eigen::Matrix3d map_from_world = (cam_from_world(angles).conjugate() * pose.rotation).toRotationMatrix();
   const Eigen::Matrix3d angles_by_turn = axes.inverse() * map_from_world;
@@ -115,6 +116,33 @@ std::string control_csv(const AdjustmentReport& report) {
   return text;
 }
 
+std::string ground_csv(const AdjustmentReport& report) {
+  std::string text =
+      "from,to,name,kind,unit,role,given,sigma_given,adjusted,sigma_adjusted,difference,sigma_difference\n";
+  for (const GroundDifference& one : report.adjusted.ground) {
+    const GroundObservation& measured = report.block.ground[one.observation];
+    const double unit = measured.is_angle() ? kDegrees : 1;
+    text += in_quotes(report.block.control.at(measured.from).name) + "," +
+            in_quotes(report.block.control.at(measured.to).name) + "," + in_quotes(measured.name) + "," +
+            in_quotes(kGroundKindNames[static_cast<std::size_t>(measured.kind)]) +
+            (measured.is_angle() ? ",deg" : ",m") + (one.used ? ",control" : ",check");
+    for (const double value : {measured.value, measured.sigma, one.adjusted, one.sigma * sigma_scale(report.adjusted),
+                               one.difference, one.difference_sigma})
+      text += number(unit * value);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string unknowns_csv(const AdjustmentReport& report) {
+  std::string text = "unknown,unit,value,sigma\n";
+  for (const EstimatedUnknown& one : report.adjusted.extras)
+    text += in_quotes(name_of_extra(report.block, one.kind, one.owner, one.axis)) + "," + unit_of(one.kind) +
+            number(in_unit(one.kind, one.value)) + number(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) +
+            "\n";
+  return text;
+}
+
 std::string observations_csv(const AdjustmentReport& report, const std::vector<TestedObservation>& observations) {
   std::string text =
       "observation,group,unit,residual,sigma,redundancy,w,blunder,least_detectable_blunder,its_effect,"
@@ -137,7 +165,17 @@ double shown_factor(const GroupSums& sums) {
   return sums.told() || factor > 1 ? factor : std::nan("");
 }
 
+const char* unit_of(UnknownKind kind) {
+  if (kind == UnknownKind::kDrift) return "m/s";
+  return kind == UnknownKind::kOrientation || kind == UnknownKind::kBoresight ? "deg" : "m";
+}
+
+double in_unit(UnknownKind kind, double value) {
+  return std::string_view(unit_of(kind)) == "deg" ? kDegrees * value : value;
+}
+
 const char* unit_of(const TestedObservation& one) {
+  if (one.group >= ObservationGroup::kDirection) return "rad";  // angles, the last of the groups
   return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";
 }
 
@@ -161,6 +199,17 @@ std::string name_of(const TestedObservation& one, const Block& block) {
     case ObservationGroup::kPositionPlan:
     case ObservationGroup::kPositionHeight:
       return fmt::format("position of {}, {}", block.images.at(ImageId{one.source}).file, kOnGround[one.axis]);
+    case ObservationGroup::kDistance:
+    case ObservationGroup::kHeightDifference:
+    case ObservationGroup::kDirection:
+    case ObservationGroup::kZenithAngle:
+      return ground_name(block.ground[one.source], block);
+    case ObservationGroup::kAttitudeLevel:
+    case ObservationGroup::kAttitudeHeading:
+      return fmt::format("attitude of {}, about {}", block.images.at(ImageId{one.source}).file,
+                         one.axis == 0   ? "east"
+                         : one.axis == 1 ? "north"
+                                         : "the plumb line");
   }
   return "";
 }
@@ -173,6 +222,8 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"cameras.csv", cameras_csv(report)},
                                                        {"points.csv", points_csv(report)},
                                                        {"control.csv", control_csv(report)},
+                                                       {"ground.csv", ground_csv(report)},
+                                                       {"unknowns.csv", unknowns_csv(report)},
                                                        {"observations.csv", observations_csv(report, tests.others)},
                                                        {"suspects.csv", observations_csv(report, tests.suspects)},
                                                        {"adjustment.json", adjustment_json(report)},

@@ -21,9 +21,10 @@ struct AdjustmentReport {
 };
 
 /// Writes into the folder: adjustment.html (for people), adjustment.json (the same figures), and the tables poses.csv,
-/// cameras.csv, points.csv, control.csv, observations.csv (control and positions, each with its test), suspects.csv
-/// and, after snooping, taken_out.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors:
-/// disk, a CRS that PROJ does not know.
+/// cameras.csv, points.csv, control.csv, ground.csv, unknowns.csv (beside those of images, cameras and points),
+/// observations.csv (control, positions and ground, each with its test), suspects.csv and, after snooping,
+/// taken_out.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ
+/// does not know.
 [[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder);
 
 // Its parts.
@@ -37,5 +38,9 @@ struct AdjustmentReport {
 /// A measurement that was taken out, and how wrong it was: "gcp4 in IMG_31.jpg, off by 12.3 px (row ...)".
 [[nodiscard]] std::string told(const TakenOut& gone, const Block& block);
 [[nodiscard]] const char* unit_of(const TestedObservation& observation);
+
+/// Unknowns beside those of images, cameras and points are told in m, m/s (where times are known) and deg.
+[[nodiscard]] const char* unit_of(UnknownKind kind);
+[[nodiscard]] double in_unit(UnknownKind kind, double value);
 
 }  // namespace collinea

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "collinea/block/block.h"
+
 namespace collinea {
 
 /// Cells of the tables of both pages. A value that is not known is a dash.
@@ -11,5 +13,8 @@ namespace collinea {
 [[nodiscard]] std::string text_cell(std::string_view text, std::string_view style = "l");
 /// A signed difference; marked when it exceeds three of its standard deviations.
 [[nodiscard]] std::string difference_cell(double value, double sigma, int decimals);
+
+/// "distance A - B (bar 1)".
+[[nodiscard]] std::string ground_name(const GroundObservation& measured, const Block& block);
 
 }  // namespace collinea

@@ -128,7 +128,8 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
         fact("coordinate system",
              input.crs_name.empty() || input.crs_name == g->crs ? g->crs : input.crs_name + " (" + g->crs + ")", true);
   else
-    html += fact("coordinate system", "none: a local frame in units of the model", true);
+    html += fact("coordinate system",
+                 input.metric ? "none: a local frame in metres" : "none: a local frame in units of the model", true);
   if (input.georeferenced && !input.height_reference.empty()) html += fact("heights", input.height_reference, true);
   if (!input.gauge.empty()) html += fact("place, attitude and scale are fixed by", input.gauge, true);
   return html + "</dl>\n";
@@ -195,6 +196,7 @@ std::string report_page(const ReportInput& input, const ReportSummary& s, const 
   html += products_pictures(heights, ortho, s.unit);
   html += geometry_section(input, s);
   html += control_section(input, s);
+  html += ground_section(input);
   html += position_section(input, s);
   html += camera_section(input, s);
   html += residual_section(s);

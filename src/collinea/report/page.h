@@ -15,6 +15,7 @@ namespace collinea {
 
 // Its parts, each one or more <section>; empty when there is nothing to tell.
 [[nodiscard]] std::string control_section(const ReportInput& input, const ReportSummary& summary);
+[[nodiscard]] std::string ground_section(const ReportInput& input);
 [[nodiscard]] std::string position_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string camera_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string image_section(const ReportInput& input, const ReportSummary& summary);

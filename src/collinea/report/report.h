@@ -35,6 +35,15 @@ struct ReportPosition {
   double weight = 1;  ///< below 1: partly disbelieved by the robust adjustment
 };
 
+/// What was measured on the ground, after the adjustment.
+struct ReportGround {
+  std::uint32_t observation = 0;                            ///< place in Block::ground
+  bool used = false;                                        ///< false: only compared
+  bool excluded = false;                                    ///< it contradicts the others and was left out
+  double adjusted = 0, difference = 0;                      ///< [m] or [rad]; adjusted minus given
+  double sigma = std::numeric_limits<double>::quiet_NaN();  ///< predicted, of the difference
+};
+
 struct ReportSkipped {
   std::string file, reason;
 };
@@ -59,9 +68,11 @@ struct ReportInput {
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up
   std::vector<ReportControl> control;
   std::vector<ReportPosition> positions;
+  std::vector<ReportGround> ground;
   double sigma0 = std::numeric_limits<double>::quiet_NaN();
   long redundancy = 0;
-  bool georeferenced = false;          ///< false: lengths are in units of the model, not metres
+  bool georeferenced = false;          ///< false: a local frame
+  bool metric = false;                 ///< false: lengths are in units of the model, not metres
   std::string crs_name;                ///< "WGS 84 / UTM zone 33N"
   std::string height_reference;        ///< what heights refer to: "above the WGS 84 ellipsoid"; empty: the CRS says it
   std::string gauge;                   ///< what fixes place, attitude and scale, in words

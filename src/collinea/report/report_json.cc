@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/report_json.h"
 
+#include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"
 
 namespace collinea {
@@ -75,6 +76,24 @@ json control(const ReportInput& input) {
   return list;
 }
 
+json ground(const ReportInput& input) {
+  json list = json::array();
+  for (const ReportGround& one : input.ground) {
+    const GroundObservation& measured = input.block.ground.at(one.observation);
+    list.push_back({{"measurement", ground_name(measured, input.block)},
+                    {"role", one.excluded ? "excluded"
+                             : one.used   ? "control"
+                                          : "check"},
+                    {"unit", measured.is_angle() ? "rad" : "m"},
+                    {"given", measured.value},
+                    {"sigma_given", measured.sigma},
+                    {"adjusted", number(one.adjusted)},
+                    {"difference", number(one.difference)},
+                    {"sigma", number(one.sigma)}});
+  }
+  return list;
+}
+
 json pairs(const std::vector<std::pair<std::string, std::string>>& list) {
   json object = json::object();
   for (const auto& [name, value] : list) object[name] = value;
@@ -143,6 +162,7 @@ std::string report_json(const ReportInput& input, const ReportSummary& s) {
                        {"position_rms_m", rms(s.position)},
                        {"residuals", residual_figures(s.residuals)},
                        {"control_points", control(input)},
+                       {"ground", ground(input)},
                        {"cameras", cameras(input)},
                        {"image_list", images(input, s)},
                        {"left_out", left_out(input, s)},

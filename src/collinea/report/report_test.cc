@@ -102,7 +102,7 @@ TEST_F(ReportTest, WithoutCheckPointsNothingIsSaidToBeVerified) {
   EXPECT_TRUE(contains(summary_of(input).statement, "not verified independently"));
   input.control.clear();
   EXPECT_TRUE(contains(summary_of(input).statement, "positions of the cameras alone"));
-  input.georeferenced = false;
+  input.georeferenced = input.metric = false;
   const ReportSummary free = summary_of(input);
   EXPECT_EQ(free.unit, "units");
   EXPECT_TRUE(contains(free.statement, "neither place nor scale"));

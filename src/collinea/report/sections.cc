@@ -147,6 +147,30 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
   return html + "</tbody></table></section>\n";
 }
 
+std::string ground_section(const ReportInput& input) {
+  if (input.ground.empty()) return "";
+  std::string html =
+      "<section><h2>Measurements on the ground</h2>\n<p>Differences are adjusted minus given. Red: more than three "
+      "times the predicted standard deviation.</p>\n<table><thead><tr><th class=\"l\">measurement</th><th "
+      "class=\"l\">role</th><th class=\"l\">unit</th><th>given</th><th>&sigma; given</th><th>adjusted</th>"
+      "<th>difference</th><th>&sigma; predicted</th></tr></thead><tbody>\n";
+  for (const ReportGround& one : input.ground) {
+    const GroundObservation& measured = input.block.ground.at(one.observation);
+    const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
+    const int decimals = measured.is_angle() ? 5 : 4;
+    html += one.excluded ? "<tr class=\"out\">" : "<tr>";
+    html += text_cell(ground_name(measured, input.block)) +
+            text_cell(one.excluded ? "not used"
+                      : one.used   ? "used"
+                                   : "check") +
+            text_cell(measured.is_angle() ? "deg" : "m") + cell(unit * measured.value, decimals) +
+            cell(unit * measured.sigma, decimals) + cell(unit * one.adjusted, decimals) +
+            difference_cell(unit * one.difference, unit * one.sigma, decimals) + cell(unit * one.sigma, decimals) +
+            "</tr>\n";
+  }
+  return html + "</tbody></table></section>\n";
+}
+
 std::string position_section(const ReportInput& input, const ReportSummary& summary) {
   if (summary.position.points == 0) return "";
   const auto doubted =

@@ -40,9 +40,15 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
         "{} "
         "images). An error common to all positions stays unseen: there is no check point.",
         axes_text(s.position, s.unit), s.position.points);
+  if (input.metric && !input.georeferenced)
+    return fmt::format(
+        "The block has no place on Earth; its scale comes from {} measurement{} on the ground. Nothing independent "
+        "verifies the accuracy: measure a distance that is only compared (role check).",
+        std::count_if(input.ground.begin(), input.ground.end(), [](const ReportGround& one) { return one.used; }),
+        input.ground.size() == 1 ? "" : "s");
   if (!input.georeferenced)
-    return "The block has neither place nor scale on Earth: lengths are in units of the model. Add control points or "
-           "image positions to make it a survey.";
+    return "The block has neither place nor scale on Earth: lengths are in units of the model. Add control points, "
+           "image positions or at least a distance to make it a survey.";
   return "Nothing independent verifies the accuracy: there is neither a check point nor a control point.";
 }
 
@@ -85,7 +91,7 @@ std::string length_text(std::optional<double> length, const std::string& unit) {
 
 ReportSummary summary_of(const ReportInput& input) {
   ReportSummary s;
-  s.unit = input.georeferenced ? "m" : "units";
+  s.unit = input.metric ? "m" : "units";
   s.residuals = residual_statistics(input.block);
   s.coverage = coverage_of(input.block);
   s.overlap = overlap_of(s.coverage, kOverlapCells);

@@ -120,7 +120,7 @@ inline ReportInput report_of_test_flight(int strips, int per_strip, int points) 
   input.title = "Quarry north <1>";
   input.date = "2024-05-17";
   input.block.georeference = Georeference{"EPSG:32633", 45, 15, 100};
-  input.georeferenced = true;
+  input.georeferenced = input.metric = true;
   input.crs_name = "WGS 84 / UTM zone 33N";
   input.gauge = "control points and image positions";
   const double width = 12.0 * (per_strip - 1), height = 22.0 * (strips - 1);

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "collinea/block/block.h"
+
+namespace collinea {
+
+/// The images of one strip with the time they were taken, from the middle of the strip on [s]; where an image of the
+/// block has no time, the number of the image in the strip instead.
+using FlightStrip = std::map<ImageId, double>;
+
+/// Cuts the oriented images that have positions into strips, in the order of their times (without these, of their
+/// names): a new one begins where the path turns by more than 45 degrees or pauses for more than five times the median
+/// interval. What would have fewer than three images stays with the strip before.
+[[nodiscard]] std::vector<FlightStrip> flight_strips(const Block& block);
+
+/// All of them as one.
+[[nodiscard]] std::vector<FlightStrip> one_strip(const Block& block);
+
+}  // namespace collinea

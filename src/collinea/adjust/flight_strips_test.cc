@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/flight_strips.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "collinea/block/picture_axes.h"
+#include "collinea/geometry/rotation.h"
+
+namespace collinea {
+namespace {
+
+// Strips there and back, ten metres and two seconds an image.
+Block flown(int strips, int images, bool timed) {
+  Block block;
+  block.cameras[{1}] = {};
+  int second = 0;
+  for (int s = 0; s < strips; ++s)
+    for (int i = 0; i < images; ++i, second += 2) {
+      const ImageId id{static_cast<std::uint32_t>(s * images + i)};
+      const Eigen::Vector3d centre(10.0 * (s % 2 ? images - 1 - i : i), 30.0 * s, 80);
+      block.cam_from_world[id] = {Eigen::Quaterniond::Identity(), -centre};
+      char taken[40];
+      std::snprintf(taken, sizeof taken, "2024:02:29 23:%02d:%02d.50", 58 + second / 60, second % 60);
+      char name[40];
+      std::snprintf(name, sizeof name, "IMG_%04u.jpg", id.value);
+      block.images[id] = {name, {1}, timed ? taken : "", PositionPrior{}, {}, 1};
+    }
+  return block;
+}
+
+TEST(FlightStrips, AreCutWhereThePathTurns) {
+  for (const bool timed : {true, false}) {
+    const auto strips = flight_strips(flown(4, 6, timed));
+    ASSERT_EQ(strips.size(), 4u);
+    for (std::uint32_t s = 0; s < 4; ++s) EXPECT_TRUE(strips[s].contains({6 * s + 3})) << s;
+    EXPECT_NEAR(strips[1].at({8}) - strips[1].at({7}), timed ? 2 : 1, 1e-9);
+    EXPECT_EQ(one_strip(flown(4, 6, timed)).size(), 1u);
+  }
+}
+
+TEST(FlightStrips, APauseBeginsANewOne) {
+  Block block = flown(1, 8, true);
+  for (std::uint32_t i = 4; i < 8; ++i) block.images.at({i}).taken = "2024:03:01 08:00:0" + std::to_string(2 * (i - 4));
+  EXPECT_EQ(flight_strips(block).size(), 2u);
+}
+
+TEST(FlightStrips, WithoutPositionsThereAreNone) {
+  Block block = flown(2, 4, true);
+  for (auto& [id, image] : block.images) image.position.reset();
+  EXPECT_TRUE(flight_strips(block).empty());
+  EXPECT_TRUE(one_strip(block).empty());
+}
+
+TEST(PictureAxes, AttitudesAreThoseOfDrones) {
+  const auto world_from_cam = [](const AttitudePrior& attitude) { return cam_from_world(attitude).conjugate(); };
+  // Straight down, heading north: the upper edge of the picture is in the north.
+  EXPECT_LT((world_from_cam({0, -90, 0}) * Eigen::Vector3d(0, -1, 0) - Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  EXPECT_LT((world_from_cam({90, 0, 0}) * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitX()).norm(), 1e-12);
+  // Rolled to the right the right edge is the lower one.
+  EXPECT_LT((world_from_cam({0, 0, 90}) * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/ground.h"
+
+namespace collinea {
+
+/// One measurement on the ground as a file tells it; points by name.
+struct GroundFileRow {
+  GroundKind kind = GroundKind::kDistance;
+  std::string from, to, name, setup;
+  double value = 0, sigma = 0;  ///< [m] or [rad]
+  ControlRole role = ControlRole::kControl;
+  double instrument_height_m = 0, target_height_m = 0;
+  int line = 0;  ///< for messages
+};
+
+/// Reads measurements between points: CSV whose first row names the columns, in any order; # starts a comment.
+///     from, to                                    points, as the control file calls them
+///     distance_m, height_difference_m             measured; empty where not
+///     direction_deg or _gon, zenith_deg or _gon   of a total station standing on `from`
+///     sigma_m                                     of distance or height difference, where there is one of them
+///     sigma_distance_m, sigma_height_difference_m, sigma_direction_arcsec or _mgon, sigma_zenith_arcsec or _mgon
+///     name, role (control, check), setup (directions of one share an orientation; else all from one point do),
+///     instrument_height_m, target_height_m        above the marks; not of height differences
+/// Every measured value needs a positive sigma. Errors name the line.
+[[nodiscard]] Result<std::vector<GroundFileRow>> read_ground(const std::filesystem::path& path);
+
+/// The same, from text in memory.
+[[nodiscard]] Result<std::vector<GroundFileRow>> parse_ground(std::string_view text);
+
+}  // namespace collinea

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/io/ground_file.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace collinea {
+namespace {
+
+TEST(GroundFile, DistancesAreReadByTheNamesOfTheirColumns) {
+  const auto rows = parse_ground(
+      "# scale bars\n"
+      "to, from, sigma_m, distance_m, name, role\n"
+      "B, A, 0.001, 12.5, bar 1,\n"
+      "C, A, 0.002, 7, , check\n");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 2u);
+  EXPECT_EQ((*rows)[0].from, "A");
+  EXPECT_EQ((*rows)[0].to, "B");
+  EXPECT_EQ((*rows)[0].value, 12.5);
+  EXPECT_EQ((*rows)[0].sigma, 0.001);
+  EXPECT_EQ((*rows)[0].name, "bar 1");
+  EXPECT_EQ((*rows)[0].role, ControlRole::kControl);
+  EXPECT_EQ((*rows)[1].role, ControlRole::kCheck);
+  EXPECT_EQ((*rows)[1].line, 4);
+}
+
+TEST(GroundFile, ATotalStationMeasuresThreeThingsARow) {
+  const auto rows = parse_ground(
+      "from,to,setup,direction_gon,sigma_direction_mgon,zenith_deg,sigma_zenith_arcsec,distance_m,sigma_m,"
+      "instrument_height_m,target_height_m\n"
+      "S,A,1,100,1,90,3600,20,0.002,1.5,1.2\n"
+      "S,B,1,200,1,,,,,1.5,\n");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 4u);
+  EXPECT_EQ((*rows)[0].kind, GroundKind::kDistance);
+  EXPECT_EQ((*rows)[1].kind, GroundKind::kDirection);
+  EXPECT_NEAR((*rows)[1].value, std::numbers::pi / 2, 1e-15);
+  EXPECT_NEAR((*rows)[1].sigma, std::numbers::pi / 200000, 1e-15);
+  EXPECT_EQ((*rows)[2].kind, GroundKind::kZenithAngle);
+  EXPECT_NEAR((*rows)[2].sigma, std::numbers::pi / 180, 1e-15);
+  EXPECT_EQ((*rows)[2].target_height_m, 1.2);
+  EXPECT_EQ((*rows)[3].kind, GroundKind::kDirection);
+  EXPECT_EQ((*rows)[3].setup, "1");
+}
+
+TEST(GroundFile, WhatIsWrongIsToldWithItsLine) {
+  const auto message = [](const char* text) {
+    const auto rows = parse_ground(text);
+    return rows ? std::string("accepted") : rows.error().message;
+  };
+  const std::string title = "from,to,distance_m,sigma_m\n";
+  EXPECT_EQ(message((title + "A,B,0,0.01\n").c_str()), "line 2: the distance A - B is not above 0");
+  EXPECT_EQ(message((title + "A,B,5,0\n").c_str()), "line 2: sigma_m must be above 0");
+  EXPECT_EQ(message((title + "A,B,5,\n").c_str()), "line 2: the distance A - B has no standard deviation");
+  EXPECT_EQ(message((title + "\nA,A,5,1\n").c_str()), "line 3: from and to are both A");
+  EXPECT_EQ(message((title + "A,B,5 m,1\n").c_str()), "line 2: distance_m \"5 m\" is not a number");
+  EXPECT_EQ(message((title + "A,B,5,0,01\n").c_str()), "line 2: too many fields (decimal commas?)");
+  EXPECT_EQ(message((title + "A,B,,1\n").c_str()), "line 2: nothing is measured from A to B");
+  EXPECT_EQ(message("from,to,length\nA,B,1\n"), "line 1: there is no column \"length\"");
+  EXPECT_EQ(message("from,to,distance_m\nA,B,1\n"), "line 1: column distance_m needs a column sigma_distance_m");
+  EXPECT_EQ(message(title.c_str()), "no measurement found");
+  EXPECT_TRUE(
+      std::string(message("from,to,distance_m,height_difference_m,sigma_m\nA,B,1,1,1\n")).starts_with("line 1: "));
+}
+
+}  // namespace
+}  // namespace collinea
