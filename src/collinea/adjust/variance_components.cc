@@ -17,6 +17,12 @@ double factor_of(const SigmaFactors& factors, ObservationGroup group) {
 
 }  // namespace
 
+SigmaFactors as_given() {
+  SigmaFactors factors;
+  factors.fill(1);
+  return factors;
+}
+
 Block with_sigmas(const Block& block, const SigmaFactors& factors) {
   Block scaled = block;
   for (Observation& seen : scaled.observations) seen.sigma_px *= factor_of(factors, ObservationGroup::kTieImages);
@@ -44,7 +50,7 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
   AdjustScope around = scope;  // the weak observations stay those of the beginning
   for (const auto& [id, camera] : block.cameras) around.first_cameras.try_emplace(id, camera);
   VarianceComponents found;
-  found.factors.fill(1);
+  found.factors = as_given();
   Block scaled = block;
   for (;; ++found.iterations) {
     for (auto& [id, attitude] : around.attitudes) {

@@ -10,6 +10,8 @@ namespace collinea {
 /// By what the given sigmas of each group of observations are to be multiplied.
 using SigmaFactors = std::array<double, kObservationGroups>;
 
+[[nodiscard]] SigmaFactors as_given();  ///< all 1
+
 /// The outcome of estimating variance components.
 struct VarianceComponents {
   /// 1 for groups of which too little is told. One that became so on the way (its errors are drowned in those of what

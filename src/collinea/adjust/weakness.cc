@@ -350,7 +350,9 @@ void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
     const double sigma = std::sqrt(std::max(eigen.eigenvalues()[k], 0.0)) * sigma_scale(adjusted_);
     const bool scales = std::abs(motion[3]) > 0.7;
     const Eigen::Vector3d axis = motion.head<3>().normalized();
-    const double reference = reference_sigma(!scales && std::abs(axis.z()) < 0.7);
+    // A turn about a level axis shows in height, one about the plumb line in plan.
+    const double upright = scales ? 1 : std::abs(axis.z()), level = std::sqrt(1 - upright * upright);
+    const double reference = std::hypot(upright * reference_sigma(false), level * reference_sigma(true));
     if (!(reference > 0) || !(sigma * size > kWeakMotion * reference)) continue;
     const std::string known = fmt::format(
         "which shifts what lies {:.3g} m from the middle by {:.2g} m, while what fixes "

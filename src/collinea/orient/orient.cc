@@ -279,6 +279,7 @@ class Orienter {
     const double factor = redundancy < kLeastRedundancy ? 0 : std::sqrt(squares / redundancy);
     if (factor < kControlMisfit) return;
     for (ControlObservation& seen : setup_.control_observations) sigma_px = std::max(sigma_px, seen.sigma_px *= factor);
+    result_.sigma_factors[std::size_t(ObservationGroup::kControlImages)] = factor;
     result_.findings.push_back(
         fmt::format("image measurements of control points miss each other by {:.1f} times their sigma; it is taken as "
                     "{:.2g} px. Look for marks that do not show the same place in all images",
@@ -315,6 +316,9 @@ class Orienter {
       COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
       shift_m += shift_positions(tied);
     }
+    result_.position_shift_m = shift_m;
+    result_.sigma_factors[std::size_t(ObservationGroup::kControlPlan)] = taken[kPlan];
+    result_.sigma_factors[std::size_t(ObservationGroup::kControlHeight)] = taken[kHeight];
     say_how_positions_were_shifted(shift_m);
     say_what_control_shows(taken);
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "collinea/adjust/variance_components.h"
 #include "collinea/orient/reconstruction.h"
 #include "collinea/orient/remeasure.h"
 
@@ -19,7 +20,9 @@ struct Orientation {
   std::vector<std::string> findings;              ///< what the user should know, blunders in control among them
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
   std::set<std::size_t> excluded_ground;          ///< the same of Block::ground
-  double gsd_m = 0;  ///< median size of a pixel at the tie points [m, or units of the gauge]
+  SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows
+  Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
+  double gsd_m = 0;                           ///< median size of a pixel at the tie points [m, or units of the gauge]
 };
 
 /// Orients a block from verified pairs: growth image by image, or from all at once (options.mode); the largest of

@@ -119,6 +119,29 @@ AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& c
   return options;
 }
 
+// What orientation found control to be worth, and where it moved the positions.
+void judge_as_orient_did(const json& orientation, bool shift_positions, Block& block, const Run& run) {
+  if (!orientation.contains("sigma_factors")) return;
+  SigmaFactors factors = as_given();
+  const json& given = orientation.at("sigma_factors");
+  for (std::size_t g = 0; g < std::min(factors.size(), given.size()); ++g) factors[g] = given.at(g).get<double>();
+  std::string text;
+  for (std::size_t g = 0; g < factors.size(); ++g)
+    if (factors[g] != 1)
+      text += fmt::format("{}sigmas of \"{}\" times {:.1f}", text.empty() ? "" : ", ", kObservationGroupNames[g],
+                          factors[g]);
+  block = with_sigmas(block, factors);
+  const json& shift = orientation.at("position_shift_m");
+  const Eigen::Vector3d shift_m(shift.at(0).get<double>(), shift.at(1).get<double>(), shift.at(2).get<double>());
+  if (shift_positions && !shift_m.isZero()) {
+    for (auto& [id, image] : block.images)
+      if (image.position) image.position->position_in_world += shift_m;
+    text += fmt::format("{}positions shifted by {:+.2f}, {:+.2f}, {:+.2f} m", text.empty() ? "" : ", ", shift_m.x(),
+                        shift_m.y(), shift_m.z());
+  }
+  if (!text.empty()) run.say("note: as orientation found: " + text + "; --given-sigmas takes what was stated");
+}
+
 /// All that is needed to adjust and to report.
 struct Task {
   std::string title;
@@ -138,9 +161,11 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
                 .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
   if (task.scope.use_positions && task.scope.use_control)
     apply(check_control(task.block, project.settings.seed), task.block);
+  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
+  if (task.scope.use_control && !asked.given_sigmas)
+    judge_as_orient_did(orientation, asked.position_shift == "none", task.block, project.run);
   choose_ground(task.block, orientation, asked.use_ground);
   if (Result<> known = add_instruments(task.block, asked, task.scope); !known) return tl::unexpected(known.error());
-  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
   task.options = options_of(asked, asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration);
   std::error_code error;
   task.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();

@@ -24,6 +24,7 @@ struct AdjustProjectOptions {
   bool use_attitudes = false;
   double attitude_sigma_deg = 1;
   double heading_sigma_deg = 3;
+  bool given_sigmas = false;
   bool snoop = false;
   int snoop_most = 1000;
   bool variance_components = false;
@@ -54,6 +55,9 @@ struct AdjustProjectOptions {
                 "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
     visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg", "their standard deviation from level", 1e-6, 90});
     visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
+    visit(Field{"given_sigmas", &O::given_sigmas, "",
+                "take the sigmas of control and the places of positions as they were given, also where orient found "
+                "them contradicted"});
     visit(Field{"snoop", &O::snoop, "",
                 "take out the worst suspect and adjust again, until none is left; measurements of control that orient "
                 "took out are tried again"});

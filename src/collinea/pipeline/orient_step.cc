@@ -156,6 +156,8 @@ json report_of(const Orientation& orientation, const Block& setup) {
                  {"control_rmse_m", control_rms(orientation, true)},
                  {"check_rmse_m", control_rms(orientation, false)},
                  {"position_rms_m", position_rms(orientation)},
+                 {"sigma_factors", numbers(orientation.sigma_factors)},
+                 {"position_shift_m", numbers(orientation.position_shift_m)},
                  {"not_oriented", files_of(orientation.block, orientation.alone)},
                  {"findings", orientation.findings}};
   report["other_parts"] = json::array();

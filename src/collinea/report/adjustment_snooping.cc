@@ -33,8 +33,9 @@ std::string name_of(const TakenOut& gone, const Block& block) {
       return "position of " + block.images.at(gone.image).file + ", plan";
     case ObservationGroup::kPositionHeight:
       return "position of " + block.images.at(gone.image).file + ", height";
+    default:  // snooping leaves measurements on the ground and attitudes alone
+      return "";
   }
-  return "";
 }
 
 const char* unit(const TakenOut& gone) { return in_image(gone.group) ? "px" : "m"; }
