@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace collinea {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::string_view kTitle = "collinea-adjustment";
 
 constexpr std::string_view kHead = R"(collinea-adjustment 1
@@ -29,6 +31,9 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   position IMAGE X Y Z SX SY SZ                measured position and its standard deviations [m]
 #   control NAME X Y Z SX SY SZ                  surveyed point [m]; standard deviation 0: held
 #   check NAME X Y Z SX SY SZ                    surveyed point that is only compared [m]
+#   ground KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]
+#                                                measured between control points; KIND: distance, height_difference [m],
+#                                                direction, zenith_angle [deg]; ROLE: control or check; heights [m]
 #   point NUMBER X Y Z                           tie point, approximately [m]
 #   measured_control IMAGE NAME COLUMN ROW SIGMA, measured_tie IMAGE NUMBER COLUMN ROW SIGMA
 #                                                [px] from the upper-left corner of the picture
@@ -67,6 +72,24 @@ std::map<Id, std::string> unique_names(const Things& things, const Name& name_of
     names[id] = in_quotes(name);
   }
   return names;
+}
+
+// A kind of measurement on the ground as one word.
+std::string word_of(std::size_t kind) {
+  std::string word = kGroundKindNames[kind];
+  std::replace(word.begin(), word.end(), ' ', '_');
+  return word;
+}
+
+std::string ground_line(const GroundObservation& one, const std::map<ControlId, std::string>& names) {
+  const double unit = one.is_angle() ? kDegree : 1;
+  std::string text = "ground " + word_of(std::size_t(one.kind)) + " " + names.at(one.from) + " " + names.at(one.to) +
+                     " " + exact(one.value / unit) + " " + exact(one.sigma / unit) +
+                     (one.role == ControlRole::kCheck ? " check" : " control");
+  if (one.setup != GroundObservation::kNoSetup || one.instrument_height_m != 0 || one.target_height_m != 0)
+    text += " " + (one.setup == GroundObservation::kNoSetup ? "-" : std::to_string(one.setup)) + " " +
+            exact(one.instrument_height_m) + " " + exact(one.target_height_m);
+  return text + "\n";
 }
 
 void write_camera(const AdjustmentFile& file, CameraId id, const std::string& name, std::string& text) {
@@ -169,6 +192,7 @@ class Parser {
         {"position", "IMAGE X Y Z SX SY SZ", 7, 7, &Parser::take_position},
         {"control", "NAME X Y Z SX SY SZ", 7, 7, &Parser::take_control},
         {"check", "NAME X Y Z SX SY SZ", 7, 7, &Parser::take_control},
+        {"ground", "KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]", 6, 9, &Parser::take_ground},
         {"point", "NUMBER X Y Z", 4, 4, &Parser::take_point},
         {"measured_control", "IMAGE NAME COLUMN ROW SIGMA", 5, 5, &Parser::take_measured},
         {"measured_tie", "IMAGE NUMBER COLUMN ROW SIGMA", 5, 5, &Parser::take_measured},
@@ -365,6 +389,46 @@ class Parser {
     return {};
   }
 
+  Result<> take_ground(const Line& line) {
+    std::size_t kind = 0;
+    while (kind < kGroundKinds && line.words[1] != word_of(kind)) ++kind;
+    if (kind == kGroundKinds) {
+      std::string known;
+      for (std::size_t k = 0; k < kGroundKinds; ++k) known += " " + word_of(k);
+      return bad_line(line.number, shown(line.words[1]) + " is measured by nobody; there are:" + known);
+    }
+    if (line.count() != 6 && line.count() != 9)
+      return bad_line(line.number,
+                      "behind the role stand set-up, height of the instrument and of the target, or nothing");
+    Ground ground{line.number, line.words[2], line.words[3], {.kind = GroundKind(kind)}};
+    GroundObservation& one = ground.measured;
+    const double unit = one.is_angle() ? kDegree : 1;
+    COLLINEA_TRY(one.value, finite(line, 4, "a value"));
+    COLLINEA_TRY(one.sigma, finite(line, 5, "a standard deviation"));
+    if (!(one.sigma > 0)) return bad_line(line.number, "the standard deviation of a measurement is above 0");
+    if (kind == std::size_t(GroundKind::kDistance) && !(one.value > 0))
+      return bad_line(line.number, "a distance is above 0 [m]");
+    one.value *= unit, one.sigma *= unit;
+    if (line.words[6] != "control" && line.words[6] != "check")
+      return bad_line(line.number, shown(line.words[6]) + " is no role: control or check");
+    if (line.words[6] == "check") one.role = ControlRole::kCheck;
+    if (ground.from == ground.to) return bad_line(line.number, "a measurement from a point to itself");
+    if (line.count() > 6) {
+      if (line.words[7] != "-") {
+        const auto setup = integer(line.words[7]);
+        if (!setup || *setup < 0 || *setup >= std::int64_t(GroundObservation::kNoSetup))
+          return bad_line(line.number, shown(line.words[7]) + " is no set-up: a whole number from 0, or -");
+        one.setup = std::uint32_t(*setup);
+      }
+      COLLINEA_TRY(one.instrument_height_m, finite(line, 8, "a height"));
+      COLLINEA_TRY(one.target_height_m, finite(line, 9, "a height"));
+    }
+    if (one.kind == GroundKind::kDirection && one.setup == GroundObservation::kNoSetup)
+      return bad_line(line.number, "a direction belongs to a set-up: the instrument's orientation is found for each");
+    ground_.push_back(std::move(ground));
+    return {};
+  }
+
   static std::optional<PointId> point_numbered(std::string_view word) {
     const auto value = integer(word);
     if (!value || *value < 0 || *value >= std::int64_t(PointId::kNone)) return std::nullopt;
@@ -415,6 +479,16 @@ class Parser {
         return twice(one.line, one.point, one.image, before->second);
       file_.block.control_observations.push_back({control->second, one.image, one.pixel, one.sigma});
     }
+    for (Ground& one : ground_) {
+      const auto from = control_.find(one.from), to = control_.find(one.to);
+      if (from == control_.end() || to == control_.end())
+        return bad_line(one.line, "there is no control or check point " +
+                                      shown(from == control_.end() ? one.from : one.to) +
+                                      ": add a line control (a point without coordinates has - for all of them)");
+      one.measured.from = from->second;
+      one.measured.to = to->second;
+      file_.block.ground.push_back(one.measured);
+    }
     std::stable_sort(ties_.begin(), ties_.end(), [](const Tie& a, const Tie& b) {
       return std::pair(a.seen.point, a.seen.image) < std::pair(b.seen.point, b.seen.image);
     });
@@ -453,6 +527,12 @@ class Parser {
     double sigma;
   };
 
+  struct Ground {
+    std::size_t line;
+    std::string from, to;
+    GroundObservation measured;
+  };
+
   struct Tie {
     std::size_t line;
     Observation seen;
@@ -470,6 +550,7 @@ class Parser {
   std::map<std::string, ControlId> control_;
   std::set<std::pair<CameraId, std::size_t>> parameters_;
   std::vector<Measured> measured_;
+  std::vector<Ground> ground_;
   std::vector<Tie> ties_;
 };
 
@@ -502,6 +583,7 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
   for (const auto& [id, point] : block.control)
     text += (point.role == ControlRole::kCheck ? "check " : "control ") + control.at(id) +
             words(point.position_in_world) + words(point.sigma_m) + "\n";
+  for (const GroundObservation& one : block.ground) text += ground_line(one, control);
   for (const auto& [id, point] : block.points)
     text += "point " + std::to_string(id.value) + words(point.position_in_world) + "\n";
   text += "\n";

@@ -98,6 +98,13 @@ AdjustmentFile random_file() {
   }
   for (std::uint32_t i = 0; i < 6; ++i)
     block.control_observations.push_back({{i % 3}, {i}, {random.uniform(0, 4000), random.uniform(0, 3000)}, 0.25});
+  for (std::size_t kind = 0; kind < kGroundKinds; ++kind) {
+    GroundObservation one{
+        .kind = GroundKind(kind), .from = {0}, .to = {2}, .value = 1 + random.uniform(), .sigma = 0.01};
+    if (kind == 1) one.role = ControlRole::kCheck;
+    if (kind > 1) one.setup = 3, one.instrument_height_m = 1.51;
+    block.ground.push_back(one);
+  }
   return file;
 }
 
@@ -133,6 +140,19 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
     EXPECT_EQ(back->block.control.at(id).sigma_m, control.sigma_m);
     EXPECT_EQ(back->block.control.at(id).position_in_world.y(), control.position_in_world.y());
   }
+  ASSERT_EQ(back->block.ground.size(), kGroundKinds);
+  for (std::size_t i = 0; i < kGroundKinds; ++i) {
+    const GroundObservation &one = back->block.ground[i], &before = file.block.ground[i];
+    EXPECT_EQ(one.kind, before.kind);
+    EXPECT_EQ(one.from, before.from);
+    EXPECT_EQ(one.to, before.to);
+    EXPECT_NEAR(one.value, before.value, 1e-15);  // angles go through degrees
+    EXPECT_NEAR(one.sigma, before.sigma, 1e-17);
+    EXPECT_EQ(one.role, before.role);
+    EXPECT_EQ(one.setup, before.setup);
+    EXPECT_EQ(one.instrument_height_m, before.instrument_height_m);
+    EXPECT_EQ(one.target_height_m, before.target_height_m);
+  }
   ASSERT_EQ(back->block.observations.size(), file.block.observations.size());
   for (std::size_t i = 0; i < file.block.observations.size(); ++i) {
     EXPECT_EQ(back->block.observations[i].pixel, file.block.observations[i].pixel);
@@ -163,6 +183,15 @@ TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {
       {"parameter wide q 1 free\n", "line 16: \"q\" is no parameter of a camera; there are: f cx cy k1"},
       {"parameter wide k2 1 frei\n", "line 16: \"frei\" says not how the parameter takes part"},
       {"parameter wide k2 1 free 2\n", "line 16: a given value belongs to a standard deviation"},
+      {"ground distance G1 G9 3 0.01 control\n", "line 16: there is no control or check point \"G9\""},
+      {"ground distance G1 G1 3 0.01 control\n", "line 16: a measurement from a point to itself"},
+      {"ground distance G1 G9 0 0.01 control\n", "line 16: a distance is above 0"},
+      {"ground distance G1 G9 3 0 control\n", "line 16: the standard deviation of a measurement is above 0"},
+      {"ground distance G1 G9 3 0.01 checked\n", "line 16: \"checked\" is no role: control or check"},
+      {"ground tape G1 G9 3 0.01 check\n", "line 16: \"tape\" is measured by nobody; there are: distance"},
+      {"ground direction G1 G9 3 0.01 check\n", "line 16: a direction belongs to a set-up"},
+      {"ground direction G1 G9 3 0.01 check x 0 0\n", "line 16: \"x\" is no set-up"},
+      {"ground direction G1 G9 3 0.01 check 1 0\n", "line 16: behind the role stand"},
       {"image b wide\n", "line 16: a second image \"b\""},
       {"image c narrow\n", "line 16: there is no camera \"narrow\" above"},
       {"pose b 0 0 0 0 0 0 free\n", "line 16: behind kappa stands fixed or nothing"},

@@ -270,6 +270,8 @@ Result<std::string> adjust_project(const Project& project, const AdjustProjectOp
 
 Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
                            const std::filesystem::path& file) {
+  if (asked.lever_arm || asked.use_attitudes || asked.position_shift != "none")
+    project.run.say("note: lever arms, shifts and attitudes have no place in the file; state them again with --import");
   COLLINEA_TRY(const Task task, task_of(project, asked));
   if (!calibration_named(task.options.calibration, Camera{}))
     return fail(Errc::kBadInput, "calibration = \"" + task.options.calibration + "\": no such set of parameters");
@@ -291,6 +293,9 @@ Result<std::string> adjust_file(const std::filesystem::path& path, const std::fi
                       .use_control = asked.use_control},
             .options = options_of(asked, "none")};
   if (Result<> set = set_calibration(asked.calibration, file, task.scope); !set) return tl::unexpected(set.error());
+  if (!asked.use_ground)
+    for (GroundObservation& measured : file.block.ground) measured.role = ControlRole::kCheck;
+  if (Result<> known = add_instruments(file.block, asked, task.scope); !known) return tl::unexpected(known.error());
   task.block = std::move(file.block);
   return adjust_task(std::move(task), asked, folder, run);
 }
