@@ -11,6 +11,9 @@ namespace collinea {
 // Parts of the report of an adjustment: for the page, for the JSON, as tables. Sections are empty when there is nothing
 // to tell.
 
+/// Root mean squares at check points by ASPRS 2023, the accuracy of their survey included.
+[[nodiscard]] std::string accuracy_section(const AdjustmentReport& report);
+[[nodiscard]] nlohmann::ordered_json accuracy_json(const AdjustmentReport& report);
 [[nodiscard]] std::string snooping_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json snooping_json(const AdjustmentReport& report);
 /// Mean residuals of tie points on a grid over the format of each camera, and how far residuals are from normal ones.

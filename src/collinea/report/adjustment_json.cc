@@ -135,7 +135,8 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"converged", adjusted.converged},
             {"undetermined", adjusted.undetermined},
             {"cameras", cameras(report)},
-            {"control_points", control(report)}};
+            {"control_points", control(report)},
+            {"accuracy", accuracy_json(report)}};
   if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
   if (!adjusted.extras.empty()) j["unknowns"] = unknowns(report);
   if (!adjusted.inseparable.empty()) j["inseparable"] = adjusted.inseparable;

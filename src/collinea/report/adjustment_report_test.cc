@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "collinea/image/test_folder.h"
@@ -67,6 +69,36 @@ TEST(WriteAdjustment, WhatIsWeakIsToldWithItsCure) {
   const auto weak = nlohmann::json::parse(adjustment_json(report)).at("weaknesses");
   EXPECT_EQ(weak.at(0).at("cure"), "a known distance");
   EXPECT_NE(adjustment_page(report).find("Cure: a known distance"), std::string::npos);
+}
+
+// Errors of 3 and 4 cm in plan and of 5 and 1 cm in height; survey 1 cm on each axis; control and points that are
+// surveyed in height only do not count in plan.
+TEST(WriteAdjustment, AccuracyAtCheckPointsHoldsThatOfTheirSurvey) {
+  AdjustmentReport report;
+  const auto add = [&](std::uint32_t id, bool used, const Eigen::Vector3d& difference_m, double plan_sigma_m) {
+    report.block.control[{id}].name = "P" + std::to_string(id);
+    report.block.control[{id}].sigma_m = {plan_sigma_m, plan_sigma_m, 0.01};
+    ControlDifference& one = report.adjusted.control.emplace_back();
+    one.point = {id};
+    one.used = used;
+    one.difference_m = difference_m;
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNaN = std::numeric_limits<double>::quiet_NaN();
+  add(1, false, {0.03, 0, 0.05}, 0.01);
+  add(2, false, {0, 0.04, -0.01}, 0.01);
+  add(3, true, {1, 1, 1}, 0.01);
+  add(4, false, {kNaN, kNaN, 0.01}, kInfinity);
+  const auto accuracy = nlohmann::json::parse(adjustment_json(report)).at("accuracy");
+  const auto& plan = accuracy.at("horizontal");
+  const auto& height = accuracy.at("vertical");
+  EXPECT_EQ(plan.at("check_points"), 2);
+  EXPECT_NEAR(plan.at("fit_rmse_m").get<double>(), std::sqrt((9e-4 + 16e-4) / 2), 1e-12);
+  EXPECT_NEAR(plan.at("survey_rmse_m").get<double>(), std::sqrt(2e-4), 1e-12);
+  EXPECT_NEAR(plan.at("rmse_m").get<double>(), std::sqrt(12.5e-4 + 2e-4), 1e-12);
+  EXPECT_EQ(height.at("check_points"), 3);
+  EXPECT_NEAR(height.at("rmse_m").get<double>(), std::sqrt(27e-4 / 3 + 1e-4), 1e-12);
+  EXPECT_NEAR(accuracy.at("rmse_3d_m").get<double>(), std::sqrt(14.5e-4 + 10e-4), 1e-12);
+  EXPECT_FALSE(accuracy.at("enough_check_points").get<bool>());
 }
 
 }  // namespace

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "collinea/report/adjustment_findings.h"
+#include "collinea/report/cells.h"
+#include "collinea/report/json_values.h"
+
+namespace collinea {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+constexpr int kEnoughPoints = 30;  // no fewer for a tested class (ASPRS 2023)
+constexpr int kDecimals = 4;
+
+// Root mean squares over check points [m]: in plan of both axes together, or in height.
+struct Part {
+  int points = 0;
+  double fit = 0;     // of the differences
+  double survey = 0;  // of the standard deviations of the survey
+  [[nodiscard]] double accuracy() const { return std::hypot(fit, survey); }
+};
+
+Part part_of(const AdjustmentReport& report, int first_axis, int last_axis) {
+  Part part;
+  double fit = 0, survey = 0;
+  for (const ControlDifference& one : report.adjusted.control) {
+    if (one.used) continue;
+    const Eigen::Vector3d& sigma_m = report.block.control.at(one.point).sigma_m;
+    double square = 0, variance = 0;
+    for (int axis = first_axis; axis <= last_axis; ++axis) {
+      square += one.difference_m[axis] * one.difference_m[axis];
+      variance += sigma_m[axis] * sigma_m[axis];
+    }
+    if (!std::isfinite(square) || !std::isfinite(variance)) continue;
+    ++part.points;
+    fit += square;
+    survey += variance;
+  }
+  if (part.points == 0) return part;
+  part.fit = std::sqrt(fit / part.points);
+  part.survey = std::sqrt(survey / part.points);
+  return part;
+}
+
+json json_of(const Part& part) {
+  return {{"check_points", part.points},
+          {"fit_rmse_m", number(part.fit)},
+          {"survey_rmse_m", number(part.survey)},
+          {"rmse_m", number(part.accuracy())}};
+}
+
+std::string row(const char* name, const Part& part) {
+  if (part.points == 0) return "";
+  return "<tr>" + text_cell(name) + fmt::format("<td>{}</td>", part.points) + cell(part.fit, kDecimals) +
+         cell(part.survey, kDecimals) + cell(part.accuracy(), kDecimals) + "</tr>\n";
+}
+
+}  // namespace
+
+std::string accuracy_section(const AdjustmentReport& report) {
+  const Part plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
+  if (plan.points + height.points == 0) return "";
+  std::string html =
+      "<section><h2>Accuracy at check points</h2>\n<p>Root mean squares by the ASPRS Positional Accuracy Standards for "
+      "Digital Geospatial Data, edition 2 (2023): what check points differ by, the standard deviations of their "
+      "survey, "
+      "and both together. Of the block; surfaces and orthophotos add their own.</p>\n"
+      "<table><thead><tr><th class=\"l\"></th><th>check points</th><th>fit [m]</th><th>survey [m]</th>"
+      "<th>RMSE [m]</th></tr></thead><tbody>\n" +
+      row("horizontal, RMSE_H", plan) + row("vertical, RMSE_V", height) + "</tbody></table>\n";
+  if (plan.points > 0 && height.points > 0)
+    html += fmt::format("<p>RMSE_3D {:.{}f} m.</p>\n", std::hypot(plan.accuracy(), height.accuracy()), kDecimals);
+  if (std::min(plan.points, height.points) < kEnoughPoints)
+    html += fmt::format(
+        "<p>The standard asks for {} check points; with fewer these figures are an indication, no test of a "
+        "class.</p>\n",
+        kEnoughPoints);
+  return html + "</section>\n";
+}
+
+json accuracy_json(const AdjustmentReport& report) {
+  const Part plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
+  json j = {{"standard", "ASPRS 2023"}, {"enough_check_points", std::min(plan.points, height.points) >= kEnoughPoints}};
+  if (plan.points > 0) j["horizontal"] = json_of(plan);
+  if (height.points > 0) j["vertical"] = json_of(height);
+  if (plan.points > 0 && height.points > 0) j["rmse_3d_m"] = number(std::hypot(plan.accuracy(), height.accuracy()));
+  return j;
+}
+
+}  // namespace collinea
