@@ -80,7 +80,9 @@ struct Errors {
 Row row(const std::string& what, const Lengths& lengths) {
   const double of_chance = kDeviations * std::sqrt(0.95 * 0.05 / lengths.all());
   const bool share = std::abs(lengths.share() - 0.95) < std::max(0.02, of_chance);
-  return {what, "mean chi-squared / freedom 1 within 4 deviations; 93-97 % of errors in the 95 % region",
+  return {what,
+          "mean chi-squared / freedom 1 within 4 deviations; 93-97 % of errors in the 95 % region, or within 4 "
+          "binomial deviations of 95 % where blocks are few",
           fmt::format("{:.3f} +- {:.3f}; {:.1f} % of {:.0f}", lengths.mean(), lengths.deviation(),
                       100 * lengths.share(), lengths.all()),
           lengths.in_bound() && share};
