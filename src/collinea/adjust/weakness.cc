@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -24,6 +25,10 @@ namespace {
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
+constexpr std::array<const char*, 5> kImitatingMotions = {
+    "the distance between images and object", "the tilt of the images about their x axis",
+    "the tilt of the images about their y axis", "the place of the images along their x axis",
+    "the place of the images along their y axis"};
 constexpr double kDegrees = 180 / std::numbers::pi;
 // A motion of the whole block that moves its edge by so many standard deviations of what fixes the block.
 constexpr double kWeakMotion = 5;
@@ -374,41 +379,32 @@ void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
 
 void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t number) {
   const ProblemCamera& camera = problem_.cameras[number];
-  const auto free = static_cast<int>(camera.free.size());
-  const int first = 6 * problem_.poses + camera.border;
-  const std::string name = block_.cameras.at(camera.id).name;
-  Eigen::MatrixXd q(free, free);
-  Eigen::VectorXd prior(free);
-  std::vector<std::vector<double>> columns;
-  for (int k = 0; k < free; ++k) {
-    std::vector<double> right(static_cast<std::size_t>(first + free), 0.0);
-    right[static_cast<std::size_t>(first + k)] = 1;
-    columns.push_back(solved(factor, std::move(right)));
-    for (int i = 0; i < free; ++i) q(i, k) = columns.back()[static_cast<std::size_t>(first + i)];
-    prior[k] = camera.inverse_sigma[camera.free[static_cast<std::size_t>(k)]];
+  FreeCamera free{camera, block_.cameras.at(camera.id).name, 6 * problem_.poses + camera.border, {}};
+  const int count = free.count();
+  free.cofactor.resize(count, count);
+  for (int k = 0; k < count; ++k) {
+    std::vector<double> right(static_cast<std::size_t>(free.first + count), 0.0);
+    right[static_cast<std::size_t>(free.first + k)] = 1;
+    const std::vector<double> column = solved(factor, std::move(right));
+    for (int i = 0; i < count; ++i) free.cofactor(i, k) = column[static_cast<std::size_t>(free.first + i)];
   }
-  // Parameters, or mixtures of them, that owe their values to the weak observations.
-  std::vector<std::string> owed;
-  bool focal = false, decentred = false;
-  for (int k = 0; k < free; ++k) {
-    if (!(prior[k] * prior[k] * q(k, k) > kShareOfPrior)) continue;
-    const int param = camera.free[static_cast<std::size_t>(k)];
-    owed.push_back(std::string(Camera::kParamNames[param]));
-    focal |= param == Camera::kF;
-    decentred |= param == Camera::kCx || param == Camera::kCy || param == Camera::kP1 || param == Camera::kP2;
-  }
-  // Motions of the images that imitate the camera: the distance of the object, tilts about its two axes.
-  std::vector<Eigen::VectorXd> motions(5, Eigen::VectorXd::Zero(first + free));
-  double images = 0;
+  const std::vector<Eigen::VectorXd> motions = motions_like_a_camera(number, free.first + count);
+  bool imitated = false;
+  for (std::size_t m = 0; m < motions.size(); ++m) imitated |= name_imitation(factor, free, m, motions[m]);
+  name_what_is_owed(free, imitated);
+}
+
+// Motions of the images that imitate their camera, as what they make of the reduced unknowns; none when no point of
+// them can be asked.
+std::vector<Eigen::VectorXd> WeaknessFinder::motions_like_a_camera(std::size_t number, int size) const {
+  std::vector<Eigen::VectorXd> motions(kImitatingMotions.size(), Eigen::VectorXd::Zero(size));
+  double images = 0, sampled = 0;
   for (int i = 0; i < problem_.poses; ++i) {
     if (problem_.images[i].camera != static_cast<int>(number)) continue;
     motions[1][6 * i] += 1;
     motions[2][6 * i + 1] += 1;
     ++images;
   }
-  motions[1] /= images;
-  motions[2] /= images;
-  double sampled = 0;
   const std::size_t step = std::max<std::size_t>(1, problem_.point_count() / kSampledPoints);
   for (std::size_t p = 0; p < problem_.point_count(); p += step) {
     if (problem_.point(p).held) continue;
@@ -427,56 +423,63 @@ void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t numb
     }
     ++sampled;
   }
-  if (sampled > 0)
-    for (const std::size_t m : {0, 3, 4}) motions[m] /= sampled;
-  const std::size_t compared = sampled > 0 ? motions.size() : 0;
-  constexpr const char* kMotions[] = {
-      "the distance between images and object", "the tilt of the images about their x axis",
-      "the tilt of the images about their y axis", "the place of the images along their x axis",
-      "the place of the images along their y axis"};
-  const Eigen::MatrixXd weights = q.inverse();
-  std::vector<std::string> imitating;
-  for (std::size_t m = 0; m < compared; ++m) {
-    std::vector<double> right(motions[m].data(), motions[m].data() + motions[m].size());
-    const std::vector<double> x = solved(factor, std::move(right));
-    const double variance = motions[m].dot(Eigen::Map<const Eigen::VectorXd>(x.data(), motions[m].size()));
-    const Eigen::VectorXd with_camera = Eigen::Map<const Eigen::VectorXd>(x.data() + first, free);
-    const double left = variance - with_camera.dot(weights * with_camera);
-    if (!(variance > kInflation * kInflation * std::max(left, 0.0))) continue;
-    std::vector<std::string> mixed;
-    double strongest = 0;
-    for (int k = 0; k < free; ++k) {
-      const double correlation = with_camera[k] / std::sqrt(variance * q(k, k));
-      strongest = std::max(strongest, std::abs(correlation));
-      if (std::abs(correlation) > 0.8)
-        mixed.push_back(
-            fmt::format("{} ({:+.3f})", Camera::kParamNames[camera.free[static_cast<std::size_t>(k)]], correlation));
-    }
-    if (mixed.empty()) mixed.push_back("its parameters together");
-    const double times = std::sqrt(variance / std::max(left, 1e-12 * variance));
-    imitating.push_back(kMotions[m]);
-    add(m == 0 ? "focal_and_height" : "camera_and_pose",
-        fmt::format(
-            "{} and {} of camera {} can hardly be separated (correlations in brackets): the former is known {:.0f} "
-            "times worse than with a known camera",
-            kMotions[m], joined(mixed), name, times),
-        m == 0 ? "images at different heights or oblique ones, control or relief at different heights, or a calibrated "
-                 "camera (--calibration none)"
-               : "strips flown across or back (images turned by 90 and 180 degrees), relief, or fewer parameters",
-        strongest);
+  if (sampled == 0) return {};
+  for (const std::size_t m : {1, 2}) motions[m] /= images;
+  for (const std::size_t m : {0, 3, 4}) motions[m] /= sampled;
+  return motions;
+}
+
+// Whether the camera makes a motion much less certain than it would be without; then it is named.
+bool WeaknessFinder::name_imitation(const TileCholesky& factor, const FreeCamera& free, std::size_t which,
+                                    const Eigen::VectorXd& motion) {
+  const std::vector<double> x = solved(factor, std::vector<double>(motion.data(), motion.data() + motion.size()));
+  const double variance = motion.dot(Eigen::Map<const Eigen::VectorXd>(x.data(), motion.size()));
+  const Eigen::VectorXd with_camera = Eigen::Map<const Eigen::VectorXd>(x.data() + free.first, free.count());
+  const double left = variance - with_camera.dot(free.cofactor.inverse() * with_camera);
+  if (!(variance > kInflation * kInflation * std::max(left, 0.0))) return false;
+  std::vector<std::string> mixed;
+  double strongest = 0;
+  for (int k = 0; k < free.count(); ++k) {
+    const double correlation = with_camera[k] / std::sqrt(variance * free.cofactor(k, k));
+    strongest = std::max(strongest, std::abs(correlation));
+    if (std::abs(correlation) > 0.8) mixed.push_back(fmt::format("{} ({:+.3f})", free.parameter(k), correlation));
   }
-  if (!owed.empty())
-    add("parameter_not_determined",
-        fmt::format("the measurements do not determine {} of camera {}: {} the value to what was assumed before"
-                    "{}",
-                    joined(owed), name, owed.size() > 1 ? "they owe" : "it owes",
-                    focal && !imitating.empty() ? "; height and focal length cannot be separated" : ""),
-        focal ? "images at different heights or oblique ones, relief, control at different heights, or a calibrated "
-                "camera"
-        : decentred ? "images turned by 90 and 180 degrees about their axes, relief, or fewer parameters "
-                      "(--calibration focal_radial)"
-                    : "points out to the corners of the images, or fewer parameters (--calibration focal)",
-        static_cast<double>(owed.size()));
+  if (mixed.empty()) mixed.push_back("its parameters together");
+  add(which == 0 ? "focal_and_height" : "camera_and_pose",
+      fmt::format("{} and {} of camera {} can hardly be separated (correlations in brackets): the former is known "
+                  "{:.0f} times worse than with a known camera",
+                  kImitatingMotions[which], joined(mixed), free.name,
+                  std::sqrt(variance / std::max(left, 1e-12 * variance))),
+      which == 0 ? "images at different heights or oblique ones, control or relief at different heights, or a "
+                   "calibrated camera (--calibration none)"
+                 : "strips flown across or back (images turned by 90 and 180 degrees), relief, or fewer parameters",
+      strongest);
+  return true;
+}
+
+// Parameters that owe their values to the weak observations.
+void WeaknessFinder::name_what_is_owed(const FreeCamera& free, bool imitated) {
+  std::vector<std::string> owed;
+  bool focal = false, decentred = false;
+  for (int k = 0; k < free.count(); ++k) {
+    const int param = free.camera.free[static_cast<std::size_t>(k)];
+    const double prior = free.camera.inverse_sigma[param];
+    if (!(prior * prior * free.cofactor(k, k) > kShareOfPrior)) continue;
+    owed.emplace_back(free.parameter(k));
+    focal |= param == Camera::kF;
+    decentred |= param == Camera::kCx || param == Camera::kCy || param == Camera::kP1 || param == Camera::kP2;
+  }
+  if (owed.empty()) return;
+  add("parameter_not_determined",
+      fmt::format("the measurements do not determine {} of camera {}: {} the value to what was assumed before{}",
+                  joined(owed), free.name, owed.size() > 1 ? "they owe" : "it owes",
+                  focal && imitated ? "; height and focal length cannot be separated" : ""),
+      focal
+          ? "images at different heights or oblique ones, relief, control at different heights, or a calibrated camera"
+      : decentred ? "images turned by 90 and 180 degrees about their axes, relief, or fewer parameters "
+                    "(--calibration focal_radial)"
+                  : "points out to the corners of the images, or fewer parameters (--calibration focal)",
+      static_cast<double>(owed.size()));
 }
 
 void WeaknessFinder::look_at_images() {

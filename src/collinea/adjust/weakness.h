@@ -29,7 +29,23 @@ class WeaknessFinder {
   void name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole);
   void name_hinges();
   void look_at_motions(const TileCholesky& factor);
+  /// A camera with its free parameters: their place among the reduced unknowns, and their cofactors.
+  struct FreeCamera {
+    const ProblemCamera& camera;
+    std::string name;
+    int first;
+    Eigen::MatrixXd cofactor;
+
+    [[nodiscard]] int count() const { return static_cast<int>(camera.free.size()); }
+    [[nodiscard]] std::string_view parameter(int k) const {
+      return Camera::kParamNames[static_cast<std::size_t>(camera.free[static_cast<std::size_t>(k)])];
+    }
+  };
   void look_at_camera(const TileCholesky& factor, std::size_t camera);
+  [[nodiscard]] std::vector<Eigen::VectorXd> motions_like_a_camera(std::size_t camera, int size) const;
+  bool name_imitation(const TileCholesky& factor, const FreeCamera& free, std::size_t which,
+                      const Eigen::VectorXd& motion);
+  void name_what_is_owed(const FreeCamera& free, bool imitated);
   [[nodiscard]] double reference_sigma(bool height) const;
   [[nodiscard]] std::string files(const std::vector<int>& images) const;
   [[nodiscard]] std::vector<double> solved(const TileCholesky& factor, std::vector<double> right) const;

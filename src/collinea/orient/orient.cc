@@ -16,6 +16,7 @@
 #include "collinea/base/median.h"
 #include "collinea/block/picture_axes.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/orient/control_doubt.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
 #include "collinea/orient/ground_scale.h"
@@ -27,24 +28,15 @@
 namespace collinea {
 namespace {
 
-constexpr double kLeastSigma0 = 1e-3;    // of exact data
-constexpr double kControlMisfit = 2.5;   // of control's own sigma0: what no chance explains
-constexpr double kControlSettled = 1.2;  // a few points do not tell their sigma any better
-constexpr double kControlStep = 5;       // one step does no more: weights must not collapse
+constexpr double kLeastSigma0 = 1e-3;   // of exact data
+constexpr double kControlMisfit = 2.5;  // of control's own sigma0: what no chance explains
 constexpr int kControlRounds = 10;
-constexpr double kLeastRedundancy = 3;
 constexpr double kFewFit = 0.5;         // of the tie points: wrong matches alone are far fewer
 constexpr int kHeldRounds = 2;          // points that fit appear in the first, those they outvoted go in the second
 constexpr double kWeakTurn_rad = 0.03;  // of a block about the line of its positions: attitudes are better
 constexpr double kNoTurn_rad = 0.2;     // not known
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::size_t kSmallestPart = 3;  // images of a part that is named as one; of two each stands alone
-
-// Plan and height of a survey have errors of their own.
-enum Kind { kPlan, kHeight };
-template <class T>
-using ByKind = std::array<T, 2>;
-Kind kind_of(int axis) { return axis == 2 ? kHeight : kPlan; }
 
 struct Parts {
   Reconstruction largest;
@@ -292,29 +284,20 @@ class Orienter {
     if (scope.use_control) weigh_measurements(part.block());
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
     COLLINEA_TRY(Adjusted tied, adjust_with_covariances(part, scope));
-    if (control_misfit(tied) < kControlMisfit) return tied;
-    Eigen::Vector3d shift_m = shift_positions(tied);
+    if (control_misfit(setup_, tied) < kControlMisfit) return tied;
+    Eigen::Vector3d shift_m = shift_positions(setup_, tied);
     ByKind<double> taken{1, 1};
     for (int round = 0; round < kControlRounds; ++round) {
-      // One kind at a time, the surest first: what is wrong in plan makes the block contradict heights too.
-      const ByKind<Shown> shown = shown_by_coordinates(tied);
-      Kind kind = kPlan;
-      double factor = 1, surest = 0;
-      for (const Kind its : {kPlan, kHeight}) {
-        // never below what was stated: then it is not the coordinates that are wrong
-        const double wanted = std::clamp(shown[its].sigma_factor(its), 1 / taken[its], kControlStep);
-        const double change = std::abs(std::log(wanted));
-        const double sure = change * std::sqrt(shown[its].redundancy);
-        if (change > std::log(kControlSettled) && sure > surest) kind = its, factor = wanted, surest = sure;
-      }
-      if (factor == 1) break;
+      const auto doubt = next_doubt(setup_, tied, taken);
+      if (!doubt) break;
+      const auto [kind, factor] = *doubt;
       taken[kind] *= factor;
       for (auto& [id, point] : setup_.control)
         if (point.role == ControlRole::kControl)
           for (int axis = 0; axis < 3; ++axis)
             if (kind_of(axis) == kind) point.sigma_m[axis] *= factor;
       COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
-      shift_m += shift_positions(tied);
+      shift_m += shift_positions(setup_, tied);
     }
     result_.position_shift_m = shift_m;
     result_.sigma_factors[std::size_t(ObservationGroup::kControlPlan)] = taken[kPlan];
@@ -323,26 +306,6 @@ class Orienter {
     say_what_control_shows(taken);
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
     return adjust_with_covariances(part, scope);
-  }
-
-  // Errors of positions are mostly common to all: control decides the place of the block however weak it is. Moves the
-  // positions to where they do not pull the block away from the middle of control, and returns by how much [m].
-  Eigen::Vector3d shift_positions(const Adjusted& tied) {
-    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<double> positions_m, control_m;
-      for (const PositionDifference& position : tied.positions)
-        if (std::isfinite(setup_.images.at(position.image).position->sigma_m[axis]))
-          positions_m.push_back(position.difference_m[axis]);
-      for (const ControlDifference& control : tied.control)
-        if (control.used && std::isfinite(control.difference_m[axis])) control_m.push_back(control.difference_m[axis]);
-      if (positions_m.empty() || control_m.empty()) continue;
-      const double middle_m = std::accumulate(control_m.begin(), control_m.end(), 0.0) / control_m.size();
-      shift_m[axis] = median(positions_m) - middle_m;
-    }
-    for (auto& [id, image] : setup_.images)
-      if (image.position) image.position->position_in_world += shift_m;
-    return shift_m;
   }
 
   void say_how_positions_were_shifted(const Eigen::Vector3d& shift_m) {
@@ -355,7 +318,7 @@ class Orienter {
   }
 
   void say_what_control_shows(const ByKind<double>& taken) {
-    for (const Kind kind : {kPlan, kHeight}) {
+    for (const ControlKind kind : {kPlan, kHeight}) {
       if (taken[kind] == 1) continue;
       double sigma_m = 0;
       for (const auto& [id, point] : setup_.control)
@@ -367,60 +330,6 @@ class Orienter {
           "Look for wrong points, or state the sigma they really have",
           taken[kind], kind == kPlan ? "plan" : "height", sigma_m));
     }
-  }
-
-  // Sums over coordinates of the control points, for their variance components (adjust/variance_components).
-  struct Shown {
-    double squares = 0, redundancy = 0;  // of residuals in sigmas; what the block and the other points know of them
-    int coordinates = 0;
-    // Of control that positions alone contradict, nothing is known: their errors are mostly common to all.
-    [[nodiscard]] double sigma_factor(Kind kind) const {
-      const int of_datum = kind == kPlan ? 4 : 3;
-      return coordinates > of_datum && squares > 0 && redundancy > 0 ? std::sqrt(squares / redundancy) : 1;
-    }
-  };
-  [[nodiscard]] ByKind<Shown> shown_by_coordinates(const Adjusted& adjusted) const {
-    ByKind<Shown> shown;
-    for (const ControlDifference& control : adjusted.control) {
-      if (!control.used || !control.covariance_m2) continue;
-      const Eigen::Vector3d& sigma_m = setup_.control.at(control.point).sigma_m;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isfinite(sigma_m[axis])) continue;
-        Shown& its = shown[kind_of(axis)];
-        ++its.coordinates;
-        its.squares += std::pow(control.difference_m[axis] / sigma_m[axis], 2);
-        its.redundancy += 1 - (*control.covariance_m2)(axis, axis) / (sigma_m[axis] * sigma_m[axis]);
-      }
-    }
-    return shown;
-  }
-
-  // The standard deviation of unit weight of control alone, over what is left after each point's three unknowns: of its
-  // coordinates and, because these hardly give way when they are stated to be exact, its image measurements; or of the
-  // coordinates alone, which many images would hide. 0 with fewer than three points.
-  [[nodiscard]] double control_misfit(const Adjusted& adjusted) const {
-    double sum = 0, largest = 0;
-    const ByKind<Shown> shown = shown_by_coordinates(adjusted);
-    for (const Kind kind : {kPlan, kHeight}) {
-      sum += shown[kind].squares;
-      if (shown[kind].redundancy >= kLeastRedundancy) largest = std::max(largest, shown[kind].sigma_factor(kind));
-    }
-    int measured = 0;
-    std::set<ControlId> used;
-    for (const ControlDifference& difference : adjusted.control) {
-      if (!difference.used) continue;
-      used.insert(difference.point);
-      measured += static_cast<int>(setup_.control.at(difference.point).sigma_m.array().isFinite().count());
-    }
-    for (std::size_t i = 0; i < setup_.control_observations.size(); ++i) {
-      const ControlObservation& seen = setup_.control_observations[i];
-      if (!used.contains(seen.point) || !adjusted.control_residuals_px[i].allFinite()) continue;
-      sum += adjusted.control_residuals_px[i].squaredNorm() / (seen.sigma_px * seen.sigma_px);
-      measured += 2;
-    }
-    const int redundancy = measured - 3 * static_cast<int>(used.size());
-    if (used.size() < 3 || redundancy < kLeastRedundancy) return 0;
-    return std::max(largest, std::sqrt(sum / redundancy));
   }
 
   // Positions that do not tell the tilt must not change it: the attitudes do or, without any, it stays to two degrees.

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "collinea/adjust/bundle.h"
+
+namespace collinea {
+
+/// Plan and height of a survey have errors of their own.
+enum ControlKind { kPlan, kHeight };
+template <class T>
+using ByKind = std::array<T, 2>;
+[[nodiscard]] constexpr ControlKind kind_of(int axis) { return axis == 2 ? kHeight : kPlan; }
+
+/// With less redundancy nothing is said of a standard deviation.
+inline constexpr double kLeastRedundancy = 3;
+
+/// The standard deviation of unit weight of control alone, over what is left after each point's three unknowns: of its
+/// coordinates and, because these hardly give way when they are stated to be exact, its image measurements; or of the
+/// coordinates alone, which many images would hide. 0 with fewer than three points. `setup`: what was adjusted, with
+/// the control's sigmas.
+[[nodiscard]] double control_misfit(const Block& setup, const Adjusted& adjusted);
+
+/// Whose sigmas to multiply next, and by what: one kind at a time, the surest first, because what is wrong in plan
+/// makes the block contradict heights too. `taken`: by what they were multiplied so far. Nothing when none would change
+/// by more than a fifth.
+[[nodiscard]] std::optional<std::pair<ControlKind, double>> next_doubt(const Block& setup, const Adjusted& adjusted,
+                                                                       const ByKind<double>& taken);
+
+/// Errors of positions are mostly common to all: control decides the place of the block however weak it is. Moves the
+/// positions to where they do not pull the block away from the middle of control, and returns by how much [m].
+Eigen::Vector3d shift_positions(Block& setup, const Adjusted& adjusted);
+
+}  // namespace collinea
