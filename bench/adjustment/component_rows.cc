@@ -40,8 +40,10 @@ Rows variance_components(const Effort& effort, const Run& run) {
     }
   }
   Rows rows;
-  for (std::size_t g = 0; g < kObservationGroups; ++g) {
-    if (told[g] == 0) continue;  // these blocks have nothing of the kind
+  using enum ObservationGroup;  // what these blocks have
+  for (const ObservationGroup group :
+       {kTieImages, kControlImages, kControlPlan, kControlHeight, kPositionPlan, kPositionHeight}) {
+    const auto g = static_cast<std::size_t>(group);
     const double mean = sum[g] / blocks[g], scatter = std::sqrt(std::max(0.0, squares[g] / blocks[g] - mean * mean));
     const double expected = std::sqrt(told[g] / blocks[g]);
     rows.push_back(

@@ -35,20 +35,22 @@ std::optional<double> seconds_of(const std::string& taken) {
 }
 
 std::vector<Exposure> exposures_of(const Block& block) {
-  std::vector<std::tuple<std::string, std::string, ImageId>> order;
+  std::vector<std::tuple<double, std::string, ImageId>> order;
+  bool timed = true;
   for (const auto& [id, pose] : block.cam_from_world) {
     const Image& image = block.images.at(id);
-    if (image.position) order.emplace_back(image.taken, image.file, id);
+    if (!image.position) continue;
+    const auto time_s = seconds_of(image.taken);
+    timed &= time_s.has_value();
+    order.emplace_back(time_s.value_or(0), image.file, id);
   }
+  if (!timed)
+    for (auto& one : order) std::get<double>(one) = 0;  // the names tell, then
   std::sort(order.begin(), order.end());
   std::vector<Exposure> exposures;
-  bool timed = true;
-  for (const auto& [taken, file, id] : order) {
-    const auto time_s = seconds_of(taken);
-    timed &= time_s.has_value();
-    exposures.push_back({id, centre_of(block.cam_from_world.at(id)), time_s.value_or(0)});
-  }
-  for (std::size_t i = 0; i < exposures.size() && !timed; ++i) exposures[i].time_s = static_cast<double>(i);
+  for (const auto& [time_s, file, id] : order)
+    exposures.push_back(
+        {id, centre_of(block.cam_from_world.at(id)), timed ? time_s : static_cast<double>(exposures.size())});
   return exposures;
 }
 
@@ -84,7 +86,7 @@ std::vector<FlightStrip> flight_strips(const Block& block) {
   for (std::size_t i = 1; i < all.size(); ++i) {
     const std::vector<Exposure>& part = parts.back();
     const Eigen::Vector3d step = all[i].centre - part.back().centre;
-    const bool paused = all[i].time_s - part.back().time_s > kPause * pause_s;
+    const bool paused = pause_s > 0 && all[i].time_s - part.back().time_s > kPause * pause_s;
     const bool turned = part.size() > 1 && turns(part.back().centre - part[part.size() - 2].centre, step, step_m / 5);
     if (paused || turned)
       parts.push_back({all[i]});

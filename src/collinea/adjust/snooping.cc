@@ -301,8 +301,10 @@ class Snooper {
       } else if (gone.group == Group::kControlImages) {
         if (const auto place = place_of(gone.control)) tell(gone, control.at({gone.image, gone.control}), *place);
       } else if (is_position(gone.group)) {
+        // With unknowns between antenna and camera what was told when it went stays.
         const Eigen::Vector3d& place = given_.images.at(gone.image).position->position_in_world;
-        tell(gone, place - centre_of(out_.block.cam_from_world.at(gone.image)));
+        if (scope_.lever_arms.empty() && scope_.position_tracks.empty())
+          tell(gone, place - centre_of(out_.block.cam_from_world.at(gone.image)));
       } else if (const auto place = place_of(gone.control)) {
         tell(gone, given_.control.at(gone.control).position_in_world - *place);
       }

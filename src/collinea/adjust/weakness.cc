@@ -204,6 +204,8 @@ void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unse
 
 // Images through which alone two parts hang together: each part has its own scale.
 void WeaknessFinder::name_hinges() {
+  constexpr int kMostImages = 3000;  // each is tried: the square of their number
+  if (problem_.poses > kMostImages) return;
   std::vector<std::set<int>> neighbours(static_cast<std::size_t>(problem_.poses));
   for (std::size_t p = 0; p < problem_.point_count(); ++p)
     for (std::uint32_t a = problem_.point(p).first_free; a < problem_.end_ray(p); ++a)
@@ -212,8 +214,6 @@ void WeaknessFinder::name_hinges() {
         neighbours[i].insert(k);
         neighbours[k].insert(i);
       }
-  constexpr int kMostImages = 3000;  // each is tried: the square of their number
-  if (problem_.poses > kMostImages) return;
   std::vector<int> hinges;
   for (int hinge = 0; hinge < problem_.poses; ++hinge) {
     if (neighbours[hinge].size() < 2) continue;
@@ -356,7 +356,7 @@ void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
     const bool scales = std::abs(motion[3]) > 0.7;
     const Eigen::Vector3d axis = motion.head<3>().normalized();
     // A turn about a level axis shows in height, one about the plumb line in plan.
-    const double upright = scales ? 1 : std::abs(axis.z()), level = std::sqrt(1 - upright * upright);
+    const double upright = scales ? 1 : std::abs(axis.z()), level = std::sqrt(std::max(0.0, 1 - upright * upright));
     const double reference = std::hypot(upright * reference_sigma(false), level * reference_sigma(true));
     if (!(reference > 0) || !(sigma * size > kWeakMotion * reference)) continue;
     const std::string known = fmt::format(
@@ -380,15 +380,15 @@ void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
 void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t number) {
   const ProblemCamera& camera = problem_.cameras[number];
   FreeCamera free{camera, block_.cameras.at(camera.id).name, 6 * problem_.poses + camera.border, {}};
-  const int count = free.count();
+  const int count = free.count(), unknowns = 6 * problem_.poses + problem_.border;
   free.cofactor.resize(count, count);
   for (int k = 0; k < count; ++k) {
-    std::vector<double> right(static_cast<std::size_t>(free.first + count), 0.0);
+    std::vector<double> right(static_cast<std::size_t>(unknowns), 0.0);
     right[static_cast<std::size_t>(free.first + k)] = 1;
     const std::vector<double> column = solved(factor, std::move(right));
     for (int i = 0; i < count; ++i) free.cofactor(i, k) = column[static_cast<std::size_t>(free.first + i)];
   }
-  const std::vector<Eigen::VectorXd> motions = motions_like_a_camera(number, free.first + count);
+  const std::vector<Eigen::VectorXd> motions = motions_like_a_camera(number);
   bool imitated = false;
   for (std::size_t m = 0; m < motions.size(); ++m) imitated |= name_imitation(factor, free, m, motions[m]);
   name_what_is_owed(free, imitated);
@@ -396,8 +396,9 @@ void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t numb
 
 // Motions of the images that imitate their camera, as what they make of the reduced unknowns; none when no point of
 // them can be asked.
-std::vector<Eigen::VectorXd> WeaknessFinder::motions_like_a_camera(std::size_t number, int size) const {
-  std::vector<Eigen::VectorXd> motions(kImitatingMotions.size(), Eigen::VectorXd::Zero(size));
+std::vector<Eigen::VectorXd> WeaknessFinder::motions_like_a_camera(std::size_t number) const {
+  const int unknowns = 6 * problem_.poses + problem_.border;
+  std::vector<Eigen::VectorXd> motions(kImitatingMotions.size(), Eigen::VectorXd::Zero(unknowns));
   double images = 0, sampled = 0;
   for (int i = 0; i < problem_.poses; ++i) {
     if (problem_.images[i].camera != static_cast<int>(number)) continue;
@@ -407,7 +408,7 @@ std::vector<Eigen::VectorXd> WeaknessFinder::motions_like_a_camera(std::size_t n
   }
   const std::size_t step = std::max<std::size_t>(1, problem_.point_count() / kSampledPoints);
   for (std::size_t p = 0; p < problem_.point_count(); p += step) {
-    if (problem_.point(p).held) continue;
+    if (!problem_.point(p).eliminated()) continue;
     const std::uint32_t ray = problem_.point(p).first_free;
     if (ray >= problem_.end_ray(p)) continue;
     const int image = static_cast<int>(problem_.rays[ray].image);

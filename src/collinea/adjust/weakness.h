@@ -42,7 +42,7 @@ class WeaknessFinder {
     }
   };
   void look_at_camera(const TileCholesky& factor, std::size_t camera);
-  [[nodiscard]] std::vector<Eigen::VectorXd> motions_like_a_camera(std::size_t camera, int size) const;
+  [[nodiscard]] std::vector<Eigen::VectorXd> motions_like_a_camera(std::size_t camera) const;
   bool name_imitation(const TileCholesky& factor, const FreeCamera& free, std::size_t which,
                       const Eigen::VectorXd& motion);
   void name_what_is_owed(const FreeCamera& free, bool imitated);

@@ -162,7 +162,7 @@ TEST(Weakness, ControlOnALine) {
     ++number;
   }
   measure_again(block);
-  expect_named(weaknesses_of(block, with_covariances()), "weak_turn", "azimuth");
+  expect_named(weaknesses_of(block, with_covariances()), "weak_turn", "azimuth 90");
 }
 
 TEST(Weakness, ControlWithoutHeights) {

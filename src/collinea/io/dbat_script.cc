@@ -6,7 +6,9 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "collinea/geometry/rotation.h"
@@ -142,7 +144,8 @@ class Reader {
     COLLINEA_TRY(const Element script, read_xml(path));
     const Element* input = script.child("input");
     if (!input) return fail(Errc::kBadFormat, path.string() + ": there is no element input: not a script of DBAT");
-    base_ = input->attribute("base_dir").empty() ? path.parent_path() : place(input->attribute("base_dir"), path);
+    here_ = base_ = path.parent_path();
+    if (!input->attribute("base_dir").empty()) base_ = place(input->attribute("base_dir"));
     COLLINEA_TRY(const double pixel_height_mm, take_cameras(*input, path));
     if (Result<> all = take_tables(*input); !all) return tl::unexpected(all.error());
     const Element* operations = script.child("operations");
@@ -163,9 +166,15 @@ class Reader {
     return fail(Errc::kBadFormat, path.string() + ": line " + std::to_string(line) + ": " + what);
   }
 
-  [[nodiscard]] std::filesystem::path place(std::string name, const std::filesystem::path& script) const {
-    if (name.starts_with("$HERE"))
-      return script.parent_path() / trimmed(name.substr(5)).substr(name.size() > 6 ? 1 : 0);
+  // $HERE is the folder of the script; other names are relative to its base_dir.
+  [[nodiscard]] std::filesystem::path place(std::string_view name) const {
+    constexpr std::string_view kHere = "$HERE";
+    name = trimmed(name);
+    if (name.starts_with(kHere)) {
+      name.remove_prefix(kHere.size());
+      while (name.starts_with('/') || name.starts_with('\\')) name.remove_prefix(1);
+      return here_ / name;
+    }
     const std::filesystem::path path(name);
     return path.is_absolute() ? path : base_ / path;
   }
@@ -190,7 +199,7 @@ class Reader {
     const Element* cameras = input.child("cameras");
     if (!cameras) return bad(script, input.line, "there is no element cameras");
     if (const Element* file = cameras->child("file")) {
-      const std::filesystem::path path = place(file->text, script);
+      const std::filesystem::path path = place(file->text);
       COLLINEA_TRY(const Element document, read_xml(path));
       const Element* inner = document.child("cameras");
       if (!inner) return bad(path, document.line, "there is no element cameras");
@@ -259,7 +268,7 @@ class Reader {
     if (!file)
       return needed ? Result<>(fail(Errc::kBadFormat, std::string("the script names no file for ") + table))
                     : Result<>{};
-    const std::filesystem::path path = place(file->text, {});
+    const std::filesystem::path path = place(file->text);
     COLLINEA_TRY(const std::string text, read_file(path));
     const std::string format = lower(file->attribute("format"));
     const std::vector<std::string_view> columns = fields_of(format, ',');
@@ -299,6 +308,7 @@ class Reader {
     const auto image = id(row, "id");
     const auto path = row.text.find("path");
     if (!image || path == row.text.end()) return "an image needs a number (id) and a file (path)";
+    if (file_.block.images.contains({*image})) return "a second image " + std::to_string(*image);
     const auto slash = path->second.find_last_of("/\\");
     file_.block.images[{*image}] = {.file = path->second.substr(slash == std::string::npos ? 0 : slash + 1),
                                     .camera = {0}};
@@ -309,6 +319,7 @@ class Reader {
     const auto point = id(row, "id");
     const auto place = three(row, "x", "y", "z");
     if (!point || !place) return "a control point needs id, x, y and z";
+    if (file_.block.control.contains({*point})) return "a second control point " + std::to_string(*point);
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
     if (row.has("sxyz")) sigma.setConstant(value(row, "sxyz").value_or(-1));
     if (row.has("sxy")) sigma.head<2>().setConstant(value(row, "sxy").value_or(-1));
@@ -331,7 +342,11 @@ class Reader {
     const auto centre = three(row, "x", "y", "z"), angles = three(row, "omega", "phi", "kappa");
     if (!image || !centre || !angles) return "an orientation needs id, x, y, z, omega, phi and kappa";
     if (!file_.block.images.contains({*image})) return "there is no image " + std::to_string(*image);
-    const double degrees = file.attribute("units") == "degrees" ? 1 : 180 / 3.14159265358979323846;
+    if (file_.block.cam_from_world.contains({*image})) return "a second orientation of image " + std::to_string(*image);
+    const std::string units = lower(file.attribute("units"));
+    if (!units.empty() && units != "degrees" && units != "radians")
+      return "angles in " + units + ": this reader knows degrees and radians";
+    const double degrees = units == "degrees" ? 1 : 180 / std::numbers::pi;
     const Eigen::Quaterniond rotation =
         cam_from_world(OmegaPhiKappa{(*angles)[0] * degrees, (*angles)[1] * degrees, (*angles)[2] * degrees});
     file_.block.cam_from_world[{*image}] = {rotation, -(rotation * *centre)};
@@ -345,6 +360,8 @@ class Reader {
     if (!image || !point || !x || !y) return "a mark needs im, id, x and y";
     if (!sigma || !(*sigma > 0)) return "a mark needs a standard deviation above 0 (sxy), in its row or for all";
     if (!file_.block.images.contains({*image})) return "there is no image " + std::to_string(*image);
+    if (!marked_.emplace(*image, *point).second)
+      return "point " + std::to_string(*point) + " is marked twice in image " + std::to_string(*image);
     if (file_.block.control.contains({*point}))
       file_.block.control_observations.push_back({{*point}, {*image}, {*x, *y}, *sigma});
     else
@@ -369,17 +386,20 @@ class Reader {
       return std::pair(a.point, a.image) < std::pair(b.point, b.image);
     };
     std::stable_sort(seen.begin(), seen.end(), before);
-    const auto twice =
-        std::adjacent_find(seen.begin(), seen.end(), [&](const auto& a, const auto& b) { return !before(a, b); });
-    if (twice != seen.end())
-      return fail(Errc::kBadFormat, "point " + std::to_string(twice->point.value) + " is marked twice in image " +
-                                        std::to_string(twice->image.value));
     return {};
   }
 
   Result<> take_operation(const Element& operation, double pixel_height_mm, const std::filesystem::path& path) {
     for (const Element& e : operation.children) {
-      if (e.name == "set_bundle_estimate_params" && e.child("io")) {
+      if (e.name == "set_bundle_estimate_params") {
+        for (const char* whole : {"eo", "op"})
+          if (const Element* part = e.child(whole))
+            for (const Element& group : part->children)
+              if (group.text == "false")
+                return bad(path, group.line,
+                           std::string(whole) + ": " + group.name + " = " + group.text +
+                               ": this reader knows images and points that are all estimated");
+        if (!e.child("io")) continue;
         if (Result<> set = take_estimated(*e.child("io"), path); !set) return set;
       } else if (e.name == "set_initial_values" && e.child("io")) {
         if (Result<> set = take_initial(*e.child("io"), pixel_height_mm, path); !set) return set;
@@ -467,7 +487,8 @@ class Reader {
     return {};
   }
 
-  std::filesystem::path base_;
+  std::filesystem::path here_, base_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> marked_;  // image, point
   AdjustmentFile file_;
 };
 

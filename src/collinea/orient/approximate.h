@@ -14,7 +14,7 @@ struct Approximation {
   std::vector<ImageId> resected;  ///< images that had no pose
   int intersected = 0;            ///< tie points that had no coordinates
   std::vector<ImageId>
-      without_pose;  ///< nothing determines them; with fewer than three measured points, or these on a line
+      without_pose;  ///< nothing determines them; with fewer than four measured points, or these on a line
   std::vector<PointId> without_place;  ///< measured in fewer than two oriented images, or along nearly parallel rays
 };
 

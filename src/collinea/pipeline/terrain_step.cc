@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
 #include "collinea/pipeline/json_text.h"
@@ -46,13 +47,15 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
 
 Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_block());
-  const auto without = [&](const std::string& why) {
+  const auto products = project.folder / "products";
+  const auto without = [&](const std::string& why) -> Result<StepOutput> {
+    for (const char* earlier : {"contours.gpkg", "contours.dxf"})
+      if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
     return StepOutput{inputs_hash, json_text({{"skipped_because", why + ": no terrain model"}}),
                       why + ": no terrain model"};
   };
   if (!looks_down(block)) return without("the images do not look down on the scene");
   if (!block.georeference) return without("the block has no scale, so that the size of objects is not known");
-  const auto products = project.folder / "products";
   const DsmFiles dsm{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif", {}};
   const DtmFiles files{products / "dtm.tif", products / "dtm_sigma.tif", products / "dtm_state.tif",
                        products / "contours.gpkg"};

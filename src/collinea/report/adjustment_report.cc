@@ -231,7 +231,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
   for (const auto& [name, text] : files)
     if (auto written = write_file(folder / name, text); !written) return written;
   if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
-  return {};
+  return remove_file(folder / "taken_out.csv");  // of an earlier adjustment
 }
 
 }  // namespace collinea

@@ -235,7 +235,7 @@ class Terrain {
     }
     if (summary_.ground_cells > 0)
       summary_.mean_sigma_m = std::sqrt(summary_.mean_sigma_m / double(summary_.ground_cells));
-    // The height comes last: where it is, all are.
+    // The height comes last: where it is, all rasters are.
     return sigma.finish().and_then([&] { return state.finish(); }).and_then([&] { return height.finish(); });
   }
 
@@ -298,8 +298,10 @@ class Terrain {
     MapGrid grid = summary_.grid;
     grid.cell_m = cell_m_;
     grid.width = coarse_width_, grid.height = coarse_height_;
-    COLLINEA_TRY(summary_.contours, write_contours(blurred_means(), grid, summary_.contour_m,
-                                                   kShortestContour * cell_m_, files_.contours, drawing));
+    const FloatImage means = blurred_means();
+    if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
+    COLLINEA_TRY(summary_.contours,
+                 write_contours(means, grid, summary_.contour_m, kShortestContour * cell_m_, files_.contours, drawing));
     return {};
   }
 
