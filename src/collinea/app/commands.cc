@@ -18,6 +18,7 @@ std::vector<Command> all_commands() {
       info_command(),
       adjust_command(),
       export_command(),
+      plan_command(),
       simulate_command(),
       assess_command(),
   };
