@@ -39,14 +39,14 @@ MapView MapBounds::view(double width, double most_height) const {
 
 std::string scale_text(double length, const std::string& unit) {
   const bool metres = unit == "m";
-  if (metres && length < 0.01) return fmt::format("{:g} mm", length * 1000);
+  if (metres && length < 0.1) return fmt::format("{:g} mm", length * 1000);
   if (metres && length >= 1000) return fmt::format("{:g} km", length / 1000);
   return fmt::format("{:g} {}", length, unit);
 }
 
 void draw_scale_and_north(Svg& svg, const MapView& view, const std::string& unit) {
   const double length = round_below(160 / view.pixels_per_unit), px = length * view.pixels_per_unit;
-  const Vector2d at(kMapMargin - 14, view.height - 18);
+  const Vector2d at(kMapMargin - 14, view.height + view.footer - 18);
   svg.rectangle(at.x() - 6, at.y() - 20, px + 12, 32, "paper");
   svg.line(at, at + Vector2d(px, 0), "scale");
   svg.line(at + Vector2d(0, -4), at + Vector2d(0, 4), "scale");

@@ -15,6 +15,7 @@ inline constexpr double kMapWidth = 940, kMapMargin = 34;  ///< [px]
 struct MapView {
   Eigen::Vector2d low, high;
   double pixels_per_unit = 1, width = 0, height = 0;
+  double footer = 0;  ///< room below the map for scale and legend
 
   MapView(const Eigen::Vector2d& lowest, const Eigen::Vector2d& highest, double wanted_width, double most_height);
   [[nodiscard]] Eigen::Vector2d operator()(const Eigen::Vector2d& plan) const;
