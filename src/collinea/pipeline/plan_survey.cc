@@ -18,8 +18,8 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kNoData = -9999;
 
-Result<PlanArea> area_of(const PlanOptions& options) {
-  if (!options.area) return PlanArea{};
+Result<MapArea> area_of(const PlanOptions& options) {
+  if (!options.area) return MapArea{};
   COLLINEA_TRY(const std::string text, read_file(*options.area));
   return parse_area(text).map_error([&](Error e) { return std::move(e).within(*options.area); });
 }
@@ -27,9 +27,8 @@ Result<PlanArea> area_of(const PlanOptions& options) {
 Result<std::vector<PlannedPoint>> points_of(const LayoutOptions& layout, const FlightPlan& plan) {
   if (is_layout_word(layout.control)) return lay_out(layout, plan);
   if (!is_there(layout.control)) return lay_out(layout, plan);  // tells which words there are
-  COLLINEA_TRY(const ControlFile file,
-               read_control(layout.control, {.sigma_plan_m = layout.control_sigma_plan_m,
-                                             .sigma_height_m = layout.control_sigma_height_m}));
+  COLLINEA_TRY(const ControlFile file, read_control(layout.control, {.sigma_plan_m = layout.control_sigma_plan_m,
+                                                                     .sigma_height_m = layout.control_sigma_height_m}));
   return planned_points(file);
 }
 
@@ -47,7 +46,7 @@ Result<Crs> crs_of(const std::optional<std::string>& crs, const FlightPlan& plan
 }
 
 // One more strip across, measured as the others.
-Result<Gain> one_more_cross_strip(FlightOptions flight, const PlanArea& area, const std::vector<PlannedPoint>& points,
+Result<Gain> one_more_cross_strip(FlightOptions flight, const MapArea& area, const std::vector<PlannedPoint>& points,
                                   const MeasurementOptions& measurements, const Run& run) {
   ++flight.cross_strips;
   COLLINEA_TRY(const FlightPlan plan, plan_flight(flight, area));
@@ -56,10 +55,14 @@ Result<Gain> one_more_cross_strip(FlightOptions flight, const PlanArea& area, co
   return Gain{"one more cross strip", {}, with.area};
 }
 
-std::string in_quotes(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
+// Projection centres as a receiver with corrections measures them, where none are planned.
+Result<Gain> with_positions(const FlightPlan& plan, const std::vector<PlannedPoint>& points,
+                            MeasurementOptions measurements, const Run& run) {
+  measurements.position_sigma_plan_m = 0.02;
+  measurements.position_sigma_height_m = 0.03;
+  COLLINEA_TRY(PlannedBlock planned, planned_block(plan, points, measurements));
+  COLLINEA_TRY(const Precision with, foretold(std::move(planned), run));
+  return Gain{"projection centres by RTK (20, 20, 30 mm)", {}, with.area};
 }
 
 std::string stations_csv(const FlightPlan& plan) {
@@ -76,12 +79,12 @@ std::string stations_csv(const FlightPlan& plan) {
 // As import reads it, once heights and pixels are measured.
 std::string control_csv(const PlanReport& report, const std::optional<std::string>& crs) {
   std::string text = "# collinea control" + (crs ? ", " + *crs : "") +
-                     "\n# planned: heights are still to be surveyed\n"
+                     "\n# planned: put the surveyed coordinates in place of these; heights count from the ground\n"
                      "point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role\n";
   const auto sigma = [](double value) { return std::isfinite(value) ? fmt::format("{:g}", value) : "inf"; };
   for (const PlannedPoint& point : report.points)
-    text += fmt::format("point, {}, {:.3f}, {:.3f}, , {}, {}, {}, {}\n", in_quotes(point.name), point.place.x(),
-                        point.place.y(), sigma(point.sigma_m.x()), sigma(point.sigma_m.y()), sigma(point.sigma_m.z()),
+    text += fmt::format("point, {}, {:.3f}, {:.3f}, 0, {}, {}, {}, {}\n", point.name, point.place.x(), point.place.y(),
+                        sigma(point.sigma_m.x()), sigma(point.sigma_m.y()), sigma(point.sigma_m.z()),
                         point.role == ControlRole::kControl ? "control" : "check");
   return text;
 }
@@ -114,14 +117,19 @@ std::vector<VectorLayer> layers_of(const PlanReport& report) {
 
   VectorLayer images{"images",
                      VectorKind::kPoint,
-                     {{"image", VectorType::kInteger}, {"strip", VectorType::kInteger}, {"heading_deg"},
-                      {"sigma_e_m"}, {"sigma_n_m"}, {"sigma_h_m"}},
+                     {{"image", VectorType::kInteger},
+                      {"strip", VectorType::kInteger},
+                      {"heading_deg"},
+                      {"sigma_e_m"},
+                      {"sigma_n_m"},
+                      {"sigma_h_m"}},
                      {}};
   for (std::size_t i = 0; i < report.plan.images.size(); ++i) {
     const PlannedImage& image = report.plan.images[i];
     const auto known = report.precision.adjusted.pose_covariance.find(ImageId{std::uint32_t(i)});
     Eigen::Vector3d sigma = Eigen::Vector3d::Constant(std::nan(""));
-    if (known != report.precision.adjusted.pose_covariance.end()) sigma = known->second.diagonal().tail<3>().cwiseSqrt();
+    if (known != report.precision.adjusted.pose_covariance.end())
+      sigma = known->second.diagonal().tail<3>().cwiseSqrt();
     images.rows.push_back({{image.centre},
                            {std::int64_t(i + 1), std::int64_t(image.strip + 1),
                             std::fmod(image.heading_rad * kDegrees + 720, 360), sigma.x(), sigma.y(), sigma.z()}});
@@ -129,13 +137,17 @@ std::vector<VectorLayer> layers_of(const PlanReport& report) {
 
   VectorLayer points{"control",
                      VectorKind::kPoint,
-                     {{"name", VectorType::kText}, {"role", VectorType::kText}, {"sigma_e_m"}, {"sigma_n_m"},
-                      {"sigma_h_m"}, {"survey_sigma_e_m"}, {"survey_sigma_n_m"}, {"survey_sigma_h_m"}},
+                     {{"name", VectorType::kText},
+                      {"role", VectorType::kText},
+                      {"sigma_e_m"},
+                      {"sigma_n_m"},
+                      {"sigma_h_m"},
+                      {"survey_sigma_e_m"},
+                      {"survey_sigma_n_m"},
+                      {"survey_sigma_h_m"}},
                      {}};
-  VectorLayer cells{"sigma",
-                    VectorKind::kPoint,
-                    {{"sigma_e_m"}, {"sigma_n_m"}, {"sigma_h_m"}, {"images", VectorType::kInteger}},
-                    {}};
+  VectorLayer cells{
+      "sigma", VectorKind::kPoint, {{"sigma_e_m"}, {"sigma_n_m"}, {"sigma_h_m"}, {"images", VectorType::kInteger}}, {}};
   for (const ControlDifference& one : report.precision.adjusted.control) {
     const ControlPoint& point = report.precision.planned.block.control.at(one.point);
     Eigen::Vector3d sigma = Eigen::Vector3d::Constant(std::nan(""));
@@ -170,7 +182,7 @@ Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions
   if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
   Run run = asked;
   run.seed = std::uint64_t(options.seed);
-  COLLINEA_TRY(const PlanArea area, area_of(options));
+  COLLINEA_TRY(const MapArea area, area_of(options));
   PlanReport report;
   report.flight = flight;
   report.measurements = measurements;
@@ -189,6 +201,10 @@ Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions
     if (point) report.gains.push_back(*point);
     COLLINEA_TRY(const Gain strip, one_more_cross_strip(flight, area, report.points, measurements, run));
     report.gains.push_back(strip);
+    if (!measurements.position_sigma_plan_m) {
+      COLLINEA_TRY(const Gain positions, with_positions(report.plan, report.points, measurements, run));
+      report.gains.push_back(positions);
+    }
   }
   if (options.trials > 0) {
     COLLINEA_TRY(report.trials, tried(report.precision, options.trials, run));

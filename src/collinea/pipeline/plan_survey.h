@@ -24,7 +24,9 @@ struct PlanOptions {
     using O = PlanOptions;
     visit(Field{"area", &O::area, "", "file with the corners of the site: easting, northing in each line"});
     visit(Field{"crs", &O::crs, "", "of the coordinates, such as EPSG:32633; nothing: a local plane"});
-    visit(Field{"gains", &O::gains, "", "tell what one more control point and one more cross strip would gain"});
+    visit(Field{"gains", &O::gains, "",
+                "tell what one more control point, one more cross strip and measured projection centres would "
+                "gain"});
     visit(Field{"places", &O::places, "1", "places tried for that control point", 1, 1000});
     visit(Field{"trials", &O::trials, "1", "blocks with simulated errors, adjusted to try what is foretold", 0, 10000});
     visit(Field{"seed", &O::seed, "1", "of the simulated errors", 0});

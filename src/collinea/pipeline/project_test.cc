@@ -381,7 +381,8 @@ void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   Log log;
   ASSERT_TRUE(bring(project, settings(), log, "report"));
   EXPECT_TRUE(log.steps_done().empty());
-  for (const char* file : {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
+  for (const char* file :
+       {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
         "depth/a.tif.part", "depth/overview/b.tif.part", "scratch"})
     EXPECT_FALSE(fs::exists(project / file)) << file;
   EXPECT_TRUE(fs::exists(project / "download.part"));

@@ -33,7 +33,7 @@ struct Frame {
 };
 
 // The place of the area nearest to a corner of the frame; that itself where it is inside.
-Vector2d drawn_into(const PlanArea& area, const Vector2d& corner, const Vector2d& middle) {
+Vector2d drawn_into(const MapArea& area, const Vector2d& corner, const Vector2d& middle) {
   constexpr int kSteps = 200;
   for (int i = 0; i < kSteps; ++i) {
     const Vector2d place = corner + (middle - corner) * (double(i) / kSteps);
@@ -42,7 +42,7 @@ Vector2d drawn_into(const PlanArea& area, const Vector2d& corner, const Vector2d
   return middle;
 }
 
-std::vector<Vector2d> grid_of(const Frame& frame, const PlanArea& area, int wanted) {
+std::vector<Vector2d> grid_of(const Frame& frame, const MapArea& area, int wanted) {
   const Vector2d size = frame.high - frame.low;
   const int columns = std::max(1, int(std::lround(std::sqrt(wanted * size.x() / size.y()))));
   const int rows = std::max(1, int(std::lround(double(wanted) / columns)));
@@ -64,7 +64,8 @@ bool is_layout_word(const std::string& control) {
 Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& o, const FlightPlan& plan) {
   if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
   if (!is_layout_word(o.control))
-    return fail(Errc::kBadInput, "control = \"" + o.control + "\": choose none, corners, corners_middle, grid or a file");
+    return fail(Errc::kBadInput,
+                "control = \"" + o.control + "\": choose none, corners, corners_middle, grid or a file");
   const Frame frame(plan, o.control_inset_m);
   std::vector<Vector2d> places;
   if (o.control == "grid") places = grid_of(frame, plan.area, o.control_points);

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/io/text.h"
-
 namespace collinea {
 namespace {
 
@@ -36,14 +34,14 @@ struct Range {
   [[nodiscard]] double middle() const { return (low + high) / 2; }
 };
 
-Range extent(const PlanArea& area, const Vector2d& direction) {
+Range extent(const MapArea& area, const Vector2d& direction) {
   Range range;
   for (const Vector2d& corner : area) range.add(direction.dot(corner));
   return range;
 }
 
 // The part of the area between two lines along the strips, as a range along them.
-Range extent_between(const PlanArea& area, const Axes& axes, double low, double high) {
+Range extent_between(const MapArea& area, const Axes& axes, double low, double high) {
   Range range;
   for (std::size_t i = 0; i < area.size(); ++i) {
     const Vector2d a = axes.uv(area[i]), b = axes.uv(area[(i + 1) % area.size()]);
@@ -55,7 +53,7 @@ Range extent_between(const PlanArea& area, const Axes& axes, double low, double 
 }
 
 // The direction in which the area is narrowest: one of its edges.
-double narrowest_heading(const PlanArea& area) {
+double narrowest_heading(const MapArea& area) {
   double best = 0, narrowest = 1e300;
   for (std::size_t i = 0; i < area.size(); ++i) {
     const Vector2d edge = area[(i + 1) % area.size()] - area[i];
@@ -86,8 +84,9 @@ void add_strip(FlightPlan& plan, const Axes& axes, double v, const Range& range,
 
 Result<> check_count(double count) {
   if (count <= double(kMostImages)) return {};
-  return fail(Errc::kBadInput, "the flight would take more than 20000 images: a larger GSD, less overlap or a part of "
-                               "the site is needed");
+  return fail(Errc::kBadInput,
+              "the flight would take more than 20000 images: a larger GSD, less overlap or a part of "
+              "the site is needed");
 }
 
 Result<> add_strips(FlightPlan& plan) {
@@ -117,12 +116,12 @@ Result<> add_cross_strips(FlightPlan& plan, const FlightOptions& options) {
   return {};
 }
 
-Result<PlanArea> area_of(const FlightOptions& o, const PlanArea& area) {
+Result<MapArea> area_of(const FlightOptions& o, const MapArea& area) {
   if (area.empty()) {
     if (!o.east_m || !o.north_m)
       return fail(Errc::kBadInput, "plan which site? Give --east-m and --north-m, or --area with its corners");
     const double east = o.west_m + *o.east_m, north = o.south_m + *o.north_m;
-    return PlanArea{{o.west_m, o.south_m}, {east, o.south_m}, {east, north}, {o.west_m, north}};
+    return MapArea{{o.west_m, o.south_m}, {east, o.south_m}, {east, north}, {o.west_m, north}};
   }
   if (o.east_m || o.north_m) return fail(Errc::kBadInput, "give an area or the extent of a rectangle, not both");
   const double extent_m = std::max(extent(area, Vector2d::UnitX()).size(), extent(area, Vector2d::UnitY()).size());
@@ -133,27 +132,7 @@ Result<PlanArea> area_of(const FlightOptions& o, const PlanArea& area) {
 
 }  // namespace
 
-bool contains(const PlanArea& area, const Vector2d& place) {
-  bool in = false;
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    const Vector2d &a = area[i], &b = area[(i + 1) % area.size()];
-    if ((a.y() > place.y()) != (b.y() > place.y()) &&
-        place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      in = !in;
-  }
-  return in;
-}
-
-double size_m2(const PlanArea& area) {
-  double twice = 0;
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    const Vector2d a = area[i] - area[0], b = area[(i + 1) % area.size()] - area[0];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return std::abs(twice) / 2;
-}
-
-Result<FlightPlan> plan_flight(const FlightOptions& o, const PlanArea& area) {
+Result<FlightPlan> plan_flight(const FlightOptions& o, const MapArea& area) {
   if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
   FlightPlan plan;
   COLLINEA_TRY(plan.area, area_of(o, area));
@@ -162,8 +141,9 @@ Result<FlightPlan> plan_flight(const FlightOptions& o, const PlanArea& area) {
   plan.camera.name = "planned camera";
   plan.camera.source = "given";
   if (o.tilt_deg * kRadians + std::atan(o.height_px / (2 * focal_px)) > kSteepest_rad)
-    return fail(Errc::kBadInput, "the upper edge of the pictures would look higher than 75 degrees from straight down: "
-                                 "less tilt_deg or a longer focal length is needed");
+    return fail(Errc::kBadInput,
+                "the upper edge of the pictures would look higher than 75 degrees from straight down: "
+                "less tilt_deg or a longer focal length is needed");
   plan.height_m = o.height_m.value_or(o.gsd_m * focal_px);
   if (o.relief_m > 0.8 * plan.height_m)
     return fail(Errc::kBadInput, "relief_m is more than four fifths of the flying height");
@@ -181,26 +161,6 @@ Result<FlightPlan> plan_flight(const FlightOptions& o, const PlanArea& area) {
   for (std::size_t i = 1; i < plan.images.size(); ++i)
     plan.path_m += (plan.images[i].centre - plan.images[i - 1].centre).norm();
   return plan;
-}
-
-Result<PlanArea> parse_area(const std::string& text) {
-  PlanArea area;
-  const auto lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string_view line = trimmed(lines[i].substr(0, lines[i].find('#')));
-    if (line.empty()) continue;
-    const auto fields = line.find(',') != std::string_view::npos ? fields_of(line, ',') : words_of(line);
-    const auto east = fields.size() > 1 ? number(fields[0]) : std::nullopt;
-    const auto north = fields.size() > 1 ? number(fields[1]) : std::nullopt;
-    if (east && north && std::isfinite(*east) && std::isfinite(*north)) {
-      area.emplace_back(*east, *north);
-    } else if (!area.empty() || east || north || fields.size() < 2) {
-      return fail(Errc::kBadFormat, "line " + std::to_string(i + 1) + ": not a corner: easting, northing");
-    }
-  }
-  if (area.size() > 1 && (area.front() - area.back()).norm() == 0) area.pop_back();
-  if (area.size() < 3) return fail(Errc::kBadFormat, "an area needs three corners: easting, northing in each line");
-  return area;
 }
 
 }  // namespace collinea

@@ -8,10 +8,12 @@
 
 #include "collinea/base/options.h"
 #include "collinea/camera/camera.h"
+#include "collinea/io/map_area.h"
 
 namespace collinea {
 
-/// The flight that is planned. Plan coordinates are those of the map, east and north [m]; heights count from the ground.
+/// The flight that is planned. Plan coordinates are those of the map, east and north [m]; heights count from the
+/// ground.
 struct FlightOptions {
   std::optional<double> east_m = {}, north_m = {};
   double west_m = 0, south_m = 0;
@@ -53,12 +55,6 @@ struct FlightOptions {
   }
 };
 
-/// A simple polygon in plan coordinates, closed from the last to the first corner.
-using PlanArea = std::vector<Eigen::Vector2d>;
-
-[[nodiscard]] bool contains(const PlanArea& area, const Eigen::Vector2d& place);
-[[nodiscard]] double size_m2(const PlanArea& area);
-
 /// One planned exposure.
 struct PlannedImage {
   int strip = 0;
@@ -68,7 +64,7 @@ struct PlannedImage {
 };
 
 struct FlightPlan {
-  PlanArea area;
+  MapArea area;
   Camera camera;
   double height_m = 0, gsd_m = 0;
   double across_m = 0, along_m = 0;  ///< a picture on the ground, straight down
@@ -83,10 +79,6 @@ struct FlightPlan {
 /// Strips over the area and, at the same overlap, strips across. The outermost axes and the first and last exposure of
 /// each strip lie on the border or up to half a step beyond it. `area`: empty: the rectangle of the options. Errors:
 /// options out of range; no area, or one without extent; more than 20,000 images; a camera that sees the horizon.
-[[nodiscard]] Result<FlightPlan> plan_flight(const FlightOptions& options, const PlanArea& area);
-
-/// Reads the corners of an area: easting and northing a line, between commas or blanks; # starts a comment, a line
-/// without numbers is a title, further fields are left alone. Errors name the line.
-[[nodiscard]] Result<PlanArea> parse_area(const std::string& text);
+[[nodiscard]] Result<FlightPlan> plan_flight(const FlightOptions& options, const MapArea& area);
 
 }  // namespace collinea

@@ -155,7 +155,7 @@ int add_surveyed(const PlannedPoint& point, ControlId id, const Ground& ground, 
   return seen;
 }
 
-void add_cells(const PlanArea& area, const MeasurementOptions& o, const Ground& ground,
+void add_cells(const MapArea& area, const MeasurementOptions& o, const Ground& ground,
                const std::vector<Viewer>& viewers, PlannedBlock& planned) {
   const Vector3d not_surveyed = Vector3d::Constant(std::numeric_limits<double>::infinity());
   auto next = static_cast<std::uint32_t>(planned.block.control.size());
@@ -180,7 +180,7 @@ Vector2d PrecisionGrid::centre(std::size_t cell) const {
   return {west_m + (column + 0.5) * cell_m, north_m - (row + 0.5) * cell_m};
 }
 
-PrecisionGrid precision_grid(const PlanArea& area, std::optional<double> cell_m) {
+PrecisionGrid precision_grid(const MapArea& area, std::optional<double> cell_m) {
   Box box;
   for (const Vector2d& corner : area) box.add(corner);
   PrecisionGrid grid;

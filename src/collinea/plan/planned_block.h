@@ -35,10 +35,11 @@ struct MeasurementOptions {
                 "of the east and north of each projection centre by GNSS; nothing: they are not used", 1e-4, 1000});
     visit(Field{"position_sigma_height_m", &O::position_sigma_height_m, "m",
                 "of its height; nothing: one and a half times that in plan", 1e-4, 1000});
-    visit(Field{"position_shift_m", &O::position_shift_m, "m",
-                "standard deviation of a shift that all positions have in common: of the base station, the antenna, the "
-                "geoid",
-                0, 1000});
+    visit(
+        Field{"position_shift_m", &O::position_shift_m, "m",
+              "standard deviation of a shift that all positions have in common: of the base station, the antenna, the "
+              "geoid",
+              0, 1000});
     visit(Field{"calibration", &O::calibration, "",
                 "camera parameters found with the block: none | focal | focal_radial | brown | brown_affinity"});
     visit(Field{"focal_sigma", &O::focal_sigma, "1", "standard deviation of the focal length before that, relative",
@@ -56,7 +57,7 @@ struct PrecisionGrid {
   [[nodiscard]] Eigen::Vector2d centre(std::size_t cell) const;
   [[nodiscard]] std::size_t size() const { return std::size_t(width) * std::size_t(height); }
 };
-[[nodiscard]] PrecisionGrid precision_grid(const PlanArea& area, std::optional<double> cell_m);
+[[nodiscard]] PrecisionGrid precision_grid(const MapArea& area, std::optional<double> cell_m);
 
 /// A block as it would be measured, without errors: the bundle's engine then says what the errors would do.
 struct PlannedBlock {
@@ -68,8 +69,8 @@ struct PlannedBlock {
   std::map<ControlId, std::size_t> cells;  ///< check points without a survey at the centres of the grid's cells
 };
 
-/// Poses as planned but for what wind and gimbal do, tie points spread evenly, control and cells of the grid measured in
-/// every image that shows them. Tie points stay the same when strips or control are added. Errors: options out of
+/// Poses as planned but for what wind and gimbal do, tie points spread evenly, control and cells of the grid measured
+/// in every image that shows them. Tie points stay the same when strips or control are added. Errors: options out of
 /// range.
 [[nodiscard]] Result<PlannedBlock> planned_block(const FlightPlan& plan, const std::vector<PlannedPoint>& points,
                                                  const MeasurementOptions& options);

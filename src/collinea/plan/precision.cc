@@ -172,11 +172,14 @@ Result<std::optional<Gain>> one_more_point(const FlightPlan& plan, const std::ve
                                            const Eigen::Vector3d& sigma_m, const MeasurementOptions& options,
                                            const Precision& now, int places, const Run& run) {
   std::optional<Gain> best;
-  for (const Vector2d& place : places_to_try(points, now, places)) {
+  const std::vector<Vector2d> candidates = places_to_try(points, now, places);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Vector2d& place = candidates[i];
     std::vector<PlannedPoint> more = points;
     more.push_back({"one more", ControlRole::kControl, place, sigma_m});
     COLLINEA_TRY(PlannedBlock planned, planned_block(plan, more, options));
     COLLINEA_TRY(const Precision with, foretold(std::move(planned), run));
+    run.report("places of one more control point", double(i + 1) / double(candidates.size()));
     if (best && with.area.rms_m.norm() >= best->area.rms_m.norm()) continue;
     best = Gain{"one more control point", place, with.area};
   }

@@ -20,8 +20,8 @@ struct AreaSigma {
 /// What is foretold of a cell of the map.
 struct CellPrecision {
   std::size_t cell = 0;
-  Eigen::Vector2d place;         ///< plan coordinates of its middle
-  Eigen::Matrix3d covariance_m2; ///< east, north, height
+  Eigen::Vector2d place;          ///< plan coordinates of its middle
+  Eigen::Matrix3d covariance_m2;  ///< east, north, height
   int images = 0;
 
   [[nodiscard]] Eigen::Vector3d sigma_m() const { return covariance_m2.diagonal().cwiseSqrt(); }
@@ -42,7 +42,8 @@ struct Precision {
   std::vector<CellPrecision> cells;
   AreaSigma area;
   std::vector<RaysPrecision> rays;
-  Eigen::Vector3d pose_rms_m = Eigen::Vector3d::Zero(), turn_rms_rad = Eigen::Vector3d::Zero();  ///< turns: in the camera
+  Eigen::Vector3d pose_rms_m = Eigen::Vector3d::Zero(),
+                  turn_rms_rad = Eigen::Vector3d::Zero();  ///< turns: in the camera
 };
 
 /// Adjusts the block as planned and tells the standard deviations of everything. Errors: those of the adjustment; a
@@ -59,7 +60,8 @@ struct Gain {
 /// One more control point where it gains most: of the place that is known worst and others spread between the points
 /// there are, `places` in all, that which lowers the root mean square of all three axes most. Nothing when no place is
 /// left. The survey is as good as the layout says.
-[[nodiscard]] Result<std::optional<Gain>> one_more_point(const FlightPlan& plan, const std::vector<PlannedPoint>& points,
+[[nodiscard]] Result<std::optional<Gain>> one_more_point(const FlightPlan& plan,
+                                                         const std::vector<PlannedPoint>& points,
                                                          const Eigen::Vector3d& sigma_m,
                                                          const MeasurementOptions& options, const Precision& now,
                                                          int places, const Run& run);

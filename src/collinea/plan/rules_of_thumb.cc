@@ -35,9 +35,8 @@ std::vector<RuleOfThumb> rules_of_thumb(const FlightPlan& plan, const FlightOpti
   return {{"signalised points, plan", "6 um * mb", plan_m, plan_rms(precision.area.rms_m)},
           {"signalised points, height", super_wide ? "0.08 ‰ * h (super-wide)" : "0.06 ‰ * h", height_m,
            precision.area.rms_m.z()},
-          {"two neighbours, normal case, height", "h / base * GSD * sqrt(2) * sigma_px", parallax_m,
-           precision.rays.empty() || precision.rays[0].from != 2 ? std::nullopt
-                                                                  : std::optional(precision.rays[0].rms_m.z())},
+          {"point in two neighbouring images only (normal case), height", "h / base * GSD * sqrt(2) * sigma_px",
+           parallax_m, std::nullopt},
           {"manhole, plan", "sqrt(signalised^2 + (5 cm)^2)", natural(plan_m, 0.05), std::nullopt},
           {"manhole, height", "sqrt(signalised^2 + (2 cm)^2)", natural(height_m, 0.02), std::nullopt},
           {"corner of a house or fence, plan", "sqrt(signalised^2 + (9.5 cm)^2)", natural(plan_m, 0.095), std::nullopt},
@@ -51,13 +50,13 @@ std::vector<Custom> customs(const FlightPlan& plan, const FlightOptions& flight,
                             const std::vector<PlannedPoint>& points, const Precision& precision) {
   const auto control =
       std::count_if(points.begin(), points.end(), [](const auto& p) { return p.role == ControlRole::kControl; });
-  return {{"forward overlap of 60 % and more", flight.forward_overlap >= 0.6},
-          {"side overlap of 20 % and more", flight.side_overlap >= 0.2},
-          {"six and more tie points of three and more images in every image",
-           well_tied(precision) == plan.images.size()},
-          {"four control points and more, at the corners of the block (with measured projection centres they stay as a "
-           "check)",
-           control >= 4}};
+  return {
+      {"forward overlap of 60 % and more", flight.forward_overlap >= 0.6},
+      {"side overlap of 20 % and more", flight.side_overlap >= 0.2},
+      {"six and more tie points of three and more images in every image", well_tied(precision) == plan.images.size()},
+      {"four control points and more, at the corners of the block (with measured projection centres they stay as a "
+       "check)",
+       control >= 4}};
 }
 
 }  // namespace collinea

@@ -11,8 +11,8 @@ namespace collinea {
 /// A rule for the design of a survey, beside what the adjustment foretells.
 struct RuleOfThumb {
   std::string name, formula;
-  double value_m = 0;               ///< by the rule
-  std::optional<double> foretold_m; ///< the same by the adjustment, where it says so
+  double value_m = 0;                ///< by the rule
+  std::optional<double> foretold_m;  ///< the same by the adjustment, where it says so
 };
 
 /// What is customary of a flight, and whether it is kept.

@@ -71,21 +71,22 @@ double plan_rms(const Eigen::Vector3d& rms_m) { return std::sqrt((rms_m.x() * rm
 
 std::string plan_json(const PlanReport& report) {
   const Precision& precision = report.precision;
-  json j = {{"flight", flight_json(report.plan)},
-            {"crs", report.crs_name},
-            {"datum", precision.adjusted.datum},
-            {"rank_defect", precision.adjusted.rank_defect},
-            {"redundancy", precision.adjusted.redundancy},
-            {"undetermined", precision.adjusted.undetermined},
-            {"area", area_json(precision.area)},
-            {"points", points_json(report)},
-            {"tie_points", json::array()},
-            {"images", {{"centre_rms_m", vector(precision.pose_rms_m)}, {"turn_rms_rad", vector(precision.turn_rms_rad)}}},
-            {"cameras", cameras_json(precision)},
-            {"gains", json::array()},
-            {"rules_of_thumb", json::array()},
-            {"customs", json::array()},
-            {"weaknesses", json::array()}};
+  json j = {
+      {"flight", flight_json(report.plan)},
+      {"crs", report.crs_name},
+      {"datum", precision.adjusted.datum},
+      {"rank_defect", precision.adjusted.rank_defect},
+      {"redundancy", precision.adjusted.redundancy},
+      {"undetermined", precision.adjusted.undetermined},
+      {"area", area_json(precision.area)},
+      {"points", points_json(report)},
+      {"tie_points", json::array()},
+      {"images", {{"centre_rms_m", vector(precision.pose_rms_m)}, {"turn_rms_rad", vector(precision.turn_rms_rad)}}},
+      {"cameras", cameras_json(precision)},
+      {"gains", json::array()},
+      {"rules_of_thumb", json::array()},
+      {"customs", json::array()},
+      {"weaknesses", json::array()}};
   for (const RaysPrecision& rays : precision.rays)
     j["tie_points"].push_back({{"images_from", rays.from},
                                {"images_to", rays.to > 0 ? json(rays.to) : json(nullptr)},
@@ -122,23 +123,28 @@ std::string plan_text(const PlanReport& report) {
       "           an image every {:.1f} m, strips {:.1f} m apart, {} control points\n",
       plan.images.size(), plan.strips, plan.cross_strips > 0 ? fmt::format(" and {} across", plan.cross_strips) : "",
       plan.height_m, 1000 * plan.gsd_m, plan.path_m / 1000, plan.base_m, plan.spacing_m, control);
-  if (report.precision.cells.empty()) return text + "expected   nothing: " + report.precision.adjusted.undetermined + "\n";
+  if (report.precision.cells.empty())
+    return text + "expected   nothing: " + report.precision.adjusted.undetermined + "\n";
   const auto sigmas = [](const AreaSigma& its) {
     return fmt::format("plan {:.1f} mm (worst {:.1f}), height {:.1f} mm (worst {:.1f})", 1000 * plan_rms(its.rms_m),
                        1000 * its.worst_plan_m, 1000 * its.rms_m.z(), 1000 * its.worst_height_m);
   };
-  text += "expected   " + sigmas(area) + ": standard deviation of a well-defined point\n";
+  text += (report.precision.adjusted.rank_defect > 0 ? "shape      " : "expected   ") + sigmas(area) +
+          ": standard deviation of a well-defined point\n";
+  if (report.precision.adjusted.rank_defect > 0)
+    text += "           of the shape alone: place, attitude or scale on the map are not fixed (see weak)\n";
   for (const Gain& gain : report.gains)
     text += "with       " + sigmas(gain.area) + ": " + gain.what +
             (gain.place ? fmt::format(" at {:.1f}, {:.1f}", gain.place->x(), gain.place->y()) : "") + "\n";
   for (const RuleOfThumb& rule : report.rules)
     if (rule.foretold_m)
-      text += fmt::format("rule       {:.1f} mm, here {:.1f} mm: {} = {}\n", 1000 * rule.value_m, 1000 * *rule.foretold_m,
-                          rule.name, rule.formula);
+      text += fmt::format("rule       {:.1f} mm, here {:.1f} mm: {} = {}\n", 1000 * rule.value_m,
+                          1000 * *rule.foretold_m, rule.name, rule.formula);
   if (report.trials)
-    text += fmt::format("simulated  errors of {} blocks over what was foretold: east {:.2f}, north {:.2f}, height {:.2f}\n",
-                        report.trials->blocks, report.trials->cell_ratio.x(), report.trials->cell_ratio.y(),
-                        report.trials->cell_ratio.z());
+    text +=
+        fmt::format("simulated  errors of {} blocks over what was foretold: east {:.2f}, north {:.2f}, height {:.2f}\n",
+                    report.trials->blocks, report.trials->cell_ratio.x(), report.trials->cell_ratio.y(),
+                    report.trials->cell_ratio.z());
   for (const Weakness& weak : report.precision.adjusted.weaknesses)
     text += "weak       " + weak.what + "; cure: " + weak.cure + "\n";
   for (const Custom& custom : report.customs)

@@ -13,10 +13,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-void draw_area(Svg& svg, const MapView& view, const PlanArea& area) {
+void draw_area(Svg& svg, const MapView& view, const MapArea& area, std::string_view style) {
   std::vector<Vector2d> outline;
   for (const Vector2d& corner : area) outline.push_back(view(corner));
-  svg.polygon(outline, "site");
+  svg.polygon(outline, style);
 }
 
 void draw_points(Svg& svg, const MapView& view, const PlanReport& report, bool names) {
@@ -64,8 +64,8 @@ std::string class_text(double low_m, double high_m, bool open) {
   const bool mm = high_m < 0.1;
   const double unit = mm ? 1000 : 1, step = (high_m - low_m) * unit;
   const int decimals = step >= 1 ? 0 : step >= 0.1 ? 1 : 2;
-  return number_text(low_m * unit, decimals) +
-         (open ? "+" : "\xe2\x80\x93" + number_text(high_m * unit, decimals)) + (mm ? " mm" : " m");
+  return number_text(low_m * unit, decimals) + (open ? "+" : "\xe2\x80\x93" + number_text(high_m * unit, decimals)) +
+         (mm ? " mm" : " m");
 }
 
 void draw_legend(Svg& svg, const Classes& classes, double top) {
@@ -102,7 +102,7 @@ void draw_ellipses(Svg& svg, const MapView& view, const Precision& precision) {
     draw_height_bar(svg, view(cell->place), cell->sigma_m().z(), px_per_m, "height_bar");
   }
   const double length = round_below(longest), px = length * px_per_m;
-  const Vector2d corner(view.width - 250, view.height - 22);
+  const Vector2d corner(view.width - 250, view.height + view.footer - 22);
   svg.rectangle(corner.x() - 34, corner.y() - 24, 280, 46, "paper");
   draw_ellipse(svg, corner, length * length * Eigen::Matrix2d::Identity(), px_per_m, "ellipse");
   svg.text(corner + Vector2d(px + 8, 4), "plan, " + scale_text(length, "m"));
@@ -117,9 +117,10 @@ std::string plan_map(const PlanReport& report) {
   for (const Vector2d& corner : report.plan.area) bounds.add(corner);
   for (const PlannedImage& image : report.plan.images) bounds.add(image.centre.head<2>());
   for (const PlannedPoint& point : report.points) bounds.add(point.place);
-  const MapView view = bounds.view(kMapWidth, 620);
-  Svg svg(view.width, view.height, "Flight, control and precision");
-  draw_area(svg, view, report.plan.area);
+  MapView view = bounds.view(kMapWidth, 620);
+  view.footer = 30;
+  Svg svg(view.width, view.height + view.footer, "Flight, control and precision");
+  draw_area(svg, view, report.plan.area, "site");
   std::vector<Vector2d> line;
   for (std::size_t i = 0; i < report.plan.images.size(); ++i) {
     line.push_back(view(report.plan.images[i].centre));
@@ -151,7 +152,7 @@ std::string sigma_map(const PlanReport& report, bool height) {
     const Vector2d at = view(Vector2d(cell.place + Vector2d(-half, half)));
     svg.rectangle(at.x(), at.y(), px + 0.3, px + 0.3, "cell", Classes::kColours[classes(sigma(cell))]);
   }
-  draw_area(svg, view, report.plan.area);
+  draw_area(svg, view, report.plan.area, "site outline");
   draw_points(svg, view, report, false);
   draw_scale_and_north(svg, view, "m");
   draw_legend(svg, classes, view.height + 6);

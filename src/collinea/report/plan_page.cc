@@ -37,10 +37,13 @@ std::string statement(const PlanReport& report) {
   if (report.precision.cells.empty())
     return "<div class=\"statement unverified\"><p>No standard deviations can be foretold: " +
            escaped(report.precision.adjusted.undetermined) + ".</p></div>\n";
-  return fmt::format("<div class=\"statement\"><p class=\"kind\">Expected standard deviation of a well-defined point on the "
-                     "ground, measured in every image that shows it</p><div class=\"axes\">{}{}</div></div>\n",
-                     box("in plan, each axis", plan_rms(area.rms_m), area.worst_plan_m),
-                     box("in height", area.rms_m.z(), area.worst_height_m));
+  const bool free = report.precision.adjusted.rank_defect > 0;
+  return fmt::format(
+      "<div class=\"statement{}\"><p class=\"kind\">{}Expected standard deviation of a well-defined point on the "
+      "ground, measured in every image that shows it</p><div class=\"axes\">{}{}</div></div>\n",
+      free ? " unverified" : "", free ? "Nothing fixes place, attitude or scale on the map: of the shape alone. " : "",
+      box("in plan, each axis", plan_rms(area.rms_m), area.worst_plan_m),
+      box("in height", area.rms_m.z(), area.worst_height_m));
 }
 
 std::string facts(const PlanReport& report) {
@@ -72,24 +75,25 @@ std::string cautions(const PlanReport& report) {
                         report.precision.area.empty, report.precision.area.cells);
   for (const Custom& custom : report.customs)
     if (!custom.kept) html += "<li>Against custom: not " + escaped(custom.what) + ".</li>\n";
-  return html.empty() ? "" : "<ul class=\"cautions\">" + html + "</ul>\n";
+  return html.empty() ? "" : "<h2>What the block would determine badly</h2><ul class=\"cautions\">" + html + "</ul>\n";
 }
 
 std::string maps(const PlanReport& report) {
   return "<section><h2>Flight and control</h2>\n<figure class=\"map\">" + plan_map(report) +
-         "<figcaption>Lines: flight, with the places of the images. Triangles: control; circles: check points. Ellipses and "
+         "<figcaption>Lines: flight, with the places of the images. Triangles: control; circles: check points. "
+         "Ellipses and "
          "bars: standard deviations (39 % of all errors in plan and 68 % in height lie within) in the scale of the "
          "legend.</figcaption></figure>\n</section><section><h2>Where it is how good</h2>\n<div class=\"pair\"><figure "
          "class=\"map\"><h3>In plan (the worse axis)</h3>" +
          sigma_map(report, false) + "</figure><figure class=\"map\"><h3>In height</h3>" + sigma_map(report, true) +
-         "</figure></div>\n<p>Also in sigma.tif (bands east, north, height in metres, images) and plan.gpkg.</p></section>\n";
+         "</figure></div>\n<p>Also in sigma.tif (bands east, north, height in metres, images) and "
+         "plan.gpkg.</p></section>\n";
 }
 
 std::string gains(const PlanReport& report) {
   if (report.gains.empty()) return "";
-  std::string html =
-      "<section><h2>What more would gain</h2>\n" +
-      head({"", "plan [mm]", "worst [mm]", "height [mm]", "worst [mm]", "height better by"});
+  std::string html = "<section><h2>What more would gain</h2>\n" +
+                     head({"", "plan [mm]", "worst [mm]", "height [mm]", "worst [mm]", "height better by"});
   const AreaSigma& now = report.precision.area;
   const auto row = [&](const std::string& name, const AreaSigma& area) {
     html += "<tr>" + text_cell(name) + cell(1000 * plan_rms(area.rms_m), kMm) + cell(1000 * area.worst_plan_m, kMm) +
@@ -117,9 +121,10 @@ std::string check_points(const PlanReport& report) {
     rows += "</tr>\n";
   }
   if (rows.empty()) return "";
-  return "<section><h2>Control and check points</h2>\n<p>Standard deviations after the adjustment, and of the survey.</p>\n" +
-         head({"point", "role", "images", "east [mm]", "north [mm]", "height [mm]", "survey east", "north", "height"}) + rows +
-         "</tbody></table></section>\n";
+  return "<section><h2>Control and check points</h2>\n<p>Standard deviations after the adjustment, and of the "
+         "survey.</p>\n" +
+         head({"point", "role", "images", "east [mm]", "north [mm]", "height [mm]", "survey east", "north", "height"}) +
+         rows + "</tbody></table></section>\n";
 }
 
 std::string unknowns(const PlanReport& report) {
@@ -154,11 +159,12 @@ std::string unknowns(const PlanReport& report) {
 }
 
 std::string rules(const PlanReport& report) {
-  std::string html = "<section><h2>Rules of thumb</h2>\n<p>What analytical photogrammetry goes by before a survey; h is the "
-                     "flying height, mb the photo scale number h / focal length. They know neither control nor overlap, and "
-                     "come from film measured to &plusmn;6 &micro;m; the adjustment above knows both. After the survey the "
-                     "real propagation of errors counts.</p>\n" +
-                     head({"of", "rule", "by the rule [mm]", "by the adjustment [mm]"});
+  std::string html =
+      "<section><h2>Rules of thumb</h2>\n<p>What analytical photogrammetry goes by before a survey; h is the "
+      "flying height, mb the photo scale number h / focal length. They know neither control nor overlap, and "
+      "come from film measured to &plusmn;6 &micro;m; the adjustment above knows both. After the survey the "
+      "real propagation of errors counts.</p>\n" +
+      head({"of", "rule", "by the rule [mm]", "by the adjustment [mm]"});
   for (const RuleOfThumb& rule : report.rules)
     html += "<tr>" + text_cell(rule.name) + text_cell(rule.formula) + cell(1000 * rule.value_m, kMm) +
             cell(1000 * rule.foretold_m.value_or(std::nan("")), kMm) + "</tr>\n";
@@ -172,7 +178,8 @@ std::string trials(const PlanReport& report) {
   if (!report.trials) return "";
   const Trials& t = *report.trials;
   return fmt::format(
-      "<section><h2>Foretold against simulated errors</h2>\n<p>{} blocks with all errors drawn anew were adjusted. Root mean "
+      "<section><h2>Foretold against simulated errors</h2>\n<p>{} blocks with all errors drawn anew were adjusted. "
+      "Root mean "
       "square of error over standard deviation on the map (1 is expected): east {:.3f}, north {:.3f}, height {:.3f}. "
       "Chi-squared over its degrees of freedom: places {:.3f}, images {:.3f}, camera {:.3f}.</p></section>\n",
       t.blocks, t.cell_ratio.x(), t.cell_ratio.y(), t.cell_ratio.z(), t.cell_chi2, t.pose_chi2, t.camera_chi2);
@@ -187,7 +194,8 @@ std::string plan_page(const PlanReport& report) {
          "</h1>Planned survey: expected precision</div><p>collinea " COLLINEA_VERSION "</p></header>\n" +
          statement(report) + facts(report) + cautions(report) + maps(report) + gains(report) + check_points(report) +
          unknowns(report) + rules(report) + trials(report) +
-         "<footer>Foretold by the bundle adjustment of the planned block. Blunders, poor texture, motion blur and a bad "
+         "<footer>Foretold by the bundle adjustment of the planned block. Blunders, poor texture, motion blur and a "
+         "bad "
          "camera model come on top. All figures are also in plan.json.</footer>\n</main></body></html>\n";
 }
 
