@@ -241,7 +241,7 @@ bool Reconstruction::intersect(TrackState& track) const {
     used.push_back(i);
     poses.push_back(pose->second);
     directions.push_back(normalized(camera, track.rays[i].pixel));
-    focal_px.push_back(camera.focal_px());
+    focal_px.push_back(pixels_per_unit(camera, directions.back()));
   }
   if (used.size() < 2) return false;
   const auto found = robust_triangulate(poses, directions, focal_px, kAcceptFactor * options_.max_error_px,
