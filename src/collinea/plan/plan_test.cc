@@ -221,7 +221,7 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
     const Camera &camera = adjusted.cameras.begin()->second,
                  &true_camera = planned.planned.block.cameras.begin()->second;
     std::vector<int> free;
-    for (int k = 0; k < Camera::kParams; ++k)
+    for (const int k : params_of(camera))
       if (covariance(k, k) > 0) free.push_back(k);
     camera_degrees = int(free.size());
     const Eigen::MatrixXd its = covariance(free, free);

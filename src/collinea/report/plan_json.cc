@@ -57,9 +57,8 @@ json cameras_json(const Precision& precision) {
   json list = json::array();
   for (const auto& [id, covariance] : precision.adjusted.camera_covariance) {
     json sigmas = json::object();
-    for (int k = 0; k < Camera::kParams; ++k)
-      if (covariance(k, k) > 0)
-        sigmas[std::string(Camera::kParamNames[std::size_t(k)])] = number(std::sqrt(covariance(k, k)));
+    for (const int k : params_of(precision.planned.block.cameras.at(id)))
+      if (covariance(k, k) > 0) sigmas[param_name(k)] = number(std::sqrt(covariance(k, k)));
     list.push_back({{"name", precision.planned.block.cameras.at(id).name}, {"sigma", sigmas}});
   }
   return list;
