@@ -128,7 +128,7 @@ void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, i
   for (const auto& [id, camera] : one.cameras) {
     const MatrixPd& covariance = foretold.adjusted.camera_covariance.at(id);
     std::vector<int> free;
-    for (int k = 0; k < Camera::kParams; ++k)
+    for (const int k : params_of(camera))
       if (covariance(k, k) > 0) free.push_back(k);
     degrees = int(free.size());
     Eigen::VectorXd error(degrees);

@@ -142,9 +142,10 @@ json cameras_json(const AdjustmentReport& report) {
                 {"width_px", camera.width_px},
                 {"height_px", camera.height_px}};
     const auto covariance = report.adjusted.camera_covariance.find(id);
-    for (int k = 0; k < Camera::kParams; ++k) {
-      json& parameter = one["parameters"][std::string(Camera::kParamNames[std::size_t(k)])];
-      parameter = {{"value", number(camera.params[std::size_t(k)])}, {"unit", Camera::kParamUnits[std::size_t(k)]}};
+    if (camera.additional != AdditionalSet::kNone) one["additional"] = kAdditionalNames[std::size_t(camera.additional)];
+    for (const int k : params_of(camera)) {
+      json& parameter = one["parameters"][param_name(k)];
+      parameter = {{"value", number(camera.params[std::size_t(k)])}, {"unit", param_unit(k)}};
       if (covariance != report.adjusted.camera_covariance.end())
         parameter["sigma"] = number(std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted));
     }

@@ -148,11 +148,10 @@ std::string unknowns(const PlanReport& report) {
   for (const auto& [id, covariance] : precision.adjusted.camera_covariance) {
     html += head({"camera", "value", "&sigma;", "unit"});
     const Camera& camera = precision.planned.block.cameras.at(id);
-    for (int k = 0; k < Camera::kParams; ++k)
+    for (const int k : params_of(camera))
       if (covariance(k, k) > 0)
-        html += "<tr>" + text_cell(Camera::kParamNames[std::size_t(k)]) + cell(camera.params[std::size_t(k)], 2) +
-                fmt::format("<td>{:.2g}</td>", std::sqrt(covariance(k, k))) +
-                text_cell(Camera::kParamUnits[std::size_t(k)], "") + "</tr>\n";
+        html += "<tr>" + text_cell(param_name(k)) + cell(camera.params[std::size_t(k)], 2) +
+                fmt::format("<td>{:.2g}</td>", std::sqrt(covariance(k, k))) + text_cell(param_unit(k), "") + "</tr>\n";
     html += "</tbody></table>\n";
   }
   return html + "</section>\n";
