@@ -142,6 +142,7 @@ json cameras_json(const AdjustmentReport& report) {
                 {"width_px", camera.width_px},
                 {"height_px", camera.height_px}};
     const auto covariance = report.adjusted.camera_covariance.find(id);
+    if (camera.additional != AdditionalSet::kNone) one["additional"] = kAdditionalNames[std::size_t(camera.additional)];
     for (const int k : params_of(camera)) {
       json& parameter = one["parameters"][param_name(k)];
       parameter = {{"value", number(camera.params[std::size_t(k)])}, {"unit", param_unit(k)}};

@@ -57,9 +57,10 @@ json cameras_json(const Precision& precision) {
   json list = json::array();
   for (const auto& [id, covariance] : precision.adjusted.camera_covariance) {
     json sigmas = json::object();
-    for (const int k : params_of(precision.planned.block.cameras.at(id)))
+    const Camera& camera = precision.planned.block.cameras.at(id);
+    for (const int k : params_of(camera))
       if (covariance(k, k) > 0) sigmas[param_name(k)] = number(std::sqrt(covariance(k, k)));
-    list.push_back({{"name", precision.planned.block.cameras.at(id).name}, {"sigma", sigmas}});
+    list.push_back({{"name", camera.name}, {"sigma", sigmas}});
   }
   return list;
 }

@@ -40,7 +40,7 @@ struct MarkOptions {
 [[nodiscard]] double bounded_normal(Random& random);
 
 /// The camera of either kind of survey. Without a given focal length it is `share` of the width.
-/// Errors: no such model.
+/// Errors: no such model, a picture wider than can be rendered.
 template <class Options>
 [[nodiscard]] Result<Camera> true_camera(const Options& o, double share) {
   Camera camera = ideal_camera(o.focal_px.value_or(share * o.width_px), o.width_px, o.height_px);
@@ -58,6 +58,12 @@ template <class Options>
   p[Camera::kK4] = of_kannala ? o.k4 : 0;
   p[Camera::kP1] = of_kannala ? 0 : o.p1;
   p[Camera::kP2] = of_kannala ? 0 : o.p2;
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0, 0), Eigen::Vector2d(o.width_px, 0),
+                                        Eigen::Vector2d(0, o.height_px), Eigen::Vector2d(o.width_px, o.height_px)})
+    if (!in_plane(camera, corner))
+      return fail(Errc::kBadInput,
+                  "the corners of the pictures see more than 80 degrees from the axis, which is not "
+                  "rendered: a longer focal length (focal_px) is needed");
   camera.name = "Collinea Synthetic";
   camera.source = "true";
   return camera;

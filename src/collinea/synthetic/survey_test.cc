@@ -234,6 +234,12 @@ TEST(Survey, NonsenseIsRefusedInWords) {
   o = small_survey();
   o.focal_px = 60;  // sees beyond the horizon
   EXPECT_FALSE(make_survey(o));
+  o = small_survey();
+  o.camera_model = "fisheye";
+  EXPECT_NE(make_survey(o).error().message.find("no such model"), std::string::npos);
+  o.camera_model = "equidistant";
+  o.focal_px = 0.3 * o.width_px;
+  EXPECT_NE(make_survey(o).error().message.find("80 degrees"), std::string::npos);
 }
 
 }  // namespace
