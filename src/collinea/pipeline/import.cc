@@ -15,6 +15,7 @@
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/image/photo.h"
 #include "collinea/pipeline/import_control.h"
+#include "collinea/pipeline/import_positions.h"
 #include "collinea/pipeline/reason.h"
 
 namespace collinea {
@@ -374,7 +375,14 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
                                                                             ": " + imported.skipped[0].reason));
   if (camera_params)
     if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
+  PositionFile positions;
+  if (options.positions) {
+    COLLINEA_TRY(positions, read_positions(*options.positions));
+    if (auto added = add_positions(imported, positions, *options.positions, options); !added)
+      return tl::unexpected(added.error());
+  }
   if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
+  if (auto added = add_map_attitudes(imported, positions); !added) return tl::unexpected(added.error());
   if (options.ground)
     if (auto added = add_ground(imported, *options.ground); !added) return tl::unexpected(added.error());
   name_unseen_control(imported);
@@ -391,6 +399,7 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   for (const std::string& file : files_below(photos).files) add_file(photos / file);
   if (options.control) add_file(*options.control);
   if (options.ground) add_file(*options.ground);
+  if (options.positions) add_file(*options.positions);
   return hash.hex();
 }
 

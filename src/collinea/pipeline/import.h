@@ -17,6 +17,7 @@ struct ImportOptions {
   std::optional<std::string> control;
   std::string check;
   std::optional<std::string> ground;
+  std::optional<std::string> positions;
   std::optional<std::string> camera_params;
   double gps_sigma_m = 2;
   double gps_sigma_height_m = 4;
@@ -31,7 +32,11 @@ struct ImportOptions {
     visit(Field{"control", &O::control, "", "file of control points: gcp_list.txt or collinea's CSV"});
     visit(Field{"check", &O::check, "", "names of control points that are only compared, separated by commas"});
     visit(Field{"ground", &O::ground, "",
-                "file of measurements between control points: distances, height differences, total station (CSV)"});
+                "file of measurements between control points: distances, height differences, total station; planes, "
+                "lines and heights they lie on (CSV)"});
+    visit(Field{"positions", &O::positions, "",
+                "file of positions and attitudes of the photographs, in place of those in their headers (CSV, or .mrk "
+                "of an RTK drone)"});
     visit(Field{
         "camera_params", &O::camera_params, "px",
         "known camera for all images, held fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2]; centre of the first pixel is 0.5"});
@@ -63,12 +68,12 @@ struct Imported {
 /// Reads the headers of all photographs below a folder, groups cameras, and brings positions and control to a local
 /// frame. Broken, duplicate and non-photograph files are skipped and named. Control points without any coordinate need
 /// no CRS. Errors: no folder, no photograph at all, bad control file, bad file of measurements on the ground or one
-/// that names points that are not there, CRS unknown.
+/// that names points that are not there, bad file of positions or one of other photographs, CRS unknown.
 [[nodiscard]] Result<Imported> import_photos(const std::filesystem::path& photos, const ImportOptions& options,
                                              const Run& run);
 
-/// What the folder of photographs, the control file and that of measurements on the ground look like from outside
-/// (names, sizes, times): changes when anything in them does.
+/// What the folder of photographs, and the files of control, positions and measurements on the ground look like from
+/// outside (names, sizes, times): changes when anything in them does.
 [[nodiscard]] std::string fingerprint_of_sources(const std::filesystem::path& photos, const ImportOptions& options);
 
 }  // namespace collinea
