@@ -70,8 +70,10 @@ void name_unseen_control(Imported& imported) {
   const Block& block = imported.block;
   std::map<ControlId, int> seen;
   for (const ControlObservation& observation : block.control_observations) ++seen[observation.point];
+  std::set<ControlId> on_ground;  // there it may be placed without any image
+  for (const GroundObservation& one : block.ground) on_ground.insert({one.from, one.to});
   for (const auto& [id, point] : block.control)
-    if (seen[id] < 2)
+    if (seen[id] < 2 && !on_ground.contains(id))
       imported.findings.push_back(fmt::format("control {} is seen in {} image{}: it cannot be used", point.name,
                                               seen[id], seen[id] == 1 ? "" : "s"));
 }
