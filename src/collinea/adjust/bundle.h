@@ -85,7 +85,7 @@ struct GivenVertical {
 };
 
 /// How each of Camera::params takes part. 0: held; a standard deviation: observed with it; infinite: free.
-using CameraSigmas = std::array<double, Camera::kParams>;
+using CameraSigmas = std::array<double, Camera::kAllParams>;
 
 /// Those that AdjustOptions::calibration stands for, where `first` is the camera before any adjustment: the weak
 /// observations told at adjust(). Nothing when there is no such name.
@@ -181,7 +181,7 @@ struct ControlDifference {
 };
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using MatrixPd = Eigen::Matrix<double, Camera::kParams, Camera::kParams>;
+using MatrixPd = Eigen::MatrixXd;  ///< of as many of Camera::params as the camera's last one needs
 
 /// Something that the observations determine badly or not at all, in words.
 struct Weakness {

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 #include "collinea/base/hash.h"
@@ -81,7 +82,20 @@ Listing files_below(const fs::path& folder) {
   return listing;
 }
 
-Result<std::vector<double>> numbers_in(const std::string& text) {
+Result<CameraModel> model_in(const std::string& name) {
+  for (const auto model :
+       {CameraModel::kBrown, CameraModel::kEquidistant, CameraModel::kEquisolid, CameraModel::kKannalaBrandt})
+    if (name == kCameraModelNames[std::size_t(model)]) return model;
+  return fail(Errc::kBadInput, "--camera-model " + name + ": there are brown, equidistant, equisolid, kannala_brandt");
+}
+
+// The distortion that follows fx, fy, cx, cy.
+std::vector<int> given_distortion(CameraModel model) {
+  if (model == CameraModel::kKannalaBrandt) return {Camera::kK1, Camera::kK2, Camera::kK3, Camera::kK4};
+  return {Camera::kK1, Camera::kK2, Camera::kK3, Camera::kP1, Camera::kP2};
+}
+
+Result<std::vector<double>> numbers_in(const std::string& text, CameraModel model) {
   std::vector<double> numbers;
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -93,8 +107,9 @@ Result<std::vector<double>> numbers_in(const std::string& text) {
     numbers.push_back(value);
     at = next + (next < end ? 1 : 0);
   }
-  if (numbers.size() < 4 || numbers.size() > 9)
-    return fail(Errc::kBadInput, "--camera-params: expected fx,fy,cx,cy and up to five distortion values");
+  if (const std::size_t most = 4 + given_distortion(model).size(); numbers.size() < 4 || numbers.size() > most)
+    return fail(Errc::kBadInput, fmt::format("--camera-params: expected fx,fy,cx,cy and up to {} distortion values",
+                                             most == 9 ? "five" : "four"));
   if (!std::all_of(numbers.begin(), numbers.end(), [](double value) { return std::isfinite(value); }))
     return fail(Errc::kBadInput, "--camera-params " + text + ": every value must be a finite number");
   if (!(numbers[0] > 0 && numbers[1] > 0))
@@ -125,18 +140,33 @@ Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
   return {};
 }
 
-Camera given_camera(const std::vector<double>& v, int width_px, int height_px) {
+Camera given_camera(CameraModel model, const std::vector<double>& v, int width_px, int height_px) {
   Camera camera = ideal_camera(v[1], width_px, height_px);
+  camera.model = model;
   camera.params[Camera::kB1] = v[0] - v[1];
   camera.params[Camera::kCx] = v[2];
   camera.params[Camera::kCy] = v[3];
-  for (std::size_t i = 4; i < v.size(); ++i) camera.params[Camera::kK1 + i - 4] = v[i];
+  const std::vector<int> distortion = given_distortion(model);
+  for (std::size_t i = 4; i < v.size(); ++i) camera.params[std::size_t(distortion[i - 4])] = v[i];
   camera.calibrate = false;
   camera.source = "given";
   return camera;
 }
 
-Camera camera_from_header(const PhotoHeader& header) {
+// The shortest focal length that can be true, and the one assumed where none is stated [times the longer side]. A
+// fisheye is taken for one that fills the picture with 180 degrees from corner to corner; one that sees 220 degrees
+// along the shorter of 16:9 sides has an eighth of the longer side.
+struct UsualFocal {
+  double shortest, assumed;
+};
+
+UsualFocal usual_focal(CameraModel model, double diagonal_px, double longer_px) {
+  if (!is_fisheye(model)) return {0.2, kAssumedFocal};
+  const double per_diagonal = model == CameraModel::kEquisolid ? 1 / (2 * std::numbers::sqrt2) : 1 / std::numbers::pi;
+  return {0.12, per_diagonal * diagonal_px / longer_px};
+}
+
+Camera camera_from_header(const PhotoHeader& header, CameraModel model) {
   const double diagonal_px = std::hypot(header.width_px, header.height_px);
   double focal_px = 0, relative_sigma = kExifFocalSigma;
   std::string source;
@@ -154,12 +184,14 @@ Camera camera_from_header(const PhotoHeader& header) {
     }
   }
   const double longer_px = std::max(header.width_px, header.height_px);
-  if (!(focal_px > 0.2 * longer_px && focal_px < 50 * longer_px)) {
-    focal_px = kAssumedFocal * longer_px;
+  const UsualFocal usual = usual_focal(model, diagonal_px, longer_px);
+  if (!(focal_px > usual.shortest * longer_px && focal_px < 50 * longer_px)) {
+    focal_px = usual.assumed * longer_px;
     relative_sigma = kAssumedFocalSigma;
     source = "assumed";
   }
   Camera camera = ideal_camera(focal_px, header.width_px, header.height_px);
+  camera.model = model;
   camera.sigma_f_px = relative_sigma * focal_px;
   camera.source = source;
   return camera;
@@ -207,8 +239,9 @@ std::vector<Photo> read_headers(const fs::path& folder, const std::vector<std::s
 
 class Importer {
  public:
-  Importer(const fs::path& folder, const ImportOptions& options, std::optional<std::vector<double>> camera_params)
-      : folder_(folder), options_(options), camera_params_(std::move(camera_params)) {}
+  Importer(const fs::path& folder, const ImportOptions& options, CameraModel model,
+           std::optional<std::vector<double>> camera_params)
+      : folder_(folder), options_(options), model_(model), camera_params_(std::move(camera_params)) {}
 
   void add(const Photo& photo) {
     if (!photo.header) return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
@@ -247,8 +280,8 @@ class Importer {
     if (found != cameras_.end()) return found->second;
     const CameraId id{static_cast<std::uint32_t>(cameras_.size())};
     cameras_[key] = id;
-    Camera camera =
-        camera_params_ ? given_camera(*camera_params_, header.width_px, header.height_px) : camera_from_header(header);
+    Camera camera = camera_params_ ? given_camera(model_, *camera_params_, header.width_px, header.height_px)
+                                   : camera_from_header(header, model_);
     camera.name = camera_name(header);
     if (camera.source == "assumed")
       result.findings.push_back(
@@ -263,6 +296,7 @@ class Importer {
   using Key = std::tuple<std::string, std::string, std::string, std::string, int, int, double>;
   const fs::path& folder_;
   const ImportOptions& options_;
+  CameraModel model_;
   std::optional<std::vector<double>> camera_params_;
   std::map<Key, CameraId> cameras_;
   std::map<std::uint64_t, std::string> file_of_hash_;
@@ -352,15 +386,16 @@ Result<ControlFile> control_of(const ImportOptions& options) {
 }  // namespace
 
 Result<Imported> import_photos(const fs::path& photos, const ImportOptions& options, const Run& run) {
+  COLLINEA_TRY(const CameraModel model, model_in(options.camera_model));
   std::optional<std::vector<double>> camera_params;
   if (options.camera_params) {
-    COLLINEA_TRY(camera_params, numbers_in(*options.camera_params));
+    COLLINEA_TRY(camera_params, numbers_in(*options.camera_params, model));
   }
   COLLINEA_TRY(const ControlFile control, control_of(options));
   std::error_code unreadable;
   if (fs::directory_iterator(photos, unreadable); unreadable)
     return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
-  Importer importer(photos, options, camera_params);
+  Importer importer(photos, options, model, camera_params);
   const Listing listing = files_below(photos);
   const std::vector<Photo> read = read_headers(photos, listing.files, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");

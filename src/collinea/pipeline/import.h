@@ -18,6 +18,7 @@ struct ImportOptions {
   std::string check;
   std::optional<std::string> ground;
   std::optional<std::string> positions;
+  std::string camera_model = "brown";
   std::optional<std::string> camera_params;
   double gps_sigma_m = 2;
   double gps_sigma_height_m = 4;
@@ -37,9 +38,11 @@ struct ImportOptions {
     visit(Field{"positions", &O::positions, "",
                 "file of positions and attitudes of the photographs, in place of those in their headers (CSV, or .mrk "
                 "of an RTK drone)"});
-    visit(Field{
-        "camera_params", &O::camera_params, "px",
-        "known camera for all images, held fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2]; centre of the first pixel is 0.5"});
+    visit(Field{"camera_model", &O::camera_model, "",
+                "projection of the lens: brown (central), or of a fisheye equidistant | equisolid | kannala_brandt"});
+    visit(Field{"camera_params", &O::camera_params, "px",
+                "known camera for all images, held fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2], of kannala_brandt "
+                "fx,fy,cx,cy[,k1,k2,k3,k4]; centre of the first pixel is 0.5"});
     visit(Field{"gps_sigma_m", &O::gps_sigma_m, "m",
                 "standard deviation of image positions in plan where the file states none", 1e-3});
     visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "the same for heights", 1e-3});

@@ -107,10 +107,36 @@ TEST(ImportFocal, AGivenCameraIsHeldFixed) {
   const auto imported = import_photos(folder / "", {.camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,-2e-4"}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   const Camera& camera = imported->block.cameras.begin()->second;
-  const std::array<double, Camera::kParams> expected = {100, 61, 44, -0.1, 0.01, 0.002, 1e-4, -2e-4, 1, 0};
+  const std::array<double, Camera::kAllParams> expected = {100, 61, 44, -0.1, 0.01, 0.002, 1e-4, -2e-4, 1, 0};
   EXPECT_EQ(camera.params, expected);
   EXPECT_FALSE(camera.calibrate);
   EXPECT_TRUE(imported->findings.empty());
+}
+
+TEST(ImportFocal, AFisheyeIsWhatTheUserSays) {
+  const TestFolder folder;
+  put_photo(folder / "a.jpg", nullptr);
+  put_photo(folder / "b.jpg", nullptr);
+  const auto given = import_photos(
+      folder / "", {.camera_model = "kannala_brandt", .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4"}, {});
+  ASSERT_TRUE(given) << given.error().message;
+  const Camera& camera = given->block.cameras.begin()->second;
+  EXPECT_EQ(camera.model, CameraModel::kKannalaBrandt);
+  EXPECT_EQ(camera.params[Camera::kK4], 1e-4);
+  EXPECT_EQ(camera.params[Camera::kP1], 0);
+  // Nothing said: from corner to corner (150 px) half a turn.
+  const auto assumed = import_photos(folder / "", {.camera_model = "equidistant"}, {});
+  ASSERT_TRUE(assumed);
+  EXPECT_NEAR(assumed->block.cameras.begin()->second.focal_px(), 150 / 3.14159265, 1e-6);
+  EXPECT_EQ(assumed->block.cameras.begin()->second.model, CameraModel::kEquidistant);
+  for (const char* model : {"fisheye", "brown_of_measured", ""}) {
+    const auto unknown = import_photos(folder / "", {.camera_model = model}, {});
+    ASSERT_FALSE(unknown);
+    EXPECT_NE(unknown.error().message.find("--camera-model"), std::string::npos);
+  }
+  const auto long_list = import_photos(
+      folder / "", {.camera_model = "kannala_brandt", .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,0"}, {});
+  EXPECT_FALSE(long_list);
 }
 
 TEST(ImportFocal, AGivenCameraThatIsNoneIsAnError) {

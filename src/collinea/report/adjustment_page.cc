@@ -181,7 +181,7 @@ std::string adjustment_page(const AdjustmentReport& report) {
                      "</style></head>\n<body><main>\n<header><div><h1>" + title +
                      "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
   html += summary(report.adjusted) + snooping_section(report) + control_table(report) + accuracy_section(report) +
-          ground_table(report) + unknowns_table(report);
+          ground_table(report) + unknowns_table(report) + additional_section(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);

@@ -74,9 +74,8 @@ std::string cameras_csv(const AdjustmentReport& report) {
     const auto covariance = report.adjusted.camera_covariance.find(id);
     const bool known = covariance != report.adjusted.camera_covariance.end();
     const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was held
-    for (int k = 0; k < Camera::kParams; ++k)
-      text += in_quotes(camera.name) + fmt::format(",{},{}", Camera::kParamNames[k], Camera::kParamUnits[k]) +
-              number(camera.params[k]) +
+    for (const int k : params_of(camera))
+      text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) + number(camera.params[k]) +
               number(known ? std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted) : unknown) + "\n";
   }
   return text;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "collinea/adjust/additional_choice.h"
 #include "collinea/adjust/snooping.h"
 #include "collinea/adjust/variance_components.h"
 #include "collinea/base/result.h"
@@ -17,6 +18,8 @@ struct AdjustmentReport {
   Block block;                                   ///< as adjusted, with the sigmas that were used
   Adjusted adjusted;                             ///< with covariances and reliability
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
+  std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
+  double additional_level = 0;                   ///< of their tests
   std::optional<Snooped> snooped;                ///< when blunders were taken out; its `adjusted` may have been moved
 };
 
@@ -33,6 +36,8 @@ struct AdjustmentReport {
 
 /// By what the sigmas of a group should be multiplied; NaN where too little redundancy tells nothing.
 [[nodiscard]] double shown_factor(const GroupSums& sums);
+/// Of additional parameters those that the proposal drops: "a3,a7".
+[[nodiscard]] std::string dropped_names(const AdditionalTest& test);
 /// What was measured, in words: "tie point 17 in IMG_2.jpg, row", "gcp3, height", "position of IMG_2.jpg, east".
 [[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
 /// A measurement that was taken out, and how wrong it was: "gcp4 in IMG_31.jpg, off by 12.3 px (row ...)".
