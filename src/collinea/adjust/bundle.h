@@ -283,9 +283,10 @@ class Adjuster {
   std::unique_ptr<bundle::KeptFactor> kept_;
 };
 
-/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 without redundancy.
+/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 where that says
+/// nothing: without redundancy, and where observations agree to rounding, as those of a planned block do.
 [[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
-  return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
+  return adjusted.redundancy > 0 && adjusted.sigma0 > 1e-9 ? adjusted.sigma0 : 1;
 }
 
 /// Writes poses, cameras and points of the adjustment into the block.

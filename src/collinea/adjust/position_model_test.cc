@@ -227,7 +227,9 @@ TEST(PositionModel, ATimeOffsetThatIsKnownToBeSmallHolds) {
   const auto adjusted = adjust(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted);
   for (const EstimatedUnknown& extra : adjusted->extras)
-    if (extra.kind == UnknownKind::kTimeOffset) EXPECT_NEAR(extra.value, 0, 1e-4);
+    if (extra.kind == UnknownKind::kTimeOffset) {
+      EXPECT_NEAR(extra.value, 0, 1e-4);
+    }
   made.scope.time_offset_sigma_s[{1}] = 0;  // there is none
   const auto without = adjust(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(without);

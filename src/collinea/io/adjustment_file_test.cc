@@ -170,7 +170,9 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
     EXPECT_EQ(one.instrument_height_m, before.instrument_height_m);
     EXPECT_EQ(one.target_height_m, before.target_height_m);
     EXPECT_EQ(one.axis, before.axis);
-    if (one.is_of_shape()) EXPECT_EQ(one.name, before.name);
+    if (one.is_of_shape()) {
+      EXPECT_EQ(one.name, before.name);
+    }
   }
   EXPECT_EQ(back->block.images.at({4}).taken, file.block.images.at({4}).taken);
   const Instruments &instruments = back->instruments, &given = file.instruments;

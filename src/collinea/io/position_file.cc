@@ -49,7 +49,7 @@ std::optional<std::string> date_and_time(std::string_view text) {
   if ((!rest.empty() && rest != "Z") || month < 1 || month > 12 || day < 1 || day > 31 || hour > 23 || minute > 59 ||
       !(second >= 0 && second < 61))
     return std::nullopt;
-  char out[40];
+  char out[400];
   std::snprintf(out, sizeof out, "%04d:%02d:%02d %02d:%02d:%09.6f", year, month, day, hour, minute, second);
   return out;
 }

@@ -140,7 +140,6 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
   bool any = false;
   for (auto& [id, camera] : task.block.cameras) {
     const auto own = task.scope.camera_sigmas.find(id);
-    if (own == task.scope.camera_sigmas.end() && !camera.calibrate) continue;
     Camera& first = task.scope.first_cameras.try_emplace(id, camera).first->second;
     if (asked.additional != "auto")
       for (Camera* one : {&camera, &first}) {
@@ -151,9 +150,11 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
     if (camera.additional == AdditionalSet::kNone) continue;
     any = true;
     if (own != task.scope.camera_sigmas.end() && asked.additional == "auto" && held.empty()) continue;
-    CameraSigmas sigmas = own != task.scope.camera_sigmas.end()
-                              ? own->second
-                              : calibration_named(task.options.calibration, first).value_or(CameraSigmas{});
+    CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
+    if (own != task.scope.camera_sigmas.end())
+      sigmas = own->second;
+    else if (camera.calibrate)
+      sigmas = calibration_named(task.options.calibration, first).value_or(CameraSigmas{});
     const auto both = with_additional(sigmas, first, held);
     if (!both)
       return fail(Errc::kBadInput, "additional_held = \"" + asked.additional_held + "\": the " +

@@ -39,9 +39,10 @@ struct AdjustProjectOptions {
     visit(Field{"calibration", &O::calibration, "",
                 "free camera parameters: auto (those of orient, or of the file) | none | focal | focal_radial | brown "
                 "| brown_affinity"});
-    visit(Field{"additional", &O::additional, "",
-                "additional parameters of every camera that is calibrated, on top of its model: auto (those it has) | "
-                "none | polynomial | ebner | gruen | fourier"});
+    visit(Field{
+        "additional", &O::additional, "",
+        "additional parameters of every camera, on top of its model, also of one that was given: auto (those it has) | "
+        "none | polynomial | ebner | gruen | fourier"});
     visit(Field{"additional_held", &O::additional_held, "",
                 "those of them that are held at zero, separated by commas: a3,a7"});
     visit(Field{"additional_level", &O::additional_level, "1",

@@ -13,6 +13,7 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
+#include "collinea/geodesy/heights.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/image/photo.h"
 #include "collinea/pipeline/import_control.h"
@@ -336,26 +337,89 @@ Eigen::Vector3d middle_of(const Block& block) {
           sum.z() / std::max(1, heights)};
 }
 
-Result<> place_on_earth(Imported& imported, const ImportOptions& options, const ControlFile& control) {
+// Where the map's heights are told beside its CRS, and those of control beside both.
+struct Systems {
+  std::string map, control;
+};
+
+Result<Systems> systems_of(const ImportOptions& options, const std::string& map, const std::string& control) {
+  Systems systems{map, control};
+  if (options.heights) {
+    COLLINEA_TRY(systems.map, with_heights(map, *options.heights).map_error([](Error error) {
+      return std::move(error).within("--heights");
+    }));
+  }
+  if (options.control_heights) {
+    COLLINEA_TRY(systems.control,
+                 with_heights(control.empty() ? map : control, *options.control_heights).map_error([](Error error) {
+                   return std::move(error).within("--control-heights");
+                 }));
+  } else if (options.heights && !control.empty()) {
+    COLLINEA_TRY(const bool said, says_heights(control));
+    if (!said) {
+      COLLINEA_TRY(systems.control, with_heights(control, *options.heights));
+    }
+  }
+  return systems;
+}
+
+bool has_positions(const Block& block) {
+  return std::any_of(block.images.begin(), block.images.end(),
+                     [](const auto& entry) { return entry.second.position.has_value(); });
+}
+
+// How high what the photographs count their heights from lies over the ellipsoid, for all of the block. Not for those
+// of a file, which says itself what its heights are.
+Result<> raise_positions(Imported& imported, const ImportOptions& options) {
+  if (options.gps_heights == "ellipsoidal" || !has_positions(imported.block)) return {};
+  const Eigen::Vector3d middle = middle_of(imported.block);
+  const auto framed = [](Error error) { return std::move(error).within("--gps-heights"); };
+  COLLINEA_TRY(const std::string crs,
+               with_heights(utm_crs(middle.x(), middle.y()), options.gps_heights).map_error(framed));
+  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, middle.x(), middle.y(), 0).map_error(framed));
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (auto& [id, image] : imported.block.images) {
+    if (!image.position) continue;
+    const double raised_m = -frame
+                                 .map_from_local(frame.local_from_geographic(
+                                     {image.position->latitude_deg, image.position->longitude_deg, 0}))
+                                 .z();
+    if (!std::isfinite(raised_m))
+      return fail(Errc::kBadInput, "--gps-heights: the geoid grid does not reach the place of " + image.file);
+    image.position->height_m += raised_m;
+    least = std::min(least, raised_m);
+    most = std::max(most, raised_m);
+  }
+  imported.findings.push_back(
+      fmt::format("heights of the photographs count from {}: {:.2f} to {:.2f} m over the ellipsoid here",
+                  frame.crs_name().substr(frame.crs_name().find(" + ") + 3), least, most));
+  return {};
+}
+
+Result<> place_on_earth(Imported& imported, const ImportOptions& options, ControlFile control) {
   Block& block = imported.block;
-  const bool has_gps = std::any_of(block.images.begin(), block.images.end(),
-                                   [](const auto& entry) { return entry.second.position.has_value(); });
+  const bool has_gps = has_positions(block);
   std::string crs = options.crs.value_or(control.crs);
   if (options.crs)
     if (const auto known = check_crs(crs); !known)
       return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\" (--crs)"));
   Eigen::Vector3d origin = middle_of(block);
+  if (has_gps && crs.empty()) crs = utm_crs(origin.x(), origin.y());
   if (!has_gps) {
     if (!is_surveyed(control)) return add_control(imported, control, nullptr);
     if (crs.empty())
       return fail(Errc::kBadInput,
                   "the control file names no CRS and the photographs have no GPS: give --crs EPSG:code");
+  }
+  COLLINEA_TRY(const Systems systems, systems_of(options, crs, control.crs));
+  crs = systems.map;
+  control.crs = systems.control;
+  if (!has_gps) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const ControlFilePoint& point : control.points)
       middle += point.position_in_map / double(control.points.size());
     COLLINEA_TRY(origin, geographic_from_map(control.crs.empty() ? crs : control.crs, middle));
   }
-  if (crs.empty()) crs = utm_crs(origin.x(), origin.y());
   origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
   COLLINEA_TRY(const LocalFrame frame,
                LocalFrame::create(crs, origin.x(), origin.y(), origin.z()).map_error([&](Error error) {
@@ -410,6 +474,7 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
                                                                             ": " + imported.skipped[0].reason));
   if (camera_params)
     if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
+  if (auto raised = raise_positions(imported, options); !raised) return tl::unexpected(raised.error());
   PositionFile positions;
   if (options.positions) {
     COLLINEA_TRY(positions, read_positions(*options.positions));
@@ -435,6 +500,9 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   if (options.control) add_file(*options.control);
   if (options.ground) add_file(*options.ground);
   if (options.positions) add_file(*options.positions);
+  const std::optional<std::string> gps_heights = options.gps_heights;
+  for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})
+    if (std::error_code none; *heights && fs::is_regular_file(**heights, none)) add_file(**heights);  // a geoid grid
   return hash.hex();
 }
 

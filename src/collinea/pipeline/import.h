@@ -14,6 +14,8 @@ namespace collinea {
 
 struct ImportOptions {
   std::optional<std::string> crs;
+  std::optional<std::string> heights, control_heights;
+  std::string gps_heights = "ellipsoidal";
   std::optional<std::string> control;
   std::string check;
   std::optional<std::string> ground;
@@ -30,6 +32,14 @@ struct ImportOptions {
     using O = ImportOptions;
     visit(Field{"crs", &O::crs, "",
                 "projected CRS of the products, EPSG:code (default: that of the control, else the UTM zone)"});
+    visit(
+        Field{"heights", &O::heights, "",
+              "what heights of the products count from: ellipsoidal | a vertical CRS, EPSG:code | a file with a geoid "
+              "grid (default: what the CRS says, else ellipsoidal)"});
+    visit(
+        Field{"control_heights", &O::control_heights, "",
+              "the same of the control file, where it is another (default: what its CRS says, else that of heights)"});
+    visit(Field{"gps_heights", &O::gps_heights, "", "the same of the heights in the photographs"});
     visit(Field{"control", &O::control, "", "file of control points: gcp_list.txt or collinea's CSV"});
     visit(Field{"check", &O::check, "", "names of control points that are only compared, separated by commas"});
     visit(Field{"ground", &O::ground, "",

@@ -60,7 +60,7 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     survey.images = 16;
     survey.camera_model = model;
     survey.focal_px = 1200;
-    auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0.1},
+    auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0},
                                   collinea::Run{.threads = 2});
     ASSERT_TRUE(project) << project.error().message;
     const auto done = bring_up_to(*project, "orient");

@@ -38,10 +38,7 @@ std::string control_row(const ReportInput& input, const ReportControl& control, 
   const char* role = control.excluded ? "not used" : control.used ? "control" : "check";
   std::string row = control.excluded ? "<tr class=\"out\">" : "<tr>";
   row += text_cell(point.name) + text_cell(role) + fmt::format("<td>{}</td>", control.rays);
-  for (int i = 0; i < 3; ++i) {
-    const bool surveyed = std::isfinite(point.sigma_m[i]);
-    row += difference_cell(surveyed ? control.difference_m[i] : std::nan(""), control.sigma_m[i], decimals);
-  }
+  for (int i = 0; i < 3; ++i) row += difference_cell(control.difference_m[i], control.sigma_m[i], decimals);
   row += cell(control.difference_m.norm(), decimals);
   for (int i = 0; with_sigma && i < 3; ++i) row += cell(control.sigma_m[i], decimals);
   return row + cell(control_rms_px(input.block, control), 2) + "</tr>\n";
