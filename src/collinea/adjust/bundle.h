@@ -16,6 +16,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
+#include "collinea/block/instruments.h"
 
 namespace collinea {
 
@@ -83,24 +84,6 @@ struct GivenVertical {
   double sigma_rad = 0;
 };
 
-/// The whole attitude of an image, as an inertial system says.
-struct GivenAttitude {
-  Eigen::Quaterniond cam_from_world;
-  Eigen::Vector3d sigma_rad;  ///< of turns about x, y, z of the world: two of level and one of heading
-};
-
-/// From the projection centre to the antenna whose place Image::position is.
-struct LeverArm {
-  Eigen::Vector3d antenna_in_cam_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();  ///< 0: exact; infinite: not known
-};
-
-/// Images whose positions have a shift in common and a drift, which grows with time.
-struct PositionTrack {
-  std::map<ImageId, double> time;                           ///< in any unit, of no use without a drift; best about zero
-  Eigen::Vector3d shift_sigma_m = Eigen::Vector3d::Zero();  ///< 0: there is none; infinite: not known
-  Eigen::Vector3d drift_sigma_m = Eigen::Vector3d::Zero();  ///< the same, in a unit of time
-};
 /// How each of Camera::params takes part. 0: held; a standard deviation: observed with it; infinite: free.
 using CameraSigmas = std::array<double, Camera::kAllParams>;
 
@@ -108,8 +91,9 @@ using CameraSigmas = std::array<double, Camera::kAllParams>;
 /// observations told at adjust(). Nothing when there is no such name.
 [[nodiscard]] std::optional<CameraSigmas> calibration_named(const std::string& name, const Camera& first);
 
-/// What takes part and what is held. As it stands: everything moves, everything known is used.
-struct AdjustScope {
+/// What takes part and what is held. As it stands: everything moves, everything known is used, and positions are those
+/// of projection centres.
+struct AdjustScope : Instruments {
   /// Nothing: every oriented image moves. Otherwise only these move; other images that see the same points take part,
   /// held where they are (local adjustment).
   std::optional<std::set<ImageId>> free_images;
@@ -124,12 +108,6 @@ struct AdjustScope {
   /// PhotoModeler and DBAT do. Residuals are then those, too. Else they are compared where they were measured.
   std::set<CameraId> corrected_cameras;
   std::map<ImageId, GivenVertical> verticals;  ///< observations of the attitudes of images
-  std::map<ImageId, GivenAttitude> attitudes;
-  /// Of the turn from the camera that `attitudes` mean to the true one, about its axes: 0 there is none, infinite not
-  /// known.
-  std::map<CameraId, Eigen::Vector3d> boresight_sigma_rad;
-  std::map<CameraId, LeverArm> lever_arms;
-  std::vector<PositionTrack> position_tracks;  ///< an image is in one at most
   bool use_positions = true;                   ///< Image::position
   bool use_control = true;                     ///< ControlRole::kControl; when false they are treated as check points
   bool use_ground = true;                      ///< Block::ground; not in a local adjustment
@@ -142,12 +120,19 @@ enum class UnknownKind : std::uint8_t {
   kShift,        ///< of the positions of a track [m]
   kDrift,        ///< the same in a unit of its time [m]
   kBoresight,    ///< of a camera, a rotation vector about its axes: cam_from_world = turn * given [rad]
+  kTimeOffset,   ///< of the positions of a camera after the exposures [s]
+  kHeight,       ///< that points have in common: theirs above the world's origin [m]
+  kPlane,        ///< against where it began: along its normal [m], two tilts [1]
+  kLine,         ///< against where it began: sideways [m], [1] along it, upwards [m], [1]
 };
+
+/// Those of a shape that points are known to lie on.
+[[nodiscard]] constexpr bool is_of_shape(UnknownKind kind) { return kind >= UnknownKind::kHeight; }
 
 /// One of them, as estimated.
 struct EstimatedUnknown {
   UnknownKind kind{};
-  std::uint32_t owner = 0;  ///< number of the set-up or of the track, or of a CameraId
+  std::uint32_t owner = 0;  ///< number of the set-up, the shape or the track, or of a CameraId
   int axis = 0;
   double value = 0;
   double sigma = std::numeric_limits<double>::quiet_NaN();  ///< by the given sigmas; with covariances
@@ -201,7 +186,7 @@ using MatrixPd = Eigen::MatrixXd;  ///< of as many of Camera::params as the came
 /// Something that the observations determine badly or not at all, in words.
 struct Weakness {
   /// no_datum, datum_defect, weak_turn, weak_scale, focal_and_height, camera_and_pose, parameter_not_determined,
-  /// scale_drifts, loose_images, no_base, images_left_out, weak_images
+  /// scale_drifts, loose_images, no_base, images_left_out, ground_left_out, weak_images
   std::string code;
   std::string what, cure;
   double size = 0;  ///< motions, parameters or images; of a weak motion its standard deviation, of a mixture its
@@ -218,7 +203,8 @@ struct Adjusted {
       observations;  ///< of tie points that took part: their places in Block::observations, ascending
   std::vector<Eigen::Vector2d> residuals_px;  ///< one for each of them; NaN when the point is not seen by the image
   std::vector<PositionDifference> positions;
-  std::vector<ControlDifference> control;             ///< every control and check point with a ray, ascending
+  std::vector<ControlDifference> control;             ///< every control and check point with a ray, and those that
+                                                      ///< measurements on the ground alone determine, ascending
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
   std::vector<GroundDifference> ground;               ///< those whose two points take part, ascending
   std::vector<EstimatedUnknown> extras;               ///< unknowns beside images, cameras and points
@@ -252,13 +238,14 @@ struct Adjusted {
 /// at once, points eliminated (Schur complement), robust losses by reweighting.
 ///
 /// Observations: tie points; control points (their image measurements, never robust, and their coordinates by sigma_m,
-/// infinite = not given); measurements on the ground between control points (Block::ground, never robust; check points
+/// infinite = not given); measurements on the ground between control points, and planes, lines and heights that these
+/// are known to lie on (Block::ground, never robust; check points
 /// among them take part with their image measurements, not with their coordinates); GNSS positions, of an antenna
-/// with a lever arm, a shift and a drift if the scope says so; scope.attitudes with a boresight; scope.verticals; and
-/// weak ones for the parameters of calibration so that weak
-/// geometry does not run away: f by Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2
-/// 0.5, k3 0.5, p1 and p2 0.01, b1 and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false
-/// are held. scope.camera_sigmas takes the place of all that for the cameras it names.
+/// with a lever arm, a shift, a drift and a time offset if the scope says so; scope.attitudes with a boresight;
+/// scope.verticals; and weak ones for the parameters of calibration so that weak geometry does not run away: f by
+/// Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2 0.5, k3 0.5, p1 and p2 0.01, b1 and
+/// b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false are held. scope.camera_sigmas takes
+/// the place of all that for the cameras it names.
 ///
 /// A control point with the sigmas 0 is held where it is given. Where only some axes have the sigma 0, these get a
 /// thousandth of what one measured pixel is on the ground at the point.
@@ -269,7 +256,8 @@ struct Adjusted {
 /// constraints over them: the least trace there is).
 ///
 /// Points with fewer than two rays (one for held points and for control known on three axes) and images with fewer than
-/// three measured points take no part, nor do measurements on the ground to such points. Errors: kBadInput (options,
+/// three measured points take no part, nor do measurements on the ground to such points; but points that these
+/// measurements determine need no rays (a total station that no image shows). Errors: kBadInput (options,
 /// sigmas not positive, coordinates with finite sigmas that are no numbers), kIllPosed (nothing to adjust, or more
 /// unknowns than observations), kUnsupported (more than 10,000 unknowns of cameras and of points that are joined by
 /// measurements), kCancelled.

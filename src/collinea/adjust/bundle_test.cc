@@ -14,28 +14,13 @@ namespace collinea {
 namespace {
 
 using testing::disturbed;
+using testing::largest_centre_error;
 using testing::measured_anew;
 using testing::normal3;
+using testing::plain;
 using testing::test_block;
 
 const Run kRun;
-
-AdjustOptions plain(std::string calibration = "none") {
-  AdjustOptions options;
-  options.calibration = std::move(calibration);
-  options.loss = options.position_loss = "none";
-  options.relative_cost_change = 1e-12;
-  options.parameter_change = 1e-13;
-  options.step_sigmas = 0;
-  return options;
-}
-
-double largest_centre_error(const Adjusted& adjusted, const Block& truth) {
-  double largest = 0;
-  for (const auto& [id, pose] : adjusted.cam_from_world)
-    largest = std::max(largest, (centre_of(pose) - centre_of(truth.cam_from_world.at(id))).norm());
-  return largest;
-}
 
 // Without noise the only error is rounding: 1e-16 of 60 m, times the condition of the block.
 TEST(Adjust, ExactTruthComesBackFromADisturbedStart) {

@@ -46,7 +46,9 @@ void predict_check_points(const Block& block, const Problem& problem, const Stat
     ControlDifference& check = adjusted.control[i];
     if (check.used || !check.position_in_world || joined.contains(check.point)) return;
     PointSystem system(problem);
-    for (const ControlObservation* seen : measured.at(check.point))
+    const auto its = measured.find(check.point);
+    if (its == measured.end()) return;
+    for (const ControlObservation* seen : its->second)
       add_measurement(block, problem, state, number, *seen, *check.position_in_world, system);
     system.close(false, nullptr, nullptr);
     if (!system.determined()) return;

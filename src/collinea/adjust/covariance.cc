@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Core>
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "collinea/adjust/control_prediction.h"
@@ -45,6 +45,9 @@ bool is_along_axis(const ExtraUnknown& extra) { return extra.kind == UnknownKind
 
 // What would part an unknown from another one, or (other = nullptr) from a parameter of a camera.
 const char* cure_of(const ExtraUnknown& extra, const ExtraUnknown* other) {
+  if (extra.kind == UnknownKind::kTimeOffset)
+    return "fly strips in the opposite direction under one shift, or give one of them";
+  if (is_of_shape(extra.kind)) return "give control, or points that are further apart";
   if (is_along_axis(extra) || (other && is_along_axis(*other)))
     return "add strips at another height or oblique images, or give one of them";
   if (extra.kind == UnknownKind::kOrientation) return "measure to more points from there";
@@ -54,19 +57,57 @@ const char* cure_of(const ExtraUnknown& extra, const ExtraUnknown* other) {
   return "add cross strips, or control in every strip";
 }
 
+// What name_inseparable_offsets() says, and what only follows from it: axes of one shift that an offset ties together.
+bool parted_elsewhere(const ExtraUnknown& one, const ExtraUnknown& other, bool offsets) {
+  if (one.kind == UnknownKind::kTimeOffset) return true;
+  return offsets && one.kind == other.kind && one.owner == other.owner;
+}
+
 void name_inseparable(const Block& block, const Problem& problem, TileCholesky& inverse, Adjusted& adjusted) {
   const int border = 6 * problem.poses;
+  const bool offsets = !adjusted.inseparable.empty();
   for (int i = 0; i < static_cast<int>(problem.extras.size()); ++i) {
     const int row = border + problem.first_extra + i;
     const ExtraUnknown& extra = problem.extras[static_cast<std::size_t>(i)];
     for (int other = border; other < row; ++other) {
+      const int k = other - border - problem.first_extra;
+      if (k >= 0 && parted_elsewhere(extra, problem.extras[static_cast<std::size_t>(k)], offsets)) continue;
       const double correlation = inverse.at(row, other) / std::sqrt(inverse.at(row, row) * inverse.at(other, other));
       if (!(std::abs(correlation) > kInseparable)) continue;
-      const int k = other - border - problem.first_extra;
       adjusted.inseparable.push_back(
           name_of_unknown(block, problem, row) + " and " + name_of_unknown(block, problem, other) +
           " can hardly be separated (correlation " + std::to_string(correlation).substr(0, correlation < 0 ? 6 : 5) +
           "): " + cure_of(extra, k < 0 ? nullptr : &problem.extras[static_cast<std::size_t>(k)]));
+    }
+  }
+}
+
+// A time offset moves the antenna along the flight, which need not be an axis: what of it a shift, a drift or a lever
+// arm can stand for is its multiple correlation with the three.
+void name_inseparable_offsets(const Block& block, const Problem& problem, TileCholesky& inverse, Adjusted& adjusted) {
+  const int first = 6 * problem.poses + problem.first_extra;
+  for (std::size_t i = 0; i < problem.extras.size(); ++i) {
+    if (problem.extras[i].kind != UnknownKind::kTimeOffset) continue;
+    const int row = first + static_cast<int>(i);
+    for (std::size_t k = 0; k < problem.extras.size(); ++k) {
+      const ExtraUnknown& other = problem.extras[k];
+      const bool moves_antennas = other.kind == UnknownKind::kShift || other.kind == UnknownKind::kDrift ||
+                                  other.kind == UnknownKind::kLeverArm;
+      if (!moves_antennas || other.axis != 0) continue;
+      const int three = first + static_cast<int>(k);
+      const Eigen::Matrix3d own = block_of(inverse, three, 3, three, 3);
+      const Eigen::Vector3d with = block_of(inverse, three, 3, row, 1);
+      const Eigen::Vector3d scale = own.diagonal().cwiseSqrt().cwiseInverse();
+      const Eigen::Matrix3d correlations = scale.asDiagonal() * own * scale.asDiagonal();
+      const Eigen::Vector3d coupling = scale.asDiagonal() * with / std::sqrt(inverse.at(row, row));
+      const double square = coupling.dot(correlations.ldlt().solve(coupling));
+      if (!(square > kInseparable * kInseparable)) continue;
+      std::string name = name_of_extra(block, other.kind, other.owner, 0);
+      const std::size_t axis = name.find(other.kind == UnknownKind::kLeverArm ? " to the right" : " in east");
+      name.replace(axis, other.kind == UnknownKind::kLeverArm ? 13 : 8, " along the flight");
+      adjusted.inseparable.push_back(
+          name_of_unknown(block, problem, row) + " and " + name + " can hardly be separated (correlation " +
+          std::to_string(std::sqrt(square)).substr(0, 5) + "): " + cure_of(problem.extras[i], &other));
     }
   }
 }
@@ -112,6 +153,9 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   if (run.stopped()) return;
   if (!factor) {
     adjusted.undetermined = name_of_unknown(block, problem, failed_row) + " is not determined by the observations";
+    const auto extra = static_cast<std::size_t>(failed_row - 6 * problem.poses - problem.first_extra);
+    if (extra < problem.extras.size())
+      adjusted.undetermined += std::string(": ") + cure_of(problem.extras[extra], nullptr);
     weaknesses.look_at_loose_images(run, normals);
     return;
   }
@@ -123,6 +167,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   if (run.stopped()) return;
   predict_control_points(block, problem, state, matrix, adjusted);
   predict_others(problem, state, matrix, adjusted);
+  name_inseparable_offsets(block, problem, matrix, adjusted);
   name_inseparable(block, problem, matrix, adjusted);
   for (int i = 0; i < problem.poses; ++i) {
     Matrix6d to_world = Matrix6d::Identity();

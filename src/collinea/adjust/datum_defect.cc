@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <map>
 #include <numeric>
+#include <utility>
 
 #include "collinea/adjust/gauge.h"
 #include "collinea/adjust/problem.h"
@@ -119,10 +121,36 @@ void gather_observed_motions(const Problem& problem, const State& state, const s
   }
 }
 
+// A point that measurements on the ground alone determine: its unknowns are like those of set-ups.
+bool is_unseen(const Problem& problem, std::uint32_t point) {
+  return problem.point(point).first_ray == problem.end_ray(point);
+}
+
+// Points that no image shows belong to the part of those they are measured to.
+void extend_parts(const Problem& problem, std::vector<int>& part_of_point) {
+  for (bool found = true; found;) {
+    found = false;
+    for (const GroundLink& link : problem.ground)
+      for (const auto& [a, b] : {std::pair(link.from, link.to), std::pair(link.to, link.from)})
+        if (part_of_point[a] >= 0 && part_of_point[b] < 0 && is_unseen(problem, b)) {
+          part_of_point[b] = part_of_point[a];
+          found = true;
+        }
+  }
+}
+
 // Observations by unknowns of their own see what these leave: their rows by the motions and by those unknowns.
 class SeenWithExtras {
  public:
   SeenWithExtras(const Problem& problem, std::size_t parts) : problem_(problem) {
+    for (std::size_t k = 0; k < problem.extras.size(); ++k)
+      add_column(problem.first_extra + static_cast<int>(k), problem.extras[k].inverse_sigma > 0);
+    for (const std::uint32_t p : problem.joined) {
+      const ProblemPoint& point = problem.point(p);
+      if (!is_unseen(problem, p)) continue;
+      for (int c = 0; c < 3; ++c)
+        add_column(point.joined + c, problem.control[static_cast<std::size_t>(point.control)].inverse_sigma[c] > 0);
+    }
     normals_.assign(parts, Eigen::MatrixXd::Zero(7 + count(), 7 + count()));
   }
   /// `row` may hold other unknowns too, which are those that the motions stand for.
@@ -130,17 +158,19 @@ class SeenWithExtras {
     Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(7 + count());
     all.head<7>() = motions;
     for (const RowPart& one : row)
-      if (const int k = one.row - 6 * problem_.poses - problem_.first_extra; k >= 0 && k < count())
-        all[7 + k] += one.derivative;
+      if (const auto k = column_.find(one.row - 6 * problem_.poses); k != column_.end())
+        all[7 + k->second] += one.derivative;
     if (all.squaredNorm() > 0) normals_[part] += all.transpose() * all;
   }
-  /// What the motions keep when the extras may be anything that their own observations allow.
+  /// What the motions keep when the extras may be anything that their own observations allow. What is left of a motion
+  /// by rounding alone is nothing.
   [[nodiscard]] Matrix7 seen(int part) const {
     Eigen::MatrixXd n = normals_[part];
     Matrix7 seen = n.topLeftCorner<7, 7>();
     if (count() == 0) return seen;
+    const double whole = seen.trace();
     for (int k = 0; k < count(); ++k)
-      if (problem_.extras[k].inverse_sigma > 0) n(7 + k, 7 + k) += std::max(1.0, n(7 + k, 7 + k));
+      if (observed_[static_cast<std::size_t>(k)]) n(7 + k, 7 + k) += std::max(1.0, n(7 + k, 7 + k));
     const Eigen::VectorXd scale = n.diagonal().tail(count()).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd own = scale.asDiagonal() * n.bottomRightCorner(count(), count()) * scale.asDiagonal();
     const Eigen::MatrixXd coupling = n.topRightCorner(7, count()) * scale.asDiagonal();
@@ -150,28 +180,39 @@ class SeenWithExtras {
       const Eigen::Matrix<double, 7, 1> along = coupling * eigen.eigenvectors().col(k);
       seen -= along * along.transpose() / eigen.eigenvalues()[k];
     }
-    return seen;
+    const Eigen::SelfAdjointEigenSolver<Matrix7> left(seen);
+    const Eigen::Matrix<double, 7, 1> values =
+        (left.eigenvalues().array() > kSeen * whole).select(left.eigenvalues(), 0.0);
+    return left.eigenvectors() * values.asDiagonal() * left.eigenvectors().transpose();
   }
 
  private:
-  [[nodiscard]] int count() const { return static_cast<int>(problem_.extras.size()); }
+  [[nodiscard]] int count() const { return static_cast<int>(observed_.size()); }
+  void add_column(int in_border, bool observed) {
+    column_[in_border] = count();
+    observed_.push_back(observed);
+  }
 
   const Problem& problem_;
+  std::map<int, int> column_;  // by the place in the border
+  std::vector<bool> observed_;
   std::vector<Eigen::MatrixXd> normals_;
 };
 
 // Which motions of its part a measurement on the ground, an antenna or an attitude sees, as far as its direction goes.
 void gather_other_motions(const Problem& problem, const State& state, const std::vector<int>& part,
-                          const std::vector<int>& part_of_point, std::vector<Part>& parts) {
+                          std::vector<int> part_of_point, std::vector<Part>& parts) {
+  extend_parts(problem, part_of_point);
   SeenWithExtras all(problem, parts.size());
   for (const GroundLink& link : problem.ground) {
     const int its = part_of_point[link.from];
     if (!(link.inverse_sigma > 0) || its < 0 || its != part_of_point[link.to]) continue;
     const Part& one = parts[its];
     const GroundModel model = model_of(problem, link, state);
-    Eigen::Matrix<double, 1, 7> seen =
-        model.by_from.transpose() * motion_of(Eigen::Vector3d(&state.points[3ul * link.from]), one.centre, one.size) +
-        model.by_to.transpose() * motion_of(Eigen::Vector3d(&state.points[3ul * link.to]), one.centre, one.size);
+    Eigen::Matrix<double, 1, 7> seen = Eigen::Matrix<double, 1, 7>::Zero();
+    for (const auto& [point, derivative] : {std::pair(link.from, &model.by_from), std::pair(link.to, &model.by_to)})
+      if (!is_unseen(problem, point))
+        seen += derivative->transpose() * motion_of(Eigen::Vector3d(&state.points[3ul * point]), one.centre, one.size);
     Row row = row_of(problem, link, model);
     if (const double length = seen.norm(); length > 0) {
       seen /= length;

@@ -8,6 +8,17 @@
 
 namespace collinea {
 
+namespace {
+
+// As the observations of it call it.
+std::string name_of_shape(const Block& block, GroundKind kind, std::uint32_t number) {
+  for (const GroundObservation& one : block.ground)
+    if (one.kind == kind && one.setup == number && !one.name.empty()) return one.name;
+  return std::to_string(number + 1);
+}
+
+}  // namespace
+
 std::string name_of_extra(const Block& block, UnknownKind kind, std::uint32_t owner, int axis) {
   constexpr const char* kInWorld[] = {"east", "north", "height"};
   constexpr const char* kInCamera[] = {"to the right", "downwards", "along the axis"};
@@ -24,6 +35,16 @@ std::string name_of_extra(const Block& block, UnknownKind kind, std::uint32_t ow
       return std::string("the drift of positions in ") + kInWorld[axis] + " of strip " + std::to_string(owner + 1);
     case UnknownKind::kBoresight:
       return std::string("the boresight ") + kTurns[axis] + " of " + camera();
+    case UnknownKind::kTimeOffset:
+      return "the time offset of the positions of " + camera();
+    case UnknownKind::kHeight:
+      return "the height " + name_of_shape(block, GroundKind::kAtHeight, owner);
+    case UnknownKind::kPlane:
+      return (axis == 0 ? "the place of plane " : "the tilt of plane ") +
+             name_of_shape(block, GroundKind::kOnPlane, owner);
+    case UnknownKind::kLine:
+      return (axis % 2 == 0 ? "the place of line " : "the direction of line ") +
+             name_of_shape(block, GroundKind::kOnLine, owner);
   }
   return "";
 }
@@ -64,19 +85,27 @@ Eigen::Vector3d turn_in_cam(const State& state, const GivenTurn& given) {
 }  // namespace
 
 GroundModel model_of(const Problem& problem, const GroundLink& link, const State& state) {
-  return ground_model(
-      link.observation, Eigen::Vector3d(&state.points[3ul * link.from]), Eigen::Vector3d(&state.points[3ul * link.to]),
-      link.orientation < 0 ? 0 : state.extras[static_cast<std::size_t>(link.orientation)], problem.level_at_origin);
+  const Eigen::Vector3d from(&state.points[3ul * link.from]);
+  const double* extra = link.extra < 0 ? nullptr : &state.extras[static_cast<std::size_t>(link.extra)];
+  if (link.shape >= 0)
+    return shape_model(link.observation, problem.shapes[static_cast<std::size_t>(link.shape)], extra, from,
+                       problem.level_at_origin);
+  return ground_model(link.observation, from, Eigen::Vector3d(&state.points[3ul * link.to]), extra ? *extra : 0,
+                      problem.level_at_origin);
 }
 
 Row row_of(const Problem& problem, const GroundLink& link, const GroundModel& model) {
   const int border = 6 * problem.poses;
   Row row;
-  // Held points have no unknowns.
-  for (const auto& [point, derivative] : {std::pair(link.from, &model.by_from), std::pair(link.to, &model.by_to)})
-    for (int c = 0; c < 3 && problem.point(point).joined >= 0; ++c)
-      row.push_back({border + problem.point(point).joined + c, (*derivative)[c]});
-  if (link.orientation >= 0) row.push_back({border + problem.first_extra + link.orientation, model.by_orientation});
+  const auto add_point = [&](std::uint32_t number, const Eigen::Vector3d& derivative) {
+    const int joined = problem.point(number).joined;
+    for (int c = 0; c < 3 && joined >= 0; ++c)  // held points have no unknowns
+      row.push_back({border + joined + c, derivative[c]});
+  };
+  add_point(link.from, model.by_from);
+  if (link.to != link.from) add_point(link.to, model.by_to);
+  for (int k = 0; k < model.extras; ++k)
+    row.push_back({border + problem.first_extra + link.extra + k, model.by_extra[static_cast<std::size_t>(k)]});
   return row;
 }
 
@@ -86,6 +115,8 @@ Eigen::Vector3d antenna_of(const State& state, const GivenPosition& position) {
   antenna += rotation_in(state, position.image).transpose() * arm_of(state, position);
   if (position.shift >= 0) antenna += extra3(state, position.shift);
   if (position.drift >= 0) antenna += position.time * extra3(state, position.drift);
+  if (position.time_offset >= 0)
+    antenna += state.extras[static_cast<std::size_t>(position.time_offset)] * position.velocity;
   return antenna;
 }
 
@@ -100,6 +131,8 @@ Row row_of(const Problem& problem, const State& state, const GivenPosition& posi
   const Eigen::RowVector3d unit = Eigen::RowVector3d::Unit(axis);
   if (position.shift >= 0) add_extra(problem, position.shift, unit, row);
   if (position.drift >= 0) add_extra(problem, position.drift, position.time * unit, row);
+  if (position.time_offset >= 0)
+    row.push_back({6 * problem.poses + problem.first_extra + position.time_offset, position.velocity[axis]});
   return row;
 }
 

@@ -34,7 +34,8 @@ std::optional<double> seconds_of(const std::string& taken) {
   return 86400.0 * static_cast<double>(days) + 3600.0 * hour + 60.0 * minute + second;
 }
 
-std::vector<Exposure> exposures_of(const Block& block) {
+// In the order of their times; without these in that of names, with the numbers in that order as times.
+std::vector<Exposure> exposures_of(const Block& block, bool* is_timed = nullptr) {
   std::vector<std::tuple<double, std::string, ImageId>> order;
   bool timed = true;
   for (const auto& [id, pose] : block.cam_from_world) {
@@ -44,6 +45,7 @@ std::vector<Exposure> exposures_of(const Block& block) {
     timed &= time_s.has_value();
     order.emplace_back(time_s.value_or(0), image.file, id);
   }
+  if (is_timed) *is_timed = timed;
   if (!timed)
     for (auto& one : order) std::get<double>(one) = 0;  // the names tell, then
   std::sort(order.begin(), order.end());
@@ -105,6 +107,36 @@ std::vector<FlightStrip> flight_strips(const Block& block) {
 std::vector<FlightStrip> one_strip(const Block& block) {
   const std::vector<Exposure> all = exposures_of(block);
   return all.empty() ? std::vector<FlightStrip>{} : centred({all});
+}
+
+std::map<ImageId, Eigen::Vector3d> flight_velocities(const Block& block) {
+  constexpr std::ptrdiff_t kBeside = 2;
+  bool timed = false;
+  const std::vector<Exposure> all = exposures_of(block, &timed);
+  std::map<ImageId, Eigen::Vector3d> velocities;
+  if (!timed) return velocities;
+  std::map<ImageId, const Exposure*> exposure;
+  for (const Exposure& one : all) exposure[one.id] = &one;
+  for (const FlightStrip& strip : flight_strips(block)) {
+    std::vector<std::pair<double, ImageId>> order;
+    for (const auto& [id, time_s] : strip) order.emplace_back(time_s, id);
+    std::sort(order.begin(), order.end());
+    const auto count = static_cast<std::ptrdiff_t>(order.size());
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      const std::ptrdiff_t first = std::max<std::ptrdiff_t>(i - kBeside, 0), end = std::min(i + kBeside + 1, count);
+      double middle_s = 0, spread_s2 = 0;
+      for (std::ptrdiff_t k = first; k < end; ++k)
+        middle_s += order[static_cast<std::size_t>(k)].first / static_cast<double>(end - first);
+      Eigen::Vector3d way = Eigen::Vector3d::Zero();
+      for (std::ptrdiff_t k = first; k < end; ++k) {
+        const auto& [time_s, id] = order[static_cast<std::size_t>(k)];
+        way += (time_s - middle_s) * exposure.at(id)->centre;
+        spread_s2 += (time_s - middle_s) * (time_s - middle_s);
+      }
+      if (spread_s2 > 0) velocities[order[static_cast<std::size_t>(i)].second] = way / spread_s2;
+    }
+  }
+  return velocities;
 }
 
 }  // namespace collinea

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "collinea/adjust/gather_parts.h"
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/ordering.h"
 #include "collinea/adjust/problem.h"
@@ -62,9 +63,6 @@ double finest_on_ground_m(const std::vector<SightLine>& lines, const Eigen::Vect
   return finest;
 }
 
-// A coordinate that counts must be a number; one that was not given (its sigma is infinite) need not.
-bool known(double coordinate, double sigma) { return std::isfinite(coordinate) || std::isinf(sigma); }
-
 /// Gathers in four passes: images, points with their rays, what is too weak to take part, order.
 class Gatherer {
  public:
@@ -75,19 +73,20 @@ class Gatherer {
     if (!free_params(options_.calibration))
       return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
     number_images();
-    if (Result<> found = find_ground(); !found) return tl::unexpected(found.error());
+    COLLINEA_TRY(links_, ground_taking_part(block_, scope_));
+    for (const std::uint32_t link : links_) wanted_.insert({block_.ground[link].from, block_.ground[link].to});
     if (Result<> taken = take_tie_points(); !taken) return tl::unexpected(taken.error());
     if (Result<> taken = take_control(); !taken) return tl::unexpected(taken.error());
+    const std::size_t measured = links_.size();
     drop_weak();
+    out_.problem.ground_left_out = measured - links_.size();
     if (Result<> enough = check_there_is_something(); !enough) return tl::unexpected(enough.error());
     order_images();
     order_points();
     lay_out_images();
     if (Result<> laid_out = lay_out_cameras(); !laid_out) return tl::unexpected(laid_out.error());
-    if (Result<> taken = take_positions(); !taken) return tl::unexpected(taken.error());
-    if (Result<> taken = take_verticals(); !taken) return tl::unexpected(taken.error());
-    if (Result<> taken = take_attitudes(); !taken) return tl::unexpected(taken.error());
-    lay_out_ground();
+    if (Result<> taken = take_instruments(block_, scope_, out_); !taken) return tl::unexpected(taken.error());
+    lay_out_ground(block_, links_, out_);
     count();
     if (out_.problem.border > kMostCameraUnknowns)
       return fail(Errc::kUnsupported,
@@ -112,6 +111,8 @@ class Gatherer {
     int control = -1;
     bool held = false, out = false;
     bool for_ground = false;  // it takes part only because something is measured on the ground to it
+    bool linked = false;      // something is
+    int given = 0;            // coordinates
     int least_rays = 2;
     double position[3] = {};
   };
@@ -150,7 +151,7 @@ class Gatherer {
                 rays_.end());
     bool wanted = !scope_.free_images;
     for (auto ray = begin; ray != rays_.end() && !wanted; ++ray) wanted = candidates_[ray->image].free;
-    if (begin == rays_.end() || !wanted) {
+    if ((begin == rays_.end() && !point.linked) || !wanted) {
       rays_.resize(point.first_ray);
       return false;
     }
@@ -191,62 +192,66 @@ class Gatherer {
     return {};
   }
 
-  // What is measured on the ground joins its two points; a local adjustment does without.
-  Result<> find_ground() {
-    if (!scope_.use_ground || scope_.free_images) return {};
-    for (std::size_t i = 0; i < block_.ground.size(); ++i) {
-      const GroundObservation& measured = block_.ground[i];
-      if (!(measured.sigma > 0) || !std::isfinite(measured.sigma) || !std::isfinite(measured.value))
-        return fail(Errc::kBadInput, std::string(kGroundKindNames[static_cast<std::size_t>(measured.kind)]) + " " +
-                                         block_.control.at(measured.from).name + " - " +
-                                         block_.control.at(measured.to).name +
-                                         " is no number with a positive standard deviation");
-      if (measured.from == measured.to)
-        return fail(Errc::kBadInput, "a measurement joins " + block_.control.at(measured.from).name + " with itself");
-      links_.push_back(static_cast<std::uint32_t>(i));
-      wanted_.insert({measured.from, measured.to});
-    }
-    return {};
-  }
-
   Result<> take_control() {
     if (!scope_.use_control && wanted_.empty()) return {};
     std::map<ControlId, std::vector<std::size_t>> places;
     for (std::size_t i = 0; i < block_.control_observations.size(); ++i)
       places[block_.control_observations[i].point].push_back(i);
+    std::map<ControlId, std::vector<SightLine>> lines;
+    std::map<ControlId, Eigen::Vector3d> starts;
     for (const auto& [id, control] : block_.control) {
       const bool is_control = scope_.use_control && control.role == ControlRole::kControl;
-      if ((!is_control && !wanted_.contains(id)) || !places.contains(id)) continue;
-      CandidatePoint point;
-      point.id = id.value;
-      point.first_ray = static_cast<std::uint32_t>(rays_.size());
-      point.for_ground = !is_control;
-      const std::vector<SightLine> lines = sight_lines(block_, id);
-      point.held = is_control && (control.sigma_m.array() == 0).all();
-      const auto met = point.held ? std::nullopt : intersect(lines);
-      const Eigen::Vector3d start = met ? met->point_in_world : control.position_in_world;
-      ControlCoordinates coordinates{};
-      int given = 0;
-      for (int axis = 0; axis < 3 && is_control; ++axis) {
-        double sigma_m = control.sigma_m[axis];
-        if (!(sigma_m >= 0))
-          return fail(Errc::kBadInput,
-                      "a standard deviation of control point " + control.name + " is no number from 0");
-        if (!known(control.position_in_world[axis], sigma_m))
-          return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
-        given += std::isfinite(sigma_m);
-        if (sigma_m == 0) sigma_m = kHeldPart * finest_on_ground_m(lines, start);
-        coordinates.inverse_sigma[axis] = point.held || !(sigma_m > 0) ? 0 : 1 / sigma_m;
-        coordinates.given[axis] = std::isfinite(sigma_m) ? control.position_in_world[axis] : 0;
-      }
-      if (!start.allFinite()) continue;  // there is no place to begin at
-      if (given == 3) point.least_rays = 1;
-      for (const std::size_t place : places[id])
-        if (Result<> added = add_ray(block_.control_observations[place], place); !added) return added;
-      point.control = static_cast<int>(out_.problem.control.size());
-      Eigen::Map<Eigen::Vector3d>(point.position) = start;
-      if (close_point(point)) out_.problem.control.push_back(coordinates);
+      if (!wanted_.contains(id) && !(is_control && places.contains(id))) continue;
+      lines[id] = sight_lines(block_, id);
+      if (const auto start = start_of(control, is_control, lines[id])) starts[id] = *start;
     }
+    if (!links_.empty()) find_places_by_ground(block_, links_, starts);
+    for (const auto& [id, its_lines] : lines) {
+      const auto start = starts.find(id);
+      if (start == starts.end() || !start->second.allFinite()) continue;  // there is no place to begin at
+      if (Result<> taken = take_control_point(id, its_lines, start->second, places[id]); !taken) return taken;
+    }
+    return {};
+  }
+
+  // By its images, else as surveyed.
+  static std::optional<Eigen::Vector3d> start_of(const ControlPoint& control, bool is_control,
+                                                 const std::vector<SightLine>& lines) {
+    if (!(is_control && (control.sigma_m.array() == 0).all()))
+      if (const auto met = intersect(lines)) return met->point_in_world;
+    const auto given = control.sigma_m.array().isFinite();
+    if (given.all() || (given.any() && !lines.empty())) return control.position_in_world;
+    return std::nullopt;
+  }
+
+  Result<> take_control_point(ControlId id, const std::vector<SightLine>& lines, const Eigen::Vector3d& start,
+                              const std::vector<std::size_t>& places) {
+    const ControlPoint& control = block_.control.at(id);
+    const bool is_control = scope_.use_control && control.role == ControlRole::kControl;
+    CandidatePoint point;
+    point.id = id.value;
+    point.first_ray = static_cast<std::uint32_t>(rays_.size());
+    point.for_ground = !is_control;
+    point.linked = wanted_.contains(id);
+    point.held = is_control && (control.sigma_m.array() == 0).all();
+    ControlCoordinates coordinates{};
+    for (int axis = 0; axis < 3 && is_control; ++axis) {
+      double sigma_m = control.sigma_m[axis];
+      if (!(sigma_m >= 0))
+        return fail(Errc::kBadInput, "a standard deviation of control point " + control.name + " is no number from 0");
+      if (!known(control.position_in_world[axis], sigma_m))
+        return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
+      point.given += std::isfinite(sigma_m);
+      if (sigma_m == 0) sigma_m = kHeldPart * finest_on_ground_m(lines, start);
+      coordinates.inverse_sigma[axis] = point.held || !(sigma_m > 0) ? 0 : 1 / sigma_m;
+      coordinates.given[axis] = std::isfinite(sigma_m) ? control.position_in_world[axis] : 0;
+    }
+    if (point.given == 3) point.least_rays = 1;
+    for (const std::size_t place : places)
+      if (Result<> added = add_ray(block_.control_observations[place], place); !added) return added;
+    point.control = static_cast<int>(out_.problem.control.size());
+    Eigen::Map<Eigen::Vector3d>(point.position) = start;
+    if (close_point(point)) out_.problem.control.push_back(coordinates);
     return {};
   }
 
@@ -256,15 +261,24 @@ class Gatherer {
     });
   }
 
+  // Images, coordinates and measurements on the ground together are as many as the unknowns.
+  [[nodiscard]] bool by_ground_too(const CandidatePoint& point, int rays) const {
+    return point.held || 2 * rays + point.given + ground_count(block_, links_, ControlId{point.id}) >= 3;
+  }
+
   // What is measured to a point that takes no part goes; true when something went.
   bool drop_links() {
     if (links_.empty()) return false;
-    std::set<ControlId> there;
+    std::map<ControlId, Eigen::Vector3d> there;
     for (const CandidatePoint& point : points_)
-      if (!point.out && point.control >= 0) there.insert(ControlId{point.id});
-    return std::erase_if(links_, [&](std::uint32_t link) {
-             return !there.contains(block_.ground[link].from) || !there.contains(block_.ground[link].to);
-           }) > 0;
+      if (!point.out && point.control >= 0) there.emplace(ControlId{point.id}, Eigen::Vector3d(point.position));
+    const std::size_t before = links_.size();
+    std::erase_if(links_, [&](std::uint32_t link) {
+      return !there.contains(block_.ground[link].from) || !there.contains(block_.ground[link].to);
+    });
+    erase_weak_shapes(
+        block_, [&](ControlId id) { return there.at(id); }, links_);
+    return links_.size() < before;
   }
 
   // Points with too few rays and images with too few points go, until all that remain have enough.
@@ -276,7 +290,9 @@ class Gatherer {
         if (point.out) continue;
         int rays = 0;
         for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) rays += !candidates_[rays_[r].image].out;
-        point.out = rays < point.least_rays || (point.for_ground && !is_linked(ControlId{point.id}));
+        const bool seen = rays >= point.least_rays && rays > 0;
+        const bool linked = point.linked && is_linked(ControlId{point.id});
+        point.out = (!seen && !(linked && by_ground_too(point, rays))) || (point.for_ground && !linked);
         if (point.out) continue;
         for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) ++candidates_[rays_[r].image].rays;
       }
@@ -423,139 +439,6 @@ class Gatherer {
       out_.start.lenses.push_back(lens_of(camera, corrected));
     }
     problem.first_extra = problem.border;
-    return {};
-  }
-
-  // Points that are measured between get their unknowns in the border, behind all others. Directions of one set-up have
-  // its orientation in common, which begins with what the first of them says.
-  void lay_out_ground() {
-    Problem& problem = out_.problem;
-    problem.level_at_origin = block_.georeference.has_value();
-    std::map<ControlId, std::uint32_t> number;
-    for (std::size_t p = 0; p < problem.point_count(); ++p)
-      if (problem.point(p).control >= 0) number[ControlId{problem.point(p).id}] = static_cast<std::uint32_t>(p);
-    for (const std::uint32_t source : links_) {
-      const GroundObservation& measured = block_.ground[source];
-      GroundLink link{measured, source, number.at(measured.from), number.at(measured.to)};
-      if (measured.role == ControlRole::kControl) link.inverse_sigma = 1 / measured.sigma;
-      if (measured.kind == GroundKind::kDirection) link.orientation = orientation_of(measured, link);
-      problem.ground.push_back(link);
-      problem.joined.insert(problem.joined.end(), {link.from, link.to});
-    }
-    problem.border += static_cast<int>(problem.extras.size());
-    std::sort(problem.joined.begin(), problem.joined.end());
-    problem.joined.erase(std::unique(problem.joined.begin(), problem.joined.end()), problem.joined.end());
-    std::erase_if(problem.joined, [&](std::uint32_t p) { return problem.point(p).held; });
-    for (const std::uint32_t p : problem.joined) {
-      problem.points[p].joined = problem.border;
-      problem.border += 3;
-    }
-  }
-
-  int orientation_of(const GroundObservation& measured, const GroundLink& link) {
-    auto& extras = out_.problem.extras;
-    for (std::size_t i = 0; i < extras.size(); ++i)
-      if (extras[i].kind == UnknownKind::kOrientation && extras[i].owner == measured.setup) return static_cast<int>(i);
-    extras.push_back({UnknownKind::kOrientation, measured.setup});
-    // By its first direction; those that follow are at most a turn away, and residuals of angles know no turns.
-    out_.start.extras.push_back(-ground_residual(measured, model_of(out_.problem, link, out_.start)));
-    return static_cast<int>(extras.size()) - 1;
-  }
-
-  Result<> take_positions() {
-    if (!scope_.use_positions) return {};
-    Problem& problem = out_.problem;
-    for (int i = 0; i < problem.poses; ++i) {
-      const Image& image = block_.images.at(problem.images[i].id);
-      if (!image.position) continue;
-      if (!(image.position->sigma_m.minCoeff() > 0))
-        return fail(Errc::kBadInput, "the position of " + image.file + " has no positive standard deviation");
-      const Eigen::Vector3d &place = image.position->position_in_world, &sigma_m = image.position->sigma_m;
-      for (int axis = 0; axis < 3; ++axis)
-        if (!known(place[axis], sigma_m[axis]))
-          return fail(Errc::kBadInput, "the position of " + image.file + " has no finite coordinates");
-      const Eigen::Vector3d inverse_sigma = sigma_m.cwiseInverse();
-      problem.positions.push_back(
-          {static_cast<std::uint32_t>(i), (inverse_sigma.array() > 0).select(place, 0.0), inverse_sigma});
-      if (Result<> placed = place_antenna(problem.positions.back(), image.camera); !placed) return placed;
-    }
-    return {};
-  }
-
-  // Three unknowns, made when they are first asked for; -1 when all sigmas are 0: there are none.
-  Result<int> three_extras(UnknownKind kind, std::uint32_t owner, const Eigen::Vector3d& given,
-                           const Eigen::Vector3d& sigma) {
-    if ((sigma.array() == 0).all()) return -1;
-    if (!(sigma.minCoeff() > 0) || !given.allFinite())
-      return fail(Errc::kBadInput, name_of_extra(block_, kind, owner, 0) +
-                                       ": needs finite values with standard deviations that are all zero or all "
-                                       "positive (infinite: not known)");
-    auto& extras = out_.problem.extras;
-    for (std::size_t i = 0; i < extras.size(); ++i)
-      if (extras[i].kind == kind && extras[i].owner == owner) return static_cast<int>(i);
-    const auto first = static_cast<int>(extras.size());
-    for (int axis = 0; axis < 3; ++axis) {
-      extras.push_back({kind, owner, axis, given[axis], 1 / sigma[axis]});
-      out_.start.extras.push_back(given[axis]);
-    }
-    return first;
-  }
-
-  Result<> place_antenna(GivenPosition& position, CameraId camera) {
-    const ImageId id = out_.problem.images[position.image].id;
-    if (const auto its = scope_.lever_arms.find(camera); its != scope_.lever_arms.end()) {
-      const LeverArm& arm = its->second;
-      COLLINEA_TRY(position.lever_arm,
-                   three_extras(UnknownKind::kLeverArm, camera.value, arm.antenna_in_cam_m, arm.sigma_m));
-      if (position.lever_arm < 0) position.arm = arm.antenna_in_cam_m;
-      if (!position.arm.allFinite()) return fail(Errc::kBadInput, "the lever arm is no vector of finite numbers");
-    }
-    for (std::uint32_t t = 0; t < scope_.position_tracks.size(); ++t) {
-      const PositionTrack& track = scope_.position_tracks[t];
-      const auto time = track.time.find(id);
-      if (time == track.time.end()) continue;
-      position.time = time->second;
-      if (!std::isfinite(position.time)) return fail(Errc::kBadInput, "a time of a track of positions is not finite");
-      const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-      COLLINEA_TRY(position.shift, three_extras(UnknownKind::kShift, t, zero, track.shift_sigma_m));
-      COLLINEA_TRY(position.drift, three_extras(UnknownKind::kDrift, t, zero, track.drift_sigma_m));
-      break;
-    }
-    return {};
-  }
-
-  Result<> take_attitudes() {
-    Problem& problem = out_.problem;
-    for (int i = 0; i < problem.poses; ++i) {
-      const ImageId id = problem.images[i].id;
-      const auto its = scope_.attitudes.find(id);
-      if (its == scope_.attitudes.end()) continue;
-      const auto& [cam_from_world, sigma_rad] = its->second;
-      if (!(sigma_rad.minCoeff() > 0) || !(std::abs(cam_from_world.norm() - 1) < 1e-6))
-        return fail(Errc::kBadInput, "the attitude of " + block_.images.at(id).file +
-                                         " is no rotation with positive standard deviations");
-      GivenTurn given{static_cast<std::uint32_t>(i), cam_from_world, sigma_rad.cwiseInverse()};
-      const CameraId camera = block_.images.at(id).camera;
-      if (const auto sigma = scope_.boresight_sigma_rad.find(camera); sigma != scope_.boresight_sigma_rad.end()) {
-        COLLINEA_TRY(given.boresight,
-                     three_extras(UnknownKind::kBoresight, camera.value, Eigen::Vector3d::Zero(), sigma->second));
-      }
-      problem.attitudes.push_back(given);
-    }
-    return {};
-  }
-
-  Result<> take_verticals() {
-    Problem& problem = out_.problem;
-    for (int i = 0; i < problem.poses; ++i) {
-      const auto given = scope_.verticals.find(problem.images[i].id);
-      if (given == scope_.verticals.end()) continue;
-      const auto& [up_in_cam, sigma_rad] = given->second;
-      if (!(sigma_rad > 0) || !(std::abs(up_in_cam.norm() - 1) < 1e-6))
-        return fail(Errc::kBadInput, "the vertical of " + block_.images.at(given->first).file +
-                                         " is no direction with a positive standard deviation");
-      problem.verticals.push_back({static_cast<std::uint32_t>(i), up_in_cam, 1 / sigma_rad});
-    }
     return {};
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/adjust/ground_model.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -53,7 +54,8 @@ GroundModel ground_model(const GroundObservation& observation, const Eigen::Vect
       const Eigen::Vector3d east = Eigen::Vector3d::UnitY().cross(up).normalized(), north = up.cross(east);
       const double e = line.dot(east), n = line.dot(north), squared = e * e + n * n;
       model.computed = std::atan2(e, n) - orientation_rad;
-      model.by_orientation = -1;
+      model.by_extra[0] = -1;
+      model.extras = 1;
       if (squared > 0) by_line(model, (n * east - e * north) / squared);
       break;
     }
@@ -66,6 +68,70 @@ GroundModel ground_model(const GroundObservation& observation, const Eigen::Vect
       if (across > 0) by_line(model, (height / across * level - across * up) / squared);
       break;
     }
+    case GroundKind::kAtHeight:
+    case GroundKind::kOnPlane:
+    case GroundKind::kOnLine:
+      break;  // shape_model() knows these
+  }
+  return model;
+}
+
+std::optional<GroundShape> shape_through(GroundKind kind, const std::vector<Eigen::Vector3d>& points) {
+  if (static_cast<int>(points.size()) < points_of_shape(kind)) return std::nullopt;
+  GroundShape shape;
+  if (kind == GroundKind::kAtHeight) return shape;
+  for (const Eigen::Vector3d& point : points) shape.origin += point / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point : points) spread += (point - shape.origin) * (point - shape.origin).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(spread);
+  const Eigen::Vector3d length2 = eigen.eigenvalues();
+  Eigen::Vector3d along = eigen.eigenvectors().col(2);
+  if (along.z() < 0) along = -along;
+  if (!(length2[2] > 0) || !std::isfinite(length2[2])) return std::nullopt;
+  if (kind == GroundKind::kOnPlane) {
+    constexpr double kNarrow = 1e-3;
+    if (!(length2[1] > kNarrow * kNarrow * length2[2])) return std::nullopt;
+    shape.axes.col(2) = eigen.eigenvectors().col(0);
+    shape.axes.col(0) = along;
+    shape.axes.col(1) = shape.axes.col(2).cross(along);
+    return shape;
+  }
+  constexpr double kPlumb = 0.999;  // 2.6 degrees off: what is sideways is east
+  const Eigen::Vector3d sideways =
+      (along.z() > kPlumb ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ()).cross(along);
+  shape.axes.col(0) = sideways.normalized();
+  shape.axes.col(1) = along.cross(shape.axes.col(0));
+  shape.axes.col(2) = along;
+  return shape;
+}
+
+GroundModel shape_model(const GroundObservation& observation, const GroundShape& shape, const double* unknowns,
+                        const Eigen::Vector3d& point, bool level_at_origin) {
+  GroundModel model;
+  const Eigen::Vector3d local = shape.axes.transpose() * (point - shape.origin);
+  switch (observation.kind) {
+    case GroundKind::kAtHeight:
+      model.computed = height_of(point, level_at_origin) - unknowns[0];
+      model.by_from = up_at(point, level_at_origin);
+      model.by_extra[0] = -1;
+      model.extras = 1;
+      break;
+    case GroundKind::kOnPlane: {
+      const Eigen::Vector3d across(unknowns[1], unknowns[2], 1);
+      const double length = across.norm(), height = across.dot(local) / length;
+      model.computed = height - unknowns[0];
+      model.by_from = shape.axes * (across / length);
+      model.by_extra = {-1, (local.x() - height * unknowns[1] / length) / length,
+                        (local.y() - height * unknowns[2] / length) / length};
+      model.extras = 3;
+      break;
+    }
+    default:
+      model.computed = local[observation.axis] - unknowns[0] - unknowns[1] * local.z();
+      model.by_from = shape.axes.col(observation.axis) - unknowns[1] * shape.axes.col(2);
+      model.by_extra = {-1, -local.z(), 0};
+      model.extras = 2;
+      break;
   }
   return model;
 }

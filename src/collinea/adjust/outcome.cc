@@ -175,10 +175,10 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
     if (used == estimated.end() && scope.free_images) continue;  // a local adjustment judges only what it uses
     std::vector<std::size_t> places;
     const std::vector<SightLine> lines = adjusted_sight_lines(block, adjusted, id, places);
-    if (lines.empty()) continue;
+    const bool takes_part = used != estimated.end();
+    if (lines.empty() && !takes_part) continue;
     ControlDifference difference;
     difference.point = id;
-    const bool takes_part = used != estimated.end();
     difference.used = takes_part && scope.use_control && control.role == ControlRole::kControl;
     difference.rays = static_cast<int>(lines.size());
     if (takes_part) {

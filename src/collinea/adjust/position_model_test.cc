@@ -14,25 +14,16 @@ namespace {
 
 using testing::normal3;
 using testing::test_block;
+using testing::tested;
 
 const Run kRun;
 const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
 const Eigen::Vector3d kArm(0.3, -0.2, -0.5), kShift(0.4, -0.7, 1.1), kDrift(0.03, -0.02, 0.05),
     kTurn(0.02, -0.015, 0.03);
-
-AdjustOptions plain(std::string calibration = "none") {
-  AdjustOptions options;
-  options.calibration = std::move(calibration);
-  options.loss = options.position_loss = "none";
-  options.relative_cost_change = 1e-12;
-  options.parameter_change = 1e-13;
-  options.step_sigmas = 0;
-  options.reliability = true;
-  return options;
-}
+constexpr double kOffset_s = 0.13;
 
 /// A block with control, and what its instruments say: antenna and attitudes with the errors above. The strips are
-/// flown there and back.
+/// flown there and back, at 10 m/s give and take a tenth.
 struct Flight {
   Block block;
   AdjustScope scope;
@@ -49,9 +40,12 @@ Flight flight(double sigma_px, double sigma_m, double sigma_rad, std::uint64_t s
   for (auto& [id, image] : made.block.images) {
     const Rigid3& pose = made.block.cam_from_world.at(id);
     const Eigen::Vector3d offset = tracks ? Eigen::Vector3d(kShift + time * kDrift) : Eigen::Vector3d(0, 0, 0);
-    image.position =
-        PositionPrior{centre_of(pose) + pose.rotation.conjugate() * kArm + offset + sigma_m * normal3(random),
-                      Eigen::Vector3d::Constant(sigma_m > 0 ? sigma_m : 0.01)};
+    const int row = static_cast<int>(id.value - 10) / 4;
+    const Eigen::Vector3d velocity = Eigen::Vector3d(row % 2 ? -10 : 10, 0, 0) + normal3(random);
+    made.scope.velocity_m_s[id] = velocity;
+    image.position = PositionPrior{
+        centre_of(pose) + pose.rotation.conjugate() * kArm + offset + kOffset_s * velocity + sigma_m * normal3(random),
+        Eigen::Vector3d::Constant(sigma_m > 0 ? sigma_m : 0.01)};
     // cam_from_world = turn * given; errors are turns in the world.
     made.scope.attitudes[id] = {
         (rotation_by(kTurn).conjugate() * pose.rotation * rotation_by(sigma_rad * normal3(random))).normalized(),
@@ -60,20 +54,22 @@ Flight flight(double sigma_px, double sigma_m, double sigma_rad, std::uint64_t s
   }
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
   made.scope.boresight_sigma_rad[{1}] = kUnknown;
+  made.scope.time_offset_sigma_s[{1}] = kUnknown[0];
   if (tracks) made.scope.position_tracks = {track};
   return made;
 }
 
 Eigen::Vector3d truth_of(UnknownKind kind) {
-  return kind == UnknownKind::kLeverArm ? kArm
-         : kind == UnknownKind::kShift  ? kShift
-         : kind == UnknownKind::kDrift  ? kDrift
-                                        : kTurn;
+  return kind == UnknownKind::kTimeOffset ? Eigen::Vector3d(kOffset_s, 0, 0)
+         : kind == UnknownKind::kLeverArm ? kArm
+         : kind == UnknownKind::kShift    ? kShift
+         : kind == UnknownKind::kDrift    ? kDrift
+                                          : kTurn;
 }
 
 TEST(PositionModel, DerivativesAreThoseOfDifferences) {
   const Flight made = flight(0, 0, 0.02);
-  auto gathered = bundle::gather(made.block, made.scope, plain());
+  auto gathered = bundle::gather(made.block, made.scope, tested());
   ASSERT_TRUE(gathered) << gathered.error().message;
   const bundle::Problem& problem = gathered->problem;
   bundle::State& state = gathered->start;
@@ -117,11 +113,11 @@ TEST(PositionModel, DerivativesAreThoseOfDifferences) {
 TEST(PositionModel, ExactTruthComesBack) {
   const Flight made = flight(0, 0, 0);
   Block start = testing::disturbed(made.block, 0.005, 0.3);
-  const auto adjusted = adjust(start, made.scope, plain(), kRun);
+  const auto adjusted = adjust(start, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_TRUE(adjusted->converged);
   EXPECT_EQ(adjusted->rank_defect, 0);
-  ASSERT_EQ(adjusted->extras.size(), 12u);
+  ASSERT_EQ(adjusted->extras.size(), 13u);
   for (const EstimatedUnknown& extra : adjusted->extras)
     EXPECT_NEAR(extra.value, truth_of(extra.kind)[extra.axis], 1e-6) << name_of_extra(start, extra.kind, 1, extra.axis);
   for (const auto& [id, pose] : adjusted->cam_from_world)
@@ -134,7 +130,7 @@ TEST(PositionModel, ExactTruthComesBack) {
 TEST(PositionModel, ErrorsAreAsLargeAsTheirSigmas) {
   std::map<UnknownKind, double> squares;
   constexpr int kBlocks = 80;
-  AdjustOptions options = plain("focal");
+  AdjustOptions options = tested("focal");
   options.sigma0_known = true;
   for (int i = 0; i < kBlocks; ++i) {
     Flight made = flight(0.5, 0.03, 0.003, static_cast<std::uint64_t>(i + 1));
@@ -146,10 +142,10 @@ TEST(PositionModel, ErrorsAreAsLargeAsTheirSigmas) {
     for (const EstimatedUnknown& extra : adjusted->extras) {
       const double ratio = (extra.value - truth_of(extra.kind)[extra.axis]) / extra.sigma;
       EXPECT_LT(std::abs(ratio), 4.5) << name_of_extra(made.block, extra.kind, 1, extra.axis);
-      squares[extra.kind] += ratio * ratio / 3;
+      squares[extra.kind] += ratio * ratio / (extra.kind == UnknownKind::kTimeOffset ? 1 : 3);
     }
   }
-  EXPECT_EQ(squares.size(), 4u);
+  EXPECT_EQ(squares.size(), 5u);
   for (const auto& [kind, sum] : squares)
     EXPECT_NEAR(sum / kBlocks, 1, 4 * std::sqrt(2.0 / kBlocks)) << static_cast<int>(kind);
 }
@@ -159,11 +155,11 @@ TEST(PositionModel, AGivenLeverArmIsUsed) {
   Flight made = flight(0, 0, 0, 1, false);
   made.scope.lever_arms[{1}] = {kArm, Eigen::Vector3d::Zero()};
   made.scope.use_control = false;
-  const auto adjusted = adjust(made.block, made.scope, plain(), kRun);
+  const auto adjusted = adjust(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted);
   for (const auto& [id, pose] : adjusted->cam_from_world)
     EXPECT_LT((centre_of(pose) - centre_of(made.truth.cam_from_world.at(id))).norm(), 1e-6);
-  EXPECT_EQ(adjusted->extras.size(), 3u);  // the boresight
+  EXPECT_EQ(adjusted->extras.size(), 4u);  // boresight and time offset
 }
 
 TEST(PositionModel, AShiftOfAllPositionsLeavesThePlaceOpen) {
@@ -172,7 +168,7 @@ TEST(PositionModel, AShiftOfAllPositionsLeavesThePlaceOpen) {
   made.scope.lever_arms.clear();
   made.scope.attitudes.clear();
   made.scope.position_tracks[0].drift_sigma_m.setZero();
-  const auto adjusted = adjust(made.block, made.scope, plain(), kRun);
+  const auto adjusted = adjust(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 3);
 }
@@ -187,7 +183,7 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
     image.position = PositionPrior{centre_of(made.block.cam_from_world.at(id)), Eigen::Vector3d::Constant(0.05)};
   made.block.cameras.begin()->second.sigma_f_px = 1e4;
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
-  const auto adjusted = adjust(made.block, made.scope, plain("focal"), kRun);
+  const auto adjusted = adjust(made.block, made.scope, tested("focal"), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   std::string told = adjusted->undetermined;
   for (const std::string& line : adjusted->inseparable) told += line + "\n";
@@ -195,16 +191,56 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
             std::string::npos)
       << told;
   const Flight well = flight(0.5, 0.03, 0.003);
-  const auto separable = adjust(well.block, well.scope, plain("focal"), kRun);
+  const auto separable = adjust(well.block, well.scope, tested("focal"), kRun);
   ASSERT_TRUE(separable);
   EXPECT_TRUE(separable->inseparable.empty()) << separable->inseparable[0];
+}
+
+// One way over the country, diagonally: what the clock is late looks like a shift along the flight.
+TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparable) {
+  Flight made = flight(0.5, 0.03, 0.003);
+  Random random(5);
+  for (auto& [id, velocity] : made.scope.velocity_m_s) {
+    velocity = Eigen::Vector3d(7, 7, 0) + 0.05 * normal3(random);
+    made.block.images.at(id).position->position_in_world =
+        centre_of(made.truth.cam_from_world.at(id)) + kOffset_s * velocity + 0.03 * normal3(random);
+  }
+  made.scope.lever_arms.clear();
+  made.scope.position_tracks[0].drift_sigma_m.setZero();
+  const auto adjusted = adjust(made.block, made.scope, tested("focal"), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  ASSERT_EQ(adjusted->inseparable.size(), 1u) << adjusted->undetermined;
+  EXPECT_TRUE(
+      adjusted->inseparable[0].starts_with("the time offset of the positions of test and the shift of "
+                                           "positions along the flight of strip 1 can hardly be separated"))
+      << adjusted->inseparable[0];
+  for (auto& [id, velocity] : made.scope.velocity_m_s) velocity = {7, 7, 0};  // then nothing tells them apart
+  const auto singular = adjust(made.block, made.scope, tested("focal"), kRun);
+  ASSERT_TRUE(singular);
+  EXPECT_TRUE(singular->undetermined.starts_with("the time offset of the positions of test is not determined"))
+      << singular->undetermined;
+}
+
+TEST(PositionModel, ATimeOffsetThatIsKnownToBeSmallHolds) {
+  Flight made = flight(0.5, 0.03, 0.003);
+  made.scope.time_offset_sigma_s[{1}] = 1e-6;
+  const auto adjusted = adjust(made.block, made.scope, tested(), kRun);
+  ASSERT_TRUE(adjusted);
+  for (const EstimatedUnknown& extra : adjusted->extras)
+    if (extra.kind == UnknownKind::kTimeOffset) {
+      EXPECT_NEAR(extra.value, 0, 1e-4);
+    }
+  made.scope.time_offset_sigma_s[{1}] = 0;  // there is none
+  const auto without = adjust(made.block, made.scope, tested(), kRun);
+  ASSERT_TRUE(without);
+  EXPECT_EQ(without->extras.size() + 1, adjusted->extras.size());
 }
 
 TEST(PositionModel, ABlunderInAnAttitudeIsFound) {
   Flight made = flight(0.5, 0.03, 0.001);
   auto& wrong = made.scope.attitudes.at({15});
   wrong.cam_from_world = wrong.cam_from_world * rotation_by({0, 0, 0.02});
-  const auto adjusted = adjust(made.block, made.scope, plain("focal"), kRun);
+  const auto adjusted = adjust(made.block, made.scope, tested("focal"), kRun);
   ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
   const TestedObservation& worst = adjusted->reliability->suspects[0];
   EXPECT_EQ(worst.group, ObservationGroup::kAttitudeHeading);
@@ -215,7 +251,7 @@ TEST(PositionModel, ABlunderInAnAttitudeIsFound) {
 TEST(PositionModel, VarianceComponentsFindTheSigmasOfAttitudes) {
   Flight made = flight(0.5, 0.03, 0.003);
   for (auto& [id, attitude] : made.scope.attitudes) attitude.sigma_rad /= 3;
-  const auto found = estimate_variance_components(made.block, made.scope, plain(), kRun);
+  const auto found = estimate_variance_components(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(found) << found.error().message;
   const auto group = static_cast<std::size_t>(ObservationGroup::kAttitudeLevel);
   EXPECT_NEAR(found->factors[group], 3, 4 * found->sigma[group]);
@@ -224,13 +260,19 @@ TEST(PositionModel, VarianceComponentsFindTheSigmasOfAttitudes) {
 TEST(PositionModel, WhatCannotBeIsRefused) {
   Flight made = flight(0, 0, 0);
   made.scope.lever_arms[{1}].sigma_m = {0, 1, 1};
-  EXPECT_EQ(adjust(made.block, made.scope, plain(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
   made = flight(0, 0, 0);
   made.scope.attitudes.begin()->second.sigma_rad.x() = 0;
-  EXPECT_EQ(adjust(made.block, made.scope, plain(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
   made = flight(0, 0, 0);
   made.scope.position_tracks[0].time.begin()->second = std::nan("");
-  EXPECT_EQ(adjust(made.block, made.scope, plain(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
+  made = flight(0, 0, 0);
+  made.scope.time_offset_sigma_s[{1}] = -1;
+  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
+  made = flight(0, 0, 0);
+  made.scope.velocity_m_s.begin()->second.x() = std::nan("");
+  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
 }
 
 }  // namespace

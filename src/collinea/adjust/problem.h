@@ -53,17 +53,18 @@ struct ProblemPoint {
 /// An unknown beside poses, cameras and points. It has a place in the border, behind those of the cameras.
 struct ExtraUnknown {
   UnknownKind kind;
-  std::uint32_t owner;  ///< of a CameraId, or a number in AdjustScope::position_tracks or of a set-up
+  std::uint32_t owner;  ///< of a CameraId, or a number in AdjustScope::position_tracks, of a set-up or of a shape
   int axis = 0;
   double given = 0, inverse_sigma = 0;  ///< its observation; 0: free
 };
 
-/// A measurement between two joined points.
+/// A measurement between two joined points, or of one that lies on a shape.
 struct GroundLink {
   GroundObservation observation;
   std::uint32_t source;      ///< place in Block::ground
   std::uint32_t from, to;    ///< numbers in Problem::points
-  int orientation = -1;      ///< number in Problem::extras
+  int extra = -1;            ///< first of its own unknowns in Problem::extras; -1: none
+  int shape = -1;            ///< number in Problem::shapes
   double inverse_sigma = 0;  ///< 0: only compared
 };
 
@@ -76,10 +77,14 @@ struct GivenPosition {
   Eigen::Vector3d given, inverse_sigma;
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< exact part of the lever arm
   int lever_arm = -1, shift = -1, drift = -1;     ///< first of three numbers in Problem::extras; -1: none
+  int time_offset = -1;                           ///< number in Problem::extras
   double time = 0;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 
   /// It is that of the projection centre.
-  [[nodiscard]] bool plain() const { return lever_arm < 0 && shift < 0 && drift < 0 && arm.isZero(0); }
+  [[nodiscard]] bool plain() const {
+    return lever_arm < 0 && shift < 0 && drift < 0 && time_offset < 0 && arm.isZero(0);
+  }
 
   /// How many of its coordinates are given.
   [[nodiscard]] int axes() const { return static_cast<int>((inverse_sigma.array() > 0).count()); }
@@ -131,7 +136,9 @@ struct Problem {
   int first_extra = 0;                ///< of the border
   std::vector<std::uint32_t> joined;  ///< numbers of points, ascending
   std::vector<GroundLink> ground;
-  bool level_at_origin = false;  ///< see ground_model()
+  std::vector<GroundShape> shapes;
+  std::size_t ground_left_out = 0;  ///< of Block::ground, because of points that take no part or determine no shape
+  bool level_at_origin = false;     ///< see ground_model()
   std::vector<DatumConstraint> datum;
   std::vector<int> part_of_pose;  ///< images connected by points, as numbers of parts
   int rank_defect = 0;

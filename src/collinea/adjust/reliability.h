@@ -26,14 +26,34 @@ enum class ObservationGroup {
   kHeightDifference,
   kDirection,
   kZenithAngle,
+  kAtHeight,
+  kOnPlane,
+  kOnLine,
   kAttitudeLevel,
   kAttitudeHeading,
 };
-inline constexpr std::size_t kObservationGroups = 12;
-inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = {
-    "tie points in images", "control in images", "control, plan",    "control, height",
-    "positions, plan",      "positions, height", "distances",        "height differences",
-    "directions",           "zenith angles",     "attitudes, level", "attitudes, heading"};
+inline constexpr std::size_t kObservationGroups = 15;
+inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = {"tie points in images",
+                                                                                       "control in images",
+                                                                                       "control, plan",
+                                                                                       "control, height",
+                                                                                       "positions, plan",
+                                                                                       "positions, height",
+                                                                                       "distances",
+                                                                                       "height differences",
+                                                                                       "directions",
+                                                                                       "zenith angles",
+                                                                                       "equal heights",
+                                                                                       "planes",
+                                                                                       "lines",
+                                                                                       "attitudes, level",
+                                                                                       "attitudes, heading"};
+
+/// Angles, in [rad].
+[[nodiscard]] constexpr bool is_angle(ObservationGroup group) {
+  return group == ObservationGroup::kDirection || group == ObservationGroup::kZenithAngle ||
+         group >= ObservationGroup::kAttitudeLevel;
+}
 
 /// The group of a measurement on the ground.
 [[nodiscard]] constexpr ObservationGroup group_of(GroundKind kind) {

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 
 #include "collinea/adjust/bundle.h"
+#include "collinea/adjust/ground_model.h"
 #include "collinea/base/random.h"
 #include "collinea/block/block.h"
 #include "collinea/geometry/rotation.h"
@@ -28,6 +31,31 @@ struct TestBlockOptions {
 inline Eigen::Vector3d normal3(Random& random) {
   const double x = random.normal(), y = random.normal(), z = random.normal();
   return {x, y, z};
+}
+
+/// Least squares without any loss, to the last step.
+inline AdjustOptions plain(std::string calibration = "none") {
+  AdjustOptions options;
+  options.calibration = std::move(calibration);
+  options.loss = options.position_loss = "none";
+  options.relative_cost_change = 1e-12;
+  options.parameter_change = 1e-13;
+  options.step_sigmas = 0;
+  return options;
+}
+
+/// The same with all tests of the observations.
+inline AdjustOptions tested(std::string calibration = "none") {
+  AdjustOptions options = plain(std::move(calibration));
+  options.reliability = true;
+  return options;
+}
+
+inline double largest_centre_error(const Adjusted& adjusted, const Block& truth) {
+  double largest = 0;
+  for (const auto& [id, pose] : adjusted.cam_from_world)
+    largest = std::max(largest, (centre_of(pose) - centre_of(truth.cam_from_world.at(id))).norm());
+  return largest;
 }
 
 /// The camera of the test blocks: 24 x 18 megapixel-ish field, mild barrel distortion.
@@ -120,6 +148,53 @@ inline Block disturbed(Block block, double turn_rad, double move_m, std::uint64_
   }
   for (auto& [id, point] : block.points) point.position_in_world += move_m * normal3(random);
   return block;
+}
+
+/// A block whose control points have no coordinates, and where they truly are.
+struct Marked {
+  Block block;
+  std::map<ControlId, Eigen::Vector3d> truth;
+
+  void measure(GroundKind kind, std::uint32_t from, std::uint32_t to, double sigma, Random* random = nullptr) {
+    GroundObservation one{.kind = kind, .from = {from}, .to = {to}, .sigma = sigma};
+    one.value = ground_model(one, truth.at(one.from), truth.at(one.to), 0, false).computed;
+    if (random) one.value += sigma * random->normal();
+    block.ground.push_back(one);
+  }
+};
+
+/// `move`: brings the true places of the points to where they shall be; no images are measured where they were.
+inline Marked marked(TestBlockOptions options, int points = 9,
+                     const std::function<void(std::vector<Eigen::Vector3d>&)>& move = {}) {
+  const double sigma_px = options.sigma_px;
+  options.sigma_px = 0;  // exact coordinates; the noise comes after
+  options.control = points;
+  Marked made{test_block(options), {}};
+  Random random(options.seed, 5);
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& [id, point] : made.block.control) places.push_back(point.position_in_world);
+  if (move) {
+    move(places);
+    made.block.control_observations.clear();
+  }
+  for (auto& [id, point] : made.block.control) {
+    made.truth[id] = point.position_in_world = places[id.value];
+    point.role = ControlRole::kControl;
+    point.sigma_m.setConstant(std::numeric_limits<double>::infinity());
+    if (!move) continue;
+    for (const auto& [image, pose] : made.block.cam_from_world)
+      if (const auto pixel = project(made.block.camera_of(image), pose * point.position_in_world);
+          pixel && inside(made.block.camera_of(image), *pixel))
+        made.block.control_observations.push_back({id, image, *pixel, 1});
+  }
+  const auto spoil = [&](auto& seen) {
+    const double du = random.normal(), dv = random.normal();
+    seen.pixel += sigma_px * Eigen::Vector2d(du, dv);
+    if (sigma_px > 0) seen.sigma_px = sigma_px;
+  };
+  for (Observation& seen : made.block.observations) spoil(seen);
+  for (ControlObservation& seen : made.block.control_observations) spoil(seen);
+  return made;
 }
 
 /// New measurements of the same exact world: pixels 0.5 px, positions 2 cm, f 50 px.

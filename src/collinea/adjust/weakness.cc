@@ -89,6 +89,14 @@ void WeaknessFinder::look_at_observations() {
         "measure more tie points that they share with other images, or control in them",
         static_cast<double>(adjusted_.images_left_out.size()));
   }
+  if (const std::size_t count = problem_.ground_left_out; count > 0)
+    add("ground_left_out",
+        fmt::format("{} of {} measurements on the ground take no part: too few images show their points, or these do "
+                    "not determine their plane, line or height and one point more",
+                    count, block_.ground.size()),
+        "measure their points in two images and more; name a point more on each line (three) and plane (four, not on "
+        "a line)",
+        static_cast<double>(count));
   std::vector<int> points(problem_.images.size(), 0), deep(problem_.images.size(), 0);
   for (std::size_t p = 0; p < problem_.point_count(); ++p) {
     if (problem_.point(p).held || problem_.point(p).control >= 0) continue;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
 #include "collinea/pipeline/adjust_project.h"
@@ -12,6 +14,9 @@ struct Asked {
   std::string project;
   std::optional<std::string> import_file, export_file, output;
   AdjustProjectOptions options;
+  InstrumentOptions instruments;  ///< holds what the flags say; only those given change what orient did
+  std::vector<std::function<void(InstrumentOptions&)>> changes;
+  std::vector<std::pair<std::string, Given>> given;  ///< options of the adjustment
   ConsoleOptions console;
 };
 
@@ -20,6 +25,12 @@ Result<std::string> adjust_as(const Asked& asked, const Run& run) {
     return fail(Errc::kBadInput, "adjust what? Give a project folder, or a file by --import");
   if (asked.import_file) {
     if (asked.export_file) {
+      for (const auto& [name, given] : asked.given)
+        if (given())
+          return fail(Errc::kBadInput, name +
+                                           ": with --import and --export the file is only converted, and nothing of "
+                                           "how it will be adjusted is kept in it");
+      if (asked.output) return fail(Errc::kBadInput, "--output and --export: adjust the file, or convert it");
       if (auto done = convert_adjustment(*asked.import_file, *asked.export_file); !done)
         return tl::unexpected(done.error());
       return *asked.export_file;
@@ -48,7 +59,21 @@ Command adjust_command() {
             flags.add("export", asked->export_file, "",
                       "adjust nothing; write to this file what would be adjusted, as text for --import");
             flags.add_all(asked->console, "run");
-            flags.add_all(asked->options, "adjust");
+            const auto note = [asked](const auto& field, const Given& given) {
+              std::string name = "--" + std::string(field.name);
+              std::replace(name.begin(), name.end(), '_', '-');
+              asked->given.emplace_back(name, given);
+            };
+            flags.add_all(asked->options, "adjust", note);
+            flags.add_all(asked->instruments, "instruments", [&](const auto& field, const Given& given) {
+              note(field, given);
+              asked->changes.push_back([given, member = field.member, asked = asked.get()](InstrumentOptions& options) {
+                if (given()) options.*member = asked->instruments.*member;
+              });
+            });
+            asked->options.instruments = [asked = asked.get()](InstrumentOptions& options) {
+              for (const auto& change : asked->changes) change(options);
+            };
           },
           [asked] {
             auto console = Console::create(asked->console);

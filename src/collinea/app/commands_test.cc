@@ -215,5 +215,13 @@ TEST(ExitCode, IsAsTheHelpSays) {
   EXPECT_EQ(exit_code(Errc::kCancelled), 130);
 }
 
+TEST(Commands, AConversionTakesNoOptionsOfTheAdjustment) {
+  const Outcome outcome =
+      collinea_with({"adjust", "--import", "a.txt", "--export", "b.txt", "--lever-arm", "estimate"});
+  EXPECT_EQ(outcome.code, exit_code(Errc::kBadInput));
+  EXPECT_NE(outcome.err.find("--lever-arm: with --import and --export the file is only converted"), std::string::npos)
+      << outcome.err;
+}
+
 }  // namespace
 }  // namespace collinea

@@ -21,7 +21,8 @@ int run_until(Asked& asked, const std::string& last) {
   if (auto known = check_step_name(last); !known) return console->complain(std::move(known).error().within("--until"));
   std::error_code error;
   asked.settings.photos = std::filesystem::absolute(asked.photos, error).lexically_normal().string();
-  for (auto* path : {&asked.settings.import.control, &asked.settings.import.ground, &asked.settings.orient.orientation})
+  for (auto* path : {&asked.settings.import.control, &asked.settings.import.ground, &asked.settings.import.positions,
+                     &asked.settings.orient.orientation})
     if (*path) *path = std::filesystem::absolute(**path, error).lexically_normal().string();
   auto project = create_project(asked.project, asked.settings, console->run());
   if (!project) return console->complain(project.error());

@@ -34,6 +34,8 @@ struct PositionPrior {
 /// north, pitch -90 = straight down, roll about the optical axis.
 struct AttitudePrior {
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
+  /// Of turns about east, north and the plumb line; 0: not stated.
+  Eigen::Vector3d sigma_deg = Eigen::Vector3d::Zero();
 };
 
 /// One exposure. Where it was taken is in Block::cam_from_world, and only there.
@@ -87,7 +89,7 @@ struct Block {
   std::vector<Observation> observations;  ///< of tie points; sorted by (point, image)
   std::map<ControlId, ControlPoint> control;
   std::vector<ControlObservation> control_observations;
-  std::vector<GroundObservation> ground;  ///< measured between control points
+  std::vector<GroundObservation> ground;  ///< measured between control points, or known of them
 
   [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras.at(images.at(image).camera); }
 };

@@ -10,20 +10,24 @@
 
 namespace collinea {
 
-/// What is measured on the ground between two points.
+/// What is measured on the ground between two points, or known of the shape that a point lies on.
 enum class GroundKind : std::uint8_t {
   kDistance,          ///< in space, tape, scale bar or total station [m]
   kHeightDifference,  ///< height of `to` minus that of `from` [m]; 0 for equal heights
   kDirection,         ///< reading of the horizontal circle at `from`, clockwise [rad]
   kZenithAngle,       ///< at `from`, 0 upwards [rad]
+  kAtHeight,          ///< `from` above the height that the points of a group have in common [m]
+  kOnPlane,           ///< `from` off the plane of a group [m]
+  kOnLine,            ///< `from` off the line of a group, across it on one of two axes [m]
 };
-inline constexpr std::size_t kGroundKinds = 4;
-inline constexpr std::array<const char*, kGroundKinds> kGroundKindNames = {"distance", "height difference", "direction",
-                                                                           "zenith angle"};
+inline constexpr std::size_t kGroundKinds = 7;
+inline constexpr std::array<const char*, kGroundKinds> kGroundKindNames = {
+    "distance", "height difference", "direction", "zenith angle", "height", "plane", "line"};
 
 enum class ControlRole { kControl, kCheck };
 
-/// One measurement between two control points, which need no coordinates of their own.
+/// One measurement between two control points, which need no coordinates of their own; or that `from` (and `to`, which
+/// is the same) lies on a shape.
 struct GroundObservation {
   static constexpr std::uint32_t kNoSetup = ~std::uint32_t{0};
 
@@ -32,10 +36,14 @@ struct GroundObservation {
   ControlId from, to;
   double value = 0, sigma = 0;               ///< [m], or [rad] for angles
   ControlRole role = ControlRole::kControl;  ///< kCheck: only compared
-  std::uint32_t setup = kNoSetup;            ///< directions of one set-up of the instrument share its orientation
+  /// Directions of one set-up of the instrument share its orientation, points of one shape share that; shapes of one
+  /// kind have different numbers.
+  std::uint32_t setup = kNoSetup;
   double instrument_height_m = 0, target_height_m = 0;  ///< above the marks
+  int axis = 0;  ///< of kOnLine: 0 sideways (east off a plumb line), 1 upwards (north off a plumb line)
 
   [[nodiscard]] bool is_angle() const { return kind == GroundKind::kDirection || kind == GroundKind::kZenithAngle; }
+  [[nodiscard]] bool is_of_shape() const { return kind >= GroundKind::kAtHeight; }
 };
 
 }  // namespace collinea

@@ -39,4 +39,15 @@ inline Eigen::Vector3d down_in_cam(int orientation) {
   return Eigen::Quaterniond(rotation);
 }
 
+/// The inverse; straight down, where heading and roll are one, some pair of them.
+[[nodiscard]] inline AttitudePrior attitude_prior(const Eigen::Quaterniond& cam_from_world) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const Eigen::Matrix3d rotation = cam_from_world.toRotationMatrix();
+  const Eigen::Vector3d forward = rotation.row(2);
+  const double heading = std::atan2(forward.x(), forward.y());
+  const Eigen::Vector3d level(std::cos(heading), -std::sin(heading), 0), below = forward.cross(level);
+  return {heading * kDegrees, std::atan2(forward.z(), forward.head<2>().norm()) * kDegrees,
+          std::atan2(rotation.row(0).dot(below), rotation.row(0).dot(level)) * kDegrees};
+}
+
 }  // namespace collinea

@@ -21,12 +21,23 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   parameter CAMERA WHICH VALUE HOW [GIVEN]     HOW: fixed, free, or the standard deviation of GIVEN (else of VALUE)
 #   image NAME CAMERA
 #   pose IMAGE X Y Z OMEGA PHI KAPPA [fixed]     projection centre [m] and angles [deg]
+#   taken IMAGE TIME                             when, "2024:05:17 10:31:08.25"
 #   position IMAGE X Y Z SX SY SZ                measured position and its standard deviations [m]
+#   attitude IMAGE OMEGA PHI KAPPA SX SY SZ      measured attitude; standard deviations about the axes of the frame [deg]
+#   lever_arm CAMERA X Y Z SX SY SZ              from the projection centre to the antenna: right, down, forward [m]
+#   boresight CAMERA SX SY SZ                    attitudes are off by a turn about the axes of the camera [deg]
+#   track NUMBER SX SY SZ DX DY DZ               positions with a shift [m] and a drift in time in common
+#   on_track IMAGE NUMBER TIME                   time: from the middle of the track
+#   time_offset CAMERA S                         positions are measured later than images [s]
+#   velocity IMAGE X Y Z                         of the antenna [m/s]
+#                                                their standard deviations: 0 exact or none, - not known
 #   control NAME X Y Z SX SY SZ                  surveyed point [m]; standard deviation 0: held
 #   check NAME X Y Z SX SY SZ                    surveyed point that is only compared [m]
+#   control_in_map, check_in_map                 the same by easting, northing and height of the georeference's CRS
 #   ground KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]
 #                                                measured between control points; KIND: distance, height_difference [m],
 #                                                direction, zenith_angle [deg]; ROLE: control or check; heights [m]
+#   lies_on SHAPE NAME POINT SIGMA ROLE [AXIS]   SHAPE: plane, line, height; AXIS of a line: sideways, upwards, or both
 #   point NUMBER X Y Z                           tie point, approximately [m]
 #   measured_control IMAGE NAME COLUMN ROW SIGMA, measured_tie IMAGE NUMBER COLUMN ROW SIGMA
 #                                                [px] from the upper-left corner of the picture
@@ -66,10 +77,17 @@ std::map<Id, std::string> unique_names(const Things& things, const Name& name_of
 }
 
 std::string ground_line(const GroundObservation& one, const std::map<ControlId, std::string>& names) {
+  const char* role = one.role == ControlRole::kCheck ? " check" : " control";
+  if (one.is_of_shape())
+    return "lies_on " + ground_word(std::size_t(one.kind)) + " " +
+           in_quotes(one.name.empty() ? std::to_string(one.setup + 1) : one.name) + " " + names.at(one.from) + " " +
+           exact(one.sigma) + role +
+           (one.kind != GroundKind::kOnLine ? "\n"
+            : one.axis == 0                 ? " sideways\n"
+                                            : " upwards\n");
   const double unit = one.is_angle() ? kDegree : 1;
   std::string text = "ground " + ground_word(std::size_t(one.kind)) + " " + names.at(one.from) + " " +
-                     names.at(one.to) + " " + exact(one.value / unit) + " " + exact(one.sigma / unit) +
-                     (one.role == ControlRole::kCheck ? " check" : " control");
+                     names.at(one.to) + " " + exact(one.value / unit) + " " + exact(one.sigma / unit) + role;
   if (one.setup != GroundObservation::kNoSetup || one.instrument_height_m != 0 || one.target_height_m != 0)
     text += " " + (one.setup == GroundObservation::kNoSetup ? "-" : std::to_string(one.setup)) + " " +
             exact(one.instrument_height_m) + " " + exact(one.target_height_m);
@@ -98,6 +116,24 @@ void write_camera(const AdjustmentFile& file, CameraId id, const std::string& na
   }
 }
 
+void write_instruments(const Instruments& instruments, const std::map<CameraId, std::string>& cameras,
+                       const std::map<ImageId, std::string>& images, std::string& text) {
+  for (const auto& [id, arm] : instruments.lever_arms)
+    text += "lever_arm " + cameras.at(id) + words(arm.antenna_in_cam_m) + words(arm.sigma_m) + "\n";
+  for (const auto& [id, sigma_rad] : instruments.boresight_sigma_rad)
+    text += "boresight " + cameras.at(id) + words(sigma_rad / kDegree) + "\n";
+  for (const auto& [id, sigma_s] : instruments.time_offset_sigma_s)
+    text += "time_offset " + cameras.at(id) + (std::isfinite(sigma_s) ? " " + exact(sigma_s) : " -") + "\n";
+  for (std::size_t t = 0; t < instruments.position_tracks.size(); ++t) {
+    const PositionTrack& track = instruments.position_tracks[t];
+    text += "track " + std::to_string(t + 1) + words(track.shift_sigma_m) + words(track.drift_sigma_m) + "\n";
+    for (const auto& [id, time] : track.time)
+      text += "on_track " + images.at(id) + " " + std::to_string(t + 1) + " " + exact(time) + "\n";
+  }
+  for (const auto& [id, velocity] : instruments.velocity_m_s)
+    text += "velocity " + images.at(id) + words(velocity) + "\n";
+}
+
 }  // namespace
 
 std::string adjustment_file_text(const AdjustmentFile& file) {
@@ -119,10 +155,17 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
               words({angles.omega_deg, angles.phi_deg, angles.kappa_deg}) +
               (file.held_images.contains(id) ? " fixed\n" : "\n");
     }
+    if (!image.taken.empty()) text += "taken " + images.at(id) + " " + in_quotes(image.taken) + "\n";
     if (image.position)
       text += "position " + images.at(id) + words(image.position->position_in_world) + words(image.position->sigma_m) +
               "\n";
+    if (const auto given = file.instruments.attitudes.find(id); given != file.instruments.attitudes.end()) {
+      const OmegaPhiKappa angles = omega_phi_kappa(given->second.cam_from_world);
+      text += "attitude " + images.at(id) + words({angles.omega_deg, angles.phi_deg, angles.kappa_deg}) +
+              words(given->second.sigma_rad / kDegree) + "\n";
+    }
   }
+  write_instruments(file.instruments, cameras, images, text);
   text += "\n";
   for (const auto& [id, point] : block.control)
     text += (point.role == ControlRole::kCheck ? "check " : "control ") + control.at(id) +

@@ -10,6 +10,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
+#include "collinea/block/instruments.h"
 
 namespace collinea {
 
@@ -23,10 +24,11 @@ struct AdjustmentFile {
   /// Of each of Camera::params. 0: held; a standard deviation: observed; infinite: free.
   std::map<CameraId, std::array<double, Camera::kAllParams>> camera_sigmas;
   std::map<CameraId, Camera> given_cameras;  ///< what was observed of the cameras; block.cameras is where they start
+  Instruments instruments;
 };
 
-/// Writes the text format of docs/manual/adjustment-file.md. Numbers read back as the same doubles, but for attitudes
-/// (angles in degrees): those to 1e-15.
+/// Writes the text format of docs/manual/adjustment-file.md. Numbers read back as the same doubles, but for angles
+/// (in degrees): those to 1e-15.
 [[nodiscard]] Result<> write_adjustment_file(const std::filesystem::path& path, const AdjustmentFile& file);
 [[nodiscard]] std::string adjustment_file_text(const AdjustmentFile& file);
 

@@ -105,8 +105,22 @@ AdjustmentFile random_file() {
         .kind = GroundKind(kind), .from = {0}, .to = {2}, .value = 1 + random.uniform(), .sigma = 0.01};
     if (kind == 1) one.role = ControlRole::kCheck;
     if (kind > 1) one.setup = 3, one.instrument_height_m = 1.51;
+    if (one.is_of_shape()) {
+      one = {.kind = one.kind, .name = "the wall", .from = {1}, .to = {1}, .sigma = 0.02, .setup = 0};
+      if (one.kind == GroundKind::kOnLine) one.axis = 1, one.role = ControlRole::kCheck;
+    }
     block.ground.push_back(one);
   }
+  for (auto& [id, image] : block.images) image.taken = "2024:05:17 10:31:0" + std::to_string(id.value);
+  Instruments& instruments = file.instruments;
+  const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(kInfinity);
+  instruments.attitudes[{2}] = {rotation_by({0.1, 0.2, -0.3}), {0.001, 0.002, 0.003}};
+  instruments.boresight_sigma_rad[{1}] = unknown;
+  instruments.lever_arms[{0}] = {{0.1, -0.2, 0.3}, {0, 0, 0}};
+  instruments.lever_arms[{1}] = {{0, 0, 0}, unknown};
+  instruments.position_tracks = {{{{{2}, -1.25}, {{3}, 1.25}}, unknown, {0.01, 0.02, 0.03}}, {{{{5}, 0}}, {1, 1, 1}}};
+  instruments.time_offset_sigma_s = {{{0}, 0.5}, {{1}, kInfinity}};
+  instruments.velocity_m_s[{2}] = {random.normal(), random.normal(), random.normal()};
   return file;
 }
 
@@ -155,7 +169,30 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
     EXPECT_EQ(one.setup, before.setup);
     EXPECT_EQ(one.instrument_height_m, before.instrument_height_m);
     EXPECT_EQ(one.target_height_m, before.target_height_m);
+    EXPECT_EQ(one.axis, before.axis);
+    if (one.is_of_shape()) {
+      EXPECT_EQ(one.name, before.name);
+    }
   }
+  EXPECT_EQ(back->block.images.at({4}).taken, file.block.images.at({4}).taken);
+  const Instruments &instruments = back->instruments, &given = file.instruments;
+  ASSERT_EQ(instruments.attitudes.size(), 1u);
+  EXPECT_LT(angle_between(instruments.attitudes.at({2}).cam_from_world, given.attitudes.at({2}).cam_from_world), 1e-14);
+  EXPECT_LT((instruments.attitudes.at({2}).sigma_rad - given.attitudes.at({2}).sigma_rad).norm(), 1e-17);
+  EXPECT_EQ(instruments.boresight_sigma_rad, given.boresight_sigma_rad);
+  ASSERT_EQ(instruments.lever_arms.size(), 2u);
+  for (const auto& [id, arm] : given.lever_arms) {
+    EXPECT_EQ(instruments.lever_arms.at(id).antenna_in_cam_m, arm.antenna_in_cam_m);
+    EXPECT_EQ(instruments.lever_arms.at(id).sigma_m, arm.sigma_m);
+  }
+  ASSERT_EQ(instruments.position_tracks.size(), 2u);
+  for (std::size_t t = 0; t < 2; ++t) {
+    EXPECT_EQ(instruments.position_tracks[t].time, given.position_tracks[t].time);
+    EXPECT_EQ(instruments.position_tracks[t].shift_sigma_m, given.position_tracks[t].shift_sigma_m);
+    EXPECT_EQ(instruments.position_tracks[t].drift_sigma_m, given.position_tracks[t].drift_sigma_m);
+  }
+  EXPECT_EQ(instruments.time_offset_sigma_s, given.time_offset_sigma_s);
+  EXPECT_EQ(instruments.velocity_m_s, given.velocity_m_s);
   ASSERT_EQ(back->block.observations.size(), file.block.observations.size());
   for (std::size_t i = 0; i < file.block.observations.size(); ++i) {
     EXPECT_EQ(back->block.observations[i].pixel, file.block.observations[i].pixel);
@@ -240,6 +277,47 @@ TEST(AdjustmentFile, SurvivesTruncationAndGarbage) {
   }
   EXPECT_TRUE(is_adjustment_file(text));
   EXPECT_FALSE(is_adjustment_file("image 1"));
+}
+
+// Lines with the head of kSmall in front and a measurement behind.
+std::string error_of(const std::string& lines) {
+  const auto file = parse_adjustment_file(std::string(kSmall) + lines);
+  return file ? "read" : file.error().message;
+}
+
+TEST(AdjustmentFile, ControlOfAMapIsBroughtToTheFrame) {
+  const auto file = parse_adjustment_file(std::string(kSmall) +
+                                          "georeference EPSG:32633 48 15 300\n"
+                                          "control_in_map M1 500000 5316300 310 0.01 0.01 -\n");
+  ASSERT_TRUE(file) << file.error().message;
+  const ControlPoint& point = file->block.control.at({2});
+  EXPECT_LT((point.position_in_map - Eigen::Vector3d(500000, 5316300, 310)).norm(), 1e-6);
+  EXPECT_LT(point.position_in_world.head<2>().norm(), 1000);
+  EXPECT_NEAR(point.position_in_world.z(), 10, 0.1);
+  EXPECT_EQ(point.sigma_m.z(), kInfinity);
+  EXPECT_EQ(error_of("control_in_map M1 500000 5316300 310 0.01 0.01 0.02\n"),
+            "line 16: coordinates of which map? There is no line georeference");
+  EXPECT_TRUE(error_of("control_in_map M1 - - 310 - - 0.02\n").starts_with("line 16: a point of a map needs all"));
+}
+
+TEST(AdjustmentFile, WhatIsWrongWithInstrumentsAndShapesIsNamed) {
+  EXPECT_EQ(error_of("attitude b 0 0 0 0.1 0 0.1\n"), "line 16: a measured attitude has standard deviations above 0");
+  EXPECT_EQ(error_of("lever_arm wide 0 0 0 - - -\nlever_arm wide 0 0 0 - - -\n"),
+            "line 17: a second lever_arm of \"wide\"");
+  EXPECT_EQ(error_of("lever_arm narrow 0 0 0 - - -\n"), "line 16: there is no camera \"narrow\" above");
+  EXPECT_EQ(error_of("boresight wide -1 0 0\n"),
+            "line 16: \"-1\" is not a standard deviation: a number from 0, or - for none");
+  EXPECT_TRUE(error_of("on_track b 1 0\n").starts_with("line 16: there is no track \"1\" above"));
+  EXPECT_EQ(error_of("track 1 - - - 0 0 0\non_track b 1 0\non_track b 1 0\n"), "line 18: \"b\" is on a track already");
+  EXPECT_EQ(error_of("lies_on sphere a G1 0.1 control\n"),
+            "line 16: \"sphere\" is no shape; there are: plane line height");
+  EXPECT_TRUE(error_of("lies_on plane a G1 0.1 control upwards\n").starts_with("line 16: behind the role"));
+  EXPECT_TRUE(error_of("lies_on plane a G9 0.1 control\n").starts_with("line 16: there is no control or check point"));
+  // A line without an axis is two observations.
+  const auto file = parse_adjustment_file(std::string(kSmall) + "lies_on line kerb G1 0.01 control\n");
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_EQ(file->block.ground.size(), 2u);
+  EXPECT_EQ(file->block.ground[1].axis, 1);
 }
 
 }  // namespace

@@ -11,7 +11,10 @@
 #include "collinea/block/world_frame.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/adjustment_file.h"
+#include "collinea/io/adjustment_instruments.h"
+#include "collinea/io/adjustment_line.h"
 #include "collinea/io/adjustment_words.h"
+#include "collinea/io/observation_order.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -19,19 +22,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-tl::unexpected<Error> bad_line(std::size_t line, const std::string& what) {
-  return fail(Errc::kBadFormat, "line " + std::to_string(line) + ": " + what);
-}
-
-std::string shown(std::string_view word) { return "\"" + std::string(word.substr(0, 60)) + "\""; }
-
-/// One line taken apart: words, of which those in quotes may hold blanks.
-struct Line {
-  std::size_t number = 0;
-  std::vector<std::string> words;
-
-  [[nodiscard]] std::size_t count() const { return words.size() - 1; }  ///< without the keyword
-};
+using Line = AdjustmentLine;
 
 Result<Line> taken_apart(std::size_t number, std::string_view text) {
   Line line{number, {}};
@@ -96,9 +87,20 @@ class Parser {
         {"parameter", "CAMERA WHICH VALUE fixed|free|SIGMA [GIVEN]", 4, 5, &Parser::take_parameter},
         {"image", "NAME CAMERA", 2, 2, &Parser::take_image},
         {"pose", "IMAGE X Y Z OMEGA PHI KAPPA [fixed]", 7, 8, &Parser::take_pose},
+        {"taken", "IMAGE TIME", 2, 2, &Parser::take_time},
         {"position", "IMAGE X Y Z SX SY SZ", 7, 7, &Parser::take_position},
+        {"attitude", "IMAGE OMEGA PHI KAPPA SX SY SZ", 7, 7, &Parser::take_of_image},
+        {"lever_arm", "CAMERA X Y Z SX SY SZ", 7, 7, &Parser::take_of_camera},
+        {"boresight", "CAMERA SX SY SZ", 4, 4, &Parser::take_of_camera},
+        {"track", "NUMBER SX SY SZ DX DY DZ", 7, 7, &Parser::take_track},
+        {"on_track", "IMAGE NUMBER TIME", 3, 3, &Parser::take_of_image},
+        {"time_offset", "CAMERA S", 2, 2, &Parser::take_of_camera},
+        {"velocity", "IMAGE X Y Z", 4, 4, &Parser::take_of_image},
         {"control", "NAME X Y Z SX SY SZ", 7, 7, &Parser::take_control},
         {"check", "NAME X Y Z SX SY SZ", 7, 7, &Parser::take_control},
+        {"control_in_map", "NAME EASTING NORTHING HEIGHT SX SY SZ", 7, 7, &Parser::take_control},
+        {"check_in_map", "NAME EASTING NORTHING HEIGHT SX SY SZ", 7, 7, &Parser::take_control},
+        {"lies_on", "plane|line|height NAME POINT SIGMA ROLE [sideways|upwards]", 5, 6, &Parser::take_shape},
         {"ground", "KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]", 6, 9, &Parser::take_ground},
         {"point", "NUMBER X Y Z", 4, 4, &Parser::take_point},
         {"measured_control", "IMAGE NAME COLUMN ROW SIGMA", 5, 5, &Parser::take_measured},
@@ -117,39 +119,19 @@ class Parser {
     return bad_line(line.number, shown(line.words[0]) + " is no keyword; a line begins with one of " + known);
   }
 
-  static Result<double> finite(const Line& line, std::size_t i, const char* what) {
-    const auto value = number(line.words[i]);
-    if (!value || !std::isfinite(*value))
-      return bad_line(line.number, shown(line.words[i]) + " is not " + what + ": a number is expected");
-    return *value;
-  }
-
-  static Result<Eigen::Vector3d> finite3(const Line& line, std::size_t i, const char* what) {
-    Eigen::Vector3d v;
-    for (std::size_t k = 0; k < 3; ++k) {
-      COLLINEA_TRY(v[Eigen::Index(k)], finite(line, i + k, what));
-    }
-    return v;
-  }
-
   // Coordinates with standard deviations behind them; what is not given is NaN and infinite.
   static Result<> given3(const Line& line, std::size_t i, Eigen::Vector3d& place, Eigen::Vector3d& sigma) {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto axis = Eigen::Index(k);
-      const std::string &value = line.words[i + k], &deviation = line.words[i + 3 + k];
-      const bool no_value = value == "-", no_sigma = deviation == "-" || deviation == "inf";
-      if (no_value && !no_sigma)
+      const bool no_value = line.words[i + k] == "-";
+      COLLINEA_TRY(sigma[axis], deviation(line, i + 3 + k));
+      if (no_value && std::isfinite(sigma[axis]))
         return bad_line(line.number,
                         "a coordinate is not given (-), but its standard deviation is: write - for it too");
       place[axis] = std::numeric_limits<double>::quiet_NaN();
-      sigma[axis] = kInfinity;
       if (!no_value) {
         COLLINEA_TRY(place[axis], finite(line, i + k, "a coordinate"));
       }
-      if (no_sigma) continue;
-      COLLINEA_TRY(sigma[axis], finite(line, i + 3 + k, "a standard deviation"));
-      if (!(sigma[axis] >= 0))
-        return bad_line(line.number, shown(deviation) + " is not a standard deviation: a number from 0, or - for none");
     }
     return {};
   }
@@ -159,6 +141,67 @@ class Parser {
     if (known == images_.end())
       return bad_line(line.number, "there is no image " + shown(name) + " above: add a line image " + name + " CAMERA");
     return known->second;
+  }
+
+  Result<CameraId> camera_named(const Line& line, const std::string& name) const {
+    const auto known = cameras_.find(name);
+    if (known == cameras_.end()) return bad_line(line.number, "there is no camera " + shown(name) + " above");
+    return known->second;
+  }
+
+  Result<> take_of_camera(const Line& line) {
+    COLLINEA_TRY(const CameraId camera, camera_named(line, line.words[1]));
+    if (line.words[0] == "lever_arm") return instruments_.take_lever_arm(line, camera);
+    if (line.words[0] == "boresight") return instruments_.take_boresight(line, camera);
+    return instruments_.take_time_offset(line, camera);
+  }
+
+  Result<> take_of_image(const Line& line) {
+    COLLINEA_TRY(const ImageId image, image_named(line, line.words[1]));
+    if (line.words[0] == "attitude") return instruments_.take_attitude(line, image);
+    if (line.words[0] == "velocity") return instruments_.take_velocity(line, image);
+    return instruments_.take_on_track(line, image);
+  }
+
+  Result<> take_track(const Line& line) { return instruments_.take_track(line); }
+
+  Result<> take_time(const Line& line) {
+    COLLINEA_TRY(const ImageId image, image_named(line, line.words[1]));
+    std::string& taken = file_.block.images[image].taken;
+    if (!taken.empty()) return bad_line(line.number, "a second time of " + shown(line.words[1]));
+    taken = line.words[2];
+    if (taken.empty()) return bad_line(line.number, "a time is missing");
+    return {};
+  }
+
+  // Shapes of one kind are numbered in the order of the file.
+  Result<> take_shape(const Line& line) {
+    constexpr GroundKind kKinds[] = {GroundKind::kOnPlane, GroundKind::kOnLine, GroundKind::kAtHeight};
+    const auto kind = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                   [&](GroundKind one) { return line.words[1] == ground_word(std::size_t(one)); });
+    if (kind == std::end(kKinds))
+      return bad_line(line.number, shown(line.words[1]) + " is no shape; there are: plane line height");
+    auto& numbers = shapes_[*kind];
+    Ground ground{line.number, line.words[3], line.words[3], {.kind = *kind, .name = line.words[2]}};
+    GroundObservation& one = ground.measured;
+    one.setup = numbers.try_emplace(line.words[2], std::uint32_t(numbers.size())).first->second;
+    COLLINEA_TRY(one.sigma, finite(line, 4, "a standard deviation"));
+    if (!(one.sigma > 0)) return bad_line(line.number, "the standard deviation of a measurement is above 0");
+    if (Result<> role = take_role(line, 5, one); !role) return role;
+    const std::string axis = line.count() > 5 ? line.words[6] : "";
+    if ((axis != "" && axis != "sideways" && axis != "upwards") || (axis != "" && *kind != GroundKind::kOnLine))
+      return bad_line(line.number, "behind the role stands nothing, or of a line sideways or upwards");
+    if (axis != "upwards") ground_.push_back(ground);
+    ground.measured.axis = 1;
+    if (*kind == GroundKind::kOnLine && axis != "sideways") ground_.push_back(ground);
+    return {};
+  }
+
+  static Result<> take_role(const Line& line, std::size_t i, GroundObservation& one) {
+    if (line.words[i] != "control" && line.words[i] != "check")
+      return bad_line(line.number, shown(line.words[i]) + " is no role: control or check");
+    if (line.words[i] == "check") one.role = ControlRole::kCheck;
+    return {};
   }
 
   Result<> take_georeference(const Line& line) {
@@ -219,9 +262,8 @@ class Parser {
   }
 
   Result<> take_parameter(const Line& line) {
-    const auto camera = cameras_.find(line.words[1]);
-    if (camera == cameras_.end()) return bad_line(line.number, "there is no camera " + shown(line.words[1]) + " above");
-    const Camera& described = file_.block.cameras.at(camera->second);
+    COLLINEA_TRY(const CameraId camera, camera_named(line, line.words[1]));
+    const Camera& described = file_.block.cameras.at(camera);
     const auto param = param_named(described, line.words[2]);
     if (!param) {
       std::string known;
@@ -229,7 +271,7 @@ class Parser {
       return bad_line(line.number, shown(line.words[2]) + " is no parameter of this camera; there are:" + known);
     }
     const auto k = std::size_t(*param);
-    if (!parameters_.emplace(camera->second, k).second)
+    if (!parameters_.emplace(camera, k).second)
       return bad_line(line.number, line.words[2] + " of camera " + line.words[1] + " is given twice");
     COLLINEA_TRY(const double value, finite(line, 3, "a value"));
     if (k == Camera::kF && !(value > 0)) return bad_line(line.number, "a focal length is above 0 [px]");
@@ -249,20 +291,19 @@ class Parser {
         return bad_line(line.number, "a given value belongs to a standard deviation, not to fixed or free");
       COLLINEA_TRY(given, finite(line, 5, "a given value"));
     }
-    file_.block.cameras[camera->second].params[k] = value;
-    file_.given_cameras[camera->second].params[k] = given;
-    file_.camera_sigmas[camera->second][k] = sigma;
+    file_.block.cameras[camera].params[k] = value;
+    file_.given_cameras[camera].params[k] = given;
+    file_.camera_sigmas[camera][k] = sigma;
     return {};
   }
 
   Result<> take_image(const Line& line) {
-    const auto camera = cameras_.find(line.words[2]);
-    if (camera == cameras_.end()) return bad_line(line.number, "there is no camera " + shown(line.words[2]) + " above");
+    COLLINEA_TRY(const CameraId camera, camera_named(line, line.words[2]));
     const ImageId id{std::uint32_t(images_.size())};
     if (line.words[1].empty()) return bad_line(line.number, "an image needs a name");
     if (!images_.emplace(line.words[1], id).second)
       return bad_line(line.number, "a second image " + shown(line.words[1]));
-    file_.block.images[id] = {.file = line.words[1], .camera = camera->second};
+    file_.block.images[id] = {.file = line.words[1], .camera = camera};
     return {};
   }
 
@@ -298,23 +339,31 @@ class Parser {
     const std::string& name = line.words[1];
     if (name.empty()) return bad_line(line.number, "a point needs a name");
     ControlPoint point{.name = name,
-                       .role = line.words[0] == "check" ? ControlRole::kCheck : ControlRole::kControl,
+                       .role = line.words[0].starts_with("check") ? ControlRole::kCheck : ControlRole::kControl,
                        .position_in_map = {},
                        .position_in_world = {},
                        .sigma_m = {}};
     const ControlId id{std::uint32_t(control_.size())};
     if (!control_.emplace(name, id).second) return bad_line(line.number, "a second point " + shown(name));
     if (Result<> given = given3(line, 2, point.position_in_world, point.sigma_m); !given) return given;
+    if (line.words[0].ends_with("_in_map")) {
+      if (!point.position_in_world.allFinite())
+        return bad_line(line.number,
+                        "a point of a map needs all three coordinates, at least roughly (- for the standard deviation "
+                        "of those that are not given): the height of the frame depends on the place");
+      in_map_.emplace_back(line.number, id);
+    }
     file_.block.control[id] = std::move(point);
     return {};
   }
 
   Result<> take_ground(const Line& line) {
     std::size_t kind = 0;
-    while (kind < kGroundKinds && line.words[1] != ground_word(kind)) ++kind;
-    if (kind == kGroundKinds) {
+    constexpr auto kMeasured = std::size_t(GroundKind::kAtHeight);  // what lies on shapes has lines of its own
+    while (kind < kMeasured && line.words[1] != ground_word(kind)) ++kind;
+    if (kind == kMeasured) {
       std::string known;
-      for (std::size_t k = 0; k < kGroundKinds; ++k) known += " " + ground_word(k);
+      for (std::size_t k = 0; k < kMeasured; ++k) known += " " + ground_word(k);
       return bad_line(line.number, shown(line.words[1]) + " is measured by nobody; there are:" + known);
     }
     if (line.count() != 6 && line.count() != 9)
@@ -329,9 +378,7 @@ class Parser {
     if (kind == std::size_t(GroundKind::kDistance) && !(one.value > 0))
       return bad_line(line.number, "a distance is above 0 [m]");
     one.value *= unit, one.sigma *= unit;
-    if (line.words[6] != "control" && line.words[6] != "check")
-      return bad_line(line.number, shown(line.words[6]) + " is no role: control or check");
-    if (line.words[6] == "check") one.role = ControlRole::kCheck;
+    if (Result<> role = take_role(line, 6, one); !role) return role;
     if (ground.from == ground.to) return bad_line(line.number, "a measurement from a point to itself");
     if (line.count() > 6) {
       if (line.words[7] != "-") {
@@ -409,9 +456,7 @@ class Parser {
       one.measured.to = to->second;
       file_.block.ground.push_back(one.measured);
     }
-    std::stable_sort(ties_.begin(), ties_.end(), [](const Tie& a, const Tie& b) {
-      return std::pair(a.seen.point, a.seen.image) < std::pair(b.seen.point, b.seen.image);
-    });
+    sort_by_point_and_image(ties_, [](const Tie& one) -> const Observation& { return one.seen; });
     for (std::size_t i = 0; i < ties_.size(); ++i) {
       const Observation& seen = ties_[i].seen;
       if (i > 0 && ties_[i - 1].seen.point == seen.point && ties_[i - 1].seen.image == seen.image)
@@ -432,6 +477,14 @@ class Parser {
             lines, "camera " + shown(name) + " has no focal length: add a line parameter " + name + " f VALUE HOW");
     if (Result<> sorted = sort_measured(); !sorted) return tl::unexpected(sorted.error());
     COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(file_.block));
+    for (const auto& [line, id] : in_map_) {
+      ControlPoint& point = file_.block.control.at(id);
+      if (!frame) return bad_line(line, "coordinates of which map? There is no line georeference");
+      point.position_in_world = frame->local_from_map(point.position_in_world);
+      if (!point.position_in_world.allFinite())
+        return bad_line(line, "this place is outside of " + file_.block.georeference->crs);
+    }
+    file_.instruments = instruments_.found();
     for (auto& [id, control] : file_.block.control)
       control.position_in_map = frame && control.position_in_world.allFinite()
                                     ? frame->map_from_local(control.position_in_world)
@@ -471,6 +524,9 @@ class Parser {
   std::set<std::pair<CameraId, std::size_t>> parameters_;
   std::vector<Measured> measured_;
   std::vector<Ground> ground_;
+  InstrumentLines instruments_;
+  std::map<GroundKind, std::map<std::string, std::uint32_t>> shapes_;
+  std::vector<std::pair<std::size_t, ControlId>> in_map_;  // lines and points
   std::vector<Tie> ties_;
 };
 

@@ -14,6 +14,7 @@
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/file.h"
 #include "collinea/io/millimetre_camera.h"
+#include "collinea/io/observation_order.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -381,11 +382,7 @@ class Reader {
     if (Result<> done = each_row(input, "image_pts", true, [&](auto& row, auto& file) { return take_mark(row, file); });
         !done)
       return done;
-    auto& seen = file_.block.observations;
-    const auto before = [](const Observation& a, const Observation& b) {
-      return std::pair(a.point, a.image) < std::pair(b.point, b.image);
-    };
-    std::stable_sort(seen.begin(), seen.end(), before);
+    sort_by_point_and_image(file_.block.observations);
     return {};
   }
 

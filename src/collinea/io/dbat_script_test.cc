@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "collinea/base/random.h"
+#include "collinea/geometry/rotation.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
 
@@ -86,6 +88,37 @@ TEST_F(DbatScript, IsReadWithItsTables) {
   EXPECT_TRUE(std::isinf(block.images.at({2}).position->sigma_m.x()));
   EXPECT_LT(block.images.at({2}).position->sigma_m.y(), 1e-8);
   EXPECT_EQ(block.images.at({2}).position->position_in_world.y(), -4);
+}
+
+TEST_F(DbatScript, TablesLieWhereTheScriptSays) {
+  std::filesystem::create_directories(folder_ / "tables");
+  for (const char* name : {"control.txt", "images.txt", "eo.txt", "marks.txt"})
+    std::filesystem::rename(folder_ / name, folder_ / "tables" / name);
+  EXPECT_NE(error_of(kScript), "read");
+  for (const char* base : {"$HERE/tables", "tables"}) {
+    const auto file = read(with("base_dir=\"$HERE\"", std::string("base_dir=\"") + base + "\""));
+    ASSERT_TRUE(file) << base << ": " << file.error().message;
+    EXPECT_EQ(file->block.images.size(), 3u);
+  }
+}
+
+TEST_F(DbatScript, AnglesAreInTheirUnits) {
+  const double degree = std::numbers::pi / 180;
+  put("eo.txt", "1, 0, 0, 10, 0, 0, 0\n2, 3, -4, 10, 0, 0, 0\n3, 1, 1, 9, " + std::to_string(degree) + ", 0, 0\n");
+  for (const char* units : {" units=\"radians\"", ""}) {
+    const auto file = read(with(" units=\"degrees\"", units));
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_NEAR(omega_phi_kappa(file->block.cam_from_world.at({3}).rotation).omega_deg, 1, 1e-4);
+  }
+  EXPECT_NE(error_of(with("units=\"degrees\"", "units=\"gon\"")).find("angles in gon"), std::string::npos);
+}
+
+TEST_F(DbatScript, HeldImagesAndPointsAreRefused) {
+  EXPECT_NE(error_of(with("<io><all>true", "<eo><all>false</all></eo><io><all>true")).find("eo: all = false"),
+            std::string::npos);
+  EXPECT_NE(error_of(with("<io><all>true", "<op><all>false</all></op><io><all>true")).find("op: all = false"),
+            std::string::npos);
+  EXPECT_EQ(error_of(with("<io><all>true", "<eo><all>true</all></eo><io><all>true")), "read");
 }
 
 TEST_F(DbatScript, SaysWhereWhatIsWrong) {

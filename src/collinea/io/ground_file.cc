@@ -29,6 +29,15 @@ struct Measured {
   std::vector<Unit> values, sigmas;
 };
 
+/// A column that names the shape on which a point lies.
+struct Shape {
+  GroundKind kind;
+  const char *column, *sigma;
+};
+constexpr Shape kShapes[] = {{GroundKind::kOnPlane, "plane", "sigma_plane_m"},
+                             {GroundKind::kOnLine, "line", "sigma_line_m"},
+                             {GroundKind::kAtHeight, "level", "sigma_level_m"}};
+
 const std::vector<Measured>& all_measured() {
   static const std::vector<Measured> all = {
       {GroundKind::kDistance, {{"distance_m", 1}}, {{"sigma_distance_m", 1}, {"sigma_m", 1}}},
@@ -54,8 +63,13 @@ class Reader {
       if (!is_known(name)) return bad_line(line, "there is no column \"" + name + "\"");
       if (!column_.emplace(name, i).second) return bad_line(line, "column " + name + " is there twice");
     }
-    for (const char* name : {"from", "to"})
-      if (!column_.contains(name)) return bad_line(line, std::string("the first row must name a column ") + name);
+    if (!has("from")) return bad_line(line, "the first row must name a column from");
+    for (const Shape& shape : kShapes) {
+      if (!has(shape.column)) continue;
+      if (!has(shape.sigma) && !has("sigma_m"))
+        return bad_line(line, std::string("column ") + shape.column + " needs a column " + shape.sigma);
+      ++shapes_;
+    }
     for (const Measured& measured : all_measured())
       for (const Unit& value : measured.values) {
         if (!has(value.column)) continue;
@@ -64,9 +78,11 @@ class Reader {
                                     std::string(measured.sigmas.front().column));
         ++measured_;
       }
-    if (measured_ == 0)
+    if (measured_ + shapes_ == 0)
       return bad_line(line,
-                      "no column holds a measurement: distance_m, height_difference_m, direction_deg, zenith_deg");
+                      "no column holds a measurement: distance_m, height_difference_m, direction_deg, zenith_deg, "
+                      "plane, line, level");
+    if (measured_ > 0 && !has("to")) return bad_line(line, "the first row must name a column to");
     if (has("sigma_m") && has("distance_m") && has("height_difference_m"))
       return bad_line(line,
                       "sigma_m is of distances or of height differences? Call the columns sigma_distance_m and "
@@ -81,7 +97,7 @@ class Reader {
     row.name = field("name");
     row.setup = field("setup");
     row.line = line;
-    if (row.from.empty() || row.to.empty()) return bad_line(line, "a row needs the names of two points");
+    if (row.from.empty()) return bad_line(line, "a row needs the name of a point");
     if (row.from == row.to) return bad_line(line, "from and to are both " + row.from);
     const std::string role = lower(field("role"));
     if (role != "" && role != "control" && role != "check")
@@ -94,9 +110,11 @@ class Reader {
         COLLINEA_TRY(*height, number_in(line, name));
       }
     const std::size_t before = rows.size();
+    if (Result<> taken = take_shapes(row); !taken) return taken;
     for (const Measured& measured : all_measured())
       for (const Unit& value : measured.values) {
         if (field(value.column).empty()) continue;
+        if (row.to.empty()) return bad_line(line, "a measurement needs the names of two points");
         row.kind = measured.kind;
         COLLINEA_TRY(const double number, number_in(line, value.column));
         row.value = number * value.factor;
@@ -114,7 +132,27 @@ class Reader {
   std::vector<GroundFileRow> rows;
 
  private:
+  Result<> take_shapes(GroundFileRow row) {
+    row.instrument_height_m = row.target_height_m = 0;
+    for (const Shape& shape : kShapes) {
+      if (field(shape.column).empty()) continue;
+      row.kind = shape.kind;
+      row.name = row.setup = field(shape.column);
+      row.to = row.from;
+      const std::string_view column = field(shape.sigma).empty() ? "sigma_m" : shape.sigma;
+      if (field(column).empty())
+        return bad_line(row.line, row.from + " on " + shape.column + " " + row.name + " has no standard deviation");
+      COLLINEA_TRY(row.sigma, number_in(row.line, column));
+      if (!(row.sigma > 0)) return bad_line(row.line, std::string(column) + " must be above 0");
+      for (row.axis = 0; row.axis < (shape.kind == GroundKind::kOnLine ? 2 : 1); ++row.axis) rows.push_back(row);
+      row.axis = 0;
+    }
+    return {};
+  }
+
   static bool is_known(const std::string& name) {
+    for (const Shape& shape : kShapes)
+      if (name == shape.column || name == shape.sigma) return true;
     for (const char* other : {"from", "to", "name", "role", "setup", "instrument_height_m", "target_height_m"})
       if (name == other) return true;
     for (const Measured& measured : all_measured()) {
@@ -150,7 +188,7 @@ class Reader {
 
   std::map<std::string, std::size_t, std::less<>> column_;
   const Fields* fields_ = nullptr;
-  int measured_ = 0;
+  int measured_ = 0, shapes_ = 0;
 };
 
 }  // namespace

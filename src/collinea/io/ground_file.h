@@ -11,10 +11,12 @@
 
 namespace collinea {
 
-/// One measurement on the ground as a file tells it; points by name.
+/// One measurement on the ground as a file tells it; points by name. Of what lies on a shape `name` is that of the
+/// shape, and `to` the same as `from`.
 struct GroundFileRow {
   GroundKind kind = GroundKind::kDistance;
   std::string from, to, name, setup;
+  int axis = 0;                 ///< of a line, as GroundObservation::axis: two rows
   double value = 0, sigma = 0;  ///< [m] or [rad]
   ControlRole role = ControlRole::kControl;
   double instrument_height_m = 0, target_height_m = 0;
@@ -22,11 +24,15 @@ struct GroundFileRow {
 };
 
 /// Reads measurements between points: CSV whose first row names the columns, in any order; # starts a comment.
-///     from, to                                    points, as the control file calls them
+///     from, to                                    points, as the control file calls them; `to` may be empty where
+///                                                 nothing is measured between two
 ///     distance_m, height_difference_m             measured; empty where not
 ///     direction_deg or _gon, zenith_deg or _gon   of a total station standing on `from`
 ///     sigma_m                                     of distance or height difference, where there is one of them
 ///     sigma_distance_m, sigma_height_difference_m, sigma_direction_arcsec or _mgon, sigma_zenith_arcsec or _mgon
+///     plane, line, level                          names of a plane, a straight line, a common height on which `from`
+///                                                 lies; sigma_plane_m, sigma_line_m (on each of two axes across it),
+///                                                 sigma_level_m, or sigma_m
 ///     name, role (control, check), setup (directions of one share an orientation; else all from one point do),
 ///     instrument_height_m, target_height_m        above the marks; not of height differences
 /// Every measured value needs a positive sigma. Errors name the line.

@@ -65,5 +65,33 @@ TEST(GroundFile, WhatIsWrongIsToldWithItsLine) {
       std::string(message("from,to,distance_m,height_difference_m,sigma_m\nA,B,1,1,1\n")).starts_with("line 1: "));
 }
 
+TEST(GroundFile, PointsLieOnPlanesLinesAndAtHeights) {
+  const auto rows = parse_ground(
+      "from,plane,sigma_plane_m,line,level,sigma_m,role\n"
+      "A,wall,0.002,,,,\nB,,,kerb,floor,0.01,check\n");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 4u);
+  const GroundFileRow& on_plane = rows->at(0);
+  EXPECT_EQ(on_plane.kind, GroundKind::kOnPlane);
+  EXPECT_EQ(on_plane.name, "wall");
+  EXPECT_EQ(on_plane.from, "A");
+  EXPECT_EQ(on_plane.to, "A");
+  EXPECT_EQ(on_plane.sigma, 0.002);
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_EQ(rows->at(static_cast<std::size_t>(1 + axis)).kind, GroundKind::kOnLine);
+    EXPECT_EQ(rows->at(static_cast<std::size_t>(1 + axis)).axis, axis);
+  }
+  EXPECT_EQ(rows->at(3).kind, GroundKind::kAtHeight);
+  EXPECT_EQ(rows->at(3).role, ControlRole::kCheck);
+  const auto message = [](const char* text) {
+    const auto read = parse_ground(text);
+    return read ? std::string("read") : read.error().message;
+  };
+  EXPECT_EQ(message("from,plane\nA,wall\n"), "line 1: column plane needs a column sigma_plane_m");
+  EXPECT_EQ(message("from,plane,sigma_m\nA,wall,\n"), "line 2: A on plane wall has no standard deviation");
+  EXPECT_EQ(message("from,plane,sigma_m\nA,wall,0\n"), "line 2: sigma_m must be above 0");
+  EXPECT_EQ(message("from,distance_m,sigma_m\nA,1,1\n"), "line 1: the first row must name a column to");
+}
+
 }  // namespace
 }  // namespace collinea

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/millimetre_camera.h"
+#include "collinea/io/observation_order.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -34,17 +36,7 @@ class Parser {
     for (const auto part :
          {&Parser::take_camera, &Parser::take_images, &Parser::take_control, &Parser::take_points, &Parser::take_marks})
       if (Result<> taken = (this->*part)(); !taken) return tl::unexpected(taken.error());
-    std::stable_sort(file_.block.observations.begin(), file_.block.observations.end(),
-                     [](const Observation& a, const Observation& b) {
-                       return std::pair(a.point, a.image) < std::pair(b.point, b.image);
-                     });
-    const auto& seen = file_.block.observations;
-    const auto twice = std::adjacent_find(seen.begin(), seen.end(), [](const Observation& a, const Observation& b) {
-      return a.point == b.point && a.image == b.image;
-    });
-    if (twice != seen.end())
-      return fail(Errc::kBadFormat, "point " + std::to_string(twice->point.value) + " is marked twice in image " +
-                                        std::to_string(twice->image.value));
+    sort_by_point_and_image(file_.block.observations);
     return std::move(file_);
   }
 
@@ -66,8 +58,7 @@ class Parser {
     return *std::move(values);
   }
 
-  // Pixels and sizes may be missing in old exports: the picture then has no known size, and nothing can be told in
-  // pixels.
+  // Old exports lack width and height of the pictures, without which a millimetre is no number of pixels: refused.
   Result<> take_camera() {
     ++at_;  // the title
     COLLINEA_TRY(const auto head, row(2, "tolerance, iterations, width and height of the pictures"));
@@ -130,11 +121,13 @@ class Parser {
       COLLINEA_TRY(const auto v, row(7, "a control point: number, X, Y, Z and their standard deviations"));
       if (!is_whole(v[0], 4e9)) return bad("the number of a point is expected first in the line above");
       const Eigen::Vector3d place(v[1], v[2], v[3]);
-      file_.block.control[{std::uint32_t(v[0])}] = {.name = std::to_string(std::uint32_t(v[0])),
-                                                    .role = ControlRole::kControl,
-                                                    .position_in_map = place,
-                                                    .position_in_world = place,
-                                                    .sigma_m = Eigen::Vector3d(v[4], v[5], v[6]).cwiseMax(0)};
+      const ControlId id{std::uint32_t(v[0])};
+      if (file_.block.control.contains(id)) return bad("control point " + std::to_string(id.value) + " comes twice");
+      file_.block.control[id] = {.name = std::to_string(id.value),
+                                 .role = ControlRole::kControl,
+                                 .position_in_map = place,
+                                 .position_in_world = place,
+                                 .sigma_m = Eigen::Vector3d(v[4], v[5], v[6]).cwiseMax(0)};
     }
     ++at_;
     return {};
@@ -145,7 +138,9 @@ class Parser {
       COLLINEA_TRY(const auto v, row(4, "an object point: number, X, Y, Z"));
       if (!is_whole(v[0], 4e9)) return bad("the number of a point is expected first in the line above");
       const std::uint32_t id = std::uint32_t(v[0]);
-      if (!file_.block.control.contains({id})) file_.block.points[{id}] = {{v[1], v[2], v[3]}, {}};
+      if (file_.block.control.contains({id})) continue;
+      if (!file_.block.points.emplace(PointId{id}, TiePoint{{v[1], v[2], v[3]}, {}}).second)
+        return bad("object point " + std::to_string(id) + " comes twice");
     }
     ++at_;
     return {};
@@ -160,6 +155,8 @@ class Parser {
         return bad("the standard deviations of the mark above are not the same number above 0 in x and y");
       const ImageId image{std::uint32_t(v[0])};
       const std::uint32_t point = std::uint32_t(v[1]);
+      if (!marked_.emplace(image.value, point).second)
+        return bad("point " + std::to_string(point) + " is marked twice in image " + std::to_string(image.value));
       if (file_.block.control.contains({point}))
         file_.block.control_observations.push_back({{point}, image, {v[2], v[3]}, v[4]});
       else
@@ -172,6 +169,7 @@ class Parser {
 
   std::vector<std::string_view> lines_;
   std::size_t at_ = 0;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> marked_;  // image, point
   AdjustmentFile file_;
 };
 

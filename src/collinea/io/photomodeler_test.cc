@@ -76,7 +76,13 @@ TEST(Photomodeler, SaysInWhichLineWhatIsWrong) {
   EXPECT_NE(with("90.0 2.0 1.0", "x 2.0 1.0").find("line 7: not number, projection centre"), std::string::npos);
   EXPECT_NE(with(" 0 1001 900", " 5 1001 900").find("in an image that was not listed"), std::string::npos);
   EXPECT_NE(with("900 700 0.2 0.2", "900 700 0 0").find("standard deviations of the mark"), std::string::npos);
-  EXPECT_NE(with(" 1 2 800.5", " 0 2 800.5").find("marked twice"), std::string::npos);
+  EXPECT_NE(with(" 1 2 800.5", " 0 2 800.5").find("point 2 is marked twice in image 0"), std::string::npos);
+  EXPECT_NE(with(" 1 2 800.5 600.25 0.1 0.1", " 0 1001 9 7 0.2 0.2").find("point 1001 is marked twice in image 0"),
+            std::string::npos);
+  EXPECT_NE(with("0.01\n\n 2 1.0", "0.01\n 1001 1 1 1 0 0 0\n\n 2 1.0").find("control point 1001 comes twice"),
+            std::string::npos);
+  EXPECT_NE(with("\n\n 1 2 800.5", "\n 2 1 1 1 0 0 0\n\n 1 2 800.5").find("object point 2 comes twice"),
+            std::string::npos);
 }
 
 TEST(Photomodeler, SurvivesTruncationAndGarbage) {

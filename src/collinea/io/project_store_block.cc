@@ -225,6 +225,8 @@ Result<> write_image(Statement& insert, ImageId id, const Image& image) {
   }
   if (const auto& a = image.attitude) {
     for (const double value : {a->heading_deg, a->pitch_deg, a->roll_deg}) attitude.put(value);
+    if (!a->sigma_deg.isZero(0))
+      for (const double value : a->sigma_deg) attitude.put(value);
     insert.bind_blob(attitude.bytes());
   } else {
     insert.bind_null();
@@ -260,6 +262,8 @@ Result<Image> image_of_row(const Statement& row) {
     Unpacker unpacker(row.blob(6));
     AttitudePrior& a = image.attitude.emplace();
     for (double* value : {&a.heading_deg, &a.pitch_deg, &a.roll_deg}) unpacker.get(*value);
+    if (unpacker.left() > 0)
+      for (double& value : a.sigma_deg) unpacker.get(value);
     if (!unpacker.done()) return damaged("attitude of " + image.file);
   }
   return image;
@@ -315,6 +319,7 @@ Result<> write_ground(Database& db, const std::vector<GroundObservation>& ground
                                       static_cast<std::uint32_t>(one.role), one.setup})
       numbers.put(value);
     for (const double value : {one.value, one.sigma, one.instrument_height_m, one.target_height_m}) numbers.put(value);
+    if (one.is_of_shape()) numbers.put(static_cast<std::uint32_t>(one.axis));
     insert.bind(static_cast<std::int64_t>(i)).bind_text(one.name);
     if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
   }
@@ -341,8 +346,11 @@ Result<> read_ground(Database& db, std::vector<GroundObservation>& ground) {
     std::uint32_t kind = 0, role = 0;
     for (std::uint32_t* value : {&kind, &one.from.value, &one.to.value, &role, &one.setup}) numbers.get(*value);
     for (double* value : {&one.value, &one.sigma, &one.instrument_height_m, &one.target_height_m}) numbers.get(*value);
-    if (!numbers.done() || kind >= kGroundKinds || role > 1) return damaged("a measurement on the ground");
     one.kind = static_cast<GroundKind>(kind);
+    std::uint32_t axis = 0;
+    if (one.is_of_shape()) numbers.get(axis);
+    if (!numbers.done() || kind >= kGroundKinds || role > 1 || axis > 1) return damaged("a measurement on the ground");
+    one.axis = static_cast<int>(axis);
     one.role = static_cast<ControlRole>(role);
     ground.push_back(std::move(one));
   }

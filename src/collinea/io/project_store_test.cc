@@ -74,6 +74,7 @@ Block setup_block() {
     image.taken = "2024:01:01 10:00:00.5";
     if (i % 2 == 0) image.position = PositionPrior{any_vector(random), any_vector(random), 41.123456789012345, 16, 100};
     if (i == 1) image.attitude = AttitudePrior{180, -90, 0.1};
+    if (i == 2) image.attitude = AttitudePrior{12, -35, 0, {0.01, 0.02, 0.05}};
     image.orientation = 6;
     block.images[{i}] = image;
   }
@@ -84,6 +85,8 @@ Block setup_block() {
   block.control_observations.push_back({{9}, {1}, {1.0 / 3, 2.0 / 3}, 0.5});
   block.ground.push_back(
       {GroundKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
+  block.ground.push_back(
+      {.kind = GroundKind::kOnLine, .name = "kerb", .from = {9}, .to = {9}, .sigma = 0.01, .setup = 0, .axis = 1});
   return block;
 }
 
@@ -139,6 +142,7 @@ void expect_same_images(const Block& a, const Block& b) {
       EXPECT_EQ(image.attitude->heading_deg, other.attitude->heading_deg);
       EXPECT_EQ(image.attitude->pitch_deg, other.attitude->pitch_deg);
       EXPECT_TRUE(same_bits(image.attitude->roll_deg, other.attitude->roll_deg));
+      EXPECT_EQ(image.attitude->sigma_deg, other.attitude->sigma_deg);
     }
   }
 }
@@ -156,8 +160,8 @@ void expect_same_control(const Block& a, const Block& b) {
   ASSERT_EQ(a.ground.size(), b.ground.size());
   for (std::size_t i = 0; i < a.ground.size(); ++i) {
     const GroundObservation &one = a.ground[i], &other = b.ground[i];
-    EXPECT_EQ(std::tie(one.kind, one.name, one.from, one.to, one.role, one.setup),
-              std::tie(other.kind, other.name, other.from, other.to, other.role, other.setup));
+    EXPECT_EQ(std::tie(one.kind, one.name, one.from, one.to, one.role, one.setup, one.axis),
+              std::tie(other.kind, other.name, other.from, other.to, other.role, other.setup, other.axis));
     EXPECT_EQ(std::tie(one.value, one.sigma, one.instrument_height_m, one.target_height_m),
               std::tie(other.value, other.sigma, other.instrument_height_m, other.target_height_m));
   }

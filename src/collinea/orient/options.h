@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "collinea/adjust/instrument_options.h"
 #include "collinea/base/options.h"
 
 namespace collinea {
@@ -29,6 +30,7 @@ struct OrientOptions {
   bool remeasure = false;
   std::optional<std::string> orientation;
   bool refine_orientation = false;
+  InstrumentOptions instruments;  ///< a group of their own
 
   template <class Visit>
   static void describe(Visit&& visit) {

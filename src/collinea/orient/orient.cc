@@ -14,6 +14,7 @@
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/robust_similarity.h"
 #include "collinea/base/median.h"
+#include "collinea/block/ground_words.h"
 #include "collinea/block/picture_axes.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/orient/control_doubt.h"
@@ -21,6 +22,7 @@
 #include "collinea/orient/global.h"
 #include "collinea/orient/ground_scale.h"
 #include "collinea/orient/incremental.h"
+#include "collinea/orient/instrument_findings.h"
 #include "collinea/orient/level_datum.h"
 #include "collinea/orient/strip_datum.h"
 #include "collinea/orient/weak_cases.h"
@@ -201,7 +203,8 @@ class Orienter {
       COLLINEA_TRY(settled, settle(part, by_itself, options_, false, run_));
     }
     take_sigma(part, settled.sigma0);
-    const AdjustScope scope = place(part);
+    AdjustScope scope = place(part);
+    if (Result<> added = take_instruments(part, scope); !added) return tl::unexpected(added.error());
     if (result_.georeferenced) {
       COLLINEA_TRY(result_.adjusted, tie_to_ground(part, scope));
     } else {
@@ -244,16 +247,59 @@ class Orienter {
     return control;
   }
 
+  // Lever arms, shifts and attitudes, as far as the block has a place to which they can belong.
+  Result<> take_instruments(const Reconstruction& part, AdjustScope& scope) {
+    InstrumentOptions asked = options_.instruments;
+    if (!result_.georeferenced || !scope.use_positions) {
+      const bool of_positions = is_of_positions(asked);
+      asked.lever_arm.reset();
+      asked.position_shift = "none";
+      asked.position_drift = asked.time_offset = false;
+      if (of_positions)
+        result_.findings.push_back("positions are not used here, and so no lever arm, shift or time offset of them");
+    }
+    if (!result_.georeferenced && asked.use_attitudes) {
+      asked.use_attitudes = false;
+      result_.findings.push_back(
+          "the block has no place on Earth, from which attitudes could be told: they are not used");
+    }
+    if (asked.position_shift != "none" && !has_control(scope)) {
+      asked.position_shift = "none";
+      asked.position_drift = false;
+      result_.findings.push_back(
+          "no control point parts a shift of the positions from the place of the block: they are taken as they are");
+    }
+    result_.instruments = asked;
+    return add_instruments(part.block(), asked, scope);
+  }
+
+  // A surveyed point that is seen twice.
+  [[nodiscard]] bool has_control(const AdjustScope& scope) const {
+    std::map<ControlId, int> seen;
+    for (const ControlObservation& one : setup_.control_observations) ++seen[one.point];
+    return scope.use_control && std::any_of(seen.begin(), seen.end(), [&](const auto& point) {
+             const ControlPoint& control = setup_.control.at(point.first);
+             return point.second > 1 && control.role == ControlRole::kControl && control.sigma_m.allFinite();
+           });
+  }
+
+  // Control against positions and points among each other.
+  [[nodiscard]] ControlDiagnosis diagnose(const Block& block) const {
+    ControlDiagnosis diagnosis = check_control(block, run_.seed);
+    if (options_.instruments.position_shift != "none") expect_shift(diagnosis);
+    return diagnosis;
+  }
+
   // What is wrong with control or positions is named and left out, for good.
   void examine(Block block) {
-    ControlDiagnosis diagnosis = check_control(block, run_.seed);
+    ControlDiagnosis diagnosis = diagnose(block);
     if (diagnosis.axes_swapped)
       if (auto control = with_exchanged_axes()) {
         for (const Finding& finding : diagnosis.findings)
           if (finding.code == "control_axes_swapped")
             result_.findings.push_back(finding.message + "; they are used exchanged back");
         block.control = setup_.control = *std::move(control);
-        diagnosis = check_control(block, run_.seed);
+        diagnosis = diagnose(block);
       }
     for (const Finding& finding : diagnosis.findings) result_.findings.push_back(finding.message);
     result_.excluded_control = diagnosis.excluded_points;
@@ -289,7 +335,8 @@ class Orienter {
     if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
     COLLINEA_TRY(Adjusted tied, adjust_with_covariances(part, scope));
     if (control_misfit(setup_, tied) < kControlMisfit) return tied;
-    Eigen::Vector3d shift_m = shift_positions(setup_, tied);
+    const bool is_unknown = result_.instruments.position_shift != "none";  // then the adjustment has found it
+    Eigen::Vector3d shift_m = is_unknown ? Eigen::Vector3d(0, 0, 0) : shift_positions(setup_, tied);
     ByKind<double> taken{1, 1};
     for (int round = 0; round < kControlRounds; ++round) {
       const auto doubt = next_doubt(setup_, tied, taken);
@@ -301,7 +348,7 @@ class Orienter {
           for (int axis = 0; axis < 3; ++axis)
             if (kind_of(axis) == kind) point.sigma_m[axis] *= factor;
       COLLINEA_TRY(tied, adjust_with_covariances(part, scope));
-      shift_m += shift_positions(setup_, tied);
+      if (!is_unknown) shift_m += shift_positions(setup_, tied);
     }
     result_.position_shift_m = shift_m;
     result_.sigma_factors[std::size_t(ObservationGroup::kControlPlan)] = taken[kPlan];
@@ -477,11 +524,11 @@ class Orienter {
     std::sort(beyond.begin(), beyond.end(), [&](auto* a, auto* b) { return by_sigma(*a) > by_sigma(*b); });
     for (const GroundDifference* one : beyond) {
       const GroundObservation& measured = setup_.ground[one->observation];
-      result_.findings.push_back(fmt::format(
-          "the {} {} - {} differs from the adjusted block by {:.3g} {}, {:.0f} times what is expected",
-          kGroundKindNames[static_cast<std::size_t>(measured.kind)], setup_.control.at(measured.from).name,
-          setup_.control.at(measured.to).name, measured.is_angle() ? one->difference * kDegrees : one->difference,
-          measured.is_angle() ? "degrees" : "m", by_sigma(*one)));
+      result_.findings.push_back(
+          fmt::format("{}{} differs from the adjusted block by {:.3g} {}, {:.0f} times what is expected",
+                      measured.is_of_shape() ? "point " : "the ", words_of(measured, setup_),
+                      measured.is_angle() ? one->difference * kDegrees : one->difference,
+                      measured.is_angle() ? "degrees" : "m", by_sigma(*one)));
     }
   }
 
@@ -489,6 +536,8 @@ class Orienter {
     result_.metric |= result_.georeferenced;
     doubt_ground();
     result_.block = part.block();
+    for (std::string& finding : instrument_findings(result_.block, result_.adjusted))
+      result_.findings.push_back(std::move(finding));
     result_.alone = left_alone();
     result_.gsd_m = median_pixel_m(result_.block);
     for (const auto& other : result_.other_parts)
@@ -519,6 +568,7 @@ Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
     return fail(Errc::kBadInput,
                 "--mode global begins from the positions of the images, and these are not to be used: orient with "
                 "--mode incremental");
+  if (Result<> valid = check_instruments(options.instruments, setup); !valid) return tl::unexpected(valid.error());
   return Orienter(setup, keypoints, pictures, options, run).orient(pairs);
 }
 
@@ -526,6 +576,7 @@ Result<Orientation> orient_as_given(const Block& setup, std::span<const ImagePai
                                     const KeypointSource& keypoints, const GivenOrientation& given,
                                     const OrientOptions& options, const Run& run, const PictureSource& pictures) {
   if (given.cam_from_world.empty()) return fail(Errc::kBadInput, given.source + " has no pose of any photograph");
+  if (Result<> valid = check_instruments(options.instruments, setup); !valid) return tl::unexpected(valid.error());
   return Orienter(setup, keypoints, pictures, options, run).orient_from(given, pairs);
 }
 

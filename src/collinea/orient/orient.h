@@ -22,6 +22,7 @@ struct Orientation {
   std::set<std::size_t> excluded_ground;          ///< the same of Block::ground
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows
   Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
+  InstrumentOptions instruments;              ///< those of the options that took part
   double gsd_m = 0;                           ///< median size of a pixel at the tie points [m, or units of the gauge]
 };
 

@@ -34,7 +34,11 @@ std::map<std::string, std::vector<std::string>> table_in(const std::filesystem::
   return rows;
 }
 
-TEST(AdjustFile, WhatAProjectExportsGivesTheSameAdjustment) {
+// Once plainly, once with everything that instruments can have.
+class AdjustFileRoundTrip : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(WithAndWithoutInstruments, AdjustFileRoundTrip, testing::Bool());
+
+TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
   const TestFolder folder;
   SurveyOptions survey;
   survey.images = 12;
@@ -42,13 +46,44 @@ TEST(AdjustFile, WhatAProjectExportsGivesTheSameAdjustment) {
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 120});
   ASSERT_TRUE(project && bring_up_to(*project, "orient"));
   const auto file = folder / "block.txt";
-  ASSERT_TRUE(export_adjustment(*project, {}, file));
-  ASSERT_TRUE(adjust_project(*project, {}));
+  AdjustProjectOptions options;
+  if (GetParam())
+    options.instruments = [](InstrumentOptions& instruments) {
+      instruments.lever_arm = "estimate";
+      instruments.position_shift = "block";
+      instruments.position_drift = instruments.time_offset = instruments.use_attitudes = true;
+    };
+  ASSERT_TRUE(export_adjustment(*project, options, file));
+  ASSERT_TRUE(adjust_project(*project, options));
   const auto done = adjust_file(file, folder / "out", {}, {});
   ASSERT_TRUE(done) << done.error().message;
   const json ours = report_in(folder / "block" / "adjustment"), again = report_in(folder / "out");
   EXPECT_EQ(ours.at("redundancy"), again.at("redundancy"));
   EXPECT_EQ(ours.at("unknowns"), again.at("unknowns"));
+  ASSERT_EQ(ours.contains("extra_unknowns"), GetParam());
+  if (GetParam()) {
+    const json &own = ours.at("extra_unknowns"), &others = again.at("extra_unknowns");
+    ASSERT_EQ(own.size(), 13u);  // arm, shift, drift and boresight of three axes each, and the time offset
+    ASSERT_EQ(others.size(), own.size());
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      EXPECT_EQ(own[i].at("unknown"), others[i].at("unknown"));
+      const double sigma = own[i].at("sigma");
+      EXPECT_NEAR(own[i].at("value").get<double>(), others[i].at("value").get<double>(), 1e-4 * sigma);
+      EXPECT_NEAR(sigma, others[i].at("sigma").get<double>(), 1e-5 * sigma);
+    }
+    // What is asked otherwise takes the place of what the file says.
+    const auto without = adjust_file(file, folder / "out",
+                                     {.instruments =
+                                          [](InstrumentOptions& instruments) {
+                                            instruments.lever_arm = "0,0,0.1";
+                                            instruments.position_shift = "none";
+                                            instruments.time_offset = instruments.use_attitudes = false;
+                                          }},
+                                     {});
+    ASSERT_TRUE(without) << without.error().message;
+    EXPECT_FALSE(report_in(folder / "out").contains("extra_unknowns"));
+    ASSERT_TRUE(adjust_file(file, folder / "out", {}, {}));
+  }
   EXPECT_NEAR(ours.at("sigma0").get<double>(), again.at("sigma0").get<double>(), 1e-9);
   const auto poses = table_in(folder / "block" / "adjustment" / "poses.csv"),
              back = table_in(folder / "out" / "poses.csv");
@@ -62,6 +97,12 @@ TEST(AdjustFile, WhatAProjectExportsGivesTheSameAdjustment) {
   // Once more through the file itself.
   ASSERT_TRUE(convert_adjustment(file, folder / "copy.txt"));
   EXPECT_TRUE(adjust_file(folder / "copy.txt", folder / "out", {}, {}));
+}
+
+TEST(AdjustFile, SigmasOfAFileAreThoseThatAreGiven) {
+  const auto done = adjust_file("nowhere.txt", "nowhere", {.given_sigmas = true}, {});
+  ASSERT_FALSE(done);
+  EXPECT_TRUE(done.error().message.starts_with("given_sigmas is about what orient found")) << done.error().message;
 }
 
 TEST(AdjustFile, ErrorsNameTheFileAndTheLine) {

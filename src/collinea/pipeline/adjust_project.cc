@@ -7,13 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <set>
 
 #include "collinea/adjust/control_check.h"
-#include "collinea/adjust/flight_strips.h"
 #include "collinea/adjust/refraction.h"
-#include "collinea/block/picture_axes.h"
 #include "collinea/io/adjustment_file.h"
 #include "collinea/io/dbat_script.h"
 #include "collinea/io/file.h"
@@ -62,47 +59,21 @@ void choose_ground(Block& block, const json& orientation, bool use_ground) {
     if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
 }
 
-const Eigen::Vector3d kNotKnown = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-
-Result<LeverArm> lever_arm_of(const std::string& text) {
-  if (text == "estimate") return LeverArm{Eigen::Vector3d::Zero(), kNotKnown};
-  const auto fields = fields_of(text, ',');
-  LeverArm arm;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto value = fields.size() == 3 ? number(fields[i]) : std::nullopt;
-    if (!value || !std::isfinite(*value))
-      return fail(Errc::kBadInput, "lever_arm = \"" + text +
-                                       "\": give x,y,z in metres (right, down, forward in the "
-                                       "camera), or estimate");
-    arm.antenna_in_cam_m[static_cast<Eigen::Index>(i)] = *value;
-  }
-  return arm;
-}
-
-// What receivers and inertial systems measure, and what of their mounting is not known.
-Result<> add_instruments(const Block& block, const AdjustProjectOptions& asked, AdjustScope& scope) {
-  if (asked.lever_arm) {
-    COLLINEA_TRY(const LeverArm arm, lever_arm_of(*asked.lever_arm));
-    for (const auto& [id, camera] : block.cameras) scope.lever_arms[id] = arm;
-  }
-  if (asked.position_shift != "none" && asked.position_shift != "block" && asked.position_shift != "strips")
-    return fail(Errc::kBadInput, "position_shift = \"" + asked.position_shift + "\": choose none, block or strips");
-  if (asked.position_drift && asked.position_shift == "none")
-    return fail(Errc::kBadInput, "position_drift needs a position_shift: block or strips");
-  if (asked.position_shift != "none")
-    for (FlightStrip& strip : asked.position_shift == "block" ? one_strip(block) : flight_strips(block))
-      scope.position_tracks.push_back(
-          {std::move(strip), kNotKnown, asked.position_drift ? kNotKnown : Eigen::Vector3d(0, 0, 0)});
-  if (!asked.use_attitudes) return {};
-  const double level = asked.attitude_sigma_deg * std::numbers::pi / 180,
-               heading = asked.heading_sigma_deg * std::numbers::pi / 180;
-  for (const auto& [id, image] : block.images) {
-    if (!image.attitude) continue;
-    scope.attitudes[id] = {cam_from_world(*image.attitude), {level, level, heading}};
-    scope.boresight_sigma_rad[image.camera] = kNotKnown;
-  }
-  if (scope.attitudes.empty()) return fail(Errc::kBadInput, "no photograph says how its camera was turned");
-  return {};
+// As orientation used them, and what is asked otherwise.
+InstrumentOptions instruments_of(const json& orientation, const AdjustProjectOptions& asked) {
+  InstrumentOptions instruments;
+  if (const auto used = orientation.find("instruments"); used != orientation.end())
+    InstrumentOptions::describe([&](const auto& field) {
+      const auto value = used->find(field.name);
+      if (value == used->end() || value->is_null()) return;
+      auto& own = instruments.*field.member;
+      if constexpr (requires { own.has_value(); })
+        own = value->template get<typename std::decay_t<decltype(own)>::value_type>();
+      else
+        value->get_to(own);
+    });
+  if (asked.instruments) asked.instruments(instruments);
+  return instruments;
 }
 
 AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
@@ -212,13 +183,18 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
   task.scope = {.first_cameras = setup.cameras,
                 .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
                 .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
-  if (task.scope.use_positions && task.scope.use_control)
-    apply(check_control(task.block, project.settings.seed), task.block);
+  const InstrumentOptions instruments = instruments_of(orientation, asked);
+  if (task.scope.use_positions && task.scope.use_control) {
+    ControlDiagnosis diagnosis = check_control(task.block, project.settings.seed);
+    if (instruments.position_shift != "none") expect_shift(diagnosis);
+    apply(diagnosis, task.block);
+  }
   if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
   if (task.scope.use_control && !asked.given_sigmas)
-    judge_as_orient_did(orientation, asked.position_shift == "none", task.block, project.run);
+    judge_as_orient_did(orientation, instruments.position_shift == "none", task.block, project.run);
   choose_ground(task.block, orientation, asked.use_ground);
-  if (Result<> known = add_instruments(task.block, asked, task.scope); !known) return tl::unexpected(known.error());
+  if (Result<> known = add_instruments(task.block, instruments, task.scope); !known)
+    return tl::unexpected(known.error());
   task.options = options_of(asked, asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration);
   if (Result<> added = set_additional(asked, task, project.run); !added) return tl::unexpected(added.error());
   std::error_code error;
@@ -276,6 +252,11 @@ AdjustmentFile file_of(const Task& task) {
     for (auto& [id, image] : block.images) image.position.reset();
   if (!task.scope.use_control)
     for (auto& [id, control] : block.control) control.role = ControlRole::kCheck;
+  file.instruments = task.scope;
+  const auto not_there = [&](const auto& one) { return !block.images.contains(one.first); };
+  std::erase_if(file.instruments.attitudes, not_there);
+  std::erase_if(file.instruments.velocity_m_s, not_there);
+  for (PositionTrack& track : file.instruments.position_tracks) std::erase_if(track.time, not_there);
   for (const auto& [id, camera] : block.cameras) {
     const auto first = task.scope.first_cameras.find(id);
     const Camera& given = first == task.scope.first_cameras.end() ? camera : first->second;
@@ -319,6 +300,28 @@ Result<> complete(Block& block, const Run& run) {
   return {};
 }
 
+// Those of the file, but for what is asked otherwise.
+Result<> add_instruments_of_file(AdjustmentFile& file, const AdjustProjectOptions& asked, AdjustScope& scope) {
+  Instruments& given = file.instruments;
+  const std::string as_given = "as the file says";
+  InstrumentOptions options;
+  options.position_shift = given.position_tracks.empty() ? "none" : as_given;
+  options.time_offset = !given.time_offset_sigma_s.empty();
+  options.use_attitudes = !given.attitudes.empty();
+  if (asked.instruments) asked.instruments(options);
+  if (options.lever_arm) given.lever_arms.clear();
+  if (options.position_shift == as_given)
+    options.position_shift = "none";
+  else
+    given.position_tracks.clear();
+  if (!options.time_offset) given.time_offset_sigma_s.clear();
+  if (!options.use_attitudes) given.attitudes.clear();
+  options.time_offset &= given.time_offset_sigma_s.empty();
+  options.use_attitudes &= given.attitudes.empty();
+  static_cast<Instruments&>(scope) = std::move(given);
+  return add_instruments(file.block, options, scope);
+}
+
 Result<> set_calibration(const std::string& asked, const AdjustmentFile& file, AdjustScope& scope) {
   scope.camera_sigmas = file.camera_sigmas;
   if (asked == "auto") return {};
@@ -342,8 +345,6 @@ Result<std::string> adjust_project(const Project& project, const AdjustProjectOp
 
 Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
                            const std::filesystem::path& file) {
-  if (asked.lever_arm || asked.use_attitudes || asked.position_shift != "none")
-    project.run.say("note: lever arms, shifts and attitudes have no place in the file; state them again with --import");
   COLLINEA_TRY(const Task task, task_of(project, asked));
   if (!calibration_named(task.options.calibration, Camera{}))
     return fail(Errc::kBadInput, "calibration = \"" + task.options.calibration + "\": no such set of parameters");
@@ -353,6 +354,11 @@ Result<> export_adjustment(const Project& project, const AdjustProjectOptions& a
 Result<std::string> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
                                 const AdjustProjectOptions& asked, const Run& run) {
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
+  if (asked.given_sigmas)
+    return fail(
+        Errc::kBadInput,
+        "given_sigmas is about what orient found control to be worth: a file tells its sigmas itself, and these "
+        "are taken");
   COLLINEA_TRY(AdjustmentFile file, read_adjustment(path));
   if (Result<> completed = complete(file.block, run); !completed)
     return tl::unexpected(std::move(completed).error().within(path.string()));
@@ -367,7 +373,7 @@ Result<std::string> adjust_file(const std::filesystem::path& path, const std::fi
   if (Result<> set = set_calibration(asked.calibration, file, task.scope); !set) return tl::unexpected(set.error());
   if (!asked.use_ground)
     for (GroundObservation& measured : file.block.ground) measured.role = ControlRole::kCheck;
-  if (Result<> known = add_instruments(file.block, asked, task.scope); !known) return tl::unexpected(known.error());
+  if (Result<> known = add_instruments_of_file(file, asked, task.scope); !known) return tl::unexpected(known.error());
   task.block = std::move(file.block);
   if (Result<> added = set_additional(asked, task, run); !added) return tl::unexpected(added.error());
   return adjust_task(std::move(task), asked, folder, run);

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <functional>
 #include <string>
 
+#include "collinea/adjust/instrument_options.h"
 #include "collinea/base/options.h"
 #include "collinea/pipeline/project.h"
 
@@ -22,12 +23,8 @@ struct AdjustProjectOptions {
   bool use_positions = true;
   bool use_control = true;
   bool use_ground = true;
-  std::optional<std::string> lever_arm;
-  std::string position_shift = "none";
-  bool position_drift = false;
-  bool use_attitudes = false;
-  double attitude_sigma_deg = 1;
-  double heading_sigma_deg = 3;
+  /// Changes what orient, or the file, took of instruments; nothing: as they did.
+  std::function<void(InstrumentOptions&)> instruments;
   bool given_sigmas = false;
   bool snoop = false;
   int snoop_most = 1000;
@@ -60,15 +57,6 @@ struct AdjustProjectOptions {
                 "use control points where orient did; otherwise they are all check points"});
     visit(Field{"use_ground", &O::use_ground, "",
                 "use what was measured between control points where orient did; otherwise it is only compared"});
-    visit(Field{"lever_arm", &O::lever_arm, "m",
-                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate"});
-    visit(Field{"position_shift", &O::position_shift, "",
-                "shift that the positions have in common, to be found: none | block | strips"});
-    visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
-    visit(Field{"use_attitudes", &O::use_attitudes, "",
-                "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
-    visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg", "their standard deviation from level", 1e-6, 90});
-    visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
     visit(Field{"given_sigmas", &O::given_sigmas, "",
                 "take the sigmas of control and the places of positions as they were given, also where orient found "
                 "them contradicted"});

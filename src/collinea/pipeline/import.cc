@@ -17,6 +17,7 @@
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/image/photo.h"
 #include "collinea/pipeline/import_control.h"
+#include "collinea/pipeline/import_positions.h"
 #include "collinea/pipeline/reason.h"
 
 namespace collinea {
@@ -362,9 +363,16 @@ Result<Systems> systems_of(const ImportOptions& options, const std::string& map,
   return systems;
 }
 
-// How high what the photographs count their heights from lies over the ellipsoid, for all of the block.
-Result<> raise_positions(Imported& imported, const ImportOptions& options, const Eigen::Vector3d& middle) {
-  if (options.gps_heights == "ellipsoidal") return {};
+bool has_positions(const Block& block) {
+  return std::any_of(block.images.begin(), block.images.end(),
+                     [](const auto& entry) { return entry.second.position.has_value(); });
+}
+
+// How high what the photographs count their heights from lies over the ellipsoid, for all of the block. Not for those
+// of a file, which says itself what its heights are.
+Result<> raise_positions(Imported& imported, const ImportOptions& options) {
+  if (options.gps_heights == "ellipsoidal" || !has_positions(imported.block)) return {};
+  const Eigen::Vector3d middle = middle_of(imported.block);
   const auto framed = [](Error error) { return std::move(error).within("--gps-heights"); };
   COLLINEA_TRY(const std::string crs,
                with_heights(utm_crs(middle.x(), middle.y()), options.gps_heights).map_error(framed));
@@ -390,14 +398,11 @@ Result<> raise_positions(Imported& imported, const ImportOptions& options, const
 
 Result<> place_on_earth(Imported& imported, const ImportOptions& options, ControlFile control) {
   Block& block = imported.block;
-  const bool has_gps = std::any_of(block.images.begin(), block.images.end(),
-                                   [](const auto& entry) { return entry.second.position.has_value(); });
+  const bool has_gps = has_positions(block);
   std::string crs = options.crs.value_or(control.crs);
   if (options.crs)
     if (const auto known = check_crs(crs); !known)
       return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\" (--crs)"));
-  if (has_gps)
-    if (auto raised = raise_positions(imported, options, middle_of(block)); !raised) return raised;
   Eigen::Vector3d origin = middle_of(block);
   if (has_gps && crs.empty()) crs = utm_crs(origin.x(), origin.y());
   if (!has_gps) {
@@ -469,7 +474,15 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
                                                                             ": " + imported.skipped[0].reason));
   if (camera_params)
     if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
+  if (auto raised = raise_positions(imported, options); !raised) return tl::unexpected(raised.error());
+  PositionFile positions;
+  if (options.positions) {
+    COLLINEA_TRY(positions, read_positions(*options.positions));
+    if (auto added = add_positions(imported, positions, *options.positions, options); !added)
+      return tl::unexpected(added.error());
+  }
   if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
+  if (auto added = add_map_attitudes(imported, positions); !added) return tl::unexpected(added.error());
   if (options.ground)
     if (auto added = add_ground(imported, *options.ground); !added) return tl::unexpected(added.error());
   name_unseen_control(imported);
@@ -486,6 +499,7 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   for (const std::string& file : files_below(photos).files) add_file(photos / file);
   if (options.control) add_file(*options.control);
   if (options.ground) add_file(*options.ground);
+  if (options.positions) add_file(*options.positions);
   const std::optional<std::string> gps_heights = options.gps_heights;
   for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})
     if (std::error_code none; *heights && fs::is_regular_file(**heights, none)) add_file(**heights);  // a geoid grid

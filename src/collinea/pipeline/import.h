@@ -19,6 +19,7 @@ struct ImportOptions {
   std::optional<std::string> control;
   std::string check;
   std::optional<std::string> ground;
+  std::optional<std::string> positions;
   std::string camera_model = "brown";
   std::optional<std::string> camera_params;
   double gps_sigma_m = 2;
@@ -42,7 +43,11 @@ struct ImportOptions {
     visit(Field{"control", &O::control, "", "file of control points: gcp_list.txt or collinea's CSV"});
     visit(Field{"check", &O::check, "", "names of control points that are only compared, separated by commas"});
     visit(Field{"ground", &O::ground, "",
-                "file of measurements between control points: distances, height differences, total station (CSV)"});
+                "file of measurements between control points: distances, height differences, total station; planes, "
+                "lines and heights they lie on (CSV)"});
+    visit(Field{"positions", &O::positions, "",
+                "file of positions and attitudes of the photographs, in place of those in their headers (CSV, or .mrk "
+                "of an RTK drone)"});
     visit(Field{"camera_model", &O::camera_model, "",
                 "projection of the lens: brown (central), or of a fisheye equidistant | equisolid | kannala_brandt"});
     visit(Field{"camera_params", &O::camera_params, "px",
@@ -76,12 +81,12 @@ struct Imported {
 /// Reads the headers of all photographs below a folder, groups cameras, and brings positions and control to a local
 /// frame. Broken, duplicate and non-photograph files are skipped and named. Control points without any coordinate need
 /// no CRS. Errors: no folder, no photograph at all, bad control file, bad file of measurements on the ground or one
-/// that names points that are not there, CRS unknown.
+/// that names points that are not there, bad file of positions or one of other photographs, CRS unknown.
 [[nodiscard]] Result<Imported> import_photos(const std::filesystem::path& photos, const ImportOptions& options,
                                              const Run& run);
 
-/// What the folder of photographs, the control file and that of measurements on the ground look like from outside
-/// (names, sizes, times): changes when anything in them does.
+/// What the folder of photographs, and the files of control, positions and measurements on the ground look like from
+/// outside (names, sizes, times): changes when anything in them does.
 [[nodiscard]] std::string fingerprint_of_sources(const std::filesystem::path& photos, const ImportOptions& options);
 
 }  // namespace collinea

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
+#include "collinea/adjust/ground_model.h"
 #include "collinea/io/ground_file.h"
 #include "collinea/pipeline/image_names.h"
 
@@ -68,11 +70,49 @@ void name_unseen_control(Imported& imported) {
   const Block& block = imported.block;
   std::map<ControlId, int> seen;
   for (const ControlObservation& observation : block.control_observations) ++seen[observation.point];
+  std::set<ControlId> on_ground;  // there it may be placed without any image
+  for (const GroundObservation& one : block.ground) on_ground.insert({one.from, one.to});
   for (const auto& [id, point] : block.control)
-    if (seen[id] < 2)
+    if (seen[id] < 2 && !on_ground.contains(id))
       imported.findings.push_back(fmt::format("control {} is seen in {} image{}: it cannot be used", point.name,
                                               seen[id], seen[id] == 1 ? "" : "s"));
 }
+
+namespace {
+
+// A shape that any points of that number lie on says nothing.
+Result<> check_shapes(const Block& block, const std::filesystem::path& file) {
+  std::map<std::pair<GroundKind, std::uint32_t>, std::pair<std::string, std::set<ControlId>>> shapes;
+  for (const GroundObservation& one : block.ground) {
+    if (!one.is_of_shape()) continue;
+    auto& [name, points] = shapes[{one.kind, one.setup}];
+    name = one.name;
+    points.insert(one.from);
+  }
+  for (const auto& [key, shape] : shapes) {
+    const auto& [name, points] = shape;
+    const auto least = static_cast<std::size_t>(points_of_shape(key.first)) + 1;
+    if (points.size() < least)
+      return fail(Errc::kBadInput, fmt::format("{}: {} {} has {} point{}, which says nothing: name at least {}",
+                                               file.string(), kGroundKindNames[static_cast<std::size_t>(key.first)],
+                                               name, points.size(), points.size() == 1 ? "" : "s", least));
+  }
+  return {};
+}
+
+/// Shapes of one kind by their names.
+class ShapeNumbers {
+ public:
+  std::uint32_t number_of(GroundKind kind, const std::string& name) {
+    auto& numbers = numbers_[kind];
+    return numbers.try_emplace(name, static_cast<std::uint32_t>(numbers.size())).first->second;
+  }
+
+ private:
+  std::map<GroundKind, std::map<std::string, std::uint32_t>> numbers_;
+};
+
+}  // namespace
 
 Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
   Block& block = imported.block;
@@ -80,6 +120,7 @@ Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
   std::map<std::string, ControlId> by_name;
   for (const auto& [id, point] : block.control) by_name[point.name] = id;
   std::map<std::string, std::pair<std::uint32_t, ControlId>> setups;
+  ShapeNumbers shapes;
   for (const GroundFileRow& row : rows) {
     const auto bad = [&](const std::string& what) {
       return fail(Errc::kBadInput, fmt::format("{}: line {}: {}", file.string(), row.line, what));
@@ -103,9 +144,13 @@ Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
                    row.from);
       one.setup = its->second.first;
     }
+    if (one.is_of_shape()) {
+      one.setup = shapes.number_of(row.kind, row.name);
+      one.axis = row.axis;
+    }
     block.ground.push_back(std::move(one));
   }
-  return {};
+  return check_shapes(block, file);
 }
 
 }  // namespace collinea

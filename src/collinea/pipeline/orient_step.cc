@@ -78,6 +78,20 @@ json numbers(const auto& values) {
   return list;
 }
 
+json options_json(const auto& options) {
+  json object;
+  std::decay_t<decltype(options)>::describe([&](const auto& field) {
+    const auto& value = options.*field.member;
+    json& own = object[std::string(field.name)];
+    if constexpr (requires { value.has_value(); }) {
+      if (value) own = *value;
+    } else {
+      own = value;
+    }
+  });
+  return object;
+}
+
 // Control that was found wrong took no part: what it is off by, seen with its measurements as they were given.
 json excluded_control(const Orientation& orientation, const Block& setup) {
   Block measured;
@@ -158,6 +172,7 @@ json report_of(const Orientation& orientation, const Block& setup) {
                  {"position_rms_m", position_rms(orientation)},
                  {"sigma_factors", numbers(orientation.sigma_factors)},
                  {"position_shift_m", numbers(orientation.position_shift_m)},
+                 {"instruments", options_json(orientation.instruments)},
                  {"not_oriented", files_of(orientation.block, orientation.alone)},
                  {"findings", orientation.findings}};
   report["other_parts"] = json::array();

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "collinea/adjust/flight_strips.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
 #include "collinea/orient/orient.h"
@@ -132,6 +133,92 @@ TEST_F(OrientStepTest, DistancesMakeABlockWithoutPlaceMetric) {
   EXPECT_EQ(adjusted.at("ground").at(2).at("role"), "check");  // what orientation left out stays out
   EXPECT_NE(read_file(folder_ / "block" / "adjustment" / "ground.csv")->find("\"distance\",m,check"),
             std::string::npos);
+}
+
+// An antenna, a constant error of the receiver and a clock that is late, on a flight with precise positions.
+class InstrumentsTest : public OrientStepTest {
+ protected:
+  void SetUp() override {
+    SurveyOptions survey;
+    survey.strips = 3;
+    survey.images_per_strip = 5;
+    survey.control_points = 6;
+    survey.gps_sigma_plan_m = survey.gps_sigma_height_m = 0.02;
+    auto project = open_simulated(folder_ / "block", survey, {.points_per_image = 120});
+    ASSERT_TRUE(project) << project.error().message;
+    project_ = *std::move(project);
+    setup_ = *project_->store.read_setup();
+    Block flown = setup_;
+    for (auto& [id, image] : flown.images)
+      flown.cam_from_world[id] = {Eigen::Quaterniond::Identity(), -image.position->position_in_world};
+    const auto velocities = flight_velocities(flown);
+    for (auto& [id, image] : setup_.images) image.position->position_in_world += kShift + kOffset_s * velocities.at(id);
+  }
+  [[nodiscard]] nlohmann::json adjusted() {
+    return nlohmann::json::parse(*read_file(folder_ / "block" / "adjustment" / "adjustment.json"));
+  }
+  static void expect_found(const nlohmann::json& unknowns) {
+    int found = 0;
+    for (const auto& row : unknowns) {
+      const std::string name = row.at("unknown");
+      const double value = row.at("value"), sigma = row.at("sigma");
+      const auto expect = [&](const char* beginning, double truth) {
+        if (!name.starts_with(beginning)) return;
+        EXPECT_LT(std::abs(value - truth), 3 * sigma) << name << " " << value << " " << sigma;
+        ++found;
+      };
+      expect("the shift of positions in east", kShift.x());
+      expect("the shift of positions in north", kShift.y());
+      expect("the shift of positions in height", kShift.z());
+      expect("the time offset", kOffset_s);
+    }
+    EXPECT_EQ(found, 4);
+  }
+
+  static constexpr double kOffset_s = 0.05;
+  static const Eigen::Vector3d kShift;
+};
+const Eigen::Vector3d InstrumentsTest::kShift(0.8, -0.5, 12);
+
+TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
+  project_->settings.orient.instruments.position_shift = "block";
+  project_->settings.orient.instruments.time_offset = true;
+  orient();
+  const std::string findings = info().at("findings").dump();
+  EXPECT_NE(findings.find("the shift of positions of strip 1 is +0."), std::string::npos) << findings;
+  EXPECT_NE(findings.find("the time offset of positions of"), std::string::npos) << findings;
+  EXPECT_EQ(findings.find("GPS heights lie"), std::string::npos) << findings;  // that is the shift
+  const auto done = adjust_project(*project_, {});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_found(adjusted().at("extra_unknowns"));
+  EXPECT_NEAR(adjusted().at("sigma0").get<double>(), 1, 0.1);
+  // Without any of it: what orient found is left out, and the positions contradict.
+  const auto without = adjust_project(*project_, {.instruments = [](InstrumentOptions& instruments) {
+    instruments.position_shift = "none";
+    instruments.time_offset = false;
+  }});
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_FALSE(adjusted().contains("extra_unknowns"));
+}
+
+TEST_F(InstrumentsTest, AShiftNeedsControl) {
+  project_->settings.orient.instruments.position_shift = "strips";
+  project_->settings.orient.use_control = false;
+  orient();
+  EXPECT_NE(info().at("findings").dump().find("no control point parts a shift of the positions"), std::string::npos);
+  ASSERT_TRUE(adjust_project(*project_, {}));
+  EXPECT_FALSE(adjusted().contains("extra_unknowns"));  // adjust takes over what orient did, not what it was asked for
+}
+
+TEST_F(InstrumentsTest, WhatThePhotographsDoNotSayIsRefusedBeforeAnyWork) {
+  for (auto& [id, image] : setup_.images) image.taken.clear();
+  ASSERT_TRUE(project_->store.write_setup(setup_));
+  project_->settings.orient.instruments.time_offset = true;
+  const auto done = bring_up_to(*project_, "orient");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::kBadInput);
+  project_->settings.orient.instruments = {.position_shift = "stripes"};
+  EXPECT_FALSE(validate_settings(project_->settings));
 }
 
 }  // namespace

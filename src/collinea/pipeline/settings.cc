@@ -141,6 +141,10 @@ Result<> validate_settings(const Settings& settings) {
   if (verdict && std::find(kCalibrations.begin(), kCalibrations.end(), calibration) == kCalibrations.end())
     return fail(Errc::kBadInput,
                 "orient: calibration = \"" + calibration + "\": choose auto, none, focal, focal_radial or brown");
+  if (verdict)
+    verdict = check_instruments(settings.orient.instruments).map_error([](Error error) {
+      return std::move(error).within("orient");
+    });
   const std::string& pairs = settings.pairs.pairs;
   if (verdict && std::find(kPairChoices.begin(), kPairChoices.end(), pairs) == kPairChoices.end())
     return fail(Errc::kBadInput, "match: pairs = \"" + pairs + "\": choose auto or all");

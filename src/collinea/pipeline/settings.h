@@ -43,6 +43,7 @@ struct Settings {
     visit("match", "match", self.match);
     visit("match", "verify", self.verify);
     visit("orient", "orient", self.orient);
+    visit("orient", "instruments", self.orient.instruments);
     visit("densify", "densify", self.densify);
     visit("surface", "surface", self.surface);
     visit("terrain", "terrain", self.terrain);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <numbers>
+
+#include "collinea/block/ground_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"
@@ -23,15 +26,16 @@ json ground(const AdjustmentReport& report) {
   json list = json::array();
   for (const GroundDifference& one : report.adjusted.ground) {
     const GroundObservation& measured = report.block.ground[one.observation];
-    list.push_back({{"measurement", ground_name(measured, report.block)},
-                    {"unit", measured.is_angle() ? "rad" : "m"},
+    const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
+    list.push_back({{"measurement", words_of(measured, report.block)},
+                    {"unit", measured.is_angle() ? "deg" : "m"},
                     {"role", one.used ? "control" : "check"},
-                    {"given", measured.value},
-                    {"sigma_given", measured.sigma},
-                    {"adjusted", number(one.adjusted)},
-                    {"sigma_adjusted", number(one.sigma * sigma_scale(report.adjusted))},
-                    {"difference", number(one.difference)},
-                    {"sigma", number(one.difference_sigma)}});
+                    {"given", unit * measured.value},
+                    {"sigma_given", unit * measured.sigma},
+                    {"adjusted", number(unit * one.adjusted)},
+                    {"sigma_adjusted", number(unit * one.sigma * sigma_scale(report.adjusted))},
+                    {"difference", number(unit * one.difference)},
+                    {"sigma", number(unit * one.difference_sigma)}});
   }
   return list;
 }
@@ -63,7 +67,7 @@ json cameras(const AdjustmentReport& report) {
 
 json unknowns(const AdjustmentReport& report) {
   json list = json::array();
-  for (const EstimatedUnknown& one : report.adjusted.extras)
+  for (const EstimatedUnknown& one : shown_unknowns(report.adjusted))
     list.push_back({{"unknown", name_of_extra(report.block, one.kind, one.owner, one.axis)},
                     {"unit", unit_of(one.kind)},
                     {"value", number(in_unit(one.kind, one.value))},
@@ -73,7 +77,8 @@ json unknowns(const AdjustmentReport& report) {
 
 json tested(const std::vector<TestedObservation>& observations, const Block& block) {
   json list = json::array();
-  for (const TestedObservation& one : observations)
+  for (const TestedObservation& in_rad : observations) {
+    const TestedObservation one = in_unit(in_rad);
     list.push_back({{"observation", name_of(one, block)},
                     {"unit", unit_of(one)},
                     {"residual", number(one.residual)},
@@ -84,6 +89,7 @@ json tested(const std::vector<TestedObservation>& observations, const Block& blo
                     {"least_detectable_blunder", number(one.least_blunder)},
                     {"effect", number(one.effect)},
                     {"effect_in_sigmas", number(one.effect_in_sigmas)}});
+  }
   return list;
 }
 
@@ -139,7 +145,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"control_points", control(report)},
             {"accuracy", accuracy_json(report)}};
   if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
-  if (!adjusted.extras.empty()) j["unknowns"] = unknowns(report);
+  if (!adjusted.extras.empty()) j["extra_unknowns"] = unknowns(report);
   if (!report.additional.empty()) j["additional"] = additional_json(report);
   if (!adjusted.inseparable.empty()) j["inseparable"] = adjusted.inseparable;
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/block/ground_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"
@@ -79,7 +80,7 @@ std::string ground_table(const AdjustmentReport& report) {
     const GroundObservation& measured = report.block.ground[one.observation];
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     const int decimals = measured.is_angle() ? 5 : kDecimals;
-    html += "<tr>" + text_cell(ground_name(measured, report.block)) + text_cell(one.used ? "used" : "check") +
+    html += "<tr>" + text_cell(words_of(measured, report.block)) + text_cell(one.used ? "used" : "check") +
             text_cell(measured.is_angle() ? "deg" : "m") + cell(unit * measured.value, decimals) +
             cell(unit * measured.sigma, decimals) + cell(unit * one.adjusted, decimals) +
             difference_cell(unit * one.difference, unit * one.difference_sigma, decimals) +
@@ -89,11 +90,12 @@ std::string ground_table(const AdjustmentReport& report) {
 }
 
 std::string unknowns_table(const AdjustmentReport& report) {
-  if (report.adjusted.extras.empty()) return "";
-  std::string html = "<section><h2>Lever arms, shifts, boresight, orientations</h2>\n";
+  const std::vector<EstimatedUnknown> unknowns = shown_unknowns(report.adjusted);
+  if (unknowns.empty()) return "";
+  std::string html = "<section><h2>Lever arms, shifts, time offsets, boresight, orientations</h2>\n";
   for (const std::string& pair : report.adjusted.inseparable) html += "<p>" + escaped(pair) + ".</p>\n";
   html += head({"unknown", "unit", "value", "&sigma;"});
-  for (const EstimatedUnknown& one : report.adjusted.extras)
+  for (const EstimatedUnknown& one : unknowns)
     html += "<tr>" + text_cell(name_of_extra(report.block, one.kind, one.owner, one.axis)) +
             text_cell(unit_of(one.kind)) + cell(in_unit(one.kind, one.value), kDecimals) +
             cell(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted), kDecimals) + "</tr>\n";
@@ -135,9 +137,9 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
   std::string html = head({"observation", "unit", "residual", "&sigma; given", "redundancy", "w", "blunder",
                            "least detectable", "its effect", "in &sigma;"});
   for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
-    const TestedObservation& one = observations[i];
+    const TestedObservation one = in_unit(observations[i]);
     const std::string_view unit = unit_of(one);
-    const int decimals = unit == "px" ? 2 : unit == "rad" ? 7 : kDecimals;
+    const int decimals = unit == "px" ? 2 : unit == "deg" ? 5 : kDecimals;
     html += "<tr>" + text_cell(name_of(one, block)) + text_cell(unit_of(one)) + cell(one.residual, decimals) +
             cell(one.sigma, decimals) + cell(one.redundancy, 2) +
             fmt::format("<td{}>{:+.1f}</td>", std::abs(one.w) > limit ? " class=\"bad\"" : "", one.w) +
@@ -160,7 +162,7 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
   std::vector<TestedObservation> surveyed;
   for (const TestedObservation& one : tests.others)
     if (one.group == ObservationGroup::kControlPlan || one.group == ObservationGroup::kControlHeight ||
-        (one.group >= ObservationGroup::kDistance && one.group <= ObservationGroup::kZenithAngle))
+        (one.group >= ObservationGroup::kDistance && one.group <= ObservationGroup::kOnLine))
       surveyed.push_back(one);
   if (!surveyed.empty())
     html += fmt::format(

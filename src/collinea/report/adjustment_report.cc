@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/block/ground_words.h"
 #include "collinea/io/file.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/adjustment_products.h"
@@ -45,8 +46,8 @@ std::string ground_csv(const AdjustmentReport& report) {
     const GroundObservation& measured = report.block.ground[one.observation];
     const double unit = measured.is_angle() ? kDegrees : 1;
     text += in_quotes(report.block.control.at(measured.from).name) + "," +
-            in_quotes(report.block.control.at(measured.to).name) + "," + in_quotes(measured.name) + "," +
-            in_quotes(kGroundKindNames[static_cast<std::size_t>(measured.kind)]) +
+            (measured.is_of_shape() ? "" : in_quotes(report.block.control.at(measured.to).name)) + "," +
+            in_quotes(measured.name) + "," + in_quotes(kGroundKindNames[static_cast<std::size_t>(measured.kind)]) +
             (measured.is_angle() ? ",deg" : ",m") + (one.used ? ",control" : ",check");
     for (const double value : {measured.value, measured.sigma, one.adjusted, one.sigma * sigma_scale(report.adjusted),
                                one.difference, one.difference_sigma})
@@ -58,7 +59,7 @@ std::string ground_csv(const AdjustmentReport& report) {
 
 std::string unknowns_csv(const AdjustmentReport& report) {
   std::string text = "unknown,unit,value,sigma\n";
-  for (const EstimatedUnknown& one : report.adjusted.extras)
+  for (const EstimatedUnknown& one : shown_unknowns(report.adjusted))
     text += in_quotes(name_of_extra(report.block, one.kind, one.owner, one.axis)) + "," + unit_of(one.kind) +
             number(in_unit(one.kind, one.value)) + number(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) +
             "\n";
@@ -69,7 +70,8 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
   std::string text =
       "observation,group,unit,residual,sigma,redundancy,w,blunder,least_detectable_blunder,its_effect,"
       "its_effect_in_sigmas\n";
-  for (const TestedObservation& one : observations) {
+  for (const TestedObservation& tested : observations) {
+    const TestedObservation one = in_unit(tested);
     text += in_quotes(name_of(one, report.block)) + "," +
             in_quotes(kObservationGroupNames[static_cast<std::size_t>(one.group)]) + "," + unit_of(one);
     for (const double value : {one.residual, one.sigma, one.redundancy, one.w, one.blunder, one.least_blunder,
@@ -89,6 +91,7 @@ double shown_factor(const GroupSums& sums) {
 
 const char* unit_of(UnknownKind kind) {
   if (kind == UnknownKind::kDrift) return "m/s";
+  if (kind == UnknownKind::kTimeOffset) return "s";
   return kind == UnknownKind::kOrientation || kind == UnknownKind::kBoresight ? "deg" : "m";
 }
 
@@ -96,8 +99,21 @@ double in_unit(UnknownKind kind, double value) {
   return std::string_view(unit_of(kind)) == "deg" ? kDegrees * value : value;
 }
 
+std::vector<EstimatedUnknown> shown_unknowns(const Adjusted& adjusted) {
+  std::vector<EstimatedUnknown> shown;
+  for (const EstimatedUnknown& one : adjusted.extras)
+    if (!is_of_shape(one.kind)) shown.push_back(one);
+  return shown;
+}
+
+TestedObservation in_unit(TestedObservation one) {
+  if (!is_angle(one.group)) return one;
+  for (double* value : {&one.residual, &one.sigma, &one.blunder, &one.least_blunder, &one.effect}) *value *= kDegrees;
+  return one;
+}
+
 const char* unit_of(const TestedObservation& one) {
-  if (one.group >= ObservationGroup::kDirection) return "rad";  // angles, the last of the groups
+  if (is_angle(one.group)) return "deg";
   return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";
 }
 
@@ -125,7 +141,10 @@ std::string name_of(const TestedObservation& one, const Block& block) {
     case ObservationGroup::kHeightDifference:
     case ObservationGroup::kDirection:
     case ObservationGroup::kZenithAngle:
-      return ground_name(block.ground[one.source], block);
+    case ObservationGroup::kAtHeight:
+    case ObservationGroup::kOnPlane:
+    case ObservationGroup::kOnLine:
+      return words_of(block.ground[one.source], block);
     case ObservationGroup::kAttitudeLevel:
     case ObservationGroup::kAttitudeHeading:
       return fmt::format("attitude of {}, about {}", block.images.at(ImageId{one.source}).file,

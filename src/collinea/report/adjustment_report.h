@@ -43,9 +43,13 @@ struct AdjustmentProducts;
 [[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
 /// A measurement that was taken out, and how wrong it was: "gcp4 in IMG_31.jpg, off by 12.3 px (row ...)".
 [[nodiscard]] std::string told(const TakenOut& gone, const Block& block);
+/// px in images, m on the ground, deg; and the observation with its figures in that.
 [[nodiscard]] const char* unit_of(const TestedObservation& observation);
+[[nodiscard]] TestedObservation in_unit(TestedObservation observation);
 
-/// Unknowns beside those of images, cameras and points are told in m, m/s (where times are known) and deg.
+/// Unknowns beside those of images, cameras and points, without those of shapes, whose numbers tell nobody anything.
+[[nodiscard]] std::vector<EstimatedUnknown> shown_unknowns(const Adjusted& adjusted);
+/// They are told in m, m/s (where times are known), s and deg.
 [[nodiscard]] const char* unit_of(UnknownKind kind);
 [[nodiscard]] double in_unit(UnknownKind kind, double value);
 

@@ -27,10 +27,4 @@ std::string difference_cell(double value, double sigma, int decimals) {
   return fmt::format("<td{}>{:+.{}f}</td>", std::abs(value) > 3 * sigma ? " class=\"bad\"" : "", value, decimals);
 }
 
-std::string ground_name(const GroundObservation& measured, const Block& block) {
-  return fmt::format("{} {} - {}{}", kGroundKindNames[static_cast<std::size_t>(measured.kind)],
-                     block.control.at(measured.from).name, block.control.at(measured.to).name,
-                     measured.name.empty() ? "" : " (" + measured.name + ")");
-}
-
 }  // namespace collinea

@@ -14,7 +14,4 @@ namespace collinea {
 /// A signed difference; marked when it exceeds three of its standard deviations.
 [[nodiscard]] std::string difference_cell(double value, double sigma, int decimals);
 
-/// "distance A - B (bar 1)".
-[[nodiscard]] std::string ground_name(const GroundObservation& measured, const Block& block);
-
 }  // namespace collinea

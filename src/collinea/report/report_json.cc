@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/report_json.h"
 
+#include "collinea/block/ground_words.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"
 
@@ -84,7 +85,7 @@ json ground(const ReportInput& input) {
   json list = json::array();
   for (const ReportGround& one : input.ground) {
     const GroundObservation& measured = input.block.ground.at(one.observation);
-    list.push_back({{"measurement", ground_name(measured, input.block)},
+    list.push_back({{"measurement", words_of(measured, input.block)},
                     {"role", one.excluded ? "excluded"
                              : one.used   ? "control"
                                           : "check"},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/block/ground_words.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/page.h"
 #include "collinea/report/svg.h"
@@ -176,7 +177,7 @@ std::string ground_section(const ReportInput& input) {
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     const int decimals = measured.is_angle() ? 5 : 4;
     html += one.excluded ? "<tr class=\"out\">" : "<tr>";
-    html += text_cell(ground_name(measured, input.block)) +
+    html += text_cell(words_of(measured, input.block)) +
             text_cell(one.excluded ? "not used"
                       : one.used   ? "used"
                                    : "check") +

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/io/position_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "collinea/block/picture_axes.h"
+#include "collinea/io/file.h"
+#include "collinea/io/text.h"
+
+namespace collinea {
+namespace {
+
+using Fields = std::vector<std::string_view>;
+using Three = std::array<const char*, 3>;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRadians = std::numbers::pi / 180;
+
+constexpr Three kGeographic = {"latitude_deg", "longitude_deg", "height_m"},
+                kInMap = {"easting_m", "northing_m", "height_m"},
+                kSigmas = {"sigma_east_m", "sigma_north_m", "sigma_height_m"},
+                kAngles = {"omega_deg", "phi_deg", "kappa_deg"}, kOfAircraft = {"yaw_deg", "pitch_deg", "roll_deg"},
+                kOfCamera = {"camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"},
+                kAngleSigmas = {"sigma_omega_deg", "sigma_phi_deg", "sigma_kappa_deg"},
+                kTurnSigmas = {"sigma_yaw_deg", "sigma_pitch_deg", "sigma_roll_deg"};
+
+tl::unexpected<Error> bad_line(int line, const std::string& what) {
+  return fail(Errc::kBadFormat, "line " + std::to_string(line) + ": " + what);
+}
+
+std::string joined(const Three& names) { return std::string(names[0]) + ", " + names[1] + ", " + names[2]; }
+
+// As EXIF writes it: "2024:05:17 10:31:08.25".
+std::optional<std::string> date_and_time(std::string_view text) {
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, read = 0;
+  double second = 0;
+  const std::string terminated(text);
+  if (std::sscanf(terminated.c_str(), "%4d%*1[:-]%2d%*1[:-]%2d%*1[ T]%2d:%2d:%lf%n", &year, &month, &day, &hour,
+                  &minute, &second, &read) != 6)
+    return std::nullopt;
+  const std::string_view rest = trimmed(text.substr(static_cast<std::size_t>(read)));
+  if ((!rest.empty() && rest != "Z") || month < 1 || month > 12 || day < 1 || day > 31 || hour > 23 || minute > 59 ||
+      !(second >= 0 && second < 61))
+    return std::nullopt;
+  char out[400];
+  std::snprintf(out, sizeof out, "%04d:%02d:%02d %02d:%02d:%09.6f", year, month, day, hour, minute, second);
+  return out;
+}
+
+// Pitch and roll of an aircraft about its own axes, of which the level ones point to its heading and to the right.
+Eigen::Vector3d turned(const Eigen::Vector3d& sigma_yaw_pitch_roll, double heading_deg) {
+  const double sine = std::sin(heading_deg * kRadians), cosine = std::cos(heading_deg * kRadians);
+  const double pitch = sigma_yaw_pitch_roll[1], roll = sigma_yaw_pitch_roll[2];
+  return {std::hypot(sine * roll, cosine * pitch), std::hypot(cosine * roll, sine * pitch), sigma_yaw_pitch_roll[0]};
+}
+
+// The camera looks down, its upper edge lies in front.
+AttitudePrior attitude_of_aircraft(const Eigen::Vector3d& yaw_pitch_roll_deg) {
+  const auto about = [](double degrees, const Eigen::Vector3d& axis) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(degrees * kRadians, axis));
+  };
+  const Eigen::Quaterniond ned_from_body = about(yaw_pitch_roll_deg[0], Eigen::Vector3d::UnitZ()) *
+                                           about(yaw_pitch_roll_deg[1], Eigen::Vector3d::UnitY()) *
+                                           about(yaw_pitch_roll_deg[2], Eigen::Vector3d::UnitX());
+  Eigen::Matrix3d world_from_ned, body_from_cam;
+  world_from_ned << 0, 1, 0, 1, 0, 0, 0, 0, -1;
+  body_from_cam << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  const Eigen::Matrix3d world_from_cam = world_from_ned * ned_from_body.toRotationMatrix() * body_from_cam;
+  return attitude_prior(Eigen::Quaterniond(Eigen::Matrix3d(world_from_cam.transpose())));
+}
+
+class TableReader {
+ public:
+  Result<> take_title(int line, const Fields& titles) {
+    for (std::size_t i = 0; i < titles.size(); ++i) {
+      const std::string name = lower(titles[i]);
+      if (!is_known(name)) return bad_line(line, "there is no column \"" + name + "\"");
+      if (!column_.emplace(name, i).second) return bad_line(line, "column " + name + " is there twice");
+    }
+    if (!has("image")) return bad_line(line, "the first row must name a column image");
+    for (const Three* three : {&kAngles, &kOfAircraft, &kOfCamera})
+      if (has_some(*three) && !has_all(*three))
+        return bad_line(line, "three columns belong together: " + joined(*three));
+    for (const Three* three : {&kGeographic, &kInMap})
+      if ((has((*three)[0]) || has((*three)[1])) && !(has((*three)[0]) && has((*three)[1])))
+        return bad_line(line, "columns belong together: " + joined(*three));
+    if (has(kGeographic[0]) && has(kInMap[0]))
+      return bad_line(line, "positions are given by latitude and longitude or by easting and northing, not both");
+    if (has_some(kAngles) + has_some(kOfAircraft) + has_some(kOfCamera) > 1)
+      return bad_line(line, "attitudes are given in one form: " + joined(kAngles) + "; " + joined(kOfAircraft) +
+                                "; or " + joined(kOfCamera));
+    if (!has(kGeographic[0]) && !has(kInMap[0]) && !has_some(kAngles) && !has_some(kOfAircraft) && !has_some(kOfCamera))
+      return bad_line(line, "no column holds a position (" + joined(kGeographic) + "; " + joined(kInMap) +
+                                ") or an attitude (" + joined(kAngles) + ")");
+    return {};
+  }
+
+  Result<> take_row(int line, const Fields& fields) {
+    if (fields.size() > column_.size()) return bad_line(line, "too many fields (decimal commas?)");
+    fields_ = &fields;
+    line_ = line;
+    PositionFileRow row;
+    row.image = field("image");
+    row.line = line;
+    if (row.image.empty()) return bad_line(line, "a row needs the name of an image");
+    if (!images_.insert(row.image).second) return bad_line(line, row.image + " is there twice");
+    if (Result<> taken = take_position(row); !taken) return taken;
+    if (Result<> taken = take_attitude(row); !taken) return taken;
+    if (!field("taken").empty()) {
+      const auto taken = date_and_time(field("taken"));
+      if (!taken)
+        return bad_line(
+            line, "taken \"" + std::string(field("taken")) + "\" is no date and time like 2024:05:17 10:31:08.25");
+      row.taken = *taken;
+    }
+    rows.push_back(std::move(row));
+    return {};
+  }
+
+  std::vector<PositionFileRow> rows;
+
+ private:
+  static bool is_known(const std::string& name) {
+    for (const char* other : {"image", "taken", "sigma_m", "sigma_plan_m", "sigma_attitude_deg"})
+      if (name == other) return true;
+    for (const Three* three :
+         {&kGeographic, &kInMap, &kSigmas, &kAngles, &kOfAircraft, &kOfCamera, &kAngleSigmas, &kTurnSigmas})
+      if (std::find(three->begin(), three->end(), name) != three->end()) return true;
+    return false;
+  }
+  [[nodiscard]] bool has(std::string_view name) const { return column_.find(name) != column_.end(); }
+  [[nodiscard]] bool has_some(const Three& names) const { return has(names[0]) || has(names[1]) || has(names[2]); }
+  [[nodiscard]] bool has_all(const Three& names) const { return has(names[0]) && has(names[1]) && has(names[2]); }
+  [[nodiscard]] std::string_view field(std::string_view name) const {
+    const auto its = column_.find(name);
+    return its == column_.end() || its->second >= fields_->size() ? std::string_view{} : (*fields_)[its->second];
+  }
+
+  // NaN where the cell is empty.
+  [[nodiscard]] Result<double> number_in(std::string_view name) const {
+    if (field(name).empty()) return kNaN;
+    const auto value = number(field(name));
+    if (!value || !std::isfinite(*value))
+      return bad_line(line_, std::string(name) + " \"" + std::string(field(name)) + "\" is not a number");
+    return *value;
+  }
+  [[nodiscard]] Result<Eigen::Vector3d> three_in(const Three& names) const {
+    Eigen::Vector3d values;
+    for (int i = 0; i < 3; ++i) {
+      COLLINEA_TRY(values[i], number_in(names[static_cast<std::size_t>(i)]));
+    }
+    return values;
+  }
+  // The first of the names that says something of each axis counts.
+  [[nodiscard]] Result<Eigen::Vector3d> sigmas(const Three& own, std::string_view of_two,
+                                               std::string_view of_all) const {
+    COLLINEA_TRY(Eigen::Vector3d values, three_in(own));
+    COLLINEA_TRY(const double two, number_in(of_two));
+    COLLINEA_TRY(const double all, number_in(of_all));
+    for (int i = 0; i < 3; ++i) {
+      if (std::isnan(values[i]) && i < 2) values[i] = two;
+      if (std::isnan(values[i])) values[i] = all;
+      if (values[i] <= 0) return bad_line(line_, "a standard deviation must be above 0");
+    }
+    return values;
+  }
+
+  Result<> take_position(PositionFileRow& row) const {
+    const bool geographic = has(kGeographic[0]);
+    COLLINEA_TRY(const Eigen::Vector3d place, three_in(geographic ? kGeographic : kInMap));
+    COLLINEA_TRY(row.sigma_m, sigmas(kSigmas, "sigma_plan_m", "sigma_m"));
+    if (place.head<2>().array().isNaN().all()) return {};
+    if (!place.head<2>().allFinite()) return bad_line(line_, "half a position of " + row.image);
+    if (geographic && (std::abs(place[0]) > 90 || std::abs(place[1]) > 360))
+      return bad_line(line_, "there is no such latitude and longitude");
+    (geographic ? row.geographic : row.in_map) = place;
+    return {};
+  }
+
+  Result<> take_attitude(PositionFileRow& row) const {
+    const Three& names = has_some(kAngles) ? kAngles : has_some(kOfAircraft) ? kOfAircraft : kOfCamera;
+    COLLINEA_TRY(const Eigen::Vector3d angles, three_in(names));
+    COLLINEA_TRY(row.sigma_deg, sigmas(&names == &kAngles ? kAngleSigmas : kTurnSigmas, "", "sigma_attitude_deg"));
+    if (angles.array().isNaN().all()) return {};
+    if (!angles.allFinite()) return bad_line(line_, "only a part of the angles of " + row.image);
+    if (&names == &kAngles) {
+      row.angles = OmegaPhiKappa{angles[0], angles[1], angles[2]};
+      return {};
+    }
+    row.attitude = &names == &kOfCamera ? AttitudePrior{angles[0], angles[1], angles[2]} : attitude_of_aircraft(angles);
+    row.sigma_deg = turned(row.sigma_deg, angles[0]);
+    return {};
+  }
+
+  std::map<std::string, std::size_t, std::less<>> column_;
+  const Fields* fields_ = nullptr;
+  int line_ = 0;
+  std::set<std::string> images_;
+};
+
+// Date and time of a second of a week of GPS.
+std::string time_of_gps(long week, double second) {
+  const double whole = std::floor(second / 86400);
+  const long day_of_gps = 7 * week + static_cast<long>(whole);
+  const double of_day = second - 86400 * whole;
+  // Days since 1 March of the year 0: years that begin in March have their leap day at the end.
+  const long days = day_of_gps + 723125;  // 6 January 1980
+  const long era = days / 146097, of_era = days % 146097;
+  const long year_of_era = (of_era - of_era / 1460 + of_era / 36524 - of_era / 146096) / 365;
+  const long of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+  const long month = (5 * of_year + 2) / 153, day = of_year - (153 * month + 2) / 5 + 1;
+  const long year = 400 * era + year_of_era + (month >= 10);
+  char out[64];
+  const int hour = static_cast<int>(of_day / 3600), minute = static_cast<int>(of_day / 60) % 60;
+  std::snprintf(out, sizeof out, "%04ld:%02ld:%02ld %02d:%02d:%09.6f", year, month < 10 ? month + 3 : month - 9, day,
+                hour, minute, of_day - 3600.0 * hour - 60.0 * minute);
+  return out;
+}
+
+// "12	266532.123	[2137]	  -12,N	  3,E	 75,V	47.6,Lat	16.4,Lon	512.9,Ellh	0.014, 0.013,
+// 0.029	50,Q"
+Result<PositionFileRow> timestamp_row(int line, std::string_view text) {
+  std::string spaced(text);
+  for (char& c : spaced)
+    if (c == ',' || c == '[' || c == ']') c = ' ';
+  const auto words = words_of(spaced);
+  constexpr std::size_t kLetters[] = {4, 6, 8, 10, 12, 14};
+  constexpr const char* kNames[] = {"N", "E", "V", "Lat", "Lon", "Ellh"};
+  bool good = words.size() >= 18;
+  for (std::size_t i = 0; good && i < std::size(kLetters); ++i) good = words[kLetters[i]] == kNames[i];
+  std::array<double, 18> value{};
+  for (const std::size_t i : {0, 1, 2, 3, 5, 7, 9, 11, 13, 15, 16, 17}) {
+    const auto read = good ? number(words[i]) : std::nullopt;
+    good = read && std::isfinite(*read);
+    if (good) value[i] = *read;
+  }
+  if (!good || value[0] < 0 || value[0] > 1e9 || !(value[15] > 0 && value[16] > 0 && value[17] > 0))
+    return bad_line(line,
+                    "no line of a timestamp file: number, seconds, [week], N, E, V, Lat, Lon, Ellh and three positive "
+                    "standard deviations were expected");
+  PositionFileRow row;
+  row.number = static_cast<int>(value[0]);
+  row.line = line;
+  constexpr double kMetresOfDegree = 111319.49;  // of the equator; offsets are decimetres
+  const double latitude = value[9];
+  row.geographic = Eigen::Vector3d(latitude + 1e-3 * value[3] / kMetresOfDegree,
+                                   value[11] + 1e-3 * value[5] / (kMetresOfDegree * std::cos(latitude * kRadians)),
+                                   value[13] - 1e-3 * value[7]);
+  row.sigma_m = {value[16], value[15], value[17]};  // the file tells north first
+  row.sigma_deg.setConstant(kNaN);
+  row.taken = time_of_gps(static_cast<long>(value[2]), value[1]);
+  return row;
+}
+
+bool is_timestamp_file(const std::vector<std::string_view>& lines) {
+  for (const std::string_view line : lines)
+    if (!trimmed(line).empty()) return line.find(",Lat") != line.npos && line.find(",Ellh") != line.npos;
+  return false;
+}
+
+// "# collinea positions, EPSG:32633"
+std::string crs_in(std::string_view comment) {
+  const auto at = comment.find("collinea positions,");
+  return at == comment.npos ? "" : std::string(trimmed(comment.substr(at + 19)));
+}
+
+}  // namespace
+
+Result<PositionFile> parse_positions(std::string_view text) {
+  PositionFile file;
+  const auto lines = lines_of(text);
+  const bool timestamps = is_timestamp_file(lines);
+  TableReader table;
+  std::map<int, int> line_of;
+  bool titled = false;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const int line = static_cast<int>(i) + 1;
+    const std::string_view content = trimmed(lines[i]);
+    if (content.starts_with('#') && file.crs.empty()) file.crs = crs_in(content);
+    if (content.empty() || content.starts_with('#')) continue;
+    if (timestamps) {
+      COLLINEA_TRY(PositionFileRow row, timestamp_row(line, content));
+      if (const auto [before, is_new] = line_of.emplace(row.number, line); !is_new)
+        return bad_line(line, "exposure " + std::to_string(row.number) + " is there twice, first in line " +
+                                  std::to_string(before->second));
+      file.rows.push_back(std::move(row));
+      continue;
+    }
+    const Fields fields = fields_of(content, ',');
+    const Result<> taken = titled ? table.take_row(line, fields) : table.take_title(line, fields);
+    if (!taken) return tl::unexpected(taken.error());
+    titled = true;
+  }
+  if (!timestamps) file.rows = std::move(table.rows);
+  if (file.rows.empty()) return fail(Errc::kBadFormat, "no position found");
+  return file;
+}
+
+Result<PositionFile> read_positions(const std::filesystem::path& path) {
+  constexpr std::uint64_t kLargest = 256 << 20;
+  COLLINEA_TRY(const std::string text, read_file(path, kLargest));
+  return parse_positions(text).map_error([&](Error e) { return std::move(e).within(path.string()); });
+}
+
+}  // namespace collinea
