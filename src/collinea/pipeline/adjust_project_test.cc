@@ -70,7 +70,8 @@ double rms_of_written_poses(const std::filesystem::path& project, const TruthFol
   return std::sqrt(squares / count);
 }
 
-// Blunders in a tie point, in a mark and in the height of a control point: they are found and listed, they take no part
+// Blunders of ten and more sigmas in a tie point, in a mark and in the height of a control point, too small for what
+// looks at control before any adjustment: they are found and listed, they take no part
 // in any table, and what is written is as near to the truth as it was without them.
 TEST(AdjustProject, SnoopedBlundersAreListedAndTheProductsFollow) {
   const TestFolder folder;
@@ -107,11 +108,11 @@ TEST(AdjustProject, SnoopedBlundersAreListedAndTheProductsFollow) {
   }
   ASSERT_TRUE(in_height.valid() && marked.valid());
   for (Block* one : {&setup, &block}) {
-    one->control.at(in_height).position_in_world.z() += 0.8;
-    one->control.at(in_height).position_in_map.z() += 0.8;
+    one->control.at(in_height).position_in_world.z() += 0.15;
+    one->control.at(in_height).position_in_map.z() += 0.15;
     const auto mark = std::find_if(one->control_observations.begin(), one->control_observations.end(),
                                    [&](const ControlObservation& seen) { return seen.point == marked; });
-    mark->pixel.y() += 12;
+    mark->pixel.y() += 2.5;
   }
   const ImageId marked_in =
       std::find_if(setup.control_observations.begin(), setup.control_observations.end(), [&](const auto& seen) {
@@ -122,10 +123,8 @@ TEST(AdjustProject, SnoopedBlundersAreListedAndTheProductsFollow) {
 
   adjusted(false);
   EXPECT_FALSE(std::filesystem::exists(folder / "block" / "adjustment" / "taken_out.csv"));
-  const double spoilt_m = rms_of_written_poses(folder / "block", truth);
   const nlohmann::json report = adjusted(true);
   const double snooped_m = rms_of_written_poses(folder / "block", truth);
-  EXPECT_GT(spoilt_m, 2 * sound_m);
   EXPECT_LT(snooped_m, 1.2 * sound_m);
 
   const std::string file_of_tie = block.images.at(tie->image).file;
@@ -148,7 +147,7 @@ TEST(AdjustProject, SnoopedBlundersAreListedAndTheProductsFollow) {
   for (const auto& point : report.at("control_points")) {
     const auto& difference = point.at("difference_m").at(2);
     if (point.at("name") == block.control.at(in_height).name) {
-      EXPECT_NEAR(difference.get<double>(), -0.8, 0.2);  // it is still told what it differs by
+      EXPECT_NEAR(difference.get<double>(), -0.15, 0.08);  // it is still told what it differs by
     }
   }
 }
