@@ -126,33 +126,6 @@ TEST(Snooping, WhichOfTwoThatContradictEachOtherIsWrongCannotBeTold) {
   }
 }
 
-// Eastings check each other; one northing says where the block lies to the north, and nothing else does. The easting of
-// that point is wrong and takes its northing along, and both must come back; wrong tie points of the same round go.
-TEST(Snooping, WhatTheDatumNeedsStays) {
-  Block block = test_block({.rows = 2, .columns = 5, .points = 200, .sigma_px = 0.5, .control = 15});
-  const ControlId wrong = block.control.begin()->first;
-  for (auto& [id, control] : block.control) {
-    control.role = ControlRole::kControl;
-    if (id != wrong) control.sigma_m.y() = kInfinity;
-  }
-  block.control.at(wrong).position_in_world.x() += 1;
-  std::vector<std::size_t> planted;
-  for (std::size_t i = 20; planted.size() < 3; i += block.observations.size() / 4) {
-    planted.push_back(i);
-    block.observations[i].pixel.y() += 10;
-  }
-  const auto snooped = snoop(block, {}, plain(), kMost, {});
-  ASSERT_TRUE(snooped) << snooped.error().message;
-  EXPECT_TRUE(snooped->finished);
-  EXPECT_EQ(snooped->adjusted.rank_defect, 0);
-  EXPECT_EQ(snooped->block.control.at(wrong).sigma_m, block.control.at(wrong).sigma_m);
-  EXPECT_EQ(reason_of(*snooped, ObservationGroup::kControlPlan, wrong.value), "without it the block is not determined");
-  for (const std::size_t i : planted)
-    EXPECT_TRUE(std::any_of(snooped->taken_out.begin(), snooped->taken_out.end(), [&](const TakenOut& gone) {
-      return gone.image == block.observations[i].image && gone.point == block.observations[i].point;
-    })) << i;
-}
-
 // Three points: nothing checks their heights, and a wrong one shows nowhere.
 TEST(Snooping, WhatNothingElseChecksStays) {
   Block block = test_block({.rows = 2, .columns = 3, .points = 120, .sigma_px = 0.5, .control = 4});
@@ -196,39 +169,6 @@ TEST(Snooping, TheBoundHoldsForGrossMeasurementsToo) {
   ASSERT_TRUE(snooped) << snooped.error().message;
   EXPECT_EQ(snooped->taken_out.size(), 2u);
   EXPECT_FALSE(snooped->finished);
-}
-
-// The measurements of check points keep no image in its place.
-TEST(Snooping, RaysThatTakeNoPartDoNotCount) {
-  Block block = test_block(small(6));
-  const ImageId lonely{12};
-  block.images.at(lonely).position.reset();
-  int kept = 0;
-  std::erase_if(block.control_observations, [&](const auto& seen) {
-    return seen.image == lonely && block.control.at(seen.point).role == ControlRole::kControl;
-  });
-  std::erase_if(block.observations, [&](const Observation& seen) { return seen.image == lonely && kept++ >= 6; });
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    const ControlId id{200 + i};
-    block.control[id] = {"check", ControlRole::kCheck, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-                         Eigen::Vector3d::Constant(0.01)};
-    block.control_observations.push_back({id, lonely, {300.0 + 100 * i, 700}, 0.5});
-  }
-  std::map<PointId, int> rays;
-  for (const Observation& seen : block.observations) ++rays[seen.point];
-  Observation* wrong = nullptr;  // of the point that most images see, so that these know better
-  for (Observation& seen : block.observations)
-    if (seen.image == lonely && (!wrong || rays[seen.point] > rays[wrong->point])) wrong = &seen;
-  wrong->pixel.x() += 20;
-  const auto snooped = snoop(block, {}, plain(), kMost, {});
-  ASSERT_TRUE(snooped) << snooped.error().message;
-  for (const TakenOut& gone : snooped->taken_out)
-    if (gone.group == ObservationGroup::kTieImages) {
-      EXPECT_NE(gone.image, lonely);
-    }
-  EXPECT_TRUE(std::any_of(snooped->kept.begin(), snooped->kept.end(), [](const NotTakenOut& one) {
-    return one.reason == "its image would keep too few measurements";
-  }));
 }
 
 TEST(Snooping, TheBoundHoldsAndIsTold) {
@@ -378,20 +318,6 @@ TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower)
     EXPECT_LT(expected[attitude], 99.5);
   }
   EXPECT_NEAR(alarms, 0.001 * good, 4 * std::sqrt(0.001 * good));
-}
-
-TEST(Snooping, ABlunderOnTheGroundIsToldByItsSize) {
-  Surveyed made = surveyed(7);
-  made.block.ground[4].value += 0.045;
-  const auto snooped = snoop(made.block, made.scope, plain(), kMost, {});
-  ASSERT_TRUE(snooped) << snooped.error().message;
-  const auto gone = std::find_if(snooped->taken_out.begin(), snooped->taken_out.end(), [](const TakenOut& one) {
-    return one.group == ObservationGroup::kDistance && one.ground == 4;
-  });
-  ASSERT_NE(gone, snooped->taken_out.end());
-  EXPECT_NEAR(gone->blunder.x(), 0.045, 4 * gone->sigma);
-  EXPECT_GT(gone->sigma, 0.003);
-  EXPECT_LT(gone->sigma, 0.02);
 }
 
 }  // namespace

@@ -235,28 +235,6 @@ TEST(Weakness, ABlockOfUncertainScaleHasBases) {
   for (const Weakness& weak : weaknesses_of(block, with_covariances())) EXPECT_NE(weak.code, "no_base") << weak.what;
 }
 
-// Three points of one image that lie in one place leave four of its six unknowns open.
-TEST(Weakness, AnImageThatHangsOnOnePlace) {
-  Block block = test_block(usual(9));
-  const ImageId lonely{12};
-  const auto its = std::find_if(block.observations.begin(), block.observations.end(),
-                                [&](const Observation& seen) { return seen.image == lonely; });
-  const PointId one = its->point;
-  std::vector<Observation> copies;
-  for (std::uint32_t id = 9001; id <= 9003; ++id) {
-    block.points[{id}] = block.points.at(one);
-    for (Observation seen : block.observations) {
-      if (seen.point != one) continue;
-      seen.point = {id};
-      copies.push_back(seen);
-    }
-  }
-  std::erase_if(block.observations, [&](const Observation& seen) { return seen.image == lonely; });
-  std::erase_if(block.control_observations, [&](const ControlObservation& seen) { return seen.image == lonely; });
-  block.observations.insert(block.observations.end(), copies.begin(), copies.end());
-  expect_named(weaknesses_of(block, with_covariances()), "loose_images", "IMG_2.jpg");
-}
-
 TEST(Weakness, ControlInACornerLeavesScaleAndTurnsWeak) {
   Block block = test_block({.rows = 3, .columns = 5, .points = 200, .sigma_px = 0.5, .control = 4});
   keep_control(block, 4);
