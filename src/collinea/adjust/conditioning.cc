@@ -43,7 +43,7 @@ std::string name_of_unknown(const Block& block, const Problem& problem, int row)
     return (row % 6 < 3 ? "the attitude of " : "the position of ") + block.images.at(problem.images[row / 6].id).file;
   for (const ProblemCamera& camera : problem.cameras)
     if (const int k = row - 6 * problem.poses - camera.border; k >= 0 && k < static_cast<int>(camera.free.size()))
-      return std::string(Camera::kParamNames[camera.free[k]]) + " of camera " + block.cameras.at(camera.id).name;
+      return param_name(camera.free[k]) + " of camera " + block.cameras.at(camera.id).name;
   const int in_border = row - 6 * problem.poses;
   if (const auto k = static_cast<std::size_t>(in_border - problem.first_extra); k < problem.extras.size())
     return name_of_extra(block, problem.extras[k].kind, problem.extras[k].owner, problem.extras[k].axis);

@@ -129,7 +129,8 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   weaknesses.look_at_images();
   for (const ProblemCamera& camera : problem.cameras) {
     if (camera.free.empty()) continue;
-    MatrixPd covariance = MatrixPd::Zero();
+    const int size = Camera::kParams + static_cast<int>(count_of(block.cameras.at(camera.id).additional));
+    MatrixPd covariance = MatrixPd::Zero(size, size);
     const int first = 6 * problem.poses + camera.border;
     for (std::size_t a = 0; a < camera.free.size(); ++a)
       for (std::size_t b = 0; b < camera.free.size(); ++b) {

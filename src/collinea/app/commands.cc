@@ -18,6 +18,9 @@ std::vector<Command> all_commands() {
       info_command(),
       adjust_command(),
       export_command(),
+      volume_command(),
+      profile_command(),
+      plan_command(),
       simulate_command(),
       assess_command(),
   };

@@ -18,6 +18,9 @@ Command step_command(const std::string& step, const std::string& summary);
 Command info_command();
 Command adjust_command();
 Command export_command();
+Command volume_command();
+Command profile_command();
+Command plan_command();
 Command simulate_command();
 Command assess_command();
 

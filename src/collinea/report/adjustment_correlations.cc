@@ -60,7 +60,7 @@ std::vector<PosePair> pose_pairs(const Adjusted& adjusted) {
 // The parameters of a camera that were estimated.
 std::vector<int> free_of(const MatrixPd& covariance) {
   std::vector<int> free;
-  for (int k = 0; k < Camera::kParams; ++k)
+  for (int k = 0; k < Camera::kAllParams; ++k)
     if (covariance(k, k) > 0) free.push_back(k);
   return free;
 }
@@ -71,7 +71,7 @@ std::string camera_table(const Camera& camera, const MatrixPd& covariance) {
   std::pair<int, int> strongest{free[1], free[0]};
   std::string rows;
   for (const int k : free) {
-    rows += "<tr>" + text_cell(Camera::kParamNames[std::size_t(k)]);
+    rows += "<tr>" + text_cell(param_name(k));
     for (const int other : free) {
       if (other >= k) {
         rows += other == k ? "<td>1</td>" : "<td></td>";
@@ -86,9 +86,9 @@ std::string camera_table(const Camera& camera, const MatrixPd& covariance) {
   }
   std::string html =
       fmt::format("<p>{}: strongest between {} and {}, {:+.3f}.</p>\n<table><thead><tr><th></th>", escaped(camera.name),
-                  Camera::kParamNames[std::size_t(strongest.first)], Camera::kParamNames[std::size_t(strongest.second)],
+                  param_name(strongest.first), param_name(strongest.second),
                   correlation(covariance, strongest.first, strongest.second));
-  for (const int k : free) html += fmt::format("<th>{}</th>", Camera::kParamNames[std::size_t(k)]);
+  for (const int k : free) html += fmt::format("<th>{}</th>", param_name(k));
   return html + "</tr></thead><tbody>\n" + rows + "</tbody></table>\n";
 }
 

@@ -25,6 +25,9 @@ namespace collinea {
 /// Images and tie points whose places are known worst.
 [[nodiscard]] std::string weak_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json weak_json(const AdjustmentReport& report);
+/// Additional parameters of cameras: which are significant, which are alike, which to drop.
+[[nodiscard]] std::string additional_section(const AdjustmentReport& report);
+[[nodiscard]] nlohmann::ordered_json additional_json(const AdjustmentReport& report);
 [[nodiscard]] std::string taken_out_csv(const Snooped& snooped);
 
 }  // namespace collinea
