@@ -147,27 +147,6 @@ Block corridor(const BlockSize& size, std::uint64_t seed) {
   return b.block;
 }
 
-// Standard deviations of the weak observations of cameras, as adjust() has them.
-double weak_sigma(const Camera& camera, int param) {
-  switch (param) {
-    case Camera::kF:
-      return camera.sigma_f_px;
-    case Camera::kCx:
-    case Camera::kCy:
-      return 0.03 * camera.width_px;
-    case Camera::kK1:
-      return 0.2;
-    case Camera::kK2:
-    case Camera::kK3:
-      return 0.5;
-    case Camera::kP1:
-    case Camera::kP2:
-      return 0.01;
-    default:
-      return 0.005 * camera.focal_px();
-  }
-}
-
 }  // namespace
 
 Eigen::Vector3d normal3(Random& random) {
@@ -231,8 +210,10 @@ Measured measured(const Block& exact, std::uint64_t seed) {
   for (auto& [id, image] : made.block.images)
     if (image.position) image.position->position_in_world += normal3(random).cwiseProduct(image.position->sigma_m);
   made.scope.first_cameras = exact.cameras;
-  for (auto& [id, camera] : made.scope.first_cameras)
-    for (int k = 0; k < Camera::kParams; ++k) camera.params[k] += weak_sigma(camera, k) * random.normal();
+  for (auto& [id, camera] : made.scope.first_cameras) {
+    const CameraSigmas sigmas = *calibration_named("brown_affinity", camera);
+    for (std::size_t k = 0; k < sigmas.size(); ++k) camera.params[k] += sigmas[k] * random.normal();
+  }
   for (auto& [id, camera] : made.block.cameras) camera.params[Camera::kF] *= 1 + 0.002 * random.normal();
   for (auto& [id, pose] : made.block.cam_from_world) {
     const Eigen::Vector3d centre = centre_of(pose) + 0.1 * normal3(random);

@@ -15,11 +15,13 @@ struct Row {
 };
 using Rows = std::vector<Row>;
 
-/// How much is simulated: 1 for the full table; less for a quick look, whose bounds are then wider.
+/// How much is simulated. With fewer blocks than these, bounds that are shares of all errors are wider.
 struct Effort {
-  int blocks = 600;         ///< of the comparison with real errors
-  int blunder_blocks = 40;  ///< and of variance components
+  int blocks = 1800;        ///< of the comparison with real errors
+  int blunder_blocks = 40;  ///< and of variance components and instruments
   int large_images = 1000, large_points = 200000;
+
+  [[nodiscard]] bool all_blocks() const { return blocks >= Effort{}.blocks; }
 };
 
 [[nodiscard]] Rows true_errors(const Effort& effort, const Run& run);
@@ -28,6 +30,12 @@ struct Effort {
 [[nodiscard]] Rows blunders(const Effort& effort, const Run& run);
 [[nodiscard]] Rows variance_components(const Effort& effort, const Run& run);
 [[nodiscard]] Rows weak_blocks(const Run& run);
+/// Blunders in measurements on the ground and in attitudes.
+[[nodiscard]] Rows survey_blunders(const Effort& effort, const Run& run);
+/// Lever arm, shift, drift and boresight.
+[[nodiscard]] Rows instruments(const Effort& effort, const Run& run);
+/// Rows of a program beside this one that prints them.
+[[nodiscard]] Rows rows_of(const std::string& command);
 [[nodiscard]] Rows large_block(const Effort& effort, const Run& run);
 
 }  // namespace collinea::bench

@@ -26,6 +26,7 @@ struct Search {
   double initial_cost = 0, cost = 0;
   int iterations = 0;
   bool converged = false;
+  double last_step = 0;  // in standard deviations
 };
 
 /// Levenberg-Marquardt with the gain ratio of Madsen, Nielsen, Tingleff (2004); a step that the linear model foretold
@@ -62,6 +63,7 @@ class LevenbergMarquardt {
   void judge(Search& at, State next) {
     const double tolerance = options_.relative_cost_change * at.cost;
     const double variance = at.cost / static_cast<double>(std::max(1L, problem_.redundancy()));
+    at.last_step = std::sqrt(std::max(0.0, step_.squared_length) / std::max(variance, 1e-300));
     // Steps of images and cameras say nothing where these are held: then only the cost does.
     const bool short_step = problem_.poses + problem_.border > 0 &&
                             step_.squared_length < options_.step_sigmas * options_.step_sigmas * variance;
@@ -140,6 +142,7 @@ Result<Adjusted> Adjuster::adjust(const Block& block, const AdjustScope& scope, 
   adjusted.final_cost = found.cost;
   adjusted.iterations = found.iterations;
   adjusted.converged = found.converged;
+  adjusted.last_step_sigmas = found.last_step;
   bundle::describe_outcome(block, scope, problem, found.state, adjusted);
   if (options.covariances || options.point_covariances || options.reliability) {
     bundle::add_covariances(block, problem, found.state, options, run, normals, adjusted);

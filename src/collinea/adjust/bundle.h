@@ -42,6 +42,7 @@ struct AdjustOptions {
   double false_alarm = 0.001;
   double power = 0.8;
   bool sigma0_known = false;
+  int folds = 5;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -75,6 +76,9 @@ struct AdjustOptions {
     visit(Field{"power", &O::power, "1", "probability with which a minimal detectable blunder is found", 0.5, 0.999});
     visit(Field{"sigma0_known", &O::sigma0_known, "",
                 "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
+    visit(Field{"folds", &O::folds, "1",
+                "parts of the control, each left out together and foretold by the others (Reliability::folded)", 2,
+                100});
   }
 };
 
@@ -193,6 +197,15 @@ struct Weakness {
                     ///< correlation
 };
 
+/// How well images, cameras and what stands in the border can be told apart.
+struct Conditioning {
+  /// The largest variance that any combination of them has, over what it would be if everything else (points too) were
+  /// known: 1 / the least eigenvalue of the reduced normal equations with each unknown in units of its own weight. Of
+  /// sixteen digits its logarithm is lost. 0: not known.
+  double inflation = 0;
+  std::string mostly;  ///< what that combination consists of, in words
+};
+
 /// The outcome of a bundle adjustment. Residuals are observed minus computed.
 struct Adjusted {
   std::map<ImageId, Rigid3> cam_from_world;                 ///< of the images that moved
@@ -222,6 +235,7 @@ struct Adjusted {
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;  ///< sum of squared whitened residuals after the loss
   bool converged = false;
+  double last_step_sigmas = 0;  ///< length of the last step of images and cameras, in their standard deviations
 
   /// Covariances of the robust estimate by the given sigmas (times sigma0^2 when those are only known up to scale);
   /// empty when not asked for or when something is not determined (`undetermined` then says what).
@@ -230,6 +244,7 @@ struct Adjusted {
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points
   std::string undetermined;
+  Conditioning conditioning;               ///< with covariances
   std::vector<Weakness> weaknesses;        ///< with covariances; none: everything is well determined
   std::optional<Reliability> reliability;  ///< when asked for and everything is determined
 };

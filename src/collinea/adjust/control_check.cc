@@ -21,6 +21,7 @@ struct Place {
   ControlId id;
   PlacePair pair;  // block frame and world frame
   Eigen::Vector3d in_map;
+  double sigma_in_block = 0;  // of its intersection, by its marks
 };
 
 std::vector<PlacePair> pairs_of(const std::vector<Place>& places) {
@@ -126,7 +127,7 @@ void exclude(const Block& block, std::vector<Place>& places, std::size_t i, cons
 // Leave-one-out: the point without which the others fit best goes when it is far off that fit.
 void check_points_among_each_other(const Block& block, std::vector<Place>& places, ControlDiagnosis& diagnosis) {
   while (places.size() >= 4) {
-    double least = std::numeric_limits<double>::infinity();
+    double least = std::numeric_limits<double>::infinity(), scale = 1;
     std::size_t worst = places.size();
     Eigen::Vector3d off = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -138,6 +139,7 @@ void check_points_among_each_other(const Block& block, std::vector<Place>& place
       if (scatter >= least) continue;
       least = scatter;
       worst = i;
+      scale = similarity->scale;
       off = places[i].pair.in_world - *similarity * places[i].pair.in_block;
     }
     if (worst == places.size()) return;
@@ -145,7 +147,8 @@ void check_points_among_each_other(const Block& block, std::vector<Place>& place
     // uncertain, and the factor grows as Student's quantiles do (four points: two left, five: five, six: eight).
     const double times = places.size() == 4 ? 20 : places.size() == 5 ? 12 : places.size() == 6 ? 8 : 6;
     const double bending = 2e-3 * size_m(pairs_of(places));
-    if (off.norm() < std::max({times * least, 10 * places[worst].pair.sigma_m, bending})) return;
+    const double sigma_m = std::hypot(places[worst].pair.sigma_m, scale * places[worst].sigma_in_block);
+    if (off.norm() < std::max({times * least, 10 * sigma_m, bending})) return;
     exclude(block, places, worst, off, "what the other points say", diagnosis);
   }
 }
@@ -289,12 +292,13 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
 ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
   ControlDiagnosis diagnosis;
   std::vector<Place> places;
-  for (const auto& [id, point] : bundle::intersect_control(block, diagnosis)) {
+  for (const auto& [id, met] : bundle::intersect_control(block, diagnosis)) {
     const ControlPoint& control = block.control.at(id);
     if (!control.sigma_m.allFinite()) continue;  // partial control cannot be compared by a similarity
     places.push_back({id,
-                      {point, control.position_in_world, std::sqrt(control.sigma_m.squaredNorm() / 3)},
-                      control.position_in_map});
+                      {met.point_in_world, control.position_in_world, std::sqrt(control.sigma_m.squaredNorm() / 3)},
+                      control.position_in_map,
+                      std::sqrt(met.covariance.trace() / 3)});
   }
   if (axes_are_swapped(block, places, seed)) {
     Finding finding{"control_axes_swapped", {}, {}, {}, 0};

@@ -68,8 +68,8 @@ Finding disagreement(const ControlPoint& control, ControlId id, std::size_t imag
 
 }  // namespace
 
-std::map<ControlId, Eigen::Vector3d> intersect_control(const Block& block, ControlDiagnosis& diagnosis) {
-  std::map<ControlId, Eigen::Vector3d> points;
+std::map<ControlId, Intersection> intersect_control(const Block& block, ControlDiagnosis& diagnosis) {
+  std::map<ControlId, Intersection> points;
   for (const auto& [id, control] : block.control) {
     std::vector<std::size_t> places;
     std::vector<SightLine> lines = sight_lines(block, id, &places);
@@ -91,7 +91,7 @@ std::map<ControlId, Eigen::Vector3d> intersect_control(const Block& block, Contr
       diagnosis.excluded_points.insert(id);
       continue;
     }
-    points[id] = met->point_in_world;
+    points.emplace(id, *met);
   }
   return points;
 }

@@ -33,7 +33,7 @@ void add_measurement(const Block& block, const Problem& problem, const State& st
 }  // namespace
 
 void predict_check_points(const Block& block, const Problem& problem, const State& state, const TileCholesky& factor,
-                          const Run& run, Adjusted& adjusted) {
+                          const FreeNetwork& free_network, const Run& run, Adjusted& adjusted) {
   std::map<ImageId, int> number;
   for (std::size_t i = 0; i < problem.images.size(); ++i) number[problem.images[i].id] = static_cast<int>(i);
   std::map<ControlId, std::vector<const ControlObservation*>> measured;
@@ -46,13 +46,18 @@ void predict_check_points(const Block& block, const Problem& problem, const Stat
     ControlDifference& check = adjusted.control[i];
     if (check.used || !check.position_in_world || joined.contains(check.point)) return;
     PointSystem system(problem);
-    const auto its = measured.find(check.point);
-    if (its == measured.end()) return;
-    for (const ControlObservation* seen : its->second)
+    const auto its_own = measured.find(check.point);
+    if (its_own == measured.end()) return;
+    std::vector<int> poses;
+    for (const ControlObservation* seen : its_own->second) {
       add_measurement(block, problem, state, number, *seen, *check.position_in_world, system);
+      const auto its = number.find(seen->image);
+      poses.push_back(its == number.end() || its->second >= problem.poses ? -1 : its->second);
+    }
     system.close(false, nullptr, nullptr);
     if (!system.determined()) return;
-    check.covariance_m2 = system.covariance_by_solving(factor);
+    check.covariance_m2 =
+        free_network.of_check_point(system.covariance_by_solving(factor), system, *check.position_in_world, poses);
     const Eigen::Vector3d survey = block.control.at(check.point).sigma_m;
     for (int axis = 0; axis < 3; ++axis)
       if (std::isfinite(survey[axis]))
@@ -62,7 +67,7 @@ void predict_check_points(const Block& block, const Problem& problem, const Stat
 }
 
 void predict_control_points(const Block& block, const Problem& problem, const State& state, TileCholesky& inverse,
-                            Adjusted& adjusted) {
+                            const FreeNetwork& free_network, Adjusted& adjusted) {
   for (std::size_t p = problem.first_control; p < problem.point_count(); ++p) {
     const ProblemPoint& point = problem.point(p);
     if (point.control < 0) continue;
@@ -75,18 +80,18 @@ void predict_control_points(const Block& block, const Problem& problem, const St
       continue;
     }
     const Eigen::Matrix3d covariance = PointSystem(problem, state, p).covariance(inverse);
-    its->covariance_m2 = covariance;
+    const Eigen::Matrix3d in_datum = its->covariance_m2.emplace(free_network.of_point(covariance, p));
     const Eigen::Map<const Eigen::Vector3d> inverse_sigma(problem.control[point.control].inverse_sigma);
     for (int axis = 0; axis < 3; ++axis) {
       const double w = inverse_sigma[axis];
       if (!its->used)  // its coordinates did not take part
-        its->difference_sigma_m[axis] = std::hypot(sigma_scale(adjusted) * std::sqrt(covariance(axis, axis)),
+        its->difference_sigma_m[axis] = std::hypot(sigma_scale(adjusted) * std::sqrt(in_datum(axis, axis)),
                                                    block.control.at(its->point).sigma_m[axis]);
       if (!its->used && !std::isfinite(its->difference_sigma_m[axis]))
         its->difference_sigma_m[axis] = std::numeric_limits<double>::quiet_NaN();
       if (!(w > 0)) continue;
-      // The difference is (I - Q P) times that of the point without its coordinates, whose variance is that of the
-      // block and that of the survey.
+      // No motion of the datum moves a coordinate that is observed. The difference is (I - Q P) times that of the point
+      // without its coordinates, whose variance is that of the block and that of the survey.
       const Eigen::Vector3d q = covariance.col(axis);
       const double of_survey = q.cwiseProduct(inverse_sigma).squaredNorm(), whole = covariance(axis, axis);
       its->difference_sigma_m[axis] = std::sqrt(std::max(

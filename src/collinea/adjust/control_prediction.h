@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "collinea/adjust/free_network.h"
 #include "collinea/adjust/problem.h"
 #include "collinea/adjust/tile_cholesky.h"
 
@@ -10,12 +11,12 @@ namespace collinea::bundle {
 /// images' uncertainty with all its correlations, their own measurements, and the survey. sigma0 multiplies what was
 /// adjusted; the sigmas of a survey are taken as given: sigma0 is that of image points, which know nothing of it.
 void predict_check_points(const Block& block, const Problem& problem, const State& state, const TileCholesky& factor,
-                          const Run& run, Adjusted& adjusted);
+                          const FreeNetwork& free_network, const Run& run, Adjusted& adjusted);
 
 /// The same of the control points that took part, and of check points that did without their coordinates, with the
 /// selected inverse. Their differences are residuals, smaller than their errors: the variance of the survey less that
 /// of the adjusted point.
 void predict_control_points(const Block& block, const Problem& problem, const State& state, TileCholesky& inverse,
-                            Adjusted& adjusted);
+                            const FreeNetwork& free_network, Adjusted& adjusted);
 
 }  // namespace collinea::bundle

@@ -2,6 +2,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "collinea/adjust/conditioning.h"
+#include "collinea/adjust/control_folds.h"
 #include "collinea/adjust/control_prediction.h"
 #include "collinea/adjust/free_network.h"
 #include "collinea/adjust/normals.h"
@@ -15,21 +17,6 @@ namespace {
 
 constexpr double kDatumStiffness = 1e6;  // the datum constraints count as exact
 constexpr double kLeastPivot = 1e-13;    // of its diagonal element: rounding leaves no more
-
-std::string name_of_unknown(const Block& block, const Problem& problem, int row) {
-  if (row < 6 * problem.poses)
-    return (row % 6 < 3 ? "the attitude of " : "the position of ") + block.images.at(problem.images[row / 6].id).file;
-  for (const ProblemCamera& camera : problem.cameras)
-    if (const int k = row - 6 * problem.poses - camera.border; k >= 0 && k < static_cast<int>(camera.free.size()))
-      return param_name(camera.free[k]) + " of camera " + block.cameras.at(camera.id).name;
-  const int in_border = row - 6 * problem.poses;
-  if (const auto k = static_cast<std::size_t>(in_border - problem.first_extra); k < problem.extras.size())
-    return name_of_extra(block, problem.extras[k].kind, problem.extras[k].owner, problem.extras[k].axis);
-  for (const std::uint32_t p : problem.joined)
-    if (const int k = in_border - problem.point(p).joined; k >= 0 && k < 3)
-      return "the position of " + block.control.at(ControlId{problem.point(p).id}).name;
-  return "an unknown";
-}
 
 Eigen::MatrixXd block_of(TileCholesky& inverse, int row, int rows, int column, int columns) {
   Eigen::MatrixXd block(rows, columns);
@@ -113,7 +100,8 @@ void name_inseparable_offsets(const Block& block, const Problem& problem, TileCh
 }
 
 // Standard deviations of unknowns beside images, cameras and points, and of what was measured on the ground.
-void predict_others(const Problem& problem, const State& state, TileCholesky& inverse, Adjusted& adjusted) {
+void predict_others(const Problem& problem, const State& state, TileCholesky& inverse, const FreeNetwork& free_network,
+                    Adjusted& adjusted) {
   const int border = 6 * problem.poses;
   for (std::size_t i = 0; i < problem.extras.size(); ++i) {
     const int row = border + problem.first_extra + static_cast<int>(i);
@@ -122,7 +110,9 @@ void predict_others(const Problem& problem, const State& state, TileCholesky& in
   for (std::size_t i = 0; i < problem.ground.size(); ++i) {
     const GroundLink& link = problem.ground[i];
     GroundDifference& difference = adjusted.ground[i];
-    const double variance = variance_of(row_of(problem, link, model_of(problem, link, state)), inverse);
+    const GroundModel model = model_of(problem, link, state);
+    const Row row = row_of(problem, link, model);
+    const double variance = free_network.of_link(variance_of(row, inverse), link, model, row);
     const double sigma = link.observation.sigma, scaled = std::pow(sigma_scale(adjusted), 2) * variance;
     difference.sigma = std::sqrt(std::max(variance, 0.0));
     // Of a residual it is what is left of the sigma; see predict_control_points.
@@ -156,17 +146,22 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
     const auto extra = static_cast<std::size_t>(failed_row - 6 * problem.poses - problem.first_extra);
     if (extra < problem.extras.size())
       adjusted.undetermined += std::string(": ") + cure_of(problem.extras[extra], nullptr);
+    weaknesses.look_at_bases(nullptr, run);
     weaknesses.look_at_loose_images(run, normals);
     return;
   }
   TileCholesky& matrix = *factor;
+  adjusted.conditioning = conditioning_of(block, problem, normals.diagonal(), matrix, run);
   weaknesses.look_at_correlations(matrix);
   const FreeNetwork free_network(problem, state, matrix);
-  predict_check_points(block, problem, state, matrix, run, adjusted);
+  predict_check_points(block, problem, state, matrix, free_network, run, adjusted);
+  std::optional<ControlFolds> folds;
+  if (options.reliability) folds.emplace(problem, state, matrix, run);
+  if (run.stopped()) return;
   matrix.invert(run);
   if (run.stopped()) return;
-  predict_control_points(block, problem, state, matrix, adjusted);
-  predict_others(problem, state, matrix, adjusted);
+  predict_control_points(block, problem, state, matrix, free_network, adjusted);
+  predict_others(problem, state, matrix, free_network, adjusted);
   name_inseparable_offsets(block, problem, matrix, adjusted);
   name_inseparable(block, problem, matrix, adjusted);
   for (int i = 0; i < problem.poses; ++i) {
@@ -175,6 +170,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
     adjusted.pose_covariance[problem.images[i].id] =
         free_network.of_pose(to_world * block_of(matrix, 6 * i, 6, 6 * i, 6) * to_world.transpose(), i, to_world);
   }
+  weaknesses.look_at_bases(&matrix, run);
   weaknesses.look_at_images();
   for (const ProblemCamera& camera : problem.cameras) {
     if (camera.free.empty()) continue;
@@ -189,6 +185,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
     adjusted.camera_covariance[camera.id] = covariance;
   }
   if (options.reliability) add_reliability(block, problem, state, options, matrix, run, adjusted);
+  if (adjusted.reliability) adjusted.reliability->folded = folds->leave_out(problem, state, adjusted, options.folds);
   if (!options.point_covariances || run.stopped()) return;
   std::map<PointId, std::size_t> place;
   for (std::size_t i = 0; i < adjusted.points.size(); ++i) place[adjusted.points[i].first] = i;

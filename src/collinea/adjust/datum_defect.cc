@@ -17,10 +17,6 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 constexpr std::size_t kDatumImages = 8, kLeastDatumCandidates = 64;
 constexpr double kSeen = 1e-9;  // of the largest eigenvalue: 3e-5 in angle or relative scale
 
-Eigen::Vector3d centre_in(const State& state, std::size_t image) {
-  return Eigen::Map<const Eigen::Vector3d>(state.frames[image].data() + 9);
-}
-
 // Images connected by points, as numbers of parts; held images belong to every part and join nothing.
 std::vector<int> parts_of(const Problem& problem, std::vector<int>& part_of_point, int& parts) {
   std::vector<int> root(problem.poses);
@@ -232,8 +228,9 @@ void gather_other_motions(const Problem& problem, const State& state, const std:
   }
   for (const GivenTurn& given : problem.attitudes) {
     for (int axis = 0; axis < 3; ++axis)  // a world turned by w turns cam_from_world by -w in the world
-      all.add(part[given.image], -Eigen::Matrix<double, 1, 7>::Unit(3 + axis), row_of(problem, state, given, axis));
-    parts[part[given.image]].verticals = true;
+      if (given.inverse_sigma[axis] > 0)
+        all.add(part[given.image], -Eigen::Matrix<double, 1, 7>::Unit(3 + axis), row_of(problem, state, given, axis));
+    parts[part[given.image]].verticals |= given.inverse_sigma.maxCoeff() > 0;
   }
   for (std::size_t i = 0; i < parts.size(); ++i) parts[i].seen += all.seen(static_cast<int>(i));
 }

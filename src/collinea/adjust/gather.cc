@@ -448,7 +448,8 @@ class Gatherer {
     for (const ProblemCamera& camera : problem.cameras)
       for (const double inverse_sigma : camera.inverse_sigma) problem.observation_count += inverse_sigma > 0;
     for (const GivenPosition& position : problem.positions) problem.observation_count += position.axes();
-    problem.observation_count += 3 * static_cast<long>(problem.attitudes.size());
+    for (const GivenTurn& given : problem.attitudes)
+      problem.observation_count += (given.inverse_sigma.array() > 0).count();
     problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
     for (const ExtraUnknown& extra : problem.extras) problem.observation_count += extra.inverse_sigma > 0;
     for (const GroundLink& link : problem.ground) problem.observation_count += link.inverse_sigma > 0;

@@ -21,10 +21,6 @@ struct GaugeNormals {
   double cost = 0;
 };
 
-Eigen::Vector3d centre_in(const State& state, std::size_t image) {
-  return Eigen::Map<const Eigen::Vector3d>(state.frames[image].data() + 9);
-}
-
 // The observations of place, of a block moved by `moved`, and their derivatives by a further motion.
 GaugeNormals normals_at(const Problem& problem, const State& state, const Similarity3& moved,
                         const Eigen::Vector3d& centre, double size) {

@@ -7,6 +7,11 @@ namespace collinea::bundle {
 
 using Matrix37 = Eigen::Matrix<double, 3, 7>;
 
+/// The projection centre of an image.
+[[nodiscard]] inline Eigen::Vector3d centre_in(const State& state, std::size_t image) {
+  return Eigen::Map<const Eigen::Vector3d>(state.frames[image].data() + 9);
+}
+
 /// How a point moves when its world is shifted, turned and scaled about `centre`, divided by `size`:
 /// by [shift / size, angles (rad), log scale].
 [[nodiscard]] Matrix37 motion_of(const Eigen::Vector3d& point, const Eigen::Vector3d& centre, double size);

@@ -126,6 +126,21 @@ void PointSystem::add_following(const Eigen::Vector3d& direction, Eigen::VectorX
     by_reduced.segment(group.row, group.count) -= z_.middleRows(group.first, group.count) * forward;
 }
 
+PointSystem::Relative PointSystem::relative_to(int pose, const Eigen::Vector3d& direction, TileCholesky& inverse,
+                                               const double* vector) const {
+  Eigen::Vector3d forward = direction;
+  normals_.forward(forward.data());
+  Eigen::VectorXd by_reduced = -(z_ * forward);
+  Relative result;
+  for (const Group& group : groups_) {
+    if (group.row == 6 * pose) by_reduced.segment<3>(group.first + 3) -= direction;
+    result.product += by_reduced.segment(group.first, group.count)
+                          .dot(Eigen::Map<const Eigen::VectorXd>(vector + group.row, group.count));
+  }
+  result.variance = forward.squaredNorm() + by_reduced.dot(local(inverse) * by_reduced);
+  return result;
+}
+
 Eigen::Matrix3d PointSystem::covariance(TileCholesky& inverse) const {
   if (joined_ >= 0) {
     Eigen::Matrix3d covariance;

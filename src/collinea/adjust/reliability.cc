@@ -29,6 +29,21 @@ double GroupSums::relative_sigma() const { return 1 / std::sqrt(2 * squared_redu
 
 bool GroupSums::told() const { return squared_redundancy >= kLeastRedundancy; }
 
+LeftOutRms rms_of(const std::vector<LeftOutPoint>& points, bool height) {
+  LeftOutRms rms;
+  for (const LeftOutPoint& one : points) {
+    const double square = height ? std::pow(one.difference_m.z(), 2) : one.difference_m.head<2>().squaredNorm();
+    if (!std::isfinite(square)) continue;
+    ++rms.points;
+    rms.difference_m += square;
+    rms.foretold_m += height ? std::pow(one.difference_sigma_m.z(), 2) : one.difference_sigma_m.head<2>().squaredNorm();
+  }
+  if (rms.points == 0) return rms;
+  rms.difference_m = std::sqrt(rms.difference_m / rms.points);
+  rms.foretold_m = std::sqrt(rms.foretold_m / rms.points);
+  return rms;
+}
+
 namespace bundle {
 namespace {
 
@@ -276,6 +291,7 @@ class Examiner {
       const Eigen::Vector3d residual = residual_of(state_, given);
       for (int axis = 0; axis < 3; ++axis) {
         const double w = given.inverse_sigma[axis];
+        if (!(w > 0)) continue;
         TestedObservation one;
         one.group = axis < 2 ? ObservationGroup::kAttitudeLevel : ObservationGroup::kAttitudeHeading;
         one.source = problem_.images[given.image].id.value;

@@ -85,6 +85,21 @@ struct LeftOutPoint {
   Eigen::Vector3d difference_sigma_m;  ///< expected of it, with sigma0
 };
 
+/// Control points left out in parts, each foretold by the others.
+struct Folded {
+  int folds = 0;                     ///< parts; 0: too few points (or too many), none were left out
+  std::vector<int> part;             ///< of each point, from 1
+  std::vector<LeftOutPoint> points;  ///< of parts without which the block is determined, in the order of ControlId
+};
+
+/// Root mean squares over points that were left out: of differences, and what their sigmas foretell.
+struct LeftOutRms {
+  int points = 0;
+  double difference_m = 0, foretold_m = 0;
+};
+/// In plan (of both axes together, points surveyed on both), or in height.
+[[nodiscard]] LeftOutRms rms_of(const std::vector<LeftOutPoint>& points, bool height);
+
 /// Sums over one group, as variance components need them.
 struct GroupSums {
   long observations = 0;
@@ -115,6 +130,7 @@ struct Reliability {
   std::vector<TestedObservation> others;        ///< all but tie points: control, positions, ground, every one
   std::vector<TestedObservation> suspects;      ///< beyond the limit, worst first, 1000 at most
   std::vector<LeftOutPoint> left_out;  ///< every control point without whose coordinates the block is determined
+  Folded folded;                       ///< the same of parts of them
   std::array<GroupSums, kObservationGroups> groups;
 };
 

@@ -264,8 +264,12 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
                                 std::size_t(ObservationGroup::kPositionHeight), kSigma0, kLevel, kPose}) {
       const double mean = sum[i] / kBlocks, sigma = std::sqrt((squares[i] / kBlocks - mean * mean) / kBlocks);
       const bool falls = loss == std::string_view("cauchy") && i != kPose;
+      // Beside chance what is told above, with a tenth of it: 2 % of variances under Huber's loss (1 % of sigma0), 8 %
+      // of tie points and 20 % of positions and of the level under Cauchy's; and never more than one.
       const double pulled = !falls ? 0.02 : i == 0 || i == kSigma0 ? 0.09 : 0.22;
-      EXPECT_NEAR(mean, 1, 4 * sigma + pulled) << loss << " " << i;
+      EXPECT_LT(mean, 1 + 4 * sigma + 0.02) << loss << " " << i;
+      EXPECT_GT(mean, 1 - 4 * sigma - pulled) << loss << " " << i;
+      // So little chance that twice the variance would be seen, of positions too, which have 18 coordinates a block.
       EXPECT_LT(4 * sigma, i == kLevel || i == kPose ? 0.15 : 0.3) << loss << " " << i;
     }
   }

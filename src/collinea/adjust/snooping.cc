@@ -27,13 +27,29 @@ constexpr double kGross = 100;            // sigmas: such a ray of control bends
 constexpr double kSpoiltByRay = 10;
 
 bool is_ray(Group group) { return group == Group::kTieImages || group == Group::kControlImages; }
-bool is_height(Group group) { return group == Group::kControlHeight || group == Group::kPositionHeight; }
-// Of what was measured on the ground, or of an attitude: whoever measured it decides.
-bool is_told_only(Group group) { return group >= Group::kDistance; }
+// Of the third axis; of the others of its kind are both.
+bool is_height(Group group) {
+  return group == Group::kControlHeight || group == Group::kPositionHeight || group == Group::kAttitudeHeading;
+}
+bool is_ground(Group group) { return group >= Group::kDistance && group <= Group::kZenithAngle; }
+bool is_attitude(Group group) { return group == Group::kAttitudeLevel || group == Group::kAttitudeHeading; }
 bool is_position(Group group) { return group == Group::kPositionPlan || group == Group::kPositionHeight; }
 
 // What an observation is, whatever place it has in a block.
 using Key = std::tuple<Group, std::uint32_t, std::uint32_t>;
+
+template <class T>
+void erase(std::vector<T>& all, std::vector<std::uint32_t>& places) {
+  std::sort(places.begin(), places.end());
+  std::size_t next = 0, to = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (next < places.size() && places[next] == i)
+      ++next;
+    else
+      all[to++] = all[i];
+  }
+  all.resize(to);
+}
 
 class Snooper {
  public:
@@ -46,27 +62,32 @@ class Snooper {
 
   Result<Snooped> snoop() {
     if (scope_.use_control) take_out_gross();
-    for (;;) {
-      COLLINEA_TRY(Adjusted adjusted, adjuster_.adjust(out_.block, scope_, options_, run_));
+    for (bool first = true;;) {
+      Result<Adjusted> adjusted = adjuster_.adjust(out_.block, scope_, options_, run_);
+      if (!adjusted && (adjusted.error().code != Errc::kIllPosed || gone_.empty()))
+        return tl::unexpected(std::move(adjusted).error());
       ++out_.rounds;
-      if (ground_ && (!adjusted.reliability || adjusted.rank_defect > rank_defect_)) {
+      const bool determined = adjusted && adjusted->reliability && (first || adjusted->rank_defect <= rank_defect_);
+      if (!determined && !gone_.empty()) {
         put_back();
         continue;
       }
-      if (!adjusted.reliability) return fail(Errc::kIllPosed, "data snooping: " + adjusted.undetermined);
-      rank_defect_ = adjusted.rank_defect;
-      if (out_.rounds == 1) {
-        out_.sigma0_before = adjusted.sigma0;
-        out_.with = adjusted.control;
+      if (!determined) return fail(Errc::kIllPosed, "data snooping: " + adjusted->undetermined);
+      rank_defect_ = adjusted->rank_defect;
+      if (first) {
+        out_.sigma0_before = adjusted->sigma0;
+        out_.with = adjusted->control;
       }
-      ground_.reset();
-      apply(adjusted, out_.block);
-      const std::size_t before = out_.taken_out.size();
+      first = false;
+      if (most_in_round_ < kAll / 2) most_in_round_ *= 2;
+      apply(*adjusted, out_.block);
       out_.kept.clear();
-      take_out_worst(adjusted);
-      out_.finished = out_.taken_out.size() == before && !full_;
-      if (out_.taken_out.size() == before) {
-        out_.adjusted = std::move(adjusted);
+      keep_for_return();
+      take_out_worst(*adjusted);
+      out_.finished = gone_.empty() && !full_;
+      if (gone_.empty()) {
+        out_.adjusted = std::move(*adjusted);
+        out_.attitudes = scope_.attitudes;
         tell_blunders();
         return std::move(out_);
       }
@@ -78,6 +99,7 @@ class Snooper {
     ImageId image;
     PointId point;
     ControlId control;
+    std::uint32_t ground = 0;
   };
 
   [[nodiscard]] Seen seen_by(const TestedObservation& one) const {
@@ -88,33 +110,56 @@ class Snooper {
     } else if (one.group == Group::kControlImages) {
       seen.image = out_.block.control_observations[one.source].image;
       seen.control = out_.block.control_observations[one.source].point;
-    } else if (is_position(one.group)) {
+    } else if (is_position(one.group) || is_attitude(one.group)) {
       seen.image = ImageId{one.source};
+    } else if (is_ground(one.group)) {
+      seen.ground = one.source;
     } else {
       seen.control = ControlId{one.source};
     }
     return seen;
   }
   [[nodiscard]] static Key key_of(Group group, const Seen& seen) {
+    if (is_ground(group)) return {group, seen.ground, 0};
     return {group, seen.image.value, group == Group::kTieImages ? seen.point.value : seen.control.value};
   }
 
+  // Before a round: what it takes may have to be put back.
+  void keep_for_return() {
+    before_ = out_.block;
+    attitudes_before_ = scope_.attitudes;
+    taken_before_ = out_.taken_out.size();
+    gone_.clear();
+  }
+  // Without it something would not be determined. Which of many that is shows when fewer go.
+  void put_back() {
+    out_.block = before_;
+    scope_.attitudes = attitudes_before_;
+    out_.taken_out.resize(taken_before_);
+    given_of_.resize(taken_before_);
+    if (gone_.size() == 1) stays_[gone_.front()] = "without it the block is not determined";
+    most_in_round_ = gone_.size() == 1 ? kAll : gone_.size() / 2;
+    gone_.clear();
+  }
+
   void take_out_gross() {
+    keep_for_return();
     std::vector<std::uint32_t> gross;
-    for (const Finding& finding : check_control(given_, run_.seed).findings) {
-      if (!finding.point || !finding.image) continue;
-      for (std::size_t i = 0; i < given_.control_observations.size(); ++i) {
-        const ControlObservation& seen = given_.control_observations[i];
-        if (seen.point != *finding.point || seen.image != *finding.image || finding.size < kGross * seen.sigma_px)
-          continue;
-        gross.push_back(static_cast<std::uint32_t>(i));
-        TakenOut gone{Group::kControlImages, seen.image, {}, seen.point};
-        gone.w = finding.size / seen.sigma_px;
-        gone.redundancy = gone.pulled = kNaN;
-        gone.sigma = kNaN;
-        out_.taken_out.push_back(gone);
-        sigmas_.push_back(seen.sigma_px);
-      }
+    const ControlDiagnosis diagnosis = check_control(given_, run_.seed);
+    for (const std::size_t place : diagnosis.excluded_observations) {
+      const ControlObservation& seen = given_.control_observations[place];
+      double off_px = 0;
+      for (const Finding& finding : diagnosis.findings)
+        if (finding.point == seen.point && finding.image == seen.image) off_px = std::max(off_px, finding.size);
+      if (off_px < kGross * seen.sigma_px || static_cast<int>(out_.taken_out.size()) >= most_) continue;
+      gross.push_back(static_cast<std::uint32_t>(place));
+      TakenOut gone{Group::kControlImages, seen.image, {}, seen.point};
+      gone.w = off_px / seen.sigma_px;
+      gone.redundancy = gone.pulled = kNaN;
+      gone.sigma = kNaN;
+      out_.taken_out.push_back(gone);
+      given_of_.push_back({seen.sigma_px, seen.pixel});
+      gone_.push_back(key_of(gone.group, {seen.image, {}, seen.point}));
     }
     erase(out_.block.control_observations, gross);
   }
@@ -122,7 +167,7 @@ class Snooper {
   // One pass over the suspects, worst first.
   void take_out_worst(const Adjusted& adjusted) {
     const Reliability& tests = *adjusted.reliability;
-    count_rays();
+    count_rays(adjusted);
     std::map<ImageId, double> worse_in_image;  // sum of |w| of worse suspects
     std::set<PointId> points;
     std::set<ControlId> controls;
@@ -155,27 +200,32 @@ class Snooper {
         full_ = true;
         break;
       }
+      if (gone_.size() == most_in_round_) break;
       this_round.insert(key);
+      gone_.push_back(key);
       take_out(one, seen, adjusted, ties, control_rays);
     }
     erase(out_.block.observations, ties);
     erase(out_.block.control_observations, control_rays);
   }
 
-  void count_rays() {
+  // Only what takes part keeps an image where it is.
+  void count_rays(const Adjusted& adjusted) {
     rays_.clear();
     of_point_.clear();
-    for (const Observation& seen : out_.block.observations) {
+    for (const std::uint32_t place : adjusted.observations) {
+      const Observation& seen = out_.block.observations[place];
       ++rays_[seen.image];
       ++of_point_[seen.point];
     }
-    for (const ControlObservation& seen : out_.block.control_observations) ++rays_[seen.image];
+    for (const TestedObservation& one : adjusted.reliability->others)
+      if (one.group == Group::kControlImages && one.axis == 0)
+        ++rays_[out_.block.control_observations[one.source].image];
   }
 
   [[nodiscard]] std::string reason_to_stay(const TestedObservation& one, const Seen& seen,
                                            const Reliability& tests) const {
     if (const auto why = stays_.find(key_of(one.group, seen)); why != stays_.end()) return why->second;
-    if (is_told_only(one.group)) return "measurements on the ground and attitudes are named, not taken out";
     if (!std::isfinite(one.w)) return "";
     if (one.redundancy < kLeastRedundancy) return "too little checks it";
     if (is_ray(one.group))
@@ -191,11 +241,13 @@ class Snooper {
 
   void take_out(const TestedObservation& one, const Seen& seen, const Adjusted& adjusted,
                 std::vector<std::uint32_t>& ties, std::vector<std::uint32_t>& control_rays) {
-    TakenOut gone{one.group, seen.image, seen.point, seen.control, one.axis, one.w, one.redundancy};
+    TakenOut gone{one.group, seen.image, seen.point, seen.control, seen.ground, one.axis, one.w, one.redundancy};
     gone.pulled = one.blunder - one.residual;
     gone.sigma = variance_by_others(one, adjusted);
     gone.round = out_.rounds;
+    Given given{one.sigma, {}};
     if (one.group == Group::kTieImages) {
+      given.pixel = out_.block.observations[one.source].pixel;
       ties.push_back(one.source);
       --rays_[seen.image];
       if (--of_point_[seen.point] < 2) {
@@ -203,14 +255,14 @@ class Snooper {
         take_out_partner(one.source, ties);
       }
     } else if (one.group == Group::kControlImages) {
+      given.pixel = out_.block.control_observations[one.source].pixel;
       control_rays.push_back(one.source);
       --rays_[seen.image];
     } else {
-      disbelieve(one.group, seen, kInfinity);
-      ground_ = key_of(one.group, seen);
+      disbelieve(one.group, seen);
     }
     out_.taken_out.push_back(gone);
-    sigmas_.push_back(one.sigma);
+    given_of_.push_back(given);
   }
 
   // A point with one ray is none.
@@ -238,84 +290,51 @@ class Snooper {
     return options_.sigma0_known ? 1 : std::max(sigma_scale(adjusted), 1e-12);
   }
 
-  Eigen::Vector3d& sigma_of(Group group, const Seen& seen) {
-    return is_position(group) ? out_.block.images.at(seen.image).position->sigma_m
-                              : out_.block.control.at(seen.control).sigma_m;
-  }
-  void disbelieve(Group group, const Seen& seen, double sigma_m) {
-    Eigen::Vector3d& sigma = sigma_of(group, seen);
-    if (is_height(group))
-      sigma.z() = sigma_m;
-    else
-      sigma.head<2>().setConstant(sigma_m);
-  }
-
-  // Without it something would not be determined.
-  void put_back() {
-    const TakenOut* last = nullptr;
-    for (const TakenOut& gone : out_.taken_out)
-      if (!is_ray(gone.group)) last = &gone;
-    const Seen seen{last->image, last->point, last->control};
-    const Eigen::Vector3d& sigma = is_position(last->group) ? given_.images.at(seen.image).position->sigma_m
-                                                            : given_.control.at(seen.control).sigma_m;
-    if (is_height(last->group))
-      sigma_of(last->group, seen).z() = sigma.z();
-    else
-      sigma_of(last->group, seen).head<2>() = sigma.head<2>();
-    stays_[*ground_] = "without it the block is not determined";
-    const auto place = last - out_.taken_out.data();
-    out_.taken_out.erase(out_.taken_out.begin() + place);
-    sigmas_.erase(sigmas_.begin() + place);
-    ground_.reset();
-  }
-
-  template <class T>
-  static void erase(std::vector<T>& all, std::vector<std::uint32_t>& places) {
-    std::sort(places.begin(), places.end());
-    std::size_t next = 0, to = 0;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (next < places.size() && places[next] == i)
-        ++next;
-      else
-        all[to++] = all[i];
+  void disbelieve(Group group, const Seen& seen) {
+    if (is_ground(group)) {
+      out_.block.ground[seen.ground].role = ControlRole::kCheck;
+      return;
     }
-    all.resize(to);
+    Eigen::Vector3d& sigma = is_attitude(group)   ? scope_.attitudes.at(seen.image).sigma_rad
+                             : is_position(group) ? out_.block.images.at(seen.image).position->sigma_m
+                                                  : out_.block.control.at(seen.control).sigma_m;
+    if (is_height(group))
+      sigma.z() = kInfinity;
+    else
+      sigma.head<2>().setConstant(kInfinity);
   }
 
   // Measured minus what the last adjustment says.
   void tell_blunders() {
-    std::map<std::pair<ImageId, PointId>, Eigen::Vector2d> tie;
-    std::map<std::pair<ImageId, ControlId>, Eigen::Vector2d> control;
-    std::set<PointId> points;
-    for (const TakenOut& gone : out_.taken_out)
-      if (gone.group == Group::kTieImages) points.insert(gone.point);
-    for (const Observation& seen : given_.observations)
-      if (points.contains(seen.point)) tie[{seen.image, seen.point}] = seen.pixel;
-    for (const ControlObservation& seen : given_.control_observations) control[{seen.image, seen.point}] = seen.pixel;
     const double sigma0 = sigma0_of(out_.adjusted);
     for (std::size_t i = 0; i < out_.taken_out.size(); ++i) {
       TakenOut& gone = out_.taken_out[i];
       if (gone.group == Group::kTieImages) {
-        if (!gone.as_pair)
-          tell(gone, tie.at({gone.image, gone.point}), out_.block.points.at(gone.point).position_in_world);
+        if (!gone.as_pair) tell(gone, given_of_[i].pixel, out_.block.points.at(gone.point).position_in_world);
       } else if (gone.group == Group::kControlImages) {
-        if (const auto place = place_of(gone.control)) tell(gone, control.at({gone.image, gone.control}), *place);
+        if (const auto place = place_of(gone.control)) tell(gone, given_of_[i].pixel, *place);
       } else if (is_position(gone.group)) {
         // With unknowns between antenna and camera what was told when it went stays.
         const Eigen::Vector3d& place = given_.images.at(gone.image).position->position_in_world;
         if (scope_.lever_arms.empty() && scope_.position_tracks.empty())
           tell(gone, place - centre_of(out_.block.cam_from_world.at(gone.image)));
+      } else if (is_ground(gone.group)) {
+        for (const GroundDifference& one : out_.adjusted.ground)
+          if (one.observation == gone.ground) gone.blunder.x() = -one.difference;
+      } else if (is_attitude(gone.group)) {
+        for (const AttitudeDifference& one : out_.adjusted.attitudes)
+          if (one.image == gone.image) tell(gone, -one.difference_rad);
       } else if (const auto place = place_of(gone.control)) {
         tell(gone, given_.control.at(gone.control).position_in_world - *place);
       }
       if (gone.round == 0) {
         const double size = gone.blunder.head<2>().norm();
         gone.axis = std::abs(gone.blunder.y()) > std::abs(gone.blunder.x()) ? 1 : 0;
-        gone.sigma = variance_by_rays(gone) / (sigmas_[i] * sigmas_[i]);
-        if (std::isfinite(size)) gone.w = size / sigmas_[i];
+        gone.sigma = variance_by_rays(gone) / (given_of_[i].sigma * given_of_[i].sigma);
+        if (std::isfinite(size)) gone.w = size / given_of_[i].sigma;
       }
       const double own = is_ray(gone.group) ? sigma0 : 1;
-      gone.sigma = sigmas_[i] * std::sqrt(own * own + sigma0 * sigma0 * gone.sigma);
+      gone.sigma = given_of_[i].sigma * std::sqrt(own * own + sigma0 * sigma0 * gone.sigma);
     }
   }
   [[nodiscard]] std::optional<Eigen::Vector3d> place_of(ControlId id) const {
@@ -351,11 +370,20 @@ class Snooper {
   const Run& run_;
   Adjuster adjuster_;
   Snooped out_;
-  std::vector<double> sigmas_;  // of what was taken out, as given
+  struct Given {  // of what was taken out
+    double sigma;
+    Eigen::Vector2d pixel;  // of rays
+  };
+  std::vector<Given> given_of_;  // parallel to Snooped::taken_out
   std::map<ImageId, int> rays_;
   std::map<PointId, int> of_point_;
   std::map<Key, std::string> stays_;
-  std::optional<Key> ground_;  // of the observation on the ground that the last round took out
+  Block before_;  // the last round
+  std::map<ImageId, GivenAttitude> attitudes_before_;
+  std::size_t taken_before_ = 0;
+  std::vector<Key> gone_;  // in the last round
+  static constexpr std::size_t kAll = ~std::size_t{0};
+  std::size_t most_in_round_ = kAll;
   int rank_defect_ = 0;
   bool full_ = false;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,18 +10,20 @@
 namespace collinea {
 
 /// A measurement that data snooping took out: an image point (both coordinates), the plan or the height of a control
-/// point or of a position.
+/// point or of a position, a measurement on the ground, level or heading of an attitude.
 struct TakenOut {
   ObservationGroup group{};
-  ImageId image;          ///< of rays and positions
-  PointId point;          ///< of rays of tie points
-  ControlId control;      ///< of rays and coordinates of control
+  ImageId image;             ///< of rays, positions and attitudes
+  PointId point;             ///< of rays of tie points
+  ControlId control;         ///< of rays and coordinates of control
+  std::uint32_t ground = 0;  ///< place in Block::ground
   int axis = 0;           ///< of the coordinate that was beyond the limit; 0 column or east, 1 row or north, 2 height
   double w = 0;           ///< of it, when it was the worst; infinite: its image does not see the point
   double redundancy = 0;  ///< NaN: gross
-  double pulled = 0;      ///< by how much the adjusted value of that coordinate was drawn to it [px, m]
+  double pulled = 0;      ///< by how much the adjusted value of that coordinate was drawn to it [px, m, rad]
   /// Measured minus what the adjustment without it says, with the standard deviation that this would have without a
-  /// blunder [px, m]; NaN for axes that were not measured or, of the sigma, not tested.
+  /// blunder [px, m, rad], of what is measured on the ground in the first place; NaN for axes that were not measured
+  /// or, of the sigma, not tested.
   Eigen::Vector3d blunder = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   double sigma = 0;      ///< of blunder[axis]
   bool as_pair = false;  ///< one of the two rays of a point: which of them was wrong cannot be told, both went
@@ -34,24 +37,26 @@ struct NotTakenOut {
 };
 
 struct Snooped {
-  Block block;                          ///< without what was taken out
-  std::vector<TakenOut> taken_out;      ///< in the order in which it went
-  std::vector<NotTakenOut> kept;        ///< suspects of the last adjustment that cannot go, worst first
-  int rounds = 0;                       ///< adjustments
-  bool finished = false;                ///< nothing is left that could be taken out
-  double sigma0_before = 0;             ///< with everything
-  std::vector<ControlDifference> with;  ///< control and check points, with everything
-  Adjusted adjusted;                    ///< the last, with reliability
+  Block block;  ///< without what was taken out; measurements on the ground are only compared
+  std::map<ImageId, GivenAttitude> attitudes;  ///< of the scope, those that were taken out with infinite sigmas
+  std::vector<TakenOut> taken_out;             ///< in the order in which it went
+  std::vector<NotTakenOut> kept;               ///< suspects of the last adjustment that cannot go, worst first
+  int rounds = 0;                              ///< adjustments
+  bool finished = false;                       ///< nothing is left that could be taken out
+  double sigma0_before = 0;                    ///< with everything
+  std::vector<ControlDifference> with;         ///< control and check points, with everything
+  Adjusted adjusted;                           ///< the last, with reliability
 };
 
 /// Data snooping (Baarda 1968; Kok 1984): adjust, take out the worst suspect, adjust again, until no suspect is left or
 /// `most` have gone. Rays of control that miss the others of their point by more than a hundred sigmas go before the
 /// first adjustment, which they would bend (check_control). Suspects that cannot disturb each other go together: of
 /// each point one, of each image those that would be suspect whatever the worse ones in it did to them, of the
-/// observations on the ground only the worst. A suspect stays when less than a tenth of a blunder shows in its
-/// residual, when its image would keep fewer than six rays, when another says the same of itself (their tests differ by
-/// less than a hundredth: which is wrong cannot be told), or when without it something is not determined. Errors: those
-/// of adjust(); kIllPosed when something is not determined.
+/// observations that are no image points only the worst. A suspect stays when less than a tenth of a blunder shows in
+/// its residual, when its image would keep fewer than six rays, when another says the same of itself (their tests
+/// differ by less than a hundredth: which is wrong cannot be told), or when without it something is not determined: a
+/// round after which that is so is taken back, and half of it tried. Errors: those of adjust(); kIllPosed when
+/// something is not determined with all observations.
 [[nodiscard]] Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                     int most, const Run& run);
 

@@ -17,6 +17,7 @@
 #include "collinea/adjust/gauge.h"
 #include "collinea/adjust/point_cofactor.h"
 #include "collinea/base/median.h"
+#include "collinea/base/parallel.h"
 #include "collinea/base/random.h"
 
 namespace collinea::bundle {
@@ -37,13 +38,11 @@ constexpr double kShareOfPrior = 0.5;
 // A motion whose standard deviation the camera's parameters enlarge so many times: a correlation of 0.995 with them.
 // (Principal point and tilt have 0.97 in any block whose images look down.)
 constexpr double kInflation = 10;
-constexpr double kWeakImage = 5;       // times the median standard deviation
-constexpr double kDepthUnknown = 0.3;  // standard deviation of the distance to a point over the distance
+constexpr double kWeakImage = 5;  // times the median standard deviation
+// Standard deviation of the distance to a point over the distance. A parallax that is not ten times its own standard
+// deviation may be the errors of the measurements alone, to which the places of the images were fitted.
+constexpr double kDepthUnknown = 0.1;
 constexpr std::size_t kMostCameras = 3, kSampledPoints = 300, kNamed = 6;
-
-Eigen::Vector3d centre_in(const State& state, std::size_t image) {
-  return Eigen::Map<const Eigen::Vector3d>(state.frames[image].data() + 9);
-}
 
 std::string direction_text(const Eigen::Vector3d& axis) {
   if (std::abs(axis.z()) > 0.9) return "the vertical";
@@ -60,6 +59,16 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
+// The first of many.
+std::string some_of(std::vector<std::string> names) {
+  if (names.size() > kNamed) {
+    const std::string more = fmt::format("{} more", names.size() - kNamed);
+    names.resize(kNamed);
+    names.push_back(more);
+  }
+  return joined(names);
+}
+
 }  // namespace
 
 void WeaknessFinder::add(std::string code, std::string what, std::string cure, double size) {
@@ -68,10 +77,8 @@ void WeaknessFinder::add(std::string code, std::string what, std::string cure, d
 
 std::string WeaknessFinder::files(const std::vector<int>& images) const {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(kNamed, images.size()); ++i)
-    names.push_back(block_.images.at(problem_.images[images[i]].id).file);
-  if (images.size() > kNamed) names.push_back(fmt::format("{} more", images.size() - kNamed));
-  return joined(names);
+  for (const int image : images) names.push_back(block_.images.at(problem_.images[image].id).file);
+  return some_of(std::move(names));
 }
 
 void WeaknessFinder::look_at_observations() {
@@ -80,12 +87,9 @@ void WeaknessFinder::look_at_observations() {
   for (const auto& [part, unseen] : of_part) name_unseen(unseen, of_part.size() == 1);
   if (!adjusted_.images_left_out.empty()) {
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < std::min(kNamed, adjusted_.images_left_out.size()); ++i)
-      names.push_back(block_.images.at(adjusted_.images_left_out[i]).file);
-    if (adjusted_.images_left_out.size() > kNamed)
-      names.push_back(fmt::format("{} more", adjusted_.images_left_out.size() - kNamed));
+    for (const ImageId id : adjusted_.images_left_out) names.push_back(block_.images.at(id).file);
     add("images_left_out",
-        joined(names) + " cannot be determined: fewer than three of their points are known elsewhere",
+        some_of(std::move(names)) + " cannot be determined: fewer than three of their points are known elsewhere",
         "measure more tie points that they share with other images, or control in them",
         static_cast<double>(adjusted_.images_left_out.size()));
   }
@@ -97,30 +101,59 @@ void WeaknessFinder::look_at_observations() {
         "measure their points in two images and more; name a point more on each line (three) and plane (four, not on "
         "a line)",
         static_cast<double>(count));
-  std::vector<int> points(problem_.images.size(), 0), deep(problem_.images.size(), 0);
-  for (std::size_t p = 0; p < problem_.point_count(); ++p) {
-    if (problem_.point(p).held || problem_.point(p).control >= 0) continue;
-    const double* place = &state_.points[3 * p];
-    PointNormals normals;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
-      const Ray& ray = problem_.rays[r];
-      LinearRay linear;
-      linearise(ray, state_.frames[ray.image], state_.lenses[problem_.images[ray.image].camera], place, Loss{},
-                &linear);
-      normals.add(linear);
-      nearest = std::min(nearest, (Eigen::Map<const Eigen::Vector3d>(place) - centre_in(state_, ray.image)).norm());
-    }
-    Eigen::Matrix3d v;
-    v << normals.v[0], normals.v[1], normals.v[2], normals.v[1], normals.v[3], normals.v[4], normals.v[2], normals.v[4],
-        normals.v[5];
-    const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(v, Eigen::EigenvaluesOnly).eigenvalues()[0];
-    const bool unknown = !(std::sqrt(std::max(least, 0.0)) * nearest * kDepthUnknown > 1);
-    for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
-      ++points[problem_.rays[r].image];
-      deep[problem_.rays[r].image] += unknown;
-    }
+}
+
+// The variance of the logarithm of a point's distance from the first of its images; infinite where nothing tells it.
+double WeaknessFinder::variance_of_distance(std::size_t p, TileCholesky* inverse) const {
+  const auto image = problem_.rays[problem_.point(p).first_free].image;
+  const Eigen::Vector3d from = Eigen::Map<const Eigen::Vector3d>(&state_.points[3 * p]) - centre_in(state_, image);
+  const double distance = from.norm();
+  const PointSystem system(problem_, state_, p);
+  if (!system.determined() || !(distance > 0)) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d direction = from / (distance * distance);
+  if (!inverse) return direction.dot(system.solve_own(direction));
+  // That of all distances together, the scale of the block, is another matter.
+  const PointSystem::Relative relative =
+      system.relative_to(static_cast<int>(image), direction, *inverse, with_scale_.data());
+  return relative.variance - (scale_variance_ > 0 ? relative.product * relative.product / scale_variance_ : 0);
+}
+
+// The mean logarithm of the distances of some points stands for the scale.
+void WeaknessFinder::look_at_scale(const TileCholesky& factor) {
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(6 * problem_.poses + problem_.border);
+  std::size_t sampled = 0;
+  const std::size_t step = std::max<std::size_t>(1, problem_.point_count() / kSampledPoints);
+  for (std::size_t p = 0; p < problem_.point_count(); p += step) {
+    const std::uint32_t ray = problem_.point(p).first_free;
+    if (!problem_.point(p).eliminated() || ray >= problem_.end_ray(p)) continue;
+    const PointSystem system(problem_, state_, p);
+    const auto image = problem_.rays[ray].image;
+    const Eigen::Vector3d from = Eigen::Map<const Eigen::Vector3d>(&state_.points[3 * p]) - centre_in(state_, image);
+    if (!system.determined() || !(from.norm() > 0)) continue;
+    system.add_following(from / from.squaredNorm(), scale);
+    scale.segment<3>(6 * static_cast<Eigen::Index>(image) + 3) -= from / from.squaredNorm();
+    ++sampled;
   }
+  if (sampled > 0) scale /= static_cast<double>(sampled);
+  with_scale_ = solved(factor, std::vector<double>(scale.data(), scale.data() + scale.size()));
+  scale_variance_ = scale.dot(Eigen::Map<const Eigen::VectorXd>(with_scale_.data(), scale.size()));
+}
+
+void WeaknessFinder::look_at_bases(TileCholesky* inverse, const Run& run) {
+  const double limit = std::pow(kDepthUnknown / std::max(sigma_scale(adjusted_), 1e-300), 2);
+  std::vector<char> unknown(problem_.point_count(), 0), asked = unknown;
+  parallel_for(run, problem_.point_count(), [&](std::size_t p) {
+    const ProblemPoint& point = problem_.point(p);
+    if (point.held || point.control >= 0 || point.first_free == problem_.end_ray(p)) return;
+    asked[p] = 1;
+    unknown[p] = !(variance_of_distance(p, inverse) < limit);
+  });
+  std::vector<int> points(problem_.images.size(), 0), deep(problem_.images.size(), 0);
+  for (std::size_t p = 0; p < problem_.point_count(); ++p)
+    for (std::uint32_t r = problem_.point(p).first_ray; asked[p] && r < problem_.end_ray(p); ++r) {
+      ++points[problem_.rays[r].image];
+      deep[problem_.rays[r].image] += unknown[p];
+    }
   std::vector<int> turned;
   for (int i = 0; i < problem_.poses; ++i)
     if (points[i] > 0 && 2 * deep[i] > points[i]) turned.push_back(i);
@@ -133,10 +166,33 @@ void WeaknessFinder::look_at_observations() {
         static_cast<double>(turned.size()));
 }
 
+// The control of a part whose coordinates take part.
+WeaknessFinder::KnownInPart WeaknessFinder::known_in(int part) const {
+  KnownInPart known;
+  const auto is_in = [&](std::uint32_t image) {
+    return static_cast<int>(image) < problem_.poses && problem_.part_of_pose[image] == part;
+  };
+  for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p) {
+    const ProblemPoint& point = problem_.point(p);
+    if (point.control < 0 || point.first_free == problem_.end_ray(p) || !is_in(problem_.rays[point.first_free].image))
+      continue;
+    const Eigen::Map<const Eigen::Array3d> inverse_sigma(problem_.control[point.control].inverse_sigma);
+    if (!point.held && !(inverse_sigma > 0).any()) continue;
+    known.whole = known.whole && (point.held || (inverse_sigma > 0).all());
+    known.control.push_back(block_.control.at(ControlId{point.id}).name);
+  }
+  std::sort(known.control.begin(), known.control.end());
+  known.control_alone = std::none_of(problem_.positions.begin(), problem_.positions.end(), [&](const auto& position) {
+    return is_in(position.image) && position.axes() > 0;
+  });
+  return known;
+}
+
 // The motions that nothing observes: first what turns and scales, then what is only shifted.
 void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole) {
   const auto count = static_cast<int>(unseen.size());
   const std::string which = whole ? "" : fmt::format(" of the part with {}", files({unseen.front()->poses.front()}));
+  const KnownInPart known = known_in(unseen.front()->part);
   if (count == 7) {
     add("no_datum", "nothing fixes place, attitude and scale" + which + ": a free network",
         "three control points off one line, positions of three images off one line, or (for the scale alone) a known "
@@ -151,15 +207,6 @@ void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unse
   while (rank < std::min(4, count) && turning.singularValues()[rank] > 1e-4) ++rank;
   const Eigen::MatrixXd space = turning.matrixU().leftCols(rank);
   std::vector<std::string> what, cure;
-  int surveyed = 0;
-  std::vector<std::string> names;
-  for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p)
-    if (problem_.point(p).control >= 0) {
-      ++surveyed;
-      names.push_back(block_.control.at(ControlId{problem_.point(p).id}).name);
-    }
-  std::sort(names.begin(), names.end());
-  const bool alone = problem_.positions.empty();
   if (rank > 0) {
     if (space.row(3).norm() > 0.3) {
       what.push_back("the scale");
@@ -182,8 +229,8 @@ void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unse
       cure.push_back("control points off one line for the attitude");
     } else if (turns == 1) {
       const Eigen::Vector3d axis = axes.matrixU().col(0);
-      if (alone && surveyed == 2)
-        what.push_back("the turn about the line through " + names[0] + " and " + names[1]);
+      if (known.control_alone && known.whole && known.control.size() == 2)
+        what.push_back("the turn about the line through " + known.control[0] + " and " + known.control[1]);
       else
         what.push_back("the turn about " + direction_text(axis) +
                        (std::abs(axis.z()) > 0.9 ? "" : ", the line on which all that is known lies"));
@@ -206,7 +253,8 @@ void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unse
       cure.push_back("more coordinates of control");
     }
   }
-  if (surveyed == 1 && alone) what.back() += " (there is one control point: " + names[0] + ")";
+  if (known.control_alone && known.control.size() == 1)
+    what.back() += " (there is one control point: " + known.control[0] + ")";
   add("datum_defect", "nothing fixes " + joined(what) + which, joined(cure), count);
 }
 
@@ -320,6 +368,7 @@ void WeaknessFinder::look_at_correlations(const TileCholesky& factor) {
     return w.code == "focal_and_height" || w.code == "camera_and_pose" || w.code == "parameter_not_determined";
   });
   if (problem_.poses > 1 && !by_camera) look_at_motions(factor);
+  look_at_scale(factor);
 }
 
 // The median standard deviation of what fixes plan or height: control, where there are three and more, else positions.

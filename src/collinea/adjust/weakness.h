@@ -6,14 +6,17 @@
 
 namespace collinea::bundle {
 
-/// What is weak, from three looks at an adjustment; fills Adjusted::weaknesses.
+/// What is weak, from several looks at an adjustment; fills Adjusted::weaknesses.
 class WeaknessFinder {
  public:
   WeaknessFinder(const Block& block, const Problem& problem, const State& state, Adjusted& adjusted)
       : block_(block), problem_(problem), state_(state), adjusted_(adjusted) {}
 
-  /// Without any solution: motions of the whole that nothing observes, images that are left out or look from one place.
+  /// Without any solution: motions of the whole that nothing observes, images that are left out.
   void look_at_observations();
+  /// Images that look from nearly one place: whose points have distances that hardly anything tells. Needs the inverse
+  /// after look_at_correlations(); without (nullptr) it trusts the places of the images, and sees less.
+  void look_at_bases(TileCholesky* inverse, const Run& run);
   /// Where the normal equations are singular beyond the datum: which images hang loose, by inverse iteration with a
   /// slightly stiffened matrix. Uses up what `normals` holds.
   void look_at_loose_images(const Run& run, Normals& normals);
@@ -26,6 +29,14 @@ class WeaknessFinder {
 
  private:
   void add(std::string code, std::string what, std::string cure, double size = 0);
+  struct KnownInPart {
+    std::vector<std::string> control;  // names, sorted
+    bool whole = true;                 // on all three axes
+    bool control_alone = true;         // no positions
+  };
+  [[nodiscard]] KnownInPart known_in(int part) const;
+  [[nodiscard]] double variance_of_distance(std::size_t point, TileCholesky* inverse) const;
+  void look_at_scale(const TileCholesky& factor);
   void name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole);
   void name_hinges();
   void look_at_motions(const TileCholesky& factor);
@@ -52,6 +63,8 @@ class WeaknessFinder {
   const Problem& problem_;
   const State& state_;
   Adjusted& adjusted_;
+  std::vector<double> with_scale_;  // covariance of the reduced unknowns with the scale
+  double scale_variance_ = 0;
 };
 
 }  // namespace collinea::bundle

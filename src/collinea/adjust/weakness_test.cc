@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -211,6 +212,145 @@ TEST(Weakness, ImagesTurnedOnly) {
   for (auto& [id, pose] : block.cam_from_world) pose.translation = -(pose.rotation * place);
   measure_again(block);
   expect_named(weaknesses_of(block, with_covariances()), "no_base", "turned only");
+}
+
+// Control in the images gives their places to centimetres, and with them bases that are nothing but its errors.
+TEST(Weakness, ImagesTurnedOnlyAmongControl) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    testing::TestBlockOptions options = usual(24);
+    options.seed = seed;
+    Block block = test_block(options);
+    for (auto& [id, control] : block.control) control.role = ControlRole::kControl;
+    const Eigen::Vector3d place(20, 15, 60);
+    for (auto& [id, pose] : block.cam_from_world) pose.translation = -(pose.rotation * place);
+    measure_again(block);
+    expect_named(weaknesses_of(block, with_covariances()), "no_base", "turned only");
+  }
+}
+
+// Coarse positions, and a small object before them: the scale is uncertain, the distances among each other are not.
+TEST(Weakness, ABlockOfUncertainScaleHasBases) {
+  const Block block =
+      test_block({.rows = 3, .columns = 4, .points = 150, .sigma_px = 0.5, .position_sigma_m = 30, .tilt_rad = 0.05});
+  for (const Weakness& weak : weaknesses_of(block, with_covariances())) EXPECT_NE(weak.code, "no_base") << weak.what;
+}
+
+TEST(Weakness, ControlInACornerLeavesScaleAndTurnsWeak) {
+  Block block = test_block({.rows = 3, .columns = 5, .points = 200, .sigma_px = 0.5, .control = 4});
+  keep_control(block, 4);
+  const Eigen::Vector3d corner(2, 2, 1);
+  int number = 0;
+  for (auto& [id, control] : block.control)
+    control.position_in_world = corner + Eigen::Vector3d(number % 2, number / 2, 0.3 * (number % 3)), ++number;
+  measure_again(block);
+  const auto found = weaknesses_of(block, with_covariances());
+  expect_named(found, "weak_scale", "the scale is known to");
+  expect_named(found, "weak_turn", "the turn of the block");
+}
+
+// The control of the other part does not help.
+TEST(Weakness, AnotherPartsControlDoesNotCount) {
+  Block block = test_block(usual(9));
+  for (auto& [id, control] : block.control) control.role = ControlRole::kControl;
+  // A second block a kilometre away with one control point of its own.
+  Block other = test_block({.rows = 2, .columns = 3, .points = 80, .sigma_px = 0.5, .control = 2, .seed = 5});
+  const Eigen::Vector3d away(1000, 0, 0);
+  for (const auto& [id, pose] : other.cam_from_world) {
+    const ImageId image{id.value + 500};
+    block.images[image] = other.images.at(id);
+    block.images[image].file = "far_" + block.images[image].file;
+    block.cam_from_world[image] = {pose.rotation, pose.translation - pose.rotation * away};
+  }
+  for (const auto& [id, point] : other.points)
+    block.points[{id.value + 5000}].position_in_world = point.position_in_world + away;
+  for (Observation seen : other.observations) {
+    seen.image.value += 500;
+    seen.point.value += 5000;
+    block.observations.push_back(seen);
+  }
+  ControlPoint lone = other.control.at({0});
+  lone.name = "lone";
+  lone.position_in_world += away;
+  block.control[{700}] = lone;
+  ControlPoint blank = other.control.at({1});
+  blank.name = "blank";
+  blank.position_in_world += away;
+  blank.sigma_m.setConstant(kInfinity);
+  block.control[{701}] = blank;
+  for (ControlObservation seen : other.control_observations) {
+    seen.image.value += 500;
+    seen.point.value += 700;
+    block.control_observations.push_back(seen);
+  }
+  const auto found = weaknesses_of(block, with_covariances());
+  expect_named(found, "datum_defect", "there is one control point: lone");
+}
+
+// Every other image of a second camera.
+Block two_cameras(Block block) {
+  block.cameras[{2}] = block.cameras.at({1});
+  block.cameras.at({2}).name = "second";
+  for (auto& [id, image] : block.images)
+    if (id.value % 2) image.camera = {2};
+  return block;
+}
+
+// Both are calibrated: their errors are as long as their covariances say, within four deviations of 80 blocks, and
+// nothing is weak.
+TEST(Weakness, TwoCalibratedCamerasAreAsGoodAsTold) {
+  constexpr int kBlocks = 80;
+  const std::vector<int> free = {Camera::kF, Camera::kK1, Camera::kK2};
+  double sum[3] = {}, squares[3] = {};
+  for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+    const Block truth = two_cameras(test_block({.rows = 3, .columns = 4, .points = 90, .seed = seed}));
+    AdjustScope scope;
+    const Block block = testing::measured_anew(truth, scope, seed);
+    Random random(seed, 5);
+    scope.first_cameras.at({2}).params[Camera::kF] += 50 * random.normal();
+    for (auto& [id, camera] : scope.first_cameras) {
+      camera.params[Camera::kK1] += 0.2 * random.normal();
+      camera.params[Camera::kK2] += 0.5 * random.normal();
+    }
+    const auto adjusted = adjust(block, scope, with_covariances("focal_radial"), {});
+    ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
+    EXPECT_EQ(all_of(adjusted->weaknesses), "");
+    ASSERT_EQ(adjusted->camera_covariance.size(), 2u);
+    double both = 0;
+    for (const auto& [id, camera] : adjusted->cameras) {
+      Eigen::Vector3d error;
+      Eigen::Matrix3d covariance;
+      for (int a = 0; a < 3; ++a) {
+        error[a] = camera.params[free[a]] - truth.cameras.at(id).params[free[a]];
+        for (int b = 0; b < 3; ++b) covariance(a, b) = adjusted->camera_covariance.at(id)(free[a], free[b]);
+      }
+      const double length = error.dot(covariance.inverse() * error) / 3 / std::pow(adjusted->sigma0, 2);
+      sum[id.value] += length;
+      squares[id.value] += length * length;
+      both += length / 2;
+    }
+    sum[0] += both;
+    squares[0] += both * both;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const double mean = sum[k] / kBlocks, deviation = std::sqrt((squares[k] / kBlocks - mean * mean) / kBlocks);
+    EXPECT_NEAR(mean, 1, 4 * deviation) << k;
+    EXPECT_LT(4 * deviation, 0.5) << k;
+  }
+}
+
+TEST(Weakness, OfTwoCamerasTheWeakOneIsNamed) {
+  Block block = two_cameras(test_block(usual(9)));
+  const Camera& camera = block.cameras.at({2});
+  const auto beside = [&](const auto& seen) {  // the middle of its images alone
+    return block.images.at(seen.image).camera == CameraId{2} &&
+           (seen.pixel - Eigen::Vector2d(camera.params[Camera::kCx], camera.params[Camera::kCy])).norm() >
+               0.15 * camera.width_px;
+  };
+  std::erase_if(block.observations, beside);
+  std::erase_if(block.control_observations, beside);
+  const auto found = weaknesses_of(block, with_covariances("brown"));
+  expect_named(found, "parameter_not_determined", "of camera second");
+  for (const Weakness& weak : found) EXPECT_EQ(weak.what.find("camera test"), std::string::npos) << weak.what;
 }
 
 TEST(Weakness, AStripWithPositionsAlone) {

@@ -85,6 +85,7 @@ AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& c
   options.false_alarm = asked.false_alarm;
   options.power = asked.power;
   options.sigma0_known = asked.sigma0_known;
+  options.folds = asked.folds;
   // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
   options.relative_cost_change = 1e-12;
   options.step_sigmas = 1e-3;
@@ -207,11 +208,13 @@ std::string outcome_text(const AdjustmentReport& report, const std::filesystem::
   const Adjusted& adjusted = report.adjusted;
   std::string text =
       fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
-  if (adjusted.reliability)
-    text +=
-        fmt::format("; {} of {} observations suspected", adjusted.reliability->rejected, adjusted.reliability->tested);
-  else
+  if (const auto& tests = adjusted.reliability; !tests) {
     text += "; no standard deviations: " + adjusted.undetermined;
+  } else {
+    text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
+    if (tests->unseen > 0)
+      text += fmt::format(", and {} more whose point lies where their image does not see it", tests->unseen);
+  }
   for (const AdditionalTest& test : report.additional) {
     const std::string dropped = dropped_names(test);
     text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());

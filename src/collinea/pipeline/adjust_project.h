@@ -32,6 +32,7 @@ struct AdjustProjectOptions {
   double false_alarm = 0.001;
   double power = 0.8;
   bool sigma0_known = false;
+  int folds = 5;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -71,6 +72,10 @@ struct AdjustProjectOptions {
     visit(Field{"power", &O::power, "1", "probability with which a minimal detectable blunder is found", 0.5, 0.999});
     visit(Field{"sigma0_known", &O::sigma0_known, "",
                 "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
+    visit(Field{"folds", &O::folds, "1",
+                "parts of the control, each left out together and foretold by the others; fewer where a part would "
+                "have one point",
+                2, 100});
   }
 };
 

@@ -24,13 +24,15 @@ Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, 
                                          const AdjustProjectOptions& asked, const Run& run) {
   AdjustmentReport report;
   report.block = std::move(block);
+  AdjustScope left = scope;
   if (asked.snoop) {
     COLLINEA_TRY(report.snooped, snoop(report.block, scope, options, asked.snoop_most, run));
     say_what_went(*report.snooped, run);
     report.block = report.snooped->block;
+    left.attitudes = report.snooped->attitudes;
   }
   if (asked.variance_components) {
-    COLLINEA_TRY(report.components, estimate_variance_components(report.block, scope, options, run));
+    COLLINEA_TRY(report.components, estimate_variance_components(report.block, left, options, run));
     if (!report.components->converged)
       run.say("note: the variance components have not settled; the last ones are used");
     report.adjusted = report.components->adjusted;

@@ -111,22 +111,42 @@ json groups(const AdjustmentReport& report, const Reliability& tests) {
   return list;
 }
 
+json left_out_point(const AdjustmentReport& report, const LeftOutPoint& one) {
+  return {{"name", report.block.control.at(one.point).name},
+          {"difference_m", vector(one.difference_m)},
+          {"sigma_m", vector(one.difference_sigma_m)}};
+}
+
+json rms_json(const std::vector<LeftOutPoint>& points) {
+  json all;
+  for (const bool height : {false, true})
+    if (const LeftOutRms rms = rms_of(points, height); rms.points > 0)
+      all[height ? "height" : "plan"] = {
+          {"points", rms.points}, {"rms_m", number(rms.difference_m)}, {"foretold_m", number(rms.foretold_m)}};
+  return all;
+}
+
 json reliability(const AdjustmentReport& report, const Reliability& tests) {
-  json left_out = json::array();
-  for (const LeftOutPoint& one : tests.left_out)
-    left_out.push_back({{"name", report.block.control.at(one.point).name},
-                        {"difference_m", vector(one.difference_m)},
-                        {"sigma_m", vector(one.difference_sigma_m)}});
+  json left_out = json::array(), folded = json::array();
+  for (const LeftOutPoint& one : tests.left_out) left_out.push_back(left_out_point(report, one));
+  for (std::size_t i = 0; i < tests.folded.points.size(); ++i) {
+    folded.push_back(left_out_point(report, tests.folded.points[i]));
+    folded.back()["part"] = tests.folded.part[i];
+  }
   return {{"false_alarm", tests.false_alarm},
           {"power", tests.power},
           {"test", tests.sigma0_known ? "w" : "tau"},
           {"limit", tests.limit},
           {"tested", tests.tested},
           {"rejected", tests.rejected},
+          {"unseen", tests.unseen},
           {"groups", groups(report, tests)},
           {"suspects", tested(tests.suspects, report.block)},
           {"control_and_positions", tested(tests.others, report.block)},
-          {"left_out", left_out}};
+          {"left_out", left_out},
+          {"left_out_rms", rms_json(tests.left_out)},
+          {"left_out_in_parts",
+           {{"parts", tests.folded.folds}, {"rms", rms_json(tests.folded.points)}, {"points", folded}}}};
 }
 
 }  // namespace
@@ -140,6 +160,12 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"rank_defect", adjusted.rank_defect},
             {"datum", adjusted.datum},
             {"converged", adjusted.converged},
+            {"iterations", adjusted.iterations},
+            {"initial_cost", number(adjusted.initial_cost)},
+            {"final_cost", number(adjusted.final_cost)},
+            {"last_step_sigmas", number(adjusted.last_step_sigmas)},
+            {"conditioning",
+             {{"inflation", number(adjusted.conditioning.inflation)}, {"mostly", adjusted.conditioning.mostly}}},
             {"undetermined", adjusted.undetermined},
             {"cameras", cameras(report)},
             {"control_points", control(report)},
@@ -149,6 +175,10 @@ std::string adjustment_json(const AdjustmentReport& report) {
   if (!report.additional.empty()) j["additional"] = additional_json(report);
   if (!adjusted.inseparable.empty()) j["inseparable"] = adjusted.inseparable;
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
+  if (!adjusted.pose_covariance.empty()) {
+    j["pose_correlations"] = pose_correlation_json(report);
+    j["weakest"] = weak_json(report);
+  }
   j["residuals"] = residual_json(report);
   j["weaknesses"] = json::array();
   for (const Weakness& weak : adjusted.weaknesses)

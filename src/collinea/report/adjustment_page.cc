@@ -37,7 +37,15 @@ std::string summary(const Adjusted& adjusted) {
   row("unknowns", std::to_string(adjusted.unknown_count));
   row("redundancy", std::to_string(adjusted.redundancy));
   row("datum", adjusted.datum);
-  row("converged", adjusted.converged ? "yes" : "no");
+  row("converged",
+      fmt::format("{}, {} iterations; weighted squares from {:.6g} to {:.6g}", adjusted.converged ? "yes" : "no",
+                  adjusted.iterations, adjusted.initial_cost, adjusted.final_cost));
+  row("last step of images and cameras", fmt::format("{:.1g} standard deviations", adjusted.last_step_sigmas));
+  if (adjusted.conditioning.inflation > 0)
+    row("conditioning",
+        fmt::format("the worst combination of unknowns has {:.2g} times the variance that it would have "
+                    "if all else were known; it is mostly {}",
+                    adjusted.conditioning.inflation, adjusted.conditioning.mostly));
   html += "</tbody></table>\n";
   if (!adjusted.undetermined.empty())
     html += "<p>There are no standard deviations: " + escaped(adjusted.undetermined) + ".</p>\n";
@@ -118,6 +126,30 @@ std::string left_out_table(const AdjustmentReport& report, const Reliability& te
   return html + "</tbody></table></section>\n";
 }
 
+std::string folded_table(const AdjustmentReport& report, const Folded& folded) {
+  if (folded.points.empty()) return "";
+  std::string html = fmt::format(
+      "<section><h2>Control in {} parts, each against the others</h2>\n<p>What the differences would be, had the "
+      "coordinates of all points of the part not taken part: neighbours with the same error do not vouch for each "
+      "other. ",
+      folded.folds);
+  for (const bool height : {false, true})
+    if (const LeftOutRms rms = rms_of(folded.points, height); rms.points > 0)
+      html +=
+          fmt::format("{}: root mean square {:.{}f} m over {} points, foretold {:.{}f} m. ", height ? "Height" : "Plan",
+                      rms.difference_m, kDecimals, rms.points, rms.foretold_m, kDecimals);
+  html += "</p>\n" + head({"point", "part", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
+                           "&sigma; height"});
+  for (std::size_t k = 0; k < folded.points.size(); ++k) {
+    const LeftOutPoint& one = folded.points[k];
+    html += "<tr>" + text_cell(report.block.control.at(one.point).name) + fmt::format("<td>{}</td>", folded.part[k]);
+    for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], kDecimals);
+    for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], kDecimals);
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></section>\n";
+}
+
 std::string group_table(const AdjustmentReport& report, const Reliability& tests) {
   std::string html =
       "<section><h2>Groups of observations</h2>\n<p>Factor: by what the standard deviations should be multiplied to "
@@ -153,9 +185,15 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
   std::string html = fmt::format(
       "<section><h2>Suspected blunders</h2>\n<p>Of {} observations {} exceed the limit {:.2f} of {}; about {:.0f} "
       "would "
-      "do so by chance (level {:g}). Test again after taking out the worst: one blunder spoils its neighbours.{}</p>\n",
+      "do so by chance (level {:g}). Test again after taking out the worst: one blunder spoils its "
+      "neighbours.{}{}</p>\n",
       tests.tested, tests.rejected, tests.limit, tests.sigma0_known ? "Baarda's w" : "Pope's tau",
       tests.false_alarm * double(tests.tested), tests.false_alarm,
+      tests.unseen > 0 ? fmt::format(" {} measurements are of points that lie where their image does not see them, "
+                                     "behind it or out of its field: nothing can be said of their size, and they "
+                                     "come first.",
+                                     tests.unseen)
+                       : "",
       tests.suspects.size() > kMostRows ? " The worst are shown; suspects.csv has more." : "");
   if (!tests.suspects.empty()) html += test_rows(tests.suspects, report.block, tests.limit);
   html += "</section>\n";
@@ -186,9 +224,10 @@ std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProd
           additional_section(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;
-    html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);
+    html += left_out_table(report, tests) + folded_table(report, tests.folded) + group_table(report, tests) +
+            tests_section(report, tests);
   }
-  html += residual_section(report);
+  html += weak_section(report) + correlation_section(report) + residual_section(report);
   return html +
          "<footer>All figures are also in adjustment.json and the tables beside it.</footer>\n</main></body></html>\n";
 }

@@ -109,5 +109,102 @@ TEST(WriteAdjustment, AccuracyAtCheckPointsHoldsThatOfTheirSurvey) {
   EXPECT_EQ(without.at("horizontal").at("check_points"), 4);
 }
 
+AdjustmentReport report_of_two_images() {
+  AdjustmentReport report;
+  report.block.cameras[{1}] = ideal_camera(1500, 2000, 1500);
+  report.block.cameras[{1}].name = "lens";
+  for (std::uint32_t i = 1; i <= 3; ++i) {
+    report.block.images[{i}] = {"IMG_" + std::to_string(i) + ".jpg", {1}, "", {}, {}, 1};
+    Matrix6d covariance = Matrix6d::Identity() * 1e-4;
+    covariance(3, 1) = covariance(1, 3) = 0.5e-4 + 0.1e-4 * i;  // east with the turn about north
+    if (i == 3) covariance.bottomRightCorner<3, 3>() *= 100;
+    report.adjusted.pose_covariance[{i}] = covariance;
+  }
+  MatrixPd covariance = MatrixPd::Zero();
+  covariance(Camera::kF, Camera::kF) = 4;
+  covariance(Camera::kK1, Camera::kK1) = 1e-6;
+  covariance(Camera::kF, Camera::kK1) = covariance(Camera::kK1, Camera::kF) = -0.95 * 2e-3;
+  report.adjusted.camera_covariance[{1}] = covariance;
+  report.adjusted.points = {{{7}, {0, 0, 0}}, {{8}, {1, 0, 0}}, {{9}, {2, 0, 0}}};
+  for (const double sigma : {0.01, 0.2, 0.01})
+    report.adjusted.point_covariance.push_back(Eigen::Vector3d(1e-6, 1e-6, sigma * sigma).asDiagonal());
+  report.block.observations = {{{1}, {8}, 0, {5, 5}, 1}, {{2}, {8}, 0, {5, 5}, 1}};
+  report.adjusted.observations = {0, 1};
+  report.adjusted.residuals_px = {{0, 0}, {0, 0}};
+  return report;
+}
+
+TEST(WriteAdjustment, TheStrongestCorrelationsAreNamed) {
+  const AdjustmentReport report = report_of_two_images();
+  const std::string page = adjustment_page(report);
+  EXPECT_NE(page.find("lens: strongest between k1 and f, -0.950"), std::string::npos);
+  EXPECT_NE(page.find("turn about north, east</td><td>0.60</td><td>+0.700</td><td class=\"l\">IMG_2.jpg"),
+            std::string::npos);
+  const auto json = nlohmann::json::parse(adjustment_json(report));
+  const auto& poses = json.at("pose_correlations");
+  EXPECT_EQ(poses.at("pairs").size(), 15u);
+  for (std::size_t k = 0; k < 15; ++k)
+    EXPECT_NEAR(poses.at("images").at(0).at("correlations").at(k).get<double>(),
+                poses.at("pairs").at(k) == nlohmann::json({"turn about north", "east"}) ? 0.6 : 0, 1e-12);
+}
+
+TEST(WriteAdjustment, TheWeakestImagesAndPointsComeFirst) {
+  const auto weakest = nlohmann::json::parse(adjustment_json(report_of_two_images())).at("weakest");
+  EXPECT_EQ(weakest.at("images").at("weak"), 1);
+  EXPECT_EQ(weakest.at("images").at("worst").at(0).at("name"), "IMG_3.jpg");
+  EXPECT_NEAR(weakest.at("images").at("worst").at(0).at("times_the_median").get<double>(), 10, 1e-9);
+  const auto& point = weakest.at("points").at("worst").at(0);
+  EXPECT_EQ(point.at("name"), "8");
+  EXPECT_EQ(point.at("measurements"), 2);
+  EXPECT_NEAR(point.at("sigma_m").get<double>(), 0.2, 1e-12);
+}
+
+TEST(WriteAdjustment, WhatNoImageSeesIsCounted) {
+  AdjustmentReport report;
+  report.adjusted.reliability.emplace().unseen = 3;
+  EXPECT_NE(adjustment_page(report).find("3 measurements are of points that lie where their image does not see them"),
+            std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(adjustment_json(report)).at("reliability").at("unseen"), 3);
+}
+
+TEST(WriteAdjustment, ControlLeftOutInPartsIsTold) {
+  AdjustmentReport report;
+  report.block.control[{1}].name = "gcp1";
+  report.block.control[{2}].name = "gcp2";
+  Folded& folded = report.adjusted.reliability.emplace().folded;
+  folded.folds = 2;
+  folded.part = {1, 2};
+  folded.points = {{{1}, {0.03, 0.04, 0.01}, {0.05, 0.05, 0.02}}, {{2}, {0.03, 0.04, 0.07}, {0.05, 0.05, 0.02}}};
+  const std::string page = adjustment_page(report);
+  EXPECT_NE(page.find("Control in 2 parts"), std::string::npos);
+  EXPECT_NE(page.find("Plan: root mean square 0.0500 m over 2 points, foretold 0.0707 m"), std::string::npos);
+  const auto parts = nlohmann::json::parse(adjustment_json(report)).at("reliability").at("left_out_in_parts");
+  EXPECT_EQ(parts.at("points").at(1).at("part"), 2);
+  EXPECT_NEAR(parts.at("rms").at("height").at("rms_m").get<double>(), 0.05, 1e-12);
+}
+
+TEST(WriteAdjustment, WhatWasTakenOutOfGroundAndAttitudesIsToldInDegrees) {
+  Block block;
+  block.images[{1}].file = "IMG_1.jpg";
+  block.control[{1}].name = "A";
+  block.control[{2}].name = "B";
+  block.ground = {{.kind = GroundKind::kZenithAngle, .from = {1}, .to = {2}}};
+  TakenOut angle{ObservationGroup::kZenithAngle};
+  angle.blunder.x() = 0.01;
+  angle.sigma = 1e-4;
+  angle.w = 100;
+  EXPECT_EQ(told(angle, block),
+            "zenith angle A - B, off by 0.5730 deg (measured +0.5730 deg with a sigma of 0.00573 deg)");
+  TakenOut heading{ObservationGroup::kAttitudeHeading, {1}};
+  heading.axis = 2;
+  heading.blunder.z() = -0.01;
+  heading.sigma = 1e-4;
+  heading.w = 100;
+  EXPECT_EQ(
+      told(heading, block),
+      "attitude of IMG_1.jpg, heading, off by 0.5730 deg (about the plumb line -0.5730 deg with a sigma of 0.00573 "
+      "deg)");
+}
+
 }  // namespace
 }  // namespace collinea

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
@@ -33,16 +34,33 @@ std::string name_of(const TakenOut& gone, const Block& block) {
       return "position of " + block.images.at(gone.image).file + ", plan";
     case ObservationGroup::kPositionHeight:
       return "position of " + block.images.at(gone.image).file + ", height";
-    default:  // snooping leaves measurements on the ground and attitudes alone
-      return "";
+    case ObservationGroup::kAttitudeLevel:
+      return "attitude of " + block.images.at(gone.image).file + ", level";
+    case ObservationGroup::kAttitudeHeading:
+      return "attitude of " + block.images.at(gone.image).file + ", heading";
+    default:
+      return ground_name(block.ground[gone.ground], block);
   }
 }
 
-const char* unit(const TakenOut& gone) { return in_image(gone.group) ? "px" : "m"; }
+bool is_attitude(const TakenOut& gone) { return gone.group >= ObservationGroup::kAttitudeLevel; }
+
+// Angles are told in degrees.
+bool is_angle(const TakenOut& gone) {
+  return gone.group == ObservationGroup::kDirection || gone.group == ObservationGroup::kZenithAngle ||
+         is_attitude(gone);
+}
+const char* unit(const TakenOut& gone) { return in_image(gone.group) ? "px" : is_angle(gone) ? "deg" : "m"; }
+double told_in_unit(const TakenOut& gone, double value) {
+  return is_angle(gone) ? value * 180 / std::numbers::pi : value;
+}
 
 const char* axis_of(const TakenOut& gone) {
   constexpr const char* kInImage[] = {"column", "row", ""};
   constexpr const char* kOnGround[] = {"east", "north", "height"};
+  constexpr const char* kTurn[] = {"about east", "about north", "about the plumb line"};
+  if (is_attitude(gone)) return kTurn[gone.axis];
+  if (gone.group >= ObservationGroup::kDistance) return "measured";
   return in_image(gone.group) ? kInImage[gone.axis] : kOnGround[gone.axis];
 }
 
@@ -52,14 +70,13 @@ std::string told(const TakenOut& gone, const Block& block) {
   std::string text = name_of(gone, block);
   if (gone.as_pair) return text + " (the only other ray of the point contradicts it; both went)";
   if (!std::isfinite(gone.w)) return text + " (not seen there)";
-  const int decimals = in_image(gone.group) ? 1 : 3;
-  const double size =
-      (gone.group == ObservationGroup::kControlHeight || gone.group == ObservationGroup::kPositionHeight)
-          ? std::abs(gone.blunder.z())
-          : gone.blunder.head<2>().norm();
+  const int decimals = in_image(gone.group) ? 1 : is_angle(gone) ? 4 : 3;
+  const bool in_plan = std::isfinite(gone.blunder.x()) && std::isfinite(gone.blunder.y());
+  const double size = told_in_unit(gone, in_plan ? gone.blunder.head<2>().norm() : std::abs(gone.blunder[gone.axis]));
   if (std::isfinite(size)) text += fmt::format(", off by {:.{}f} {}", size, decimals, unit(gone));
-  return text + fmt::format(" ({} {:+.{}f} {} with a sigma of {:.{}f} {})", axis_of(gone), gone.blunder[gone.axis],
-                            decimals, unit(gone), gone.sigma, decimals + 1, unit(gone));
+  return text + fmt::format(" ({} {:+.{}f} {} with a sigma of {:.{}f} {})", axis_of(gone),
+                            told_in_unit(gone, gone.blunder[gone.axis]), decimals, unit(gone),
+                            told_in_unit(gone, gone.sigma), decimals + 1, unit(gone));
 }
 
 std::string snooping_section(const AdjustmentReport& report) {
@@ -77,9 +94,10 @@ std::string snooping_section(const AdjustmentReport& report) {
         "<th>&sigma;</th><th>drawn</th><th class=\"l\">unit</th><th>redundancy</th></tr></thead><tbody>\n";
     for (std::size_t i = 0; i < std::min(kMostRows, snooped.taken_out.size()); ++i) {
       const TakenOut& gone = snooped.taken_out[i];
-      const int decimals = in_image(gone.group) ? 2 : 4;
+      const int decimals = in_image(gone.group) ? 2 : is_angle(gone) ? 5 : 4;
       html += "<tr>" + text_cell(name_of(gone, snooped.block)) + text_cell(axis_of(gone)) + cell(gone.w, 1) +
-              cell(gone.blunder[gone.axis], decimals) + cell(gone.sigma, decimals) + cell(gone.pulled, decimals) +
+              cell(told_in_unit(gone, gone.blunder[gone.axis]), decimals) +
+              cell(told_in_unit(gone, gone.sigma), decimals) + cell(told_in_unit(gone, gone.pulled), decimals) +
               text_cell(unit(gone)) + cell(gone.redundancy, 2) + "</tr>\n";
     }
     html += "</tbody></table>\n";
@@ -119,9 +137,11 @@ json snooping_json(const AdjustmentReport& report) {
                          {"coordinate", axis_of(gone)},
                          {"unit", unit(gone)},
                          {"w", number(gone.w)},
-                         {"blunder", vector(gone.blunder)},
-                         {"sigma", number(gone.sigma)},
-                         {"drawn", number(gone.pulled)},
+                         {"blunder",
+                          {number(told_in_unit(gone, gone.blunder.x())), number(told_in_unit(gone, gone.blunder.y())),
+                           number(told_in_unit(gone, gone.blunder.z()))}},
+                         {"sigma", number(told_in_unit(gone, gone.sigma))},
+                         {"drawn", number(told_in_unit(gone, gone.pulled))},
                          {"redundancy", number(gone.redundancy)},
                          {"as_pair", gone.as_pair},
                          {"round", gone.round}});
@@ -142,7 +162,9 @@ std::string taken_out_csv(const Snooped& snooped) {
     std::string name;
     for (const char c : name_of(gone, snooped.block)) name += c == '"' ? std::string("\"\"") : std::string(1, c);
     text += fmt::format("\"{}\",{},{}", name, axis_of(gone), unit(gone));
-    for (const double x : {gone.w, gone.blunder[gone.axis], gone.sigma, gone.pulled, gone.redundancy}) text += value(x);
+    for (const double x : {gone.w, told_in_unit(gone, gone.blunder[gone.axis]), told_in_unit(gone, gone.sigma),
+                           told_in_unit(gone, gone.pulled), gone.redundancy})
+      text += value(x);
     text += fmt::format(",{},{}\n", gone.as_pair ? "yes" : "no", gone.round);
   }
   return text;

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "blocks.h"
+#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/snooping.h"
+#include "collinea/geometry/rotation.h"
+#include "rows.h"
+
+namespace collinea::bench {
+namespace {
+
+using Group = ObservationGroup;
+
+const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+constexpr double kLength_m = 0.005, kAngle_rad = 1e-4;  // a good total station over a hundred metres
+constexpr double kLeast = 4, kMost = 20;                // of blunders [sigmas]
+constexpr int kMostTakenOut = 10000;
+
+double normal_below(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
+
+bool is_ground(Group group) { return group >= Group::kDistance && group <= Group::kZenithAngle; }
+bool is_attitude(Group group) { return group >= Group::kAttitudeLevel; }
+
+// What a total station in the first point and a tape between neighbours say.
+void measure_on_ground(const Block& exact, Block& block, Random& random) {
+  std::vector<ControlId> ids;
+  for (const auto& [id, control] : exact.control) ids.push_back(id);
+  const auto add = [&](GroundKind kind, std::size_t from, std::size_t to) {
+    GroundObservation one{.kind = kind, .from = ids[from], .to = ids[to]};
+    one.sigma = one.is_angle() ? kAngle_rad : kLength_m;
+    if (kind == GroundKind::kDirection) one.setup = 1;
+    one.value = ground_model(one, exact.control.at(one.from).position_in_world,
+                             exact.control.at(one.to).position_in_world, 0.3, false)
+                    .computed +
+                one.sigma * random.normal();
+    block.ground.push_back(one);
+  };
+  for (std::size_t i = 1; i < ids.size(); ++i) {
+    add(GroundKind::kDistance, i - 1, i);
+    add(GroundKind::kHeightDifference, 0, i);
+    add(GroundKind::kDirection, 0, i);
+    add(GroundKind::kZenithAngle, 0, i);
+  }
+}
+
+// Attitudes of an inertial system, turned by its boresight.
+void add_attitudes(const Block& exact, const Eigen::Vector3d& boresight, AdjustScope& scope, Random& random) {
+  const Eigen::Vector3d sigma(3e-4, 3e-4, 6e-4);
+  for (const auto& [id, pose] : exact.cam_from_world)
+    scope.attitudes[id] = {
+        (rotation_by(boresight).conjugate() * pose.rotation * rotation_by(sigma.cwiseProduct(normal3(random))))
+            .normalized(),
+        sigma};
+  scope.boresight_sigma_rad[{1}] = kUnknown;
+}
+
+struct Counts {
+  double planted = 0, found = 0, expected = 0, variance = 0;
+
+  [[nodiscard]] Row row(const std::string& what) const {
+    return {
+        what, "share that theory says, within 4 binomial deviations",
+        fmt::format("{:.0f} of {:.0f} found; expected {:.1f} +- {:.1f}", found, planted, expected, std::sqrt(variance)),
+        std::abs(found - expected) < 4 * std::sqrt(variance) + 0.5};
+  }
+};
+
+}  // namespace
+
+Rows survey_blunders(const Effort& effort, const Run& run) {
+  std::map<bool, Counts> counts;  // of attitudes: true
+  double alarms = 0, good = 0;
+  int failed = 0;
+  AdjustOptions options = exact_options("focal_radial");
+  options.reliability = true;
+  for (int i = 0; i < effort.blunder_blocks; ++i) {
+    const auto seed = static_cast<std::uint64_t>(8000 + i);
+    const Block exact = exact_block(Layout::kCrossStrips, {.points = 150, .control = 8}, seed);
+    Measured made = measured(exact, seed);
+    Random random(seed, 31);
+    measure_on_ground(exact, made.block, random);
+    add_attitudes(exact, {0.01, -0.02, 0.03}, made.scope, random);
+    const auto clean = adjust(made.block, made.scope, options, run);
+    if (!clean || !clean->reliability) {
+      ++failed;
+      continue;
+    }
+    std::set<std::pair<Group, std::uint32_t>> wrong;
+    for (const bool attitude : {false, true}) {
+      std::vector<TestedObservation> all;
+      for (const TestedObservation& one : clean->reliability->others)
+        if (one.redundancy > 0.1 && (attitude ? is_attitude(one.group) : is_ground(one.group))) all.push_back(one);
+      for (int planted = 0; planted < 2;) {
+        const TestedObservation& one = all[random.below(static_cast<std::uint32_t>(all.size()))];
+        if (!wrong.insert({one.group, one.source}).second) continue;
+        const double sigmas = (random.uniform() < 0.5 ? -1 : 1) * random.uniform(kLeast, kMost);
+        if (attitude) {
+          Eigen::Quaterniond& given = made.scope.attitudes.at(ImageId{one.source}).cam_from_world;
+          given = (given * rotation_by(sigmas * one.sigma * Eigen::Vector3d::Unit(one.axis))).normalized();
+        } else {
+          made.block.ground[one.source].value += sigmas * one.sigma;
+        }
+        const double shift = std::abs(sigmas) * std::sqrt(one.redundancy), limit = clean->reliability->limit;
+        const double power = normal_below(shift - limit) + normal_below(-shift - limit);
+        Counts& its = counts[attitude];
+        ++its.planted;
+        its.expected += power;
+        its.variance += power * (1 - power);
+        ++planted;
+      }
+    }
+    const auto snooped = snoop(made.block, made.scope, options, kMostTakenOut, run);
+    if (!snooped || !snooped->finished) {
+      ++failed;
+      continue;
+    }
+    for (const TakenOut& gone : snooped->taken_out) {
+      if (!is_ground(gone.group) && !is_attitude(gone.group)) continue;
+      const bool attitude = is_attitude(gone.group);
+      const bool right = wrong.contains({gone.group, attitude ? gone.image.value : gone.ground});
+      (right ? counts[attitude].found : alarms) += 1;
+    }
+    good += static_cast<double>(3 * made.scope.attitudes.size() + made.block.ground.size());
+  }
+  const double expected = options.false_alarm * good;
+  return {counts[false].row("blunders of 4-20 sigma in measurements on the ground, snooped"),
+          counts[true].row("blunders of 4-20 sigma in attitudes, snooped"),
+          {"false alarms among these", "as stated, within 4 binomial deviations",
+           fmt::format("{:.0f} of {:.0f} tests; expected {:.1f} +- {:.1f}; {} blocks failed", alarms, good, expected,
+                       std::sqrt(expected), failed),
+           failed == 0 && std::abs(alarms - expected) < 4 * std::sqrt(expected) + 0.5}};
+}
+
+namespace {
+
+const Eigen::Vector3d kArm(0.3, -0.2, -0.5), kShift(0.4, -0.7, 1.1), kDrift(0.03, -0.02, 0.05),
+    kTurn(0.02, -0.015, 0.03);
+
+// Strips without any across, each with a shift of its own, and no control: nothing parts the shifts from the block.
+Row without_cross_flight(const Run& run) {
+  Block exact = exact_block(Layout::kCrossStrips, {.points = 300, .control = 4}, 4);
+  std::erase_if(exact.cam_from_world, [](const auto& one) { return one.first.value > 18; });
+  std::erase_if(exact.observations, [](const auto& seen) { return seen.image.value > 18; });
+  std::erase_if(exact.control_observations, [](const auto& seen) { return seen.image.value > 18; });
+  Measured made = measured(exact, 4);
+  for (std::uint32_t strip = 0; strip < 3; ++strip) {
+    PositionTrack track;
+    for (std::uint32_t i = 0; i < 6; ++i) track.time[ImageId{6 * strip + i + 1}] = i - 2.5;
+    track.shift_sigma_m = Eigen::Vector3d::Constant(10);
+    made.scope.position_tracks.push_back(track);
+  }
+  made.scope.use_control = false;
+  AdjustOptions options = exact_options("none");
+  options.covariances = true;
+  const auto adjusted = adjust(made.block, made.scope, options, run);
+  Row row{"strips without cross flight, each with a shift", "the correlation is named, with its cure",
+          adjusted ? "not named" : adjusted.error().message};
+  if (adjusted && !adjusted->inseparable.empty()) {
+    row.measured = adjusted->inseparable.front();
+    row.ok = true;
+  }
+  return row;
+}
+
+}  // namespace
+
+Rows instruments(const Effort& effort, const Run& run) {
+  struct Found {
+    const char* name;
+    Eigen::Vector3d truth;
+    double squares = 0, beyond = 0, all = 0, sigma = 0;
+  };
+  std::map<UnknownKind, Found> found = {{UnknownKind::kLeverArm, {"lever arm [m]", kArm}},
+                                        {UnknownKind::kShift, {"shift [m]", kShift}},
+                                        {UnknownKind::kDrift, {"drift [m an image]", kDrift}},
+                                        {UnknownKind::kBoresight, {"boresight [rad]", kTurn}}};
+  int failed = 0;
+  for (int i = 0; i < effort.blunder_blocks; ++i) {
+    const auto seed = static_cast<std::uint64_t>(9000 + i);
+    const Block exact = exact_block(Layout::kCrossStrips, {.points = 200, .control = 8}, seed);
+    Measured made = measured(exact, seed);
+    Random random(seed, 32);
+    PositionTrack track;
+    track.shift_sigma_m = track.drift_sigma_m = kUnknown;
+    double time = -0.5 * static_cast<double>(made.block.images.size());
+    for (auto& [id, image] : made.block.images) {
+      image.position->position_in_world +=
+          exact.cam_from_world.at(id).rotation.conjugate() * kArm + kShift + time * kDrift;
+      track.time[id] = time++;
+    }
+    made.scope.position_tracks.push_back(track);
+    made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
+    add_attitudes(exact, kTurn, made.scope, random);
+    AdjustOptions options = exact_options("focal_radial");
+    options.covariances = true;
+    const auto adjusted = adjust(made.block, made.scope, options, run);
+    if (!adjusted || !adjusted->undetermined.empty()) {
+      ++failed;
+      continue;
+    }
+    for (const EstimatedUnknown& one : adjusted->extras) {
+      Found& its = found.at(one.kind);
+      const double sigma = one.sigma * sigma_scale(*adjusted), t = (one.value - its.truth[one.axis]) / sigma;
+      its.squares += t * t;
+      its.beyond += std::abs(t) > 3;
+      ++its.all;
+      its.sigma += sigma;
+    }
+  }
+  Rows rows;
+  for (const auto& [kind, its] : found) {
+    constexpr double kBeyond3 = 0.0027;
+    const double chance = kBeyond3 * its.all;
+    rows.push_back({fmt::format("{} found again", its.name), "within 3 sigma, but for 0.3 % of chance",
+                    fmt::format("{:.0f} of {:.0f} beyond 3 sigma (of {:.2g} on average); mean square {:.2f}",
+                                its.beyond, its.all, its.sigma / its.all, its.squares / its.all),
+                    failed == 0 && its.beyond <= chance + 4 * std::sqrt(chance)});
+  }
+  rows.push_back(without_cross_flight(run));
+  return rows;
+}
+
+}  // namespace collinea::bench

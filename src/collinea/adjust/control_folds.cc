@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/control_folds.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "collinea/base/parallel.h"
+
+namespace collinea::bundle {
+namespace {
+
+constexpr std::size_t kMostPoints = 500;
+constexpr double kNotDetermined = 1e-6;  // as for single points
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Eigen::Vector3d place_of(const State& state, std::size_t point) {
+  return Eigen::Map<const Eigen::Vector3d>(&state.points[3 * point]);
+}
+
+}  // namespace
+
+ControlFolds::ControlFolds(const Problem& problem, const State& state, const TileCholesky& factor, const Run& run) {
+  for (std::size_t p = problem.first_control; p < problem.point_count(); ++p)
+    if (const ProblemPoint& point = problem.point(p);
+        point.control >= 0 && !point.held &&
+        *std::max_element(problem.control[point.control].inverse_sigma,
+                          problem.control[point.control].inverse_sigma + 3) > 0)
+      points_.push_back(p);
+  if (points_.size() > kMostPoints) points_.clear();
+  std::vector<PointSystem> systems;
+  for (const std::size_t p : points_) systems.emplace_back(problem, state, p);
+  cofactor_.resize(static_cast<Eigen::Index>(3 * points_.size()), static_cast<Eigen::Index>(3 * points_.size()));
+  const int border = 6 * problem.poses;
+  parallel_for(run, 3 * points_.size(), [&](std::size_t column) {
+    const std::size_t i = column / 3;
+    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(column % 3));
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(factor.tile_rows()) * kTile);
+    if (const int joined = problem.point(points_[i]).joined; joined >= 0)
+      x.segment<3>(border + joined) = axis;
+    else
+      systems[i].add_following(axis, x);
+    factor.solve(x.data());
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      const int joined = problem.point(points_[k]).joined;
+      Eigen::Vector3d with = joined >= 0 ? Eigen::Vector3d(x.segment<3>(border + joined)) : systems[k].follow(x.data());
+      if (k == i && joined < 0) with += systems[i].solve_own(axis);
+      cofactor_.block<3, 1>(static_cast<Eigen::Index>(3 * k), static_cast<Eigen::Index>(column)) = with;
+    }
+  });
+}
+
+// Each as far as possible from those before, the first from their middle: in turns they make parts that are spread.
+std::vector<std::size_t> ControlFolds::spread(const State& state) const {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const std::size_t p : points_) middle += place_of(state, p) / static_cast<double>(points_.size());
+  std::vector<double> distance;
+  for (const std::size_t p : points_) distance.push_back((place_of(state, p) - middle).norm());
+  std::vector<std::size_t> order;
+  std::vector<bool> taken(points_.size(), false);
+  while (order.size() < points_.size()) {
+    std::size_t farthest = points_.size();
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (!taken[i] && (farthest == points_.size() || distance[i] > distance[farthest])) farthest = i;
+    taken[farthest] = true;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double to = (place_of(state, points_[i]) - place_of(state, points_[farthest])).norm();
+      distance[i] = order.empty() ? to : std::min(distance[i], to);
+    }
+    order.push_back(farthest);
+  }
+  return order;
+}
+
+Folded ControlFolds::leave_out(const Problem& problem, const State& state, const Adjusted& adjusted, int folds) const {
+  Folded out;
+  out.folds = std::min(folds, static_cast<int>(points_.size() / 2));
+  if (out.folds < 2) {
+    out.folds = 0;
+    return out;
+  }
+  const std::vector<std::size_t> order = spread(state);
+  std::map<ControlId, std::pair<int, LeftOutPoint>> found;
+  const double variance = std::pow(sigma_scale(adjusted), 2);
+  for (int fold = 0; fold < out.folds; ++fold) {
+    std::vector<std::size_t> members;
+    for (auto i = static_cast<std::size_t>(fold); i < order.size(); i += static_cast<std::size_t>(out.folds))
+      members.push_back(order[i]);
+    const auto size = static_cast<Eigen::Index>(3 * members.size());
+    Eigen::MatrixXd q(size, size);
+    Eigen::VectorXd weights(size), difference(size);
+    for (std::size_t a = 0; a < members.size(); ++a) {
+      const std::size_t p = points_[members[a]];
+      const ControlCoordinates& given = problem.control[problem.point(p).control];
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto row = static_cast<Eigen::Index>(3 * a) + axis;
+        weights[row] = given.inverse_sigma[axis] * given.inverse_sigma[axis];
+        difference[row] = weights[row] > 0 ? place_of(state, p)[axis] - given.given[axis] : 0;
+      }
+      for (std::size_t b = 0; b < members.size(); ++b)
+        q.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)) =
+            cofactor_.block<3, 3>(static_cast<Eigen::Index>(3 * members[a]), static_cast<Eigen::Index>(3 * members[b]));
+    }
+    // As for a single point: without their coordinates they lie at given + (I - Q P)^-1 d.
+    const Eigen::FullPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(size, size) - q * weights.asDiagonal());
+    if (lu.matrixLU().diagonal().cwiseAbs().minCoeff() < kNotDetermined) continue;
+    const Eigen::VectorXd moved = lu.solve(difference);
+    const Eigen::MatrixXd without = lu.solve(q);
+    for (std::size_t a = 0; a < members.size(); ++a) {
+      LeftOutPoint point{ControlId{problem.point(points_[members[a]]).id}, Eigen::Vector3d::Constant(kNaN),
+                         Eigen::Vector3d::Constant(kNaN)};
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto row = static_cast<Eigen::Index>(3 * a) + axis;
+        if (!(weights[row] > 0)) continue;
+        point.difference_m[axis] = moved[row];
+        point.difference_sigma_m[axis] = std::sqrt(std::max(variance * without(row, row) + 1 / weights[row], 0.0));
+      }
+      found[point.point] = {fold + 1, point};
+    }
+  }
+  for (const auto& [id, one] : found) {
+    out.part.push_back(one.first);
+    out.points.push_back(one.second);
+  }
+  return out;
+}
+
+}  // namespace collinea::bundle

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "collinea/base/median.h"
+#include "collinea/report/adjustment_findings.h"
+#include "collinea/report/cells.h"
+#include "collinea/report/json_values.h"
+#include "collinea/report/svg.h"
+
+namespace collinea {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+constexpr double kStrong = 0.9;    // each is then known two and more times worse than with the other given
+constexpr std::size_t kShown = 6;  // pairs of a pose
+constexpr int kOfPose = 6, kPairs = kOfPose * (kOfPose - 1) / 2;
+constexpr std::array<const char*, kOfPose> kPoseNames = {
+    "turn about east", "turn about north", "turn about up", "east", "north", "height"};
+
+double correlation(const auto& covariance, int a, int b) {
+  return covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
+}
+
+// One pair of a pose, over all images.
+struct PosePair {
+  int a = 0, b = 0;
+  double typical = 0, strongest = 0;  // median of the amounts; with its sign
+  ImageId image;                      // that has the strongest
+};
+
+std::vector<PosePair> pose_pairs(const Adjusted& adjusted) {
+  std::vector<PosePair> pairs;
+  if (adjusted.pose_covariance.empty()) return pairs;
+  for (int a = 1; a < kOfPose; ++a)
+    for (int b = 0; b < a; ++b) {
+      PosePair pair{a, b};
+      std::vector<double> amounts;
+      for (const auto& [id, covariance] : adjusted.pose_covariance) {
+        const double value = correlation(covariance, a, b);
+        if (!std::isfinite(value)) continue;
+        amounts.push_back(std::abs(value));
+        if (amounts.size() > 1 && std::abs(value) <= std::abs(pair.strongest)) continue;
+        pair.strongest = value;
+        pair.image = id;
+      }
+      if (amounts.empty()) continue;
+      pair.typical = median(amounts);
+      pairs.push_back(pair);
+    }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const PosePair& x, const PosePair& y) { return x.typical > y.typical; });
+  return pairs;
+}
+
+// The parameters of a camera that were estimated.
+std::vector<int> free_of(const MatrixPd& covariance) {
+  std::vector<int> free;
+  for (int k = 0; k < Camera::kAllParams; ++k)
+    if (covariance(k, k) > 0) free.push_back(k);
+  return free;
+}
+
+std::string camera_table(const Camera& camera, const MatrixPd& covariance) {
+  const std::vector<int> free = free_of(covariance);
+  if (free.size() < 2) return "";
+  std::pair<int, int> strongest{free[1], free[0]};
+  std::string rows;
+  for (const int k : free) {
+    rows += "<tr>" + text_cell(param_name(k));
+    for (const int other : free) {
+      if (other >= k) {
+        rows += other == k ? "<td>1</td>" : "<td></td>";
+        continue;
+      }
+      const double value = correlation(covariance, k, other);
+      if (std::abs(value) > std::abs(correlation(covariance, strongest.first, strongest.second)))
+        strongest = {k, other};
+      rows += fmt::format("<td{}>{:+.2f}</td>", std::abs(value) > kStrong ? " class=\"bad\"" : "", value);
+    }
+    rows += "</tr>\n";
+  }
+  std::string html =
+      fmt::format("<p>{}: strongest between {} and {}, {:+.3f}.</p>\n<table><thead><tr><th></th>", escaped(camera.name),
+                  param_name(strongest.first), param_name(strongest.second),
+                  correlation(covariance, strongest.first, strongest.second));
+  for (const int k : free) html += fmt::format("<th>{}</th>", param_name(k));
+  return html + "</tr></thead><tbody>\n" + rows + "</tbody></table>\n";
+}
+
+}  // namespace
+
+std::string correlation_section(const AdjustmentReport& report) {
+  const std::vector<PosePair> pairs = pose_pairs(report.adjusted);
+  std::string html;
+  for (const auto& [id, covariance] : report.adjusted.camera_covariance)
+    html += camera_table(report.block.cameras.at(id), covariance);
+  if (!pairs.empty()) {
+    html +=
+        "<p>Of the poses: the strongest pairs, over all images.</p>\n<table><thead><tr><th class=\"l\">pair</th>"
+        "<th>median amount</th><th>strongest</th><th class=\"l\">in</th></tr></thead><tbody>\n";
+    for (std::size_t i = 0; i < std::min(kShown, pairs.size()); ++i) {
+      const PosePair& pair = pairs[i];
+      html += "<tr>" +
+              text_cell(fmt::format("{}, {}", kPoseNames[std::size_t(pair.b)], kPoseNames[std::size_t(pair.a)])) +
+              cell(pair.typical, 2) + fmt::format("<td>{:+.3f}</td>", pair.strongest) +
+              text_cell(report.block.images.at(pair.image).file) + "</tr>\n";
+    }
+    html += "</tbody></table>\n";
+  }
+  if (html.empty()) return "";
+  return fmt::format(
+             "<section><h2>Correlations</h2>\n<p>Between the parameters of each camera (red: beyond {:.1f}; each is "
+             "then "
+             "known more than twice worse than if the other were given) and within the poses. All are in "
+             "adjustment.json.</p>\n",
+             kStrong) +
+         html + "</section>\n";
+}
+
+json pose_correlation_json(const AdjustmentReport& report) {
+  json pairs = json::array(), images = json::array();
+  for (int a = 1; a < kOfPose; ++a)
+    for (int b = 0; b < a; ++b) pairs.push_back({kPoseNames[std::size_t(b)], kPoseNames[std::size_t(a)]});
+  for (const auto& [id, covariance] : report.adjusted.pose_covariance) {
+    json values = json::array();
+    for (int a = 1; a < kOfPose; ++a)
+      for (int b = 0; b < a; ++b) values.push_back(number(correlation(covariance, a, b)));
+    images.push_back({{"image", report.block.images.at(id).file}, {"correlations", values}});
+  }
+  return {{"pairs", pairs}, {"images", images}};
+}
+
+}  // namespace collinea
