@@ -20,6 +20,7 @@ std::vector<Command> all_commands() {
       export_command(),
       simulate_command(),
       assess_command(),
+      stereo_command(),
   };
 }
 

@@ -20,6 +20,7 @@ Command adjust_command();
 Command export_command();
 Command simulate_command();
 Command assess_command();
+Command stereo_command();
 
 /// All of them, in the order of the help.
 std::vector<Command> all_commands();
