@@ -102,7 +102,7 @@ struct PositionTrack {
   Eigen::Vector3d drift_sigma_m = Eigen::Vector3d::Zero();  ///< the same, in a unit of time
 };
 /// How each of Camera::params takes part. 0: held; a standard deviation: observed with it; infinite: free.
-using CameraSigmas = std::array<double, Camera::kParams>;
+using CameraSigmas = std::array<double, Camera::kAllParams>;
 
 /// Those that AdjustOptions::calibration stands for, where `first` is the camera before any adjustment: the weak
 /// observations told at adjust(). Nothing when there is no such name.
@@ -196,7 +196,7 @@ struct ControlDifference {
 };
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using MatrixPd = Eigen::Matrix<double, Camera::kParams, Camera::kParams>;
+using MatrixPd = Eigen::MatrixXd;  ///< of as many of Camera::params as the camera's last one needs
 
 /// Something that the observations determine badly or not at all, in words.
 struct Weakness {
@@ -295,9 +295,10 @@ class Adjuster {
   std::unique_ptr<bundle::KeptFactor> kept_;
 };
 
-/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 without redundancy.
+/// What the square roots of covariances are multiplied by to be standard deviations: sigma0, or 1 where that says
+/// nothing: without redundancy, and where observations agree to rounding, as those of a planned block do.
 [[nodiscard]] inline double sigma_scale(const Adjusted& adjusted) {
-  return adjusted.redundancy > 0 ? adjusted.sigma0 : 1;
+  return adjusted.redundancy > 0 && adjusted.sigma0 > 1e-9 ? adjusted.sigma0 : 1;
 }
 
 /// Writes poses, cameras and points of the adjustment into the block.

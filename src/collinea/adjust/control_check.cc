@@ -276,7 +276,8 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
   if (std::abs(off.z()) > std::max({1.0, 1.5 * sigma, 5 * scatter.z() / std::sqrt(count)})) {
     Finding finding{"position_heights", {}, {}, {}, std::abs(off.z())};
     finding.message = fmt::format(
-        "GPS heights lie {:.1f} m {} the control heights (another height reference); heights of control are used",
+        "GPS heights lie {:.1f} m {} the control heights (another height reference? --gps-heights or --control-heights "
+        "tells it); heights of control are used",
         std::abs(off.z()), off.z() > 0 ? "above" : "below");
     diagnosis.findings.push_back(finding);
     diagnosis.position_height_shift_m = -off.z();

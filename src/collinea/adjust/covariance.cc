@@ -21,7 +21,7 @@ std::string name_of_unknown(const Block& block, const Problem& problem, int row)
     return (row % 6 < 3 ? "the attitude of " : "the position of ") + block.images.at(problem.images[row / 6].id).file;
   for (const ProblemCamera& camera : problem.cameras)
     if (const int k = row - 6 * problem.poses - camera.border; k >= 0 && k < static_cast<int>(camera.free.size()))
-      return std::string(Camera::kParamNames[camera.free[k]]) + " of camera " + block.cameras.at(camera.id).name;
+      return param_name(camera.free[k]) + " of camera " + block.cameras.at(camera.id).name;
   const int in_border = row - 6 * problem.poses;
   if (const auto k = static_cast<std::size_t>(in_border - problem.first_extra); k < problem.extras.size())
     return name_of_extra(block, problem.extras[k].kind, problem.extras[k].owner, problem.extras[k].axis);
@@ -133,7 +133,8 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   weaknesses.look_at_images();
   for (const ProblemCamera& camera : problem.cameras) {
     if (camera.free.empty()) continue;
-    MatrixPd covariance = MatrixPd::Zero();
+    const int size = Camera::kParams + static_cast<int>(count_of(block.cameras.at(camera.id).additional));
+    MatrixPd covariance = MatrixPd::Zero(size, size);
     const int first = 6 * problem.poses + camera.border;
     for (std::size_t a = 0; a < camera.free.size(); ++a)
       for (std::size_t b = 0; b < camera.free.size(); ++b) {

@@ -25,7 +25,7 @@ std::optional<std::vector<int>> free_params(const std::string& calibration) {
   if (calibration == "none") return std::vector<int>{};
   if (calibration == "focal") return std::vector<int>{C::kF};
   if (calibration == "focal_radial") return std::vector<int>{C::kF, C::kK1, C::kK2};
-  std::vector<int> brown{C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kP1, C::kP2};
+  std::vector<int> brown{C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kK4, C::kP1, C::kP2};
   if (calibration == "brown") return brown;
   brown.insert(brown.end(), {C::kB1, C::kB2});
   if (calibration == "brown_affinity") return brown;
@@ -44,6 +44,7 @@ double weak_sigma(const Camera& camera, int param) {
       return 0.2;
     case Camera::kK2:
     case Camera::kK3:
+    case Camera::kK4:
       return 0.5;
     case Camera::kP1:
     case Camera::kP2:
@@ -403,20 +404,23 @@ class Gatherer {
       const bool held = own == scope_.camera_sigmas.end() && !camera.calibrate;
       const CameraSigmas sigmas =
           own == scope_.camera_sigmas.end() ? *calibration_named(options_.calibration, given) : own->second;
-      for (int param = 0; param < Camera::kParams; ++param) {
+      for (const int param : params_of(camera)) {
         const double sigma = sigmas[static_cast<std::size_t>(param)];
         if (!(sigma >= 0))
-          return fail(Errc::kBadInput, "the standard deviation of " +
-                                           std::string(Camera::kParamNames[static_cast<std::size_t>(param)]) +
-                                           " of camera " + camera.name + " is no number from 0");
+          return fail(Errc::kBadInput, "the standard deviation of " + param_name(param) + " of camera " + camera.name +
+                                           " is no number from 0");
         if (held || scope_.fixed_cameras.contains(unknowns.id) || sigma == 0) continue;
         unknowns.free.push_back(param);
         unknowns.inverse_sigma[static_cast<std::size_t>(param)] = 1 / sigma;
       }
       problem.border += static_cast<int>(unknowns.free.size());
       out_.start.cameras.push_back(camera.params);
-      out_.start.lenses.push_back(
-          lens_of(camera.params.data(), kind_of(camera, scope_.corrected_cameras.contains(unknowns.id))));
+      const bool corrected = scope_.corrected_cameras.contains(unknowns.id);
+      if (corrected && kind_of(camera, true) == LensKind::kGeneral)
+        return fail(Errc::kUnsupported, "camera " + camera.name +
+                                            ": measurements are compared after correction with the model "
+                                            "brown_of_measured alone, without additional parameters");
+      out_.start.lenses.push_back(lens_of(camera, corrected));
     }
     problem.first_extra = problem.border;
     return {};
@@ -594,7 +598,10 @@ std::optional<CameraSigmas> calibration_named(const std::string& name, const Cam
   const auto free = bundle::free_params(name);
   if (!free) return std::nullopt;
   CameraSigmas sigmas{};
-  for (const int param : *free) sigmas[static_cast<std::size_t>(param)] = bundle::weak_sigma(first, param);
+  const std::vector<int> has = params_of(first);
+  for (const int param : *free)
+    if (std::ranges::find(has, param) != has.end())
+      sigmas[static_cast<std::size_t>(param)] = bundle::weak_sigma(first, param);
   return sigmas;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/adjust/lens.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "collinea/camera/core.h"
 
 namespace collinea::bundle {
 namespace {
@@ -66,9 +69,18 @@ void measured_by_ideal(const Lens& lens, const Projected& at, double* d) {
   d[3] = lens.f * my_y;
 }
 
+CameraCore core_of(const Lens& lens) { return {lens.params.data(), lens.model, lens.additional, lens.size}; }
+
 }  // namespace
 
 bool project_other(const Lens& lens, const double* point_in_cam, const double* measured_pixel, Projected* out) {
+  if (lens.kind == LensKind::kGeneral) {
+    const auto pixel =
+        collinea::project(core_of(lens), {point_in_cam[0], point_in_cam[1], point_in_cam[2]}, nullptr, nullptr);
+    if (!pixel) return false;
+    *out = {{pixel->x(), pixel->y()}, point_in_cam[0], point_in_cam[1], point_in_cam[2], 0, 0};
+    return true;
+  }
   if (!(point_in_cam[2] > 0)) return false;
   const double w = 1 / point_in_cam[2];
   out->x = point_in_cam[0] * w;
@@ -90,6 +102,12 @@ bool project_other(const Lens& lens, const double* point_in_cam, const double* m
 }
 
 void derive_other_by_point(const Lens& lens, const Projected& at, double z, double* by_point) {
+  if (lens.kind == LensKind::kGeneral) {
+    Matrix23 derivatives = Matrix23::Zero();
+    collinea::project(core_of(lens), {at.x, at.y, z}, &derivatives, nullptr);
+    for (int k = 0; k < 6; ++k) by_point[k] = derivatives(k / 3, k % 3);
+    return;
+  }
   double d[4] = {lens.f, 0, 0, lens.f};
   if (lens.kind == LensKind::kMeasured) measured_by_ideal(lens, at, d);
   for (int row = 0; row < 2; ++row) {
@@ -102,8 +120,15 @@ void derive_other_by_point(const Lens& lens, const Projected& at, double z, doub
 
 void derive_other_by_params(const Lens& lens, const Projected& at, double* by_params) {
   double* column = by_params;
-  double* row = by_params + Camera::kParams;
-  for (int k = 0; k < 2 * Camera::kParams; ++k) by_params[k] = 0;
+  double* row = by_params + Camera::kAllParams;
+  if (lens.kind == LensKind::kGeneral) {
+    Matrix2P derivatives = Matrix2P::Zero();
+    Matrix23 by_point;
+    collinea::project(core_of(lens), {at.x, at.y, at.r2}, &by_point, &derivatives);
+    for (int k = 0; k < Camera::kAllParams; ++k) column[k] = derivatives(0, k), row[k] = derivatives(1, k);
+    return;
+  }
+  for (int k = 0; k < 2 * Camera::kAllParams; ++k) by_params[k] = 0;
   const double x = at.xd, y = at.yd, r2 = x * x + y * y, r4 = r2 * r2, r6 = r4 * r2, xy2 = 2 * x * y;
   const double polynomial[5][2] = {
       {x * r2, y * r2}, {x * r4, y * r4}, {x * r6, y * r6}, {r2 + 2 * x * x, xy2}, {xy2, r2 + 2 * y * y}};
@@ -138,7 +163,7 @@ void derive_other_by_params(const Lens& lens, const Projected& at, double* by_pa
   }
 }
 
-Lens lens_of(const double* params, LensKind kind) {
+Lens lens_with(const Lens& old, const double* params) {
   Lens lens;
   lens.f = params[Camera::kF];
   lens.fx = params[Camera::kF] + params[Camera::kB1];
@@ -150,10 +175,23 @@ Lens lens_of(const double* params, LensKind kind) {
   lens.k3 = params[Camera::kK3];
   lens.p1 = params[Camera::kP1];
   lens.p2 = params[Camera::kP2];
-  lens.fold_r2 = first_fold(lens.k1, lens.k2, lens.k3);
-  lens.max_r2 = kind == LensKind::kBrown ? lens.fold_r2 : -1;
-  lens.kind = kind;
+  lens.kind = old.kind;
+  lens.fold_r2 = lens.kind == LensKind::kGeneral ? 0 : first_fold(lens.k1, lens.k2, lens.k3);
+  lens.max_r2 = lens.kind == LensKind::kBrown ? lens.fold_r2 : -1;
+  lens.model = old.model;
+  lens.additional = old.additional;
+  lens.size = old.size;
+  std::copy_n(params, lens.params.size(), lens.params.begin());
   return lens;
+}
+
+Lens lens_of(const Camera& camera, bool compare_corrected) {
+  Lens lens;
+  lens.kind = kind_of(camera, compare_corrected);
+  lens.model = camera.model;
+  lens.additional = camera.additional;
+  lens.size = {static_cast<double>(camera.width_px), static_cast<double>(camera.height_px)};
+  return lens_with(lens, camera.params.data());
 }
 
 }  // namespace collinea::bundle

@@ -12,30 +12,40 @@ enum class LensKind : std::uint8_t {
   kBrown,     ///< the pixel where the point is seen, with the pixel that was measured
   kMeasured,  ///< the same for CameraModel::kBrownOfMeasured
   /// The measured coordinates after correction, with X/Z and Y/Z, both times f [px]: AdjustScope::corrected_cameras.
-  kCorrected
+  kCorrected,
+  kGeneral  ///< as kBrown, for all other models and with additional parameters
 };
 
 /// A camera laid out for the inner loop of the adjustment. The mathematics is that of camera/camera.h (a test compares
-/// the two); here it is inline for the common model, and knows the edge of its field of view beforehand.
+/// the two; kGeneral calls it); here it is inline for the common model, and knows the edge of its field of view
+/// beforehand.
 struct Lens {
   double f = 0, fx = 0, b2 = 0, cx = 0, cy = 0;  // fx = f + b1
   double k1 = 0, k2 = 0, k3 = 0, p1 = 0, p2 = 0;
   double max_r2 = 0;   ///< of X/Z, Y/Z: where a point is no longer seen; infinite when nowhere; -1: not of kBrown
   double fold_r2 = 0;  ///< where the radial polynomial stops growing
   LensKind kind = LensKind::kBrown;
+  // Of kGeneral:
+  CameraModel model = CameraModel::kBrown;
+  AdditionalSet additional = AdditionalSet::kNone;
+  PictureExtent size;
+  std::array<double, Camera::kAllParams> params{};
 };
 
 [[nodiscard]] inline LensKind kind_of(const Camera& camera, bool compare_corrected) {
+  if (is_fisheye(camera.model) || camera.additional != AdditionalSet::kNone) return LensKind::kGeneral;
   if (camera.model == CameraModel::kBrown) return LensKind::kBrown;
   return compare_corrected ? LensKind::kCorrected : LensKind::kMeasured;
 }
-[[nodiscard]] Lens lens_of(const double* params, LensKind kind);
+[[nodiscard]] Lens lens_of(const Camera& camera, bool compare_corrected);
+/// The same lens with other Camera::params.
+[[nodiscard]] Lens lens_with(const Lens& lens, const double* params);
 
 /// A point of the camera frame on its way to the picture.
 struct Projected {
   double pixel[2];
-  double x, y, r2;  // X/Z, Y/Z, x^2 + y^2
-  double xd, yd;    // measured coordinates; of kCorrected those of the pixel that was measured
+  double x, y, r2;  // X/Z, Y/Z, x^2 + y^2; of kGeneral X, Y, Z
+  double xd, yd;    // measured coordinates; of kCorrected those of the pixel that was measured; not of kGeneral
 };
 
 // Of the other kinds.
@@ -91,7 +101,8 @@ inline void derive_by_point(const Lens& lens, const Projected& at, double z, dou
   derive_other_by_point(lens, at, z, by_point);
 }
 
-/// d(pixel) / d(Camera::params), 2 x Camera::kParams by rows, of a point that was projected.
+/// d(pixel) / d(Camera::params), 2 x Camera::kAllParams by rows, of a point that was projected: those that the model
+/// has.
 inline void derive_by_params(const Lens& lens, const Projected& at, double* by_params) {
   if (lens.kind != LensKind::kBrown) [[unlikely]]
     return derive_other_by_params(lens, at, by_params);
@@ -103,7 +114,7 @@ inline void derive_by_params(const Lens& lens, const Projected& at, double* by_p
   c[Camera::kK1] = column * r2, c[Camera::kK2] = column * r4, c[Camera::kK3] = column * r6;
   c[Camera::kP1] = lens.fx * xp1 + lens.b2 * xy2, c[Camera::kP2] = lens.fx * xy2 + lens.b2 * yp2;
   c[Camera::kB1] = at.xd, c[Camera::kB2] = at.yd;
-  double* r = by_params + Camera::kParams;
+  double* r = by_params + Camera::kAllParams;
   r[Camera::kF] = at.yd, r[Camera::kCx] = 0, r[Camera::kCy] = 1;
   r[Camera::kK1] = row * r2, r[Camera::kK2] = row * r4, r[Camera::kK3] = row * r6;
   r[Camera::kP1] = lens.f * xy2, r[Camera::kP2] = lens.f * yp2;

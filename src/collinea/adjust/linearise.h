@@ -124,11 +124,11 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
     for (std::size_t k = 0; k < 2 * count; ++k) by_camera[k] = 0;
     return;
   }
-  double all[2 * Camera::kParams];
+  double all[2 * Camera::kAllParams];
   derive_by_params(lens, ray.at, all);
   for (std::size_t k = 0; k < count; ++k) {
     by_camera[k] = all[free[k]] * ray.root_weight;
-    by_camera[count + k] = all[Camera::kParams + free[k]] * ray.root_weight;
+    by_camera[count + k] = all[Camera::kAllParams + free[k]] * ray.root_weight;
   }
   if (ray.shrink > 0) shrink_along(ray, by_camera, static_cast<int>(count));
 }

@@ -11,14 +11,23 @@ namespace {
 using testing::normal3;
 using testing::test_block;
 
-class LensOfModel : public ::testing::TestWithParam<CameraModel> {};
+struct LensCase {
+  CameraModel model;
+  AdditionalSet additional = AdditionalSet::kNone;
+};
+
+class LensOfModel : public ::testing::TestWithParam<LensCase> {};
 
 TEST_P(LensOfModel, AgreesWithTheCamera) {
   Camera camera = testing::test_camera();
-  camera.model = GetParam();
+  camera.model = GetParam().model;
+  camera.additional = GetParam().additional;
   camera.params[Camera::kB1] = 3;
   camera.params[Camera::kB2] = -2;
-  const bundle::Lens lens = bundle::lens_of(camera.params.data(), bundle::kind_of(camera, false));
+  Random values(9);
+  for (std::size_t k = 0; k < count_of(camera.additional); ++k)
+    camera.params[Camera::kParams + k] = values.uniform(-3, 3);
+  const bundle::Lens lens = bundle::lens_of(camera, false);
   Random random(4);
   int compared = 0;
   for (int i = 0; i < 200; ++i) {
@@ -40,7 +49,8 @@ TEST_P(LensOfModel, AgreesWithTheCamera) {
     if (!pixel) continue;
     ++compared;
     Eigen::Matrix<double, 2, 3, Eigen::RowMajor> mine;
-    Eigen::Matrix<double, 2, Camera::kParams, Eigen::RowMajor> mine_params;
+    Eigen::Matrix<double, 2, Camera::kAllParams, Eigen::RowMajor> mine_params;
+    mine_params.setZero();
     bundle::derive_by_point(lens, at, point.z(), mine.data());
     bundle::derive_by_params(lens, at, mine_params.data());
     EXPECT_LT((*pixel - Eigen::Vector2d(at.pixel[0], at.pixel[1])).norm(), 1e-9);
@@ -53,8 +63,16 @@ TEST_P(LensOfModel, AgreesWithTheCamera) {
   EXPECT_FALSE(bundle::project(lens, behind, middle, &at));
 }
 
-INSTANTIATE_TEST_SUITE_P(Lens, LensOfModel, ::testing::Values(CameraModel::kBrown, CameraModel::kBrownOfMeasured),
-                         [](const auto& tested) { return std::string(kCameraModelNames[std::size_t(tested.param)]); });
+INSTANTIATE_TEST_SUITE_P(Lens, LensOfModel,
+                         ::testing::Values(LensCase{CameraModel::kBrown}, LensCase{CameraModel::kBrownOfMeasured},
+                                           LensCase{CameraModel::kEquidistant}, LensCase{CameraModel::kEquisolid},
+                                           LensCase{CameraModel::kKannalaBrandt},
+                                           LensCase{CameraModel::kBrown, AdditionalSet::kGruen},
+                                           LensCase{CameraModel::kEquisolid, AdditionalSet::kFourier}),
+                         [](const auto& tested) {
+                           return std::string(kCameraModelNames[std::size_t(tested.param.model)]) + "_" +
+                                  std::string(kAdditionalNames[std::size_t(tested.param.additional)]);
+                         });
 
 // The difference after correction, and its derivatives: those of the computed pixel are minus those of the difference.
 TEST(Lens, ComparesAfterCorrection) {
@@ -66,17 +84,16 @@ TEST(Lens, ComparesAfterCorrection) {
   const Eigen::Vector2d measured = *project(camera, point) + Eigen::Vector2d(1.5, -0.7);
   const auto difference = [&](const Camera& c, const Eigen::Vector3d& p) {
     bundle::Projected at;
-    EXPECT_TRUE(
-        bundle::project(bundle::lens_of(c.params.data(), bundle::kind_of(c, true)), p.data(), measured.data(), &at));
+    EXPECT_TRUE(bundle::project(bundle::lens_of(c, true), p.data(), measured.data(), &at));
     return Eigen::Vector2d(measured.x() - at.pixel[0], measured.y() - at.pixel[1]);
   };
   const Eigen::Vector2d expected = camera.focal_px() * (normalized(camera, measured) - point.head<2>() / point.z());
   EXPECT_LT((difference(camera, point) - expected).norm(), 1e-9);
-  const bundle::Lens lens = bundle::lens_of(camera.params.data(), bundle::kind_of(camera, true));
+  const bundle::Lens lens = bundle::lens_of(camera, true);
   bundle::Projected at;
   ASSERT_TRUE(bundle::project(lens, point.data(), measured.data(), &at));
   Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
-  Eigen::Matrix<double, 2, Camera::kParams, Eigen::RowMajor> by_params;
+  Eigen::Matrix<double, 2, Camera::kAllParams, Eigen::RowMajor> by_params;
   bundle::derive_by_point(lens, at, point.z(), by_point.data());
   bundle::derive_by_params(lens, at, by_params.data());
   for (int k = 0; k < 3; ++k) {
@@ -98,7 +115,7 @@ TEST(Lens, ComparesAfterCorrection) {
 TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   const Block block = test_block({.tilt_rad = 0.4});
   const Camera& camera = block.cameras.begin()->second;
-  const bundle::Lens lens = bundle::lens_of(camera.params.data(), bundle::LensKind::kBrown);
+  const bundle::Lens lens = bundle::lens_of(camera, false);
   const Observation& observation = block.observations.front();
   const Rigid3 pose = block.cam_from_world.at(observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
@@ -144,7 +161,7 @@ TEST(Loss, WeightAndCurvatureAreDerivativesOfTheCost) {
 // The gradient is that of the cost whatever curvature is assumed; J^T r = -1/2 d(cost).
 TEST(Linearise, GradientIsThatOfTheRobustCost) {
   const Block block = test_block();
-  const bundle::Lens lens = bundle::lens_of(block.cameras.begin()->second.params.data(), bundle::LensKind::kBrown);
+  const bundle::Lens lens = bundle::lens_of(block.cameras.begin()->second, false);
   const Observation& observation = block.observations.front();
   const Rigid3 pose = block.cam_from_world.at(observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;

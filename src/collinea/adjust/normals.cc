@@ -434,7 +434,7 @@ double Normals::add_joined(const State& state) {
           }
         }
         const ProblemCamera& unknowns = problem_.cameras[camera];
-        double b[2 * Camera::kParams];
+        double b[2 * Camera::kAllParams];
         linearise_camera(linear, state.lenses[camera], unknowns.free, b);
         const std::size_t count = unknowns.free.size();
         for (std::size_t k = 0; k < count; ++k)

@@ -39,7 +39,7 @@ void PointSystem::add(const LinearRay& linear, int image, const State& state) {
     const ProblemCamera& unknowns = problem_.cameras[camera];
     if (const auto count = static_cast<int>(unknowns.free.size()); count > 0) {
       ray.camera = group(6 * problem_.poses + unknowns.border, count, false);
-      double b[2 * Camera::kParams];
+      double b[2 * Camera::kAllParams];
       linearise_camera(linear, state.lenses[camera], unknowns.free, b);
       ray.by_camera = Eigen::Map<const Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>>(b, 2, count);
     }

@@ -41,7 +41,7 @@ class PointSystem {
   [[nodiscard]] bool determined() const;
 
  private:
-  using Design = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, Camera::kParams>;
+  using Design = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, Camera::kAllParams>;
   struct Group {  // of reduced unknowns: a pose or the free parameters of a camera
     int row, count, first;
     bool is_pose;

@@ -31,10 +31,10 @@ struct ProblemImage {
 
 struct ProblemCamera {
   CameraId id;
-  int border = 0;                                       ///< where its unknowns begin among all camera unknowns
-  std::vector<int> free;                                ///< Camera::Param of each unknown
-  std::array<double, Camera::kParams> given{};          ///< weak observations ...
-  std::array<double, Camera::kParams> inverse_sigma{};  ///< ... and their weights^1/2
+  int border = 0;                                          ///< where its unknowns begin among all camera unknowns
+  std::vector<int> free;                                   ///< Camera::Param of each unknown
+  std::array<double, Camera::kAllParams> given{};          ///< weak observations ...
+  std::array<double, Camera::kAllParams> inverse_sigma{};  ///< ... and their weights^1/2
 };
 
 /// A tie point or control point with its rays in [first_ray, next point's first_ray): first those of held images, then
@@ -157,7 +157,7 @@ using Frame = std::array<double, 12>;
 struct State {
   std::vector<Eigen::Quaterniond> rotations;
   std::vector<Frame> frames;
-  std::vector<std::array<double, Camera::kParams>> cameras;
+  std::vector<std::array<double, Camera::kAllParams>> cameras;
   std::vector<Lens> lenses;
   std::vector<double> points;  ///< 3 of each point
   std::vector<double> extras;  ///< parallel to Problem::extras

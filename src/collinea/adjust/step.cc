@@ -35,7 +35,7 @@ State with_reduced_moved(const Problem& problem, const State& state, Step& step)
     const ProblemCamera& camera = problem.cameras[i];
     for (std::size_t k = 0; k < camera.free.size(); ++k)
       next.cameras[i][camera.free[k]] += by_camera[camera.border + static_cast<int>(k)];
-    if (!camera.free.empty()) next.lenses[i] = lens_of(next.cameras[i].data(), state.lenses[i].kind);
+    if (!camera.free.empty()) next.lenses[i] = lens_with(state.lenses[i], next.cameras[i].data());
   }
   for (std::size_t i = 0; i < problem.extras.size(); ++i)
     next.extras[i] += by_camera[problem.first_extra + static_cast<int>(i)];
@@ -61,7 +61,7 @@ void take_step_of_image(const Problem& problem, const State& state, const Step& 
   const int camera = problem.images[ray.image].camera;
   const ProblemCamera& unknowns = problem.cameras[camera];
   if (unknowns.free.empty()) return;
-  double b[2 * Camera::kParams];
+  double b[2 * Camera::kAllParams];
   linearise_camera(linear, state.lenses[camera], unknowns.free, b);
   const double* d = step.reduced.data() + 6 * problem.poses + unknowns.border;
   const std::size_t count = unknowns.free.size();

@@ -37,9 +37,7 @@ class WeaknessFinder {
     Eigen::MatrixXd cofactor;
 
     [[nodiscard]] int count() const { return static_cast<int>(camera.free.size()); }
-    [[nodiscard]] std::string_view parameter(int k) const {
-      return Camera::kParamNames[static_cast<std::size_t>(camera.free[static_cast<std::size_t>(k)])];
-    }
+    [[nodiscard]] std::string parameter(int k) const { return param_name(camera.free[static_cast<std::size_t>(k)]); }
   };
   void look_at_camera(const TileCholesky& factor, std::size_t camera);
   [[nodiscard]] std::vector<Eigen::VectorXd> motions_like_a_camera(std::size_t camera) const;

@@ -26,7 +26,7 @@ struct Georeference {
 struct PositionPrior {
   Eigen::Vector3d position_in_world;  ///< [m]
   Eigen::Vector3d sigma_m;
-  double latitude_deg = 0, longitude_deg = 0, height_m = 0;  ///< as written by the device
+  double latitude_deg = 0, longitude_deg = 0, height_m = 0;  ///< as the device wrote them; height ellipsoidal
   std::optional<double> height_above_start_m;                ///< over the place of take-off, where the device says so
 };
 

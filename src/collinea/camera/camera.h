@@ -7,37 +7,51 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "collinea/camera/additional.h"
 
 namespace collinea {
 
-/// Which way the polynomial of the distortion goes.
+/// How a direction becomes a place in the picture.
 enum class CameraModel : std::uint8_t {
-  kBrown,            ///< from where the point would be seen to where it is seen
-  kBrownOfMeasured,  ///< from where it is seen to where it would be: corrections of measured coordinates
+  kBrown,            ///< central; the polynomial goes from where the point would be seen to where it is seen
+  kBrownOfMeasured,  ///< central; from where it is seen to where it would be: corrections of measured coordinates
+  kEquidistant,      ///< fisheye: the distance from the principal point is f times the angle from the axis
+  kEquisolid,        ///< fisheye: it is 2 f sin(angle / 2), equal solid angles have equal areas
+  kKannalaBrandt,    ///< fisheye: f times an odd polynomial of the angle, of the ninth degree
 };
-inline constexpr std::array<std::string_view, 2> kCameraModelNames = {"brown", "brown_of_measured"};
+inline constexpr std::array<std::string_view, 5> kCameraModelNames = {"brown", "brown_of_measured", "equidistant",
+                                                                      "equisolid", "kannala_brandt"};
 
-/// The interior orientation of a camera with one lens and one focus setting: central projection with the distortion of
+[[nodiscard]] constexpr bool is_fisheye(CameraModel model) { return model >= CameraModel::kEquidistant; }
+
+/// The interior orientation of a camera with one lens and one focus setting: a projection with the distortion of
 /// Brown (1971) and the affinity and shear of the sensor. The polynomial D of the distortion is, with
 /// r2 = x^2 + y^2,
-///     radial = k1 r2 + k2 r2^2 + k3 r2^3
+///     radial = k1 r2 + k2 r2^2 + k3 r2^3 + k4 r2^4
 ///     D(x, y) = (x + x radial + p1 (r2 + 2 x^2) + 2 p2 x y,
 ///                y + y radial + p2 (r2 + 2 y^2) + 2 p1 x y)
 /// The measured coordinates (xd, yd) of a point X, Y, Z of the camera frame follow from
 ///     kBrown:            (xd, yd) = D(X/Z, Y/Z)
 ///     kBrownOfMeasured:  D(xd, yd) = (X/Z, Y/Z)
-/// and the pixel from them:
+///     fisheye:           (xd, yd) = D(g X/R, g Y/R), R = hypot(X, Y), t = atan2(R, Z),
+///                        g = t of kEquidistant and kKannalaBrandt, 2 sin(t/2) of kEquisolid
+/// where k4 is of kKannalaBrandt alone, which has no p1 and p2: f t (1 + k1 t^2 + k2 t^4 + k3 t^6 + k4 t^8). The pixel:
 ///     column = cx + f xd + b1 xd + b2 yd,   row = cy + f yd
+/// and on top of it the shift of the additional parameters at that pixel (camera/additional.h).
 /// Pixel convention: the centre of the upper-left pixel is (0.5, 0.5). Camera frame: x right, y down, z forward.
 struct Camera {
-  enum Param : int { kF, kCx, kCy, kK1, kK2, kK3, kP1, kP2, kB1, kB2, kParams };
-  static constexpr std::array<std::string_view, kParams> kParamNames = {"f",  "cx", "cy", "k1", "k2",
-                                                                        "k3", "p1", "p2", "b1", "b2"};
-  static constexpr std::array<std::string_view, kParams> kParamUnits = {"px", "px", "px", "1",  "1",
-                                                                        "1",  "1",  "1",  "px", "px"};
+  enum Param : int { kF, kCx, kCy, kK1, kK2, kK3, kP1, kP2, kB1, kB2, kK4, kParams };
+  static constexpr int kAllParams = kParams + static_cast<int>(kMostAdditional);
+  static constexpr std::array<std::string_view, kParams> kParamNames = {"f",  "cx", "cy", "k1", "k2", "k3",
+                                                                        "p1", "p2", "b1", "b2", "k4"};
+  static constexpr std::array<std::string_view, kParams> kParamUnits = {"px", "px", "px", "1",  "1", "1",
+                                                                        "1",  "1",  "px", "px", "1"};
 
-  std::array<double, kParams> params{};
+  std::array<double, kAllParams> params{};  ///< of the model, then of the additional set [px]; the others are zero
   CameraModel model = CameraModel::kBrown;
+  AdditionalSet additional = AdditionalSet::kNone;
   int width_px = 0;
   int height_px = 0;
   std::string name;       ///< maker, model, serial: for people
@@ -51,13 +65,25 @@ struct Camera {
 /// A camera without distortion whose principal point is the middle of the image.
 [[nodiscard]] Camera ideal_camera(double focal_px, int width_px, int height_px);
 
-/// Where a point of the camera frame is seen [px]; nothing when it lies behind the camera or so far outside the field
-/// of view that the distortion polynomial folds back (its radial derivative is no longer positive). Where the
-/// polynomial is one of measured coordinates it is inverted by Newton iteration, to rounding.
+/// Those of Camera::params that the camera's model and additional set have, ascending.
+[[nodiscard]] std::vector<int> params_of(const Camera& camera);
+/// "k1"; of the additional ones "a1" and so on.
+[[nodiscard]] std::string param_name(int param);
+[[nodiscard]] std::string_view param_unit(int param);
+/// The parameter of that name, if the camera has it.
+[[nodiscard]] std::optional<int> param_named(const Camera& camera, std::string_view name);
+
+/// The camera of pictures resampled to `times` their size.
+void scale_params(Camera& camera, double times);
+
+/// Where a point of the camera frame is seen [px]; nothing when it lies behind the camera (of a fisheye: on its axis
+/// behind it) or so far outside the field of view that the distortion polynomial folds back (its radial derivative is
+/// no longer positive). Where the polynomial is one of measured coordinates it is inverted by Newton iteration, to
+/// rounding.
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam);
 
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
-using Matrix2P = Eigen::Matrix<double, 2, Camera::kParams>;
+using Matrix2P = Eigen::Matrix<double, 2, Camera::kAllParams>;
 
 /// The same, with the derivatives of the pixel by the point and by the camera's parameters.
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam,
@@ -65,8 +91,22 @@ using Matrix2P = Eigen::Matrix<double, 2, Camera::kParams>;
 
 /// The undistorted image coordinates (X/Z, Y/Z) of a pixel: the inverse of project. For kBrown by Newton iteration, to
 /// 1e-10 and better inside the image for lenses whose distortion does not fold back; outside that domain the nearest
-/// the iteration comes. For kBrownOfMeasured the polynomial itself.
+/// the iteration comes. For kBrownOfMeasured the polynomial itself. Of a fisheye the rays beyond kWidestPlane_rad have
+/// no such coordinates that are of use: they get those of that angle, in their direction; see in_plane().
 [[nodiscard]] Eigen::Vector2d normalized(const Camera& camera, const Eigen::Vector2d& pixel);
+
+/// The pixel freed from the shift of the additional parameters.
+[[nodiscard]] Eigen::Vector2d without_additional(const Camera& camera, const Eigen::Vector2d& pixel);
+
+/// 80 degrees from the axis: X/Z is 5.7 there and grows 33 times as fast as the angle.
+inline constexpr double kWidestPlane_rad = 1.3962634015954636;
+
+/// Whether normalized() is that of the pixel's ray.
+[[nodiscard]] bool in_plane(const Camera& camera, const Eigen::Vector2d& pixel);
+
+/// How many pixels a unit of X/Z, Y/Z is in the picture at a place: the focal length of a central projection, less and
+/// less towards the rim of a fisheye (the mean of along and across the radius).
+[[nodiscard]] double pixels_per_unit(const Camera& camera, const Eigen::Vector2d& normalized_xy);
 
 /// The unit direction of a pixel in the camera frame.
 [[nodiscard]] Eigen::Vector3d ray_in_cam(const Camera& camera, const Eigen::Vector2d& pixel);

@@ -16,7 +16,8 @@ constexpr int kSmallestSide = 40;  // of the coarsest level kept
 constexpr int kGrid = 8;           // pixels between exact evaluations of the distortion; between them error < 0.003 px
 
 bool is_ideal(const Camera& camera) {
-  return std::all_of(camera.params.begin() + Camera::kK1, camera.params.end(), [](double p) { return p == 0; });
+  return !is_fisheye(camera.model) &&
+         std::all_of(camera.params.begin() + Camera::kK1, camera.params.end(), [](double p) { return p == 0; });
 }
 
 // Where the pixels of the ideal picture lie on the photograph, at every kGrid-th pixel (sample units); NaN: nowhere.
@@ -63,8 +64,8 @@ Result<int> working_shrink(const Camera& camera, const DenseOptions& options) {
 
 Camera shrunk(const Camera& camera, int shrink) {
   Camera result = camera;
-  for (const auto i : {Camera::kF, Camera::kCx, Camera::kCy, Camera::kB1, Camera::kB2})
-    result.params[std::size_t(i)] /= shrink;
+  for (int k = 0; k < Camera::kAllParams; ++k)
+    if (param_unit(k) == "px") result.params[std::size_t(k)] /= shrink;
   result.width_px = (camera.width_px + shrink - 1) / shrink;
   result.height_px = (camera.height_px + shrink - 1) / shrink;
   return result;
@@ -72,6 +73,8 @@ Camera shrunk(const Camera& camera, int shrink) {
 
 Camera without_distortion(const Camera& camera) {
   Camera result = camera;
+  result.model = CameraModel::kBrown;
+  result.additional = AdditionalSet::kNone;
   std::fill(result.params.begin() + Camera::kK1, result.params.end(), 0.0);
   return result;
 }

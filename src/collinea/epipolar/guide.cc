@@ -105,8 +105,7 @@ PointPairs matched_pairs(const Camera& camera_first, std::span<const Keypoint> f
   pairs.focal_first_px = camera_first.focal_px();
   pairs.focal_second_px = camera_second.focal_px();
   for (const auto& [i, j] : verified.matches)
-    pairs.add(normalized(camera_first, {first[i].x, first[i].y}),
-              normalized(camera_second, {second[j].x, second[j].y}));
+    pairs.add(camera_first, {first[i].x, first[i].y}, camera_second, {second[j].x, second[j].y});
   return pairs;
 }
 

@@ -53,6 +53,14 @@ inline Transfer transfer(const double* h, double x1, double y1, double x2, doubl
   return t;
 }
 
+// Pixels in a unit of the coordinates of one pair.
+double focal_first_at(const PointPairs& pairs, int i) {
+  return pairs.scale1.empty() ? pairs.focal_first_px : pairs.focal_first_px * pairs.scale1[std::size_t(i)];
+}
+double focal_second_at(const PointPairs& pairs, int i) {
+  return pairs.scale2.empty() ? pairs.focal_second_px : pairs.focal_second_px * pairs.scale2[std::size_t(i)];
+}
+
 inline double squared(const Transfer& t) {
   return t.error_u * (t.weight_uu * t.error_u + 2 * t.weight_uv * t.error_v) + t.weight_vv * t.error_v * t.error_v;
 }
@@ -61,16 +69,16 @@ inline double squared(const Transfer& t) {
 MatrixNormal normal_equations(const Eigen::Matrix3d& homography, const PointPairs& pairs, std::span<const int> support,
                               double loss_px) {
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = homography;
-  const double ratio = pairs.focal_second_px / pairs.focal_first_px, loss2 = loss_px * loss_px;
+  const double loss2 = loss_px * loss_px;
   MatrixNormal sum;
   for (const int i : support) {
+    const double focal = focal_second_at(pairs, i), ratio = focal / focal_first_at(pairs, i);
     const Eigen::Vector2d first = pairs.first(i), second = pairs.second(i);
-    const Transfer t =
-        transfer(rows.data(), first.x(), first.y(), second.x(), second.y(), pairs.focal_second_px, ratio);
+    const Transfer t = transfer(rows.data(), first.x(), first.y(), second.x(), second.y(), focal, ratio);
     const double cap = 1 / (1 + squared(t) / loss2);
     sum.cost += loss2 * (1 - cap);
     const double robust = cap * cap;
-    const double scale = pairs.focal_second_px * t.inverse_w;
+    const double scale = focal * t.inverse_w;
     const double su = t.weight_uu * t.error_u + t.weight_uv * t.error_v;
     const double sv = t.weight_uv * t.error_u + t.weight_vv * t.error_v;
     const Eigen::Vector3d g = Eigen::Vector3d(su, sv, -(t.u * su + t.v * sv)) * (robust * scale);
@@ -150,6 +158,13 @@ void squared_errors(const Eigen::Matrix3d& homography, const PointPairs& pairs, 
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = homography;
   const double focal = pairs.focal_second_px, ratio = focal / pairs.focal_first_px;
   const double *x1 = pairs.x1.data(), *y1 = pairs.y1.data(), *x2 = pairs.x2.data(), *y2 = pairs.y2.data();
+  if (!pairs.scale1.empty()) {
+    for (int i = begin; i < end; ++i) {
+      const double own = focal_second_at(pairs, i);
+      out[i - begin] = squared(transfer(rows.data(), x1[i], y1[i], x2[i], y2[i], own, own / focal_first_at(pairs, i)));
+    }
+    return;
+  }
   for (int i = begin; i < end; ++i)
     out[i - begin] = squared(transfer(rows.data(), x1[i], y1[i], x2[i], y2[i], focal, ratio));
 }

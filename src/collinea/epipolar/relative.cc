@@ -19,8 +19,9 @@ namespace {
 //   dr/dM = q p' / sqrt(d) - c / d^1.5 ((M p)_xy0 p' / f2^2 + q (M' q)_xy0' / f1^2).
 MatrixNormal normal_equations(const Eigen::Matrix3d& matrix, const PointPairs& pairs, std::span<const int> support,
                               double loss_px) {
-  const double w1 = 1 / (pairs.focal_first_px * pairs.focal_first_px);
-  const double w2 = 1 / (pairs.focal_second_px * pairs.focal_second_px);
+  double w1 = 1 / (pairs.focal_first_px * pairs.focal_first_px);
+  double w2 = 1 / (pairs.focal_second_px * pairs.focal_second_px);
+  const bool varies = !pairs.scale1.empty();
   const double inverse_loss2 = 1 / (loss_px * loss_px);
   MatrixNormal sum;
   Eigen::Matrix<double, 9, 1> row;
@@ -28,6 +29,10 @@ MatrixNormal normal_equations(const Eigen::Matrix3d& matrix, const PointPairs& p
     const Eigen::Vector3d p = pairs.first(i).homogeneous(), q = pairs.second(i).homogeneous();
     const Eigen::Vector3d line2 = matrix * p, line1 = matrix.transpose() * q;
     const double c = q.dot(line2);
+    if (varies) [[unlikely]] {
+      const Eigen::Vector2d pixels = pairs.squared_pixels(i);
+      w1 = pixels[0], w2 = pixels[1];
+    }
     const double d = w2 * line2.head<2>().squaredNorm() + w1 * line1.head<2>().squaredNorm();
     const double inverse_root = 1 / std::sqrt(d), r = c * inverse_root, pull = r / d;
     const double cap = 1 / (1 + r * r * inverse_loss2);
@@ -156,12 +161,20 @@ void squared_epipolar_errors(const Eigen::Matrix3d& m, const PointPairs& pairs, 
   const double *x1 = pairs.x1.data(), *y1 = pairs.y1.data(), *x2 = pairs.x2.data(), *y2 = pairs.y2.data();
   const double m00 = m(0, 0), m01 = m(0, 1), m02 = m(0, 2), m10 = m(1, 0), m11 = m(1, 1), m12 = m(1, 2);
   const double m20 = m(2, 0), m21 = m(2, 1), m22 = m(2, 2);
-  for (int i = begin; i < end; ++i) {
+  const auto squared_error = [&](int i, double per1, double per2) {
     const double a = m00 * x1[i] + m01 * y1[i] + m02, b = m10 * x1[i] + m11 * y1[i] + m12;
     const double third = m20 * x1[i] + m21 * y1[i] + m22;
     const double u = m00 * x2[i] + m10 * y2[i] + m20, v = m01 * x2[i] + m11 * y2[i] + m21;
     const double c = x2[i] * a + y2[i] * b + third;
-    out[i - begin] = c * c / (w2 * (a * a + b * b) + w1 * (u * u + v * v));
+    return c * c / (per2 * (a * a + b * b) + per1 * (u * u + v * v));
+  };
+  if (pairs.scale1.empty()) {
+    for (int i = begin; i < end; ++i) out[i - begin] = squared_error(i, w1, w2);
+    return;
+  }
+  for (int i = begin; i < end; ++i) {
+    const Eigen::Vector2d pixels = pairs.squared_pixels(i);
+    out[i - begin] = squared_error(i, pixels[0], pixels[1]);
   }
 }
 

@@ -123,11 +123,13 @@ class PoseProblem {
   PoseProblem(const Camera& camera, const Measured& measured, double loss_px)
       : camera_(camera), measured_(measured), loss_px_(loss_px) {
     const std::size_t count = measured.pixels.size();
-    for (auto* values : {&x_, &y_}) values->reserve(count);
+    for (auto* values : {&x_, &y_, &focal2_}) values->reserve(count);
     for (const Eigen::Vector2d& pixel : measured.pixels) {
       const Eigen::Vector2d xy = normalized(camera, pixel);
       x_.push_back(xy.x());
       y_.push_back(xy.y());
+      const double focal = pixels_per_unit(camera, xy);
+      focal2_.push_back(focal * focal);
     }
   }
 
@@ -146,14 +148,13 @@ class PoseProblem {
   void squared_errors(const Rigid3& cam_from_world, int begin, int end, double* out) const {
     const Eigen::Matrix3d r = cam_from_world.rotation.toRotationMatrix();
     const Eigen::Vector3d& t = cam_from_world.translation;
-    const double focal2 = camera_.focal_px() * camera_.focal_px();
     for (int i = begin; i < end; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const Eigen::Vector3d& p = measured_.points_in_world[k];
       const double z = r(2, 0) * p.x() + r(2, 1) * p.y() + r(2, 2) * p.z() + t.z(), w = 1 / z;
       const double ex = (r(0, 0) * p.x() + r(0, 1) * p.y() + r(0, 2) * p.z() + t.x()) * w - x_[k];
       const double ey = (r(1, 0) * p.x() + r(1, 1) * p.y() + r(1, 2) * p.z() + t.y()) * w - y_[k];
-      out[i - begin] = z > 0 ? focal2 * (ex * ex + ey * ey) : std::numeric_limits<double>::infinity();
+      out[i - begin] = z > 0 ? focal2_[k] * (ex * ex + ey * ey) : std::numeric_limits<double>::infinity();
     }
   }
 
@@ -167,7 +168,8 @@ class PoseProblem {
   const Camera& camera_;
   Measured measured_;
   double loss_px_;
-  std::vector<double> x_, y_;  // undistorted image coordinates
+  std::vector<double> x_, y_;   // undistorted image coordinates
+  std::vector<double> focal2_;  // squared pixels in a squared unit of them
 };
 
 RobustOptions search_options(const ResectOptions& options) {

@@ -375,11 +375,11 @@ Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> fi
   for (const int i : order) {
     const Match& match = matches[static_cast<std::size_t>(i)];
     const Keypoint &a = first[match.first], &b = second[match.second];
+    if (!in_plane(camera_first, {a.x, a.y}) || !in_plane(camera_second, {b.x, b.y})) continue;
     prepared.matches.push_back(match);
     prepared.first_px.emplace_back(a.x, a.y);
     prepared.second_px.emplace_back(b.x, b.y);
-    prepared.pairs.add(normalized(camera_first, prepared.first_px.back()),
-                       normalized(camera_second, prepared.second_px.back()));
+    prepared.pairs.add(camera_first, prepared.first_px.back(), camera_second, prepared.second_px.back());
     changes.push_back(
         {b.angle_rad - a.angle_rad, a.scale_px > 0 && b.scale_px > 0 ? std::log2(b.scale_px / a.scale_px) : 0});
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/geodesy/local_frame.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -77,7 +78,8 @@ Result<LocalFrame> LocalFrame::create(const std::string& crs, double origin_lati
   if (!frame.map_from_local(Eigen::Vector3d::Zero().eval()).allFinite())
     return fail(Errc::kBadInput, "latitude " + std::to_string(origin_latitude_deg) + ", longitude " +
                                      std::to_string(origin_longitude_deg) + " cannot be mapped in " +
-                                     transforms.projection->name + ": wrong CRS for this place?");
+                                     transforms.projection->name +
+                                     ": wrong CRS for this place, or a geoid grid that does not reach it?");
   if (const Result<> verdict = check_scale(frame, origin_latitude_deg, origin_longitude_deg); !verdict)
     return tl::unexpected(verdict.error());
   return frame;
@@ -129,6 +131,17 @@ std::string LocalFrame::missing_grid() const { return transforms_->projection->m
 std::optional<double> LocalFrame::accuracy_m() const {
   const double accuracy_m = transforms_->projection->accuracy_m;
   return accuracy_m < 0 ? std::nullopt : std::optional(accuracy_m);
+}
+
+Eigen::Quaterniond map_from_local_rotation(const LocalFrame& frame, const Eigen::Vector3d& local) {
+  constexpr double kStep_m = 10;
+  Eigen::Matrix3d derivative;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(axis);
+    derivative.col(axis) = (frame.map_from_local(local + step) - frame.map_from_local(local - step)) / (2 * kStep_m);
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(derivative, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose())).normalized();
 }
 
 std::string utm_crs(double latitude_deg, double longitude_deg) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <span>
@@ -48,6 +48,10 @@ class LocalFrame {
   struct Transforms;
   std::shared_ptr<Transforms> transforms_;
 };
+
+/// The rotation from the axes of the world to those of the map (grid east, grid north, up) at a place of the world: the
+/// nearest one to the derivative of the conversion.
+[[nodiscard]] Eigen::Quaterniond map_from_local_rotation(const LocalFrame& frame, const Eigen::Vector3d& local);
 
 /// The WGS84 / UTM zone of a place, "EPSG:326zz" or "EPSG:327zz".
 [[nodiscard]] std::string utm_crs(double latitude_deg, double longitude_deg);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include "collinea/geodesy/map_projection.h"
 
@@ -79,6 +80,29 @@ Result<ProjObject> parsed_crs(pj_ctx* context, const std::string& crs) {
   return object;
 }
 
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+// A CRS whose heights count from a geoid that a file describes: the vertical part is bound to the ellipsoid by it.
+Result<ProjObject> with_geoid(pj_ctx* context, const std::string& plan, const std::string& file) {
+  COLLINEA_TRY(const ProjObject horizontal, parsed_crs(context, plan));
+  const ProjObject hub(proj_create(context, "EPSG:4979"));
+  const std::string name = "heights by " + std::filesystem::path(file).filename().string();
+  const std::string vertical = "VERTCRS[" + quoted(name) + ",VDATUM[" + quoted(name) +
+                               "],CS[vertical,1],AXIS[\"gravity-related height (H)\",up],LENGTHUNIT[\"metre\",1]]";
+  const std::string bound =
+      "BOUNDCRS[SOURCECRS[" + vertical + "],TARGETCRS[" + (hub ? wkt2_of(context, hub.get()) : "") +
+      "],ABRIDGEDTRANSFORMATION[\"geoid heights\",METHOD[\"GravityRelatedHeight to Geographic3D\"],"
+      "PARAMETERFILE[\"Geoid (height correction) model file\"," +
+      quoted(file) + "]]]";
+  ProjObject compound = compound_crs(context, horizontal.get(), name, bound);
+  if (!compound) return fail(Errc::kUnsupported, "\"" + plan + "\" cannot have heights by a geoid grid");
+  return compound;
+}
+
 }  // namespace
 
 void ProjContextDeleter::operator()(pj_ctx* context) const { proj_context_destroy(context); }
@@ -91,9 +115,28 @@ ProjContext quiet_proj_context() {
   return context;
 }
 
+std::string wkt2_of(pj_ctx* context, const PJ* crs) {
+  const char* const one_line[] = {"MULTILINE=NO", nullptr};
+  const char* wkt = proj_as_wkt(context, crs, PJ_WKT2_2019, one_line);
+  return wkt ? wkt : "";
+}
+
+ProjObject compound_crs(pj_ctx* context, const PJ* horizontal, const std::string& vertical_name,
+                        const std::string& vertical_wkt) {
+  const char* name = proj_get_name(horizontal);
+  const std::string wkt = "COMPOUNDCRS[" + quoted(std::string(name ? name : "map") + " + " + vertical_name) + "," +
+                          wkt2_of(context, horizontal) + "," + vertical_wkt + "]";
+  return ProjObject(proj_create(context, wkt.c_str()));
+}
+
 Result<MapCrs> read_map_crs(pj_ctx* context, const std::string& crs) {
   MapCrs map;
-  COLLINEA_TRY(map.object, parsed_crs(context, crs));
+  if (const std::size_t mark = crs.rfind(kGeoidMark); mark != std::string::npos) {
+    map.geoid = crs.substr(mark + kGeoidMark.size());
+    COLLINEA_TRY(map.object, with_geoid(context, crs.substr(0, mark), map.geoid));
+  } else {
+    COLLINEA_TRY(map.object, parsed_crs(context, crs));
+  }
   const char* name = proj_get_name(map.object.get());
   map.name = name && std::strcmp(name, "unknown") != 0 ? name : crs;
 

@@ -37,8 +37,9 @@ ProjList operations(pj_ctx* context, const PJ* map, const PJ* wgs84, const Eigen
 }
 
 struct MissingGrid {
-  std::string name;
-  bool downloadable = false;
+  std::string name, url;
+
+  [[nodiscard]] std::string told() const { return url.empty() ? name : name + " (" + url + ")"; }
 };
 
 MissingGrid first_missing_grid(pj_ctx* context, const PJ* operation) {
@@ -50,8 +51,7 @@ MissingGrid first_missing_grid(pj_ctx* context, const PJ* operation) {
                                            &available) ||
         available)
       continue;
-    const bool downloadable = url && *url;
-    return {std::string(name ? name : "?") + (downloadable ? std::string(" (") + url + ")" : ""), downloadable};
+    return {name ? name : "?", url ? url : ""};
   }
   return {};
 }
@@ -70,13 +70,28 @@ Choice best_available(pj_ctx* context, PJ_OBJ_LIST* list) {
     if (proj_coordoperation_is_instantiable(context, candidate.get()))
       choice.operation.reset(proj_normalize_for_visualization(context, candidate.get()));
     else if (const MissingGrid missing = first_missing_grid(context, candidate.get());
-             choice.missing_grid.name.empty() || (missing.downloadable && !choice.missing_grid.downloadable))
+             choice.missing_grid.name.empty() || (!missing.url.empty() && choice.missing_grid.url.empty()))
       choice.missing_grid = missing;
   }
   return choice;
 }
 
 std::string text(const char* words) { return words ? words : ""; }
+
+// What is missing, and what to do about it.
+tl::unexpected<Error> no_operation(pj_ctx* context, const MapCrs& map, const MissingGrid& missing) {
+  if (!map.geoid.empty())
+    return fail(Errc::kBadFormat, "the geoid grid " + map.geoid +
+                                      " cannot be used: PROJ reads geoid heights over the ellipsoid as GTX or GeoTIFF");
+  if (missing.name.empty())
+    return fail(Errc::kUnsupported, "PROJ knows no transformation between " + map.name + " and WGS84");
+  const std::string folder = text(proj_context_get_user_writable_directory(context, 0));
+  std::string cure = missing.url.empty() ? "Get it from who made it and put it into " : "Put it into ";
+  cure += folder + (missing.url.empty() ? "" : " (projsync --file " + missing.name + " does so)");
+  if (map.has_height) cure += "; or name the file of a geoid grid, or ellipsoidal, by --heights";
+  return fail(Errc::kUnsupported,
+              map.name + " needs the grid " + missing.told() + ", which is not installed for PROJ. " + cure);
+}
 
 }  // namespace
 
@@ -97,19 +112,15 @@ Result<std::shared_ptr<MapProjection>> MapProjection::create(const std::string& 
     choice.operation = std::move(anywhere.operation);
     if (choice.missing_grid.name.empty()) choice.missing_grid = anywhere.missing_grid;
   }
-  if (!choice.operation)
-    return fail(Errc::kUnsupported,
-                choice.missing_grid.name.empty()
-                    ? "PROJ knows no transformation between " + map.name + " and WGS84"
-                    : map.name + " needs the grid " + choice.missing_grid.name + ", which is not installed for PROJ");
+  if (!choice.operation) return no_operation(context, map, choice.missing_grid);
   made->accuracy_m = proj_coordoperation_get_accuracy(context, choice.operation.get());
-  made->missing_grid = choice.missing_grid.name;
+  made->missing_grid = choice.missing_grid.told();
   made->operation = text(proj_get_name(choice.operation.get()));
   made->master_.operation = std::move(choice.operation);
   made->name = map.name;
   const char* const one_line[] = {"MULTILINE=NO", nullptr};
   made->wkt1 = text(proj_as_wkt(context, map.object.get(), PJ_WKT1_GDAL, one_line));
-  made->wkt2 = text(proj_as_wkt(context, map.object.get(), PJ_WKT2_2019, one_line));
+  made->wkt2 = wkt2_of(context, map.object.get());
   return made;
 }
 

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "collinea/base/result.h"
@@ -25,6 +26,9 @@ struct ProjDeleter {
 using ProjContext = std::unique_ptr<pj_ctx, ProjContextDeleter>;
 using ProjObject = std::unique_ptr<PJconsts, ProjDeleter>;
 
+/// Before the file of a geoid grid in the name of a CRS.
+inline constexpr std::string_view kGeoidMark = "+geoid:";
+
 /// A context that neither prints nor goes to the network.
 [[nodiscard]] ProjContext quiet_proj_context();
 
@@ -33,7 +37,14 @@ struct MapCrs {
   ProjObject object;
   std::string name;
   bool has_height = false;  ///< compound or three-dimensional: heights are transformed too
+  std::string geoid;        ///< file of the grid its heights count by; empty: none was given
 };
+
+/// WKT2:2019 in one line.
+[[nodiscard]] std::string wkt2_of(pj_ctx* context, const PJconsts* crs);
+/// Both as one CRS; nothing when they are not what they should be.
+[[nodiscard]] ProjObject compound_crs(pj_ctx* context, const PJconsts* horizontal, const std::string& vertical_name,
+                                      const std::string& vertical_wkt);
 
 /// Errors: unknown, not projected, not in metres, axes that do not point east and north.
 [[nodiscard]] Result<MapCrs> read_map_crs(pj_ctx* context, const std::string& crs);

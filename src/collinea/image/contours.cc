@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/image/contours.h"
 
-#include <cpl_conv.h>
 #include <cpl_string.h>
 #include <gdal_alg.h>
 #include <ogr_api.h>
@@ -9,82 +8,28 @@
 
 #include <cmath>
 #include <cstdio>
-#include <system_error>
 
-#include "collinea/image/gdal_access.h"
+#include "collinea/image/vector_file.h"
 
 namespace collinea {
 namespace {
 
 constexpr double kNothing = -1e30;  // instead of NaN, which GDAL's contours do not leave out
 
-// GDAL writes the time into GeoPackages; the same work is to give the same bytes.
-class FixedDate {
- public:
-  FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z"); }
-  ~FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", nullptr); }
-  FixedDate(const FixedDate&) = delete;
-  FixedDate& operator=(const FixedDate&) = delete;
-};
-
-struct SrsReleaser {
-  void operator()(void* srs) const { OSRRelease(srs); }
-};
-
-// A dataset of one layer that takes its name once it is whole.
-class LineFile {
- public:
-  Result<> create(const char* driver_name, const std::filesystem::path& path, const std::string& wkt, bool fields) {
-    path_ = path;
-    part_ = path.parent_path() / (path.stem().string() + ".part" + path.extension().string());
-    std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
-    const GDALDriverH driver = GDALGetDriverByName(driver_name);
-    if (!driver) return fail(Errc::kUnsupported, std::string("this GDAL has no driver for ") + driver_name);
-    const GdalErrors errors;
-    dataset_.reset(GDALCreate(driver, part_.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-    if (!dataset_) return errors.error(Errc::kBadInput, path.string() + " cannot be written");
-    std::unique_ptr<void, SrsReleaser> srs;
-    if (fields && !wkt.empty()) srs.reset(OSRNewSpatialReference(wkt.c_str()));
-    layer_ = GDALDatasetCreateLayer(dataset_.get(), "contours", srs.get(), wkbLineString25D, nullptr);
-    if (layer_ && fields) {
-      const OGRFieldDefnH height = OGR_Fld_Create("height_m", OFTReal);
-      const OGRErr made = OGR_L_CreateField(layer_, height, TRUE);
-      OGR_Fld_Destroy(height);
-      if (made != OGRERR_NONE) layer_ = nullptr;
-    }
-    if (!layer_ || errors.any()) return errors.error(Errc::kBadInput, path.string() + " cannot be written");
-    return {};
+// The layer of the lines; in a format with fields it has the height and the CRS.
+Result<OGRLayerH> line_layer(const VectorFile& file, const std::string& wkt, bool fields) {
+  const GdalErrors errors;
+  const GdalSrs srs(fields && !wkt.empty() ? OSRNewSpatialReference(wkt.c_str()) : nullptr);
+  OGRLayerH layer = GDALDatasetCreateLayer(file.dataset(), "contours", srs.get(), wkbLineString25D, nullptr);
+  if (layer && fields) {
+    const OGRFieldDefnH height = OGR_Fld_Create("height_m", OFTReal);
+    const OGRErr made = OGR_L_CreateField(layer, height, TRUE);
+    OGR_Fld_Destroy(height);
+    if (made != OGRERR_NONE) layer = nullptr;
   }
-  ~LineFile() {
-    if (!dataset_) return;
-    const GdalErrors muted;
-    dataset_.reset();
-    std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
-  }
-  LineFile() = default;
-  LineFile(const LineFile&) = delete;
-  LineFile& operator=(const LineFile&) = delete;
-
-  [[nodiscard]] OGRLayerH layer() const { return layer_; }
-  Result<> finish() {
-    {
-      const GdalErrors errors;
-      dataset_.reset();
-      if (errors.any()) return errors.error(Errc::kBadInput, path_.string() + " cannot be written");
-    }
-    std::error_code failed;
-    std::filesystem::rename(part_, path_, failed);
-    if (failed) return fail(Errc::kBadInput, path_.string() + " cannot be written: " + failed.message());
-    return {};
-  }
-
- private:
-  std::filesystem::path path_, part_;
-  GdalDataset dataset_;
-  OGRLayerH layer_ = nullptr;
-};
+  if (!layer || errors.any()) return errors.error(Errc::kBadInput, file.not_written());
+  return layer;
+}
 
 Result<GdalDataset> in_memory(const FloatImage& heights_m, const MapGrid& grid) {
   const GdalErrors errors;
@@ -166,12 +111,14 @@ Result<std::uint64_t> write_contours(const FloatImage& heights_m, const MapGrid&
   set_up_gdal();
   const FixedDate date;
   COLLINEA_TRY(const GdalDataset raster, in_memory(heights_m, grid));
-  LineFile package, drawing;
-  if (auto made = package.create("GPKG", geopackage, grid.wkt, true); !made) return tl::unexpected(made.error());
-  if (auto made = drawing.create("DXF", dxf, grid.wkt, false); !made) return tl::unexpected(made.error());
+  VectorFile package, drawing;
+  if (auto made = package.create("GPKG", geopackage); !made) return tl::unexpected(made.error());
+  if (auto made = drawing.create("DXF", dxf); !made) return tl::unexpected(made.error());
+  COLLINEA_TRY(const OGRLayerH in_package, line_layer(package, grid.wkt, true));
+  COLLINEA_TRY(const OGRLayerH in_drawing, line_layer(drawing, grid.wkt, false));
   COLLINEA_TRY(const GdalDataset all, lines_of(raster.get(), interval_m));
   COLLINEA_TRY(const std::uint64_t lines,
-               copy_lines(GDALDatasetGetLayer(all.get(), 0), shortest_m, package.layer(), drawing.layer()));
+               copy_lines(GDALDatasetGetLayer(all.get(), 0), shortest_m, in_package, in_drawing));
   if (auto finished = package.finish(); !finished) return tl::unexpected(finished.error());
   if (auto finished = drawing.finish(); !finished) return tl::unexpected(finished.error());
   return lines;

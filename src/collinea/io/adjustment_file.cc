@@ -80,13 +80,17 @@ void write_camera(const AdjustmentFile& file, CameraId id, const std::string& na
   const Camera& camera = file.block.cameras.at(id);
   text += "\ncamera " + name + " " + std::to_string(camera.width_px) + " " + std::to_string(camera.height_px) + " " +
           std::string(kCameraModelNames[std::size_t(camera.model)]) +
-          (file.corrected_cameras.contains(id) ? " sigmas_after_correction\n" : "\n");
+          (file.corrected_cameras.contains(id) ? " sigmas_after_correction" : "") +
+          (camera.additional == AdditionalSet::kNone
+               ? "\n"
+               : " " + std::string(kAdditionalNames[std::size_t(camera.additional)]) + "\n");
   const auto sigmas = file.camera_sigmas.find(id);
   const auto given = file.given_cameras.find(id);
-  for (std::size_t k = 0; k < Camera::kParams; ++k) {
+  for (const int param : params_of(camera)) {
+    const auto k = std::size_t(param);
     const double sigma = sigmas == file.camera_sigmas.end() ? 0 : sigmas->second[k];
     const bool weighted = sigma > 0 && std::isfinite(sigma);
-    text += "parameter " + name + " " + std::string(Camera::kParamNames[k]) + " " + exact(camera.params[k]) + " ";
+    text += "parameter " + name + " " + param_name(param) + " " + exact(camera.params[k]) + " ";
     text += weighted ? exact(sigma) : sigma > 0 ? "free" : "fixed";
     if (weighted && given != file.given_cameras.end() && given->second.params[k] != camera.params[k])
       text += " " + exact(given->second.params[k]);

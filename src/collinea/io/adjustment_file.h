@@ -21,7 +21,7 @@ struct AdjustmentFile {
   std::set<ImageId> held_images;
   std::set<CameraId> corrected_cameras;  ///< of CameraModel::kBrownOfMeasured: their sigmas hold after the correction
   /// Of each of Camera::params. 0: held; a standard deviation: observed; infinite: free.
-  std::map<CameraId, std::array<double, Camera::kParams>> camera_sigmas;
+  std::map<CameraId, std::array<double, Camera::kAllParams>> camera_sigmas;
   std::map<CameraId, Camera> given_cameras;  ///< what was observed of the cameras; block.cameras is where they start
 };
 

@@ -64,16 +64,18 @@ AdjustmentFile random_file() {
   AdjustmentFile file;
   Block& block = file.block;
   block.georeference = Georeference{"EPSG:32633", 48.1, 15.3, 312.25};
-  for (std::uint32_t c = 0; c < 2; ++c) {
+  for (std::uint32_t c = 0; c < kCameraModelNames.size(); ++c) {
     Camera camera = ideal_camera(3000 + random.normal(), 4000, 3000);
-    camera.model = c == 0 ? CameraModel::kBrown : CameraModel::kBrownOfMeasured;
+    camera.model = CameraModel(c);
+    if (c != 1) camera.additional = AdditionalSet((c + 1) % kAdditionalNames.size());
     camera.name = "same # name";
-    for (double& value : camera.params) value += 1e-3 * random.normal();
+    for (const int k : params_of(camera)) camera.params[std::size_t(k)] += 1e-3 * random.normal();
     block.cameras[{c}] = camera;
-    for (double& value : camera.params) value += 1e-3 * random.normal();
+    for (const int k : params_of(camera)) camera.params[std::size_t(k)] += 1e-3 * random.normal();
     file.given_cameras[{c}] = camera;
-    for (std::size_t k = 0; k < Camera::kParams; ++k)
-      file.camera_sigmas[{c}][k] = k % 3 == 0 ? 0 : k % 3 == 1 ? kInfinity : random.uniform(0.1, 2);
+    file.camera_sigmas[{c}].fill(0);
+    for (const int k : params_of(camera))
+      file.camera_sigmas[{c}][std::size_t(k)] = k % 3 == 0 ? 0 : k % 3 == 1 ? kInfinity : random.uniform(0.1, 2);
   }
   file.corrected_cameras.insert({1});
   for (std::uint32_t i = 0; i < 6; ++i) {
@@ -121,7 +123,8 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
   for (const auto& [id, camera] : file.block.cameras) {
     EXPECT_EQ(back->block.cameras.at(id).params, camera.params);
     EXPECT_EQ(back->block.cameras.at(id).model, camera.model);
-    for (std::size_t k = 0; k < Camera::kParams; ++k) {
+    EXPECT_EQ(back->block.cameras.at(id).additional, camera.additional);
+    for (std::size_t k = 0; k < camera.params.size(); ++k) {
       const double sigma = file.camera_sigmas.at(id)[k];
       if (sigma > 0 && std::isfinite(sigma)) {
         EXPECT_EQ(back->given_cameras.at(id).params[k], file.given_cameras.at(id).params[k]);
@@ -179,8 +182,11 @@ TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {
       {"camera new 10 10 fisheye\n", "line 16: \"fisheye\" is no model of cameras; there are: brown brown_of_measured"},
       {"camera new 10 10 brown sigmas_after_correction\n", "line 16: behind the model"},
       {"camera new 10 10 brown\n", "camera \"new\" has no focal length"},
+      {"camera new 10 10 brown cheese\n", "line 16: behind the model"},
+      {"camera new 10 10 equidistant ebner\nparameter new a13 1 free\n", "line 17: \"a13\" is no parameter of this"},
+      {"parameter wide k4 1 free\n", "line 16: \"k4\" is no parameter of this camera"},
       {"parameter wide f 1 free\n", "line 16: f of camera wide is given twice"},
-      {"parameter wide q 1 free\n", "line 16: \"q\" is no parameter of a camera; there are: f cx cy k1"},
+      {"parameter wide q 1 free\n", "line 16: \"q\" is no parameter of this camera; there are: f cx cy k1"},
       {"parameter wide k2 1 frei\n", "line 16: \"frei\" says not how the parameter takes part"},
       {"parameter wide k2 1 free 2\n", "line 16: a given value belongs to a standard deviation"},
       {"ground distance G1 G9 3 0.01 control\n", "line 16: there is no control or check point \"G9\""},

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "collinea/block/world_frame.h"
@@ -170,6 +173,12 @@ class Parser {
     return {};
   }
 
+  static std::string listed(std::span<const std::string_view> names) {
+    std::string text;
+    for (const auto one : names) text += " " + std::string(one);
+    return text;
+  }
+
   Result<> take_camera(const Line& line) {
     const std::string& name = line.words[1];
     if (cameras_.contains(name)) return bad_line(line.number, "a second camera " + shown(name));
@@ -186,15 +195,21 @@ class Parser {
     camera.params[Camera::kCy] = camera.height_px / 2.0;
     const auto model = std::find(kCameraModelNames.begin(), kCameraModelNames.end(), line.words[4]);
     if (model == kCameraModelNames.end())
-      return bad_line(line.number,
-                      shown(line.words[4]) + " is no model of cameras; there are: brown brown_of_measured");
+      return bad_line(line.number, shown(line.words[4]) +
+                                       " is no model of cameras; there are:" + listed(std::span(kCameraModelNames)));
     camera.model = CameraModel(model - kCameraModelNames.begin());
     const CameraId id{std::uint32_t(cameras_.size())};
     if (line.count() > 4) {
-      if (line.words[5] != "sigmas_after_correction" || camera.model != CameraModel::kBrownOfMeasured)
-        return bad_line(line.number,
-                        "behind the model stands nothing, or of brown_of_measured sigmas_after_correction");
-      file_.corrected_cameras.insert(id);
+      const auto set = std::find(kAdditionalNames.begin() + 1, kAdditionalNames.end(), line.words[5]);
+      if (set != kAdditionalNames.end()) {
+        camera.additional = AdditionalSet(set - kAdditionalNames.begin());
+      } else if (line.words[5] == "sigmas_after_correction" && camera.model == CameraModel::kBrownOfMeasured) {
+        file_.corrected_cameras.insert(id);
+      } else {
+        return bad_line(line.number, "behind the model stands nothing, a set of additional parameters (" +
+                                         listed(std::span(kAdditionalNames).subspan(1)).substr(1) +
+                                         "), or of brown_of_measured sigmas_after_correction");
+      }
     }
     cameras_[name] = id;
     file_.block.cameras[id] = camera;
@@ -206,13 +221,14 @@ class Parser {
   Result<> take_parameter(const Line& line) {
     const auto camera = cameras_.find(line.words[1]);
     if (camera == cameras_.end()) return bad_line(line.number, "there is no camera " + shown(line.words[1]) + " above");
-    const auto name = std::find(Camera::kParamNames.begin(), Camera::kParamNames.end(), line.words[2]);
-    if (name == Camera::kParamNames.end()) {
+    const Camera& described = file_.block.cameras.at(camera->second);
+    const auto param = param_named(described, line.words[2]);
+    if (!param) {
       std::string known;
-      for (const auto one : Camera::kParamNames) known += " " + std::string(one);
-      return bad_line(line.number, shown(line.words[2]) + " is no parameter of a camera; there are:" + known);
+      for (const int one : params_of(described)) known += " " + param_name(one);
+      return bad_line(line.number, shown(line.words[2]) + " is no parameter of this camera; there are:" + known);
     }
-    const auto k = std::size_t(name - Camera::kParamNames.begin());
+    const auto k = std::size_t(*param);
     if (!parameters_.emplace(camera->second, k).second)
       return bad_line(line.number, line.words[2] + " of camera " + line.words[1] + " is given twice");
     COLLINEA_TRY(const double value, finite(line, 3, "a value"));

@@ -185,6 +185,10 @@ Result<std::vector<std::string>> write_bundler(const std::filesystem::path& fold
   std::map<ImageId, std::size_t> row_of;
   std::string cameras, names, points;
   for (const auto& [id, pose] : block.cam_from_world) {
+    if (const Camera& camera = block.camera_of(id); is_fisheye(camera.model))
+      return fail(Errc::kUnsupported, "camera " + camera.name + " is a fisheye (" +
+                                          std::string(kCameraModelNames[std::size_t(camera.model)]) +
+                                          "), which Bundler does not know; --format colmap does");
     const std::size_t row = row_of.size();
     row_of[id] = row;
     cameras += camera_text(block.camera_of(id), pose);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "collinea/io/colmap_camera.h"
 #include "collinea/io/colmap_model.h"
 #include "collinea/io/file.h"
 #include "collinea/io/text.h"
@@ -16,36 +17,28 @@ using namespace colmap;
 
 // --- to COLMAP -------------------------------------------------------------------------------------------------------
 
-CameraRow row_of(CameraId id, const Camera& camera) {
-  const auto& p = camera.params;
-  const double f = p[Camera::kF];
-  return {id.value + std::uint64_t{1},
-          kFullOpencv,
-          std::uint64_t(camera.width_px),
-          std::uint64_t(camera.height_px),
-          // OpenCV's tangential terms are named the other way round: its p1 is the one that grows with 2 x y in x
-          {f + p[Camera::kB1], f, p[Camera::kCx], p[Camera::kCy], p[Camera::kK1], p[Camera::kK2], p[Camera::kP2],
-           p[Camera::kP1], p[Camera::kK3], 0, 0, 0}};
+Result<std::map<CameraId, ExportedCamera>> exported_cameras(const Block& block) {
+  std::map<CameraId, ExportedCamera> cameras;
+  for (const auto& [id, pose] : block.cam_from_world) {
+    const CameraId camera = block.images.at(id).camera;
+    if (cameras.contains(camera)) continue;
+    COLLINEA_TRY(cameras[camera], exported(camera, block.camera_of(id)));
+  }
+  return cameras;
 }
 
-std::vector<std::string> remarks_on(const Block& block, const std::map<CameraId, Camera>& used) {
+std::vector<std::string> remarks_on(const Block& block, const std::map<CameraId, ExportedCamera>& used) {
   std::vector<std::string> remarks;
-  for (const auto& [id, camera] : used) {
-    const double f = camera.params[Camera::kF], b2 = camera.params[Camera::kB2];
-    const double worst = std::abs(b2) / f * camera.height_px / 2;
-    if (worst > 1e-6)
-      remarks.push_back("camera " + camera.name + ": its shear b2 = " + fixed(b2, 3) + " px is left out, up to " +
-                        fixed(worst, 3) + " px at the picture's edge");
-  }
+  for (const auto& [id, camera] : used) remarks.insert(remarks.end(), camera.remarks.begin(), camera.remarks.end());
   if (block.cam_from_world.size() < block.images.size())
     remarks.push_back(std::to_string(block.images.size() - block.cam_from_world.size()) +
                       " images without orientation are left out");
   return remarks;
 }
 
-Model model_of(const Block& block, const std::map<CameraId, Camera>& used) {
+Model model_of(const Block& block, const std::map<CameraId, ExportedCamera>& used) {
   Model model;
-  for (const auto& [id, camera] : used) model.cameras.push_back(row_of(id, camera));
+  for (const auto& [id, camera] : used) model.cameras.push_back(camera.row);
   std::map<ImageId, std::size_t> rows;
   for (const auto& [id, pose] : block.cam_from_world) {
     const Image& image = block.images.at(id);
@@ -62,8 +55,11 @@ Model model_of(const Block& block, const std::map<CameraId, Camera>& used) {
     ImageRow& image = model.images[row->second];
     auto& [point_row, residuals] = point->second;
     point_row.track.push_back({image.id, image.seen.size()});
-    image.seen.push_back({o.pixel, point_row.id});
-    const auto pixel = project(block.camera_of(o.image), image.cam_from_world * point_row.position);
+    const Camera& camera = block.camera_of(o.image);
+    const Eigen::Vector2d seen =
+        camera.additional == AdditionalSet::kNone ? o.pixel : without_additional(camera, o.pixel);
+    image.seen.push_back({seen, point_row.id});
+    const auto pixel = project(camera, image.cam_from_world * point_row.position);
     if (pixel) residuals += (*pixel - o.pixel).norm();
   }
   for (auto& [id, entry] : points) {
@@ -75,41 +71,6 @@ Model model_of(const Block& block, const std::map<CameraId, Camera>& used) {
 }
 
 // --- from COLMAP -----------------------------------------------------------------------------------------------------
-
-Result<Camera> camera_of(const CameraRow& row) {
-  const auto& v = row.params;
-  if (row.width_px > 1'000'000 || row.height_px > 1'000'000)
-    return fail(Errc::kBadFormat, "a camera without sensible size");
-  Camera camera;
-  camera.width_px = int(row.width_px);
-  camera.height_px = int(row.height_px);
-  camera.name = "COLMAP camera " + std::to_string(row.id);
-  camera.source = "given";
-  auto& p = camera.params;
-  const std::string_view model = kModels[std::size_t(row.model)].name;
-  const bool two_focals = model == "PINHOLE" || model == "OPENCV" || model == "FULL_OPENCV";
-  const std::size_t centre = two_focals ? 2 : 1, distortion = centre + 2;
-  p[Camera::kF] = v[two_focals ? 1 : 0];
-  p[Camera::kB1] = two_focals ? v[0] - v[1] : 0;
-  p[Camera::kCx] = v[centre];
-  p[Camera::kCy] = v[centre + 1];
-  if (model == "SIMPLE_RADIAL" || model == "RADIAL" || model == "OPENCV" || model == "FULL_OPENCV")
-    p[Camera::kK1] = v[distortion];
-  if (model == "RADIAL" || model == "OPENCV" || model == "FULL_OPENCV") p[Camera::kK2] = v[distortion + 1];
-  if (model == "OPENCV" || model == "FULL_OPENCV") {
-    p[Camera::kP2] = v[distortion + 2];
-    p[Camera::kP1] = v[distortion + 3];
-  }
-  if (model == "FULL_OPENCV") {
-    p[Camera::kK3] = v[8];
-    if (v[9] != 0 || v[10] != 0 || v[11] != 0)
-      return fail(Errc::kUnsupported, "a FULL_OPENCV camera with k4, k5 or k6 has no counterpart here");
-  } else if (model.find("FISHEYE") != std::string_view::npos || model == "FOV") {
-    return fail(Errc::kUnsupported, "camera model " + std::string(model) + " is not supported");
-  }
-  if (!(p[Camera::kF] > 0)) return fail(Errc::kBadFormat, "a camera without focal length");
-  return camera;
-}
 
 // COLMAP's ids as ours.
 struct IdRule {
@@ -176,7 +137,7 @@ Result<Block> block_of(const Model& model) {
   COLLINEA_TRY(const IdRule image_id, rule_of(model.images, "an image"));
   COLLINEA_TRY(const IdRule point_id, rule_of(model.points, "a point"));
   for (const CameraRow& row : model.cameras) {
-    COLLINEA_TRY(block.cameras[{camera_id(row.id)}], camera_of(row));
+    COLLINEA_TRY(block.cameras[{camera_id(row.id)}], imported(row));
   }
   if (auto taken = take_images(model.images, image_id, camera_id, block); !taken) return tl::unexpected(taken.error());
   if (auto taken = take_points(model, image_id, point_id, block); !taken) return tl::unexpected(taken.error());
@@ -193,8 +154,7 @@ Result<Rows> parsed_file(const std::filesystem::path& path, Result<Rows> (*parse
 
 Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folder, const Block& block,
                                               ColmapEncoding encoding) {
-  std::map<CameraId, Camera> used;
-  for (const auto& [id, pose] : block.cam_from_world) used[block.images.at(id).camera] = block.camera_of(id);
+  COLLINEA_TRY(const auto used, exported_cameras(block));
   const Model model = model_of(block, used);
   const bool text = encoding == ColmapEncoding::kText;
   const std::string end = text ? ".txt" : ".bin";

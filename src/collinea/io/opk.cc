@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/opk.h"
 
-#include <Eigen/SVD>
 #include <array>
 #include <cmath>
 #include <map>
@@ -13,18 +12,6 @@
 
 namespace collinea {
 namespace {
-
-// The rotation part of the conversion at a place: the nearest one to its numeric derivative.
-Eigen::Quaterniond map_from_local_rotation(const LocalFrame& frame, const Eigen::Vector3d& local) {
-  constexpr double kStep_m = 10;
-  Eigen::Matrix3d derivative;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(axis);
-    derivative.col(axis) = (frame.map_from_local(local + step) - frame.map_from_local(local - step)) / (2 * kStep_m);
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(derivative, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose())).normalized();
-}
 
 // The numbers are the last six words; file names may hold blanks.
 std::optional<ExteriorOrientation> row_of(const std::vector<std::string_view>& words) {

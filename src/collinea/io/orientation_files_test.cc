@@ -151,6 +151,61 @@ TEST_F(OrientationFiles, WhatColmapCannotHoldIsSaid) {
   EXPECT_NE(remarks->at(0).find("0.200 px"), std::string::npos);  // 0.5 / 1000 * 400
 }
 
+// Whatever the fisheye, COLMAP's camera sees the points where ours does.
+TEST_F(OrientationFiles, FisheyesComeBackFromColmap) {
+  for (const auto model : {CameraModel::kEquidistant, CameraModel::kEquisolid, CameraModel::kKannalaBrandt}) {
+    Block block = nadir_block();
+    Camera& camera = block.cameras.begin()->second;
+    camera.model = model;
+    camera.params[Camera::kF] = 0.5 * camera.width_px;
+    camera.params[Camera::kB2] = 0;
+    if (model == CameraModel::kKannalaBrandt) {
+      camera.params[Camera::kP1] = camera.params[Camera::kP2] = 0;
+      camera.params[Camera::kK4] = 0.003;
+    }
+    fs::remove_all(folder_);
+    const auto remarks = write_colmap(folder_, block, ColmapEncoding::kText);
+    ASSERT_TRUE(remarks) << remarks.error().message;
+    EXPECT_EQ(remarks->size(), model == CameraModel::kEquisolid ? 1u : 0u);
+    const auto back = read_colmap(folder_);
+    ASSERT_EQ(bool(back), model != CameraModel::kEquisolid);  // fitted, it has k4 beside p1 and p2
+    if (!back) continue;
+    const Camera& other = back->cameras.begin()->second;
+    EXPECT_EQ(other.model, model);
+    EXPECT_EQ(other.params, camera.params);
+  }
+}
+
+TEST_F(OrientationFiles, BundlerKnowsNoFisheye) {
+  Block block = nadir_block();
+  block.cameras.begin()->second.model = CameraModel::kEquidistant;
+  EXPECT_EQ(write_bundler(folder_, block).error().code, Errc::kUnsupported);
+}
+
+TEST_F(OrientationFiles, ColmapGetsImageCoordinatesFreedFromAdditionalParameters) {
+  Block block = nadir_block();
+  Camera& camera = block.cameras.begin()->second;
+  camera.params[Camera::kB2] = 0;
+  const Camera plain = camera;
+  camera.additional = AdditionalSet::kEbner;
+  camera.params[Camera::kParams + 5] = 2;
+  for (Observation& o : block.observations)
+    o.pixel = *project(camera, block.cam_from_world.at(o.image) * block.points.at(o.point).position_in_world);
+  const auto remarks = write_colmap(folder_, block, ColmapEncoding::kText);
+  ASSERT_TRUE(remarks);
+  ASSERT_EQ(remarks->size(), 1u);
+  EXPECT_NE(remarks->at(0).find("ebner"), std::string::npos);
+  const auto back = read_colmap(folder_);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->cameras.begin()->second.params, plain.params);
+  for (std::size_t i = 0; i < block.observations.size(); ++i) {
+    const Observation& o = back->observations[i];
+    EXPECT_LT((*project(plain, back->cam_from_world.at(o.image) * back->points.at(o.point).position_in_world) - o.pixel)
+                  .norm(),
+              1e-6);
+  }
+}
+
 TEST(Colmap, OtherCameraModelsAreTakenOrRefused) {
   const auto f = [](const std::string& row) { return colmap::parse_cameras_text(row); };
   EXPECT_EQ(f("1 SIMPLE_RADIAL 100 80 90 50 40 0.1\n")->at(0).params.back(), 0.1);
@@ -168,8 +223,12 @@ TEST_F(OrientationFiles, AModelWithoutPointsHasPosesOnly) {
   EXPECT_EQ(block->images.at({5}).camera, CameraId{6});
   EXPECT_EQ(block->cam_from_world.at({5}).rotation.w(), 1);
   EXPECT_EQ(block->cameras.at({6}).params[Camera::kB1], -1);
-  std::ofstream(folder_ / "cameras.txt") << "7 OPENCV_FISHEYE 100 80 90 91 50 40 0 0 0 0\n";
-  EXPECT_EQ(read_colmap(folder_).error().code, Errc::kUnsupported);
+  for (const char* unknown :
+       {"7 FOV 100 80 90 91 50 40 0.5\n", "7 THIN_PRISM_FISHEYE 100 80 90 91 50 40 0 0 1 0 0 2 0 0\n",
+        "7 THIN_PRISM_FISHEYE 100 80 90 91 50 40 0 0 0 0 0 0 1 0\n"}) {
+    std::ofstream(folder_ / "cameras.txt") << unknown;
+    EXPECT_EQ(read_colmap(folder_).error().code, Errc::kUnsupported) << unknown;
+  }
 }
 
 TEST_F(OrientationFiles, NoBytesCrashTheColmapReaders) {

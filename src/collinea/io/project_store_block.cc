@@ -147,14 +147,43 @@ Result<> read_georeference(Database& db, std::optional<Georeference>& georeferen
   return {};
 }
 
+// A camera is stored as the parameters that the first models had, and behind them what its model has more.
+constexpr std::size_t kStoredFirst = Camera::kK4;
+
+// One of the first `count` values of an enumeration.
+template <class Enum>
+bool read_enum(Unpacker& numbers, std::size_t count, Enum& value) {
+  double number = -1;
+  numbers.get(number);
+  for (std::size_t i = 0; i < count; ++i)
+    if (number == double(i)) {
+      value = Enum(i);
+      return true;
+    }
+  return false;
+}
+
+bool read_model(Unpacker& numbers, Camera& camera) {
+  if (!read_enum(numbers, kCameraModelNames.size(), camera.model)) return false;
+  if (is_fisheye(camera.model)) numbers.get(camera.params[Camera::kK4]);
+  if (numbers.done()) return true;
+  if (!read_enum(numbers, kAdditionalNames.size(), camera.additional)) return false;
+  for (std::size_t k = 0; k < count_of(camera.additional); ++k) numbers.get(camera.params[Camera::kParams + k]);
+  return true;
+}
+
 Result<> write_cameras(Database& db, const std::string& table, const std::map<CameraId, Camera>& cameras) {
   if (auto cleared = db.execute("DELETE FROM " + table); !cleared) return cleared;
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?, ?, ?, ?, ?, ?)"));
   for (const auto& [id, camera] : cameras) {
     Packer numbers;
-    for (const double value : camera.params) numbers.put(value);
+    for (std::size_t k = 0; k < kStoredFirst; ++k) numbers.put(camera.params[k]);
     numbers.put(camera.sigma_f_px);
-    if (camera.model != CameraModel::kBrown) numbers.put(double(camera.model));
+    const bool added = camera.additional != AdditionalSet::kNone;
+    if (camera.model != CameraModel::kBrown || added) numbers.put(double(camera.model));
+    if (is_fisheye(camera.model)) numbers.put(camera.params[Camera::kK4]);
+    if (added) numbers.put(double(camera.additional));
+    for (std::size_t k = 0; k < count_of(camera.additional); ++k) numbers.put(camera.params[Camera::kParams + k]);
     insert.bind(id.value).bind_text(camera.name).bind_text(camera.source);
     insert.bind(camera.width_px).bind(camera.height_px).bind(int(camera.calibrate));
     if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
@@ -174,13 +203,9 @@ Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId,
     camera.height_px = int(select.integer(4));
     camera.calibrate = select.integer(5) != 0;
     Unpacker numbers(select.blob(6));
-    for (double& value : camera.params) numbers.get(value);
+    for (std::size_t k = 0; k < kStoredFirst; ++k) numbers.get(camera.params[k]);
     numbers.get(camera.sigma_f_px);
-    if (double model = 0; !numbers.done()) {
-      numbers.get(model);
-      if (model != double(CameraModel::kBrownOfMeasured)) return damaged(table);
-      camera.model = CameraModel::kBrownOfMeasured;
-    }
+    if (!numbers.done() && !read_model(numbers, camera)) return damaged(table);
     if (!numbers.done()) return damaged(table);
     cameras[{std::uint32_t(select.integer(0))}] = std::move(camera);
   }

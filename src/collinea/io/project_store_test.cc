@@ -42,9 +42,11 @@ bool same_vector(const V& a, const V& b) {
 
 Eigen::Vector3d any_vector(Random& random) { return {random.normal(), random.normal() * 1e6, random.normal() * 1e-9}; }
 
-Camera any_camera(Random& random) {
+Camera any_camera(Random& random, std::size_t model, std::size_t additional) {
   Camera camera = ideal_camera(1000 + random.normal(), 4000, 3000);
-  for (double& value : camera.params) value += random.normal();
+  camera.model = CameraModel(model);
+  camera.additional = AdditionalSet(additional);
+  for (const int k : params_of(camera)) camera.params[std::size_t(k)] += random.normal();
   camera.name = "Maker Model \xc3\xa9";
   camera.source = "EXIF";
   camera.sigma_f_px = random.uniform();
@@ -63,7 +65,8 @@ Block setup_block() {
   Random random(7);
   Block block;
   block.georeference = Georeference{"EPSG:32633", 41.1 + 1e-14, 16.9, -0.0};
-  block.cameras[{3}] = any_camera(random);
+  for (std::uint32_t i = 3; i < 3 + kCameraModelNames.size() * kAdditionalNames.size(); ++i)
+    block.cameras[{i}] = any_camera(random, (i - 3) % kCameraModelNames.size(), (i - 3) / kCameraModelNames.size());
   for (std::uint32_t i = 0; i < 4; ++i) {
     Image image;
     image.file = "photo " + std::to_string(i) + ".jpg";
@@ -103,7 +106,9 @@ void expect_same_cameras(const Block& a, const Block& b) {
   ASSERT_EQ(a.cameras.size(), b.cameras.size());
   for (const auto& [id, camera] : a.cameras) {
     const Camera& other = b.cameras.at(id);
-    for (int i = 0; i < Camera::kParams; ++i) EXPECT_TRUE(same_bits(camera.params[i], other.params[i]));
+    EXPECT_EQ(camera.model, other.model);
+    EXPECT_EQ(camera.additional, other.additional);
+    for (std::size_t i = 0; i < camera.params.size(); ++i) EXPECT_TRUE(same_bits(camera.params[i], other.params[i]));
     EXPECT_TRUE(same_bits(camera.sigma_f_px, other.sigma_f_px));
     EXPECT_EQ(camera.name, other.name);
     EXPECT_EQ(camera.source, other.source);

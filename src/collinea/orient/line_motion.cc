@@ -60,7 +60,6 @@ std::map<ImageId, Normals> normals_of(const Block& block) {
 
 struct Fit {
   double pose = 0, turn = 0;  // residual variance after six and after nine unknowns
-  double turn_rad = 0;
 };
 
 // `first`: of the turn's unknowns.
@@ -83,8 +82,7 @@ std::optional<Fit> fit(const Normals& sum, int first) {
   const auto redundancy = 2 * static_cast<double>(sum.measurements) - kPose;
   const Eigen::Matrix<double, kPose, 1> pose = right.head<kPose>();
   return Fit{(sum.squares - pose.dot(by_pose.solve(pose))) / redundancy,
-             (sum.squares - right.dot(solved)) / (redundancy - kTurn),
-             solved.tail<kTurn>().cwiseProduct(scale.tail<kTurn>()).norm()};
+             (sum.squares - right.dot(solved)) / (redundancy - kTurn)};
 }
 
 LineMotion motion_along(const std::map<ImageId, Normals>& sums, int first) {
@@ -94,7 +92,7 @@ LineMotion motion_along(const std::map<ImageId, Normals>& sums, int first) {
     if (sum.measurements < kLeastInImage) continue;
     const auto found = fit(sum, first);
     if (!found || !(found->pose > 0)) continue;
-    motion.images.push_back({image, 1 - found->turn / found->pose, found->turn_rad});
+    motion.images.push_back({image, 1 - found->turn / found->pose});
     pose += static_cast<double>(sum.measurements) * found->pose;
     turn += static_cast<double>(sum.measurements) * found->turn;
   }

@@ -11,7 +11,6 @@ namespace collinea {
 struct ImageMotion {
   ImageId image;
   double explained = 0;  ///< share of its residual variance
-  double turn_rad = 0;   ///< between the first line and the last; too small, since points and pose have given way
 };
 
 struct LineMotion {

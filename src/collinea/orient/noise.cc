@@ -8,7 +8,8 @@
 namespace collinea {
 namespace {
 
-constexpr double kUnitScale_px = 2;  // where both errors are alike: measured on terrestrial and aerial blocks
+constexpr double kUnitScale_px = 2;    // where both errors are alike: measured on terrestrial and aerial blocks
+constexpr double kFalseAlarm = 0.001;  // of calling an error gross, as in the tests of the adjustment
 constexpr std::size_t kFewest = 100, kMost = 20000;
 
 // Scale of the Student distribution with nu degrees of freedom by maximum likelihood, squared.
@@ -50,7 +51,8 @@ std::optional<TieNoise> fit_noise(const std::vector<double>& squared_px2) {
     const double likelihood = log_likelihood(q, nu, scale2);
     if (likelihood <= best_likelihood) break;  // it has one maximum
     best_likelihood = likelihood;
-    best = {std::sqrt(scale2 * nu / (nu + 2)), "cauchy", std::sqrt(nu + 2)};
+    best = {std::sqrt(scale2 * nu / (nu + 2)), "cauchy", std::sqrt(nu + 2),
+            std::sqrt((nu + 2) * (std::pow(kFalseAlarm, -2 / nu) - 1))};
   }
   return best;
 }

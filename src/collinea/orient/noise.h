@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@ struct TieNoise {
   double sigma_px = 0.5;       ///< of each coordinate of a feature found at a scale of 2 px; others times sigma_factor
   std::string loss = "huber";  ///< the shape, as AdjustOptions::loss has it
   double loss_scale_sigmas = 2;
+  /// Errors beyond are gross: no part of this distribution. Infinite where nothing tells.
+  double gross_sigmas = std::numeric_limits<double>::infinity();
 };
 
 /// How the standard deviation of a feature's place grows with the scale it was found at, relative to 2 px. Two errors
@@ -21,8 +24,9 @@ struct TieNoise {
 
 /// Fits a Student distribution in two dimensions to the squared lengths of errors (in units of sigma_factor^2 px^2,
 /// free of the part that fitting the points took): its scale and its degrees of freedom, between 2 and 20, by maximum
-/// likelihood. Answers it as loss: Cauchy's with k^2 = nu + 2, sigma^2 = nu / (nu + 2) of the squared scale. Nothing
-/// with fewer than 100 errors, or when most of them are zero. After Lange, Little and Taylor (1989).
+/// likelihood. Answers it as loss: Cauchy's with k^2 = nu + 2, sigma^2 = nu / (nu + 2) of the squared scale. Gross is
+/// what one of a thousand of its errors exceeds. Nothing with fewer than 100 errors, or when most of them
+/// are zero. After Lange, Little and Taylor (1989).
 [[nodiscard]] std::optional<TieNoise> fit_noise(const std::vector<double>& squared_px2);
 
 }  // namespace collinea

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "collinea/base/random.h"
@@ -40,6 +41,18 @@ TEST(Noise, ScaleAndShapeOfAStudentDistributionAreFound) {
     EXPECT_EQ(noise->loss, "cauchy");
     EXPECT_NEAR(degrees_of_freedom(*noise), nu, 1e-9);
     EXPECT_NEAR(scale_px(*noise), 0.2, 4 * 0.2 / std::sqrt(5000.0)) << nu;  // its deviation is about scale / sqrt(n)
+  }
+}
+
+TEST(Noise, OneErrorOfAThousandIsGross) {
+  for (const int nu : {2, 4, 10}) {
+    constexpr int kCount = 100000;
+    const std::vector<double> squares = squared_errors(nu, kCount);
+    const auto noise = fit_noise(squares);
+    ASSERT_TRUE(noise);
+    const double gross_px2 = std::pow(noise->gross_sigmas * noise->sigma_px, 2);
+    const auto gross = std::count_if(squares.begin(), squares.end(), [&](double square) { return square > gross_px2; });
+    EXPECT_NEAR(static_cast<double>(gross), 0.001 * kCount, 4 * std::sqrt(0.001 * kCount)) << nu;
   }
 }
 

@@ -49,8 +49,7 @@ struct OrientOptions {
     visit(Field{"use_ground", &O::use_ground, "", "use what was measured between control points as observations"});
     visit(Field{"remeasure", &O::remeasure, "",
                 "measure the images of the tie points once more, by least squares matching of the pictures: smaller "
-                "errors, but "
-                "sigmas that are too small"});
+                "errors on rendered pictures, little change on photographs; sigmas come out too small"});
     visit(
         Field{"orientation", &O::orientation, "",
               "take cameras and poses from another program: folder of a COLMAP model, Bundler's folder or bundle.out, "

@@ -196,6 +196,10 @@ class Orienter {
       part.move_rays(measured, places_px);
       COLLINEA_TRY(settled, settle(part, by_itself, options_, true, run_));
     }
+    if (const auto shown = part.shown_noise()) part.set_noise(*shown);
+    if (part.leave_out_gross(run_)) {
+      COLLINEA_TRY(settled, settle(part, by_itself, options_, false, run_));
+    }
     take_sigma(part, settled.sigma0);
     const AdjustScope scope = place(part);
     if (result_.georeferenced) {

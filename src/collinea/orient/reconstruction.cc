@@ -50,6 +50,17 @@ double angle_at(const Eigen::Vector3d& point, const Eigen::Vector3d& centre_a, c
   return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
 }
 
+int count_active(const Reconstruction::TrackState& track) {
+  return static_cast<int>(
+      std::count_if(track.rays.begin(), track.rays.end(), [](const Reconstruction::Ray& ray) { return ray.active; }));
+}
+
+// Share of the squared errors of a point's rays that is left after its three coordinates were fitted to them.
+double share_left(const Reconstruction::TrackState& track) {
+  const double rays = count_active(track);
+  return (2 * rays - 3) / (2 * rays);
+}
+
 }  // namespace
 
 Result<Reconstruction> Reconstruction::create(const Block& setup, std::span<const ImagePair> pairs,
@@ -230,7 +241,7 @@ bool Reconstruction::intersect(TrackState& track) const {
     used.push_back(i);
     poses.push_back(pose->second);
     directions.push_back(normalized(camera, track.rays[i].pixel));
-    focal_px.push_back(camera.focal_px());
+    focal_px.push_back(pixels_per_unit(camera, directions.back()));
   }
   if (used.size() < 2) return false;
   const auto found = robust_triangulate(poses, directions, focal_px, kAcceptFactor * options_.max_error_px,
@@ -242,7 +253,7 @@ bool Reconstruction::intersect(TrackState& track) const {
 }
 
 bool Reconstruction::extend_track(TrackState& track) const {
-  if (track.asleep) return false;
+  if (track.asleep || chosen_) return false;
   if (!track.point) return intersect(track);
   bool changed = false;
   for (Ray& ray : track.rays) {
@@ -272,6 +283,10 @@ int Reconstruction::extend_all(const Run& run) {
 }
 
 int Reconstruction::filter(double max_error_px, const Run& run) {
+  return filter([&](const Ray& /*ray*/, double /*share*/) { return max_error_px; }, run);
+}
+
+int Reconstruction::filter(const Limit& limit_px, const Run& run) {
   const double min_angle_rad = options_.min_angle_deg * std::numbers::pi / 180;
   std::map<ImageId, Eigen::Vector3d> centres;
   for (const auto& [image, pose] : poses_) centres[image] = centre_of(pose);
@@ -279,10 +294,11 @@ int Reconstruction::filter(double max_error_px, const Run& run) {
   std::vector<int> removed(chunks, 0);
   const auto filter_track = [&](TrackState& track) {
     int gone = 0, left = 0;
+    const double share = share_left(track);
     for (Ray& ray : track.rays) {
       if (!ray.active) continue;
       const auto error = error_px(ray, *track.point);
-      ray.active = error && *error <= max_error_px;
+      ray.active = error && *error <= limit_px(ray, share);
       ++(ray.active ? left : gone);
     }
     bool wide = false;
@@ -313,16 +329,21 @@ void Reconstruction::set_noise(const TieNoise& noise) {
 std::optional<TieNoise> Reconstruction::shown_noise() const {
   std::vector<double> squared_px2;
   for (const TrackState& track : tracks_) {
-    if (!track.point) continue;
-    const auto rays = static_cast<double>(
-        std::count_if(track.rays.begin(), track.rays.end(), [](const Ray& ray) { return ray.active; }));
-    if (rays < 3) continue;
-    const double left = (2 * rays - 3) / (2 * rays);  // of the squared errors, after three unknowns of the point
+    if (!track.point || count_active(track) < 3) continue;
     for (const Ray& ray : track.rays)
       if (const auto error = ray.active ? error_px(ray, *track.point) : std::nullopt)
-        squared_px2.push_back(std::pow(*error / ray.sigma_factor, 2) / left);
+        squared_px2.push_back(std::pow(*error / ray.sigma_factor, 2) / share_left(track));
   }
   return fit_noise(squared_px2);
+}
+
+bool Reconstruction::leave_out_gross(const Run& run) {
+  if (std::isinf(noise_.gross_sigmas)) return false;
+  chosen_ = true;
+  noise_.loss = "none";
+  const double gross_px = noise_.gross_sigmas * noise_.sigma_px;
+  filter([&](const Ray& ray, double share) { return gross_px * ray.sigma_factor * std::sqrt(share); }, run);
+  return true;
 }
 
 std::vector<ImageId> Reconstruction::neighbours_of(ImageId image, std::size_t count) const {

@@ -97,6 +97,10 @@ class Reconstruction {
   void set_noise(const TieNoise& noise);
   /// What the points with three rays and more show of it; nothing when there are too few.
   [[nodiscard]] std::optional<TieNoise> shown_noise() const;
+  /// Rays whose error is gross for the noise leave, and the choice of rays is closed: extend adds none. The noise has
+  /// no loss any more: after a robust adjustment, least squares. Nothing of it, and false, where the noise knows no
+  /// limit.
+  bool leave_out_gross(const Run& run);
   /// Other places in the pictures for the rays of a block made by block(), in the order of its observations; nothing:
   /// the ray keeps its own. A ray so moved counts as measured twice as well as a feature of scale 2 px: the noise shown
   /// afterwards was 0.38 to 0.72 of that shown before on five blocks, rendered and real.
@@ -114,6 +118,9 @@ class Reconstruction {
   [[nodiscard]] const std::vector<RayRef>& rays_of(ImageId image) const;
   [[nodiscard]] std::optional<double> error_px(const Ray& ray, const Eigen::Vector3d& point_in_world) const;
   [[nodiscard]] bool camera_in_use(CameraId camera) const;
+  /// Largest error of a ray [px]; `share` of the squared errors of its point is left after the point was fitted.
+  using Limit = std::function<double(const Ray& ray, double share)>;
+  int filter(const Limit& limit_px, const Run& run);
   bool intersect(TrackState& track) const;
   bool extend_track(TrackState& track) const;
   [[nodiscard]] Block block_of(const std::vector<std::uint32_t>& numbers) const;
@@ -123,6 +130,7 @@ class Reconstruction {
   const Block* setup_ = nullptr;
   OrientOptions options_;
   TieNoise noise_;
+  bool chosen_ = false;  ///< the rays that take part; none is added any more
   std::vector<ImageId> images_;
   std::vector<TrackState> tracks_;
   std::map<ImageId, std::vector<RayRef>> rays_of_;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "collinea/orient/test_pairs.h"
 
 namespace collinea {
@@ -36,6 +38,51 @@ TEST(Reconstruction, AnImageThatIsGivenUpLeavesNoFocalLengthBehind) {
   ASSERT_GT(std::abs(block->camera_of(stranger).focal_px() - first_px), 0.1 * first_px);
   block->drop_image(stranger);
   EXPECT_EQ(block->camera_of(stranger).focal_px(), first_px);
+}
+
+TEST(Reconstruction, GrossErrorsLeaveForGoodAndTheLossWithThem) {
+  constexpr double kSigma_px = 0.1, kOff_px = 2;
+  Matched input =
+      matched(testing::test_block({.rows = 2, .columns = 3, .points = 400, .sigma_px = kSigma_px, .seed = 3}));
+  input.setup.cameras = input.truth.cameras;
+  auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
+  ASSERT_TRUE(reconstruction) << reconstruction.error().message;
+  reconstruction->place(input.truth.cam_from_world);
+  reconstruction->extend_all({});
+  EXPECT_FALSE(reconstruction->leave_out_gross({}));  // nothing is known of the noise
+  const Block before = reconstruction->block();
+  std::vector<std::optional<Eigen::Vector2d>> places_px(before.observations.size());
+  std::size_t moved = 0;
+  // In points of four rays and more: an error along the line between two rays only moves their point.
+  const auto rays_of = [&](PointId point) {
+    return std::count_if(before.observations.begin(), before.observations.end(),
+                         [&](const Observation& seen) { return seen.point == point; });
+  };
+  for (std::size_t i = 0; i < places_px.size(); i += 50) {
+    if (rays_of(before.observations[i].point) < 4) continue;
+    places_px[i] = before.observations[i].pixel + Eigen::Vector2d(0, kOff_px);
+    ++moved;
+  }
+  ASSERT_GT(moved, 10u);
+  reconstruction->move_rays(before, places_px);
+  reconstruction->set_noise({.sigma_px = kSigma_px, .loss = "cauchy", .gross_sigmas = 10});
+  ASSERT_TRUE(reconstruction->adjust_all({.calibration = "none", .loss = "cauchy"}, {}, {}));
+  EXPECT_TRUE(reconstruction->leave_out_gross({}));
+  EXPECT_EQ(reconstruction->noise().loss, "none");
+  const auto left = [&] {
+    std::size_t count = 0;
+    const Block block = reconstruction->block();
+    for (std::size_t i = 0; i < places_px.size(); ++i)
+      if (places_px[i])
+        count += std::count_if(block.observations.begin(), block.observations.end(), [&](const Observation& seen) {
+          return seen.image == before.observations[i].image && seen.pixel == *places_px[i];
+        });
+    return count;
+  };
+  EXPECT_EQ(left(), 0u);
+  EXPECT_GT(reconstruction->block().observations.size(), before.observations.size() - 2 * moved);
+  reconstruction->extend_all({});
+  EXPECT_EQ(left(), 0u);
 }
 
 TEST(Reconstruction, ARayThatIsMovedCountsTwiceAndTheOthersStay) {

@@ -80,7 +80,7 @@ TEST(WeakCases, EveryCameraWithAnOpenFocalLengthIsNamed) {
   block.cameras[{3}].name = "third";
   Adjusted adjusted;
   for (const auto& [id, camera] : block.cameras) {
-    adjusted.camera_covariance[id].setZero();
+    adjusted.camera_covariance[id].setZero(Camera::kParams, Camera::kParams);
     adjusted.camera_covariance[id](Camera::kF, Camera::kF) = id == CameraId{2} ? 1 : 50 * 50;
   }
   const auto findings = weak_cases(block, block, {}, adjusted);

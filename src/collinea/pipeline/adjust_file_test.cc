@@ -224,5 +224,44 @@ TEST(PublishedAdjustment, CollinearityExercises) {
   EXPECT_NEAR(report_in(folder / "five").at("sigma0").get<double>() * std::sqrt(4 / 10.0), 4.6, 0.05);
 }
 
+// Additional parameters from the command to the report, and through the file.
+TEST(AdjustFile, AdditionalParametersAreTestedAndKept) {
+  const TestFolder folder;
+  SurveyOptions survey;
+  survey.images = 14;
+  survey.control_points = 8;
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0});
+  ASSERT_TRUE(project && bring_up_to(*project, "orient"));
+  const AdjustProjectOptions asked{.additional = "ebner", .additional_held = "a3"};
+  const auto line = adjust_project(*project, asked);
+  ASSERT_TRUE(line) << line.error().message;
+  EXPECT_NE(line->find("of 11 additional parameters"), std::string::npos) << *line;
+  ASSERT_TRUE(export_adjustment(*project, asked, folder / "block.txt"));
+  const auto done = adjust_file(folder / "block.txt", folder / "out", {}, {});
+  ASSERT_TRUE(done) << done.error().message;
+  const json ours = report_in(folder / "block" / "adjustment"), again = report_in(folder / "out");
+  ASSERT_EQ(ours.at("additional").size(), 1u);
+  const json &test = ours.at("additional").at(0), &other = again.at("additional").at(0);
+  EXPECT_EQ(test.at("set"), "ebner");
+  EXPECT_EQ(test.at("parameters").size(), 11u);
+  EXPECT_NEAR(test.at("f").get<double>(), other.at("f").get<double>(), 1e-4 * test.at("f").get<double>());
+  for (std::size_t i = 0; i < 11; ++i) {
+    const json &one = test.at("parameters").at(i), &same = other.at("parameters").at(i);
+    EXPECT_NE(one.at("parameter"), "a3");
+    EXPECT_NEAR(one.at("sigma_px").get<double>(), same.at("sigma_px").get<double>(), 1e-6);
+    EXPECT_GT(one.at("sigma_px").get<double>(), 0);
+  }
+  const json& parameters = ours.at("cameras").at(0).at("parameters");
+  EXPECT_TRUE(parameters.contains("a12"));
+  EXPECT_FALSE(parameters.at("p1").contains("sigma"));  // the set says the same
+  EXPECT_NE(read_file(folder / "out" / "adjustment.html")->find("<h2>Additional parameters</h2>"), std::string::npos);
+  for (const AdjustProjectOptions& wrong : {AdjustProjectOptions{.additional = "ebner12"},
+                                            AdjustProjectOptions{.additional = "ebner", .additional_held = "a13"},
+                                            AdjustProjectOptions{.additional_held = "a1"}})
+    EXPECT_EQ(adjust_project(*project, wrong).error().code, Errc::kBadInput);
+  const auto bent = adjust_project(*project, {.refraction = true});
+  ASSERT_TRUE(bent) << bent.error().message;
+}
+
 }  // namespace
 }  // namespace collinea

@@ -12,6 +12,7 @@
 
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/flight_strips.h"
+#include "collinea/adjust/refraction.h"
 #include "collinea/block/picture_axes.h"
 #include "collinea/io/adjustment_file.h"
 #include "collinea/io/dbat_script.h"
@@ -150,6 +151,58 @@ struct Task {
   AdjustOptions options;
 };
 
+std::vector<std::string> words_in(const std::string& list) {
+  std::vector<std::string> words;
+  for (const std::string_view field : fields_of(list, ','))
+    if (!trimmed(field).empty()) words.emplace_back(trimmed(field));
+  return words;
+}
+
+// Gives the cameras the additional set that was asked for, free or held. A camera with another set begins at zero.
+Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run& run) {
+  const auto name = std::ranges::find(kAdditionalNames, asked.additional);
+  if (name == kAdditionalNames.end() && asked.additional != "auto")
+    return fail(Errc::kBadInput,
+                "additional = \"" + asked.additional + "\": choose none, polynomial, ebner, gruen or fourier");
+  const std::vector<std::string> held = words_in(asked.additional_held);
+  std::set<std::string> instead;
+  bool any = false;
+  for (auto& [id, camera] : task.block.cameras) {
+    const auto own = task.scope.camera_sigmas.find(id);
+    Camera& first = task.scope.first_cameras.try_emplace(id, camera).first->second;
+    if (asked.additional != "auto")
+      for (Camera* one : {&camera, &first}) {
+        const auto set = AdditionalSet(name - kAdditionalNames.begin());
+        if (one->additional != set) std::fill(one->params.begin() + Camera::kParams, one->params.end(), 0.0);
+        one->additional = set;
+      }
+    if (camera.additional == AdditionalSet::kNone) continue;
+    any = true;
+    if (own != task.scope.camera_sigmas.end() && asked.additional == "auto" && held.empty()) continue;
+    CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
+    if (own != task.scope.camera_sigmas.end())
+      sigmas = own->second;
+    else if (camera.calibrate)
+      sigmas = calibration_named(task.options.calibration, first).value_or(CameraSigmas{});
+    const auto both = with_additional(sigmas, first, held);
+    if (!both)
+      return fail(Errc::kBadInput, "additional_held = \"" + asked.additional_held + "\": the " +
+                                       std::to_string(count_of(camera.additional)) + " parameters of " +
+                                       std::string(kAdditionalNames[std::size_t(camera.additional)]) + " are a1 to a" +
+                                       std::to_string(count_of(camera.additional)));
+    for (int k = 0; k < Camera::kParams; ++k)
+      if (sigmas[std::size_t(k)] > 0 && (*both)[std::size_t(k)] == 0) instead.insert(param_name(k));
+    task.scope.camera_sigmas[id] = *both;
+  }
+  if (!held.empty() && !any) return fail(Errc::kBadInput, "additional_held needs additional parameters (--additional)");
+  if (!instead.empty()) {
+    std::string names;
+    for (const std::string& one : instead) names += (names.empty() ? "" : ", ") + one;
+    run.say("note: held, because the additional parameters say the same: " + names);
+  }
+  return {};
+}
+
 Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) {
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
   COLLINEA_TRY(const json orientation, orient_report(project));
@@ -167,13 +220,15 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
   choose_ground(task.block, orientation, asked.use_ground);
   if (Result<> known = add_instruments(task.block, asked, task.scope); !known) return tl::unexpected(known.error());
   task.options = options_of(asked, asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration);
+  if (Result<> added = set_additional(asked, task, project.run); !added) return tl::unexpected(added.error());
   std::error_code error;
   task.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
   return task;
 }
 
 // One line for the user.
-std::string outcome_text(const Adjusted& adjusted, const std::filesystem::path& folder) {
+std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
+  const Adjusted& adjusted = report.adjusted;
   std::string text =
       fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
   if (adjusted.reliability)
@@ -181,16 +236,30 @@ std::string outcome_text(const Adjusted& adjusted, const std::filesystem::path& 
         fmt::format("; {} of {} observations suspected", adjusted.reliability->rejected, adjusted.reliability->tested);
   else
     text += "; no standard deviations: " + adjusted.undetermined;
+  for (const AdditionalTest& test : report.additional) {
+    const std::string dropped = dropped_names(test);
+    text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
+    if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
+  }
   for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
   return text + "; " + (folder / "adjustment.html").string();
 }
 
+Result<> correct_rays(const AdjustProjectOptions& asked, Block& block, const Run& run) {
+  if (!asked.refraction) return {};
+  COLLINEA_TRY(const Refracted done, correct_refraction(block));
+  run.say(fmt::format("refraction: {} measurements corrected by up to {:.3f} px{}", done.corrected, done.largest_px,
+                      done.left == 0 ? "" : fmt::format("; {} left, more than 75 degrees from the nadir", done.left)));
+  return {};
+}
+
 Result<std::string> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
                                 const Run& run) {
+  if (Result<> corrected = correct_rays(asked, task.block, run); !corrected) return tl::unexpected(corrected.error());
   COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(task.block), task.scope, task.options, asked, run));
   report.title = task.title;
   if (auto written = write_adjustment(report, folder); !written) return tl::unexpected(written.error());
-  return outcome_text(report.adjusted, folder);
+  return outcome_text(report, folder);
 }
 
 // Only what takes part: nothing of an image that orientation left out.
@@ -211,8 +280,11 @@ AdjustmentFile file_of(const Task& task) {
     const auto first = task.scope.first_cameras.find(id);
     const Camera& given = first == task.scope.first_cameras.end() ? camera : first->second;
     file.given_cameras[id] = given;
-    file.camera_sigmas[id] =
-        camera.calibrate ? calibration_named(task.options.calibration, given).value_or(CameraSigmas{}) : CameraSigmas{};
+    const auto own = task.scope.camera_sigmas.find(id);
+    file.camera_sigmas[id] = own != task.scope.camera_sigmas.end() ? own->second
+                             : camera.calibrate
+                                 ? calibration_named(task.options.calibration, given).value_or(CameraSigmas{})
+                                 : CameraSigmas{};
   }
   return file;
 }
@@ -297,6 +369,7 @@ Result<std::string> adjust_file(const std::filesystem::path& path, const std::fi
     for (GroundObservation& measured : file.block.ground) measured.role = ControlRole::kCheck;
   if (Result<> known = add_instruments(file.block, asked, task.scope); !known) return tl::unexpected(known.error());
   task.block = std::move(file.block);
+  if (Result<> added = set_additional(asked, task, run); !added) return tl::unexpected(added.error());
   return adjust_task(std::move(task), asked, folder, run);
 }
 

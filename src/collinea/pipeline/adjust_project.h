@@ -13,6 +13,10 @@ namespace collinea {
 /// How an oriented project is adjusted again.
 struct AdjustProjectOptions {
   std::string calibration = "auto";
+  std::string additional = "auto";
+  std::string additional_held;
+  double additional_level = 0.01;
+  bool refraction = false;
   std::string loss = "huber";
   double loss_scale_sigmas = 2;
   bool use_positions = true;
@@ -38,6 +42,16 @@ struct AdjustProjectOptions {
     visit(Field{"calibration", &O::calibration, "",
                 "free camera parameters: auto (those of orient, or of the file) | none | focal | focal_radial | brown "
                 "| brown_affinity"});
+    visit(Field{
+        "additional", &O::additional, "",
+        "additional parameters of every camera, on top of its model, also of one that was given: auto (those it has) | "
+        "none | polynomial | ebner | gruen | fourier"});
+    visit(Field{"additional_held", &O::additional_held, "",
+                "those of them that are held at zero, separated by commas: a3,a7"});
+    visit(Field{"additional_level", &O::additional_level, "1",
+                "chance that one that is zero is called significant; of 44 less than one is then", 1e-12, 0.5});
+    visit(Field{"refraction", &O::refraction, "",
+                "correct the measurements for the refraction of a standard atmosphere (high flights)"});
     visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions: none | huber | cauchy"});
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});

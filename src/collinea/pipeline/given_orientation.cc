@@ -31,8 +31,7 @@ Result<Camera> fitted(Camera camera, const Camera& ours, const std::string& imag
     return fail(Errc::kBadInput,
                 fmt::format("the camera of {} takes pictures of {} x {} px, the photograph has {} x {} px", image,
                             camera.width_px, camera.height_px, ours.width_px, ours.height_px));
-  for (const int param : {Camera::kF, Camera::kCx, Camera::kCy, Camera::kB1, Camera::kB2})
-    camera.params[static_cast<std::size_t>(param)] *= times;
+  scale_params(camera, times);
   camera.width_px = ours.width_px;
   camera.height_px = ours.height_px;
   camera.name = ours.name;

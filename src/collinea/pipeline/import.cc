@@ -8,10 +8,12 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
+#include "collinea/geodesy/heights.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/image/photo.h"
 #include "collinea/pipeline/import_control.h"
@@ -80,7 +82,20 @@ Listing files_below(const fs::path& folder) {
   return listing;
 }
 
-Result<std::vector<double>> numbers_in(const std::string& text) {
+Result<CameraModel> model_in(const std::string& name) {
+  for (const auto model :
+       {CameraModel::kBrown, CameraModel::kEquidistant, CameraModel::kEquisolid, CameraModel::kKannalaBrandt})
+    if (name == kCameraModelNames[std::size_t(model)]) return model;
+  return fail(Errc::kBadInput, "--camera-model " + name + ": there are brown, equidistant, equisolid, kannala_brandt");
+}
+
+// The distortion that follows fx, fy, cx, cy.
+std::vector<int> given_distortion(CameraModel model) {
+  if (model == CameraModel::kKannalaBrandt) return {Camera::kK1, Camera::kK2, Camera::kK3, Camera::kK4};
+  return {Camera::kK1, Camera::kK2, Camera::kK3, Camera::kP1, Camera::kP2};
+}
+
+Result<std::vector<double>> numbers_in(const std::string& text, CameraModel model) {
   std::vector<double> numbers;
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -92,8 +107,9 @@ Result<std::vector<double>> numbers_in(const std::string& text) {
     numbers.push_back(value);
     at = next + (next < end ? 1 : 0);
   }
-  if (numbers.size() < 4 || numbers.size() > 9)
-    return fail(Errc::kBadInput, "--camera-params: expected fx,fy,cx,cy and up to five distortion values");
+  if (const std::size_t most = 4 + given_distortion(model).size(); numbers.size() < 4 || numbers.size() > most)
+    return fail(Errc::kBadInput, fmt::format("--camera-params: expected fx,fy,cx,cy and up to {} distortion values",
+                                             most == 9 ? "five" : "four"));
   if (!std::all_of(numbers.begin(), numbers.end(), [](double value) { return std::isfinite(value); }))
     return fail(Errc::kBadInput, "--camera-params " + text + ": every value must be a finite number");
   if (!(numbers[0] > 0 && numbers[1] > 0))
@@ -124,18 +140,33 @@ Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
   return {};
 }
 
-Camera given_camera(const std::vector<double>& v, int width_px, int height_px) {
+Camera given_camera(CameraModel model, const std::vector<double>& v, int width_px, int height_px) {
   Camera camera = ideal_camera(v[1], width_px, height_px);
+  camera.model = model;
   camera.params[Camera::kB1] = v[0] - v[1];
   camera.params[Camera::kCx] = v[2];
   camera.params[Camera::kCy] = v[3];
-  for (std::size_t i = 4; i < v.size(); ++i) camera.params[Camera::kK1 + i - 4] = v[i];
+  const std::vector<int> distortion = given_distortion(model);
+  for (std::size_t i = 4; i < v.size(); ++i) camera.params[std::size_t(distortion[i - 4])] = v[i];
   camera.calibrate = false;
   camera.source = "given";
   return camera;
 }
 
-Camera camera_from_header(const PhotoHeader& header) {
+// The shortest focal length that can be true, and the one assumed where none is stated [times the longer side]. A
+// fisheye is taken for one that fills the picture with 180 degrees from corner to corner; one that sees 220 degrees
+// along the shorter of 16:9 sides has an eighth of the longer side.
+struct UsualFocal {
+  double shortest, assumed;
+};
+
+UsualFocal usual_focal(CameraModel model, double diagonal_px, double longer_px) {
+  if (!is_fisheye(model)) return {0.2, kAssumedFocal};
+  const double per_diagonal = model == CameraModel::kEquisolid ? 1 / (2 * std::numbers::sqrt2) : 1 / std::numbers::pi;
+  return {0.12, per_diagonal * diagonal_px / longer_px};
+}
+
+Camera camera_from_header(const PhotoHeader& header, CameraModel model) {
   const double diagonal_px = std::hypot(header.width_px, header.height_px);
   double focal_px = 0, relative_sigma = kExifFocalSigma;
   std::string source;
@@ -153,12 +184,14 @@ Camera camera_from_header(const PhotoHeader& header) {
     }
   }
   const double longer_px = std::max(header.width_px, header.height_px);
-  if (!(focal_px > 0.2 * longer_px && focal_px < 50 * longer_px)) {
-    focal_px = kAssumedFocal * longer_px;
+  const UsualFocal usual = usual_focal(model, diagonal_px, longer_px);
+  if (!(focal_px > usual.shortest * longer_px && focal_px < 50 * longer_px)) {
+    focal_px = usual.assumed * longer_px;
     relative_sigma = kAssumedFocalSigma;
     source = "assumed";
   }
   Camera camera = ideal_camera(focal_px, header.width_px, header.height_px);
+  camera.model = model;
   camera.sigma_f_px = relative_sigma * focal_px;
   camera.source = source;
   return camera;
@@ -206,8 +239,9 @@ std::vector<Photo> read_headers(const fs::path& folder, const std::vector<std::s
 
 class Importer {
  public:
-  Importer(const fs::path& folder, const ImportOptions& options, std::optional<std::vector<double>> camera_params)
-      : folder_(folder), options_(options), camera_params_(std::move(camera_params)) {}
+  Importer(const fs::path& folder, const ImportOptions& options, CameraModel model,
+           std::optional<std::vector<double>> camera_params)
+      : folder_(folder), options_(options), model_(model), camera_params_(std::move(camera_params)) {}
 
   void add(const Photo& photo) {
     if (!photo.header) return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
@@ -246,8 +280,8 @@ class Importer {
     if (found != cameras_.end()) return found->second;
     const CameraId id{static_cast<std::uint32_t>(cameras_.size())};
     cameras_[key] = id;
-    Camera camera =
-        camera_params_ ? given_camera(*camera_params_, header.width_px, header.height_px) : camera_from_header(header);
+    Camera camera = camera_params_ ? given_camera(model_, *camera_params_, header.width_px, header.height_px)
+                                   : camera_from_header(header, model_);
     camera.name = camera_name(header);
     if (camera.source == "assumed")
       result.findings.push_back(
@@ -262,6 +296,7 @@ class Importer {
   using Key = std::tuple<std::string, std::string, std::string, std::string, int, int, double>;
   const fs::path& folder_;
   const ImportOptions& options_;
+  CameraModel model_;
   std::optional<std::vector<double>> camera_params_;
   std::map<Key, CameraId> cameras_;
   std::map<std::uint64_t, std::string> file_of_hash_;
@@ -301,7 +336,59 @@ Eigen::Vector3d middle_of(const Block& block) {
           sum.z() / std::max(1, heights)};
 }
 
-Result<> place_on_earth(Imported& imported, const ImportOptions& options, const ControlFile& control) {
+// Where the map's heights are told beside its CRS, and those of control beside both.
+struct Systems {
+  std::string map, control;
+};
+
+Result<Systems> systems_of(const ImportOptions& options, const std::string& map, const std::string& control) {
+  Systems systems{map, control};
+  if (options.heights) {
+    COLLINEA_TRY(systems.map, with_heights(map, *options.heights).map_error([](Error error) {
+      return std::move(error).within("--heights");
+    }));
+  }
+  if (options.control_heights) {
+    COLLINEA_TRY(systems.control,
+                 with_heights(control.empty() ? map : control, *options.control_heights).map_error([](Error error) {
+                   return std::move(error).within("--control-heights");
+                 }));
+  } else if (options.heights && !control.empty()) {
+    COLLINEA_TRY(const bool said, says_heights(control));
+    if (!said) {
+      COLLINEA_TRY(systems.control, with_heights(control, *options.heights));
+    }
+  }
+  return systems;
+}
+
+// How high what the photographs count their heights from lies over the ellipsoid, for all of the block.
+Result<> raise_positions(Imported& imported, const ImportOptions& options, const Eigen::Vector3d& middle) {
+  if (options.gps_heights == "ellipsoidal") return {};
+  const auto framed = [](Error error) { return std::move(error).within("--gps-heights"); };
+  COLLINEA_TRY(const std::string crs,
+               with_heights(utm_crs(middle.x(), middle.y()), options.gps_heights).map_error(framed));
+  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, middle.x(), middle.y(), 0).map_error(framed));
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (auto& [id, image] : imported.block.images) {
+    if (!image.position) continue;
+    const double raised_m = -frame
+                                 .map_from_local(frame.local_from_geographic(
+                                     {image.position->latitude_deg, image.position->longitude_deg, 0}))
+                                 .z();
+    if (!std::isfinite(raised_m))
+      return fail(Errc::kBadInput, "--gps-heights: the geoid grid does not reach the place of " + image.file);
+    image.position->height_m += raised_m;
+    least = std::min(least, raised_m);
+    most = std::max(most, raised_m);
+  }
+  imported.findings.push_back(
+      fmt::format("heights of the photographs count from {}: {:.2f} to {:.2f} m over the ellipsoid here",
+                  frame.crs_name().substr(frame.crs_name().find(" + ") + 3), least, most));
+  return {};
+}
+
+Result<> place_on_earth(Imported& imported, const ImportOptions& options, ControlFile control) {
   Block& block = imported.block;
   const bool has_gps = std::any_of(block.images.begin(), block.images.end(),
                                    [](const auto& entry) { return entry.second.position.has_value(); });
@@ -309,18 +396,25 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, const 
   if (options.crs)
     if (const auto known = check_crs(crs); !known)
       return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\" (--crs)"));
+  if (has_gps)
+    if (auto raised = raise_positions(imported, options, middle_of(block)); !raised) return raised;
   Eigen::Vector3d origin = middle_of(block);
+  if (has_gps && crs.empty()) crs = utm_crs(origin.x(), origin.y());
   if (!has_gps) {
     if (!is_surveyed(control)) return add_control(imported, control, nullptr);
     if (crs.empty())
       return fail(Errc::kBadInput,
                   "the control file names no CRS and the photographs have no GPS: give --crs EPSG:code");
+  }
+  COLLINEA_TRY(const Systems systems, systems_of(options, crs, control.crs));
+  crs = systems.map;
+  control.crs = systems.control;
+  if (!has_gps) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const ControlFilePoint& point : control.points)
       middle += point.position_in_map / double(control.points.size());
     COLLINEA_TRY(origin, geographic_from_map(control.crs.empty() ? crs : control.crs, middle));
   }
-  if (crs.empty()) crs = utm_crs(origin.x(), origin.y());
   origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
   COLLINEA_TRY(const LocalFrame frame,
                LocalFrame::create(crs, origin.x(), origin.y(), origin.z()).map_error([&](Error error) {
@@ -351,15 +445,16 @@ Result<ControlFile> control_of(const ImportOptions& options) {
 }  // namespace
 
 Result<Imported> import_photos(const fs::path& photos, const ImportOptions& options, const Run& run) {
+  COLLINEA_TRY(const CameraModel model, model_in(options.camera_model));
   std::optional<std::vector<double>> camera_params;
   if (options.camera_params) {
-    COLLINEA_TRY(camera_params, numbers_in(*options.camera_params));
+    COLLINEA_TRY(camera_params, numbers_in(*options.camera_params, model));
   }
   COLLINEA_TRY(const ControlFile control, control_of(options));
   std::error_code unreadable;
   if (fs::directory_iterator(photos, unreadable); unreadable)
     return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
-  Importer importer(photos, options, camera_params);
+  Importer importer(photos, options, model, camera_params);
   const Listing listing = files_below(photos);
   const std::vector<Photo> read = read_headers(photos, listing.files, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
@@ -391,6 +486,9 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   for (const std::string& file : files_below(photos).files) add_file(photos / file);
   if (options.control) add_file(*options.control);
   if (options.ground) add_file(*options.ground);
+  const std::optional<std::string> gps_heights = options.gps_heights;
+  for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})
+    if (std::error_code none; *heights && fs::is_regular_file(**heights, none)) add_file(**heights);  // a geoid grid
   return hash.hex();
 }
 

@@ -14,9 +14,12 @@ namespace collinea {
 
 struct ImportOptions {
   std::optional<std::string> crs;
+  std::optional<std::string> heights, control_heights;
+  std::string gps_heights = "ellipsoidal";
   std::optional<std::string> control;
   std::string check;
   std::optional<std::string> ground;
+  std::string camera_model = "brown";
   std::optional<std::string> camera_params;
   double gps_sigma_m = 2;
   double gps_sigma_height_m = 4;
@@ -28,13 +31,23 @@ struct ImportOptions {
     using O = ImportOptions;
     visit(Field{"crs", &O::crs, "",
                 "projected CRS of the products, EPSG:code (default: that of the control, else the UTM zone)"});
+    visit(
+        Field{"heights", &O::heights, "",
+              "what heights of the products count from: ellipsoidal | a vertical CRS, EPSG:code | a file with a geoid "
+              "grid (default: what the CRS says, else ellipsoidal)"});
+    visit(
+        Field{"control_heights", &O::control_heights, "",
+              "the same of the control file, where it is another (default: what its CRS says, else that of heights)"});
+    visit(Field{"gps_heights", &O::gps_heights, "", "the same of the heights in the photographs"});
     visit(Field{"control", &O::control, "", "file of control points: gcp_list.txt or collinea's CSV"});
     visit(Field{"check", &O::check, "", "names of control points that are only compared, separated by commas"});
     visit(Field{"ground", &O::ground, "",
                 "file of measurements between control points: distances, height differences, total station (CSV)"});
-    visit(Field{
-        "camera_params", &O::camera_params, "px",
-        "known camera for all images, held fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2]; centre of the first pixel is 0.5"});
+    visit(Field{"camera_model", &O::camera_model, "",
+                "projection of the lens: brown (central), or of a fisheye equidistant | equisolid | kannala_brandt"});
+    visit(Field{"camera_params", &O::camera_params, "px",
+                "known camera for all images, held fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2], of kannala_brandt "
+                "fx,fy,cx,cy[,k1,k2,k3,k4]; centre of the first pixel is 0.5"});
     visit(Field{"gps_sigma_m", &O::gps_sigma_m, "m",
                 "standard deviation of image positions in plan where the file states none", 1e-3});
     visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "the same for heights", 1e-3});

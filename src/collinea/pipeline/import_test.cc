@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/import.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/geodesy/test_geoid.h"
 #include "collinea/image/photo.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
@@ -107,10 +110,36 @@ TEST(ImportFocal, AGivenCameraIsHeldFixed) {
   const auto imported = import_photos(folder / "", {.camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,-2e-4"}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   const Camera& camera = imported->block.cameras.begin()->second;
-  const std::array<double, Camera::kParams> expected = {100, 61, 44, -0.1, 0.01, 0.002, 1e-4, -2e-4, 1, 0};
+  const std::array<double, Camera::kAllParams> expected = {100, 61, 44, -0.1, 0.01, 0.002, 1e-4, -2e-4, 1, 0};
   EXPECT_EQ(camera.params, expected);
   EXPECT_FALSE(camera.calibrate);
   EXPECT_TRUE(imported->findings.empty());
+}
+
+TEST(ImportFocal, AFisheyeIsWhatTheUserSays) {
+  const TestFolder folder;
+  put_photo(folder / "a.jpg", nullptr);
+  put_photo(folder / "b.jpg", nullptr);
+  const auto given = import_photos(
+      folder / "", {.camera_model = "kannala_brandt", .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4"}, {});
+  ASSERT_TRUE(given) << given.error().message;
+  const Camera& camera = given->block.cameras.begin()->second;
+  EXPECT_EQ(camera.model, CameraModel::kKannalaBrandt);
+  EXPECT_EQ(camera.params[Camera::kK4], 1e-4);
+  EXPECT_EQ(camera.params[Camera::kP1], 0);
+  // Nothing said: from corner to corner (150 px) half a turn.
+  const auto assumed = import_photos(folder / "", {.camera_model = "equidistant"}, {});
+  ASSERT_TRUE(assumed);
+  EXPECT_NEAR(assumed->block.cameras.begin()->second.focal_px(), 150 / 3.14159265, 1e-6);
+  EXPECT_EQ(assumed->block.cameras.begin()->second.model, CameraModel::kEquidistant);
+  for (const char* model : {"fisheye", "brown_of_measured", ""}) {
+    const auto unknown = import_photos(folder / "", {.camera_model = model}, {});
+    ASSERT_FALSE(unknown);
+    EXPECT_NE(unknown.error().message.find("--camera-model"), std::string::npos);
+  }
+  const auto long_list = import_photos(
+      folder / "", {.camera_model = "kannala_brandt", .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,0"}, {});
+  EXPECT_FALSE(long_list);
 }
 
 TEST(ImportFocal, AGivenCameraThatIsNoneIsAnError) {
@@ -422,6 +451,72 @@ TEST(SourcesFingerprint, ChangesWithPhotosAndControlOnly) {
   EXPECT_NE(more, before);
   ASSERT_TRUE(write_file(folder / "control.csv", kControl + "image, A, a.jpg, 1, 2\n"));
   EXPECT_NE(fingerprint_of_sources(folder / "", options), more);
+}
+
+// Control above a geoid and positions above the ellipsoid, or the other way round: the same place on Earth.
+class ImportHeights : public ::testing::Test {
+ protected:
+  ImportHeights() {
+    const PhotoHeader header = at_place(48.2, 15.6);
+    for (const char* file : {"a.jpg", "b.jpg"}) put_photo(folder_ / "photos" / file, &header);
+    write_test_geoid(folder_ / "geoid.gtx");
+    geoid_m_ = test_geoid_m(48.2, 15.6);
+    options_.control = (folder_ / "control.csv").string();
+    const LocalFrame frame = LocalFrame::create("EPSG:32633", 48.2, 15.6, 0).value();
+    map_ = frame.map_from_local(frame.local_from_geographic({48.2, 15.6, 400 - geoid_m_}));
+  }
+  // With control where the camera is: how far over it.
+  [[nodiscard]] Result<double> control_over_camera_m(const std::string& crs) {
+    if (!write_file(folder_ / "control.csv",
+                    "# collinea control, " + crs + "\n" +
+                        fmt::format("point, A, {:.4f}, {:.4f}, {:.4f}\nimage, A, a.jpg, 50, 50\n", map_.x(), map_.y(),
+                                    map_.z())))
+      return fail(Errc::kBadInput, "not written");
+    auto imported = import_photos(folder_ / "photos", options_, {});
+    if (!imported) return tl::unexpected(imported.error());
+    imported_ = std::move(*imported);
+    const Block& block = imported_.block;
+    return block.control.begin()->second.position_in_world.z() -
+           block.images.begin()->second.position->position_in_world.z();
+  }
+
+  const TestFolder folder_;
+  ImportOptions options_;
+  Imported imported_;
+  Eigen::Vector3d map_;  // heights over the geoid
+  double geoid_m_ = 0;
+};
+
+TEST_F(ImportHeights, ControlOverAGeoidMeetsPositionsOverTheEllipsoid) {
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -geoid_m_, 1e-3);  // nobody said so
+  options_.control_heights = (folder_ / "geoid.gtx").string();
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), 0, 1e-3);
+  // The map keeps ellipsoidal heights.
+  EXPECT_EQ(imported_.block.georeference->crs, "EPSG:32633");
+  EXPECT_NEAR(imported_.block.control.begin()->second.position_in_map.z(), 400, 1e-3);
+}
+
+TEST_F(ImportHeights, HeightsOfTheMapAreThoseOfControlThatStatesNone) {
+  options_.heights = (folder_ / "geoid.gtx").string();
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), 0, 1e-3);
+  EXPECT_NEAR(imported_.block.control.begin()->second.position_in_map.z(), 400 - geoid_m_, 1e-3);
+  EXPECT_EQ(imported_.block.georeference->crs, "EPSG:32633+geoid:" + (folder_ / "geoid.gtx").string());
+}
+
+TEST_F(ImportHeights, HeightsOfThePhotographsMayCountFromAGeoid) {
+  options_.gps_heights = (folder_ / "geoid.gtx").string();
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -2 * geoid_m_, 1e-3);
+  EXPECT_TRUE(mentions(imported_.findings, "heights of the photographs")) << imported_.findings.size();
+  options_.heights = options_.gps_heights;
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -geoid_m_, 1e-3);
+}
+
+TEST_F(ImportHeights, WhatIsWrongIsNamedByItsOption) {
+  options_.gps_heights = "nowhere.gtx";
+  EXPECT_NE(control_over_camera_m("EPSG:32633").error().message.find("--gps-heights"), std::string::npos);
+  options_.gps_heights = "ellipsoidal";
+  options_.control_heights = "EPSG:4326";
+  EXPECT_NE(control_over_camera_m("EPSG:32633").error().message.find("--control-heights"), std::string::npos);
 }
 
 }  // namespace

@@ -99,12 +99,15 @@ void sweep(const fs::path& folder) {
   std::error_code ignored;
   const auto remove_in = [&](const char* place, const char* name_start, const char* extension_start) {
     for (auto it = fs::directory_iterator(folder / place, ignored); it != fs::directory_iterator();
-         it.increment(ignored))
-      if (it->path().filename().string().starts_with(name_start) &&
-          it->path().extension().string().starts_with(extension_start))
-        fs::remove(it->path(), ignored);
+         it.increment(ignored)) {
+      const fs::path name = it->path().filename();
+      const bool half = name.extension().string().starts_with(extension_start) ||
+                        name.stem().extension() == extension_start;  // contours.part.gpkg, and its -journal
+      if (half && name.string().starts_with(name_start)) fs::remove(it->path(), ignored);
+    }
   };
-  for (const char* place : {"products", "depth", "depth/overview", "report"}) remove_in(place, "", ".part");
+  for (const char* place : {"products", "depth", "depth/overview", "report", "adjustment"})
+    remove_in(place, "", ".part");
   remove_in(".", "project.json", ".part");
   remove_in("scratch", "points_", ".bin");
   fs::remove(folder / "scratch", ignored);  // stays when it holds anything else

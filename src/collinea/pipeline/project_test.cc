@@ -372,7 +372,8 @@ void SmallProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_
 void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   const fs::path project = copy("swept");
   for (const char* file :
-       {"products/cloud.las.part123", "depth/a.tif.part", "depth/overview/b.tif.part", "scratch/points_1_1.bin"}) {
+       {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
+        "depth/a.tif.part", "depth/overview/b.tif.part", "scratch/points_1_1.bin"}) {
     fs::create_directories((project / file).parent_path());
     ASSERT_TRUE(write_file(project / file, "half"));
   }
@@ -380,7 +381,9 @@ void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   Log log;
   ASSERT_TRUE(bring(project, settings(), log, "report"));
   EXPECT_TRUE(log.steps_done().empty());
-  for (const char* file : {"products/cloud.las.part123", "depth/a.tif.part", "depth/overview/b.tif.part", "scratch"})
+  for (const char* file :
+       {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
+        "depth/a.tif.part", "depth/overview/b.tif.part", "scratch"})
     EXPECT_FALSE(fs::exists(project / file)) << file;
   EXPECT_TRUE(fs::exists(project / "download.part"));
 }

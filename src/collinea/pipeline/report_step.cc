@@ -41,7 +41,8 @@ void add_orientation(const json& orientation, ReportInput& input) {
     input.centre_sigma_m[ImageId{static_cast<std::uint32_t>(std::stoul(image))}] = vector_of(sigma);
   for (const auto& [camera, sigma] : details.at("camera_sigma").items()) {
     auto& values = input.camera_sigma[CameraId{static_cast<std::uint32_t>(std::stoul(camera))}];
-    for (std::size_t k = 0; k < values.size(); ++k) values[k] = sigma.at(k).is_null() ? 0 : sigma.at(k).get<double>();
+    for (std::size_t k = 0; k < std::min(values.size(), sigma.size()); ++k)
+      values[k] = sigma.at(k).is_null() ? 0 : sigma.at(k).get<double>();
   }
   input.sigma0 = orientation.at("sigma0").get<double>();
   input.redundancy = orientation.at("redundancy").get<long>();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "collinea/report/adjustment_findings.h"
@@ -26,8 +27,11 @@ struct Part {
 Part part_of(const AdjustmentReport& report, int first_axis, int last_axis) {
   Part part;
   double fit = 0, survey = 0;
-  for (const ControlDifference& one : report.adjusted.control) {
-    if (one.used) continue;
+  const auto& control = report.adjusted.control;
+  const bool any_used = std::any_of(control.begin(), control.end(), [](const auto& one) { return one.used; });
+  for (const ControlDifference& one : control) {
+    // Control that was found wrong is no check point; where none is used at all, every point is one.
+    if (one.used || (any_used && report.block.control.at(one.point).role != ControlRole::kCheck)) continue;
     const Eigen::Vector3d& sigma_m = report.block.control.at(one.point).sigma_m;
     double square = 0, variance = 0;
     for (int axis = first_axis; axis <= last_axis; ++axis) {

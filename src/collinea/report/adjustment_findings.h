@@ -19,6 +19,9 @@ namespace collinea {
 /// Mean residuals of tie points on a grid over the format of each camera, and how far residuals are from normal ones.
 [[nodiscard]] std::string residual_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json residual_json(const AdjustmentReport& report);
+/// Additional parameters of cameras: which are significant, which are alike, which to drop.
+[[nodiscard]] std::string additional_section(const AdjustmentReport& report);
+[[nodiscard]] nlohmann::ordered_json additional_json(const AdjustmentReport& report);
 [[nodiscard]] std::string taken_out_csv(const Snooped& snooped);
 
 }  // namespace collinea

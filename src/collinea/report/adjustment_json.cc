@@ -44,15 +44,16 @@ json cameras(const AdjustmentReport& report) {
     const auto covariance = report.adjusted.camera_covariance.find(id);
     const bool known = covariance != report.adjusted.camera_covariance.end();
     const auto sigma = [&](int k) { return known ? std::sqrt(covariance->second(k, k)) : 0; };
-    for (int k = 0; k < Camera::kParams; ++k) {
-      const std::string name(Camera::kParamNames[std::size_t(k)]);
-      one["parameters"][name] = {{"value", number(camera.params[std::size_t(k)])},
-                                 {"unit", Camera::kParamUnits[std::size_t(k)]}};
+    if (camera.additional != AdditionalSet::kNone) one["additional"] = kAdditionalNames[std::size_t(camera.additional)];
+    const std::vector<int> params = params_of(camera);
+    for (const int k : params) {
+      const std::string name = param_name(k);
+      one["parameters"][name] = {{"value", number(camera.params[std::size_t(k)])}, {"unit", param_unit(k)}};
       if (!(sigma(k) > 0)) continue;
       one["parameters"][name]["sigma"] = number(sigma(k) * sigma_scale(report.adjusted));
-      for (int other = 0; other < k; ++other)
-        if (sigma(other) > 0)
-          one["correlations"][name][std::string(Camera::kParamNames[std::size_t(other)])] =
+      for (const int other : params)
+        if (other < k && sigma(other) > 0)
+          one["correlations"][name][param_name(other)] =
               number(covariance->second(k, other) / (sigma(k) * sigma(other)));
     }
     list.push_back(one);
@@ -139,6 +140,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
             {"accuracy", accuracy_json(report)}};
   if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
   if (!adjusted.extras.empty()) j["unknowns"] = unknowns(report);
+  if (!report.additional.empty()) j["additional"] = additional_json(report);
   if (!adjusted.inseparable.empty()) j["inseparable"] = adjusted.inseparable;
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
   j["residuals"] = residual_json(report);

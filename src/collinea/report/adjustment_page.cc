@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "collinea/report/adjustment_findings.h"
+#include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/page.h"
 #include "collinea/report/svg.h"
@@ -172,14 +173,15 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
 
 }  // namespace
 
-std::string adjustment_page(const AdjustmentReport& report) {
+std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProducts& products) {
   const std::string title = escaped(report.title.empty() ? "Project" : report.title);
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
                      ": adjustment</title>\n<style>" + kStyleSheet +
                      "</style></head>\n<body><main>\n<header><div><h1>" + title +
                      "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
   html += summary(report.adjusted) + snooping_section(report) + control_table(report) + accuracy_section(report) +
-          ground_table(report) + unknowns_table(report);
+          precision_section(report, products) + ground_table(report) + unknowns_table(report) +
+          additional_section(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + group_table(report, tests) + tests_section(report, tests);

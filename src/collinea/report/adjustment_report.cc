@@ -6,10 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/geometry/rotation.h"
 #include "collinea/io/file.h"
-#include "collinea/io/opk.h"
 #include "collinea/report/adjustment_findings.h"
+#include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"
 
 namespace collinea {
@@ -26,92 +25,15 @@ std::string in_quotes(std::string_view text) {
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format(",{:.12g}", value) : ","; }
 
-// Standard deviations of the angles as they are written, from those of small turns about the axes of the world.
-Eigen::Vector3d sigma_of_angles(const OmegaPhiKappa& angles, const Rigid3& pose, const Matrix6d& covariance) {
-  const double omega = angles.omega_deg / kDegrees, phi = angles.phi_deg / kDegrees;
-  // Axes of omega, phi and kappa in the map, whose axes are those of the world but for the convergence of meridians.
-  Eigen::Matrix3d axes;
-  axes << 1, 0, std::sin(phi),                               //
-      0, std::cos(omega), -std::sin(omega) * std::cos(phi),  //
-      0, std::sin(omega), std::cos(omega) * std::cos(phi);
-  const Eigen::Matrix3d map_from_world = (cam_from_world(angles).conjugate() * pose.rotation).toRotationMatrix();
-  const Eigen::Matrix3d angles_by_turn = axes.inverse() * map_from_world;
-  return (angles_by_turn * covariance.topLeftCorner<3, 3>() * angles_by_turn.transpose()).diagonal().cwiseSqrt();
-}
-
-Result<std::string> poses_csv(const AdjustmentReport& report) {
-  COLLINEA_TRY(const std::vector<ExteriorOrientation> rows, exterior_orientations(report.block));
-  std::string text =
-      "image,x_m,y_m,z_m,omega_deg,phi_deg,kappa_deg,sigma_x_m,sigma_y_m,sigma_z_m,sigma_turn_about_x_deg,"
-      "sigma_turn_about_y_deg,sigma_turn_about_z_deg,sigma_omega_deg,sigma_phi_deg,sigma_kappa_deg\n";
-  auto image = report.block.cam_from_world.begin();
-  for (const ExteriorOrientation& row : rows) {
-    text += in_quotes(row.file);
-    for (int i = 0; i < 3; ++i) text += number(row.centre_in_map[i]);
-    for (const double angle : {row.angles.omega_deg, row.angles.phi_deg, row.angles.kappa_deg}) text += number(angle);
-    const auto& [id, pose] = *image++;
-    const auto covariance = report.adjusted.pose_covariance.find(id);
-    for (int i = 0; i < 6; ++i) {
-      const int k = (i + 3) % 6;  // the centre first
-      const double sigma = covariance == report.adjusted.pose_covariance.end()
-                               ? std::nan("")
-                               : std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted);
-      text += number(i < 3 ? sigma : sigma * kDegrees);
-    }
-    Eigen::Vector3d sigma = Eigen::Vector3d::Constant(std::nan(""));
-    if (covariance != report.adjusted.pose_covariance.end())
-      sigma = sigma_of_angles(row.angles, pose, covariance->second) * sigma_scale(report.adjusted);
-    for (int i = 0; i < 3; ++i) text += number(sigma[i] * kDegrees);
-    text += "\n";
-  }
-  return text;
-}
-
 std::string cameras_csv(const AdjustmentReport& report) {
   std::string text = "camera,parameter,unit,value,sigma\n";
   for (const auto& [id, camera] : report.block.cameras) {
     const auto covariance = report.adjusted.camera_covariance.find(id);
     const bool known = covariance != report.adjusted.camera_covariance.end();
     const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was held
-    for (int k = 0; k < Camera::kParams; ++k)
-      text += in_quotes(camera.name) + fmt::format(",{},{}", Camera::kParamNames[k], Camera::kParamUnits[k]) +
-              number(camera.params[k]) +
+    for (const int k : params_of(camera))
+      text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) + number(camera.params[k]) +
               number(known ? std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted) : unknown) + "\n";
-  }
-  return text;
-}
-
-std::string points_csv(const AdjustmentReport& report) {
-  std::string text = "point,x_in_world_m,y_in_world_m,z_in_world_m,sigma_x_m,sigma_y_m,sigma_z_m\n";
-  const Adjusted& adjusted = report.adjusted;
-  for (std::size_t i = 0; i < adjusted.points.size(); ++i) {
-    text += std::to_string(adjusted.points[i].first.value);
-    for (int c = 0; c < 3; ++c) text += number(adjusted.points[i].second[c]);
-    for (int c = 0; c < 3; ++c)
-      text += number(i < adjusted.point_covariance.size()
-                         ? std::sqrt(adjusted.point_covariance[i](c, c)) * sigma_scale(adjusted)
-                         : std::nan(""));
-    text += "\n";
-  }
-  return text;
-}
-
-std::string control_csv(const AdjustmentReport& report) {
-  std::string text =
-      "point,role,images,difference_x_m,difference_y_m,difference_z_m,sigma_x_m,sigma_y_m,sigma_z_m,"
-      "left_out_x_m,left_out_y_m,left_out_z_m,left_out_sigma_x_m,left_out_sigma_y_m,left_out_sigma_z_m\n";
-  for (const ControlDifference& control : report.adjusted.control) {
-    const ControlPoint& point = report.block.control.at(control.point);
-    text += in_quotes(point.name) + (control.used ? ",control," : ",check,") + std::to_string(control.rays);
-    for (int i = 0; i < 3; ++i) text += number(control.difference_m[i]);
-    for (int i = 0; i < 3; ++i) text += number(control.difference_sigma_m[i]);
-    Eigen::Vector3d left_out = Eigen::Vector3d::Constant(std::nan("")), sigma = left_out;
-    if (report.adjusted.reliability)
-      for (const LeftOutPoint& one : report.adjusted.reliability->left_out)
-        if (one.point == control.point) left_out = one.difference_m, sigma = one.difference_sigma_m;
-    for (int i = 0; i < 3; ++i) text += number(left_out[i]);
-    for (int i = 0; i < 3; ++i) text += number(sigma[i]);
-    text += "\n";
   }
   return text;
 }
@@ -215,21 +137,23 @@ std::string name_of(const TestedObservation& one, const Block& block) {
 }
 
 Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder) {
-  COLLINEA_TRY(const std::string poses, poses_csv(report));
+  COLLINEA_TRY(const AdjustmentProducts products, products_of(report));
   static const Reliability kNone;
   const Reliability& tests = report.adjusted.reliability ? *report.adjusted.reliability : kNone;
-  const std::pair<const char*, std::string> files[] = {{"poses.csv", poses},
+  const std::pair<const char*, std::string> files[] = {{"poses.csv", poses_csv(report, products)},
                                                        {"cameras.csv", cameras_csv(report)},
-                                                       {"points.csv", points_csv(report)},
-                                                       {"control.csv", control_csv(report)},
+                                                       {"points.csv", points_csv(products)},
+                                                       {"control.csv", control_csv(report, products)},
                                                        {"ground.csv", ground_csv(report)},
                                                        {"unknowns.csv", unknowns_csv(report)},
                                                        {"observations.csv", observations_csv(report, tests.others)},
                                                        {"suspects.csv", observations_csv(report, tests.suspects)},
+                                                       {"products.json", products_json(report, products)},
                                                        {"adjustment.json", adjustment_json(report)},
-                                                       {"adjustment.html", adjustment_page(report)}};
+                                                       {"adjustment.html", adjustment_page(report, products)}};
   for (const auto& [name, text] : files)
     if (auto written = write_file(folder / name, text); !written) return written;
+  if (auto written = write_products(report, products, folder / "adjustment.gpkg"); !written) return written;
   if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
   return remove_file(folder / "taken_out.csv");  // of an earlier adjustment
 }

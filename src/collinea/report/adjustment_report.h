@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "collinea/adjust/additional_choice.h"
 #include "collinea/adjust/snooping.h"
 #include "collinea/adjust/variance_components.h"
 #include "collinea/base/result.h"
@@ -17,22 +18,27 @@ struct AdjustmentReport {
   Block block;                                   ///< as adjusted, with the sigmas that were used
   Adjusted adjusted;                             ///< with covariances and reliability
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
+  std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
+  double additional_level = 0;                   ///< of their tests
   std::optional<Snooped> snooped;                ///< when blunders were taken out; its `adjusted` may have been moved
 };
 
 /// Writes into the folder: adjustment.html (for people), adjustment.json (the same figures), and the tables poses.csv,
-/// cameras.csv, points.csv, control.csv, ground.csv, unknowns.csv (beside those of images, cameras and points),
-/// observations.csv (control, positions and ground, each with its test), suspects.csv and, after snooping,
-/// taken_out.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ
-/// does not know.
+/// cameras.csv, points.csv, control.csv, ground.csv, unknowns.csv (beside those of images, cameras and points), images,
+/// points, control and cameras once more in products.json and but for the cameras in adjustment.gpkg, observations.csv
+/// (control, positions and ground, each with its test), suspects.csv and, after snooping, taken_out.csv. Lengths in
+/// metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ does not know.
 [[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder);
 
 // Its parts.
-[[nodiscard]] std::string adjustment_page(const AdjustmentReport& report);
+struct AdjustmentProducts;
+[[nodiscard]] std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProducts& products);
 [[nodiscard]] std::string adjustment_json(const AdjustmentReport& report);
 
 /// By what the sigmas of a group should be multiplied; NaN where too little redundancy tells nothing.
 [[nodiscard]] double shown_factor(const GroupSums& sums);
+/// Of additional parameters those that the proposal drops: "a3,a7".
+[[nodiscard]] std::string dropped_names(const AdditionalTest& test);
 /// What was measured, in words: "tie point 17 in IMG_2.jpg, row", "gcp3, height", "position of IMG_2.jpg, east".
 [[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
 /// A measurement that was taken out, and how wrong it was: "gcp4 in IMG_31.jpg, off by 12.3 px (row ...)".

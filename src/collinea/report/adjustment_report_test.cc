@@ -10,6 +10,7 @@
 
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
+#include "collinea/report/adjustment_products.h"
 
 namespace collinea {
 namespace {
@@ -60,7 +61,7 @@ TEST(WriteAdjustment, ASystematicResidualIsSignificantAndScatterIsNot) {
   EXPECT_EQ(camera.at("cells").at(0).at("row"), 4);
   EXPECT_NEAR(camera.at("cells").at(0).at("mean_px").at(0).get<double>(), 0.3, 1e-12);
   EXPECT_GT(camera.at("cells").at(0).at("chi_squared").get<double>(), 20);
-  EXPECT_NE(adjustment_page(report).find("Systematic residuals"), std::string::npos);
+  EXPECT_NE(adjustment_page(report, {}).find("Systematic residuals"), std::string::npos);
 }
 
 TEST(WriteAdjustment, WhatIsWeakIsToldWithItsCure) {
@@ -68,7 +69,7 @@ TEST(WriteAdjustment, WhatIsWeakIsToldWithItsCure) {
   report.adjusted.weaknesses.push_back({"no_datum", "nothing fixes the scale", "a known distance", 1});
   const auto weak = nlohmann::json::parse(adjustment_json(report)).at("weaknesses");
   EXPECT_EQ(weak.at(0).at("cure"), "a known distance");
-  EXPECT_NE(adjustment_page(report).find("Cure: a known distance"), std::string::npos);
+  EXPECT_NE(adjustment_page(report, {}).find("Cure: a known distance"), std::string::npos);
 }
 
 // Errors of 3 and 4 cm in plan and of 5 and 1 cm in height; survey 1 cm on each axis; control and points that are
@@ -78,6 +79,7 @@ TEST(WriteAdjustment, AccuracyAtCheckPointsHoldsThatOfTheirSurvey) {
   const auto add = [&](std::uint32_t id, bool used, const Eigen::Vector3d& difference_m, double plan_sigma_m) {
     report.block.control[{id}].name = "P" + std::to_string(id);
     report.block.control[{id}].sigma_m = {plan_sigma_m, plan_sigma_m, 0.01};
+    report.block.control[{id}].role = used ? ControlRole::kControl : ControlRole::kCheck;
     ControlDifference& one = report.adjusted.control.emplace_back();
     one.point = {id};
     one.used = used;
@@ -88,6 +90,8 @@ TEST(WriteAdjustment, AccuracyAtCheckPointsHoldsThatOfTheirSurvey) {
   add(2, false, {0, 0.04, -0.01}, 0.01);
   add(3, true, {1, 1, 1}, 0.01);
   add(4, false, {kNaN, kNaN, 0.01}, kInfinity);
+  add(5, false, {9, 9, 9}, 0.01);  // control that was found wrong and taken out
+  report.block.control[{5}].role = ControlRole::kControl;
   const auto accuracy = nlohmann::json::parse(adjustment_json(report)).at("accuracy");
   const auto& plan = accuracy.at("horizontal");
   const auto& height = accuracy.at("vertical");
@@ -99,6 +103,10 @@ TEST(WriteAdjustment, AccuracyAtCheckPointsHoldsThatOfTheirSurvey) {
   EXPECT_NEAR(height.at("rmse_m").get<double>(), std::sqrt(27e-4 / 3 + 1e-4), 1e-12);
   EXPECT_NEAR(accuracy.at("rmse_3d_m").get<double>(), std::sqrt(14.5e-4 + 10e-4), 1e-12);
   EXPECT_FALSE(accuracy.at("enough_check_points").get<bool>());
+  // Adjusted without any control, all points are check points.
+  report.adjusted.control[2].used = false;
+  const auto without = nlohmann::json::parse(adjustment_json(report)).at("accuracy");
+  EXPECT_EQ(without.at("horizontal").at("check_points"), 4);
 }
 
 }  // namespace

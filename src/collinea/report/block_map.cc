@@ -4,77 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "collinea/report/figures.h"
-#include "collinea/report/svg.h"
+#include "collinea/report/map_view.h"
 
 namespace collinea {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kWidth = 940, kMargin = 34;
-
-// Plan coordinates to pixels: the same scale on both axes, north up.
-struct MapView {
-  Vector2d low, high;
-  double pixels_per_unit = 1, width = 0, height = 0;
-
-  MapView(const Vector2d& lowest, const Vector2d& highest, double wanted_width, double most_height)
-      : low(lowest), high(highest) {
-    const Vector2d size = (high - low).cwiseMax(1e-6);
-    pixels_per_unit = std::min((wanted_width - 2 * kMargin) / size.x(), (most_height - 2 * kMargin) / size.y());
-    width = wanted_width;
-    height = std::max(220.0, size.y() * pixels_per_unit + 2 * kMargin);
-  }
-  [[nodiscard]] Vector2d operator()(const Vector2d& plan) const {
-    const Vector2d middle = (low + high) / 2, offset = (plan - middle) * pixels_per_unit;
-    return {width / 2 + offset.x(), height / 2 - offset.y()};
-  }
-  [[nodiscard]] Vector2d operator()(const Eigen::Vector3d& world) const { return (*this)(Vector2d(world.head<2>())); }
-};
-
-class Bounds {
- public:
-  void add(const Vector2d& p) {
-    if (!p.allFinite()) return;
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
-  }
-  [[nodiscard]] MapView view(double width, double most_height) const {
-    if (!low_.allFinite()) return {Vector2d::Zero(), Vector2d::Ones(), width, most_height};
-    return {low_, high_, width, most_height};
-  }
-
- private:
-  Vector2d low_ = Vector2d::Constant(std::numeric_limits<double>::infinity()), high_ = -low_;
-};
-
-// Of a round length, in the unit it is read in.
-std::string scale_text(double length, const std::string& unit) {
-  const bool metres = unit == "m";
-  if (metres && length < 0.01) return fmt::format("{:g} mm", length * 1000);
-  if (metres && length >= 1000) return fmt::format("{:g} km", length / 1000);
-  return fmt::format("{:g} {}", length, unit);
-}
-
-// A model without a place has no north.
-void draw_scale_and_north(Svg& svg, const MapView& view, const std::string& unit) {
-  const double length = round_below(160 / view.pixels_per_unit), px = length * view.pixels_per_unit;
-  const Vector2d at(kMargin - 14, view.height - 18);
-  svg.rectangle(at.x() - 6, at.y() - 20, px + 12, 32, "paper");
-  svg.line(at, at + Vector2d(px, 0), "scale");
-  svg.line(at + Vector2d(0, -4), at + Vector2d(0, 4), "scale");
-  svg.line(at + Vector2d(px, -4), at + Vector2d(px, 4), "scale");
-  svg.text(at + Vector2d(px / 2, -6), scale_text(length, unit), "middle");
-  if (unit != "m") return;
-  const Vector2d north(view.width - 26, 16);
-  const std::array<Vector2d, 4> needle = {north, north + Vector2d(8, 26), north + Vector2d(0, 20),
-                                          north + Vector2d(-8, 26)};
-  svg.polygon(needle, "needle");
-  svg.text(north + Vector2d(0, 42), "N", "middle");
-}
 
 void draw_symbol(Svg& svg, const Vector2d& at, const ReportControl* control, const ControlPoint& point) {
   const bool unused = !control || control->excluded;
@@ -82,8 +19,7 @@ void draw_symbol(Svg& svg, const Vector2d& at, const ReportControl* control, con
   if (check) {
     svg.circle(at, 6, unused ? "check unused" : "check", point.name);
   } else {
-    const std::array<Vector2d, 3> triangle = {at + Vector2d(0, -8), at + Vector2d(7, 5), at + Vector2d(-7, 5)};
-    svg.polygon(triangle, unused ? "control unused" : "control");
+    draw_triangle(svg, at, unused ? "control unused" : "control");
   }
   svg.circle(at, 1, "dot");
   svg.text(at + Vector2d(9, 14), point.name, "start", "label halo");
@@ -158,12 +94,12 @@ int overlap_class(int images) {
 }  // namespace
 
 std::string block_map(const ReportInput& input, const Coverage& coverage, const std::string& unit) {
-  Bounds bounds;
+  MapBounds bounds;
   for (const auto& [id, polygon] : coverage.footprints)
     for (const auto& p : polygon) bounds.add(p);
   for (const auto& [id, pose] : input.block.cam_from_world) bounds.add(centre_of(pose).head<2>());
   for (const auto& [id, point] : input.block.control) bounds.add(point.position_in_world.head<2>());
-  const MapView view = bounds.view(kWidth, 660);
+  const MapView view = bounds.view(kMapWidth, 660);
   Svg svg(view.width, view.height, "Map of the block");
   draw_images(svg, view, input, coverage);
   draw_control(svg, view, input, unit);
@@ -173,7 +109,7 @@ std::string block_map(const ReportInput& input, const Coverage& coverage, const 
 
 std::string overlap_map(const Overlap& overlap, const std::string& unit) {
   constexpr double kOverlapWidth = 460, kLegend = 46;
-  Bounds bounds;
+  MapBounds bounds;
   bounds.add(overlap.lower_left);
   bounds.add(overlap.lower_left + overlap.cell * Vector2d(overlap.columns, overlap.rows));
   const MapView view = bounds.view(kOverlapWidth, 400);

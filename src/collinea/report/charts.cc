@@ -23,7 +23,7 @@ Axis vertical(double low, double high) { return {low, high, kHeight - 46, 14}; }
 double radial_distortion_px(const Camera& camera, double radius_px) {
   const auto& p = camera.params;
   const double r = radius_px / p[Camera::kF], r2 = r * r;
-  return radius_px * r2 * (p[Camera::kK1] + r2 * (p[Camera::kK2] + r2 * p[Camera::kK3]));
+  return radius_px * r2 * (p[Camera::kK1] + r2 * (p[Camera::kK2] + r2 * (p[Camera::kK3] + r2 * p[Camera::kK4])));
 }
 
 std::vector<Vector2d> distortion_curve(const Camera& camera, double longest_px) {

@@ -63,7 +63,7 @@ struct ReportInput {
   std::string date;                          ///< as it shall be printed; empty: none
   Block block;                               ///< as adjusted
   std::map<CameraId, Camera> first_cameras;  ///< before the adjustment
-  std::map<CameraId, std::array<double, Camera::kParams>>
+  std::map<CameraId, std::array<double, Camera::kAllParams>>
       camera_sigma;                                   ///< of Camera::params; 0 or NaN: held or unknown
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up
   std::vector<ReportControl> control;

@@ -30,11 +30,15 @@ json cameras(const ReportInput& input) {
                   {"calibrated", camera.calibrate}};
     const auto first = input.first_cameras.find(id);
     const auto sigma = input.camera_sigma.find(id);
-    for (std::size_t i = 0; i < Camera::kParams; ++i) {
-      json value = {{"value", number(camera.params[i])}, {"unit", Camera::kParamUnits[i]}};
+    if (camera.model != CameraModel::kBrown) entry["model"] = kCameraModelNames[std::size_t(camera.model)];
+    if (camera.additional != AdditionalSet::kNone)
+      entry["additional"] = kAdditionalNames[std::size_t(camera.additional)];
+    for (const int param : params_of(camera)) {
+      const auto i = std::size_t(param);
+      json value = {{"value", number(camera.params[i])}, {"unit", param_unit(param)}};
       if (first != input.first_cameras.end()) value["before"] = number(first->second.params[i]);
       if (sigma != input.camera_sigma.end()) value["sigma"] = number(sigma->second[i]);
-      entry["parameters"][std::string(Camera::kParamNames[i])] = value;
+      entry["parameters"][param_name(param)] = value;
     }
     list.push_back(entry);
   }

@@ -182,7 +182,7 @@ TEST(ResidualStatistics, AShiftShowsInTheGridWithItsSign) {
 
 TEST(ControlRms, AxesThatWereNotSurveyedDoNotCount) {
   ReportInput input = report_of_test_flight(2, 4, 50);
-  for (auto& [id, point] : input.block.control) point.sigma_m.z() = std::numeric_limits<double>::infinity();
+  for (ReportControl& control : input.control) control.difference_m.z() = std::nan("");
   const AxisRms rms = control_rms(input, true);
   EXPECT_TRUE(rms.axis_m[0] && rms.axis_m[1]);
   EXPECT_FALSE(rms.axis_m[2]);

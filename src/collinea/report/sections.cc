@@ -37,10 +37,7 @@ std::string control_row(const ReportInput& input, const ReportControl& control, 
   const char* role = control.excluded ? "not used" : control.used ? "control" : "check";
   std::string row = control.excluded ? "<tr class=\"out\">" : "<tr>";
   row += text_cell(point.name) + text_cell(role) + fmt::format("<td>{}</td>", control.rays);
-  for (int i = 0; i < 3; ++i) {
-    const bool surveyed = std::isfinite(point.sigma_m[i]);
-    row += difference_cell(surveyed ? control.difference_m[i] : std::nan(""), control.sigma_m[i], decimals);
-  }
+  for (int i = 0; i < 3; ++i) row += difference_cell(control.difference_m[i], control.sigma_m[i], decimals);
   row += cell(control.difference_m.norm(), decimals);
   for (int i = 0; with_sigma && i < 3; ++i) row += cell(control.sigma_m[i], decimals);
   return row + cell(control_rms_px(input.block, control), 2) + "</tr>\n";
@@ -59,38 +56,58 @@ std::string rms_row(const AxisRms& rms, const char* name, const char* what, int 
   return row + "</tr>\n";
 }
 
-std::string parameter_row(const ReportInput& input, CameraId id, std::size_t i) {
+std::string parameter_row(const ReportInput& input, CameraId id, int param) {
+  const auto i = std::size_t(param);
   const Camera& camera = input.block.cameras.at(id);
   const auto first = input.first_cameras.find(id);
   const auto sigmas = input.camera_sigma.find(id);
   const double value = camera.params[i];
   const double before = first == input.first_cameras.end() ? std::nan("") : first->second.params[i];
   const double sigma = sigmas == input.camera_sigma.end() ? std::nan("") : sigmas->second[i];
-  const int decimals = Camera::kParamUnits[i] == "px" ? 3 : 7;
+  const int decimals = param_unit(param) == "px" ? 3 : 7;
   const bool held = !(sigma > 0);
-  return "<tr>" + text_cell(Camera::kParamNames[i]) + text_cell(Camera::kParamUnits[i]) + cell(before, decimals) +
+  return "<tr>" + text_cell(param_name(param)) + text_cell(param_unit(param)) + cell(before, decimals) +
          cell(value, decimals) + cell(value - before, decimals) +
          (held && std::isfinite(sigma) ? "<td>held</td>" : cell(sigma, decimals)) +
-         cell(held || i < Camera::kK1 ? std::nan("") : std::abs(value) / sigma, 1) + "</tr>\n";
+         cell(held || param < Camera::kK1 ? std::nan("") : std::abs(value) / sigma, 1) + "</tr>\n";
+}
+
+double field_of_view_deg(const Camera& camera) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  if (!is_fisheye(camera.model)) return 2 * std::atan(camera.width_px / (2 * camera.focal_px())) / kDegree;
+  const double row = camera.params[Camera::kCy];
+  const auto angle = [&](double column) {
+    return std::acos(std::clamp(ray_in_cam(camera, {column, row}).z(), -1.0, 1.0));
+  };
+  return (angle(0) + angle(camera.width_px)) / kDegree;
+}
+
+std::string words_of_model(const Camera& camera) {
+  std::string words;
+  if (is_fisheye(camera.model)) words = "fisheye (" + std::string(kCameraModelNames[std::size_t(camera.model)]) + "), ";
+  if (camera.additional != AdditionalSet::kNone)
+    words += fmt::format("{} additional parameters ({}), ", count_of(camera.additional),
+                         kAdditionalNames[std::size_t(camera.additional)]);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
 }
 
 std::string one_camera(const ReportInput& input, const ReportSummary& summary, CameraId id) {
   const Camera& camera = input.block.cameras.at(id);
   std::size_t images = 0;
   for (const auto& [image, pose] : input.block.cam_from_world) images += input.block.images.at(image).camera == id;
-  const double angle = 2 * std::atan(camera.width_px / (2 * camera.focal_px())) * 180 / std::numbers::pi;
   std::string html = fmt::format(
-      "<h3>{}</h3><p>{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
+      "<h3>{}</h3><p>{}{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
       "{}.{}</p>\n",
-      escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), camera.width_px,
-      camera.height_px, images, images == 1 ? "" : "s", angle,
+      escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), words_of_model(camera),
+      camera.width_px, camera.height_px, images, images == 1 ? "" : "s", field_of_view_deg(camera),
       escaped(camera.source.empty() ? "unknown" : camera.source),
       camera.calibrate ? "" : " All parameters were given and held.");
   html +=
       "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th "
       "class=\"l\">unit</th><th>before</th><th>adjusted</th>"
       "<th>change</th><th>standard deviation</th><th>|value| / st. dev.</th></tr></thead><tbody>\n";
-  for (std::size_t i = 0; i < Camera::kParams; ++i) html += parameter_row(input, id, i);
+  for (const int param : params_of(camera)) html += parameter_row(input, id, param);
   html += "</tbody></table>\n<div class=\"pair\">\n";
   const auto first = input.first_cameras.find(id);
   html += "<figure>" + distortion_chart(camera, first == input.first_cameras.end() ? nullptr : &first->second) +

@@ -89,10 +89,7 @@ AxisRms control_rms(const ReportInput& input, bool used) {
   std::vector<Eigen::Vector3d> differences;
   for (const ReportControl& control : input.control) {
     if (control.used != used || control.excluded) continue;
-    Eigen::Vector3d difference = control.difference_m;
-    for (int i = 0; i < 3; ++i)
-      if (!std::isfinite(input.block.control.at(control.point).sigma_m[i])) difference[i] = std::nan("");
-    differences.push_back(difference);
+    differences.push_back(control.difference_m);  // NaN on axes that were not surveyed
   }
   return rms_of(differences);
 }

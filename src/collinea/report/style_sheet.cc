@@ -64,6 +64,23 @@ svg path, svg polyline, svg polygon { stroke-linejoin: round; }
 .plan_arrow { fill: none; stroke: #c2410c; stroke-width: 2.2; }
 .height_arrow { fill: none; stroke: #0b7a75; stroke-width: 2.2; }
 .pattern_arrow { fill: none; stroke: #1f5fa8; stroke-width: 1.3; }
+.section { fill: none; stroke: #1f5fa8; stroke-width: 1.6; }
+.section.two { stroke: #c2410c; }
+.section.three { stroke: #0b7a75; }
+.section.four { stroke: #7a2fb0; }
+.band { fill: #1f5fa8; fill-opacity: .15; stroke: none; }
+.band.two { fill: #c2410c; }
+.band.three { fill: #0b7a75; }
+.band.four { fill: #7a2fb0; }
+.site { fill: #e9efe4; stroke: #6b8f4e; stroke-width: 1.4; fill-opacity: .35; }
+.site.outline { fill: none; }
+.flight { fill: none; stroke: #1f5fa8; stroke-opacity: .5; stroke-width: 1; }
+.flight.cross { stroke: #7a2fb0; }
+.ellipse { fill: #c2410c; fill-opacity: .12; stroke: #c2410c; stroke-width: 1.2; }
+.ellipse.tie { fill: #1f5fa8; stroke: #1f5fa8; }
+.ellipse.checked { fill: #7a2fb0; stroke: #7a2fb0; }
+.height_bar { fill: none; stroke: #0b7a75; stroke-width: 1.6; }
+.more { fill: none; stroke: #b3261e; stroke-width: 2; stroke-dasharray: 3 2; }
 .scale { fill: none; stroke: #17212f; stroke-width: 2; }
 .needle { fill: #17212f; }
 .paper { fill: #fff; fill-opacity: .82; }

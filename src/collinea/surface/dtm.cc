@@ -67,6 +67,13 @@ class Terrain {
     summary_.coarse_cell_m = cell_m_;
   }
 
+  [[nodiscard]] MapGrid coarse_grid() const {
+    MapGrid grid = summary_.grid;
+    grid.cell_m = cell_m_;
+    grid.width = coarse_width_, grid.height = coarse_height_;
+    return grid;
+  }
+
   Result<Strip> read_strip(int row, int rows) const {
     const int width = summary_.grid.width;
     Strip strip;
@@ -124,18 +131,11 @@ class Terrain {
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
     if (std::none_of(ground.data.begin(), ground.data.end(), [](std::uint8_t g) { return g != 0; }))
       return fail(Errc::kIllPosed, "nothing in the surface model is ground");
-    HeightLevel level(0, 0, coarse_width_, coarse_height_, cell_m_, 0);
-    for (std::size_t i = 0; i < ground.data.size(); ++i) {
-      if (!ground.data[i]) continue;
-      level.height_m.data[i] = low_m_.data[i];
-      level.sigma_m.data[i] = 0;
-      level.weight.data[i] = 1;
-    }
+    for (std::size_t i = 0; i < ground.data.size(); ++i)
+      if (!ground.data[i]) low_m_.data[i] = kNaN;
+    HeightLevel level = level_of(low_m_, cell_m_);
     fill_all(level);
-    MapGrid grid = summary_.grid;
-    grid.cell_m = cell_m_;
-    grid.width = coarse_width_, grid.height = coarse_height_;
-    ground_ = GroundSurface(grid, std::move(level.height_m));
+    ground_ = GroundSurface(coarse_grid(), std::move(level.height_m));
     low_m_ = FloatImage();
     return {};
   }
@@ -233,6 +233,7 @@ class Terrain {
       if (!written) return written;
       run_.report("terrain", 0.6 + 0.4 * double(row + strip.state.height) / grid.height);
     }
+    if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
     if (summary_.ground_cells > 0)
       summary_.mean_sigma_m = std::sqrt(summary_.mean_sigma_m / double(summary_.ground_cells));
     // The height comes last: where it is, all rasters are.
@@ -295,13 +296,10 @@ class Terrain {
         if (auto removed = remove_file(file); !removed) return removed;
       return {};
     }
-    MapGrid grid = summary_.grid;
-    grid.cell_m = cell_m_;
-    grid.width = coarse_width_, grid.height = coarse_height_;
     const FloatImage means = blurred_means();
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
-    COLLINEA_TRY(summary_.contours,
-                 write_contours(means, grid, summary_.contour_m, kShortestContour * cell_m_, files_.contours, drawing));
+    COLLINEA_TRY(summary_.contours, write_contours(means, coarse_grid(), summary_.contour_m, kShortestContour * cell_m_,
+                                                   files_.contours, drawing));
     return {};
   }
 

@@ -129,6 +129,31 @@ TEST_F(DtmOfAHouse, WithoutContoursEarlierOnesGo) {
   EXPECT_FALSE(is_there(folder_ / "dtm.dxf"));
 }
 
+// Whenever it is stopped, nothing half made stays, and an earlier model is not touched.
+TEST_F(DtmOfAHouse, StoppedItLeavesNothingBehind) {
+  ASSERT_TRUE(build_dtm(dsm_, files("earlier"), {}, {}));
+  const std::string before = *read_file(folder_ / "earlier.tif");
+  const auto count = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder_ / ""), std::filesystem::directory_iterator());
+  };
+  const auto files_before = count();
+  for (const double when : {0.0, 0.2, 0.5, 0.7, 0.95}) {
+    std::stop_source stop;
+    collinea::Run run;
+    run.stop = stop.get_token();
+    run.progress = [&](std::string_view, double done) {
+      if (done >= when) stop.request_stop();
+    };
+    for (const char* name : {"new", "earlier"}) {
+      const auto made = build_dtm(dsm_, files(name), {}, run);
+      ASSERT_FALSE(made) << when;
+      EXPECT_EQ(made.error().code, Errc::kCancelled) << when;
+    }
+    EXPECT_EQ(count(), files_before) << when;
+    EXPECT_EQ(*read_file(folder_ / "earlier.tif"), before) << when;
+  }
+}
+
 TEST_F(DtmOfAHouse, AMissingSurfaceIsAnErrorInWords) {
   dsm_.state = folder_ / "nowhere.tif";
   const auto summary = build_dtm(dsm_, files("dtm"), {}, {});

@@ -77,13 +77,7 @@ FloatImage best_around(const FloatImage& heights, int r, const Run& run) {
 
 // Places where nothing is known continue the lowest surface around them.
 FloatImage without_gaps(const FloatImage& low_m, double cell_m) {
-  HeightLevel level(0, 0, low_m.width, low_m.height, cell_m, 0);
-  for (std::size_t i = 0; i < low_m.data.size(); ++i) {
-    if (std::isnan(low_m.data[i])) continue;
-    level.height_m.data[i] = low_m.data[i];
-    level.sigma_m.data[i] = 0;
-    level.weight.data[i] = 1;
-  }
+  HeightLevel level = level_of(low_m, cell_m);
   fill_all(level);
   return level.height_m;
 }

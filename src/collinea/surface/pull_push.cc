@@ -109,6 +109,17 @@ HeightLevel::HeightLevel(std::int64_t first_column, std::int64_t first_row, int 
       sigma_m(width, height, 1, kNoHeight),
       weight(width, height) {}
 
+HeightLevel level_of(const FloatImage& heights_m, double cell) {
+  HeightLevel level(0, 0, heights_m.width, heights_m.height, cell, 0);
+  for (std::size_t i = 0; i < heights_m.data.size(); ++i) {
+    if (std::isnan(heights_m.data[i])) continue;
+    level.height_m.data[i] = heights_m.data[i];
+    level.sigma_m.data[i] = 0;
+    level.weight.data[i] = 1;
+  }
+  return level;
+}
+
 HeightLevel coarser(const HeightLevel& fine) {
   const std::int64_t column = half(fine.column), row = half(fine.row);
   HeightLevel result(column, row, int(half(fine.column + fine.weight.width - 1) - column + 1),

@@ -21,6 +21,9 @@ struct HeightLevel {
   HeightLevel(std::int64_t first_column, std::int64_t first_row, int width, int height, double cell, double step);
 };
 
+/// The level of a whole raster of heights that count as exact; NaN: nothing there.
+[[nodiscard]] HeightLevel level_of(const FloatImage& heights_m, double cell);
+
 /// The next coarser level. Of four cells the lowest counts, together with those that a slope joins to it: where roof
 /// and ground meet it is the ground. Levels that hold less than a tenth of the weight are taken for wrong.
 [[nodiscard]] HeightLevel coarser(const HeightLevel& fine);

@@ -69,7 +69,7 @@ std::vector<Mark> places_on_wall(const Scene& scene, const FacadeScene& wall, do
 Result<Truth> make_facade(const FacadeOptions& o, const Run& run) {
   if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
   COLLINEA_TRY(LocalFrame frame, LocalFrame::create(o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m));
-  const Camera camera = true_camera(o, 0.78);
+  COLLINEA_TRY(const Camera camera, true_camera(o, 0.78));
   FacadeScene wall;
   wall.seed = std::uint64_t(o.seed);
   wall.yard_m = std::max(30.0, 1.6 * o.distance_m);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "collinea/base/random.h"
@@ -39,17 +40,24 @@ struct MarkOptions {
 [[nodiscard]] double bounded_normal(Random& random);
 
 /// The camera of either kind of survey. Without a given focal length it is `share` of the width.
+/// Errors: no such model.
 template <class Options>
-[[nodiscard]] Camera true_camera(const Options& o, double share) {
+[[nodiscard]] Result<Camera> true_camera(const Options& o, double share) {
   Camera camera = ideal_camera(o.focal_px.value_or(share * o.width_px), o.width_px, o.height_px);
+  const auto model = std::find(kCameraModelNames.begin(), kCameraModelNames.end(), o.camera_model);
+  if (model == kCameraModelNames.end())
+    return fail(Errc::kBadInput, "camera_model = \"" + o.camera_model + "\": there is no such model of cameras");
+  camera.model = CameraModel(model - kCameraModelNames.begin());
   auto& p = camera.params;
   p[Camera::kCx] += o.principal_x_px;
   p[Camera::kCy] += o.principal_y_px;
   p[Camera::kK1] = o.k1;
   p[Camera::kK2] = o.k2;
   p[Camera::kK3] = o.k3;
-  p[Camera::kP1] = o.p1;
-  p[Camera::kP2] = o.p2;
+  const bool of_kannala = camera.model == CameraModel::kKannalaBrandt;
+  p[Camera::kK4] = of_kannala ? o.k4 : 0;
+  p[Camera::kP1] = of_kannala ? 0 : o.p1;
+  p[Camera::kP2] = of_kannala ? 0 : o.p2;
   camera.name = "Collinea Synthetic";
   camera.source = "true";
   return camera;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <span>
+#include <type_traits>
 
 #include "collinea/io/file.h"
 #include "collinea/io/text.h"
@@ -40,11 +42,18 @@ Result<> read_table(const std::filesystem::path& path, Take&& take) {
 }
 
 Result<> take_camera(const Fields& fields, Camera& camera) {
+  const auto take_word = [&](const auto& names, auto& value) -> Result<> {
+    const auto found = std::find(names.begin(), names.end(), fields.size() > 1 ? std::string_view(fields[1]) : "");
+    if (found == names.end()) return fail(Errc::kBadFormat, "no such " + std::string(fields[0]) + " of a camera");
+    value = std::remove_reference_t<decltype(value)>(found - names.begin());
+    return {};
+  };
+  if (!fields.empty() && fields[0] == "model") return take_word(kCameraModelNames, camera.model);
+  if (!fields.empty() && fields[0] == "additional") return take_word(kAdditionalNames, camera.additional);
   COLLINEA_TRY(const auto value, numbers<1>(fields, 1));
   if (fields[0] == "width_px") camera.width_px = int(value[0]);
   if (fields[0] == "height_px") camera.height_px = int(value[0]);
-  for (std::size_t i = 0; i < Camera::kParams; ++i)
-    if (fields[0] == Camera::kParamNames[i]) camera.params[i] = value[0];
+  if (const auto param = param_named(camera, fields[0])) camera.params[std::size_t(*param)] = value[0];
   return {};
 }
 

@@ -38,9 +38,9 @@ void choose_strips(Plan& plan, int images) {
   plan.dropped = plan.strips * plan.per_strip - rest;
 }
 
-Plan plan_of(const SurveyOptions& o) {
+Result<Plan> plan_of(const SurveyOptions& o) {
   Plan plan;
-  plan.camera = true_camera(o, 0.67);
+  COLLINEA_TRY(plan.camera, true_camera(o, 0.67));
   const double focal = plan.camera.focal_px();
   plan.height_m = o.height_m.value_or(o.gsd_m * focal);
   plan.gsd_m = plan.height_m / focal;
@@ -173,7 +173,7 @@ Result<> mark_control(Truth& truth, const SurveyOptions& o, const Area& mapped, 
 Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
   if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
   COLLINEA_TRY(LocalFrame frame, LocalFrame::create(o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m));
-  const Plan plan = plan_of(o);
+  COLLINEA_TRY(const Plan plan, plan_of(o));
   const auto seed = std::uint64_t(o.seed);
   const std::vector<Station> stations = stations_of(plan);
   std::vector<Rigid3> poses;

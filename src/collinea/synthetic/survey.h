@@ -18,7 +18,8 @@ struct SurveyOptions {
   std::optional<double> height_m = {};
   int width_px = 2048, height_px = 1536;
   std::optional<double> focal_px = {};
-  double k1 = -0.055, k2 = 0.028, k3 = -0.008, p1 = 0.0007, p2 = -0.0004;
+  std::string camera_model = "brown";
+  double k1 = -0.055, k2 = 0.028, k3 = -0.008, k4 = 0.0012, p1 = 0.0007, p2 = -0.0004;
   double principal_x_px = 6.5, principal_y_px = -9.2;
   double attitude_jitter_deg = 1.5, position_jitter_m = 0.8;
   double exposure_sigma = 0.1, vignetting = 0.25, noise_grey = 1.5, blur_px = 0.6;
@@ -47,11 +48,14 @@ struct SurveyOptions {
     visit(Field{"width_px", &O::width_px, "px", "width of the images", 64, 20000});
     visit(Field{"height_px", &O::height_px, "px", "height of the images", 64, 20000});
     visit(Field{"focal_px", &O::focal_px, "px", "focal length; nothing: 0.67 of the width", 10, 100000});
+    visit(Field{"camera_model", &O::camera_model, "",
+                "projection: brown, brown_of_measured, equidistant, equisolid, kannala_brandt"});
     visit(Field{"k1", &O::k1, "1", "radial distortion", -0.5, 0.5});
     visit(Field{"k2", &O::k2, "1", "radial distortion", -0.5, 0.5});
     visit(Field{"k3", &O::k3, "1", "radial distortion", -0.5, 0.5});
-    visit(Field{"p1", &O::p1, "1", "decentring distortion", -0.05, 0.05});
-    visit(Field{"p2", &O::p2, "1", "decentring distortion", -0.05, 0.05});
+    visit(Field{"k4", &O::k4, "1", "radial distortion, of kannala_brandt only", -0.5, 0.5});
+    visit(Field{"p1", &O::p1, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
+    visit(Field{"p2", &O::p2, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
     visit(Field{"principal_x_px", &O::principal_x_px, "px", "principal point, right of the middle", -500, 500});
     visit(Field{"principal_y_px", &O::principal_y_px, "px", "principal point, below the middle", -500, 500});
     visit(Field{"attitude_jitter_deg", &O::attitude_jitter_deg, "deg", "standard deviation of the camera's tilts", 0,
@@ -91,7 +95,8 @@ struct FacadeOptions {
   double low_m = 1.7, high_m = 5.0;
   int width_px = 2048, height_px = 1536;
   std::optional<double> focal_px = {};
-  double k1 = -0.055, k2 = 0.028, k3 = -0.008, p1 = 0.0007, p2 = -0.0004;
+  std::string camera_model = "brown";
+  double k1 = -0.055, k2 = 0.028, k3 = -0.008, k4 = 0.0012, p1 = 0.0007, p2 = -0.0004;
   double principal_x_px = 6.5, principal_y_px = -9.2;
   double attitude_jitter_deg = 2, position_jitter_m = 0.15;
   double exposure_sigma = 0.1, vignetting = 0.25, noise_grey = 1.5, blur_px = 0.6;
@@ -114,11 +119,14 @@ struct FacadeOptions {
     visit(Field{"width_px", &O::width_px, "px", "width of the images", 64, 20000});
     visit(Field{"height_px", &O::height_px, "px", "height of the images", 64, 20000});
     visit(Field{"focal_px", &O::focal_px, "px", "focal length; nothing: 0.78 of the width", 10, 100000});
+    visit(Field{"camera_model", &O::camera_model, "",
+                "projection: brown, brown_of_measured, equidistant, equisolid, kannala_brandt"});
     visit(Field{"k1", &O::k1, "1", "radial distortion", -0.5, 0.5});
     visit(Field{"k2", &O::k2, "1", "radial distortion", -0.5, 0.5});
     visit(Field{"k3", &O::k3, "1", "radial distortion", -0.5, 0.5});
-    visit(Field{"p1", &O::p1, "1", "decentring distortion", -0.05, 0.05});
-    visit(Field{"p2", &O::p2, "1", "decentring distortion", -0.05, 0.05});
+    visit(Field{"k4", &O::k4, "1", "radial distortion, of kannala_brandt only", -0.5, 0.5});
+    visit(Field{"p1", &O::p1, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
+    visit(Field{"p2", &O::p2, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
     visit(Field{"principal_x_px", &O::principal_x_px, "px", "principal point, right of the middle", -500, 500});
     visit(Field{"principal_y_px", &O::principal_y_px, "px", "principal point, below the middle", -500, 500});
     visit(

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace collinea {
+
+/// Functions of the place in the picture that are added to the pixel on top of any camera model, for what a lens
+/// polynomial does not say: film, mirrors, the support of a sensor, pictures put together from several.
+enum class AdditionalSet : std::uint8_t {
+  kNone,
+  kPolynomial,  ///< complete polynomials of the third degree: 14
+  kEbner,       ///< Ebner (1976), products of polynomials orthogonal on 3 x 3 places: 12
+  kGruen,       ///< Gruen (1978), the same on 5 x 5 places: 44
+  kFourier,     ///< Tang, Fritsch and Cramer (2012), first degree: 16
+};
+inline constexpr std::array<std::string_view, 5> kAdditionalNames = {"none", "polynomial", "ebner", "gruen", "fourier"};
+inline constexpr std::size_t kMostAdditional = 44;
+
+[[nodiscard]] std::size_t count_of(AdditionalSet set);
+
+/// What one parameter of size 1 px adds to column and row [px].
+struct AdditionalEffect {
+  std::array<double, kMostAdditional> column{}, row{};
+};
+
+/// What the whole set adds to a pixel [px], and its derivatives by that pixel.
+struct AdditionalShift {
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
+};
+
+/// The picture over which the functions are normalised: from its middle, in halves of its sides, -1 to 1.
+struct PictureExtent {
+  double width_px = 1, height_px = 1;
+};
+
+[[nodiscard]] AdditionalShift additional_shift(AdditionalSet set, const double* values, PictureExtent size,
+                                               const Eigen::Vector2d& pixel);
+void additional_effect(AdditionalSet set, PictureExtent size, const Eigen::Vector2d& pixel, AdditionalEffect& effect);
+
+}  // namespace collinea

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/io/colmap_camera.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/io/text.h"
+
+namespace collinea::colmap {
+namespace {
+
+constexpr int kOpencvFisheye = 5, kThinPrismFisheye = 10;
+constexpr int kGrid = 24;  // places along each side of the picture where cameras are compared
+
+template <class Visit>
+void visit_grid(const Camera& camera, Visit&& visit) {
+  for (int row = 0; row <= kGrid; ++row)
+    for (int column = 0; column <= kGrid; ++column)
+      visit(Eigen::Vector2d(double(column) * camera.width_px / kGrid, double(row) * camera.height_px / kGrid));
+}
+
+// An equisolid lens as an odd polynomial of the angle with the same f: least squares over the angles of the picture.
+Camera as_equidistant(const Camera& camera) {
+  Camera fitted = camera;
+  fitted.model = CameraModel::kEquidistant;
+  if (camera.model != CameraModel::kEquisolid) return fitted;
+  double widest = 0.1;
+  visit_grid(camera, [&](const Eigen::Vector2d& pixel) {
+    widest = std::max(widest, std::acos(std::clamp(ray_in_cam(camera, pixel).z(), -1.0, 1.0)));
+  });
+  constexpr int kAngles = 200;
+  Eigen::Matrix<double, kAngles, 4> powers;
+  Eigen::Matrix<double, kAngles, 1> rest;
+  const auto& p = camera.params;
+  for (int i = 0; i < kAngles; ++i) {
+    const double t = widest * (i + 1) / kAngles, g = 2 * std::sin(t / 2), g2 = g * g;
+    rest[i] = g * (1 + g2 * (p[Camera::kK1] + g2 * (p[Camera::kK2] + g2 * p[Camera::kK3]))) - t;
+    for (int k = 0; k < 4; ++k) powers(i, k) = std::pow(t, 2 * k + 3);
+  }
+  const Eigen::Vector4d k = powers.colPivHouseholderQr().solve(rest);
+  for (const int i : {0, 1, 2}) fitted.params[std::size_t(Camera::kK1 + i)] = k[i];
+  fitted.params[Camera::kK4] = k[3];
+  return fitted;
+}
+
+double largest_difference_px(const Camera& camera, const Camera& exported) {
+  double largest = 0;
+  visit_grid(camera, [&](const Eigen::Vector2d& pixel) {
+    const auto other = project(exported, ray_in_cam(camera, pixel));
+    if (other) largest = std::max(largest, (*other - pixel).norm());
+  });
+  return largest;
+}
+
+double largest_additional_px(const Camera& camera) {
+  double largest = 0;
+  visit_grid(camera, [&](const Eigen::Vector2d& pixel) {
+    largest = std::max(largest, (pixel - without_additional(camera, pixel)).norm());
+  });
+  return largest;
+}
+
+}  // namespace
+
+Result<ExportedCamera> exported(CameraId id, const Camera& camera) {
+  if (camera.model == CameraModel::kBrownOfMeasured)
+    return fail(
+        Errc::kUnsupported,
+        "camera " + camera.name + ": COLMAP has no camera that corrects measured coordinates (brown_of_measured)");
+  ExportedCamera result;
+  result.as_exported = camera;
+  result.as_exported.params[Camera::kB2] = 0;
+  result.as_exported.additional = AdditionalSet::kNone;
+  std::fill(result.as_exported.params.begin() + Camera::kParams, result.as_exported.params.end(), 0.0);
+  const bool fisheye = is_fisheye(camera.model);
+  if (fisheye) result.as_exported = as_equidistant(result.as_exported);
+  if (camera.model == CameraModel::kEquisolid) {
+    Camera plain = camera;
+    plain.params[Camera::kB2] = 0;
+    plain.additional = AdditionalSet::kNone;
+    result.remarks.push_back("camera " + camera.name + ": its equisolid projection is fitted by a polynomial of the " +
+                             "angle, to " + fixed(largest_difference_px(plain, result.as_exported), 4) + " px");
+  }
+  const auto& p = result.as_exported.params;
+  const double f = p[Camera::kF], b2 = camera.params[Camera::kB2];
+  const bool decentred = p[Camera::kP1] != 0 || p[Camera::kP2] != 0;
+  const int model = !fisheye ? kFullOpencv : decentred ? kThinPrismFisheye : kOpencvFisheye;
+  result.row = {id.value + std::uint64_t{1},
+                model,
+                std::uint64_t(camera.width_px),
+                std::uint64_t(camera.height_px),
+                {f + p[Camera::kB1], f, p[Camera::kCx], p[Camera::kCy], p[Camera::kK1], p[Camera::kK2]}};
+  auto& v = result.row.params;
+  // OpenCV's tangential terms are named the other way round: its p1 is the one that grows with 2 x y in x
+  if (model == kFullOpencv) v.insert(v.end(), {p[Camera::kP2], p[Camera::kP1], p[Camera::kK3], 0, 0, 0});
+  if (model == kOpencvFisheye) v.insert(v.end(), {p[Camera::kK3], p[Camera::kK4]});
+  if (model == kThinPrismFisheye)
+    v.insert(v.end(), {p[Camera::kP2], p[Camera::kP1], p[Camera::kK3], p[Camera::kK4], 0, 0});
+  const double worst = std::abs(b2) / f * camera.height_px / 2;
+  if (worst > 1e-6)
+    result.remarks.push_back("camera " + camera.name + ": its shear b2 = " + fixed(b2, 3) + " px is left out, up to " +
+                             fixed(worst, 3) + " px at the picture's edge");
+  if (camera.additional != AdditionalSet::kNone)
+    result.remarks.push_back("camera " + camera.name + ": its additional parameters (" +
+                             std::string(kAdditionalNames[std::size_t(camera.additional)]) +
+                             ") are left out of the camera, up to " + fixed(largest_additional_px(camera), 3) +
+                             " px; the image coordinates of tie points are freed from them, the pictures are not");
+  return result;
+}
+
+Result<Camera> imported(const CameraRow& row) {
+  const auto& v = row.params;
+  if (row.width_px > 1'000'000 || row.height_px > 1'000'000)
+    return fail(Errc::kBadFormat, "a camera without sensible size");
+  Camera camera;
+  camera.width_px = int(row.width_px);
+  camera.height_px = int(row.height_px);
+  camera.name = "COLMAP camera " + std::to_string(row.id);
+  camera.source = "given";
+  auto& p = camera.params;
+  const std::string_view model = kModels[std::size_t(row.model)].name;
+  const bool thin_prism = model == "THIN_PRISM_FISHEYE", opencv_fisheye = model == "OPENCV_FISHEYE";
+  const bool two_focals =
+      model == "PINHOLE" || model == "OPENCV" || model == "FULL_OPENCV" || opencv_fisheye || thin_prism;
+  const std::size_t centre = two_focals ? 2 : 1, distortion = centre + 2;
+  p[Camera::kF] = v[two_focals ? 1 : 0];
+  p[Camera::kB1] = two_focals ? v[0] - v[1] : 0;
+  p[Camera::kCx] = v[centre];
+  p[Camera::kCy] = v[centre + 1];
+  if (model.find("FISHEYE") != std::string_view::npos) camera.model = CameraModel::kKannalaBrandt;
+  if (model != "SIMPLE_PINHOLE" && model != "PINHOLE") p[Camera::kK1] = v[distortion];
+  if (v.size() > distortion + 1) p[Camera::kK2] = v[distortion + 1];
+  if (opencv_fisheye) {
+    p[Camera::kK3] = v[distortion + 2];
+    p[Camera::kK4] = v[distortion + 3];
+  }
+  if (model == "OPENCV" || model == "FULL_OPENCV" || thin_prism) {
+    p[Camera::kP2] = v[distortion + 2];
+    p[Camera::kP1] = v[distortion + 3];
+  }
+  if (model == "FULL_OPENCV") {
+    p[Camera::kK3] = v[8];
+    if (v[9] != 0 || v[10] != 0 || v[11] != 0)
+      return fail(Errc::kUnsupported, "a FULL_OPENCV camera with k4, k5 or k6 has no counterpart here");
+  }
+  if (thin_prism) {
+    p[Camera::kK3] = v[8];
+    p[Camera::kK4] = v[9];
+    const bool decentred = p[Camera::kP1] != 0 || p[Camera::kP2] != 0;
+    if (v[10] != 0 || v[11] != 0 || (decentred && v[9] != 0))
+      return fail(Errc::kUnsupported,
+                  "a THIN_PRISM_FISHEYE camera with sx1 or sy1, or with k4 beside p1 and p2, has no counterpart here");
+    if (decentred) camera.model = CameraModel::kEquidistant;
+  }
+  if (model == "FOV") return fail(Errc::kUnsupported, "camera model FOV is not supported");
+  if (!(p[Camera::kF] > 0)) return fail(Errc::kBadFormat, "a camera without focal length");
+  return camera;
+}
+
+}  // namespace collinea::colmap

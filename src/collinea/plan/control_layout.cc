@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/plan/control_layout.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collinea {
+namespace {
+
+using Eigen::Vector2d;
+
+/// The rectangle round the area along and across the strips, drawn in by the inset.
+struct Frame {
+  Vector2d along, across, low, high;  // low, high: along and across
+
+  Frame(const FlightPlan& plan, std::optional<double> inset_m) {
+    along = {std::sin(plan.heading_rad), std::cos(plan.heading_rad)};
+    across = {along.y(), -along.x()};
+    low = Vector2d::Constant(1e300);
+    high = -low;
+    for (const Vector2d& corner : plan.area) {
+      const Vector2d uv(along.dot(corner), across.dot(corner));
+      low = low.cwiseMin(uv);
+      high = high.cwiseMax(uv);
+    }
+    const double shorter = (high - low).minCoeff(), inset = std::min(inset_m.value_or(shorter / 20), 0.45 * shorter);
+    low += Vector2d::Constant(inset);
+    high -= Vector2d::Constant(inset);
+  }
+  [[nodiscard]] Vector2d place(double u_share, double v_share) const {
+    return (low.x() + u_share * (high.x() - low.x())) * along + (low.y() + v_share * (high.y() - low.y())) * across;
+  }
+};
+
+// The place of the area nearest to a corner of the frame; that itself where it is inside.
+Vector2d drawn_into(const MapArea& area, const Vector2d& corner, const Vector2d& middle) {
+  constexpr int kSteps = 200;
+  for (int i = 0; i < kSteps; ++i) {
+    const Vector2d place = corner + (middle - corner) * (double(i) / kSteps);
+    if (contains(area, place)) return place;
+  }
+  return middle;
+}
+
+std::vector<Vector2d> grid_of(const Frame& frame, const MapArea& area, int wanted) {
+  const Vector2d size = frame.high - frame.low;
+  const int columns = std::max(1, int(std::lround(std::sqrt(wanted * size.x() / size.y()))));
+  const int rows = std::max(1, int(std::lround(double(wanted) / columns)));
+  const auto share = [](int i, int count) { return count == 1 ? 0.5 : double(i) / (count - 1); };
+  std::vector<Vector2d> places;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      if (const Vector2d place = frame.place(share(column, columns), share(row, rows)); contains(area, place))
+        places.push_back(place);
+  return places;
+}
+
+}  // namespace
+
+bool is_layout_word(const std::string& control) {
+  return control == "none" || control == "corners" || control == "corners_middle" || control == "grid";
+}
+
+Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& o, const FlightPlan& plan) {
+  if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
+  if (!is_layout_word(o.control))
+    return fail(Errc::kBadInput,
+                "control = \"" + o.control + "\": choose none, corners, corners_middle, grid or a file");
+  const Frame frame(plan, o.control_inset_m);
+  std::vector<Vector2d> places;
+  if (o.control == "grid") places = grid_of(frame, plan.area, o.control_points);
+  if (o.control.starts_with("corners")) {
+    const Vector2d middle = frame.place(0.5, 0.5);
+    for (const auto& [u, v] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}})
+      places.push_back(drawn_into(plan.area, frame.place(u, v), middle));
+    if (o.control == "corners_middle") places.push_back(middle);
+  }
+  std::vector<PlannedPoint> points;
+  for (const Vector2d& place : places)
+    points.push_back({"G" + std::to_string(points.size() + 1),
+                      ControlRole::kControl,
+                      place,
+                      {o.control_sigma_plan_m, o.control_sigma_plan_m, o.control_sigma_height_m}});
+  return points;
+}
+
+std::vector<PlannedPoint> planned_points(const ControlFile& file) {
+  std::vector<PlannedPoint> points;
+  for (const ControlFilePoint& point : file.points)
+    points.push_back({point.name, point.role, point.position_in_map.head<2>(), point.sigma_m});
+  return points;
+}
+
+}  // namespace collinea

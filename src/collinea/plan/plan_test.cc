@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/geometry/rotation.h"
+#include "collinea/plan/precision.h"
+#include "collinea/plan/rules_of_thumb.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+const Run kSerial;
+
+// A small site, so that a block is adjusted in a few milliseconds.
+FlightOptions small_flight() {
+  FlightOptions flight;
+  flight.east_m = 90;
+  flight.north_m = 60;
+  flight.width_px = 1600;
+  flight.height_px = 1200;
+  flight.gsd_m = 0.04;
+  flight.forward_overlap = 0.7;
+  flight.side_overlap = 0.5;
+  flight.relief_m = 6;
+  return flight;
+}
+
+MeasurementOptions small_measurements() {
+  MeasurementOptions measurements;
+  measurements.points_per_image = 60;
+  measurements.map_cell_m = 15;
+  return measurements;
+}
+
+struct Survey {
+  FlightPlan plan;
+  std::vector<PlannedPoint> points;
+  MeasurementOptions measurements;
+};
+
+Survey small_survey(const std::string& control = "corners_middle") {
+  LayoutOptions layout;
+  layout.control = control;
+  Survey survey;
+  survey.plan = plan_flight(small_flight(), {}).value();
+  survey.points = lay_out(layout, survey.plan).value();
+  survey.measurements = small_measurements();
+  return survey;
+}
+
+Precision precision_of(const Survey& survey) {
+  return foretold(planned_block(survey.plan, survey.points, survey.measurements).value(), kSerial).value();
+}
+
+TEST(FlightPlan, OverlapsAreThoseAskedForAndTheBorderIsReached) {
+  FlightOptions flight;
+  flight.east_m = 300;
+  flight.north_m = 200;
+  const FlightPlan plan = plan_flight(flight, {}).value();
+  EXPECT_NEAR(plan.height_m, 0.02 * 12.29 / 17.3 * 5280, 1e-9);
+  EXPECT_NEAR(plan.base_m, 0.2 * 3956 * 0.02, 1e-9);
+  EXPECT_NEAR(plan.spacing_m, 0.3 * 5280 * 0.02, 1e-9);
+  double west = 1e9, east = -1e9, south = 1e9, north = -1e9;
+  for (std::size_t i = 0; i < plan.images.size(); ++i) {
+    const Vector3d& at = plan.images[i].centre;
+    EXPECT_NEAR(at.z(), plan.height_m, 1e-9);
+    west = std::min(west, at.x()), east = std::max(east, at.x());
+    south = std::min(south, at.y()), north = std::max(north, at.y());
+    if (i > 0 && plan.images[i].strip == plan.images[i - 1].strip) {
+      EXPECT_NEAR((at - plan.images[i - 1].centre).norm(), plan.base_m, 1e-9);
+    }
+  }
+  // On the border or up to half a step beyond it; strips along the longer side.
+  EXPECT_LE(west, 1e-6);
+  EXPECT_GE(west, -plan.base_m / 2);
+  EXPECT_GE(east, 300 - 1e-6);
+  EXPECT_LE(east, 300 + plan.base_m / 2);
+  EXPECT_LE(south, 1e-6);
+  EXPECT_GE(south, -plan.spacing_m / 2);
+  EXPECT_GE(north, 200 - 1e-6);
+  EXPECT_LE(north, 200 + plan.spacing_m / 2);
+}
+
+TEST(FlightPlan, StripsOfATurnedSiteAreAsLongAsTheSite) {
+  const double turn = 0.4;
+  MapArea area;
+  for (const Vector2d& p : {Vector2d(0, 0), Vector2d(400, 0), Vector2d(400, 100), Vector2d(0, 100)})
+    area.emplace_back(500000 + std::cos(turn) * p.x() - std::sin(turn) * p.y(),
+                      5e6 + std::sin(turn) * p.x() + std::cos(turn) * p.y());
+  FlightOptions turned, straight;
+  straight.east_m = 400;
+  straight.north_m = 100;
+  const FlightPlan a = plan_flight(turned, area).value(), b = plan_flight(straight, {}).value();
+  EXPECT_EQ(a.images.size(), b.images.size());
+  EXPECT_EQ(a.strips, b.strips);
+  EXPECT_NEAR(a.path_m, b.path_m, 1e-6);
+  EXPECT_NEAR(size_m2(a.area), 40000, 1e-3);
+}
+
+TEST(FlightPlan, CrossStripsAreSquareToTheOthersAndHigher) {
+  FlightOptions flight = small_flight();
+  flight.cross_strips = 2;
+  const FlightPlan plan = plan_flight(flight, {}).value();
+  EXPECT_EQ(plan.cross_strips, 2);
+  for (const PlannedImage& image : plan.images)
+    if (image.cross) {
+      EXPECT_NEAR(image.centre.z(), 1.15 * plan.height_m, 1e-9);
+      EXPECT_NEAR(std::sin(image.heading_rad - plan.heading_rad) * std::sin(image.heading_rad - plan.heading_rad), 1,
+                  1e-12);
+    }
+}
+
+TEST(FlightPlan, WhatCannotBeFlownIsSaid) {
+  const auto error = [](auto change, const MapArea& area = {}) {
+    FlightOptions flight = small_flight();
+    change(flight);
+    const auto plan = plan_flight(flight, area);
+    return plan ? std::string() : plan.error().message;
+  };
+  EXPECT_NE(error([](FlightOptions& o) { o.east_m.reset(); }).find("--area"), std::string::npos);
+  EXPECT_NE(error([](FlightOptions& o) { o.east_m = 1e5, o.north_m = 1e5; }).find("20000"), std::string::npos);
+  EXPECT_NE(error([](FlightOptions& o) { o.tilt_deg = 60; }).find("tilt_deg"), std::string::npos);
+  EXPECT_NE(error([](FlightOptions& o) { o.gsd_m = -1; }).find("gsd_m"), std::string::npos);
+  EXPECT_NE(error([](FlightOptions& o) { o.east_m.reset(), o.north_m.reset(); }, {{0, 0}, {5, 5}, {9, 9}})
+                .find("enclose nothing"),
+            std::string::npos);
+  EXPECT_NE(error([](FlightOptions&) {}, {{0, 0}, {50, 0}, {0, 50}}).find("not both"), std::string::npos);
+}
+
+TEST(FlightPlan, AreasAreReadWithTitleAndComments) {
+  const MapArea area = parse_area("# a site\neasting, northing, note\n0,0,corner\n10, 0\n10, 10\n0, 0\n").value();
+  ASSERT_EQ(area.size(), 3u);
+  EXPECT_EQ(area[1], Vector2d(10, 0));
+  EXPECT_EQ(parse_area("0 0\n5 0\n5 5\n0 5").value().size(), 4u);
+  EXPECT_NE(parse_area("0, 0\n5, x\n").error().message.find("line 2"), std::string::npos);
+  EXPECT_FALSE(parse_area("0, 0\n5, 5\n"));
+  EXPECT_FALSE(parse_area(""));
+}
+
+TEST(ControlLayout, WordsGiveTheirPoints) {
+  const FlightPlan plan = plan_flight(small_flight(), {}).value();
+  LayoutOptions layout;
+  const auto count = [&](const char* word) {
+    layout.control = word;
+    return lay_out(layout, plan).value().size();
+  };
+  EXPECT_EQ(count("none"), 0u);
+  EXPECT_EQ(count("corners"), 4u);
+  EXPECT_EQ(count("corners_middle"), 5u);
+  layout.control_points = 6;
+  EXPECT_EQ(count("grid"), 6u);
+  for (const PlannedPoint& point : lay_out(layout, plan).value()) EXPECT_TRUE(contains(plan.area, point.place));
+  layout.control = "everywhere";
+  EXPECT_NE(lay_out(layout, plan).error().message.find("everywhere"), std::string::npos);
+}
+
+TEST(ControlLayout, CornersOfASlantedSiteLieInIt) {
+  FlightOptions flight = small_flight();
+  flight.east_m.reset(), flight.north_m.reset();
+  const FlightPlan plan = plan_flight(flight, {{0, 0}, {120, 10}, {60, 90}}).value();
+  LayoutOptions layout;
+  layout.control = "corners";
+  for (const PlannedPoint& point : lay_out(layout, plan).value()) EXPECT_TRUE(contains(plan.area, point.place));
+}
+
+// The sigmas are those that the adjustment of the block with its errors gives: the design hardly changes with these,
+// most where poses and camera are weak.
+TEST(Precision, IsThatOfAdjustingTheSimulatedBlock) {
+  const Precision planned = precision_of(small_survey());
+  PlannedBlock noisy = with_errors(planned.planned, 5);
+  const Adjusted adjusted = adjust(noisy.block, noisy.scope, noisy.options, kSerial).value();
+  EXPECT_EQ(adjusted.redundancy, planned.adjusted.redundancy);
+  EXPECT_NEAR(adjusted.sigma0, 1, 4 / std::sqrt(2.0 * double(adjusted.redundancy)));
+  ASSERT_EQ(adjusted.control.size(), planned.adjusted.control.size());
+  for (std::size_t i = 0; i < adjusted.control.size(); ++i) {
+    const Vector3d now = adjusted.control[i].covariance_m2->diagonal().cwiseSqrt(),
+                   then = planned.adjusted.control[i].covariance_m2->diagonal().cwiseSqrt();
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(now[axis] / then[axis], 1, 0.05);
+  }
+  for (const auto& [id, covariance] : adjusted.pose_covariance)
+    for (int k = 0; k < 6; ++k)
+      EXPECT_NEAR(std::sqrt(covariance(k, k) / planned.adjusted.pose_covariance.at(id)(k, k)), 1, 0.1);
+}
+
+// One place, one image and the camera of every block: independent, so their chi-squared has the known spread.
+TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
+  Survey survey = small_survey("corners");
+  survey.measurements.position_sigma_plan_m = 0.05;
+  survey.measurements.position_shift_m = 0.1;
+  const Precision planned = precision_of(survey);
+  constexpr int kBlocks = 150;
+  double places = 0, images = 0, cameras = 0;
+  int camera_degrees = 0;
+  for (int i = 0; i < kBlocks; ++i) {
+    PlannedBlock noisy = with_errors(planned.planned, std::uint64_t(1000 + i));
+    noisy.options.covariances = noisy.options.point_covariances = false;
+    const Adjusted adjusted = adjust(noisy.block, noisy.scope, noisy.options, kSerial).value();
+    ASSERT_TRUE(adjusted.converged);
+    const std::size_t which = planned.adjusted.control.size() - 1 - std::size_t(i) % planned.cells.size();
+    const ControlDifference& place = planned.adjusted.control[which];
+    const Vector3d error =
+        *adjusted.control[which].position_in_world - planned.planned.block.control.at(place.point).position_in_world;
+    places += error.dot(place.covariance_m2->ldlt().solve(error));
+
+    auto image = planned.adjusted.pose_covariance.begin();
+    std::advance(image, i % int(planned.adjusted.pose_covariance.size()));
+    const Rigid3 &truth = planned.planned.block.cam_from_world.at(image->first),
+                 &found = adjusted.cam_from_world.at(image->first);
+    Eigen::Matrix<double, 6, 1> off;
+    off.head<3>() = rotation_vector(truth.rotation.conjugate() * found.rotation);
+    off.tail<3>() = centre_of(found) - centre_of(truth);
+    images += off.dot(image->second.ldlt().solve(off));
+
+    const MatrixPd& covariance = planned.adjusted.camera_covariance.begin()->second;
+    const Camera &camera = adjusted.cameras.begin()->second,
+                 &true_camera = planned.planned.block.cameras.begin()->second;
+    std::vector<int> free;
+    for (int k = 0; k < Camera::kParams; ++k)
+      if (covariance(k, k) > 0) free.push_back(k);
+    camera_degrees = int(free.size());
+    const Eigen::MatrixXd its = covariance(free, free);
+    const Eigen::VectorXd scale = its.diagonal().cwiseSqrt().cwiseInverse();
+    Eigen::VectorXd wrong(camera_degrees);
+    for (int k = 0; k < camera_degrees; ++k) {
+      const std::size_t p = std::size_t(free[std::size_t(k)]);
+      wrong[k] = scale[k] * (camera.params[p] - true_camera.params[p]);
+    }
+    cameras += wrong.dot(Eigen::MatrixXd(scale.asDiagonal() * its * scale.asDiagonal()).ldlt().solve(wrong));
+  }
+  // The mean of n chi-squared over d degrees of freedom has the standard deviation sqrt(2 / n d) about 1.
+  const auto bound = [](int degrees) { return 4 * std::sqrt(2.0 / (kBlocks * degrees)); };
+  EXPECT_NEAR(places / (3 * kBlocks), 1, bound(3));
+  EXPECT_NEAR(images / (6 * kBlocks), 1, bound(6));
+  EXPECT_EQ(camera_degrees, 8);
+  EXPECT_NEAR(cameras / (camera_degrees * kBlocks), 1, bound(camera_degrees));
+}
+
+// More information: the covariance of every place shrinks in every direction.
+void expect_nowhere_worse(const Precision& more, const Precision& less) {
+  ASSERT_EQ(more.cells.size(), less.cells.size());
+  double gained = 0;
+  for (std::size_t i = 0; i < more.cells.size(); ++i) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> change(less.cells[i].covariance_m2 -
+                                                                more.cells[i].covariance_m2);
+    EXPECT_GT(change.eigenvalues()[0], -1e-9 * less.cells[i].covariance_m2.trace());
+    gained += change.eigenvalues().sum();
+  }
+  EXPECT_GT(gained, 0);
+}
+
+TEST(Precision, AddingControlMakesNothingWorse) {
+  Survey survey = small_survey("corners");
+  const Precision four = precision_of(survey);
+  survey.points.push_back({"more", ControlRole::kControl, {40, 25}, {0.01, 0.01, 0.015}});
+  expect_nowhere_worse(precision_of(survey), four);
+}
+
+TEST(Precision, AddingPositionsOrKnowingTheCameraMakesNothingWorse) {
+  Survey survey = small_survey("corners");
+  const Precision plain = precision_of(survey);
+  Survey rtk = survey;
+  rtk.measurements.position_sigma_plan_m = 0.02;
+  expect_nowhere_worse(precision_of(rtk), plain);
+  Survey known = survey;
+  known.measurements.calibration = "none";
+  expect_nowhere_worse(precision_of(known), plain);
+}
+
+TEST(Precision, OneMoreCrossStripMakesTiePointsBetterAndChangesNoneOfThem) {
+  FlightOptions flight = small_flight();
+  const Survey survey = small_survey("corners");
+  flight.cross_strips = 1;
+  Survey crossed = survey;
+  crossed.plan = plan_flight(flight, {}).value();
+  const Precision less = precision_of(survey), more = precision_of(crossed);
+  for (const auto& [id, point] : less.planned.block.points) {
+    ASSERT_TRUE(more.planned.block.points.contains(id));
+    EXPECT_EQ(more.planned.block.points.at(id).position_in_world, point.position_in_world);
+  }
+  expect_nowhere_worse(more, less);
+}
+
+TEST(Precision, OneMorePointGainsWhereItIsPlacedBest) {
+  const Survey survey = small_survey("corners");
+  const Precision now = precision_of(survey);
+  const Vector3d sigma(0.01, 0.01, 0.015);
+  const auto one = one_more_point(survey.plan, survey.points, sigma, survey.measurements, now, 1, kSerial).value();
+  const auto best = one_more_point(survey.plan, survey.points, sigma, survey.measurements, now, 5, kSerial).value();
+  ASSERT_TRUE(one && best && best->place);
+  EXPECT_LT(one->area.rms_m.norm(), now.area.rms_m.norm());
+  EXPECT_LE(best->area.rms_m.norm(), one->area.rms_m.norm());
+  EXPECT_TRUE(contains(survey.plan.area, *best->place));
+}
+
+TEST(Precision, ABlockWithoutControlSaysThatItHasNoDatum) {
+  const Precision free = precision_of(small_survey("none"));
+  EXPECT_EQ(free.adjusted.rank_defect, 7);
+  ASSERT_FALSE(free.adjusted.weaknesses.empty());
+  EXPECT_EQ(free.adjusted.weaknesses[0].code, "no_datum");
+}
+
+TEST(Precision, TheEngineAnswersInSigmasThatWereGiven) {
+  const Precision precision = precision_of(small_survey());
+  EXPECT_LT(precision.adjusted.sigma0, 1e-9);
+  EXPECT_EQ(sigma_scale(precision.adjusted), 1);
+  EXPECT_EQ(precision.area.empty, 0u);
+  EXPECT_EQ(precision.area.cells, 24u);  // 90 x 60 m in cells of 15 m
+  Survey fine = small_survey();
+  fine.measurements.sigma_px /= 2;
+  fine.measurements.control_sigma_px /= 2;
+  for (PlannedPoint& point : fine.points) point.sigma_m /= 2;
+  // Halved sigmas of all but the camera, whose first values hardly matter: half the standard deviations.
+  EXPECT_NEAR(precision_of(fine).area.rms_m.z() / precision.area.rms_m.z(), 0.5, 0.02);
+}
+
+TEST(Precision, PlacesThatOnlyOneImageShowsAreCountedNotMadeUp) {
+  FlightOptions flight = small_flight();
+  flight.forward_overlap = flight.side_overlap = 0;
+  Survey survey = small_survey("none");
+  survey.plan = plan_flight(flight, {}).value();
+  survey.measurements.position_sigma_plan_m = 0.02;
+  survey.measurements.points_per_image = 200;
+  const auto planned = planned_block(survey.plan, survey.points, survey.measurements);
+  ASSERT_TRUE(planned);
+  const auto precision = foretold(*planned, kSerial);
+  if (precision) {
+    EXPECT_GT(precision->area.empty, 0u);
+  } else {
+    EXPECT_EQ(precision.error().code, Errc::kIllPosed);
+  }
+}
+
+TEST(PlannedBlock, ControlOutOfSightAndUnknownWordsAreErrors) {
+  Survey survey = small_survey();
+  survey.points.push_back({"far", ControlRole::kControl, {5000, 5000}, {0.01, 0.01, 0.01}});
+  const auto far = planned_block(survey.plan, survey.points, survey.measurements);
+  ASSERT_FALSE(far);
+  EXPECT_NE(far.error().message.find("far"), std::string::npos);
+  survey = small_survey();
+  survey.measurements.calibration = "all";
+  EXPECT_FALSE(planned_block(survey.plan, survey.points, survey.measurements));
+  survey.measurements = small_measurements();
+  survey.measurements.map_cell_m = 0.05;
+  EXPECT_FALSE(planned_block(survey.plan, survey.points, survey.measurements));
+}
+
+TEST(RulesOfThumb, AreThoseOfTheBook) {
+  // An aerial camera at a photo scale of 1 : 10000: 6 cm in plan, 0.06 per mille of 1500 m, contours 0.25 per mille.
+  FlightOptions flight = small_flight();
+  flight.focal_mm = 150;
+  flight.sensor_width_mm = 230;
+  flight.height_m = 1500;
+  flight.east_m = 3000;
+  flight.north_m = 2000;
+  Survey survey = small_survey();
+  survey.plan = plan_flight(flight, {}).value();
+  survey.points = lay_out({}, survey.plan).value();
+  survey.measurements.map_cell_m = 500;
+  const auto rules = rules_of_thumb(survey.plan, flight, survey.measurements, precision_of(survey));
+  const auto value = [&](const char* start) {
+    const auto rule =
+        std::find_if(rules.begin(), rules.end(), [&](const auto& r) { return r.name.starts_with(start); });
+    return rule == rules.end() ? std::nan("") : rule->value_m;
+  };
+  EXPECT_NEAR(value("signalised points, plan"), 0.06, 1e-9);
+  EXPECT_NEAR(value("signalised points, height"), 0.09, 1e-9);
+  EXPECT_NEAR(value("lines in plan"), 0.45, 1e-9);
+  EXPECT_NEAR(value("contours"), 0.375, 1e-9);
+  EXPECT_NEAR(value("manhole, plan"), std::hypot(0.06, 0.05), 1e-9);
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/plan/precision.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collinea/geometry/rotation.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+void write_cells(Precision& precision) {
+  for (const ControlDifference& place : precision.adjusted.control) {
+    const auto cell = precision.planned.cells.find(place.point);
+    if (cell == precision.planned.cells.end() || !place.covariance_m2) continue;
+    precision.cells.push_back(
+        {cell->second, precision.planned.grid.centre(cell->second), *place.covariance_m2, place.rays});
+  }
+}
+
+AreaSigma area_sigma(const Precision& precision) {
+  AreaSigma area;
+  area.cells = precision.planned.cells.size();
+  area.empty = area.cells - precision.cells.size();
+  Vector3d sum = Vector3d::Zero();
+  for (const CellPrecision& cell : precision.cells) {
+    sum += cell.covariance_m2.diagonal();
+    if (cell.plan_m() > area.worst_plan_m) {
+      area.worst_plan_m = cell.plan_m();
+      area.worst_plan_at = cell.place;
+    }
+    if (cell.sigma_m().z() > area.worst_height_m) {
+      area.worst_height_m = cell.sigma_m().z();
+      area.worst_height_at = cell.place;
+    }
+  }
+  area.rms_m = precision.cells.empty() ? Vector3d::Constant(std::nan(""))
+                                       : Vector3d((sum / double(precision.cells.size())).cwiseSqrt());
+  return area;
+}
+
+// Only of points of the area, which the products are made of.
+void write_rays(Precision& precision) {
+  std::map<PointId, int> rays;
+  for (const Observation& seen : precision.planned.block.observations) ++rays[seen.point];
+  precision.rays = {{2, 2}, {3, 3}, {4, 5}, {6, 8}, {9, 0}};
+  const Adjusted& adjusted = precision.adjusted;
+  std::vector<Vector3d> sums(precision.rays.size(), Vector3d::Zero());
+  const PrecisionGrid& grid = precision.planned.grid;
+  for (std::size_t i = 0; i < adjusted.point_covariance.size(); ++i) {
+    const Vector2d place = adjusted.points[i].second.head<2>() + precision.planned.origin;
+    if (place.x() < grid.west_m || place.y() > grid.north_m || place.x() > grid.west_m + grid.width * grid.cell_m ||
+        place.y() < grid.north_m - grid.height * grid.cell_m)
+      continue;
+    const int count = rays.at(adjusted.points[i].first);
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      RaysPrecision& its = precision.rays[k];
+      if (count < its.from || (its.to > 0 && count > its.to)) continue;
+      ++its.points;
+      sums[k] += adjusted.point_covariance[i].diagonal();
+    }
+  }
+  for (std::size_t k = 0; k < sums.size(); ++k)
+    if (precision.rays[k].points > 0)
+      precision.rays[k].rms_m = (sums[k] / double(precision.rays[k].points)).cwiseSqrt();
+  std::erase_if(precision.rays, [](const RaysPrecision& its) { return its.points == 0; });
+}
+
+void write_poses(Precision& precision) {
+  Vector3d turns = Vector3d::Zero(), moves = Vector3d::Zero();
+  for (const auto& [id, covariance] : precision.adjusted.pose_covariance) {
+    const Matrix3d rotation = precision.planned.block.cam_from_world.at(id).rotation.toRotationMatrix();
+    turns += (rotation * covariance.topLeftCorner<3, 3>() * rotation.transpose()).diagonal();
+    moves += covariance.bottomRightCorner<3, 3>().diagonal();
+  }
+  const double count = double(precision.adjusted.pose_covariance.size());
+  const double nothing = std::nan("");
+  precision.turn_rms_rad = count > 0 ? Vector3d((turns / count).cwiseSqrt()) : Vector3d::Constant(nothing);
+  precision.pose_rms_m = count > 0 ? Vector3d((moves / count).cwiseSqrt()) : Vector3d::Constant(nothing);
+}
+
+// The place known worst, then those farthest from all points there are and all chosen.
+std::vector<Vector2d> places_to_try(const std::vector<PlannedPoint>& points, const Precision& now, int count) {
+  std::vector<Vector2d> places, known;
+  for (const PlannedPoint& point : points)
+    if (point.role == ControlRole::kControl) known.push_back(point.place);
+  const auto room = [&](const Vector2d& place) {
+    double nearest = 1e300;
+    for (const Vector2d& other : known) nearest = std::min(nearest, (other - place).norm());
+    return nearest;
+  };
+  while (int(places.size()) < count) {
+    const CellPrecision* best = nullptr;
+    double most = 0;
+    for (const CellPrecision& cell : now.cells) {
+      const double free = room(cell.place);
+      const double value = places.empty() ? cell.covariance_m2.trace() : free;
+      if (free < 2 * now.planned.grid.cell_m || value <= most) continue;
+      most = value;
+      best = &cell;
+    }
+    if (!best) break;
+    places.push_back(best->place);
+    known.push_back(best->place);
+  }
+  return places;
+}
+
+struct Sum {
+  double squares = 0;
+  long count = 0;
+  double mean(double degrees) const { return count > 0 ? squares / (degrees * double(count)) : std::nan(""); }
+};
+
+template <class Matrix, class Vector>
+double chi2(const Matrix& covariance, const Vector& error) {
+  return error.dot(covariance.ldlt().solve(error));
+}
+
+// The free parameters of a camera against its true ones.
+void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, int& degrees) {
+  for (const auto& [id, camera] : one.cameras) {
+    const MatrixPd& covariance = foretold.adjusted.camera_covariance.at(id);
+    std::vector<int> free;
+    for (int k = 0; k < Camera::kParams; ++k)
+      if (covariance(k, k) > 0) free.push_back(k);
+    degrees = int(free.size());
+    Eigen::VectorXd error(degrees);
+    for (int i = 0; i < degrees; ++i)
+      error[i] = camera.params[std::size_t(free[std::size_t(i)])] -
+                 foretold.planned.block.cameras.at(id).params[std::size_t(free[std::size_t(i)])];
+    const Eigen::MatrixXd its = covariance(free, free);
+    // Parameters of very unlike size: each in its own standard deviations.
+    const Eigen::VectorXd scale = its.diagonal().cwiseSqrt().cwiseInverse();
+    sum.squares += chi2(Eigen::MatrixXd(scale.asDiagonal() * its * scale.asDiagonal()),
+                        Eigen::VectorXd(scale.cwiseProduct(error)));
+    ++sum.count;
+  }
+}
+
+void compare_poses(const Precision& foretold, const Adjusted& one, Sum& sum) {
+  for (const auto& [id, pose] : one.cam_from_world) {
+    const Rigid3& truth = foretold.planned.block.cam_from_world.at(id);
+    Eigen::Matrix<double, 6, 1> error;
+    error.head<3>() = rotation_vector(truth.rotation.conjugate() * pose.rotation);
+    error.tail<3>() = centre_of(pose) - centre_of(truth);
+    sum.squares += chi2(foretold.adjusted.pose_covariance.at(id), error);
+    ++sum.count;
+  }
+}
+
+}  // namespace
+
+Result<Precision> foretold(PlannedBlock planned, const Run& run) {
+  Precision precision;
+  COLLINEA_TRY(precision.adjusted, adjust(planned.block, planned.scope, planned.options, run));
+  precision.planned = std::move(planned);
+  write_cells(precision);
+  precision.area = area_sigma(precision);
+  write_rays(precision);
+  write_poses(precision);
+  return precision;
+}
+
+Result<std::optional<Gain>> one_more_point(const FlightPlan& plan, const std::vector<PlannedPoint>& points,
+                                           const Eigen::Vector3d& sigma_m, const MeasurementOptions& options,
+                                           const Precision& now, int places, const Run& run) {
+  std::optional<Gain> best;
+  const std::vector<Vector2d> candidates = places_to_try(points, now, places);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Vector2d& place = candidates[i];
+    std::vector<PlannedPoint> more = points;
+    more.push_back({"one more", ControlRole::kControl, place, sigma_m});
+    COLLINEA_TRY(PlannedBlock planned, planned_block(plan, more, options));
+    COLLINEA_TRY(const Precision with, foretold(std::move(planned), run));
+    run.report("places of one more control point", double(i + 1) / double(candidates.size()));
+    if (best && with.area.rms_m.norm() >= best->area.rms_m.norm()) continue;
+    best = Gain{"one more control point", place, with.area};
+  }
+  return best;
+}
+
+Result<Trials> tried(const Precision& foretold, int blocks, const Run& run) {
+  Trials trials;
+  Sum cells, poses, cameras;
+  int degrees = 1;
+  Vector3d squares = Vector3d::Zero();
+  std::map<std::size_t, const CellPrecision*> of_cell;
+  for (const CellPrecision& cell : foretold.cells) of_cell[cell.cell] = &cell;
+  for (int i = 0; i < blocks; ++i) {
+    PlannedBlock noisy = with_errors(foretold.planned, run.seed + std::uint64_t(i));
+    noisy.options.covariances = noisy.options.point_covariances = false;
+    COLLINEA_TRY(const Adjusted one, adjust(noisy.block, noisy.scope, noisy.options, run));
+    for (const ControlDifference& place : one.control) {
+      const auto known = noisy.cells.find(place.point);
+      if (known == noisy.cells.end() || !place.position_in_world) continue;
+      const auto cell = of_cell.find(known->second);
+      if (cell == of_cell.end()) continue;
+      const Vector3d error =
+          *place.position_in_world - foretold.planned.block.control.at(place.point).position_in_world;
+      squares += error.cwiseQuotient(cell->second->sigma_m()).cwiseAbs2();
+      cells.squares += chi2(cell->second->covariance_m2, error);
+      ++cells.count;
+    }
+    compare_poses(foretold, one, poses);
+    compare_cameras(foretold, one, cameras, degrees);
+    ++trials.blocks;
+    run.report("simulated blocks", double(i + 1) / blocks);
+  }
+  trials.cell_ratio = (squares / double(std::max(1L, cells.count))).cwiseSqrt();
+  trials.cell_chi2 = cells.mean(3);
+  trials.pose_chi2 = poses.mean(6);
+  trials.camera_chi2 = cameras.mean(degrees);
+  trials.cells = cells.count;
+  trials.poses = poses.count;
+  trials.cameras = cameras.count;
+  return trials;
+}
+
+}  // namespace collinea

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/plan/rules_of_thumb.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace collinea {
+namespace {
+
+constexpr double kSuperWide_rad = 110 * std::numbers::pi / 180;  // field of view over the diagonal
+
+double plan_rms(const Eigen::Vector3d& rms_m) { return std::sqrt((rms_m.x() * rms_m.x() + rms_m.y() * rms_m.y()) / 2); }
+
+// Images with six and more tie points of three and more rays.
+std::size_t well_tied(const Precision& precision) {
+  std::map<PointId, int> rays;
+  for (const Observation& seen : precision.planned.block.observations) ++rays[seen.point];
+  std::map<ImageId, int> points;
+  for (const Observation& seen : precision.planned.block.observations) points[seen.image] += rays.at(seen.point) > 2;
+  return std::size_t(std::count_if(points.begin(), points.end(), [](const auto& its) { return its.second >= 6; }));
+}
+
+}  // namespace
+
+std::vector<RuleOfThumb> rules_of_thumb(const FlightPlan& plan, const FlightOptions& flight,
+                                        const MeasurementOptions& options, const Precision& precision) {
+  const double h = plan.height_m, mb = h / (1e-3 * flight.focal_mm);
+  const Camera& camera = plan.camera;
+  const double field = 2 * std::atan(0.5 * std::hypot(camera.width_px, camera.height_px) / camera.focal_px());
+  const bool super_wide = field > kSuperWide_rad;
+  const double plan_m = 6e-6 * mb, height_m = (super_wide ? 0.08e-3 : 0.06e-3) * h;
+  const auto natural = [](double signalised_m, double defined_m) { return std::hypot(signalised_m, defined_m); };
+  const double parallax_m = h / plan.base_m * plan.gsd_m * std::numbers::sqrt2 * options.sigma_px;
+  return {{"signalised points, plan", "6 um * mb", plan_m, plan_rms(precision.area.rms_m)},
+          {"signalised points, height", super_wide ? "0.08 ‰ * h (super-wide)" : "0.06 ‰ * h", height_m,
+           precision.area.rms_m.z()},
+          {"point in two neighbouring images only (normal case), height", "h / base * GSD * sqrt(2) * sigma_px",
+           parallax_m, std::nullopt},
+          {"manhole, plan", "sqrt(signalised^2 + (5 cm)^2)", natural(plan_m, 0.05), std::nullopt},
+          {"manhole, height", "sqrt(signalised^2 + (2 cm)^2)", natural(height_m, 0.02), std::nullopt},
+          {"corner of a house or fence, plan", "sqrt(signalised^2 + (9.5 cm)^2)", natural(plan_m, 0.095), std::nullopt},
+          {"corner of a house or fence, height", "sqrt(signalised^2 + (11.5 cm)^2)", natural(height_m, 0.115),
+           std::nullopt},
+          {"lines in plan", "45 um * mb", 45e-6 * mb, std::nullopt},
+          {"contours on gentle slopes", "0.25 ‰ * h", 0.25e-3 * h, std::nullopt}};
+}
+
+std::vector<Custom> customs(const FlightPlan& plan, const FlightOptions& flight,
+                            const std::vector<PlannedPoint>& points, const Precision& precision) {
+  const auto control =
+      std::count_if(points.begin(), points.end(), [](const auto& p) { return p.role == ControlRole::kControl; });
+  return {
+      {"forward overlap of 60 % and more", flight.forward_overlap >= 0.6},
+      {"side overlap of 20 % and more", flight.side_overlap >= 0.2},
+      {"six and more tie points of three and more images in every image", well_tied(precision) == plan.images.size()},
+      {"four control points and more, at the corners of the block (with measured projection centres they stay as a "
+       "check)",
+       control >= 4}};
+}
+
+}  // namespace collinea

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/surface/height_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "collinea/io/file.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kRows = 64;  // read at a time
+
+Result<FloatImage> window(const GeoTiffReader& reader, int column, int row, int width, int height) {
+  COLLINEA_TRY(FloatImage values, reader.read_float(column, row, width, height));
+  if (const auto nothing = reader.nodata())
+    for (float& value : values.data)
+      if (value == float(*nothing)) value = std::numeric_limits<float>::quiet_NaN();
+  return values;
+}
+
+Result<GeoTiffReader> opened(const std::filesystem::path& path) {
+  COLLINEA_TRY(GeoTiffReader reader, GeoTiffReader::open(path));
+  if (reader.channels() != 1)
+    return fail(Errc::kBadInput,
+                path.string() + " has " + std::to_string(reader.channels()) + " bands; a raster of heights has one");
+  return reader;
+}
+
+// Of the four cells around a place, by how much of it is nearest to each.
+double between(const FloatImage& rows, int x, int y, int next_x, int next_y, double u, double v) {
+  const double above = double(rows.at(x, y)) + u * (double(rows.at(next_x, y)) - double(rows.at(x, y)));
+  const double below = double(rows.at(x, next_y)) + u * (double(rows.at(next_x, next_y)) - double(rows.at(x, next_y)));
+  return above + v * (below - above);
+}
+
+}  // namespace
+
+Result<HeightSamples> HeightSamples::open(const std::filesystem::path& height,
+                                          const std::optional<std::filesystem::path>& sigma, double sigma_m) {
+  COLLINEA_TRY(GeoTiffReader heights, opened(height));
+  if (!sigma) return HeightSamples(std::move(heights), std::nullopt, sigma_m);
+  COLLINEA_TRY(GeoTiffReader sigmas, opened(*sigma));
+  if (sigmas.grid().width != heights.grid().width || sigmas.grid().height != heights.grid().height)
+    return fail(Errc::kBadInput, sigma->string() + " does not lie over " + height.string());
+  return HeightSamples(std::move(heights), std::move(sigmas), sigma_m);
+}
+
+Result<FloatImage> HeightSamples::heights(int column, int row, int width, int height) const {
+  return window(height_, column, row, width, height);
+}
+
+Result<FloatImage> HeightSamples::sigmas(int column, int row, int width, int height) const {
+  if (!sigma_) return FloatImage(width, height, 1, float(sigma_m_));
+  return window(*sigma_, column, row, width, height);
+}
+
+Result<> HeightSamples::load(int row) {
+  first_row_ = std::clamp(row - kRows / 4, 0, std::max(0, grid().height - kRows));
+  const int count = std::min(kRows, grid().height - first_row_);
+  COLLINEA_TRY(rows_, heights(0, first_row_, grid().width, count));
+  COLLINEA_TRY(sigma_rows_, sigmas(0, first_row_, grid().width, count));
+  return {};
+}
+
+Result<HeightSample> HeightSamples::at(const Eigen::Vector2d& on_map) {
+  const double column = (on_map.x() - grid().west_m) / grid().cell_m,
+               row = (grid().north_m - on_map.y()) / grid().cell_m;
+  if (!(column >= 0 && row >= 0 && column <= grid().width && row <= grid().height)) return HeightSample{};
+  const double x = std::clamp(column - 0.5, 0.0, grid().width - 1.0),
+               y = std::clamp(row - 0.5, 0.0, grid().height - 1.0);
+  const int left = int(x), top = int(y);
+  const int right = std::min(left + 1, grid().width - 1), bottom = std::min(top + 1, grid().height - 1);
+  if (top < first_row_ || bottom >= first_row_ + rows_.height)
+    if (auto loaded = load(top); !loaded) return tl::unexpected(loaded.error());
+  HeightSample sample;
+  sample.height_m = between(rows_, left, top - first_row_, right, bottom - first_row_, x - left, y - top);
+  // Neighbours err alike: no gain from averaging them.
+  sample.sigma_m = between(sigma_rows_, left, top - first_row_, right, bottom - first_row_, x - left, y - top);
+  return sample;
+}
+
+std::optional<std::filesystem::path> sigmas_beside(const std::filesystem::path& height) {
+  const std::filesystem::path beside =
+      height.parent_path() / (height.stem().string() + "_sigma" + height.extension().string());
+  return is_there(beside) ? std::optional(beside) : std::nullopt;
+}
+
+}  // namespace collinea

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "collinea/base/options.h"
+#include "collinea/base/run.h"
+#include "collinea/io/map_area.h"
+
+namespace collinea {
+
+/// Heights on disk with their standard deviations.
+struct SurfaceFiles {
+  std::filesystem::path height;
+  std::optional<std::filesystem::path> sigma;  ///< nothing: sigma_m of the options
+};
+
+struct VolumeOptions {
+  double sigma_m = 0.03;
+  std::optional<double> correlation_m = {};
+  double shift_sigma_m = 0;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = VolumeOptions;
+    visit(Field{"sigma_m", &O::sigma_m, "m", "standard deviation of heights where no raster beside the surface says it",
+                0, 1000});
+    visit(Field{"correlation_m", &O::correlation_m, "m",
+                "length over which errors of heights are alike; nothing: three cells", 0, 1e4});
+    visit(
+        Field{"shift_sigma_m", &O::shift_sigma_m, "m",
+              "standard deviation of an error that all heights have in common: of the datum, of levels between epochs",
+              0, 1000});
+  }
+};
+
+/// What lies between a surface and its base.
+struct Volume {
+  double above_m3 = 0, below_m3 = 0;  ///< of the surface over and under the base, both positive
+  double area_m2 = 0;                 ///< with heights of both
+  double missing_m2 = 0;              ///< of the area without
+  /// Standard deviations of above - below: by the errors of heights, by their common shift, and by the plane.
+  double sigma_heights_m3 = 0, sigma_shift_m3 = 0, sigma_base_m3 = 0;
+  /// The plane: height = c0 + c1 (east - middle) + c2 (north - middle).
+  std::optional<Eigen::Vector3d> plane;
+  Eigen::Vector2d middle{0, 0};
+  double rim_rms_m = 0;  ///< of the surface along the border from the plane
+
+  [[nodiscard]] double net_m3() const { return above_m3 - below_m3; }
+  [[nodiscard]] double sigma_m3() const;
+};
+
+/// Over a level base. `area`: nothing: wherever there are heights. Cells on the border count by the part inside.
+/// Errors: files, a raster too large (100 million cells), an area beside it.
+[[nodiscard]] Result<Volume> volume_over_level(const SurfaceFiles& surface, double base_m,
+                                               const std::optional<MapArea>& area, const VolumeOptions& options,
+                                               const Run& run);
+/// Over the plane that fits the surface best along the border of the area: what a heap stands on. Also an error: fewer
+/// than three cells along the border.
+[[nodiscard]] Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area,
+                                             const VolumeOptions& options, const Run& run);
+/// Over another surface, read between its cells; errors of the two are independent but for the shift.
+[[nodiscard]] Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFiles& base,
+                                                 const std::optional<MapArea>& area, const VolumeOptions& options,
+                                                 const Run& run);
+
+}  // namespace collinea
