@@ -77,8 +77,7 @@ Result<Camera> fitted(Camera camera, const fs::path& photo) {
     return fail(Errc::kBadInput,
                 fmt::format("its camera takes pictures of {} x {} px, {} has {} x {} px", camera.width_px,
                             camera.height_px, photo.string(), header.width_px, header.height_px));
-  for (const auto i : {Camera::kF, Camera::kCx, Camera::kCy, Camera::kB1, Camera::kB2})
-    camera.params[std::size_t(i)] *= times;
+  scale_params(camera, times);
   camera.width_px = header.width_px;
   camera.height_px = header.height_px;
   return camera;
