@@ -23,6 +23,7 @@ std::vector<Command> all_commands() {
       plan_command(),
       simulate_command(),
       assess_command(),
+      stereo_command(),
   };
 }
 

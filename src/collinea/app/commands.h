@@ -23,6 +23,7 @@ Command profile_command();
 Command plan_command();
 Command simulate_command();
 Command assess_command();
+Command stereo_command();
 
 /// All of them, in the order of the help.
 std::vector<Command> all_commands();

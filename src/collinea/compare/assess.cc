@@ -43,14 +43,19 @@ Result<std::function<Result<Raster<std::uint8_t>>(int, int, int, int)>> byte_rea
 }
 
 Result<SurfaceErrors> assess_surface(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
-  COLLINEA_TRY(const HeightField model, open_height_field(products.dsm));
+  COLLINEA_TRY(const HeightField model, open_height_field(products.dsm, products.dsm_sigma));
   COLLINEA_TRY(const HeightField expected, open_height_field(truth.dsm));
   StateReader state;
   if (there(products.dsm_state)) {
     COLLINEA_TRY(state, byte_reader(products.dsm_state, nullptr));
   }
   COLLINEA_TRY(const LocalFrame frame, world_frame(truth.georeference));
-  return surface_errors(model, state, expected, views_of(true_block(truth), &frame), &frame, run);
+  HeightField terrain;
+  if (there(truth.dtm)) {
+    COLLINEA_TRY(terrain, open_height_field(truth.dtm));
+  }
+  return surface_errors(model, state, expected, views_of(true_block(truth), &frame), &frame, run,
+                        terrain.read ? &terrain : nullptr);
 }
 
 Result<TerrainErrors> assess_terrain(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
@@ -130,6 +135,10 @@ std::string table(const Assessment& a) {
     if (a.surface->smooth_measured.cells) text += line("  measured cells", a.surface->smooth_measured, unit_m);
     if (a.surface->smooth_interpolated.cells)
       text += line("  interpolated cells", a.surface->smooth_interpolated, unit_m);
+    if (a.surface->roofs.cells) text += line("surface model, roofs", a.surface->roofs, unit_m);
+    if (a.surface->bounds)
+      text += fmt::format("surface model, sigma               {} cells   within 95 % bounds {:.1f} %\n",
+                          a.surface->bounds, 100 * a.surface->within_bounds);
     text += fmt::format(
         "surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell "
         "{:.4g} m\n",

@@ -15,7 +15,7 @@ namespace collinea {
 
 /// The products to be assessed; paths that are empty or do not exist are left out.
 struct ProductFiles {
-  std::filesystem::path dsm, dsm_state, dtm, dtm_state, ortho;
+  std::filesystem::path dsm, dsm_state, dtm, dtm_state, ortho, dsm_sigma = {};
 };
 
 /// How far the results of a simulated block are from the truth.

@@ -151,6 +151,31 @@ TEST(SurfaceErrors, MeasuredAndInterpolatedCellsAreToldApart) {
   EXPECT_EQ(errors->smooth_interpolated.share_gross, 1);
 }
 
+// A gabled roof over level ground: its slopes count as roof, its walls as nothing.
+TEST(SurfaceErrors, RoofsAreJudgedByThemselvesAndSigmasByTheErrors) {
+  const auto truth = [](double x, double y) {
+    const bool house = std::abs(x - 20) < 6 && std::abs(y - 20) < 4;
+    return house ? float(9 - 0.8 * std::abs(y - 20)) : 2.0f;
+  };
+  Random random(5);
+  HeightField model =
+      field_of(0.1, 400, [&](double x, double y) { return truth(x, y) + float(0.1 * random.normal()); });
+  const HeightField ground = field_of(0.1, 400, [](double, double) { return 2.0f; });
+  const auto judged = [&](float sigma) {
+    model.read_sigma = [sigma](int, int, int width, int height) -> Result<FloatImage> {
+      return FloatImage(width, height, 1, sigma);
+    };
+    return surface_errors(model, nullptr, field_of(0.1, 400, truth), {}, nullptr, collinea::Run{}, &ground);
+  };
+  const auto honest = judged(0.1f), proud = judged(0.05f);
+  ASSERT_TRUE(honest && proud);
+  EXPECT_NEAR(double(honest->roofs.cells), 12 * 8 * 100, 2000);
+  EXPECT_NEAR(honest->roofs.rmse_m, 0.1, 0.01);
+  EXPECT_NEAR(honest->within_bounds, 0.95, 0.005);
+  EXPECT_NEAR(proud->within_bounds, 0.673, 0.01);  // 0.98 sigma of a normal error
+  EXPECT_GT(honest->bounds, 140'000u);
+}
+
 TEST(SurfaceErrors, OnlyWhatThreeCamerasSeeMustBeThere) {
   Survey survey;
   const std::vector<View> views = views_of(survey.block, nullptr);

@@ -15,23 +15,28 @@ namespace collinea {
 namespace {
 
 constexpr int kStripRows = 256;
-constexpr int kFarthest = 512;      // what may hide a place, and the margin of steps [cells of the truth]
-constexpr double kSteepest = 0.3;   // rise per run of smooth ground
-constexpr int kStepMargin = 3;      // [cells of the model]
-constexpr int kSeenStride = 4;      // every so many cells, both ways, it is looked at who sees them
-constexpr std::size_t kEnough = 3;  // images
+constexpr int kFarthest = 512;         // what may hide a place, and the margin of steps [cells of the truth]
+constexpr double kSteepest = 0.3;      // rise per run of smooth ground
+constexpr double kSteepestRoof = 1.5;  // the same; what is steeper is a wall
+constexpr double kRoof_m = 1;          // above the ground
+constexpr int kStepMargin = 3;         // [cells of the model]
+constexpr double kBound = 1.96;        // sigmas that hold 95 % of normal errors
+constexpr int kSeenStride = 4;         // every so many cells, both ways, it is looked at who sees them
+constexpr std::size_t kEnough = 3;     // images
 
 // The rows of the truth under some rows of the model, with a margin.
 struct TrueStrip {
   int first_row = 0;
   FloatImage heights_m;
-  Raster<std::uint8_t> rough;  // steep, or near a step
+  FloatImage terrain_m;         // empty: not known
+  Raster<std::uint8_t> rough;   // steep, or near a step
+  Raster<std::uint8_t> broken;  // a wall, or near one
 };
 
 // Steep cells, and all within `margin` of them (square neighbourhood, one direction after the other).
-Raster<std::uint8_t> rough_cells(const FloatImage& heights_m, double cell_m, int margin) {
+Raster<std::uint8_t> rough_cells(const FloatImage& heights_m, double cell_m, int margin, double steepest) {
   Raster<std::uint8_t> steep(heights_m.width, heights_m.height), rows = steep, result = steep;
-  const float most = float(kSteepest * cell_m);
+  const float most = float(steepest * cell_m);
   const auto mark = [&](int x, int y, int u, int v) {
     if (!(std::abs(heights_m.at(x, y) - heights_m.at(u, v)) <= most)) steep.at(x, y) = steep.at(u, v) = 1;
   };
@@ -55,15 +60,15 @@ Raster<std::uint8_t> rough_cells(const FloatImage& heights_m, double cell_m, int
 class Assessor {
  public:
   Assessor(const HeightField& model, const StateReader& state, const HeightField& truth, std::span<const View> views,
-           const LocalFrame* frame, const Run& run)
-      : model_(model), state_(state), truth_(truth), views_(views), frame_(frame), run_(run) {}
+           const LocalFrame* frame, const Run& run, const HeightField* terrain)
+      : model_(model), state_(state), truth_(truth), views_(views), frame_(frame), run_(run), terrain_(terrain) {}
 
   Result<SurfaceErrors> all();
 
  private:
   Result<> add_strip(int row, int rows);
-  void add_cell(const FloatImage& heights, const Raster<std::uint8_t>& states, const TrueStrip& strip, int x, int y,
-                int row);
+  void add_cell(const FloatImage& heights, const FloatImage& sigmas, const Raster<std::uint8_t>& states,
+                const TrueStrip& strip, int x, int y, int row);
   void count_seen(const FloatImage& heights, const TrueStrip& strip, int row);
   [[nodiscard]] bool seen_by_enough(const HeightWindow& window, double x, double y, float z,
                                     const Eigen::Vector3d& world) const;
@@ -80,8 +85,9 @@ class Assessor {
   std::span<const View> views_;
   const LocalFrame* frame_;
   const Run& run_;
-  std::vector<float> overall_, smooth_measured_, smooth_interpolated_;
-  std::size_t found_ = 0, measured_ = 0, seen_ = 0, seen_found_ = 0;
+  const HeightField* terrain_;
+  std::vector<float> overall_, smooth_measured_, smooth_interpolated_, roofs_;
+  std::size_t bounds_ = 0, within_ = 0, found_ = 0, measured_ = 0, seen_ = 0, seen_found_ = 0;
 };
 
 // Heights that are no more than the nearest on a step, and exact on smooth ground.
@@ -92,8 +98,8 @@ float true_height(const FloatImage& heights_m, double x, double y, bool rough) {
   return rough ? heights_m.at(column, row) : bilinear(heights_m, x, y);
 }
 
-void Assessor::add_cell(const FloatImage& heights, const Raster<std::uint8_t>& states, const TrueStrip& strip, int x,
-                        int y, int row) {
+void Assessor::add_cell(const FloatImage& heights, const FloatImage& sigmas, const Raster<std::uint8_t>& states,
+                        const TrueStrip& strip, int x, int y, int row) {
   const double u = truth_x(x + 0.5), v = truth_y(row + y + 0.5) - strip.first_row;
   if (!(u >= 0 && v >= 0 && u < strip.heights_m.width && v < strip.heights_m.height)) return;
   const bool rough = strip.rough.at(int(u), int(v)) != 0;
@@ -104,6 +110,19 @@ void Assessor::add_cell(const FloatImage& heights, const Raster<std::uint8_t>& s
   measured_ += measured;
   overall_.push_back(z - truth);
   if (!rough) (measured ? smooth_measured_ : smooth_interpolated_).push_back(z - truth);
+  if (!measured) return;
+  bool counts = !rough;
+  float expected = truth;
+  if (!strip.terrain_m.empty() && !strip.broken.at(int(u), int(v))) {
+    expected = bilinear(strip.heights_m, u, v);
+    if (expected - strip.terrain_m.at(int(u), int(v)) > kRoof_m) {
+      roofs_.push_back(z - expected);
+      counts = true;
+    }
+  }
+  if (!counts || sigmas.empty() || !(sigmas.at(x, y) > 0)) return;
+  ++bounds_;
+  within_ += std::abs(z - expected) <= kBound * double(sigmas.at(x, y));
 }
 
 bool Assessor::seen_by_enough(const HeightWindow& window, double x, double y, float z,
@@ -146,14 +165,22 @@ Result<> Assessor::add_strip(int row, int rows) {
   strip.first_row = top;
   COLLINEA_TRY(strip.heights_m, truth_.read(0, top, truth_.grid.width, bottom - top));
   const int margin = int(std::ceil(kStepMargin * model_.grid.cell_m / truth_.grid.cell_m));
-  strip.rough = rough_cells(strip.heights_m, truth_.grid.cell_m, margin);
+  strip.rough = rough_cells(strip.heights_m, truth_.grid.cell_m, margin, kSteepest);
+  if (terrain_) {
+    COLLINEA_TRY(strip.terrain_m, terrain_->read(0, top, truth_.grid.width, bottom - top));
+    strip.broken = rough_cells(strip.heights_m, truth_.grid.cell_m, margin, kSteepestRoof);
+  }
   COLLINEA_TRY(const FloatImage heights, model_.read(0, row, model_.grid.width, rows));
+  FloatImage sigmas;
+  if (model_.read_sigma) {
+    COLLINEA_TRY(sigmas, model_.read_sigma(0, row, model_.grid.width, rows));
+  }
   Raster<std::uint8_t> states;
   if (state_) {
     COLLINEA_TRY(states, state_(0, row, model_.grid.width, rows));
   }
   for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < heights.width; ++x) add_cell(heights, states, strip, x, y, row);
+    for (int x = 0; x < heights.width; ++x) add_cell(heights, sigmas, states, strip, x, y, row);
   if (!views_.empty()) count_seen(heights, strip, row);
   return {};
 }
@@ -181,6 +208,9 @@ Result<SurfaceErrors> Assessor::all() {
     errors.smooth_measured = height_errors(smooth_measured_, 3 * errors.cell_m);
     errors.smooth_interpolated = height_errors(smooth_interpolated_, 3 * errors.cell_m);
   }
+  errors.roofs = height_errors(roofs_, 3 * errors.cell_m);
+  errors.bounds = bounds_;
+  errors.within_bounds = bounds_ > 0 ? double(within_) / double(bounds_) : 0;
   const double cells = double(true_cells) * std::pow(truth_.grid.cell_m / model_.grid.cell_m, 2);
   errors.completeness = std::min(1.0, double(found_) / cells);
   errors.completeness_measured = std::min(1.0, double(measured_) / cells);
@@ -257,8 +287,9 @@ HeightErrors height_errors(std::vector<float>& differences_m, double gross_m) {
 }
 
 Result<SurfaceErrors> surface_errors(const HeightField& model, const StateReader& state, const HeightField& truth,
-                                     std::span<const View> views, const LocalFrame* frame, const Run& run) {
-  return Assessor(model, state, truth, views, frame, run).all();
+                                     std::span<const View> views, const LocalFrame* frame, const Run& run,
+                                     const HeightField* terrain) {
+  return Assessor(model, state, truth, views, frame, run, terrain).all();
 }
 
 }  // namespace collinea

@@ -28,17 +28,23 @@ struct SurfaceErrors {
   double completeness_measured = 0;  ///< the same, interpolated cells not counted; equal when it is not known which
   double completeness_seen = 0;      ///< share where at least three images see the true surface; 0 without views
   std::size_t cells_seen = 0;        ///< looked at for that
+  HeightErrors
+      roofs;  ///< measured cells on objects more than a metre high, no step within 3 cells; none without terrain
+  std::size_t bounds = 0;    ///< measured cells of smooth ground and roofs whose sigma was looked at
+  double within_bounds = 0;  ///< of these, the share whose error is below 1.96 sigma
 };
 
 /// Bytes of a raster by windows, as HeightField::read.
 using StateReader = std::function<Result<Raster<std::uint8_t>>(int column, int row, int width, int height)>;
 
 /// Compares a surface model with the true one at the centres of the model's cells; both in the same map. `state`:
-/// CellState of the model, or null. `views`: the true cameras, or none. Errors: reading; rasters do not overlap;
+/// CellState of the model, or null. `views`: the true cameras, or none. `terrain`: the true ground, on the grid of
+/// `truth`. Sigmas are looked at where the model has them. Errors: reading; rasters do not overlap;
 /// cancelled.
 [[nodiscard]] Result<SurfaceErrors> surface_errors(const HeightField& model, const StateReader& state,
                                                    const HeightField& truth, std::span<const View> views,
-                                                   const LocalFrame* frame, const Run& run);
+                                                   const LocalFrame* frame, const Run& run,
+                                                   const HeightField* terrain = nullptr);
 
 struct TerrainErrors {
   double cell_m = 0;

@@ -23,17 +23,23 @@ constexpr double kGreyScale = 12;  // a step of that many grey values halves the
 GreyImage window_mean(const GreyImage& picture) {
   constexpr int kAround = 3;
   GreyImage result(picture.width, picture.height);
-  std::vector<int> columns(std::size_t(picture.width));
+  std::vector<int> columns(std::size_t(picture.width), 0);
+  const auto add = [&](int row, int sign) {
+    if (row < 0 || row >= picture.height) return;
+    for (int x = 0; x < picture.width; ++x) columns[std::size_t(x)] += sign * picture.at(x, row);
+  };
+  for (int y = 0; y < kAround; ++y) add(y, 1);
   for (int y = 0; y < picture.height; ++y) {
-    const int top = std::max(y - kAround, 0), bottom = std::min(y + kAround, picture.height - 1);
-    std::fill(columns.begin(), columns.end(), 0);
-    for (int j = top; j <= bottom; ++j)
-      for (int x = 0; x < picture.width; ++x) columns[std::size_t(x)] += picture.at(x, j);
+    add(y + kAround, 1);
+    add(y - kAround - 1, -1);
+    const int rows = std::min(y + kAround, picture.height - 1) - std::max(y - kAround, 0) + 1;
+    int sum = 0;
+    for (int x = 0; x < std::min(kAround, picture.width); ++x) sum += columns[std::size_t(x)];
     for (int x = 0; x < picture.width; ++x) {
-      const int left = std::max(x - kAround, 0), right = std::min(x + kAround, picture.width - 1);
-      int sum = 0;
-      for (int i = left; i <= right; ++i) sum += columns[std::size_t(i)];
-      result.at(x, y) = std::uint8_t(sum / ((right - left + 1) * (bottom - top + 1)));
+      if (x + kAround < picture.width) sum += columns[std::size_t(x + kAround)];
+      if (x > kAround) sum -= columns[std::size_t(x - kAround - 1)];
+      const int across = std::min(x + kAround, picture.width - 1) - std::max(x - kAround, 0) + 1;
+      result.at(x, y) = std::uint8_t(sum / (across * rows));
     }
   }
   return result;

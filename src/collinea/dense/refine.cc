@@ -178,29 +178,29 @@ FloatImage smoothed_within(const FloatImage& surface, float reach) {
 }
 
 void remove_specks(FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma) {
-  std::vector<std::uint8_t> seen(surface.data.size(), 0);
-  std::vector<std::size_t> patch;
   const auto width = std::size_t(surface.width);
-  for (std::size_t start = 0; start < surface.data.size(); ++start) {
-    if (seen[start] || std::isnan(surface.data[start])) continue;
-    patch.assign(1, start);
-    seen[start] = 1;
-    for (std::size_t i = 0; i < patch.size(); ++i) {
-      const std::size_t at = patch[i], x = at % width;
-      const auto visit = [&](std::size_t next) {
-        const float more = sigma ? 2 * (sigma->data[at] + sigma->data[next]) : 0;
-        if (seen[next] || !(std::abs(surface.data[next] - surface.data[at]) <= reach + more)) return;
-        seen[next] = 1;
-        patch.push_back(next);
-      };
-      if (x > 0) visit(at - 1);
-      if (x + 1 < width) visit(at + 1);
-      if (at >= width) visit(at - width);
-      if (at + width < surface.data.size()) visit(at + width);
-    }
-    if (int(patch.size()) < min_pixels)
-      for (const std::size_t at : patch) surface.data[at] = kNaN;
+  // every pixel points to one of its patch, the first of the patch to itself
+  std::vector<std::uint32_t> patch(surface.data.size());
+  const auto first_of = [&](std::uint32_t at) {
+    while (patch[at] != at) at = patch[at] = patch[patch[at]];
+    return at;
+  };
+  const auto join = [&](std::size_t at, std::size_t before) {
+    const float more = sigma ? 2 * (sigma->data[at] + sigma->data[before]) : 0;
+    if (!(std::abs(surface.data[before] - surface.data[at]) <= reach + more)) return;
+    const std::uint32_t a = first_of(patch[at]), b = first_of(patch[before]);
+    patch[std::max(a, b)] = std::min(a, b);
+  };
+  for (std::size_t at = 0; at < patch.size(); ++at) {
+    patch[at] = std::uint32_t(at);
+    if (std::isnan(surface.data[at])) continue;
+    if (at % width > 0) join(at, at - 1);
+    if (at >= width) join(at, at - width);
   }
+  std::vector<int> pixels(patch.size(), 0);
+  for (std::size_t at = 0; at < patch.size(); ++at) ++pixels[patch[at] = first_of(std::uint32_t(at))];
+  for (std::size_t at = 0; at < patch.size(); ++at)
+    if (pixels[patch[at]] < min_pixels) surface.data[at] = kNaN;
 }
 
 }  // namespace collinea::dense

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "collinea/dense/cubic.h"
 #include "collinea/dense/pinhole.h"
 
 namespace collinea {
@@ -17,43 +18,6 @@ constexpr int kGrid = 8;           // pixels between exact evaluations of the di
 bool is_ideal(const Camera& camera) {
   return !is_fisheye(camera.model) &&
          std::all_of(camera.params.begin() + Camera::kK1, camera.params.end(), [](double p) { return p == 0; });
-}
-
-// Weights of the four samples around a position at phase i / 256: Catmull-Rom.
-std::array<std::array<float, 4>, 257> cubic_weights() {
-  std::array<std::array<float, 4>, 257> weights;
-  for (int i = 0; i <= 256; ++i) {
-    const double t = i / 256.0, t2 = t * t, t3 = t2 * t;
-    weights[std::size_t(i)] = {float(-0.5 * t + t2 - 0.5 * t3), float(1 - 2.5 * t2 + 1.5 * t3),
-                               float(0.5 * t + 2 * t2 - 1.5 * t3), float(-0.5 * t2 + 0.5 * t3)};
-  }
-  return weights;
-}
-
-std::uint8_t as_pixel(float value) { return std::uint8_t(std::clamp(int(value + 0.5f), 1, 255)); }
-
-// x, y: position in units of samples (sample centres are whole numbers).
-std::uint8_t cubic(const GreyImage& picture, float x, float y) {
-  static const auto kWeights = cubic_weights();
-  if (!(x >= -0.5f && y >= -0.5f && x <= float(picture.width) - 0.5f && y <= float(picture.height) - 0.5f)) return 0;
-  const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-  const auto& wx = kWeights[std::size_t((x - float(x0)) * 256 + 0.5f)];
-  const auto& wy = kWeights[std::size_t((y - float(y0)) * 256 + 0.5f)];
-  float sum = 0;
-  for (int j = 0; j < 4; ++j) {
-    const std::uint8_t* row = picture.row(std::clamp(y0 - 1 + j, 0, picture.height - 1));
-    float across;
-    if (x0 >= 1 && x0 + 2 < picture.width) {
-      const std::uint8_t* p = row + x0 - 1;
-      across = wx[0] * float(p[0]) + wx[1] * float(p[1]) + wx[2] * float(p[2]) + wx[3] * float(p[3]);
-    } else {
-      across = 0;
-      for (int i = 0; i < 4; ++i)
-        across += wx[std::size_t(i)] * float(row[std::clamp(x0 - 1 + i, 0, picture.width - 1)]);
-    }
-    sum += wy[std::size_t(j)] * across;
-  }
-  return as_pixel(sum);
 }
 
 // Where the pixels of the ideal picture lie on the photograph, at every kGrid-th pixel (sample units); NaN: nowhere.
@@ -142,7 +106,8 @@ GreyImage undistorted(const GreyImage& picture, const Camera& camera) {
       const float u = float(x % kGrid) / kGrid;
       const Eigen::Vector2f above = upper[i] + u * (upper[i + 1] - upper[i]);
       const Eigen::Vector2f below = upper[columns + i] + u * (upper[columns + i + 1] - upper[columns + i]);
-      out[x] = cubic(picture, above.x() + v * (below.x() - above.x()), above.y() + v * (below.y() - above.y()));
+      out[x] =
+          dense::cubic<1>(picture, above.x() + v * (below.x() - above.x()), above.y() + v * (below.y() - above.y()));
     }
   }
   return result;

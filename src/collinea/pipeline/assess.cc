@@ -12,8 +12,8 @@ Result<std::string> assess_project(const Project& project, const std::filesystem
   if (block.cam_from_world.empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   const auto products = project.folder / "products";
-  const ProductFiles files{products / "dsm.tif", products / "dsm_state.tif", products / "dtm.tif",
-                           products / "dtm_state.tif", products / "ortho.tif"};
+  const ProductFiles files{products / "dsm.tif",       products / "dsm_state.tif", products / "dtm.tif",
+                           products / "dtm_state.tif", products / "ortho.tif",     products / "dsm_sigma.tif"};
   COLLINEA_TRY(const Assessment assessment, assess(block, files, known, project.run));
   return table(assessment);
 }

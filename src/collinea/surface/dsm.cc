@@ -8,6 +8,7 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/surface/hole_filling.h"
+#include "collinea/surface/islands.h"
 #include "collinea/surface/measured_tiles.h"
 #include "collinea/surface/point_buckets.h"
 
@@ -55,7 +56,7 @@ bool usable(const GridPoint& p) {
 }
 
 Result<> collect(const PointSource& source, const LocalFrame* frame, double cell_m, PointBuckets& buckets,
-                 DsmSummary& summary, const Run& run) {
+                 Islands& islands, DsmSummary& summary, const Run& run) {
   std::vector<SurfacePoint> batch;
   for (;;) {
     if (auto read = source(batch); !read) return read;
@@ -64,6 +65,7 @@ Result<> collect(const PointSource& source, const LocalFrame* frame, double cell
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     summary.points += points.size();
     summary.points_dropped += std::erase_if(points, [](const GridPoint& p) { return !usable(p); });
+    islands.add(points);
     if (auto added = buckets.add(points); !added) return added;
   }
 }
@@ -146,19 +148,20 @@ CellWindow widened(const CellWindow& window, int margin) {
 }
 
 // Measures a square of the model and shows it to `holes`. Without points: no rasters.
-Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const CellWindow& square, double cell_m,
-                                  HoleFilling& holes) {
+Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const Islands& islands, const CellWindow& square,
+                                  double cell_m, HoleFilling& holes) {
   constexpr int kRim = HoleFilling::kRim;
   const CellWindow wide = widened(square, kRim);
   COLLINEA_TRY(auto points, buckets.points_in(widened(wide, margin_cells())));
+  std::erase_if(points, [&](const GridPoint& point) { return islands.holds(point); });
   if (points.empty()) return SurfaceTile();
   const SurfaceTile tile = measure_window(std::move(points), wide, cell_m);
   holes.add(tile, square);
   return cropped(tile, {kRim, kRim, square.width, square.height});
 }
 
-Result<> measure_all(const PointBuckets& buckets, const Extent& extent, double cell_m, MeasuredTiles& tiles,
-                     HoleFilling& holes, const Run& run) {
+Result<> measure_all(const PointBuckets& buckets, const Islands& islands, const Extent& extent, double cell_m,
+                     MeasuredTiles& tiles, HoleFilling& holes, const Run& run) {
   constexpr int kCells = MeasuredTiles::kCells;
   static_assert(kCells % HoleFilling::kBlock == 0);
   std::vector<MeasuredTiles::Place> places;
@@ -169,7 +172,7 @@ Result<> measure_all(const PointBuckets& buckets, const Extent& extent, double c
       places.size(), run, 0, 0.8,
       [&](std::size_t i) {
         const CellWindow square{places[i].first * kCells, places[i].second * kCells, kCells, kCells};
-        return measured_tile(buckets, square, cell_m, holes);
+        return measured_tile(buckets, islands, square, cell_m, holes);
       },
       [&](std::size_t i, SurfaceTile tile) -> Result<> {
         return tile.state.empty() ? Result<>{} : tiles.add(places[i], std::move(tile));
@@ -195,12 +198,13 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
       });
 }
 
-Result<> make_model(const PointBuckets& buckets, const Extent& extent, int widest_hole, const SurfaceSink& sink,
-                    const std::filesystem::path& scratch, DsmSummary& summary, const Run& run) {
+Result<> make_model(const PointBuckets& buckets, const Islands& islands, const Extent& extent, int widest_hole,
+                    const SurfaceSink& sink, const std::filesystem::path& scratch, DsmSummary& summary,
+                    const Run& run) {
   const double cell_m = summary.grid.cell_m;
   MeasuredTiles tiles(scratch, kTileMemory);
   HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
-  if (auto measured = measure_all(buckets, extent, cell_m, tiles, holes, run); !measured) return measured;
+  if (auto measured = measure_all(buckets, islands, extent, cell_m, tiles, holes, run); !measured) return measured;
   holes.prepare();
   return fill_windows(tiles, extent, holes, sink, summary, run);
 }
@@ -222,12 +226,14 @@ Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame,
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   const double cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m);
   PointBuckets buckets(scratch, kBucketCells, kPointMemory);
+  Islands islands;
   DsmSummary summary;
   if (auto collected =
-          collect(points, point_frame == PointFrame::kMap ? nullptr : frame, cell_m, buckets, summary, run);
+          collect(points, point_frame == PointFrame::kMap ? nullptr : frame, cell_m, buckets, islands, summary, run);
       !collected)
     return tl::unexpected(std::move(collected).error());
   drop_strays(buckets, summary);
+  summary.points_dropped += islands.find(cell_m);
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");
   COLLINEA_TRY(const Extent extent, extent_of(buckets));
   summary.grid.cell_m = cell_m;
@@ -236,7 +242,8 @@ Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame,
   summary.grid.width = int(extent.width), summary.grid.height = int(extent.height);
   if (frame) summary.grid.wkt = frame->wkt1();
   if (auto begun = sink.begin(summary.grid); !begun) return tl::unexpected(std::move(begun).error());
-  if (auto made = make_model(buckets, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run); !made)
+  if (auto made = make_model(buckets, islands, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run);
+      !made)
     return tl::unexpected(std::move(made).error());
   summary.mean_sigma_m = summary.measured_cells ? std::sqrt(summary.mean_sigma_m / double(summary.measured_cells)) : 0;
   return summary;

@@ -74,6 +74,30 @@ TEST(Dsm, HeightsLieWhereTheMapSays) {
   EXPECT_EQ(dsm.summary->points, 50'000u);
 }
 
+// A wide lawn with a courtyard's ground and a roof beside it, both apart from it, and a mirror image far below.
+TEST(Dsm, IslandsFarBelowEverythingGo) {
+  Random random(6);
+  std::vector<SurfacePoint> points;
+  const auto patch = [&](double west, double south, double size, double height_m) {
+    for (int i = 0; i < int(size * size * 200); ++i)
+      points.push_back({{west + random.uniform(0, size), south + random.uniform(0, size), height_m}, 0.02f});
+  };
+  patch(0, 0, 60, 2);
+  patch(64, 10, 5, 8);    // a roof without walls
+  patch(64, 30, 5, 1.5);  // ground across a gap
+  patch(64, 50, 5, -20);
+  const Collected dsm = build(points, {.cell_m = 0.1, .fill_holes_m = 0});
+  ASSERT_TRUE(dsm.summary);
+  const auto at = [&](double x, double y) {
+    return dsm.height_m.at(int((x - dsm.grid.west_m) / 0.1), int((dsm.grid.north_m - y) / 0.1));
+  };
+  EXPECT_NEAR(at(30, 30), 2, 1e-3);
+  EXPECT_NEAR(at(66, 12), 8, 1e-3);
+  EXPECT_NEAR(at(66, 32), 1.5, 1e-3);
+  EXPECT_EQ(at(66, 52), kNoHeight);
+  EXPECT_EQ(dsm.summary->points_dropped, 5000u);
+}
+
 // Positions on the map differ by the 1e-9 m to which PROJ's way there and back is exact, heights by that times the
 // slope.
 TEST(Dsm, PointsMayComeInTheWorldOrOnTheMap) {

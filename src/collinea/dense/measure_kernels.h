@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+// The inner loops of measuring disparities again, and of smoothing them, row by row.
+namespace collinea::dense {
+
+inline constexpr int kMeasureReach = 3;   ///< half the window
+inline constexpr int kMeasureTrials = 3;  ///< at half a pixel less, none and half a pixel more
+inline constexpr int kRowSlack = 16;      ///< elements that may be read and written beyond the end of a row
+
+/// What the windows of a row are made of: the left picture, the right one at each trial [1/16 grey value], both with
+/// the middle at 0, and whether one of them is missing (-1).
+struct TrialRow {
+  std::int32_t *left, *missing;
+  std::array<std::int32_t*, kMeasureTrials> right;
+};
+
+/// Sums down the columns of the windows.
+struct ColumnSums {
+  std::int32_t *left, *left_left, *missing;
+  std::array<std::int32_t*, kMeasureTrials> right, right_right, left_right;
+};
+
+struct MeasuredRow {
+  const float* surface;
+  float *disparity, *sigma, *correlation;
+};
+
+/// Fills `out` for a row of pixels. `quads`: element i packs pixels i - 1 to i + 2 of the right row from the lowest
+/// byte on, 0 <= i < right_width; what lies beyond is taken from the border.
+void warp_row(const std::uint8_t* left, const std::int32_t* quads, int right_width, const float* surface, int width,
+              const TrialRow& out);
+
+/// Adds a row to the sums and takes one away, when there is one.
+void slide(const TrialRow& entering, const TrialRow* leaving, int width, const ColumnSums& sums);
+
+/// The peak of each pixel's correlations. The sums begin kMeasureReach columns before the first pixel.
+void find_peaks(const ColumnSums& sums, int width, const MeasuredRow& row);
+
+/// The median of 3 x 3; rows are readable from column -1 on.
+void median_row(const std::array<const float*, 3>& rows, int width, float* out);
+
+/// The mean over those of 5 x 5 that differ by at most `reach` from the middle; rows are readable from column -2 on.
+void mean_within_row(const std::array<const float*, 5>& rows, float reach, int width, float* out);
+
+}  // namespace collinea::dense

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/semi_global.h"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#include "collinea/base/parallel.h"
+#include "collinea/dense/disparity_kernels.h"
+
+namespace collinea::dense {
+namespace {
+
+constexpr int kTileOverlap = 48;  // pixels: a path forgets its beginning after a few penalties for jumps
+constexpr int kTileWidth = 2048;  // of what is kept, where the picture is wider
+constexpr int kColumnsAtATime = 64;
+constexpr int kLargestCensusCost = kCostPerBit * kCensusBits;  // the scale of smoothness_for
+
+int stride_of(int labels) { return (labels + kLabelUnit - 1) / kLabelUnit * kLabelUnit; }
+
+// Cut into `parts` of about the same size.
+int part_begin(int size, int parts, int i) { return int(std::int64_t(size) * i / parts); }
+
+struct Freed {
+  void operator()(void* memory) const { std::free(memory); }
+};
+template <class T>
+using Room = std::unique_ptr<T[], Freed>;
+
+// Memory without a value (it is written before it is read), in pages of 2 MB where the system has them: with small ones
+// the kernel would spend as long on handing them out as the matching takes.
+template <class T>
+Room<T> room_for(std::size_t count) {
+  constexpr std::size_t kPage = std::size_t(1) << 21;
+  const std::size_t bytes = (count * sizeof(T) + kPage - 1) / kPage * kPage;
+  void* memory = std::aligned_alloc(kPage, bytes);
+  if (!memory) throw std::bad_alloc();
+  madvise(memory, bytes, MADV_HUGEPAGE);
+  return Room<T>(static_cast<T*>(memory));
+}
+
+// A row in work: the path costs that leave it and what sees it from the right.
+struct Slot {
+  Room<std::uint8_t> memory;
+  std::uint8_t* costs = nullptr;  // in it
+  std::vector<std::uint8_t> label_costs, smallest, side, jumps;
+  std::vector<std::uint8_t> here, above;  // grey values, the border repeated
+  std::vector<std::uint16_t> sums, right_sum, right_label;
+  std::vector<Best> best;
+};
+
+class TileMatching {
+ public:
+  TileMatching(const DisparityCosts& costs, const GreyImage& left, int right_width, const GreyImage& small,
+               const DisparityRange& range, double max_left_right_px, const StereoTile& tile, const Run& run,
+               FloatImage& disparity)
+      : costs_(costs), left_(left), small_(small), tile_(tile), run_(run), disparity_(disparity) {
+    width_ = tile.x1 - tile.x0;
+    height_ = tile.y1 - tile.y0;
+    low_ = range.low;
+    labels_ = range.high - range.low + 1;
+    stride_ = stride_of(labels_);
+    right_width_ = right_width;
+    max_apart_ = int(std::floor(max_left_right_px));
+    const std::size_t elements = std::size_t(width_) * std::size_t(height_) * std::size_t(stride_);
+    tolls_ = room_for<std::uint8_t>(elements);
+    slots_.resize(std::size_t(std::max(run.threads, 1)) + 2);  // the last one is what lies outside
+    for (Slot& slot : slots_) prepare(slot);
+  }
+
+  void match() {
+    sweep(1);
+    sweep(-1);
+  }
+
+ private:
+  void prepare(Slot& slot) {
+    // guards 255; outside nothing has been paid, but guards stay
+    // Slots begin at different places of a page of 4 KB: where a load and a store before it share the lower bits of
+    // their addresses, the processor takes them for the same.
+    constexpr std::size_t kShift = 11 * 64, kPage = 4096;
+    const std::size_t shift = std::size_t(&slot - slots_.data()) * kShift % kPage;
+    const std::size_t bytes = PathRow::offset(width_ + 1, 0, stride_);
+    slot.memory = room_for<std::uint8_t>(bytes + shift);
+    slot.costs = slot.memory.get() + shift;
+    std::fill_n(slot.costs, bytes, std::uint8_t(255));
+    for (int x = -1; x <= width_; ++x)
+      for (int p = 0; p < 3; ++p)
+        if (x < 0 || x == width_ || &slot == &slots_.back())
+          std::fill_n(slot.costs + PathRow::offset(x, p, stride_), labels_, std::uint8_t(0));
+    slot.smallest.assign(std::size_t(width_ + 2) * 4, 0);
+    slot.side.assign(std::size_t(stride_ + 2 * kPathGuard) * 2, 255);
+    slot.label_costs.resize(std::size_t(width_) * std::size_t(stride_));
+    slot.jumps.resize(std::size_t(width_ + kCensusSlack) * 4);
+    slot.here.resize(std::size_t(width_ + kCensusSlack) + 1);
+    slot.above.resize(slot.here.size());
+    slot.sums.resize(std::size_t(stride_));
+    slot.right_sum.resize(std::size_t(width_ + stride_));
+    slot.right_label.resize(std::size_t(width_ + stride_));
+    slot.best.resize(std::size_t(width_));
+  }
+
+  void sweep(int sense) {
+    std::vector<std::atomic<int>> done(static_cast<std::size_t>(height_));
+    parallel_for(run_, std::size_t(height_), [&](std::size_t i) {
+      const int y = tile_.y0 + (sense > 0 ? int(i) : height_ - 1 - int(i));
+      const std::size_t rotating = slots_.size() - 1;
+      Slot& slot = slots_[i % rotating];
+      Slot& before = i ? slots_[(i - 1) % rotating] : slots_.back();
+      RowOfSweep row = begin(y, sense, slot, before);
+      for (int column = 0; column < width_;) {
+        const int end = std::min(column + kColumnsAtATime, width_);
+        if (i) wait_for(done[i - 1], std::min(end + 1, width_));
+        sweep_columns(row, column, end);
+        column = end;
+        done[i].store(column, std::memory_order_release);
+        if (run_.threads > 1) done[i].notify_all();
+      }
+      if (sense < 0 && y >= tile_.kept_y0 && y < tile_.kept_y1) take_disparities(y, slot);
+    });
+  }
+
+  static void wait_for(const std::atomic<int>& done, int columns) {
+    for (int seen = done.load(std::memory_order_acquire); seen < columns; seen = done.load(std::memory_order_acquire))
+      done.wait(seen, std::memory_order_acquire);
+  }
+
+  RowOfSweep begin(int y, int sense, Slot& slot, Slot& before) {
+    const std::size_t at = std::size_t(y - tile_.y0) * std::size_t(width_) * std::size_t(stride_);
+    // again on the way up: that takes less time than to keep them
+    costs_.row(y, tile_.x0, tile_.x1, low_, labels_, stride_, slot.label_costs.data());
+    jumps(y, sense, slot);
+    // the side's path begins outside: nothing paid
+    std::fill_n(slot.side.data() + kPathGuard, labels_, std::uint8_t(0));
+    if (sense < 0) std::fill(slot.right_sum.begin(), slot.right_sum.end(), std::uint16_t(0xFFFF));
+    RowOfSweep row;
+    row.sense = sense;
+    row.width = width_, row.labels = labels_, row.stride = stride_;
+    row.costs = slot.label_costs.data();
+    row.small = small_.row(y) + tile_.x0;
+    row.large = slot.jumps.data();
+    row.before = {before.costs, before.smallest.data()};
+    row.now = {slot.costs, slot.smallest.data()};
+    row.side = slot.side.data();
+    row.tolls = tolls_.get() + at;
+    row.sums = slot.sums.data();
+    row.best = slot.best.data();
+    row.right_sum = slot.right_sum.data(), row.right_label = slot.right_label.data();
+    return row;
+  }
+
+  void jumps(int y, int sense, Slot& slot) const {
+    const auto bordered = [&](int row, std::vector<std::uint8_t>& out) {
+      const std::uint8_t* from = left_.row(row) + tile_.x0;
+      out[0] = from[0];
+      std::copy_n(from, width_, out.begin() + 1);
+      out[std::size_t(width_) + 1] = from[width_ - 1];
+    };
+    bordered(y, slot.here);
+    bordered(std::clamp(y - sense, tile_.y0, tile_.y1 - 1), slot.above);
+    jump_row(slot.here.data() + 1, slot.above.data() + 1, sense, width_, slot.jumps.data());
+  }
+
+  void take_disparities(int y, const Slot& slot) {
+    for (int x = tile_.kept_x0; x < tile_.kept_x1; ++x) {
+      if (left_.at(x, y) == 0) continue;
+      const Best& best = slot.best[std::size_t(x - tile_.x0)];
+      const int k = best.label, other = x - low_ - k;
+      if (other < 0 || other >= right_width_) continue;
+      const int from_right = slot.right_label[std::size_t(tile_.x1 - 1 - x + k)];
+      if (std::abs(from_right - k) > max_apart_) continue;
+      float label = float(k);
+      if (best.before != 0xFFFF && best.after != 0xFFFF) {
+        const float left = float(best.before) - float(best.at), right = float(best.after) - float(best.at);
+        if (left + right > 0) label += 0.5f * (left - right) / (left + right);
+      }
+      disparity_.at(x, y) = float(low_) + label;
+    }
+  }
+
+  const DisparityCosts& costs_;
+  const GreyImage& left_;
+  const GreyImage& small_;
+  const StereoTile& tile_;
+  const Run& run_;
+  FloatImage& disparity_;
+  int width_ = 0, height_ = 0, low_ = 0, labels_ = 0, stride_ = 0, right_width_ = 0, max_apart_ = 0;
+  Room<std::uint8_t> tolls_;
+  std::vector<Slot> slots_;
+};
+
+}  // namespace
+
+std::vector<StereoTile> stereo_tiles(int width, int height, int labels, std::size_t max_elements) {
+  const int across = (width + kTileWidth - 1) / kTileWidth;
+  const int widest = std::min(width, (width + across - 1) / across + 2 * kTileOverlap);
+  const std::size_t row = std::size_t(widest) * std::size_t(stride_of(labels));
+  // rows that fit beside the overlap; as many as the overlap at least
+  const int fitting = int(std::min<std::size_t>(max_elements / row, std::size_t(height)));
+  const int kept = fitting >= height ? height : std::max(fitting - 2 * kTileOverlap, kTileOverlap);
+  const int down = (height + kept - 1) / kept;
+  std::vector<StereoTile> tiles;
+  for (int j = 0; j < down; ++j)
+    for (int i = 0; i < across; ++i) {
+      StereoTile t;
+      t.kept_x0 = part_begin(width, across, i), t.kept_x1 = part_begin(width, across, i + 1);
+      t.kept_y0 = part_begin(height, down, j), t.kept_y1 = part_begin(height, down, j + 1);
+      t.x0 = std::max(t.kept_x0 - kTileOverlap, 0), t.x1 = std::min(t.kept_x1 + kTileOverlap, width);
+      t.y0 = std::max(t.kept_y0 - kTileOverlap, 0), t.y1 = std::min(t.kept_y1 + kTileOverlap, height);
+      tiles.push_back(t);
+    }
+  return tiles;
+}
+
+GreyImage small_changes(const GreyImage& left) {
+  Smoothness smoothness = smoothness_for(left);
+  for (auto& small : smoothness.small.data) small = std::uint8_t(small * kLargestCost / kLargestCensusCost);
+  return std::move(smoothness.small);
+}
+
+void match_tile(const DisparityCosts& costs, const GreyImage& left, int right_width, const GreyImage& small,
+                const DisparityRange& range, double max_left_right_px, const StereoTile& tile, const Run& run,
+                FloatImage& disparity) {
+  TileMatching(costs, left, right_width, small, range, max_left_right_px, tile, run, disparity).match();
+}
+
+}  // namespace collinea::dense

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/stereo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "collinea/dense/disparity_measure.h"
+#include "collinea/dense/level.h"
+#include "collinea/dense/semi_global.h"
+
+namespace collinea {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+// As for depth maps: what sigmas are multiplied by, the least of them, and what the regularised surface is worth.
+constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f, kSmoothSigmaPx = 0.25f;
+constexpr float kSmoothReachPx = 1;  // neighbours that differ by more belong to another surface
+constexpr int kMostDisparities = 2000;
+constexpr std::size_t kLargestVolume = 400'000'000;  // pixels times labels of a tile, a byte each
+
+Result<StereoCost> cost_named(const std::string& name) {
+  const auto at = std::find(kStereoCostNames.begin(), kStereoCostNames.end(), name);
+  if (at == kStereoCostNames.end())
+    return fail(Errc::kBadInput, "cost = " + name + " is none of census, zncc, rank, sad, ssd");
+  return StereoCost(at - kStereoCostNames.begin());
+}
+
+Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
+               const StereoOptions& options) {
+  if (auto fine = validate(options); !fine) return fine;
+  if (left.empty() || right.empty()) return fail(Errc::kBadInput, "a picture of the pair is empty");
+  if (left.height != right.height)
+    return fail(Errc::kBadInput, "the pictures of a rectified pair have the same height; these have " +
+                                     std::to_string(left.height) + " and " + std::to_string(right.height) + " rows");
+  if (range.high < range.low)
+    return fail(Errc::kBadInput,
+                "no disparity between " + std::to_string(range.low) + " and " + std::to_string(range.high));
+  if (range.high - range.low >= kMostDisparities)
+    return fail(Errc::kBadInput, std::to_string(range.high - range.low + 1) + " disparities are more than " +
+                                     std::to_string(kMostDisparities) + ": use a lower resolution");
+  return {};
+}
+
+// The disparities measured again by correlation of windows that follow the surface, with their standard deviations.
+Result<DisparityMap> measured(const GreyImage& left, const GreyImage& right, const FloatImage& found,
+                              const StereoOptions& options, const Run& run) {
+  FloatImage surface = found;
+  fill_disparities(surface);
+  for (float& value : surface.data)  // rows in which nothing was found
+    if (std::isnan(value)) value = 0;
+  surface = dense::smoothed(surface, kSmoothReachPx, run);
+  const dense::MeasuredDisparities refined = dense::measure(left, right, surface, run);
+  if (run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
+  DisparityMap map{FloatImage(left.width, left.height, 1, kNaN), FloatImage(left.width, left.height, 1, kNaN)};
+  for (std::size_t i = 0; i < found.data.size(); ++i) {
+    if (std::isnan(found.data[i])) continue;
+    const float own = kSigmaScale * refined.sigma.data[i];
+    const float sigma = std::sqrt(own * own + kSigmaFloorPx * kSigmaFloorPx);
+    if (!(refined.correlation.data[i] >= float(options.min_correlation) && sigma <= float(options.max_sigma_px)))
+      continue;
+    const float part = kSmoothSigmaPx * kSmoothSigmaPx / (kSmoothSigmaPx * kSmoothSigmaPx + sigma * sigma);
+    map.disparity.data[i] = surface.data[i] + part * (refined.disparity.data[i] - surface.data[i]);
+    map.sigma.data[i] = sigma;
+  }
+  return map;
+}
+
+}  // namespace
+
+Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
+                                const StereoOptions& options, const Run& run) {
+  if (auto fine = check(left, right, range, options); !fine) return tl::unexpected(std::move(fine).error());
+  COLLINEA_TRY(const StereoCost kind, cost_named(options.cost));
+  const dense::DisparityCosts costs(left, right, kind, run);
+  const GreyImage small = dense::small_changes(left);
+  FloatImage disparity(left.width, left.height, 1, kNaN);
+  const auto tiles = dense::stereo_tiles(left.width, left.height, range.high - range.low + 1, kLargestVolume);
+  for (const dense::StereoTile& tile : tiles) {
+    dense::match_tile(costs, left, right.width, small, range, options.max_left_right_px, tile, run, disparity);
+    if (run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
+  }
+  dense::remove_specks(disparity, 1.0f, options.min_patch_px);
+  COLLINEA_TRY(DisparityMap map, measured(left, right, disparity, options, run));
+  if (options.fill) fill_disparities(map.disparity);
+  return map;
+}
+
+void fill_disparities(FloatImage& disparity) {
+  const int width = disparity.width;
+  std::vector<float> after(std::size_t(width) + 1);
+  for (int y = 0; y < disparity.height; ++y) {
+    float* row = disparity.row(y);
+    after[std::size_t(width)] = kNaN;
+    for (int x = width - 1; x >= 0; --x)
+      after[std::size_t(x)] = std::isnan(row[x]) ? after[std::size_t(x) + 1] : row[x];
+    float before = kNaN;
+    for (int x = 0; x < width; ++x) {
+      if (std::isnan(row[x])) {
+        row[x] = std::fmin(before, after[std::size_t(x)]);
+      } else {
+        before = row[x];
+      }
+    }
+  }
+}
+
+}  // namespace collinea

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "collinea/base/options.h"
+#include "collinea/base/run.h"
+#include "collinea/image/raster.h"
+
+namespace collinea {
+
+/// How unlike two pixels of a pair are. Census is the one to use; the others are there to be compared with it.
+enum class StereoCost : std::uint8_t { kCensus, kZncc, kRank, kSad, kSsd };
+inline constexpr std::array<std::string_view, 5> kStereoCostNames = {"census", "zncc", "rank", "sad", "ssd"};
+
+/// Disparities to search, both ends included [px]: column in the left picture less column in the right one.
+struct DisparityRange {
+  int low = 0, high = 63;
+};
+
+struct StereoOptions {
+  std::string cost = "census";
+  double max_left_right_px = 1;
+  int min_patch_px = 100;
+  double min_correlation = 0.5;
+  double max_sigma_px = 0.5;
+  bool fill = false;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = StereoOptions;
+    visit(Field{"cost", &O::cost, "", "census, zncc, rank, sad or ssd: how unlike two pixels are"});
+    visit(Field{"max_left_right_px", &O::max_left_right_px, "px",
+                "largest difference between what is found from the left and from the right", 0, 100});
+    visit(Field{"min_patch_px", &O::min_patch_px, "px", "what hangs together less is left out", 0, 1e6});
+    visit(Field{"min_correlation", &O::min_correlation, "1", "smallest correlation of an accepted match", -1, 1});
+    visit(Field{"max_sigma_px", &O::max_sigma_px, "px",
+                "largest standard deviation of an accepted disparity; less texture is left empty", 0.01, 100});
+    visit(Field{"fill", &O::fill, "", "fill what is left out from what lies around it; no sigma tells where"});
+  }
+};
+
+/// What the left picture sees, pixel by pixel; NaN where it cannot be measured (texture, occlusion, beyond the right
+/// picture).
+struct DisparityMap {
+  FloatImage disparity;  ///< [px]
+  FloatImage sigma;      ///< standard deviation [px]; NaN where the disparity was filled in
+};
+
+/// Both pictures rectified: what is in row y of one is in row y of the other. Grey value 0 means "nothing there".
+/// Semi-global matching (Hirschmueller 2008) with `options.cost`, in both directions, measured again by correlation.
+/// Memory: a byte for every pixel and disparity, at most 400 MB, and about 40 bytes a pixel. Same bits for any number
+/// of threads. Errors: pictures of different heights, an empty range or picture, stopped.
+[[nodiscard]] Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right,
+                                              const DisparityRange& range, const StereoOptions& options,
+                                              const Run& run);
+
+/// Fills the holes of a disparity map from the nearest values to their left and right: by the smaller disparity of the
+/// two, which is the farther surface, for hidden places lie beside what hides them. Rows with nothing at all stay
+/// empty.
+void fill_disparities(FloatImage& disparity);
+
+}  // namespace collinea

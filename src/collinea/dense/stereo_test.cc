@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/stereo.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "collinea/base/random.h"
+#include "collinea/dense/disparity_kernels.h"
+#include "collinea/dense/semi_global.h"
+#include "collinea/dense/test_scene.h"
+
+namespace collinea {
+namespace {
+
+const float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// A rectified pair of a plane with disparity `at_left + slope * column`, and, when it is asked for, a square before it
+// with a disparity of its own.
+struct TestPair {
+  int width = 200, height = 120;
+  double at_left = 12.3, slope = 0;
+  double square = 0;  // its disparity; 0: none
+  double noise = 0;
+
+  static double grey(double x, double y, bool on_square) {
+    return 125 + (on_square ? 9 : 10) * test::Scene::wave(0.06 * x + (on_square ? 40 : 0), 0.06 * y);
+  }
+  [[nodiscard]] bool on_square(double x, int y) const { return square > 0 && x >= 80 && x < 130 && y >= 35 && y < 85; }
+  [[nodiscard]] double truth(int x, int y) const { return on_square(x, y) ? square : at_left + slope * x; }
+  // whether the right picture shows what the left one shows there
+  [[nodiscard]] bool seen_twice(int x, int y) const {
+    const double other = x - truth(x, y);
+    return other >= 0 && (on_square(x, y) || !on_square(other + square, y));
+  }
+
+  [[nodiscard]] GreyImage picture(bool is_left) const {
+    GreyImage result(width, height);
+    Random random(3, is_left);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const bool before = on_square(is_left ? x : x + square, y);
+        const double at = is_left ? x : before ? x + square : (x + at_left) / (1 - slope);
+        result.at(x, y) = std::uint8_t(std::clamp(grey(at, y, before) + noise * random.normal() + 0.5, 1.0, 255.0));
+      }
+    return result;
+  }
+  [[nodiscard]] Result<DisparityMap> matched(const StereoOptions& options = {}, const Run& run = {}) const {
+    return match_pair(picture(true), picture(false), {0, 40}, options, run);
+  }
+};
+
+struct Errors {
+  int possible = 0, measured = 0, bad = 0;
+  double rms = 0, in_sigmas = 0;
+};
+
+// Of the pixels that both pictures show, `border` pixels off the edge of the picture.
+Errors errors_of(const TestPair& pair, const DisparityMap& map, int border = 6) {
+  Errors e;
+  double squares = 0, relative = 0;
+  for (int y = border; y < pair.height - border; ++y)
+    for (int x = border; x < pair.width - border; ++x) {
+      if (!pair.seen_twice(x, y)) continue;
+      ++e.possible;
+      if (std::isnan(map.disparity.at(x, y))) continue;
+      ++e.measured;
+      const double off = map.disparity.at(x, y) - pair.truth(x, y);
+      if (std::abs(off) > 1) {
+        ++e.bad;
+        continue;
+      }
+      squares += off * off;
+      relative += std::pow(off / map.sigma.at(x, y), 2);
+    }
+  e.rms = std::sqrt(squares / (e.measured - e.bad));
+  e.in_sigmas = std::sqrt(relative / (e.measured - e.bad));
+  return e;
+}
+
+TEST(Stereo, APlaneIsFoundToAFractionOfAPixel) {
+  for (const double slope : {0.0, 0.08, -0.1}) {
+    const TestPair pair{.at_left = slope < 0 ? 25.4 : 12.3, .slope = slope};
+    const auto map = pair.matched();
+    ASSERT_TRUE(map) << map.error().message;
+    const Errors e = errors_of(pair, *map);
+    EXPECT_GT(e.measured, 0.97 * e.possible) << slope;
+    EXPECT_EQ(e.bad, 0) << slope;
+    EXPECT_LT(e.rms, 0.1) << slope;
+  }
+}
+
+TEST(Stereo, AllCostsFindAPlane) {
+  for (const std::string_view cost : kStereoCostNames) {
+    const TestPair pair{.slope = 0.05};
+    StereoOptions options;
+    options.cost = cost;
+    const auto map = pair.matched(options);
+    ASSERT_TRUE(map) << map.error().message;
+    const Errors e = errors_of(pair, *map);
+    EXPECT_GT(e.measured, 0.95 * e.possible) << cost;
+    EXPECT_LT(e.bad, 0.01 * e.measured) << cost;
+  }
+}
+
+TEST(Stereo, WhatOneCameraCannotSeeIsLeftOut) {
+  const TestPair pair{.at_left = 10, .square = 24};
+  const auto map = pair.matched();
+  ASSERT_TRUE(map) << map.error().message;
+  const Errors e = errors_of(pair, *map);
+  EXPECT_GT(e.measured, 0.9 * e.possible);
+  EXPECT_LT(e.bad, 0.02 * e.measured);
+  int hidden = 0, invented = 0;
+  for (int y = 38; y < 82; ++y)
+    for (int x = 40; x < 80; ++x)
+      if (!pair.seen_twice(x, y)) ++hidden, invented += !std::isnan(map->disparity.at(x, y));
+  EXPECT_GT(hidden, 500);
+  EXPECT_LT(invented, 0.25 * hidden);
+}
+
+TEST(Stereo, SigmasAreTheErrors) {
+  for (const double noise : {4.0, 8.0}) {
+    const TestPair pair{.slope = 0.03, .noise = noise};
+    const auto map = pair.matched({.max_sigma_px = 1});
+    ASSERT_TRUE(map) << map.error().message;
+    const Errors e = errors_of(pair, *map);
+    EXPECT_GT(e.in_sigmas, 0.4) << noise;
+    EXPECT_LT(e.in_sigmas, 1.3) << noise;
+  }
+}
+
+TEST(Stereo, WithoutTextureThereIsNothing) {
+  const auto map = match_pair(GreyImage(120, 60, 1, 90), GreyImage(120, 60, 1, 90), {0, 31}, {}, {});
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_TRUE(
+      std::all_of(map->disparity.data.begin(), map->disparity.data.end(), [](float d) { return std::isnan(d); }));
+}
+
+TEST(Stereo, TheNumberOfThreadsDoesNotMatter) {
+  const TestPair pair{.at_left = 10, .square = 24, .noise = 5};
+  collinea::Run three;
+  three.threads = 3;
+  const auto alone = pair.matched(), shared = pair.matched({}, three);
+  ASSERT_TRUE(alone && shared);
+  const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  EXPECT_TRUE(
+      std::equal(alone->disparity.data.begin(), alone->disparity.data.end(), shared->disparity.data.begin(), same));
+  EXPECT_TRUE(std::equal(alone->sigma.data.begin(), alone->sigma.data.end(), shared->sigma.data.begin(), same));
+}
+
+TEST(Stereo, DisparitiesMayBeNegative) {
+  const TestPair pair;
+  const auto map = match_pair(pair.picture(false), pair.picture(true), {-30, 3}, {}, {});
+  ASSERT_TRUE(map) << map.error().message;
+  int right = 0;
+  for (int x = 20; x < 160; ++x) right += std::abs(map->disparity.at(x, 60) + 12.3) < 0.3;
+  EXPECT_GT(right, 130);
+}
+
+TEST(Stereo, WhatCannotBeMatchedIsRefused) {
+  const GreyImage picture(40, 30, 1, 100);
+  const auto code = [&](const Result<DisparityMap>& result) { return result ? Errc::kNotFound : result.error().code; };
+  EXPECT_EQ(code(match_pair(picture, GreyImage(40, 31, 1, 100), {0, 9}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(picture, GreyImage(), {0, 9}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(picture, picture, {10, 9}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(picture, picture, {0, 2000}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(picture, picture, {0, 9}, {.cost = "colour"}, {})), Errc::kBadInput);
+}
+
+TEST(Stereo, TinyPicturesAreNoTrouble) {
+  for (const int size : {1, 2, 5}) {
+    const GreyImage picture(size, size, 1, 100);
+    EXPECT_TRUE(match_pair(picture, picture, {0, 3}, {}, {})) << size;
+  }
+}
+
+TEST(FillDisparities, TakesTheFartherOfTheTwoSides) {
+  FloatImage disparity(5, 2, 1, kNaN);
+  disparity.at(0, 0) = 3;
+  disparity.at(4, 0) = 7;
+  fill_disparities(disparity);
+  EXPECT_EQ(disparity.at(2, 0), 3);
+  EXPECT_TRUE(std::isnan(disparity.at(2, 1)));
+}
+
+}  // namespace
+
+namespace dense {
+namespace {
+
+TEST(SweepColumns, IsWhatTheFormulasSay) {
+  for (const int labels : {20, 64, 90}) {
+    const int width = 23, stride = (labels + kLabelUnit - 1) / kLabelUnit * kLabelUnit;
+    Random random{std::uint64_t(labels)};
+    std::vector<std::uint8_t> costs(std::size_t(2 * width * stride), 255), small(std::size_t(width), 0),
+        large(std::size_t(4 * width));
+    for (int i = 0; i < 2 * width; ++i)
+      for (int k = 0; k < labels; ++k) costs[std::size_t(i * stride + k)] = std::uint8_t(random.below(49));
+    for (auto& value : small) value = std::uint8_t(3 + random.below(16));
+    for (auto& value : large) value = std::uint8_t(19 + random.below(20));
+    const std::size_t bytes = PathRow::offset(width + 1, 0, stride);
+    std::vector<std::uint8_t> paths[3], smallest[3];  // outside, first row, second row
+    for (int i = 0; i < 3; ++i) {
+      paths[i].assign(bytes, 255);
+      smallest[i].assign(std::size_t(width + 2) * 4, 0);
+      for (int x = -1; x <= width; ++x)
+        for (int p = 0; p < 3; ++p)
+          if (i == 0 || x < 0 || x == width)
+            std::fill_n(paths[i].data() + PathRow::offset(x, p, stride), labels, std::uint8_t(0));
+    }
+    std::vector<std::uint8_t> side(std::size_t(2 * (stride + 2 * kPathGuard)), 255), tolls(std::size_t(width * stride));
+    std::vector<std::uint16_t> sums(static_cast<std::size_t>(stride)), right_sum(std::size_t(width + stride), 0xFFFF),
+        right_label(std::size_t(width + stride));
+    std::vector<Best> best(static_cast<std::size_t>(width));
+    // the plain paths: by direction, column, label
+    std::vector<std::vector<int>> before(4), now(4);
+    for (const int turn : {0, 1}) {
+      RowOfSweep row;
+      row.sense = -1;  // upwards: everything is written
+      row.width = width, row.labels = labels, row.stride = stride;
+      row.costs = costs.data() + turn * width * stride;
+      row.small = small.data(), row.large = large.data();
+      row.before = {paths[turn].data(), smallest[turn].data()};
+      row.now = {paths[turn + 1].data(), smallest[turn + 1].data()};
+      std::fill(side.begin(), side.end(), std::uint8_t(255));
+      std::fill_n(side.data() + kPathGuard, labels, std::uint8_t(0));
+      row.side = side.data();
+      row.tolls = tolls.data();
+      for (auto& value : tolls) value = std::uint8_t(random.below(150));
+      row.sums = sums.data();
+      row.best = best.data();
+      std::fill(right_sum.begin(), right_sum.end(), std::uint16_t(0xFFFF));
+      row.right_sum = right_sum.data(), row.right_label = right_label.data();
+      sweep_columns(row, 0, 9);
+      sweep_columns(row, 9, width);
+      for (auto& costs_of : now) costs_of.assign(std::size_t(width * labels), 0);
+      std::vector<int> seen(std::size_t(width + stride), 1 << 20);
+      for (int x = width - 1; x >= 0; --x) {
+        std::vector<int> sum(static_cast<std::size_t>(labels));
+        for (int k = 0; k < labels; ++k)
+          sum[std::size_t(k)] = tolls[std::size_t(x * stride + k)] + 8 * row.costs[x * stride + k];
+        for (int p = 0; p < 4; ++p) {
+          // side: column + 1 of this row; others: columns x + 1, x, x - 1 of the row before
+          const int column = p == 0 ? x + 1 : x + 2 - p;
+          const auto& from = p == 0 ? now[0] : before[std::size_t(p)];
+          const bool outside = column < 0 || column >= width || (p > 0 && turn == 0);
+          const auto arriving = [&](int k) {
+            if (k < 0 || k >= labels) return 1 << 20;
+            return outside ? 0 : from[std::size_t(column * labels + k)];
+          };
+          int least = 1 << 20;
+          for (int k = 0; k < labels; ++k) least = std::min(least, arriving(k));
+          for (int k = 0; k < labels; ++k) {
+            const int near = std::min(arriving(k - 1), arriving(k + 1)) + small[std::size_t(x)];
+            const int toll = std::min({arriving(k), near, least + large[std::size_t(x * 4 + p)]}) - least;
+            now[std::size_t(p)][std::size_t(x * labels + k)] = row.costs[x * stride + k] + toll;
+            sum[std::size_t(k)] += toll;
+          }
+        }
+        const int k = int(std::min_element(sum.begin(), sum.end()) - sum.begin());
+        EXPECT_EQ(best[std::size_t(x)].label, k);
+        EXPECT_EQ(best[std::size_t(x)].at, sum[std::size_t(k)]);
+        EXPECT_EQ(best[std::size_t(x)].before, k > 0 ? sum[std::size_t(k - 1)] : 0xFFFF);
+        EXPECT_EQ(best[std::size_t(x)].after, k + 1 < labels ? sum[std::size_t(k + 1)] : 0xFFFF);
+        for (int j = 0; j < labels; ++j)
+          seen[std::size_t(width - 1 - x + j)] = std::min(seen[std::size_t(width - 1 - x + j)], sum[std::size_t(j)]);
+      }
+      for (int i = 0; i < width; ++i) EXPECT_EQ(right_sum[std::size_t(i)], seen[std::size_t(i)]) << i;
+      std::swap(before, now);
+    }
+  }
+}
+
+TEST(Census, IsOneBitForEachDarkerPixelAround) {
+  GreyImage picture(90, 5);
+  Random random(4);
+  for (auto& grey : picture.data) grey = std::uint8_t(1 + random.below(255));
+  picture.at(40, 2) = 0;
+  std::vector<std::vector<std::uint8_t>> rows;
+  std::array<const std::uint8_t*, 5> around;
+  for (int y = 0; y < 5; ++y) {
+    auto& row = rows.emplace_back(std::size_t(90 + 2 * kCensusReach + kCensusSlack), std::uint8_t(7));
+    std::copy_n(picture.row(y), 90, row.begin() + kCensusReach);
+  }
+  for (std::size_t y = 0; y < 5; ++y) around[y] = rows[y].data() + kCensusReach;
+  std::vector<std::uint32_t> words(std::size_t(90 + kCensusSlack));
+  census_row(around.data(), 90, words.data());
+  for (int x = 2; x < 88; ++x) {
+    int darker = 0;
+    for (int y = 0; y < 5; ++y)
+      for (int i = x - 2; i <= x + 2; ++i) darker += picture.at(i, y) < picture.at(x, 2);
+    const bool hole = std::abs(x - 40) <= 2;
+    EXPECT_EQ((words[std::size_t(x)] & kNoCensus) != 0, hole) << x;
+    EXPECT_EQ(__builtin_popcount(words[std::size_t(x)] & ~kNoCensus), darker) << x;
+  }
+}
+
+TEST(JumpRow, IsWhatTheFormulaSays) {
+  const int width = 37;
+  std::vector<std::uint8_t> here(std::size_t(width + kCensusSlack + 1)), before(here.size());
+  std::vector<std::uint8_t> jumps(std::size_t(4 * (width + kCensusSlack)));
+  Random random(8);
+  for (auto* row : {&here, &before})
+    for (auto& grey : *row) grey = std::uint8_t(random.below(256));
+  for (const int sense : {1, -1}) {
+    jump_row(here.data() + 1, before.data() + 1, sense, width, jumps.data());
+    for (int x = 0; x < width; ++x) {
+      const auto at = [](const std::vector<std::uint8_t>& row, int column) {
+        return int(row[std::size_t(column + 1)]);
+      };
+      const int others[] = {at(here, x - sense), at(before, x - sense), at(before, x), at(before, x + sense)};
+      for (int p = 0; p < 4; ++p)
+        EXPECT_EQ(jumps[std::size_t(4 * x + p)],
+                  std::max(kLeastJump, kJumpScale / (kGreyOfJump + std::abs(at(here, x) - others[p]))));
+    }
+  }
+}
+
+TEST(StereoTiles, KeepEveryPixelOnceAndBoundMemory) {
+  for (const int width : {300, 5000})
+    for (const int height : {200, 3000})
+      for (const int labels : {64, 700}) {
+        const std::size_t most = 400'000'000;
+        std::int64_t kept = 0;
+        for (const StereoTile& t : stereo_tiles(width, height, labels, most)) {
+          kept += std::int64_t(t.kept_x1 - t.kept_x0) * (t.kept_y1 - t.kept_y0);
+          EXPECT_LE(std::size_t(t.x1 - t.x0) * std::size_t(t.y1 - t.y0) * std::size_t(labels), most);
+          EXPECT_LE(t.x0, t.kept_x0);
+          EXPECT_GE(t.y1, t.kept_y1);
+        }
+        EXPECT_EQ(kept, std::int64_t(width) * height);
+      }
+}
+
+TEST(StereoTiles, TheirBordersAreHardlyFelt) {
+  const TestPair pair{.width = 300, .height = 240, .at_left = 10, .square = 24, .noise = 6};
+  const GreyImage left = pair.picture(true), right = pair.picture(false);
+  const DisparityCosts costs(left, right, StereoCost::kCensus, {});
+  const GreyImage small = small_changes(left);
+  const DisparityRange range{0, 31};
+  const auto matched = [&](std::size_t most) {
+    FloatImage disparity(left.width, left.height, 1, kNaN);
+    for (const StereoTile& tile : stereo_tiles(left.width, left.height, 32, most))
+      match_tile(costs, left, right.width, small, range, 1, tile, {}, disparity);
+    return disparity;
+  };
+  const FloatImage whole = matched(100'000'000), cut = matched(300 * 32 * 130);
+  int differ = 0;
+  for (std::size_t i = 0; i < whole.data.size(); ++i)
+    differ += std::isnan(whole.data[i]) != std::isnan(cut.data[i]) || std::abs(whole.data[i] - cut.data[i]) > 0.25f;
+  EXPECT_LT(differ, 0.005 * double(whole.data.size()));
+}
+
+}  // namespace
+}  // namespace dense
+}  // namespace collinea

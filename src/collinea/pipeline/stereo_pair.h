@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "collinea/dense/stereo.h"
+
+namespace collinea {
+
+/// What a single pair is matched from and how.
+struct StereoPairOptions {
+  std::optional<std::string> project, orientation;
+  bool rectified = false;
+  std::optional<int> min_disparity, max_disparity;
+  std::optional<double> focal_px, base_m;
+  std::optional<std::string> resolution;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = StereoPairOptions;
+    visit(Field{"project", &O::project, "", "oriented project that holds both photographs, named as there"});
+    visit(Field{"orientation", &O::orientation, "",
+                "folder with a COLMAP model (text or binary) that holds both photographs; instead of a project"});
+    visit(Field{"rectified", &O::rectified, "", "the pictures are an epipolar pair as they are"});
+    visit(Field{"min_disparity", &O::min_disparity, "px",
+                "least column left less column right; nothing: 0 for rectified pairs, else from the tie points"});
+    visit(Field{"max_disparity", &O::max_disparity, "px",
+                "largest; nothing: an eighth of the width for rectified pairs, else from the tie points"});
+    visit(Field{"focal_px", &O::focal_px, "px", "of a rectified pair: for the cloud", 1, 1e7});
+    visit(Field{"base_m", &O::base_m, "m", "distance of the cameras of a rectified pair: for the cloud", 1e-9, 1e9});
+    visit(Field{"resolution", &O::resolution, "",
+                "full, half or quarter of the photographs' size; nothing: full for rectified pairs, else the largest "
+                "with at most 3.2 million pixels"});
+  }
+};
+
+/// Matches two pictures and writes into `folder`: disparity.tif, sigma.tif (float, NaN: nothing), disparity.png
+/// (colours, black: nothing), cloud.ply where the cameras are known, stereo.json; and left.png, right.png when they
+/// were resampled. Returns a few lines for people. Errors: neither or both kinds of orientation, pictures not in it,
+/// geometry, disk.
+[[nodiscard]] Result<std::string> match_stereo(const std::string& left, const std::string& right,
+                                               const std::filesystem::path& folder, const StereoPairOptions& pair,
+                                               const StereoOptions& options, const Run& run);
+
+}  // namespace collinea

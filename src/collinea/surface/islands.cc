@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/surface/islands.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace collinea {
+namespace {
+
+constexpr std::uint64_t kShare = 100;    // a part with less than 1 / kShare of the largest one's points is small
+constexpr int kFarthestBlocks = 64;      // farther away nothing tells anything of an island
+constexpr int kAroundBlocks = 16;        // beyond the nearest of what is around
+constexpr double kLowest = 0.05;         // quantile of the heights around; 1 - kLowest of the island's own
+constexpr double kShallowestCells = 10;  // what is less deep may be rough ground
+
+double quantile(std::vector<double>& values, double part) {
+  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+Islands::Place Islands::place_of(const GridPoint& point) {
+  return {floor_div(std::int64_t(std::floor(point.row)), kBlock),
+          floor_div(std::int64_t(std::floor(point.column)), kBlock)};
+}
+
+void Islands::add(std::span<const GridPoint> points) {
+  for (const GridPoint& point : points) {
+    Block& block = blocks_[place_of(point)];
+    ++block.points;
+    block.sum_m += point.height_m;
+  }
+}
+
+std::vector<Islands::Part> Islands::parts() {
+  std::vector<Part> parts;
+  for (auto& [start, first] : blocks_) {
+    if (first.part >= 0 || first.points < kFewest) continue;
+    Part part{{start}, first.points};
+    first.part = int(parts.size());
+    for (std::size_t next = 0; next < part.blocks.size(); ++next)
+      for (std::int64_t dy = -1; dy <= 1; ++dy)
+        for (std::int64_t dx = -1; dx <= 1; ++dx) {
+          const Place place{part.blocks[next].first + dy, part.blocks[next].second + dx};
+          const auto found = blocks_.find(place);
+          if (found == blocks_.end() || found->second.part >= 0 || found->second.points < kFewest) continue;
+          found->second.part = int(parts.size());
+          part.blocks.push_back(place);
+          part.points += found->second.points;
+        }
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+bool Islands::is_sunken(const Part& part, std::uint64_t most, const std::vector<Part>& parts, double cell_m) const {
+  if (part.points * kShare >= most) return false;
+  std::int64_t top = std::numeric_limits<std::int64_t>::max(), bottom = -top, left = top, right = bottom;
+  std::vector<double> own;
+  for (const Place& place : part.blocks) {
+    top = std::min(top, place.first), bottom = std::max(bottom, place.first);
+    left = std::min(left, place.second), right = std::max(right, place.second);
+    own.push_back(blocks_.at(place).mean_m());
+  }
+  // blocks of larger parts by their distance from the island's rectangle
+  std::vector<std::pair<std::int64_t, double>> around;
+  std::int64_t nearest = kFarthestBlocks;
+  for (std::int64_t row = top - kFarthestBlocks; row <= bottom + kFarthestBlocks; ++row)
+    for (auto it = blocks_.lower_bound({row, left - kFarthestBlocks});
+         it != blocks_.end() && it->first.first == row && it->first.second <= right + kFarthestBlocks; ++it) {
+      const Block& block = it->second;
+      if (block.part < 0 || block.sunken || parts[std::size_t(block.part)].points <= part.points) continue;
+      const std::int64_t away =
+          std::max({left - it->first.second, it->first.second - right, top - row, row - bottom, std::int64_t{1}});
+      nearest = std::min(nearest, away);
+      around.emplace_back(away, block.mean_m());
+    }
+  std::vector<double> heights;
+  for (const auto& [away, height_m] : around)
+    if (away <= nearest + kAroundBlocks) heights.push_back(height_m);
+  if (heights.empty()) return false;
+  const double deep_m = quantile(heights, kLowest) - quantile(own, 1 - kLowest);
+  return deep_m > std::max(kShallowestCells, double(nearest) * kBlock) * cell_m;
+}
+
+std::uint64_t Islands::find(double cell_m) {
+  const std::vector<Part> all = parts();
+  std::vector<const Part*> by_size;
+  for (const Part& part : all) by_size.push_back(&part);
+  // the largest first: what has gone says nothing of smaller ones
+  std::stable_sort(by_size.begin(), by_size.end(), [](const Part* a, const Part* b) { return a->points > b->points; });
+  std::uint64_t points = 0;
+  for (const Part* candidate : by_size) {
+    const Part& part = *candidate;
+    if (!is_sunken(part, by_size.front()->points, all, cell_m)) continue;
+    for (const Place& place : part.blocks)  // with the thin rim around them
+      for (std::int64_t dy = -1; dy <= 1; ++dy)
+        for (std::int64_t dx = -1; dx <= 1; ++dx) {
+          const auto found = blocks_.find({place.first + dy, place.second + dx});
+          if (found == blocks_.end() || found->second.sunken) continue;
+          if ((dx || dy) && found->second.part >= 0) continue;
+          found->second.sunken = true;
+          points += found->second.points;
+        }
+  }
+  return points;
+}
+
+bool Islands::holds(const GridPoint& point) const {
+  const auto found = blocks_.find(place_of(point));
+  return found != blocks_.end() && found->second.sunken;
+}
+
+}  // namespace collinea

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "collinea/surface/gridding.h"
+
+namespace collinea {
+
+/// Small parts of a cloud that lie apart from the rest and far below all of it: mirror images in water and glass, and
+/// repeated patterns that several images take for the same wrong place. Looked for in blocks of kBlock x kBlock cells.
+///
+/// A part (blocks with at least kFewest points, 8 neighbours) goes when it has less than a hundredth of the points of
+/// the largest one, and its top lies deeper below the lowest of what is around it than that is away: the ground would
+/// have to fall by more than 45 degrees all the way. A courtyard between roofs stays, since there is other ground as
+/// low around; so do roofs without ground.
+class Islands {
+ public:
+  static constexpr int kBlock = 16;
+  static constexpr int kFewest = 16;
+
+  void add(std::span<const GridPoint> points);
+  /// To be called once all points are there. Returns how many points lie on islands.
+  std::uint64_t find(double cell_m);
+  [[nodiscard]] bool holds(const GridPoint& point) const;
+
+ private:
+  using Place = std::pair<std::int64_t, std::int64_t>;  // row and column of a block
+  struct Block {
+    std::uint64_t points = 0;
+    double sum_m = 0;  // of heights
+    int part = -1;
+    bool sunken = false;
+    [[nodiscard]] double mean_m() const { return sum_m / double(points); }
+  };
+  struct Part {
+    std::vector<Place> blocks;
+    std::uint64_t points = 0;
+  };
+  [[nodiscard]] static Place place_of(const GridPoint& point);
+  [[nodiscard]] std::vector<Part> parts();
+  [[nodiscard]] bool is_sunken(const Part& part, std::uint64_t most, const std::vector<Part>& parts,
+                               double cell_m) const;
+
+  std::map<Place, Block> blocks_;
+};
+
+}  // namespace collinea
