@@ -60,7 +60,7 @@ std::vector<PosePair> pose_pairs(const Adjusted& adjusted) {
 // The parameters of a camera that were estimated.
 std::vector<int> free_of(const MatrixPd& covariance) {
   std::vector<int> free;
-  for (int k = 0; k < Camera::kAllParams; ++k)
+  for (int k = 0; k < covariance.rows(); ++k)
     if (covariance(k, k) > 0) free.push_back(k);
   return free;
 }

@@ -120,7 +120,7 @@ AdjustmentReport report_of_two_images() {
     if (i == 3) covariance.bottomRightCorner<3, 3>() *= 100;
     report.adjusted.pose_covariance[{i}] = covariance;
   }
-  MatrixPd covariance = MatrixPd::Zero();
+  MatrixPd covariance = MatrixPd::Zero(Camera::kParams, Camera::kParams);
   covariance(Camera::kF, Camera::kF) = 4;
   covariance(Camera::kK1, Camera::kK1) = 1e-6;
   covariance(Camera::kF, Camera::kK1) = covariance(Camera::kK1, Camera::kF) = -0.95 * 2e-3;
@@ -136,7 +136,7 @@ AdjustmentReport report_of_two_images() {
 
 TEST(WriteAdjustment, TheStrongestCorrelationsAreNamed) {
   const AdjustmentReport report = report_of_two_images();
-  const std::string page = adjustment_page(report);
+  const std::string page = adjustment_page(report, {});
   EXPECT_NE(page.find("lens: strongest between k1 and f, -0.950"), std::string::npos);
   EXPECT_NE(page.find("turn about north, east</td><td>0.60</td><td>+0.700</td><td class=\"l\">IMG_2.jpg"),
             std::string::npos);
@@ -162,7 +162,7 @@ TEST(WriteAdjustment, TheWeakestImagesAndPointsComeFirst) {
 TEST(WriteAdjustment, WhatNoImageSeesIsCounted) {
   AdjustmentReport report;
   report.adjusted.reliability.emplace().unseen = 3;
-  EXPECT_NE(adjustment_page(report).find("3 measurements are of points that lie where their image does not see them"),
+  EXPECT_NE(adjustment_page(report, {}).find("3 measurements are of points that lie where their image does not see them"),
             std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(adjustment_json(report)).at("reliability").at("unseen"), 3);
 }
@@ -175,7 +175,7 @@ TEST(WriteAdjustment, ControlLeftOutInPartsIsTold) {
   folded.folds = 2;
   folded.part = {1, 2};
   folded.points = {{{1}, {0.03, 0.04, 0.01}, {0.05, 0.05, 0.02}}, {{2}, {0.03, 0.04, 0.07}, {0.05, 0.05, 0.02}}};
-  const std::string page = adjustment_page(report);
+  const std::string page = adjustment_page(report, {});
   EXPECT_NE(page.find("Control in 2 parts"), std::string::npos);
   EXPECT_NE(page.find("Plan: root mean square 0.0500 m over 2 points, foretold 0.0707 m"), std::string::npos);
   const auto parts = nlohmann::json::parse(adjustment_json(report)).at("reliability").at("left_out_in_parts");

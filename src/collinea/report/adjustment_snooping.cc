@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/block/ground_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"
@@ -39,7 +40,7 @@ std::string name_of(const TakenOut& gone, const Block& block) {
     case ObservationGroup::kAttitudeHeading:
       return "attitude of " + block.images.at(gone.image).file + ", heading";
     default:
-      return ground_name(block.ground[gone.ground], block);
+      return words_of(block.ground[gone.ground], block);
   }
 }
 
