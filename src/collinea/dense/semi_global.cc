@@ -118,10 +118,11 @@ class TileMatching {
         if (i) wait_for(done[i - 1], std::min(end + 1, width_));
         sweep_columns(row, column, end);
         column = end;
+        // Before the row counts as done: its slot is used again once enough later rows are.
+        if (column == width_ && sense < 0 && y >= tile_.kept_y0 && y < tile_.kept_y1) take_disparities(y, slot);
         done[i].store(column, std::memory_order_release);
         if (run_.threads > 1) done[i].notify_all();
       }
-      if (sense < 0 && y >= tile_.kept_y0 && y < tile_.kept_y1) take_disparities(y, slot);
     });
   }
 
