@@ -320,8 +320,10 @@ void find_datum(Problem& problem, const State& start) {
       ++problem.rank_defect;
     }
   }
-  problem.moves_as_one =
-      parts.size() == 1 && !parts.front().held && problem.images.size() == parts.front().poses.size();
+  // Nothing of it is held, also no station on the ground that no image shows.
+  bool held = false;
+  for (std::size_t p = 0; p < problem.point_count(); ++p) held = held || problem.point(p).held;
+  problem.moves_as_one = parts.size() == 1 && !held && problem.images.size() == parts.front().poses.size();
   problem.datum_text = describe_datum(parts, problem.rank_defect);
 }
 

@@ -31,7 +31,7 @@ bool is_ray(Group group) { return group == Group::kTieImages || group == Group::
 bool is_height(Group group) {
   return group == Group::kControlHeight || group == Group::kPositionHeight || group == Group::kAttitudeHeading;
 }
-bool is_ground(Group group) { return group >= Group::kDistance && group <= Group::kZenithAngle; }
+bool is_ground(Group group) { return group >= Group::kDistance && group <= Group::kOnLine; }
 bool is_attitude(Group group) { return group == Group::kAttitudeLevel || group == Group::kAttitudeHeading; }
 bool is_position(Group group) { return group == Group::kPositionPlan || group == Group::kPositionHeight; }
 
