@@ -334,14 +334,17 @@ def main():
         camera, images = compare(ours, theirs, pixel)
         compared = [one for one in (camera, images) if one.worst[1]]
         wrong = not (compared and agrees(camera) and agrees(images) and same_fit(ours, theirs))
-        failed += wrong
+        if asked.rows and name.startswith("prague2016"):
+            wrong |= images.digits < images.printed
+        failed += bool(wrong)
         if asked.rows:
-            differ = max(one.worst[0] for one in compared)
-            ratios = f"{min(one.least[0] for one in compared):.4f} to {max(one.most[0] for one in compared):.4f}"
+            differ = max((one.worst[0] for one in compared), default=math.nan)
+            ratios = "nothing"
+            if compared:
+                ratios = f"{min(one.least[0] for one in compared):.4f} to {max(one.most[0] for one in compared):.4f}"
             must = "parameters within 0.02 sigma, standard deviations within 1 %"
             if name.startswith("prague2016"):
                 must += ", every printed digit"
-                wrong |= images.digits < images.printed
             print(as_row(f"published: {name}", must,
                          f"sigma0 {ours['sigma0']:.6g}, published {theirs['sigma0']:.6g}; differ by {differ:.4f} sigma; "
                          f"standard deviations {ratios} of theirs; {images.digits} of {images.printed} printed values "

@@ -15,6 +15,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -207,8 +208,11 @@ int main(int argc, char** argv) {
       if (!alone) timed(theirs, [&] { return by_opencv(*pair); });
       timed(ours, [&] {
         auto found = match_pair(pair->left, pair->right, pair->range, options, run);
-        if (!found) fmt::print(stderr, "{}: {}\n", pair->name, found.error().message);
-        return found ? std::move(*found) : DisparityMap{};
+        if (!found) {
+          fmt::print(stderr, "{}: {}\n", pair->name, found.error().message);
+          std::exit(1);
+        }
+        return std::move(*found);
       });
     }
     fmt::print("{} x {}, {} disparities\n", pair->left.width, pair->left.height,

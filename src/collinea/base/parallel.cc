@@ -21,8 +21,9 @@ void parallel_for(const Run& run, std::size_t count, const std::function<void(st
   std::exception_ptr first_failure;
   const auto take_items = [&] {
     for (;;) {
+      if (run.stopped()) return;  // before an item is taken: others may wait for what was taken
       const std::size_t i = next.fetch_add(1);
-      if (i >= count || run.stopped()) return;
+      if (i >= count) return;
       try {
         work(i);
       } catch (...) {

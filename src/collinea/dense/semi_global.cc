@@ -105,9 +105,20 @@ class TileMatching {
     slot.best.resize(std::size_t(width_));
   }
 
+  // However a row ends, also by an exception: those that wait for it go on.
+  struct Finished {
+    std::atomic<int>& done;
+    int width;
+    ~Finished() {
+      done.store(width, std::memory_order_release);
+      done.notify_all();
+    }
+  };
+
   void sweep(int sense) {
     std::vector<std::atomic<int>> done(static_cast<std::size_t>(height_));
     parallel_for(run_, std::size_t(height_), [&](std::size_t i) {
+      const Finished finished{done[i], width_};
       const int y = tile_.y0 + (sense > 0 ? int(i) : height_ - 1 - int(i));
       const std::size_t rotating = slots_.size() - 1;
       Slot& slot = slots_[i % rotating];

@@ -29,10 +29,14 @@ Result<> VectorFile::finish() {
   {
     const GdalErrors errors;
     dataset_.reset();
-    if (errors.any()) return errors.error(Errc::kBadInput, not_written());
+    if (errors.any()) {
+      remove_part();
+      return errors.error(Errc::kBadInput, not_written());
+    }
   }
   std::error_code failed;
   std::filesystem::rename(part_, path_, failed);
+  if (failed) remove_part();
   if (failed) return fail(Errc::kBadInput, not_written() + ": " + failed.message());
   return {};
 }

@@ -241,7 +241,9 @@ Result<PositionFileRow> timestamp_row(int line, std::string_view text) {
     good = read && std::isfinite(*read);
     if (good) value[i] = *read;
   }
-  if (!good || value[0] < 0 || value[0] > 1e9 || !(value[15] > 0 && value[16] > 0 && value[17] > 0))
+  if (!good || value[0] < 0 || value[0] > 1e9 || !(value[1] >= 0 && value[1] < 7 * 86400) ||
+      !(value[2] >= 0 && value[2] < 1e5) || !(std::abs(value[9]) < 90) || !(std::abs(value[11]) <= 360) ||
+      !(value[15] > 0 && value[16] > 0 && value[17] > 0))
     return bad_line(line,
                     "no line of a timestamp file: number, seconds, [week], N, E, V, Lat, Lon, Ellh and three positive "
                     "standard deviations were expected");

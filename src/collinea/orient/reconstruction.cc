@@ -324,6 +324,7 @@ int Reconstruction::filter(const Limit& limit_px, const Run& run) {
 void Reconstruction::set_noise(const TieNoise& noise) {
   noise_ = noise;
   noise_.sigma_px = std::clamp(noise.sigma_px, kLeastSigma * options_.sigma_px, kMostSigma * options_.sigma_px);
+  noise_.gross_sigmas *= noise.sigma_px / noise_.sigma_px;  // the same error in pixels
 }
 
 std::optional<TieNoise> Reconstruction::shown_noise() const {

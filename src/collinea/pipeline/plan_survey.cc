@@ -206,7 +206,7 @@ Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions
       report.gains.push_back(positions);
     }
   }
-  if (options.trials > 0) {
+  if (options.trials > 0 && !report.precision.cells.empty()) {  // nothing is foretold of a block that is not determined
     COLLINEA_TRY(report.trials, tried(report.precision, options.trials, run));
   }
   report.rules = rules_of_thumb(report.plan, flight, measurements, report.precision);

@@ -28,11 +28,16 @@ Result<GeoTiffReader> opened(const std::filesystem::path& path) {
   return reader;
 }
 
-// Of the four cells around a place, by how much of it is nearest to each.
+// Of the four cells around a place, by how much of it is nearest to each. A place on a cell's centre, but for rounding,
+// does not ask its neighbours: they may have no height.
 double between(const FloatImage& rows, int x, int y, int next_x, int next_y, double u, double v) {
-  const double above = double(rows.at(x, y)) + u * (double(rows.at(next_x, y)) - double(rows.at(x, y)));
-  const double below = double(rows.at(x, next_y)) + u * (double(rows.at(next_x, next_y)) - double(rows.at(x, next_y)));
-  return above + v * (below - above);
+  constexpr double kRounding = 1e-6;
+  const auto mixed = [](double a, double b, double share) {
+    if (share < kRounding) return a;
+    return share > 1 - kRounding ? b : a + share * (b - a);
+  };
+  const auto along = [&](int row) { return mixed(double(rows.at(x, row)), double(rows.at(next_x, row)), u); };
+  return mixed(along(y), along(next_y), v);
 }
 
 }  // namespace
