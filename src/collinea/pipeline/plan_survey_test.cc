@@ -30,8 +30,10 @@ TEST(PlanSurvey, TellsTheSameInTextJsonRasterAndGeoPackage) {
   FlightOptions flight = small_flight();
   flight.west_m = 546000;
   flight.south_m = 5338000;
-  const auto text = plan_survey(flight, {}, small_measurements(), {.crs = "EPSG:32633", .places = 2, .trials = 2},
-                                folder / "out", kSerial);
+  MeasurementOptions measurements = small_measurements();
+  measurements.map_cell_m = 10;
+  const auto text =
+      plan_survey(flight, {}, measurements, {.crs = "EPSG:32633", .places = 2, .trials = 2}, folder / "out", kSerial);
   ASSERT_TRUE(text) << text.error().message;
   const json plan = json::parse(read_file(folder / "out" / "plan.json").value());
   EXPECT_EQ(plan.at("crs"), "WGS 84 / UTM zone 33N");
@@ -43,15 +45,15 @@ TEST(PlanSurvey, TellsTheSameInTextJsonRasterAndGeoPackage) {
   // The raster's root mean square is that of the table.
   const auto raster = GeoTiffReader::open(folder / "out" / "sigma.tif");
   ASSERT_TRUE(raster) << raster.error().message;
-  EXPECT_EQ(raster->grid().width, 6);
-  EXPECT_EQ(raster->grid().height, 4);
+  EXPECT_EQ(raster->grid().width, 9);
+  EXPECT_EQ(raster->grid().height, 6);
   EXPECT_EQ(raster->grid().west_m, 546000);
   EXPECT_FALSE(raster->grid().wkt.empty());
-  const FloatImage sigmas = raster->read_float(0, 0, 6, 4).value();
+  const FloatImage sigmas = raster->read_float(0, 0, 9, 6).value();
   double sum = 0;
-  for (int y = 0; y < 4; ++y)
-    for (int x = 0; x < 6; ++x) sum += std::pow(double(sigmas.at(x, y, 2)), 2);
-  EXPECT_NEAR(std::sqrt(sum / 24), height_m, 1e-6);
+  for (int y = 0; y < 6; ++y)
+    for (int x = 0; x < 9; ++x) sum += std::pow(double(sigmas.at(x, y, 2)), 2);
+  EXPECT_NEAR(std::sqrt(sum / 54), height_m, 1e-6);
 
   // And so is that of the layer, read by GDAL.
   const std::unique_ptr<void, GdalClose> package(
@@ -66,8 +68,8 @@ TEST(PlanSurvey, TellsTheSameInTextJsonRasterAndGeoPackage) {
     ++rows;
     OGR_F_Destroy(feature);
   }
-  EXPECT_EQ(rows, 24);
-  EXPECT_NEAR(std::sqrt(sum / 24), height_m, 1e-12);
+  EXPECT_EQ(rows, 54);
+  EXPECT_NEAR(std::sqrt(sum / 54), height_m, 1e-12);
   for (const char* name : {"site", "images", "control"})
     EXPECT_TRUE(GDALDatasetGetLayerByName(package.get(), name)) << name;
 
