@@ -148,7 +148,10 @@ class Fusion {
     if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
     for (const Strip& strip : strips)
       for (const Mark& mark : strip.marks)
-        used_of(others_[mark.other].image, *others_[mark.other].map)[mark.pixel] = true;
+        if (!done_.count(others_[mark.other].image))
+          used_of(others_[mark.other].image, *others_[mark.other].map)[mark.pixel] = true;
+    used_.erase(image);
+    done_.insert(image);
     if (auto coloured = colour(image, strips); !coloured) return coloured;
     return hand_over(image, strips);
   }
@@ -316,7 +319,8 @@ class Fusion {
   const DenseOptions& options_;
   const Run& run_;
   DepthCache cache_;
-  std::map<ImageId, std::vector<bool>> used_;
+  std::map<ImageId, std::vector<bool>> used_;  // of images still to come
+  std::set<ImageId> done_;
   std::shared_ptr<const DepthMap> reference_;
   std::vector<Other> others_;
   FuseReport report_;

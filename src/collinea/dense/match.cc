@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "collinea/dense/level.h"
+#include "collinea/dense/measured_sigma.h"
 #include "collinea/dense/overview.h"
 #include "collinea/dense/pinhole.h"
 
@@ -273,7 +274,7 @@ class Matching {
       FloatImage surface = std::move(surfaces[std::size_t(l)]);
       dense::fill_holes(surface);
       surface = dense::smoothed_within(dense::median3(surface), level.step);
-      FloatImage certainty(surface.width, surface.height, 1, kSmoothSigmaPx / finest.parallax_px * finest.step);
+      FloatImage certainty(surface.width, surface.height, 1, dense::kSmoothSigmaPx / finest.parallax_px * finest.step);
       if (l > 0) prefer(cut(dense::halved(finer), *level.picture), level.step, surface, certainty);
       dense::Refined refined = dense::refine(level, surface, false, run_);
       for (std::size_t i = 0; i < surface.data.size(); ++i)
@@ -318,7 +319,7 @@ class Matching {
     auto& w = refined.inverse_depth.data;
     for (std::size_t i = 0; i < w.size(); ++i) {
       float& sigma = refined.sigma.data[i];
-      sigma = std::hypot(kSigmaScale * sigma, kSigmaFloorPx * px);
+      sigma = std::hypot(dense::kSigmaScale * sigma, dense::kSigmaFloorPx * px);
       if (!(refined.correlation.data[i] >= float(options_.min_correlation) &&
             sigma <= float(options_.max_sigma_px) * px && w[i] > 0))
         w[i] = std::numeric_limits<float>::quiet_NaN();
@@ -359,11 +360,7 @@ class Matching {
   }
 
   static constexpr float kAgreeing = 1.5f;  // steps
-  // The factor is fitted to rendered pictures where noise decides (docs/theory/dense.md); the floor stands for errors of
-  // interpolation.
-  static constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f;
-  static constexpr float kSmoothSigmaPx = 0.25f;  // of the regularised surface
-  static constexpr float kUnison = 8;             // sigmas
+  static constexpr float kUnison = 8;       // sigmas
   static constexpr float kMuchBetter = 0.6f;
   static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;

@@ -73,50 +73,64 @@ std::vector<ImageId> most_useful(std::vector<Candidate> candidates, int count) {
 }  // namespace
 
 TieView::TieView(const Block& block) : block_(block) {
-  for (std::size_t i = 0; i < block.observations.size(); ++i)
-    if (block.cam_from_world.count(block.observations[i].image) && block.points.count(block.observations[i].point))
-      observations_of_[block.observations[i].image].push_back(std::uint32_t(i));
+  for (const Observation& seen : block.observations) {
+    const auto point = block.points.find(seen.point);
+    if (!block.cam_from_world.count(seen.image) || point == block.points.end()) continue;
+    if (points_.empty() || points_.back() != seen.point) {  // observations are sorted by point
+      points_.push_back(seen.point);
+      positions_.push_back(point->second.position_in_world);
+      first_ray_.push_back(std::uint32_t(image_of_ray_.size()));
+    }
+    rays_of_[seen.image].push_back(std::uint32_t(image_of_ray_.size()));
+    image_of_ray_.push_back(seen.image);
+    cell_of_ray_.push_back(std::uint8_t(cell_of(block.camera_of(seen.image), seen.pixel)));
+  }
+  first_ray_.push_back(std::uint32_t(image_of_ray_.size()));
+  points_.shrink_to_fit();
+  positions_.shrink_to_fit();
+  first_ray_.shrink_to_fit();
+  image_of_ray_.shrink_to_fit();
+  cell_of_ray_.shrink_to_fit();
+  for (auto& [image, rays] : rays_of_) rays.shrink_to_fit();
+}
+
+std::size_t TieView::point_of(std::uint32_t ray) const {
+  return std::size_t(std::upper_bound(first_ray_.begin(), first_ray_.end(), ray) - first_ray_.begin()) - 1;
 }
 
 std::vector<SeenPoint> TieView::seen_by(ImageId image) const {
   std::vector<SeenPoint> seen;
-  const auto own = observations_of_.find(image);
-  if (own == observations_of_.end()) return seen;
+  const auto own = rays_of_.find(image);
+  if (own == rays_of_.end()) return seen;
   const Rigid3& cam_from_world = block_.cam_from_world.at(image);
-  for (const std::uint32_t index : own->second) {
-    const PointId point = block_.observations[index].point;
-    const Eigen::Vector3d in_cam = cam_from_world * block_.points.at(point).position_in_world;
-    if (in_cam.z() > 0) seen.push_back({in_cam, point});
+  for (const std::uint32_t ray : own->second) {
+    const std::size_t point = point_of(ray);
+    const Eigen::Vector3d in_cam = cam_from_world * positions_[point];
+    if (in_cam.z() > 0) seen.push_back({in_cam, points_[point]});
   }
   return seen;
 }
 
 std::vector<ImageId> TieView::neighbours(ImageId image, int count) const {
-  const auto own = observations_of_.find(image);
-  if (own == observations_of_.end()) return {};
+  const auto own = rays_of_.find(image);
+  if (own == rays_of_.end()) return {};
   const Rigid3& cam_from_world = block_.cam_from_world.at(image);
   const Eigen::Vector3d centre = centre_of(cam_from_world);
-  const Camera& camera = block_.camera_of(image);
 
   std::array<double, kCells * kCells> points_in_cell{};
   std::map<ImageId, Candidate> candidates;
-  for (const std::uint32_t index : own->second) {
-    const Observation& mine = block_.observations[index];
-    const Eigen::Vector3d& position = block_.points.at(mine.point).position_in_world;
-    const int cell = cell_of(camera, mine.pixel);
-    ++points_in_cell[std::size_t(cell)];
-    // observations are sorted by point: the other rays of this point lie around index
-    const auto add = [&](const Observation& other) {
-      const auto pose = block_.cam_from_world.find(other.image);
-      if (other.image == image || pose == block_.cam_from_world.end()) return;
-      Candidate& c = candidates[other.image];
-      c.image = other.image;
+  for (const std::uint32_t mine : own->second) {
+    const std::size_t point = point_of(mine);
+    const std::size_t cell = cell_of_ray_[mine];
+    ++points_in_cell[cell];
+    for (std::uint32_t ray = first_ray_[point]; ray < first_ray_[point + 1]; ++ray) {
+      const ImageId other = image_of_ray_[ray];
+      if (other == image) continue;
+      Candidate& c = candidates[other];
+      c.image = other;
       ++c.shared;
-      c.worth[std::size_t(cell)] += worth_of_angle(angle_at(position, centre, centre_of(pose->second)));
-    };
-    for (std::size_t i = index; i-- > 0 && block_.observations[i].point == mine.point;) add(block_.observations[i]);
-    for (std::size_t i = index + 1; i < block_.observations.size() && block_.observations[i].point == mine.point; ++i)
-      add(block_.observations[i]);
+      c.worth[cell] += worth_of_angle(angle_at(positions_[point], centre, centre_of(block_.cam_from_world.at(other))));
+    }
   }
 
   std::vector<Candidate> list;
@@ -131,19 +145,17 @@ std::vector<ImageId> TieView::neighbours(ImageId image, int count) const {
 }
 
 std::vector<ImageId> TieView::overlapping(ImageId image, int count) const {
-  const auto own = observations_of_.find(image);
-  if (own == observations_of_.end()) return {};
+  const auto own = rays_of_.find(image);
+  if (own == rays_of_.end()) return {};
   std::map<ImageId, int> shared;
-  for (const std::uint32_t index : own->second) {
-    const PointId point = block_.observations[index].point;
-    for (std::size_t i = index; i-- > 0 && block_.observations[i].point == point;)
-      ++shared[block_.observations[i].image];
-    for (std::size_t i = index + 1; i < block_.observations.size() && block_.observations[i].point == point; ++i)
-      ++shared[block_.observations[i].image];
+  for (const std::uint32_t mine : own->second) {
+    const std::size_t point = point_of(mine);
+    for (std::uint32_t ray = first_ray_[point]; ray < first_ray_[point + 1]; ++ray)
+      if (ray != mine) ++shared[image_of_ray_[ray]];
   }
   std::vector<std::pair<int, ImageId>> order;
   for (const auto& [id, n] : shared)
-    if (id != image && n >= kFewestShared && block_.cam_from_world.count(id)) order.emplace_back(-n, id);
+    if (id != image && n >= kFewestShared) order.emplace_back(-n, id);
   std::sort(order.begin(), order.end());
   std::vector<ImageId> result;
   for (std::size_t i = 0; i < order.size() && int(i) < count; ++i) result.push_back(order[i].second);

@@ -17,7 +17,8 @@ struct SeenPoint {
   PointId point;
 };
 
-/// Which images see which tie points; built once per block, read by every image. The block must outlive it.
+/// Which images see which tie points; built once per block, read by every image. The block must outlive it, but not its
+/// points and observations.
 class TieView {
  public:
   explicit TieView(const Block& block);
@@ -34,8 +35,15 @@ class TieView {
   [[nodiscard]] std::vector<ImageId> overlapping(ImageId image, int count) const;
 
  private:
+  [[nodiscard]] std::size_t point_of(std::uint32_t ray) const;
+
   const Block& block_;
-  std::map<ImageId, std::vector<std::uint32_t>> observations_of_;  ///< indices into block.observations
+  std::vector<PointId> points_;
+  std::vector<Eigen::Vector3d> positions_;  ///< of the points, in the world
+  std::vector<std::uint32_t> first_ray_;    ///< of each point; one more at the end
+  std::vector<ImageId> image_of_ray_;
+  std::vector<std::uint8_t> cell_of_ray_;                  ///< of its image, where the ray lies
+  std::map<ImageId, std::vector<std::uint32_t>> rays_of_;  ///< ascending
 };
 
 }  // namespace collinea

@@ -209,7 +209,11 @@ class TileMatching {
 }  // namespace
 
 std::vector<StereoTile> stereo_tiles(int width, int height, int labels, std::size_t max_elements) {
-  const int across = (width + kTileWidth - 1) / kTileWidth;
+  // so narrow that a tile of the least height fits
+  const std::size_t column = std::size_t(std::min(height, 3 * kTileOverlap)) * std::size_t(stride_of(labels));
+  const int most = int(std::min<std::size_t>(max_elements / column, std::size_t(kTileWidth + 2 * kTileOverlap)));
+  const int kept_across = std::max(most - 2 * kTileOverlap, kTileOverlap);
+  const int across = (width + kept_across - 1) / kept_across;
   const int widest = std::min(width, (width + across - 1) / across + 2 * kTileOverlap);
   const std::size_t row = std::size_t(widest) * std::size_t(stride_of(labels));
   // rows that fit beside the overlap; as many as the overlap at least

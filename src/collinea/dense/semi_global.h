@@ -15,7 +15,8 @@ struct StereoTile {
   int kept_x0 = 0, kept_y0 = 0, kept_x1 = 0, kept_y1 = 0;  ///< likewise
 };
 
-/// Tiles that cover a picture, so many that one has at most `max_elements` pixels times labels.
+/// Tiles that cover a picture, so many that one has at most `max_elements` pixels times labels (these rounded up to
+/// whole kLabelUnit), which is at least 144 x 144 pixels times that.
 [[nodiscard]] std::vector<StereoTile> stereo_tiles(int width, int height, int labels, std::size_t max_elements);
 
 /// What a change of disparity by one costs at each pixel: as Smoothness::small, on the scale of DisparityCosts.

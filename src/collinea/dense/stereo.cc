@@ -8,14 +8,15 @@
 
 #include "collinea/dense/disparity_measure.h"
 #include "collinea/dense/level.h"
+#include "collinea/dense/measured_sigma.h"
 #include "collinea/dense/semi_global.h"
 
 namespace collinea {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-// As for depth maps: what sigmas are multiplied by, the least of them, and what the regularised surface is worth.
-constexpr float kSigmaScale = 1.2f, kSigmaFloorPx = 0.05f, kSmoothSigmaPx = 0.25f;
+using dense::kSigmaFloorPx, dense::kSigmaScale, dense::kSmoothSigmaPx;
+
 constexpr float kSmoothReachPx = 1;  // neighbours that differ by more belong to another surface
 constexpr int kMostDisparities = 2000;
 constexpr std::size_t kLargestVolume = 400'000'000;  // pixels times labels of a tile, a byte each
@@ -37,9 +38,12 @@ Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRan
   if (range.high < range.low)
     return fail(Errc::kBadInput,
                 "no disparity between " + std::to_string(range.low) + " and " + std::to_string(range.high));
-  if (range.high - range.low >= kMostDisparities)
-    return fail(Errc::kBadInput, std::to_string(range.high - range.low + 1) + " disparities are more than " +
+  if (const std::int64_t count = std::int64_t(range.high) - range.low + 1; count > kMostDisparities)
+    return fail(Errc::kBadInput, std::to_string(count) + " disparities are more than " +
                                      std::to_string(kMostDisparities) + ": use a lower resolution");
+  if (range.low >= left.width || range.high <= -right.width)
+    return fail(Errc::kBadInput, "disparities from " + std::to_string(range.low) + " to " + std::to_string(range.high) +
+                                     " lead out of the pictures everywhere");
   return {};
 }
 

@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <stop_token>
+#include <thread>
 
 #include "collinea/base/random.h"
 #include "collinea/dense/disparity_kernels.h"
@@ -121,14 +125,16 @@ TEST(Stereo, WhatOneCameraCannotSeeIsLeftOut) {
   EXPECT_LT(invented, 0.25 * hidden);
 }
 
+// Errors of overlapping windows are alike: of 49 pixels each there are 430, whose root mean square is sure to 3.4 %.
+// Four of these. With less noise the floor of the sigmas is too large, with more they are too small
+// (docs/theory/dense.md).
 TEST(Stereo, SigmasAreTheErrors) {
   for (const double noise : {4.0, 8.0}) {
     const TestPair pair{.slope = 0.03, .noise = noise};
     const auto map = pair.matched({.max_sigma_px = 1});
     ASSERT_TRUE(map) << map.error().message;
     const Errors e = errors_of(pair, *map);
-    EXPECT_GT(e.in_sigmas, 0.4) << noise;
-    EXPECT_LT(e.in_sigmas, 1.3) << noise;
+    EXPECT_NEAR(e.in_sigmas, 1, 0.15) << noise;
   }
 }
 
@@ -173,7 +179,35 @@ TEST(Stereo, WhatCannotBeMatchedIsRefused) {
   EXPECT_EQ(code(match_pair(picture, GreyImage(), {0, 9}, {}, {})), Errc::kBadInput);
   EXPECT_EQ(code(match_pair(picture, picture, {10, 9}, {}, {})), Errc::kBadInput);
   EXPECT_EQ(code(match_pair(picture, picture, {0, 2000}, {}, {})), Errc::kBadInput);
+  constexpr int kLowest = std::numeric_limits<int>::min(), kHighest = std::numeric_limits<int>::max();
+  EXPECT_EQ(code(match_pair(picture, picture, {kLowest, kHighest}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(picture, picture, {kLowest, kLowest + 9}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(picture, picture, {40, 49}, {}, {})), Errc::kBadInput);
   EXPECT_EQ(code(match_pair(picture, picture, {0, 9}, {.cost = "colour"}, {})), Errc::kBadInput);
+}
+
+// Before it begins, and at any time while three threads are at work on it: it ends, and says that it was stopped unless
+// it was done.
+TEST(Stereo, StopsWhenItIsTold) {
+  const TestPair pair{.width = 400, .height = 300};
+  for (const int wait_us : {0, 500, 2000, 8000, 20'000}) {
+    std::stop_source stop;
+    collinea::Run run;
+    run.threads = 3;
+    run.stop = stop.get_token();
+    if (wait_us == 0) stop.request_stop();
+    const std::jthread other([&] {
+      std::this_thread::sleep_for(std::chrono::microseconds(wait_us));
+      stop.request_stop();
+    });
+    const auto map = pair.matched({}, run);
+    if (wait_us == 0) {
+      EXPECT_FALSE(map);
+    }
+    if (!map) {
+      EXPECT_EQ(map.error().code, Errc::kCancelled);
+    }
+  }
 }
 
 TEST(Stereo, TinyPicturesAreNoTrouble) {
@@ -197,85 +231,140 @@ TEST(FillDisparities, TakesTheFartherOfTheTwoSides) {
 namespace dense {
 namespace {
 
-TEST(SweepColumns, IsWhatTheFormulasSay) {
-  for (const int labels : {20, 64, 90}) {
-    const int width = 23, stride = (labels + kLabelUnit - 1) / kLabelUnit * kLabelUnit;
-    Random random{std::uint64_t(labels)};
-    std::vector<std::uint8_t> costs(std::size_t(2 * width * stride), 255), small(std::size_t(width), 0),
-        large(std::size_t(4 * width));
-    for (int i = 0; i < 2 * width; ++i)
+constexpr int kFar = 1 << 20;
+
+// Two rows of random costs, and all that sweep_columns needs to take them one after the other.
+struct TwoRows {
+  static constexpr int kWidth = 23;
+  int labels, stride;
+  Random random;
+  std::vector<std::uint8_t> costs, small, large, side, tolls;
+  std::vector<std::uint8_t> paths[3], smallest[3];  // outside, first row, second row
+  std::vector<std::uint16_t> sums, right_sum, right_label;
+  std::vector<Best> best;
+
+  explicit TwoRows(int label_count)
+      : labels(label_count),
+        stride((labels + kLabelUnit - 1) / kLabelUnit * kLabelUnit),
+        random{std::uint64_t(labels)},
+        costs(std::size_t(2 * kWidth * stride), 255),
+        small(std::size_t(kWidth), 0),
+        large(std::size_t(4 * kWidth)),
+        side(std::size_t(2 * (stride + 2 * kPathGuard))),
+        tolls(std::size_t(kWidth * stride)),
+        sums(static_cast<std::size_t>(stride)),
+        right_sum(std::size_t(kWidth + stride)),
+        right_label(right_sum.size()),
+        best(static_cast<std::size_t>(kWidth)) {
+    for (int i = 0; i < 2 * kWidth; ++i)
       for (int k = 0; k < labels; ++k) costs[std::size_t(i * stride + k)] = std::uint8_t(random.below(49));
     for (auto& value : small) value = std::uint8_t(3 + random.below(16));
     for (auto& value : large) value = std::uint8_t(19 + random.below(20));
-    const std::size_t bytes = PathRow::offset(width + 1, 0, stride);
-    std::vector<std::uint8_t> paths[3], smallest[3];  // outside, first row, second row
     for (int i = 0; i < 3; ++i) {
-      paths[i].assign(bytes, 255);
-      smallest[i].assign(std::size_t(width + 2) * 4, 0);
-      for (int x = -1; x <= width; ++x)
+      paths[i].assign(PathRow::offset(kWidth + 1, 0, stride), 255);
+      smallest[i].assign(std::size_t(kWidth + 2) * 4, 0);
+      for (int x = -1; x <= kWidth; ++x)
         for (int p = 0; p < 3; ++p)
-          if (i == 0 || x < 0 || x == width)
+          if (i == 0 || x < 0 || x == kWidth)
             std::fill_n(paths[i].data() + PathRow::offset(x, p, stride), labels, std::uint8_t(0));
     }
-    std::vector<std::uint8_t> side(std::size_t(2 * (stride + 2 * kPathGuard)), 255), tolls(std::size_t(width * stride));
-    std::vector<std::uint16_t> sums(static_cast<std::size_t>(stride)), right_sum(std::size_t(width + stride), 0xFFFF),
-        right_label(std::size_t(width + stride));
-    std::vector<Best> best(static_cast<std::size_t>(width));
-    // the plain paths: by direction, column, label
-    std::vector<std::vector<int>> before(4), now(4);
+  }
+
+  // Row 0 or 1, upwards, so that everything is written; in two pieces.
+  void sweep(int turn) {
+    std::fill(side.begin(), side.end(), std::uint8_t(255));
+    std::fill_n(side.data() + kPathGuard, labels, std::uint8_t(0));
+    for (auto& value : tolls) value = std::uint8_t(random.below(150));
+    std::fill(right_sum.begin(), right_sum.end(), std::uint16_t(0xFFFF));
+    RowOfSweep row;
+    row.sense = -1;
+    row.width = kWidth, row.labels = labels, row.stride = stride;
+    row.costs = costs.data() + turn * kWidth * stride;
+    row.small = small.data(), row.large = large.data();
+    row.before = {paths[turn].data(), smallest[turn].data()};
+    row.now = {paths[turn + 1].data(), smallest[turn + 1].data()};
+    row.side = side.data();
+    row.tolls = tolls.data();
+    row.sums = sums.data();
+    row.best = best.data();
+    row.right_sum = right_sum.data(), row.right_label = right_label.data();
+    sweep_columns(row, 0, 9);
+    sweep_columns(row, 9, kWidth);
+  }
+};
+
+// The same by the formulas of docs/theory/stereo.md, label by label.
+struct PlainSweep {
+  const TwoRows& rows;
+  std::array<std::vector<int>, 4> before, now;  // by direction: column, label
+  std::vector<std::vector<int>> sums;           // of the row, by column
+  explicit PlainSweep(const TwoRows& of) : rows(of) {}
+
+  [[nodiscard]] int arriving(int turn, int x, int p, int k) const {
+    if (k < 0 || k >= rows.labels) return kFar;
+    // side: column + 1 of this row; others: columns x + 1, x, x - 1 of the row before
+    const int column = p == 0 ? x + 1 : x + 2 - p;
+    if (column < 0 || column >= TwoRows::kWidth || (p > 0 && turn == 0)) return 0;
+    return (p == 0 ? now[0] : before[std::size_t(p)])[std::size_t(column * rows.labels + k)];
+  }
+
+  void take_path(int turn, int x, int p) {
+    int least = kFar;
+    for (int k = 0; k < rows.labels; ++k) least = std::min(least, arriving(turn, x, p, k));
+    for (int k = 0; k < rows.labels; ++k) {
+      const int near = std::min(arriving(turn, x, p, k - 1), arriving(turn, x, p, k + 1)) + rows.small[std::size_t(x)];
+      const int toll = std::min({arriving(turn, x, p, k), near, least + rows.large[std::size_t(x * 4 + p)]}) - least;
+      now[std::size_t(p)][std::size_t(x * rows.labels + k)] =
+          rows.costs[std::size_t((turn * TwoRows::kWidth + x) * rows.stride + k)] + toll;
+      sums[std::size_t(x)][std::size_t(k)] += toll;
+    }
+  }
+
+  void sweep(int turn) {
+    before = now;
+    for (auto& paths : now) paths.assign(std::size_t(TwoRows::kWidth * rows.labels), 0);
+    sums.assign(TwoRows::kWidth, std::vector<int>(static_cast<std::size_t>(rows.labels)));
+    for (int x = TwoRows::kWidth - 1; x >= 0; --x) {
+      for (int k = 0; k < rows.labels; ++k)
+        sums[std::size_t(x)][std::size_t(k)] =
+            rows.tolls[std::size_t(x * rows.stride + k)] +
+            8 * rows.costs[std::size_t((turn * TwoRows::kWidth + x) * rows.stride + k)];
+      for (int p = 0; p < 4; ++p) take_path(turn, x, p);
+    }
+  }
+};
+
+void expect_best(const TwoRows& rows, const PlainSweep& plain) {
+  for (int x = 0; x < TwoRows::kWidth; ++x) {
+    const std::vector<int>& sum = plain.sums[std::size_t(x)];
+    const Best& best = rows.best[std::size_t(x)];
+    const int k = int(std::min_element(sum.begin(), sum.end()) - sum.begin());
+    EXPECT_EQ(best.label, k);
+    EXPECT_EQ(best.at, sum[std::size_t(k)]);
+    EXPECT_EQ(best.before, k > 0 ? sum[std::size_t(k - 1)] : 0xFFFF);
+    EXPECT_EQ(best.after, k + 1 < rows.labels ? sum[std::size_t(k + 1)] : 0xFFFF);
+  }
+}
+
+void expect_seen_from_right(const TwoRows& rows, const PlainSweep& plain) {
+  std::vector<int> seen(rows.right_sum.size(), kFar);
+  for (int x = 0; x < TwoRows::kWidth; ++x)
+    for (int k = 0; k < rows.labels; ++k) {
+      int& least = seen[std::size_t(TwoRows::kWidth - 1 - x + k)];
+      least = std::min(least, plain.sums[std::size_t(x)][std::size_t(k)]);
+    }
+  for (int i = 0; i < TwoRows::kWidth; ++i) EXPECT_EQ(rows.right_sum[std::size_t(i)], seen[std::size_t(i)]) << i;
+}
+
+TEST(SweepColumns, IsWhatTheFormulasSay) {
+  for (const int labels : {20, 64, 90}) {
+    TwoRows rows(labels);
+    PlainSweep plain(rows);
     for (const int turn : {0, 1}) {
-      RowOfSweep row;
-      row.sense = -1;  // upwards: everything is written
-      row.width = width, row.labels = labels, row.stride = stride;
-      row.costs = costs.data() + turn * width * stride;
-      row.small = small.data(), row.large = large.data();
-      row.before = {paths[turn].data(), smallest[turn].data()};
-      row.now = {paths[turn + 1].data(), smallest[turn + 1].data()};
-      std::fill(side.begin(), side.end(), std::uint8_t(255));
-      std::fill_n(side.data() + kPathGuard, labels, std::uint8_t(0));
-      row.side = side.data();
-      row.tolls = tolls.data();
-      for (auto& value : tolls) value = std::uint8_t(random.below(150));
-      row.sums = sums.data();
-      row.best = best.data();
-      std::fill(right_sum.begin(), right_sum.end(), std::uint16_t(0xFFFF));
-      row.right_sum = right_sum.data(), row.right_label = right_label.data();
-      sweep_columns(row, 0, 9);
-      sweep_columns(row, 9, width);
-      for (auto& costs_of : now) costs_of.assign(std::size_t(width * labels), 0);
-      std::vector<int> seen(std::size_t(width + stride), 1 << 20);
-      for (int x = width - 1; x >= 0; --x) {
-        std::vector<int> sum(static_cast<std::size_t>(labels));
-        for (int k = 0; k < labels; ++k)
-          sum[std::size_t(k)] = tolls[std::size_t(x * stride + k)] + 8 * row.costs[x * stride + k];
-        for (int p = 0; p < 4; ++p) {
-          // side: column + 1 of this row; others: columns x + 1, x, x - 1 of the row before
-          const int column = p == 0 ? x + 1 : x + 2 - p;
-          const auto& from = p == 0 ? now[0] : before[std::size_t(p)];
-          const bool outside = column < 0 || column >= width || (p > 0 && turn == 0);
-          const auto arriving = [&](int k) {
-            if (k < 0 || k >= labels) return 1 << 20;
-            return outside ? 0 : from[std::size_t(column * labels + k)];
-          };
-          int least = 1 << 20;
-          for (int k = 0; k < labels; ++k) least = std::min(least, arriving(k));
-          for (int k = 0; k < labels; ++k) {
-            const int near = std::min(arriving(k - 1), arriving(k + 1)) + small[std::size_t(x)];
-            const int toll = std::min({arriving(k), near, least + large[std::size_t(x * 4 + p)]}) - least;
-            now[std::size_t(p)][std::size_t(x * labels + k)] = row.costs[x * stride + k] + toll;
-            sum[std::size_t(k)] += toll;
-          }
-        }
-        const int k = int(std::min_element(sum.begin(), sum.end()) - sum.begin());
-        EXPECT_EQ(best[std::size_t(x)].label, k);
-        EXPECT_EQ(best[std::size_t(x)].at, sum[std::size_t(k)]);
-        EXPECT_EQ(best[std::size_t(x)].before, k > 0 ? sum[std::size_t(k - 1)] : 0xFFFF);
-        EXPECT_EQ(best[std::size_t(x)].after, k + 1 < labels ? sum[std::size_t(k + 1)] : 0xFFFF);
-        for (int j = 0; j < labels; ++j)
-          seen[std::size_t(width - 1 - x + j)] = std::min(seen[std::size_t(width - 1 - x + j)], sum[std::size_t(j)]);
-      }
-      for (int i = 0; i < width; ++i) EXPECT_EQ(right_sum[std::size_t(i)], seen[std::size_t(i)]) << i;
-      std::swap(before, now);
+      rows.sweep(turn);
+      plain.sweep(turn);
+      expect_best(rows, plain);
+      expect_seen_from_right(rows, plain);
     }
   }
 }
@@ -328,12 +417,12 @@ TEST(JumpRow, IsWhatTheFormulaSays) {
 TEST(StereoTiles, KeepEveryPixelOnceAndBoundMemory) {
   for (const int width : {300, 5000})
     for (const int height : {200, 3000})
-      for (const int labels : {64, 700}) {
-        const std::size_t most = 400'000'000;
+      for (const int labels : {64, 700, 2000}) {
+        const std::size_t most = 400'000'000, bytes = (std::size_t(labels) + kLabelUnit - 1) / kLabelUnit * kLabelUnit;
         std::int64_t kept = 0;
         for (const StereoTile& t : stereo_tiles(width, height, labels, most)) {
           kept += std::int64_t(t.kept_x1 - t.kept_x0) * (t.kept_y1 - t.kept_y0);
-          EXPECT_LE(std::size_t(t.x1 - t.x0) * std::size_t(t.y1 - t.y0) * std::size_t(labels), most);
+          EXPECT_LE(std::size_t(t.x1 - t.x0) * std::size_t(t.y1 - t.y0) * bytes, most);
           EXPECT_LE(t.x0, t.kept_x0);
           EXPECT_GE(t.y1, t.kept_y1);
         }
@@ -353,7 +442,7 @@ TEST(StereoTiles, TheirBordersAreHardlyFelt) {
       match_tile(costs, left, right.width, small, range, 1, tile, {}, disparity);
     return disparity;
   };
-  const FloatImage whole = matched(100'000'000), cut = matched(300 * 32 * 130);
+  const FloatImage whole = matched(100'000'000), cut = matched(std::size_t(300 * 150 * kLabelUnit));
   int differ = 0;
   for (std::size_t i = 0; i < whole.data.size(); ++i)
     differ += std::isnan(whole.data[i]) != std::isnan(cut.data[i]) || std::abs(whole.data[i] - cut.data[i]) > 0.25f;

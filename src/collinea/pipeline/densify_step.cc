@@ -91,20 +91,30 @@ Result<std::string> inputs_of_depth_maps(const Project& project) {
       .hex();
 }
 
+// Where on the map the tie points lie.
+struct Extent {
+  Eigen::Vector3d lowest = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), highest = -lowest;
+};
+
+Extent extent_of(const Block& block, const Places& places) {
+  Extent extent;
+  for (const auto& [id, point] : block.points) {
+    const Eigen::Vector3d on_map =
+        places.frame ? places.frame->map_from_local(point.position_in_world) : point.position_in_world;
+    extent.lowest = extent.lowest.cwiseMin(on_map);
+    extent.highest = extent.highest.cwiseMax(on_map);
+  }
+  return extent;
+}
+
 // Both cloud files at once: LAS in the map, PLY in the world frame.
 class CloudFiles {
  public:
-  static Result<CloudFiles> create(const Project& project, const Block& block, const Places& places) {
+  static Result<CloudFiles> create(const Project& project, const Extent& of_ties, const Places& places) {
     const std::filesystem::path products = project.folder / "products";
     LasWriter::Options las;
-    las.lowest.setConstant(std::numeric_limits<double>::infinity());
-    las.highest = -las.lowest;
-    for (const auto& [id, point] : block.points) {
-      const Eigen::Vector3d on_map =
-          places.frame ? places.frame->map_from_local(point.position_in_world) : point.position_in_world;
-      las.lowest = las.lowest.cwiseMin(on_map);
-      las.highest = las.highest.cwiseMax(on_map);
-    }
+    las.lowest = of_ties.lowest;
+    las.highest = of_ties.highest;
     if (places.frame) las.wkt = places.frame->wkt1();
     las.compressed = project.settings.densify.cloud == "laz";
     las.run = project.run;
@@ -146,8 +156,12 @@ class CloudFiles {
 }  // namespace
 
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
-  COLLINEA_TRY(const Block block, project.store.read_block());
+  COLLINEA_TRY(Block block, project.store.read_block());
   COLLINEA_TRY(const Places places, places_of(project, block));
+  const Extent of_ties = extent_of(block, places);
+  const TieView ties(block);
+  block.points.clear();  // from here on all is in `ties`, in a fraction of the memory
+  block.observations = {};
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
   WorkingPictures pictures(
       block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
@@ -155,12 +169,11 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
   COLLINEA_TRY(DepthFolder overviews,
                DepthFolder::open(project.folder / "depth" / "overview", made_from, block, pictures));
-  const TieView ties(block);
   json report = {{"skipped", json::array()}};
   COLLINEA_TRY(const std::vector<ImageId> images,
                match_all(project, block, ties, pictures, overviews, folder, report["skipped"]));
 
-  COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project, block, places));
+  COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project, of_ties, places));
   COLLINEA_TRY(const FuseReport fused, fuse(
                                            block, ties, images, folder,
                                            [&](ImageId image, int shrink) { return read_colour(photo(image), shrink); },
