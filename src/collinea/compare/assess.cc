@@ -58,6 +58,12 @@ Result<SurfaceErrors> assess_surface(const ProductFiles& products, const TruthFo
                         terrain.read ? &terrain : nullptr);
 }
 
+Result<WallErrors> assess_walls(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
+  COLLINEA_TRY(const HeightField model, open_height_field(products.dsm));
+  COLLINEA_TRY(const HeightField expected, open_height_field(truth.dsm));
+  return wall_errors(model, expected, expected.grid.cell_m, run);
+}
+
 Result<TerrainErrors> assess_terrain(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
   COLLINEA_TRY(const HeightField model, open_height_field(products.dtm));
   COLLINEA_TRY(const StateReader state, byte_reader(products.dtm_state, nullptr));
@@ -108,6 +114,7 @@ Result<Assessment> assess(const Block& block, const ProductFiles& products, cons
   }
   if (there(products.dsm) && there(truth.dsm)) {
     COLLINEA_TRY(result.surface, assess_surface(products, truth, run));
+    COLLINEA_TRY(result.walls, assess_walls(products, truth, run));
   }
   if (there(products.dtm) && there(products.dtm_state) && there(truth.dtm) && there(truth.dsm)) {
     COLLINEA_TRY(result.terrain, assess_terrain(products, truth, run));
@@ -144,6 +151,15 @@ std::string table(const Assessment& a) {
         "{:.4g} m\n",
         100 * a.surface->completeness, 100 * a.surface->completeness_measured, 100 * a.surface->completeness_seen,
         a.surface->cell_m);
+  }
+  if (a.walls && a.walls->places) {
+    const double unit_m = a.gsd_m.value_or(a.surface->cell_m);
+    text += fmt::format(
+        "surface model, walls               {} places   RMS {:.4f} m = {:.2f} GSD   median {:.2f} GSD   mean {:+.4f} m "
+        "  "
+        "within 2 GSD {:.1f} %\n",
+        a.walls->places, a.walls->rms_m, a.walls->rms_m / unit_m, a.walls->median_m / unit_m, a.walls->mean_m,
+        100 * a.walls->share_within);
   }
   if (a.terrain) {
     const double unit_m = a.gsd_m.value_or(a.terrain->cell_m);

@@ -9,6 +9,7 @@
 #include "collinea/compare/ortho_errors.h"
 #include "collinea/compare/pose_errors.h"
 #include "collinea/compare/surface_errors.h"
+#include "collinea/compare/wall_errors.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {
@@ -23,6 +24,7 @@ struct Assessment {
   PoseErrors poses;
   std::optional<PointErrors> check_points, control_points;  ///< nothing without such marks or without georeference
   std::optional<SurfaceErrors> surface;
+  std::optional<WallErrors> walls;
   std::optional<TerrainErrors> terrain;
   std::optional<OrthoErrors> ortho;
   std::optional<double> gsd_m;  ///< cell of the true rasters

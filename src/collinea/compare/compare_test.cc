@@ -133,6 +133,42 @@ TEST(SurfaceErrors, BiasNoiseHolesAndEdgesAreToldApart) {
   EXPECT_NEAR(errors->completeness, 0.9, 1e-3);
 }
 
+// The block of the plain, turned by 30 degrees and `wider` on every side.
+float turned_block(double x, double y, double wider) {
+  const double u = (x - 20) * std::cos(0.5236) + (y - 20) * std::sin(0.5236);
+  const double v = (y - 20) * std::cos(0.5236) - (x - 20) * std::sin(0.5236);
+  return std::max(std::abs(u), std::abs(v)) < 6 + wider ? 5 : float(0.1 * x);
+}
+
+// Cells of 10 cm tell the place of a wall to 10 / sqrt(12) cm, one by one.
+TEST(WallErrors, AreHowMuchTooWideABlockIs) {
+  const HeightField truth = field_of(0.05, 800, [](double x, double y) { return turned_block(x, y, 0); });
+  for (const double wider : {-0.3, 0.0, 0.4}) {
+    const HeightField model = field_of(0.1, 400, [=](double x, double y) { return turned_block(x, y, wider); });
+    const auto errors = wall_errors(model, truth, 0.1, collinea::Run{});
+    ASSERT_TRUE(errors);
+    EXPECT_GT(errors->places, 250u);  // 48 m of walls, the corners left out
+    EXPECT_NEAR(errors->mean_m, wider, 0.03);
+    EXPECT_NEAR(errors->median_m, std::abs(wider), 0.05);
+    EXPECT_NEAR(errors->rms_m, std::hypot(wider, 0.1 / std::sqrt(12.0)), 0.03);
+    EXPECT_NEAR(errors->share_within, wider == 0 ? 1 : 0, 0.15);
+  }
+}
+
+TEST(WallErrors, SlopesAndWallsInHolesAreNotLookedAt) {
+  const auto slope = [](double x, double) { return float(x); };
+  EXPECT_EQ(wall_errors(field_of(0.1, 400, slope), field_of(0.1, 400, slope), 0.1, collinea::Run{})->places, 0u);
+  const auto rim = [](double x, double y) { return y < 20 ? kNone : turned_block(x, y, 0); };  // of the truth
+  const auto at_rim = wall_errors(field_of(0.1, 400, rim), field_of(0.1, 400, rim), 0.1, collinea::Run{});
+  ASSERT_TRUE(at_rim);
+  EXPECT_LT(at_rim->rms_m, 0.1);
+  const auto holed = [](double x, double y) { return std::abs(x - 20) < 7 ? kNone : turned_block(x, y, 0); };
+  const HeightField truth = field_of(0.1, 400, [](double x, double y) { return turned_block(x, y, 0); });
+  const auto errors = wall_errors(field_of(0.1, 400, holed), truth, 0.1, collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_LT(errors->places, 60u);
+}
+
 TEST(SurfaceErrors, MeasuredAndInterpolatedCellsAreToldApart) {
   const auto model = [](double x, double y) { return height_at(x, y) + (x < 10 ? 1.0f : 0.1f); };
   const StateReader state = [](int column, int, int width, int height) -> Result<Raster<std::uint8_t>> {
