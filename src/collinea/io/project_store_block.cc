@@ -403,6 +403,8 @@ Result<> read_orientation_tables(Database& db, Block& block) {
   auto& points = block.points;
   const auto take_point = [&](PointRecord::Value&& p) { points.insert_or_assign(points.end(), p.first, p.second); };
   if (auto read = read_chunks<PointRecord>(db, "points", take_point); !read) return read;
+  COLLINEA_TRY(const auto bytes, db.integer("SELECT coalesce(sum(length(data)), 0) FROM observations"));
+  block.observations.reserve(std::size_t(bytes) / ObservationRecord::kBytes);  // growing would take twice as much
   const auto take_observation = [&](const Observation& o) { block.observations.push_back(o); };
   if (auto read = read_chunks<ObservationRecord>(db, "observations", take_observation); !read) return read;
   return read_control_observations(db, "used_control_observations", block);
