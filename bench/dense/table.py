@@ -3,7 +3,7 @@
 """What dense matching, surface and orthophoto must show, and what they do, as one table.
 
 usage: bench/dense/table.py [--only stereo,beach,demo,memory] [--data DIR] [--out DIR] [--bin DIR]
-  --only  rows; default: stereo, beach and demo (memory renders 450 images, and takes 15 minutes of processor time)
+  --only  rows; default: stereo, beach and demo (memory renders 450 images, and takes 10 minutes of processor time)
   --data  folder of the real blocks (default ../shared/data); what is not there is skipped, saying so
   --out   where the projects go (default build/bench-dense); projects found there are continued
   --bin   folder of the programs (default build/release/bin)
