@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "collinea/adjust/place_precision.h"
 #include "collinea/adjust/reliability.h"
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
@@ -243,6 +244,7 @@ struct Adjusted {
       pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points
+  std::vector<PlacePrecision> places;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
   std::string undetermined;
   Conditioning conditioning;               ///< with covariances
   std::vector<Weakness> weaknesses;        ///< with covariances; none: everything is well determined

@@ -129,6 +129,41 @@ TEST(Adjust, CovarianceMatchesTheRealErrors) {
   EXPECT_NEAR(focal.mean(), 1, 4 * focal.sigma_of_mean());
 }
 
+// Points measured without error in the adjusted images are off by what Adjusted::places says, and by nothing else:
+// chi-squared with 3 degrees of freedom, as above.
+TEST(Adjust, PlacesMeasuredWithoutErrorAreAsFarOffAsTheImagesMakeThem) {
+  AdjustOptions options = plain("focal");
+  options.covariances = true;
+  Series places;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    const Block truth = test_block({.rows = 2, .columns = 3, .points = 60, .seed = seed});
+    AdjustScope scope;
+    const auto adjusted = adjust(measured_anew(truth, scope, seed), scope, options, kRun);
+    ASSERT_TRUE(adjusted) << adjusted.error().message;
+    ASSERT_GT(adjusted->places.size(), 20u);
+    Block exact = truth;  // its measurements have no errors
+    apply(*adjusted, exact);
+    AdjustScope held;
+    for (const auto& [id, pose] : exact.cam_from_world) held.fixed_images.insert(id);
+    const auto intersected = adjust(exact, held, plain(), kRun);
+    ASSERT_TRUE(intersected) << intersected.error().message;
+    const std::map<PointId, Eigen::Vector3d> found(intersected->points.begin(), intersected->points.end());
+    double sum = 0;
+    int count = 0;
+    for (const PlacePrecision& place : adjusted->places)
+      for (const auto& [id, position] : adjusted->points) {
+        if (position != place.position_in_world) continue;
+        const Eigen::Vector3d error = found.at(id) - truth.points.at(id).position_in_world;
+        sum += error.dot(place.covariance_m2.inverse() * error);
+        ++count;
+      }
+    ASSERT_EQ(count, int(adjusted->places.size()));
+    places.values.push_back(sum / count);
+  }
+  EXPECT_NEAR(places.mean(), 3, 4 * places.sigma_of_mean());
+  EXPECT_LT(4 * places.sigma_of_mean(), 0.6);
+}
+
 // Errors of Student's distribution with three degrees of freedom and the loss that goes with it: the whitened errors of
 // poses in a free block, times sigma0, are as long as their covariance says. Without sigma0 they would be
 // 1.5 times too long.

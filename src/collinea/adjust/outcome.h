@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "collinea/adjust/free_network.h"
 #include "collinea/adjust/normals.h"
 #include "collinea/adjust/problem.h"
 
@@ -19,6 +20,10 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
 /// `normals` holds.
 void add_covariances(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
                      const Run& run, Normals& normals, Adjusted& adjusted);
+
+/// Fills Adjusted::places, by the selected inverse.
+void add_places(const Problem& problem, const State& state, const FreeNetwork& free_network, TileCholesky& inverse,
+                const Run& run, Adjusted& adjusted);
 
 /// The cofactor of an observation by one pose and unknowns of the border.
 [[nodiscard]] double variance_of(const Row& row, TileCholesky& inverse);

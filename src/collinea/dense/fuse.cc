@@ -42,6 +42,22 @@ struct Mark {
   std::uint32_t other, pixel;
 };
 
+// What the depth maps say of a point, the one it is written for included. Counts of maps, and sums of 1 / sigma^2.
+struct Votes {
+  int in_view = 1, looking = 1;    // that have it on their picture; of these, those that are not far aside
+  int agreeing = 1, measured = 1;  // the second: of these, those that know it to a part of a pixel
+  int looking_through = 0;
+  double agreed = 0, against = 0;  // of those that agree, and of those that look through
+
+  // What is only known from coarse pictures comes from one and the same vote of overviews, whichever map tells it:
+  // there every image that could have measured it counts, and a few precise depths behind it outweigh many such.
+  [[nodiscard]] bool confirmed(int min_images) const {
+    const bool enough =
+        measured >= std::clamp(looking, 2, min_images) || agreeing >= std::clamp(in_view, 2, min_images);
+    return enough && looking_through < agreeing && against <= agreed;
+  }
+};
+
 struct Strip {
   std::vector<FusedPoint> points;
   std::vector<Mark> marks;
@@ -182,7 +198,8 @@ class Fusion {
     const Vector3 ray = pinhole.ray(x + 0.5, y + 0.5);
     const auto normal = normal_at(*reference_, pinhole, x, y);
     double weights = 1 / (sigma * sigma), sum = z * weights;
-    int looking = 1, agreeing = 1, looking_through = 0;
+    Votes votes;
+    votes.agreed = weights;
     const std::size_t first_mark = marks.size();
     for (std::size_t i = 0; i < others_.size(); ++i) {
       const Other& other = others_[i];
@@ -191,29 +208,36 @@ class Fusion {
       const Eigen::Vector2d at = other.pinhole.project(there);
       const double u = at.x(), v = at.y();
       if (!(u >= 0 && v >= 0 && u < other.map->depth.width && v < other.map->depth.height)) continue;
-      // images farther aside may see something else: they need not agree
-      looking += angle_between(other, ray, z) < kWidestAngle_rad && u > kFramePx && v > kFramePx &&
-                 u < other.map->depth.width - kFramePx && v < other.map->depth.height - kFramePx;
+      if (u > kFramePx && v > kFramePx && u < other.map->depth.width - kFramePx &&
+          v < other.map->depth.height - kFramePx) {
+        ++votes.in_view;
+        votes.looking += angle_between(other, ray, z) < kWidestAngle_rad;  // farther aside they may see something else
+      }
       const auto reading = reading_at(*other.map, u, v);
       if (!reading) continue;
-      const double off = there.z() - reading->depth;
+      const double off = there.z() - reading->depth, weight = 1 / (reading->sigma * reading->sigma);
       const double tolerance = options_.max_sigmas * std::hypot(sigma, reading->sigma);
       const Vector3 back = other.rotation.transpose() * (other.pinhole.ray(u, v) * reading->depth - other.translation);
       const Eigen::Vector2d shift = pinhole.f * (back.head<2>() / back.z() - ray.head<2>());
       const double in_px = shift.norm() / std::max(std::abs(off), 1e-12);
-      const double reach_px =
-          std::max(options_.max_reprojection_px, kRoughReach * in_px * std::max(sigma, reading->sigma));
-      if (std::abs(off) > tolerance || !(shift.norm() <= reach_px)) {
-        looking_through += off < 0;
+      const double sigma_px = in_px * std::max(sigma, reading->sigma);
+      if (std::abs(off) > tolerance ||
+          !(shift.norm() <= std::max(options_.max_reprojection_px, kRoughReach * sigma_px))) {
+        votes.looking_through += off < 0;
+        if (off < 0) votes.against += weight;
         continue;
       }
-      ++agreeing;
-      const double weight = 1 / (reading->sigma * reading->sigma);
-      weights += weight;
-      sum += weight * depth_on_ray(back, ray, normal);
+      ++votes.agreeing;
+      votes.measured += sigma_px <= options_.max_sigma_px;
+      votes.agreed += weight;
+      // A view that grazes the surface, or a wrong normal, says nothing of the depth on this ray.
+      if (const double moved = depth_on_ray(back, ray, normal); std::abs(moved - z) <= tolerance) {
+        weights += weight;
+        sum += weight * moved;
+      }
       mark_around(i, u, v, there.z(), 2 * tolerance, marks);
     }
-    if (agreeing < std::clamp(looking, 2, options_.min_images) || looking_through >= agreeing) {
+    if (!votes.confirmed(options_.min_images)) {
       marks.resize(first_mark);
       return std::nullopt;
     }
@@ -221,7 +245,7 @@ class Fusion {
     point.position_in_world = world_from_cam * (ray * (sum / weights));
     point.normal_in_world = (world_from_cam.rotation * normal.value_or(-ray.normalized())).cast<float>();
     point.sigma = float(std::min(std::sqrt(kSharedSource / weights), sigma) * ray.norm());
-    point.images = std::uint8_t(std::min(agreeing, 255));
+    point.images = std::uint8_t(std::min(votes.agreeing, 255));
     return point;
   }
 

@@ -33,8 +33,9 @@ struct FuseReport {
 
 /// One cloud from the depth maps of `images`, written to `sink` in batches, in an order that depends on nothing but the
 /// input. A pixel becomes a point when at least options.min_images maps (itself included; or all that look at it, but
-/// two) agree within max_sigmas and max_reprojection_px (or two sigmas, where that is more), and fewer look through it;
-/// the point is the weighted mean along its ray. Pixels of
+/// two) agree within max_sigmas and max_reprojection_px (or two sigmas, where that is more) and know it to max_sigma_px
+/// of parallax; where they do not, min_images, or all that have it on their picture. Fewer, and by 1 / sigma^2 none
+/// weightier, look through it. The point is the weighted mean along its ray. Pixels of
 /// other maps that show a point already written are not written again. Memory: options.memory_mb of depth maps and a
 /// bit per pixel of the block. `colours` may be empty: points stay black. Errors: kCancelled, and what store, colours
 /// and sink say.

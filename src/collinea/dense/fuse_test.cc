@@ -156,6 +156,53 @@ TEST(Fuse, RoughSurfacesAgreeWithinTwoSigmas) {
   EXPECT_NEAR(confirmed, 0.8 * 0.9, 0.04);
 }
 
+// The same two images and the blind one far aside: what the two know to 0.02 px is written, what they know to 0.6 px
+// needs everybody that has it on the picture.
+TEST(Fuse, CoarseDepthsNeedImagesFarAsideToo) {
+  const Scene wide = with_a_blind_third(6);
+  MemoryStore coarse = true_maps(wide, 0.3f, 0);
+  EXPECT_EQ(part_written(wide, coarse, 7, 60), 0);
+}
+
+// Three maps say that something floats 2 m above the ground, to `sigma` each; the fourth sees the ground to 1 cm.
+std::size_t floating_points(float sigma) {
+  const Scene scene = Scene::of_four({.slope = 0});
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  for (auto& [id, map] : store.maps) {
+    if (id == ImageId{3}) continue;
+    const Eigen::Vector3d centre = centre_of(scene.block.cam_from_world.at(id));
+    for (int y = 0; y < map.depth.height; ++y)
+      for (int x = 0; x < map.depth.width; ++x) {
+        const Eigen::Vector3d on_ground = scene.truth(id, map.camera, x, y).point_in_world;
+        const double part = (centre.z() - 2) / centre.z();
+        const Eigen::Vector3d above = centre + part * (on_ground - centre);
+        if (std::hypot(above.x(), above.y()) > 0.5) continue;
+        map.depth.at(x, y) *= float(part);
+        map.sigma.at(x, y) = sigma;
+      }
+  }
+  const Cloud cloud = fused(scene, store);
+  return std::size_t(std::count_if(cloud.points.begin(), cloud.points.end(),
+                                   [&](const FusedPoint& p) { return height_above_ground(scene, p) > 1; }));
+}
+
+TEST(Fuse, APreciseDepthBehindOutweighsCoarseOnesThatAgree) {
+  EXPECT_GT(floating_points(0.01f), 200u);  // a disc of 314 pixels
+  EXPECT_EQ(floating_points(0.2f), 0u);
+}
+
+// Noise of 2 px of the ground makes every normal wrong. What is averaged is within four sigmas of both depths from the
+// pixel's own depth, so no point can be farther off than that and its own error, five sigmas in 80,000 pixels.
+TEST(Fuse, WrongNormalsDoNotMovePoints) {
+  const Scene scene = Scene::of_four({.slope = 0});
+  const float sigma = 0.1f;
+  MemoryStore store = true_maps(scene, sigma, 1);
+  double worst = 0;
+  for (const FusedPoint& p : fused(scene, store).points)
+    worst = std::max(worst, std::abs(height_above_ground(scene, p)));
+  EXPECT_LT(worst, sigma * 5);
+}
+
 TEST(Fuse, HolesStayHoles) {
   const Scene scene = Scene::of_four({.slope = 0});
   MemoryStore store = true_maps(scene, 0.01f, 0);

@@ -119,11 +119,9 @@ json excluded_control(const Orientation& orientation, const Block& setup) {
 // What only the report needs: differences and sigmas one by one.
 json details_of(const Orientation& orientation, const Block& setup) {
   const Adjusted& adjusted = orientation.adjusted;
-  json details = {{"control", json::array()},
-                  {"positions", json::array()},
-                  {"ground", json::array()},
-                  {"centre_sigma_m", json::object()},
-                  {"camera_sigma", json::object()}};
+  json details = {{"control", json::array()},         {"positions", json::array()},    {"ground", json::array()},
+                  {"places", json::array()},  // east, north in the world, standard deviation of the height
+                  {"centre_sigma_m", json::object()}, {"camera_sigma", json::object()}};
   for (const ControlDifference& control : adjusted.control)
     details["control"].push_back({{"point", control.point.value},
                                   {"used", control.used},
@@ -143,6 +141,10 @@ json details_of(const Orientation& orientation, const Block& setup) {
                                  {"adjusted", ground.adjusted},
                                  {"difference", ground.difference},
                                  {"sigma", numbers(std::array{ground.difference_sigma})[0]}});
+  for (const PlacePrecision& place : adjusted.places)
+    details["places"].push_back(
+        numbers(Eigen::Vector3d(place.position_in_world.x(), place.position_in_world.y(),
+                                std::sqrt(std::max(0.0, place.covariance_m2(2, 2))) * sigma_scale(adjusted))));
   for (const auto& [image, covariance] : adjusted.pose_covariance)
     details["centre_sigma_m"][std::to_string(image.value)] =
         numbers(Eigen::Vector3d(covariance.diagonal().tail<3>().cwiseSqrt() * sigma_scale(adjusted)));

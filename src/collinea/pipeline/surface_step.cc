@@ -23,6 +23,21 @@ PointSource points_of(LasReader& reader) {
   };
 }
 
+// What images and cameras make of heights, as orientation found it.
+Result<std::vector<PlaceSigma>> orientation_sigmas(const Project& project, const LocalFrame* frame) {
+  COLLINEA_TRY(const auto oriented, project.store.read_step("orient"));
+  COLLINEA_CHECK(oriented.has_value());
+  const auto report = nlohmann::json::parse(oriented->report_json);
+  std::vector<PlaceSigma> sigmas;
+  for (const auto& place : report.at("details").value("places", nlohmann::json::array())) {
+    if (!place.at(2).is_number()) continue;
+    const Eigen::Vector3d in_world(place.at(0).get<double>(), place.at(1).get<double>(), 0);
+    const Eigen::Vector3d on_map = frame ? frame->map_from_local(in_world) : in_world;
+    sigmas.push_back({on_map.x(), on_map.y(), place.at(2).get<double>()});
+  }
+  return sigmas;
+}
+
 }  // namespace
 
 Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash) {
@@ -31,13 +46,14 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
     return StepOutput{inputs_hash, R"({"skipped_because": "the images do not look down: no surface model"})",
                       "the images do not look down on the scene: no surface model"};
   COLLINEA_TRY(const Places places, places_of(project, block));
+  COLLINEA_TRY(const std::vector<PlaceSigma> sigmas, orientation_sigmas(project, places.frame_or_null()));
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
                        products / "dsm_count.tif"};
   COLLINEA_TRY(const DsmSummary summary,
-               build_dsm(points_of(reader), places.frame_or_null(), places.matched_pixel_m, files,
-                         project.folder / "scratch", project.settings.surface, project.run, PointFrame::kMap));
+               build_dsm({points_of(reader), places.frame_or_null(), PointFrame::kMap, places.matched_pixel_m, sigmas},
+                         files, project.folder / "scratch", project.settings.surface, project.run));
   const double seen = double(summary.measured_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
                                  {"width", summary.grid.width},

@@ -55,11 +55,12 @@ bool usable(const GridPoint& p) {
   return std::abs(p.column) < kFarthest && std::abs(p.row) < kFarthest && std::isfinite(p.height_m) && p.sigma_m > 0;
 }
 
-Result<> collect(const PointSource& source, const LocalFrame* frame, double cell_m, PointBuckets& buckets,
-                 Islands& islands, DsmSummary& summary, const Run& run) {
+Result<> collect(const SurfaceCloud& cloud, double cell_m, PointBuckets& buckets, Islands& islands, DsmSummary& summary,
+                 const Run& run) {
+  const LocalFrame* frame = cloud.point_frame == PointFrame::kMap ? nullptr : cloud.frame;
   std::vector<SurfacePoint> batch;
   for (;;) {
-    if (auto read = source(batch); !read) return read;
+    if (auto read = cloud.points(batch); !read) return read;
     if (batch.empty()) return {};
     std::vector<GridPoint> points = in_cells(batch, frame, cell_m, run);
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
@@ -72,7 +73,7 @@ Result<> collect(const PointSource& source, const LocalFrame* frame, double cell
 
 // A few stray points far away would stretch the raster over the country: buckets with next to nothing, and nothing
 // around them, go.
-void drop_strays(PointBuckets& buckets, DsmSummary& summary) {
+void drop_strays(PointBuckets& buckets, Islands& islands, DsmSummary& summary) {
   std::uint64_t most = 0;
   for (const auto& [place, bucket] : buckets.buckets()) most = std::max(most, bucket.count);
   const auto filled = [&](const PointBuckets::Place& place) {
@@ -88,20 +89,18 @@ void drop_strays(PointBuckets& buckets, DsmSummary& summary) {
     strays.push_back(place);
     summary.points_dropped += bucket.count;
   }
-  for (const auto& place : strays) buckets.drop(place);
+  for (const auto& place : strays) {
+    buckets.drop(place);
+    islands.forget({place.column * kBucketCells, place.row * kBucketCells, kBucketCells, kBucketCells});
+  }
 }
 
 struct Extent {
   std::int64_t west, north, width, height;  // cells
 };
 
-Result<Extent> extent_of(const PointBuckets& buckets) {
-  std::int64_t west = std::numeric_limits<std::int64_t>::max(), east = std::numeric_limits<std::int64_t>::min();
-  std::int64_t north = west, south = east;
-  for (const auto& [place, bucket] : buckets.buckets()) {
-    west = std::min(west, bucket.west), east = std::max(east, bucket.east);
-    north = std::min(north, bucket.north), south = std::max(south, bucket.south);
-  }
+Result<Extent> extent_of(const Islands& islands) {
+  const auto [west, north, east, south] = islands.bounds();
   const Extent extent{west, north, east - west + 1, south - north + 1};
   if (double(extent.width) * double(extent.height) > kMostCells || extent.width > 1'000'000 ||
       extent.height > 1'000'000)
@@ -180,7 +179,8 @@ Result<> measure_all(const PointBuckets& buckets, const Islands& islands, const 
 }
 
 Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const HoleFilling& holes,
-                      const SurfaceSink& sink, DsmSummary& summary, const Run& run) {
+                      const OrientationSigma& orientation, const SurfaceSink& sink, DsmSummary& summary,
+                      const Run& run) {
   std::vector<CellWindow> windows;
   for (std::int64_t y = 0; y < extent.height; y += kTileCells)
     for (std::int64_t x = 0; x < extent.width; x += kTileCells)
@@ -190,7 +190,9 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
       windows.size(), run, 0.8, 1,
       [&](std::size_t i) -> Result<SurfaceTile> {
         COLLINEA_TRY(const SurfaceTile measured, tiles.window(HoleFilling::with_margin(windows[i])));
-        return holes.filled(measured, windows[i]);
+        SurfaceTile tile = holes.filled(measured, windows[i]);
+        orientation.add_to(tile.sigma_m, windows[i]);
+        return tile;
       },
       [&](std::size_t i, const SurfaceTile& tile) {
         tally(tile, summary);
@@ -199,14 +201,16 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
 }
 
 Result<> make_model(const PointBuckets& buckets, const Islands& islands, const Extent& extent, int widest_hole,
-                    const SurfaceSink& sink, const std::filesystem::path& scratch, DsmSummary& summary,
-                    const Run& run) {
+                    const std::vector<PlaceSigma>& places, const SurfaceSink& sink,
+                    const std::filesystem::path& scratch, DsmSummary& summary, const Run& run) {
   const double cell_m = summary.grid.cell_m;
   MeasuredTiles tiles(scratch, kTileMemory);
   HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
   if (auto measured = measure_all(buckets, islands, extent, cell_m, tiles, holes, run); !measured) return measured;
   holes.prepare();
-  return fill_windows(tiles, extent, holes, sink, summary, run);
+  const OrientationSigma orientation(places, {extent.west, extent.north, int(extent.width), int(extent.height)},
+                                     cell_m);
+  return fill_windows(tiles, extent, holes, orientation, sink, summary, run);
 }
 
 }  // namespace
@@ -218,31 +222,29 @@ double tidy_cell_m(double gsd_m) {
   return unit < 1 ? std::round(gsd_m / unit) / std::round(1 / unit) : std::round(gsd_m / unit) * unit;
 }
 
-Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
-                             PointFrame point_frame) {
+Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink, const std::filesystem::path& scratch,
+                             const DsmOptions& options, const Run& run) {
   if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
-  if (!options.cell_m && !(gsd_m > 0 && std::isfinite(gsd_m)))
+  if (!options.cell_m && !(cloud.gsd_m > 0 && std::isfinite(cloud.gsd_m)))
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
-  const double cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m);
+  const double cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(cloud.gsd_m);
   PointBuckets buckets(scratch, kBucketCells, kPointMemory);
   Islands islands;
   DsmSummary summary;
-  if (auto collected =
-          collect(points, point_frame == PointFrame::kMap ? nullptr : frame, cell_m, buckets, islands, summary, run);
-      !collected)
+  if (auto collected = collect(cloud, cell_m, buckets, islands, summary, run); !collected)
     return tl::unexpected(std::move(collected).error());
-  drop_strays(buckets, summary);
+  drop_strays(buckets, islands, summary);
   summary.points_dropped += islands.find(cell_m);
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");
-  COLLINEA_TRY(const Extent extent, extent_of(buckets));
+  COLLINEA_TRY(const Extent extent, extent_of(islands));
   summary.grid.cell_m = cell_m;
   summary.grid.west_m = double(extent.west) * cell_m;
   summary.grid.north_m = -double(extent.north) * cell_m;
   summary.grid.width = int(extent.width), summary.grid.height = int(extent.height);
-  if (frame) summary.grid.wkt = frame->wkt1();
+  if (cloud.frame) summary.grid.wkt = cloud.frame->wkt1();
   if (auto begun = sink.begin(summary.grid); !begun) return tl::unexpected(std::move(begun).error());
-  if (auto made = make_model(buckets, islands, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run);
+  if (auto made = make_model(buckets, islands, extent, widest_hole_cells(options, cell_m), cloud.places, sink, scratch,
+                             summary, run);
       !made)
     return tl::unexpected(std::move(made).error());
   summary.mean_sigma_m = summary.measured_cells ? std::sqrt(summary.mean_sigma_m / double(summary.measured_cells)) : 0;

@@ -13,6 +13,7 @@
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/image/geotiff.h"
 #include "collinea/surface/gridding.h"
+#include "collinea/surface/orientation_sigma.h"
 
 namespace collinea {
 
@@ -65,19 +66,25 @@ struct SurfaceSink {
   std::function<Result<>(int column, int row, const SurfaceTile& tile)> take;
 };
 
-/// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit), in the map of `frame`, or
-/// in the plane x, y of the world when `frame` is null (then `point_frame` does not matter). Cell edges lie on
-/// multiples of the cell size. `gsd_m` is the ground size of a pixel of the matched pictures. Points and
+/// A cloud, and what is known of it.
+struct SurfaceCloud {
+  PointSource points;
+  const LocalFrame* frame = nullptr;  ///< of the world on the map; null: the map is the plane x, y of the world
+  PointFrame point_frame = PointFrame::kWorld;  ///< does not matter without `frame`
+  double gsd_m = 0;                             ///< ground size of a pixel of the matched pictures
+  std::vector<PlaceSigma> places;  ///< what images and cameras add to the sigmas of heights; none: nothing is known
+};
+
+/// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit). Cell edges lie on
+/// multiples of the cell size. Sigmas are those of the points and, beside them, of `places`. Points and
 /// measured cells are kept in `scratch` beyond 256 MB of each. The same cloud gives the same bits in any order and with
 /// any number of threads. Errors: no points, raster too large, disk, cancelled.
-Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const SurfaceSink& sink,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
-                             PointFrame point_frame = PointFrame::kWorld);
+Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink, const std::filesystem::path& scratch,
+                             const DsmOptions& options, const Run& run);
 
 /// The same, written to GeoTIFFs.
-Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const DsmFiles& files,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
-                             PointFrame point_frame = PointFrame::kWorld);
+Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const DsmFiles& files, const std::filesystem::path& scratch,
+                             const DsmOptions& options, const Run& run);
 
 /// A size rounded to two significant digits: 0.02371 -> 0.024.
 [[nodiscard]] double tidy_cell_m(double gsd_m);

@@ -44,14 +44,13 @@ Result<> write_all(Writers& writers, int column, int row, const SurfaceTile& til
 
 }  // namespace
 
-Result<DsmSummary> build_dsm(const PointSource& points, const LocalFrame* frame, double gsd_m, const DsmFiles& files,
-                             const std::filesystem::path& scratch, const DsmOptions& options, const Run& run,
-                             PointFrame point_frame) {
+Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const DsmFiles& files, const std::filesystem::path& scratch,
+                             const DsmOptions& options, const Run& run) {
   Writers writers;
   const SurfaceSink sink{
       [&](const MapGrid& grid) { return start_all(writers, files, grid); },
       [&](int column, int row, const SurfaceTile& tile) { return write_all(writers, column, row, tile); }};
-  COLLINEA_TRY(const DsmSummary summary, build_dsm(points, frame, gsd_m, sink, scratch, options, run, point_frame));
+  COLLINEA_TRY(const DsmSummary summary, build_dsm(cloud, sink, scratch, options, run));
   // The height comes last: where it is, all are.
   auto finished = writers.sigma->finish()
                       .and_then([&] { return writers.state->finish(); })

@@ -15,7 +15,7 @@ namespace {
 // A model collected in memory.
 struct Collected {
   MapGrid grid;
-  FloatImage height_m;
+  FloatImage height_m, sigma_m;
   Result<DsmSummary> summary;
 };
 
@@ -32,7 +32,8 @@ std::vector<SurfacePoint> hill(double west, double south, double size, int count
 }
 
 Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int threads = 1,
-                const LocalFrame* frame = nullptr, PointFrame point_frame = PointFrame::kWorld) {
+                const LocalFrame* frame = nullptr, PointFrame point_frame = PointFrame::kWorld,
+                const std::vector<PlaceSigma>& places = {}) {
   std::size_t next = 0;
   const PointSource source = [&](std::vector<SurfacePoint>& batch) -> Result<> {
     const std::size_t end = std::min(next + 1000, points.size());
@@ -43,18 +44,20 @@ Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int
   Collected result;
   const SurfaceSink sink{[&](const MapGrid& grid) -> Result<> {
                            result.grid = grid;
-                           result.height_m = FloatImage(grid.width, grid.height, 1, -1);
+                           result.height_m = result.sigma_m = FloatImage(grid.width, grid.height, 1, -1);
                            return {};
                          },
                          [&](int column, int row, const SurfaceTile& tile) -> Result<> {
-                           for (int y = 0; y < tile.height_m.height; ++y)
+                           for (int y = 0; y < tile.height_m.height; ++y) {
                              std::copy_n(tile.height_m.row(y), tile.height_m.width,
                                          result.height_m.row(row + y) + column);
+                             std::copy_n(tile.sigma_m.row(y), tile.sigma_m.width, result.sigma_m.row(row + y) + column);
+                           }
                            return {};
                          }};
   Run run;
   run.threads = threads;
-  result.summary = build_dsm(source, frame, 0.1234, sink, "unused", options, run, point_frame);
+  result.summary = build_dsm({source, frame, point_frame, 0.1234, places}, sink, "unused", options, run);
   return result;
 }
 
@@ -96,6 +99,47 @@ TEST(Dsm, IslandsFarBelowEverythingGo) {
   EXPECT_NEAR(at(66, 32), 1.5, 1e-3);
   EXPECT_EQ(at(66, 52), kNoHeight);
   EXPECT_EQ(dsm.summary->points_dropped, 5000u);
+}
+
+// An island beyond everything, and a stray that would be an island if it were not one.
+TEST(Dsm, WhatGoesIsCountedOnceAndNotPartOfTheRaster) {
+  Random random(6);
+  std::vector<SurfacePoint> points;
+  const auto patch = [&](double west, double south, double size, double height_m) {
+    for (int i = 0; i < int(size * size * 200); ++i)
+      points.push_back({{west + random.uniform(0, size), south + random.uniform(0, size), height_m}, 0.02f});
+  };
+  patch(0, 0, 60, 2);
+  patch(64, 50, 5, -20);
+  patch(200, 50, 2, -200);
+  const Collected dsm = build(points, {.cell_m = 0.1});
+  ASSERT_TRUE(dsm.summary);
+  EXPECT_EQ(dsm.summary->points_dropped, 5000u + 800u);
+  EXPECT_EQ(dsm.grid.width, 600);
+  EXPECT_EQ(dsm.grid.height, 600);
+}
+
+// At a place of its own sigma that is what is added; far from all it is that of the nearest ones; nothing is added
+// where there is no height.
+TEST(Dsm, SigmasKnowWhatTheOrientationLeavesOpen) {
+  std::vector<SurfacePoint> points = hill(0, 0, 40, 100'000);
+  std::erase_if(points, [](const SurfacePoint& p) { return std::hypot(p.position.x() - 30, p.position.y() - 10) < 5; });
+  const std::vector<PlaceSigma> places = {{8, 20, 0.05}, {32, 20, 0.15}};
+  const DsmOptions options{.cell_m = 0.25, .fill_holes_m = 0};
+  const Collected bare = build(points, options);
+  const Collected dsm = build(points, options, 2, nullptr, PointFrame::kWorld, places);
+  ASSERT_TRUE(bare.summary && dsm.summary);
+  const auto added = [&](double x, double y) {
+    const int column = int((x - dsm.grid.west_m) / 0.25), row = int((dsm.grid.north_m - y) / 0.25);
+    const double own = double(bare.sigma_m.at(column, row)), all = double(dsm.sigma_m.at(column, row));
+    return own == double(kNoHeight) ? all : std::sqrt(all * all - own * own);
+  };
+  EXPECT_NEAR(added(8, 20), 0.05, 0.005);  // a step of the lattice is 3.4 cells
+  EXPECT_NEAR(added(32, 20), 0.15, 0.005);
+  EXPECT_NEAR(added(20, 20), std::sqrt((0.05 * 0.05 + 0.15 * 0.15) / 2), 0.005);
+  EXPECT_EQ(added(30, 10), double(kNoHeight));
+  EXPECT_GT(dsm.summary->mean_sigma_m, 0.09);
+  EXPECT_EQ(bare.height_m.data, dsm.height_m.data);
 }
 
 // Positions on the map differ by the 1e-9 m to which PROJ's way there and back is exact, heights by that times the

@@ -28,6 +28,15 @@ Result<GeoTiffReader> opened(const std::filesystem::path& path) {
   return reader;
 }
 
+// Corners and cells may differ by what decimal numbers in files do.
+bool lie_over_each_other(const MapGrid& a, const MapGrid& b) {
+  constexpr double kRounding = 1e-3;  // [cells], all over the raster
+  const auto apart = [&](double x, double y) { return std::abs(x - y) / a.cell_m; };
+  return a.width == b.width && a.height == b.height && apart(a.west_m, b.west_m) < kRounding &&
+         apart(a.north_m, b.north_m) < kRounding && apart(a.east_of(a.width), b.east_of(b.width)) < kRounding &&
+         apart(a.north_of(a.height), b.north_of(b.height)) < kRounding;
+}
+
 // Of the four cells around a place, by how much of it is nearest to each. A place on a cell's centre, but for rounding,
 // does not ask its neighbours: they may have no height.
 double between(const FloatImage& rows, int x, int y, int next_x, int next_y, double u, double v) {
@@ -47,7 +56,7 @@ Result<HeightSamples> HeightSamples::open(const std::filesystem::path& height,
   COLLINEA_TRY(GeoTiffReader heights, opened(height));
   if (!sigma) return HeightSamples(std::move(heights), std::nullopt, sigma_m);
   COLLINEA_TRY(GeoTiffReader sigmas, opened(*sigma));
-  if (sigmas.grid().width != heights.grid().width || sigmas.grid().height != heights.grid().height)
+  if (!lie_over_each_other(heights.grid(), sigmas.grid()))
     return fail(Errc::kBadInput, sigma->string() + " does not lie over " + height.string());
   return HeightSamples(std::move(heights), std::move(sigmas), sigma_m);
 }

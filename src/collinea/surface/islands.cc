@@ -8,6 +8,8 @@
 namespace collinea {
 namespace {
 
+static_assert((Islands::kBlock & (Islands::kBlock - 1)) == 0);
+
 constexpr std::uint64_t kShare = 100;    // a part with less than 1 / kShare of the largest one's points is small
 constexpr int kFarthestBlocks = 64;      // farther away nothing tells anything of an island
 constexpr int kAroundBlocks = 16;        // beyond the nearest of what is around
@@ -32,6 +34,10 @@ void Islands::add(std::span<const GridPoint> points) {
     Block& block = blocks_[place_of(point)];
     ++block.points;
     block.sum_m += point.height_m;
+    const auto column = std::uint8_t(std::int64_t(std::floor(point.column)) & (kBlock - 1)),
+               row = std::uint8_t(std::int64_t(std::floor(point.row)) & (kBlock - 1));
+    block.west = std::min(block.west, column), block.east = std::max(block.east, column);
+    block.north = std::min(block.north, row), block.south = std::max(block.south, row);
   }
 }
 
@@ -112,6 +118,26 @@ std::uint64_t Islands::find(double cell_m) {
 bool Islands::holds(const GridPoint& point) const {
   const auto found = blocks_.find(place_of(point));
   return found != blocks_.end() && found->second.sunken;
+}
+
+void Islands::forget(const CellWindow& window) {
+  for (std::int64_t row = floor_div(window.row, kBlock); row * kBlock < window.row + window.height; ++row) {
+    const auto begin = blocks_.lower_bound({row, floor_div(window.column, kBlock)});
+    blocks_.erase(begin, blocks_.lower_bound({row, floor_div(window.column + window.width - 1, kBlock) + 1}));
+  }
+}
+
+Islands::Bounds Islands::bounds() const {
+  constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
+  Bounds bounds{kFar, kFar, -kFar, -kFar};
+  for (const auto& [place, block] : blocks_) {
+    if (block.sunken) continue;
+    const std::int64_t row = place.first * kBlock, column = place.second * kBlock;
+    bounds.west = std::min(bounds.west, column + block.west), bounds.east = std::max(bounds.east, column + block.east);
+    bounds.north = std::min(bounds.north, row + block.north);
+    bounds.south = std::max(bounds.south, row + block.south);
+  }
+  return bounds;
 }
 
 }  // namespace collinea

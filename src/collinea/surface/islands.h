@@ -27,12 +27,20 @@ class Islands {
   /// To be called once all points are there. Returns how many points lie on islands.
   std::uint64_t find(double cell_m);
   [[nodiscard]] bool holds(const GridPoint& point) const;
+  /// The points of a window, whole blocks of it, are not there any more.
+  void forget(const CellWindow& window);
+  /// The cells with points that lie on no island: the outermost, all included. There must be some.
+  struct Bounds {
+    std::int64_t west, north, east, south;
+  };
+  [[nodiscard]] Bounds bounds() const;
 
  private:
   using Place = std::pair<std::int64_t, std::int64_t>;  // row and column of a block
   struct Block {
     std::uint64_t points = 0;
-    double sum_m = 0;  // of heights
+    double sum_m = 0;                                                 // of heights
+    std::uint8_t west = kBlock, north = kBlock, east = 0, south = 0;  // cells with points, within the block
     int part = -1;
     bool sunken = false;
     [[nodiscard]] double mean_m() const { return sum_m / double(points); }

@@ -35,18 +35,12 @@ Result<> PointBuckets::add(std::span<const GridPoint> points) {
   Place last{};
   Bucket* bucket = nullptr;
   for (const GridPoint& p : points) {
-    const auto column = std::int64_t(std::floor(p.column)), row = std::int64_t(std::floor(p.row));
-    const Place place{floor_div(column, cells_), floor_div(row, cells_)};
+    const Place place{floor_div(std::int64_t(std::floor(p.column)), cells_),
+                      floor_div(std::int64_t(std::floor(p.row)), cells_)};
     if (!bucket || place != last) {
       bucket = &buckets_[place];
       last = place;
     }
-    if (bucket->count == 0) {
-      bucket->west = bucket->east = column;
-      bucket->north = bucket->south = row;
-    }
-    bucket->west = std::min(bucket->west, column), bucket->east = std::max(bucket->east, column);
-    bucket->north = std::min(bucket->north, row), bucket->south = std::max(bucket->south, row);
     ++bucket->count;
     bucket->in_memory.push_back(p);
   }

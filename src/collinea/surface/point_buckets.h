@@ -24,7 +24,6 @@ class PointBuckets {
   struct Bucket {
     std::vector<GridPoint> in_memory;
     std::uint64_t in_file = 0, count = 0;
-    std::int64_t west = 0, east = 0, north = 0, south = 0;  ///< cells touched by its points, both ends included
   };
 
   PointBuckets(std::filesystem::path scratch, int cells, std::size_t memory_bytes);

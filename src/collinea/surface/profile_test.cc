@@ -81,6 +81,26 @@ TEST_F(ProfileOfAPlane, APictureIsNoSurface) {
   EXPECT_NE(opened.error().message.find("3 bands"), std::string::npos);
 }
 
+TEST_F(ProfileOfAPlane, SigmasOfAnotherRasterAreRefused) {
+  const MapGrid right{100, 215, 0.5, 40, 30, ""};
+  const MapGrid wrong[] = {{101, 215, 0.5, 40, 30, ""},
+                           {100, 214.5, 0.5, 40, 30, ""},
+                           {100, 215, 0.51, 40, 30, ""},
+                           {100, 215, 0.5, 39, 30, ""}};
+  const auto opened_with = [&](const MapGrid& grid) {
+    const auto file = folder_ / "other_sigma.tif";
+    auto writer = GeoTiffWriter<float>::create(file, grid, 1, {});
+    EXPECT_TRUE(writer && writer->write(0, 0, FloatImage(grid.width, grid.height)) && writer->finish());
+    return HeightSamples::open(folder_ / "dem.tif", file, 1);
+  };
+  EXPECT_TRUE(opened_with(right));
+  for (const MapGrid& grid : wrong) {
+    const auto opened = opened_with(grid);
+    ASSERT_FALSE(opened) << grid.west_m << " " << grid.north_m << " " << grid.cell_m << " " << grid.width;
+    EXPECT_NE(opened.error().message.find("does not lie over"), std::string::npos);
+  }
+}
+
 TEST_F(ProfileOfAPlane, SigmasAreThoseStatedWhereNoRasterSaysThem) {
   std::vector<HeightSamples> plain;
   plain.push_back(HeightSamples::open(folder_ / "dem.tif", std::nullopt, 0.07).value());
