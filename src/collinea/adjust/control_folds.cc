@@ -89,22 +89,22 @@ Folded ControlFolds::leave_out(const Problem& problem, const State& state, const
     for (auto i = static_cast<std::size_t>(fold); i < order.size(); i += static_cast<std::size_t>(out.folds))
       members.push_back(order[i]);
     const auto size = static_cast<Eigen::Index>(3 * members.size());
-    Eigen::MatrixXd q(size, size);
-    Eigen::VectorXd weights(size), difference(size);
+    Eigen::MatrixXd q(size, size), weights = Eigen::MatrixXd::Zero(size, size);
+    Eigen::VectorXd difference(size), survey(size);  // survey: variances of the given coordinates
     for (std::size_t a = 0; a < members.size(); ++a) {
       const std::size_t p = points_[members[a]];
       const ControlCoordinates& given = problem.control[problem.point(p).control];
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto row = static_cast<Eigen::Index>(3 * a) + axis;
-        weights[row] = given.inverse_sigma[axis] * given.inverse_sigma[axis];
-        difference[row] = weights[row] > 0 ? place_of(state, p)[axis] - given.given[axis] : 0;
-      }
+      const auto first = static_cast<Eigen::Index>(3 * a);
+      weights.block<3, 3>(first, first) = given.weight();
+      survey.segment<3>(first) = inverse_weight(given).diagonal();
+      for (int axis = 0; axis < 3; ++axis)
+        difference[first + axis] = given.inverse_sigma[axis] > 0 ? place_of(state, p)[axis] - given.given[axis] : 0;
       for (std::size_t b = 0; b < members.size(); ++b)
         q.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)) =
             cofactor_.block<3, 3>(static_cast<Eigen::Index>(3 * members[a]), static_cast<Eigen::Index>(3 * members[b]));
     }
     // As for a single point: without their coordinates they lie at given + (I - Q P)^-1 d.
-    const Eigen::FullPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(size, size) - q * weights.asDiagonal());
+    const Eigen::FullPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(size, size) - q * weights);
     if (lu.matrixLU().diagonal().cwiseAbs().minCoeff() < kNotDetermined) continue;
     const Eigen::VectorXd moved = lu.solve(difference);
     const Eigen::MatrixXd without = lu.solve(q);
@@ -113,9 +113,9 @@ Folded ControlFolds::leave_out(const Problem& problem, const State& state, const
                          Eigen::Vector3d::Constant(kNaN)};
       for (int axis = 0; axis < 3; ++axis) {
         const auto row = static_cast<Eigen::Index>(3 * a) + axis;
-        if (!(weights[row] > 0)) continue;
+        if (!(weights(row, row) > 0)) continue;
         point.difference_m[axis] = moved[row];
-        point.difference_sigma_m[axis] = std::sqrt(std::max(variance * without(row, row) + 1 / weights[row], 0.0));
+        point.difference_sigma_m[axis] = std::sqrt(std::max(variance * without(row, row) + survey[row], 0.0));
       }
       found[point.point] = {fold + 1, point};
     }

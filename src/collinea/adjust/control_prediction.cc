@@ -81,21 +81,20 @@ void predict_control_points(const Block& block, const Problem& problem, const St
     }
     const Eigen::Matrix3d covariance = PointSystem(problem, state, p).covariance(inverse);
     const Eigen::Matrix3d in_datum = its->covariance_m2.emplace(free_network.of_point(covariance, p));
-    const Eigen::Map<const Eigen::Vector3d> inverse_sigma(problem.control[point.control].inverse_sigma);
+    const ControlCoordinates& given = problem.control[point.control];
+    const Eigen::Matrix3d survey = inverse_weight(given), by_survey = covariance * given.weight() * covariance;
     for (int axis = 0; axis < 3; ++axis) {
-      const double w = inverse_sigma[axis];
       if (!its->used)  // its coordinates did not take part
         its->difference_sigma_m[axis] = std::hypot(sigma_scale(adjusted) * std::sqrt(in_datum(axis, axis)),
                                                    block.control.at(its->point).sigma_m[axis]);
       if (!its->used && !std::isfinite(its->difference_sigma_m[axis]))
         its->difference_sigma_m[axis] = std::numeric_limits<double>::quiet_NaN();
-      if (!(w > 0)) continue;
+      if (!(given.inverse_sigma[axis] > 0)) continue;
       // No motion of the datum moves a coordinate that is observed. The difference is (I - Q P) times that of the point
       // without its coordinates, whose variance is that of the block and that of the survey.
-      const Eigen::Vector3d q = covariance.col(axis);
-      const double of_survey = q.cwiseProduct(inverse_sigma).squaredNorm(), whole = covariance(axis, axis);
+      const double of_survey = by_survey(axis, axis), whole = covariance(axis, axis);
       its->difference_sigma_m[axis] = std::sqrt(std::max(
-          0.0, std::pow(sigma_scale(adjusted), 2) * (whole - of_survey) + 1 / (w * w) - 2 * whole + of_survey));
+          0.0, std::pow(sigma_scale(adjusted), 2) * (whole - of_survey) + survey(axis, axis) - 2 * whole + of_survey));
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "collinea/adjust/ordering.h"
 #include "collinea/adjust/problem.h"
 #include "collinea/adjust/tile_kernels.h"
+#include "collinea/block/survey_covariance.h"
 
 namespace collinea {
 namespace bundle {
@@ -235,6 +236,7 @@ class Gatherer {
     point.linked = wanted_.contains(id);
     point.held = is_control && (control.sigma_m.array() == 0).all();
     ControlCoordinates coordinates{};
+    Eigen::Vector3d sigmas_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
     for (int axis = 0; axis < 3 && is_control; ++axis) {
       double sigma_m = control.sigma_m[axis];
       if (!(sigma_m >= 0))
@@ -243,15 +245,33 @@ class Gatherer {
         return fail(Errc::kBadInput, "control point " + control.name + " has no finite coordinates");
       point.given += std::isfinite(sigma_m);
       if (sigma_m == 0) sigma_m = kHeldPart * finest_on_ground_m(lines, start);
+      sigmas_m[axis] = sigma_m;
       coordinates.inverse_sigma[axis] = point.held || !(sigma_m > 0) ? 0 : 1 / sigma_m;
       coordinates.given[axis] = std::isfinite(sigma_m) ? control.position_in_world[axis] : 0;
     }
+    if (is_control && !point.held && !control.correlation.isZero(0))
+      if (Result<> correlated = correlate(control, sigmas_m, coordinates); !correlated) return correlated;
     if (point.given == 3) point.least_rays = 1;
     for (const std::size_t place : places)
       if (Result<> added = add_ray(block_.control_observations[place], place); !added) return added;
     point.control = static_cast<int>(out_.problem.control.size());
     Eigen::Map<Eigen::Vector3d>(point.position) = start;
     if (close_point(point)) out_.problem.control.push_back(coordinates);
+    return {};
+  }
+
+  static Result<> correlate(const ControlPoint& control, const Eigen::Vector3d& sigma_m,
+                            ControlCoordinates& coordinates) {
+    const Eigen::Vector3d exact = (control.sigma_m.array() == 0).select(0, sigma_m);
+    const auto weight = survey_weight(exact, control.correlation);
+    if (!weight)
+      return fail(Errc::kBadInput, "the correlations of control point " + control.name +
+                                       " are not those of a covariance (it has to be positive definite)");
+    for (int axis = 0; axis < 3; ++axis)
+      if ((*weight)(axis, axis) > 0) coordinates.inverse_sigma[axis] = std::sqrt((*weight)(axis, axis));
+    coordinates.beside[0] = (*weight)(0, 1);
+    coordinates.beside[1] = (*weight)(0, 2);
+    coordinates.beside[2] = (*weight)(1, 2);
     return {};
   }
 

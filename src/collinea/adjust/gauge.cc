@@ -25,13 +25,13 @@ struct GaugeNormals {
 GaugeNormals normals_at(const Problem& problem, const State& state, const Similarity3& moved,
                         const Eigen::Vector3d& centre, double size) {
   GaugeNormals normals;
-  const auto add = [&](const Eigen::Vector3d& place, const Eigen::Vector3d& given, const Eigen::Vector3d& inverse_sigma,
+  const auto add = [&](const Eigen::Vector3d& place, const Eigen::Vector3d& given, const Eigen::Matrix3d& p,
                        const Loss& loss) {
-    const Eigen::Vector3d now = moved * place, residual = (given - now).cwiseProduct(inverse_sigma);
-    const Matrix37 by_motion = (size * inverse_sigma).asDiagonal() * motion_of(now, centre, size);
-    const double s = residual.squaredNorm(), weight = loss.weight(s);
-    normals.matrix += weight * by_motion.transpose() * by_motion;
-    normals.right += weight * by_motion.transpose() * residual;
+    const Eigen::Vector3d now = moved * place, residual = given - now;
+    const Matrix37 by_motion = size * motion_of(now, centre, size);
+    const double s = residual.dot(p * residual), weight = loss.weight(s);
+    normals.matrix += weight * by_motion.transpose() * p * by_motion;
+    normals.right += weight * by_motion.transpose() * (p * residual);
     normals.cost += loss.cost(s);
   };
   for (const GivenPosition& position : problem.positions) {
@@ -39,7 +39,7 @@ GaugeNormals normals_at(const Problem& problem, const State& state, const Simila
     // What lies between centre and antenna is taken as it is.
     const Eigen::Vector3d given =
         position.plain() ? position.given : position.given - (antenna_of(state, position) - place);
-    add(place, given, position.inverse_sigma, problem.position_loss);
+    add(place, given, position.inverse_sigma.cwiseAbs2().asDiagonal(), problem.position_loss);
   }
   for (const GivenUp& given : problem.verticals) {
     const Eigen::Matrix3d cam_from_world =
@@ -55,7 +55,7 @@ GaugeNormals normals_at(const Problem& problem, const State& state, const Simila
     if (problem.point(p).control < 0) continue;
     const ControlCoordinates& control = problem.control[problem.point(p).control];
     add(Eigen::Map<const Eigen::Vector3d>(&state.points[3 * p]), Eigen::Map<const Eigen::Vector3d>(control.given),
-        Eigen::Map<const Eigen::Vector3d>(control.inverse_sigma), Loss{});
+        control.weight(), Loss{});
   }
   return normals;
 }

@@ -160,7 +160,18 @@ struct PointNormals {
       right[c] += w * r;
       cost += r * r;
     }
-    return cost;
+    return control.correlated() ? cost + add_beside(control, point) : cost;
+  }
+  double add_beside(const ControlCoordinates& control, const double* point) {
+    const double* p = control.beside;
+    const double d[3] = {control.given[0] - point[0], control.given[1] - point[1], control.given[2] - point[2]};
+    v[1] += p[0];
+    v[2] += p[1];
+    v[4] += p[2];
+    right[0] += p[0] * d[1] + p[1] * d[2];
+    right[1] += p[0] * d[0] + p[2] * d[2];
+    right[2] += p[1] * d[0] + p[2] * d[1];
+    return 2 * (p[0] * d[0] * d[1] + p[1] * d[0] * d[2] + p[2] * d[1] * d[2]);
   }
   /// Factors v + lambda diag(v). Directions that nothing fixes are held by a minute weight.
   void factor(double lambda) {

@@ -69,8 +69,32 @@ struct GroundLink {
 };
 
 struct ControlCoordinates {
-  double given[3], inverse_sigma[3];  ///< 0 = not given
+  double given[3], inverse_sigma[3];  ///< 0 = not given; of a coordinate beside which the two others are exact
+  double beside[3] = {};              ///< weights off the diagonal: of 0 and 1, 0 and 2, 1 and 2
+
+  [[nodiscard]] Eigen::Matrix3d weight() const {
+    Eigen::Matrix3d p;
+    p << inverse_sigma[0] * inverse_sigma[0], beside[0], beside[1],  //
+        beside[0], inverse_sigma[1] * inverse_sigma[1], beside[2],   //
+        beside[1], beside[2], inverse_sigma[2] * inverse_sigma[2];
+    return p;
+  }
+  [[nodiscard]] bool correlated() const { return beside[0] != 0 || beside[1] != 0 || beside[2] != 0; }
 };
+
+/// The covariance of the given coordinates; 0 on axes that are not given.
+[[nodiscard]] inline Eigen::Matrix3d inverse_weight(const ControlCoordinates& control) {
+  Eigen::Matrix3d p = control.weight();
+  Eigen::Vector3d scale;  // to one size before they are inverted
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool given = p(axis, axis) > 0;
+    scale[axis] = given ? 1 / std::sqrt(p(axis, axis)) : 0;
+    if (!given) p(axis, axis) = 1;
+  }
+  const Eigen::Vector3d one = (scale.array() > 0).select(scale, 1.0);
+  const Eigen::Matrix3d inverse = (one.asDiagonal() * p * one.asDiagonal()).inverse();
+  return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
 
 struct GivenPosition {
   std::uint32_t image;

@@ -181,40 +181,46 @@ class Examiner {
     const ProblemPoint& point = problem_.point(p);
     const ControlCoordinates& given = problem_.control[point.control];
     const Eigen::Matrix3d q = PointSystem(problem_, state_, p).covariance(inverse_);
-    Eigen::Vector3d difference, weights;
+    const Eigen::Matrix3d weight = given.weight(), leverage = weight * q * weight;
+    const Eigen::Vector3d difference =
+        Eigen::Map<const Eigen::Vector3d>(&state_.points[3 * p]) - Eigen::Map<const Eigen::Vector3d>(given.given);
+    const Eigen::Vector3d weighted = weight * difference;
+    // A blunder in a coordinate shows in all that are correlated with it: its test is that of the coordinate as the
+    // others foretell it too, of weight p_ii and with the residual (P v)_i / p_ii (Baarda 1968).
     for (int axis = 0; axis < 3; ++axis) {
-      difference[axis] = state_.points[3 * p + static_cast<std::size_t>(axis)] - given.given[axis];
       const double w = given.inverse_sigma[axis];
-      weights[axis] = w * w;
       if (!(w > 0)) continue;
       TestedObservation one;
       one.group = axis < 2 ? ObservationGroup::kControlPlan : ObservationGroup::kControlHeight;
       one.source = point.id;
       one.axis = axis;
-      one.residual = -difference[axis];
+      one.residual = -weighted[axis] / (w * w);
       one.sigma = 1 / w;
-      sums(one.group).squares += std::pow(difference[axis] * w, 2);
-      test(one, w * w * q(axis, axis), 1);
+      sums(one.group).squares += difference[axis] * weighted[axis];
+      const double of_test = leverage(axis, axis) / (w * w), of_group = q.row(axis).dot(weight.col(axis));
+      test(one, of_test, 1);
+      sums(one.group).redundancy += of_test - of_group;
+      out_.redundancy_sum += of_test - of_group;
     }
-    leave_out(ControlId{point.id}, q, difference, weights);
+    leave_out(ControlId{point.id}, q, difference, given);
   }
 
   // Without its own coordinates the point lies at given + (I - Q P)^-1 d, with the covariance Q (I - P Q)^-1: exact for
   // linear equations.
   void leave_out(ControlId id, const Eigen::Matrix3d& q, const Eigen::Vector3d& difference,
-                 const Eigen::Vector3d& weights) {
-    const Eigen::Matrix3d p = weights.asDiagonal();
+                 const ControlCoordinates& given) {
+    const Eigen::Matrix3d p = given.weight(), survey = inverse_weight(given);
     const Eigen::FullPivLU<Eigen::Matrix3d> lu(Eigen::Matrix3d::Identity() - q * p);
     if (lu.matrixLU().diagonal().cwiseAbs().minCoeff() < kNoRedundancy) return;
-    const Eigen::Vector3d known = (weights.array() > 0).select(difference, 0);
+    const Eigen::Vector3d known = (p.diagonal().array() > 0).select(difference, 0);
     const Eigen::Vector3d moved = lu.solve(known);
     const Eigen::Matrix3d without = lu.solve(q);
     LeftOutPoint point{id, Eigen::Vector3d::Constant(kNaN), Eigen::Vector3d::Constant(kNaN)};
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(weights[axis] > 0)) continue;
+      if (!(p(axis, axis) > 0)) continue;
       point.difference_m[axis] = moved[axis];
       point.difference_sigma_m[axis] =
-          std::sqrt(std::max(std::pow(sigma_scale(adjusted_), 2) * without(axis, axis) + 1 / weights[axis], 0.0));
+          std::sqrt(std::max(std::pow(sigma_scale(adjusted_), 2) * without(axis, axis) + survey(axis, axis), 0.0));
     }
     out_.left_out.push_back(point);
   }

@@ -68,7 +68,8 @@ struct TestedObservation {
                                 ///< ControlId or ImageId
   int axis = 0;                 ///< 0 column or east, 1 row or north, 2 height
   double residual = 0;          ///< observed minus adjusted
-  double sigma = 0;             ///< as given
+  double sigma = 0;             ///< as given; of correlated coordinates of a point that of one beside exact others, and
+                                ///< so are residual and test
   double redundancy = 0;        ///< r: the part of a blunder that its own residual shows, 0 to 1
   double w = 0;                 ///< residual / its sigma: Baarda's w, or Pope's tau when sigma0 is estimated; infinite
                                 ///< (and all but sigma NaN) when the image does not see the point

@@ -86,7 +86,7 @@ TEST(Commands, WrongUsageEndsWithTwoAndWordsOnStderr) {
       {{"run", photos, "-o", project, "--min-points", "many"}, "--min-points"},
       {{"run", photos, "-o", project, "--min-points", "2"}, "min_points"},
       {{"run", photos, "-o", project, "--calibration", "much"}, "calibration"},
-      {{"run", photos, "-o", project, "--cloud", "laz2"}, "las or laz"},
+      {{"run", photos, "-o", project, "--cloud", "laz2"}, "las, laz or copc"},
       {{"run", photos, "-o", project, "--resolution", "fulll"}, "resolution"},
       {{"run", photos, "-o", project, "--seed", "-1"}, "--seed"},
       {{"run", photos, "-o", project, "--threads", "-1"}, "threads"},

@@ -17,10 +17,9 @@ Command export_command() {
           [asked](Flags& flags) {
             flags.positional("project", asked->project, "project folder");
             flags.positional("folder", asked->folder, "where the files go; made when missing");
-            flags.add(
-                "format", asked->format, "",
-                "colmap (text and binary model), bundler, opk (omega, phi, kappa), ply (tie points), las or laz (dense "
-                "cloud)");
+            flags.add("format", asked->format, "",
+                      "colmap (text and binary model), bundler, opk (omega, phi, kappa), ply (tie points), las, laz or "
+                      "copc (dense cloud)");
             flags.add_all(asked->console, "run");
           },
           [asked] {

@@ -67,9 +67,10 @@ struct Observation {
 struct ControlPoint {
   std::string name;
   ControlRole role = ControlRole::kControl;
-  Eigen::Vector3d position_in_map;    ///< easting, northing, height in Georeference::crs [m]
-  Eigen::Vector3d position_in_world;  ///< [m]
-  Eigen::Vector3d sigma_m;            ///< east, north, height
+  Eigen::Vector3d position_in_map;                        ///< easting, northing, height in Georeference::crs [m]
+  Eigen::Vector3d position_in_world;                      ///< [m]
+  Eigen::Vector3d sigma_m;                                ///< east, north, height
+  Eigen::Vector3d correlation = Eigen::Vector3d::Zero();  ///< east with north, east with height, north with height
 };
 
 struct ControlObservation {

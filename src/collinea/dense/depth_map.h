@@ -67,12 +67,11 @@ struct DenseOptions {
                 "largest disagreement of two depth maps, as parallax", 0.01, 20});
     visit(Field{"max_sigmas", &O::max_sigmas, "1", "the same, in standard deviations of the two depths", 1, 100});
     visit(Field{"memory_mb", &O::memory_mb, "MB", "for pictures or depth maps kept at hand", 10, 1e6});
-    visit(Field{"cloud", &O::cloud, "", "form of the cloud in the map: las, or laz (a sixth of the size, no loss)"});
+    visit(Field{"cloud", &O::cloud, "",
+                "form of the cloud in the map: las; laz (a sixth of the size, no loss); or copc (laz sorted into an "
+                "octree, of which viewers load what they show)"});
   }
 };
-
-/// The forms of the cloud in the map.
-inline constexpr std::array<std::string_view, 2> kCloudForms = {"las", "laz"};
 
 /// The options that depth maps depend on; all others, which only fusion reads, as by default.
 [[nodiscard]] DenseOptions options_of_matching(DenseOptions options);

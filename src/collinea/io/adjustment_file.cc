@@ -33,6 +33,7 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #                                                their standard deviations: 0 exact or none, - not known
 #   control NAME X Y Z SX SY SZ                  surveyed point [m]; standard deviation 0: held
 #   check NAME X Y Z SX SY SZ                    surveyed point that is only compared [m]
+#   control_correlation NAME XY XZ YZ            of its coordinates
 #   control_in_map, check_in_map                 the same by easting, northing and height of the georeference's CRS
 #   ground KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]
 #                                                measured between control points; KIND: distance, height_difference [m],
@@ -167,9 +168,11 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
   }
   write_instruments(file.instruments, cameras, images, text);
   text += "\n";
-  for (const auto& [id, point] : block.control)
+  for (const auto& [id, point] : block.control) {
     text += (point.role == ControlRole::kCheck ? "check " : "control ") + control.at(id) +
             words(point.position_in_world) + words(point.sigma_m) + "\n";
+    if (!point.correlation.isZero(0)) text += "control_correlation " + control.at(id) + words(point.correlation) + "\n";
+  }
   for (const GroundObservation& one : block.ground) text += ground_line(one, control);
   for (const auto& [id, point] : block.points)
     text += "point " + std::to_string(id.value) + words(point.position_in_world) + "\n";

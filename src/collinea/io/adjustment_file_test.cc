@@ -94,6 +94,7 @@ AdjustmentFile random_file() {
                           .position_in_map = {},
                           .position_in_world = {random.normal(), 1e6 * random.normal(), p == 2 ? kNaN : 1.0},
                           .sigma_m = {0, 0.01, p == 2 ? kInfinity : 0.02}};
+  block.control.at({1}).correlation = {1.0 / 3, -0.25, 0.1};
   for (std::uint32_t p = 0; p < 5; ++p) {
     if (p != 3) block.points[{p}] = {{random.normal(), random.normal(), random.normal()}, {}};
     for (std::uint32_t i = 0; i < 6; ++i)
@@ -156,6 +157,7 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
     EXPECT_EQ(back->block.control.at(id).name, control.name);
     EXPECT_EQ(back->block.control.at(id).role, control.role);
     EXPECT_EQ(back->block.control.at(id).sigma_m, control.sigma_m);
+    EXPECT_EQ(back->block.control.at(id).correlation, control.correlation);
     EXPECT_EQ(back->block.control.at(id).position_in_world.y(), control.position_in_world.y());
   }
   ASSERT_EQ(back->block.ground.size(), kGroundKinds);

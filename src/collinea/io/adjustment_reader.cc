@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "collinea/block/survey_covariance.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/adjustment_file.h"
@@ -98,6 +99,7 @@ class Parser {
         {"velocity", "IMAGE X Y Z", 4, 4, &Parser::take_of_image},
         {"control", "NAME X Y Z SX SY SZ", 7, 7, &Parser::take_control},
         {"check", "NAME X Y Z SX SY SZ", 7, 7, &Parser::take_control},
+        {"control_correlation", "NAME XY XZ YZ", 4, 4, &Parser::take_correlation},
         {"control_in_map", "NAME EASTING NORTHING HEIGHT SX SY SZ", 7, 7, &Parser::take_control},
         {"check_in_map", "NAME EASTING NORTHING HEIGHT SX SY SZ", 7, 7, &Parser::take_control},
         {"lies_on", "plane|line|height NAME POINT SIGMA ROLE [sideways|upwards]", 5, 6, &Parser::take_shape},
@@ -354,6 +356,19 @@ class Parser {
       in_map_.emplace_back(line.number, id);
     }
     file_.block.control[id] = std::move(point);
+    return {};
+  }
+
+  Result<> take_correlation(const Line& line) {
+    const auto known = control_.find(line.words[1]);
+    if (known == control_.end())
+      return bad_line(line.number, "there is no point " + shown(line.words[1]) + " above this line");
+    ControlPoint& point = file_.block.control.at(known->second);
+    for (std::size_t i = 0; i < 3; ++i) {
+      COLLINEA_TRY(point.correlation[Eigen::Index(i)], finite(line, 2 + i, "a correlation"));
+    }
+    if (!survey_weight(point.sigma_m, point.correlation))
+      return bad_line(line.number, "these are the correlations of no covariance: it has to be positive definite");
     return {};
   }
 

@@ -101,9 +101,9 @@ TEST_F(CloudFiles, LasComesBackWithinItsResolution) {
 
 // What was read from a file and is written like it is the same file, though the bounds stated are others.
 TEST_F(CloudFiles, LasWrittenLikeAnotherIsTheSame) {
-  for (const bool compressed : {false, true}) {
+  for (const LasForm form : {LasForm::kLas, LasForm::kLaz, LasForm::kCopc}) {
     LasWriter::Options options = options_of_site();
-    options.compressed = compressed;
+    options.form = form;
     write_las(folder_ / "a.las", cloud(5'000), options);
     auto reader = LasReader::open(folder_ / "a.las");
     ASSERT_TRUE(reader) << reader.error().message;

@@ -10,6 +10,7 @@
 #include <set>
 #include <tuple>
 
+#include "collinea/block/survey_covariance.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/io/file.h"
 #include "collinea/io/text.h"
@@ -81,6 +82,32 @@ class Collector {
     if (!by_name_.emplace(point.name, file_.points.size()).second)
       return bad_line(line, "point " + point.name + " is given twice");
     file_.points.push_back(std::move(point));
+    return {};
+  }
+
+  Result<> add_covariance(int line, const Fields& f) {
+    if (f.size() != 8)
+      return bad_line(line, "a covariance row needs: covariance, id, ee_m2, en_m2, eh_m2, nn_m2, nh_m2, hh_m2");
+    const auto known = by_name_.find(std::string(f[1]));
+    if (known == by_name_.end()) return bad_line(line, "there is no point " + std::string(f[1]) + " above this line");
+    ControlFilePoint& point = file_.points[known->second];
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    std::size_t next = 2;
+    for (int row = 0; row < 3; ++row)
+      for (int column = row; column < 3; ++column, ++next) {
+        if (f[next].empty()) continue;
+        if (!is_finite_number(f[next])) return bad_line(line, "\"" + std::string(f[next]) + "\" is not a covariance");
+        covariance(row, column) = covariance(column, row) = *number(f[next]);
+      }
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool surveyed = std::isfinite(point.position_in_map[axis]) && covariance(axis, axis) > 0;
+      if (!surveyed && !covariance.row(axis).isZero(0))
+        return bad_line(line, "covariances of an axis that has no coordinate, or no variance above 0");
+      point.sigma_m[axis] = surveyed ? std::sqrt(covariance(axis, axis)) : kInfinity;
+    }
+    point.correlation = correlation_of(covariance);
+    if (!survey_weight(point.sigma_m, point.correlation))
+      return bad_line(line, "this is no covariance of " + point.name + ": it has to be positive definite");
     return {};
   }
 
@@ -291,9 +318,12 @@ Result<ControlFile> parse_csv(const std::vector<std::string_view>& lines, const 
     if (text.empty() || text.starts_with('#')) continue;
     const Fields fields = fields_of(text, ',');
     const std::string kind = lower(fields[0]);
-    if (kind != "point" && kind != "image") return bad_line(line, "a row starts with point or image");
+    if (kind != "point" && kind != "image" && kind != "covariance")
+      return bad_line(line, "a row starts with point, image or covariance");
     if (is_title(fields)) continue;
-    if (kind == "point") {
+    if (kind == "covariance") {
+      if (auto added = collector.add_covariance(line, fields); !added) return tl::unexpected(added.error());
+    } else if (kind == "point") {
       COLLINEA_TRY(ControlFilePoint point, csv_point(line, fields, defaults));
       if (auto added = collector.add_point(line, std::move(point)); !added) return tl::unexpected(added.error());
     } else {

@@ -27,6 +27,7 @@ struct ControlFilePoint {
   Eigen::Vector3d position_in_map;  ///< easting, northing, height [m]
   Eigen::Vector3d sigma_m;          ///< east, north, height
   ControlRole role = ControlRole::kControl;
+  Eigen::Vector3d correlation = Eigen::Vector3d::Zero();  ///< as ControlPoint::correlation
 };
 
 /// A surveyed point seen in an image.
@@ -56,9 +57,11 @@ struct ControlFile {
 ///     # collinea control, EPSG:32633
 ///     point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role
 ///     image, id, file, x_px, y_px, sigma_px
+///     covariance, id, ee_m2, en_m2, eh_m2, nn_m2, nh_m2, hh_m2
 /// Role is control (default) or check. Sigmas may all be left out: `defaults`. `inf`, or an empty field beside given
 /// sigmas, or an empty coordinate, means that the axis was not surveyed; a point may have none of the three. sigma_px
-/// may be left out.
+/// may be left out. A covariance stands below its point and in place of its sigmas; fields of an axis that was not
+/// surveyed are empty.
 ///
 /// Both count pixels from the outer corner of the picture, as we do. Errors name the line.
 [[nodiscard]] Result<ControlFile> read_control(const std::filesystem::path& path, const ControlDefaults& defaults = {});

@@ -20,7 +20,9 @@ constexpr std::uint8_t kUnsignedChar = 1, kFloat = 9;  // data types of extra by
 constexpr std::size_t kDescriptorBytes = 192;
 constexpr std::size_t kPiece = 8192;    // points handled at once
 constexpr std::size_t kExtraBytes = 5;  // sigma_m and images
-constexpr std::string_view kLazUser = "laszip encoded";
+constexpr std::string_view kLazUser = "laszip encoded", kCopcUser = "copc";
+constexpr std::uint16_t kCopcInfoRecord = 1, kCopcHierarchyRecord = 1000;
+constexpr std::size_t kCopcInfoBytes = 160, kRecordHeaderBytes = 54, kLongRecordHeaderBytes = 60;
 constexpr int kCompressedBit = 0x80;  // of the point format
 
 // Bytes of the point formats 0..8 without extra bytes, and where the colour lies in them (0: none). Formats 4, 5 hold
@@ -74,6 +76,17 @@ bool fits_wkt_in_short_record(const std::string& wkt) { return wkt.size() + 1 <=
 
 }  // namespace
 
+std::optional<LasForm> las_form_of(std::string_view word) {
+  if (word == "las") return LasForm::kLas;
+  if (word == "laz") return LasForm::kLaz;
+  if (word == "copc") return LasForm::kCopc;
+  return {};
+}
+
+std::string las_file_name(std::string_view stem, LasForm form) {
+  return std::string(stem) + (form == LasForm::kLas ? ".las" : form == LasForm::kLaz ? ".laz" : ".copc.laz");
+}
+
 LasWriter::LasWriter(OutputFile file, const Options& options)
     : file_(std::move(file)), extra_bytes_(options.extra_bytes) {
   header_.wkt = options.wkt;
@@ -92,21 +105,35 @@ Result<LasWriter> LasWriter::create(const std::filesystem::path& path, const Opt
   COLLINEA_TRY(OutputFile file, OutputFile::create(path));
   LasWriter writer(std::move(file), options);
   Packer records;
+  const auto put_head = [&](std::string_view user, std::uint16_t id, std::size_t length, std::string_view description) {
+    put_record_header(records, user, id, length, false, description);
+    ++writer.records_;
+  };
+  if (options.form == LasForm::kCopc) {  // it must be the first
+    put_head(kCopcUser, kCopcInfoRecord, kCopcInfoBytes, "COPC info VLR");
+    records.put_text("", kCopcInfoBytes);  // known at the end
+  }
   if (!options.wkt.empty() && fits_wkt_in_short_record(options.wkt)) {
-    put_record_header(records, "LASF_Projection", kWktRecord, options.wkt.size() + 1, false, "OGC WKT");
+    put_head("LASF_Projection", kWktRecord, options.wkt.size() + 1, "OGC WKT");
     records.put_text(options.wkt, options.wkt.size() + 1);
   }
   if (options.extra_bytes) {
-    put_record_header(records, "LASF_Spec", kExtraBytesRecord, 2 * kDescriptorBytes, false, "extra bytes");
+    put_head("LASF_Spec", kExtraBytesRecord, 2 * kDescriptorBytes, "extra bytes");
     put_extra_bytes_descriptor(records, kFloat, "sigma_m", "standard deviation [m]");
     put_extra_bytes_descriptor(records, kUnsignedChar, "images", "images that agree");
   }
-  if (options.compressed) {
+  if (options.form != LasForm::kLas) {
     const LazLayout layout{true, false, options.extra_bytes ? kExtraBytes : 0};
-    const std::string description = laz_description(layout);
-    put_record_header(records, kLazUser, kLazRecord, description.size(), false, "compression");
+    const bool copc = options.form == LasForm::kCopc;
+    const std::string description = laz_description(layout, copc ? LazChunks::kOfAnySize : LazChunks::kOfOneSize);
+    put_head(kLazUser, kLazRecord, description.size(), "compression");
     records.put_bytes(description);
-    writer.laz_.emplace(layout, options.run);
+    if (copc) {
+      COLLINEA_TRY(CopcStream stream, CopcStream::create(path, layout, options.run));
+      writer.copc_.emplace(std::move(stream));
+    } else {
+      writer.laz_.emplace(layout, options.run);
+    }
   }
   writer.points_at_ = kHeaderBytes + records.size();
   writer.file_.write(std::string(kHeaderBytes, '\0'));  // its counts and bounds are known at the end
@@ -150,13 +177,13 @@ Result<> LasWriter::write(std::span<const CloudPoint> points) {
 
 Result<> LasWriter::write_records(std::string_view records) {
   if (laz_) return laz_->add(records, file_);
+  if (copc_) return copc_->add(records);
   file_.write(records);
   return {};
 }
 
 std::string LasWriter::header_bytes() const {
   Packer h;
-  const bool short_wkt = !header_.wkt.empty() && fits_wkt_in_short_record(header_.wkt);
   h.put_text("LASF", 4);
   h.put(std::uint16_t{0});  // file source
   h.put(kWktBit);           // required by point format 7, with or without a CRS
@@ -169,8 +196,8 @@ std::string LasWriter::header_bytes() const {
   h.put(std::uint16_t{0});
   h.put(std::uint16_t(kHeaderBytes));
   h.put(std::uint32_t(points_at_));
-  h.put(std::uint32_t((short_wkt ? 1 : 0) + (extra_bytes_ ? 1 : 0) + (laz_ ? 1 : 0)));
-  h.put(std::uint8_t(header_.point_format | (laz_ ? kCompressedBit : 0)));
+  h.put(records_);
+  h.put(std::uint8_t(header_.point_format | (laz_ || copc_ ? kCompressedBit : 0)));
   h.put(std::uint16_t(kFormats[7].bytes + (extra_bytes_ ? kExtraBytes : 0)));
   h.put_text("", 4 + 20);  // counts of older versions: must be 0
   put(h, header_.scale);
@@ -181,7 +208,7 @@ std::string LasWriter::header_bytes() const {
   }
   h.put(std::uint64_t{0});  // waveforms
   h.put(long_records_at_);
-  h.put(std::uint32_t(long_records_at_ ? 1 : 0));
+  h.put(long_records_);
   h.put(header_.points);
   h.put(header_.points);  // all are first returns
   h.put_text("", 14 * 8);
@@ -193,13 +220,25 @@ Result<> LasWriter::finish() {
   if (laz_) {
     if (auto finished = laz_->finish(file_); !finished) return finished;
   }
-  if (!header_.wkt.empty() && !fits_wkt_in_short_record(header_.wkt)) {
-    long_records_at_ = file_.size();
-    Packer record;
-    put_record_header(record, "LASF_Projection", kWktRecord, header_.wkt.size() + 1, true, "OGC WKT");
-    record.put_text(header_.wkt, header_.wkt.size() + 1);
-    file_.write(record.bytes());
+  if (copc_) {
+    if (auto finished = copc_->finish(file_, header_.scale, header_.offset); !finished) return finished;
   }
+  const std::uint64_t end_of_points = file_.size();
+  const auto write_long = [&](std::string_view user, std::uint16_t id, const std::string& content,
+                              std::string_view description) {
+    Packer record;
+    put_record_header(record, user, id, content.size(), true, description);
+    record.put_bytes(content);
+    file_.write(record.bytes());
+    long_records_at_ = end_of_points;
+    ++long_records_;
+  };
+  if (copc_) {
+    write_long(kCopcUser, kCopcHierarchyRecord, copc_->hierarchy(), "EPT hierarchy");
+    file_.write_at(kHeaderBytes + kRecordHeaderBytes, copc_->info(end_of_points + kLongRecordHeaderBytes));
+  }
+  if (!header_.wkt.empty() && !fits_wkt_in_short_record(header_.wkt))
+    write_long("LASF_Projection", kWktRecord, header_.wkt + '\0', "OGC WKT");
   file_.write_at(0, header_bytes());
   return file_.finish();
 }
@@ -312,7 +351,7 @@ Result<std::string> LasReader::records(std::size_t count) {
 }
 
 Result<> LasReader::read_records(std::uint64_t at, std::uint32_t count, bool extended) {
-  const std::size_t head = extended ? 60 : 54;
+  const std::size_t head = extended ? kLongRecordHeaderBytes : kRecordHeaderBytes;
   for (std::uint32_t i = 0; i < count; ++i) {
     COLLINEA_TRY(const std::string bytes, bytes_at(at, head));
     Unpacker h(bytes);

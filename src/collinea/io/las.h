@@ -12,6 +12,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/io/cloud_point.h"
+#include "collinea/io/copc.h"
 #include "collinea/io/file.h"
 #include "collinea/io/laz.h"
 
@@ -29,10 +30,18 @@ struct LasHeader {
   std::vector<std::string> extra_names;  ///< of extra bytes
 };
 
+/// The forms of a cloud in the map: plain; compressed; compressed and sorted into an octree, so that programs read what
+/// they show. The same records in all of them.
+enum class LasForm { kLas, kLaz, kCopc };
+/// "las", "laz" or "copc"; nothing: another word.
+[[nodiscard]] std::optional<LasForm> las_form_of(std::string_view word);
+/// What its file is called by custom: `stem` with .las, .laz or .copc.laz.
+[[nodiscard]] std::string las_file_name(std::string_view stem, LasForm form);
+
 /// Writes a LAS 1.4 file (ASPRS 2019), point format 7, point by point: nothing but a small buffer is in memory. Sigma
 /// and number of images are extra bytes "sigma_m" (float, kept to 0.4 %) and "images" (unsigned char). The file appears
-/// under its name only by finish(). Normals are not written: LAS has no place for them. A compressed file (LAZ) holds
-/// the same records.
+/// under its name only by finish(). Normals are not written: LAS has no place for them. The records are the same in all
+/// forms; COPC is sorted by finish() (see CopcStream for memory and disk).
 class LasWriter {
  public:
   struct Options {
@@ -42,8 +51,8 @@ class LasWriter {
     std::string wkt;                ///< of the CRS, WKT1 as LAS asks for (LocalFrame::wkt1); empty: none
     bool extra_bytes = true;        ///< sigma_m and images
     std::optional<LasHeader> like;  ///< scale and offset as there, whatever the bounds: its points stay what they are
-    bool compressed = false;        ///< LAZ: then with run.threads, and run.stop is looked at
-    Run run = {};
+    LasForm form = LasForm::kLas;
+    Run run = {};  ///< of compression: threads, stop
   };
   static Result<LasWriter> create(const std::filesystem::path& path, const Options& options);
 
@@ -62,7 +71,9 @@ class LasWriter {
   LasHeader header_;
   bool extra_bytes_;
   std::optional<LazStream> laz_;
+  std::optional<CopcStream> copc_;
   std::uint64_t points_at_ = 0, long_records_at_ = 0;
+  std::uint32_t records_ = 0, long_records_ = 0;
 };
 
 /// Reads LAS 1.0 to 1.4, point formats 0 to 3 and 6 to 8, piece by piece. Colours are taken as 16 bits; of the extra

@@ -53,7 +53,7 @@ Result<std::uint32_t> chunk_points_of(std::string_view description, const LazLay
 
 }  // namespace
 
-std::string laz_description(const LazLayout& layout) {
+std::string laz_description(const LazLayout& layout, LazChunks chunks) {
   Packer d;
   d.put(kLayered);
   d.put(std::uint16_t{0});  // arithmetic coder
@@ -61,7 +61,7 @@ std::string laz_description(const LazLayout& layout) {
   d.put(std::uint8_t{4});
   d.put(std::uint16_t{0});
   d.put(std::uint32_t{0});  // options
-  d.put(kChunkPoints);
+  d.put(chunks == LazChunks::kOfAnySize ? kVariable : kChunkPoints);
   d.put(std::int64_t{-1});  // no special records
   d.put(std::int64_t{-1});
   const std::vector<Item> items = items_of(layout);
@@ -74,9 +74,30 @@ std::string laz_description(const LazLayout& layout) {
   return d.bytes();
 }
 
-void LazStream::begin(OutputFile& file) {
-  begin_ = file.size();
+std::uint64_t begin_laz_chunks(OutputFile& file) {
+  const std::uint64_t begin = file.size();
   file.write(std::string(8, '\0'));
+  return begin;
+}
+
+void write_laz_chunk_table(OutputFile& file, std::uint64_t begin, const std::vector<LazChunk>& chunks, LazChunks cut) {
+  Packer table_at;
+  table_at.put(std::int64_t(file.size()));
+  file.write_at(begin, table_at.bytes());
+  Packer table;
+  table.put(std::uint32_t{0});  // version
+  table.put(std::uint32_t(chunks.size()));
+  if (!chunks.empty()) {
+    ArithmeticEncoder coder;
+    NumberModel numbers(2);
+    std::int32_t last_points = 0, last_bytes = 0;
+    for (const LazChunk& chunk : chunks) {
+      if (cut == LazChunks::kOfAnySize) last_points = numbers.code(coder, last_points, std::int32_t(chunk.points), 0);
+      last_bytes = numbers.code(coder, last_bytes, std::int32_t(chunk.bytes), 1);
+    }
+    table.put_bytes(coder.finish());
+  }
+  file.write(table.bytes());
 }
 
 Result<> LazStream::add(std::string_view records, OutputFile& file) {
@@ -106,20 +127,7 @@ Result<> LazStream::write_chunks(OutputFile& file, bool all) {
 
 Result<> LazStream::finish(OutputFile& file) {
   if (auto written = write_chunks(file, true); !written) return written;
-  Packer table_at;
-  table_at.put(std::int64_t(file.size()));
-  file.write_at(begin_, table_at.bytes());
-  Packer table;
-  table.put(std::uint32_t{0});  // version
-  table.put(std::uint32_t(chunks_.size()));
-  if (!chunks_.empty()) {
-    ArithmeticEncoder coder;
-    NumberModel sizes(2);
-    std::int32_t last = 0;
-    for (const LazChunk& chunk : chunks_) last = sizes.code(coder, last, std::int32_t(chunk.bytes), 1);
-    table.put_bytes(coder.finish());
-  }
-  file.write(table.bytes());
+  write_laz_chunk_table(file, begin_, chunks_, LazChunks::kOfOneSize);
   return {};
 }
 

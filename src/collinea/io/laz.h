@@ -33,19 +33,28 @@ struct LazLayout {
 [[nodiscard]] Result<std::string> expand_laz_chunk(std::string_view chunk, std::uint64_t points,
                                                    const LazLayout& layout);
 
-/// The content of the record "laszip encoded" 22204, for layouts without infrared.
-[[nodiscard]] std::string laz_description(const LazLayout& layout);
-
 struct LazChunk {
   std::uint64_t at = 0, bytes = 0, points = 0;  ///< in the file
 };
+
+/// How a file is cut: chunks of 50,000 points, the last one shorter, or of any number each.
+enum class LazChunks { kOfOneSize, kOfAnySize };
+
+/// The content of the record "laszip encoded" 22204, for layouts without infrared.
+[[nodiscard]] std::string laz_description(const LazLayout& layout, LazChunks chunks = LazChunks::kOfOneSize);
+
+/// To be called where the points begin: makes room for the place of the chunk table. Returns where that is.
+std::uint64_t begin_laz_chunks(OutputFile& file);
+
+/// The chunk table, and its place at `begin`.
+void write_laz_chunk_table(OutputFile& file, std::uint64_t begin, const std::vector<LazChunk>& chunks, LazChunks cut);
 
 /// Takes records and writes chunks of 50,000 points, several of them compressed side by side; the bytes do not depend
 /// on run.threads. In memory: 50,000 records for each thread.
 class LazStream {
  public:
   LazStream(const LazLayout& layout, const Run& run) : layout_(layout), run_(run) {}
-  void begin(OutputFile& file);  ///< room for the place of the chunk table; to be called where the points begin
+  void begin(OutputFile& file) { begin_ = begin_laz_chunks(file); }
   Result<> add(std::string_view records, OutputFile& file);  ///< errors: run was stopped
   Result<> finish(OutputFile& file);                         ///< the last chunk and the chunk table
 

@@ -170,7 +170,7 @@ class LazFile : public testing::Test {
     options.lowest.setConstant(-500);
     options.highest.setConstant(500);
     options.wkt = "PROJCS[\"any\"]";
-    options.compressed = compressed;
+    options.form = compressed ? LasForm::kLaz : LasForm::kLas;
     options.run.threads = threads;
     auto writer = LasWriter::create(folder_ / name, options);
     ASSERT_TRUE(writer) << writer.error().message;
@@ -236,7 +236,7 @@ TEST_F(LazFile, MayBeEmpty) {
 TEST_F(LazFile, AStoppedRunLeavesNoFile) {
   std::stop_source stop;
   LasWriter::Options options;
-  options.compressed = true;
+  options.form = LasForm::kLaz;
   options.run.stop = stop.get_token();
   auto writer = LasWriter::create(folder_ / "a.laz", options);
   ASSERT_TRUE(writer->write(std::vector<CloudPoint>(10)));

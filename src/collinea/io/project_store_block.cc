@@ -286,6 +286,7 @@ Result<> write_control(Database& db, const std::map<ControlId, ControlPoint>& co
   for (const auto& [id, point] : control) {
     Packer numbers;
     for (const auto& v : {point.position_in_map, point.position_in_world, point.sigma_m}) put(numbers, v);
+    if (!point.correlation.isZero(0)) put(numbers, point.correlation);
     insert.bind(id.value).bind_text(point.name).bind_text(point.role == ControlRole::kControl ? "control" : "check");
     if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
   }
@@ -304,6 +305,7 @@ Result<> read_control(Database& db, std::map<ControlId, ControlPoint>& control) 
     point.role = role == "control" ? ControlRole::kControl : ControlRole::kCheck;
     Unpacker numbers(select.blob(3));
     for (auto* v : {&point.position_in_map, &point.position_in_world, &point.sigma_m}) get(numbers, *v);
+    if (!numbers.done()) get(numbers, point.correlation);
     if (!numbers.done()) return damaged("control point " + point.name);
     control[{std::uint32_t(select.integer(0))}] = std::move(point);
   }

@@ -81,6 +81,8 @@ Block setup_block() {
   ControlPoint point{"GCP 1", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
   point.sigma_m.z() = std::numeric_limits<double>::infinity();
   block.control[{9}] = point;
+  point.correlation = {0.5, -0.25, 1.0 / 3};
+  block.control[{11}] = point;
   block.control[{2}] = {"S", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
   block.control_observations.push_back({{9}, {1}, {1.0 / 3, 2.0 / 3}, 0.5});
   block.ground.push_back(
@@ -156,6 +158,7 @@ void expect_same_control(const Block& a, const Block& b) {
     EXPECT_TRUE(same_vector(point.position_in_map, other.position_in_map));
     EXPECT_TRUE(same_vector(point.position_in_world, other.position_in_world));
     EXPECT_TRUE(same_vector(point.sigma_m, other.sigma_m));
+    EXPECT_TRUE(same_vector(point.correlation, other.correlation));
   }
   ASSERT_EQ(a.ground.size(), b.ground.size());
   for (std::size_t i = 0; i < a.ground.size(); ++i) {

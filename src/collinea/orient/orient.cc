@@ -199,7 +199,8 @@ class Orienter {
       COLLINEA_TRY(settled, settle(part, by_itself, options_, true, run_));
     }
     if (const auto shown = part.shown_noise()) part.set_noise(*shown);
-    if (part.leave_out_gross(run_)) {
+    if (const auto gross = part.leave_out_gross(run_)) {
+      result_.gross_measurements = *gross;
       COLLINEA_TRY(settled, settle(part, by_itself, options_, false, run_));
     }
     take_sigma(part, settled.sigma0);
@@ -241,6 +242,7 @@ class Orienter {
     for (auto& [id, point] : control) {
       std::swap(point.position_in_map.x(), point.position_in_map.y());
       std::swap(point.sigma_m.x(), point.sigma_m.y());
+      std::swap(point.correlation[1], point.correlation[2]);
       point.position_in_world = frame->local_from_map(point.position_in_map);
       if (!(point.position_in_world.norm() < kFar_m)) return std::nullopt;
     }

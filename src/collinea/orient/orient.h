@@ -17,6 +17,7 @@ struct Orientation {
   std::string gauge;                              ///< what fixes place, attitude and scale, in words
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
   std::vector<ImageId> alone;                     ///< images that are in no part
+  int gross_measurements = 0;                     ///< of tie points, left out before the final least squares
   std::vector<std::string> findings;              ///< what the user should know, blunders in control among them
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
   std::set<std::size_t> excluded_ground;          ///< the same of Block::ground

@@ -338,13 +338,12 @@ std::optional<TieNoise> Reconstruction::shown_noise() const {
   return fit_noise(squared_px2);
 }
 
-bool Reconstruction::leave_out_gross(const Run& run) {
-  if (std::isinf(noise_.gross_sigmas)) return false;
+std::optional<int> Reconstruction::leave_out_gross(const Run& run) {
+  if (std::isinf(noise_.gross_sigmas)) return std::nullopt;
   chosen_ = true;
   noise_.loss = "none";
   const double gross_px = noise_.gross_sigmas * noise_.sigma_px;
-  filter([&](const Ray& ray, double share) { return gross_px * ray.sigma_factor * std::sqrt(share); }, run);
-  return true;
+  return filter([&](const Ray& ray, double share) { return gross_px * ray.sigma_factor * std::sqrt(share); }, run);
 }
 
 std::vector<ImageId> Reconstruction::neighbours_of(ImageId image, std::size_t count) const {

@@ -98,9 +98,9 @@ class Reconstruction {
   /// What the points with three rays and more show of it; nothing when there are too few.
   [[nodiscard]] std::optional<TieNoise> shown_noise() const;
   /// Rays whose error is gross for the noise leave, and the choice of rays is closed: extend adds none. The noise has
-  /// no loss any more: after a robust adjustment, least squares. Nothing of it, and false, where the noise knows no
-  /// limit.
-  bool leave_out_gross(const Run& run);
+  /// no loss any more: after a robust adjustment, least squares. Answers how many left, with the rays of points that
+  /// are lost with them. Nothing, and nothing is done, where the noise knows no limit.
+  std::optional<int> leave_out_gross(const Run& run);
   /// Other places in the pictures for the rays of a block made by block(), in the order of its observations; nothing:
   /// the ray keeps its own. A ray so moved counts as measured twice as well as a feature of scale 2 px: the noise shown
   /// afterwards was 0.38 to 0.72 of that shown before on five blocks, rendered and real.

@@ -116,10 +116,10 @@ class CloudFiles {
     las.lowest = of_ties.lowest;
     las.highest = of_ties.highest;
     if (places.frame) las.wkt = places.frame->wkt1();
-    las.compressed = project.settings.densify.cloud == "laz";
+    las.form = *las_form_of(project.settings.densify.cloud);
     las.run = project.run;
     // A new cloud has no classes: the step that writes them must not count as done.
-    for (const char* earlier : {"cloud.las", "cloud.laz", "dtm.tif"})
+    for (const char* earlier : {"cloud.las", "cloud.laz", "cloud.copc.laz", "dtm.tif"})
       if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     COLLINEA_TRY(PlyWriter ply_writer,

@@ -44,15 +44,15 @@ Result<> export_tie_points(const std::filesystem::path& folder, const Block& blo
   return writer.finish();
 }
 
-Result<> export_cloud(const Project& project, const std::filesystem::path& folder, const std::string& form) {
+Result<> export_cloud(const Project& project, const std::filesystem::path& folder, LasForm form) {
   if (!is_there(project.cloud()))
     return fail(Errc::kNotFound, "there is no cloud yet: collinea densify " + project.folder.string());
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
   const LasHeader& header = reader.header();
   LasWriter::Options options{header.lowest, header.highest, header.wkt};
-  options.compressed = form == "laz";
+  options.form = form;
   options.run = project.run;
-  COLLINEA_TRY(LasWriter writer, LasWriter::create(folder / ("cloud." + form), options));
+  COLLINEA_TRY(LasWriter writer, LasWriter::create(folder / las_file_name("cloud", form), options));
   constexpr std::size_t kPiece = 100'000;
   for (std::uint64_t done = 0; done < header.points;) {
     COLLINEA_TRY(const std::vector<CloudPoint> points, reader.read(kPiece));
@@ -78,8 +78,8 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   if (format == "bundler") return export_bundler(project, folder, block);
   if (format == "opk") return write_opk(folder / "orientation.opk", block);
   if (format == "ply") return export_tie_points(folder, block);
-  if (format == "las" || format == "laz") return export_cloud(project, folder, format);
-  return fail(Errc::kBadInput, "--format " + format + ": choose colmap, bundler, opk, ply, las or laz");
+  if (const auto form = las_form_of(format)) return export_cloud(project, folder, *form);
+  return fail(Errc::kBadInput, "--format " + format + ": choose colmap, bundler, opk, ply, las, laz or copc");
 }
 
 }  // namespace collinea

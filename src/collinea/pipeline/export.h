@@ -9,9 +9,9 @@
 namespace collinea {
 
 /// Writes the oriented block for other programs. Formats: "colmap" (text and binary model in the local world frame),
-/// "bundler" (bundle.out and list.txt, likewise), "opk" (omega, phi, kappa in the map), "ply" (tie points), "las" and
-/// "laz" (the dense cloud in the map, in that form whatever the project's is). Errors: not
-/// oriented yet, unknown format, disk.
+/// "bundler" (bundle.out and list.txt, likewise), "opk" (omega, phi, kappa in the map), "ply" (tie points), "las", "laz"
+/// and "copc" (the dense cloud in the map, in that form whatever the project's is). Errors: not oriented yet, unknown
+/// format, disk.
 [[nodiscard]] Result<> export_block(Project& project, const std::filesystem::path& folder, const std::string& format);
 
 }  // namespace collinea

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "collinea/adjust/ground_model.h"
+#include "collinea/block/survey_covariance.h"
 #include "collinea/io/ground_file.h"
 #include "collinea/pipeline/image_names.h"
 
@@ -19,6 +21,25 @@ Result<Eigen::Vector3d> in_world(const ControlFilePoint& point, const std::strin
   return geographic_from_map(crs, point.position_in_map)
       .map([&](const Eigen::Vector3d& geographic) { return frame.local_from_geographic(geographic); })
       .map_error([&](Error error) { return std::move(error).within("control " + point.name); });
+}
+
+// A covariance along the axes of the point's map, as one along those of the world. The axes differ by the convergence
+// of meridians and by the scale of the map, which the survey was reduced by.
+Result<> turn_covariance(const ControlFilePoint& point, const std::string& crs, const LocalFrame& frame,
+                         ControlPoint& taken) {
+  Eigen::Matrix3d world_from_map;
+  for (int axis = 0; axis < 3; ++axis) {
+    ControlFilePoint beside = point;
+    beside.position_in_map[axis] += 1;
+    COLLINEA_TRY(const Eigen::Vector3d there, in_world(beside, crs, frame));
+    world_from_map.col(axis) = (there - taken.position_in_world).normalized();
+  }
+  const Eigen::Matrix3d covariance =
+      world_from_map * survey_covariance(point.sigma_m, point.correlation) * world_from_map.transpose();
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::isfinite(point.sigma_m[axis])) taken.sigma_m[axis] = std::sqrt(covariance(axis, axis));
+  taken.correlation = correlation_of(covariance);
+  return {};
 }
 
 bool is_surveyed(const ControlFilePoint& point) { return point.sigma_m.array().isFinite().any(); }
@@ -41,7 +62,9 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
       COLLINEA_TRY(world, in_world(point, control.crs, *frame));
     }
     const Eigen::Vector3d in_map = frame ? frame->map_from_local(world) : world;
-    block.control[id] = {point.name, point.role, in_map, world, point.sigma_m};
+    ControlPoint& taken = block.control[id] = {point.name, point.role, in_map, world, point.sigma_m};
+    if (!point.correlation.isZero(0))
+      if (Result<> turned = turn_covariance(point, control.crs, *frame, taken); !turned) return turned;
   }
   const ImageNames images(block);
   std::map<std::string, int> missing;

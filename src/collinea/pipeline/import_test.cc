@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/block/survey_covariance.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/geodesy/test_geoid.h"
 #include "collinea/image/photo.h"
@@ -336,6 +338,24 @@ image, C, IMG_2.jpg, 60, 46
   EXPECT_NEAR(
       (block.control.at(ControlId{1}).position_in_world - block.control.at(ControlId{0}).position_in_world).norm(),
       50.02, 0.05);
+}
+
+// Three degrees of longitude beside the central meridian the grid is turned: a survey that is good across it is good
+// across it in the world too.
+TEST(ImportControl, CovariancesAreThoseOfTheMapsAxes) {
+  const auto imported = import_with_control(
+      "# collinea control, EPSG:32633\npoint, A, 723000, 5338600, 310\ncovariance, A, 1e-2, 1e-9, 0, 1e-6, 0, 1e-4\n"
+      "image, A, IMG_1.jpg, 10, 20\n");
+  ASSERT_TRUE(imported) << imported.error().message;
+  const ControlPoint& point = imported->block.control.at({0});
+  const LocalFrame frame = world_frame(*imported->block.georeference).value();
+  const Eigen::Vector3d east =
+      (frame.local_from_map({723001, 5338600, 310}) - frame.local_from_map({723000, 5338600, 310})).normalized();
+  EXPECT_GT(std::abs(east.y()), 0.02);  // the convergence of meridians
+  const Eigen::Matrix3d covariance = survey_covariance(point.sigma_m, point.correlation);
+  EXPECT_NEAR(std::sqrt(east.dot(covariance * east)), 0.1, 1e-6);
+  const Eigen::Vector3d north = Eigen::Vector3d::UnitZ().cross(east).normalized();
+  EXPECT_NEAR(std::sqrt(north.dot(covariance * north)), 1e-3, 1e-6);
 }
 
 TEST(ImportControl, RowsThatCannotBeUsedAreNamed) {

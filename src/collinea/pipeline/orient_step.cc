@@ -160,6 +160,7 @@ json report_of(const Orientation& orientation, const Block& setup) {
                  {"oriented", orientation.block.cam_from_world.size()},
                  {"tie_points", orientation.block.points.size()},
                  {"observations", orientation.block.observations.size()},
+                 {"gross_measurements", orientation.gross_measurements},
                  {"mean_reprojection_px", mean_residual_px(adjusted)},
                  {"gsd_m", orientation.metric ? json(orientation.gsd_m) : json(nullptr)},
                  {"pixel_in_units", orientation.gsd_m},

@@ -9,6 +9,7 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/io/file.h"
+#include "collinea/io/las.h"
 #include "collinea/pipeline/cost.h"
 #include "collinea/pipeline/given_orientation.h"
 #include "collinea/pipeline/step.h"
@@ -29,7 +30,7 @@ struct Step {
   bool reads_sources = false;         ///< what import was given, with the remarks on it
 };
 
-constexpr const char* kCloud = "products/cloud.las or .laz, as asked for";
+constexpr const char* kCloud = "products/cloud in the form asked for";
 
 // The only place that knows the order of work.
 const std::array<Step, 9>& steps() {
@@ -160,6 +161,10 @@ Result<ProjectStore> open_store(const fs::path& folder) {
 }
 
 }  // namespace
+
+fs::path Project::cloud() const {
+  return folder / "products" / las_file_name("cloud", *las_form_of(settings.densify.cloud));
+}
 
 Result<Project> create_project(const fs::path& folder, const Settings& settings, const Run& run) {
   if (auto valid = validate_settings(settings); !valid) return tl::unexpected(valid.error());

@@ -25,9 +25,7 @@ struct Project {
     return std::filesystem::path(settings.photos) / image.file;
   }
   /// The cloud in the map, in the form that was asked for.
-  [[nodiscard]] std::filesystem::path cloud() const {
-    return folder / "products" / ("cloud." + settings.densify.cloud);
-  }
+  [[nodiscard]] std::filesystem::path cloud() const;
 };
 
 /// Makes the folder when missing, or opens what is there, for this program alone. `settings` are written to

@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <tuple>
 
 #include "collinea/block/world_frame.h"
 #include "collinea/image/test_folder.h"
@@ -189,10 +190,10 @@ void SmallProject::info_tells_what_machines_read() {
 void SmallProject::export_writes_every_format_and_refuses_others() {
   auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
-  for (const char* format : {"colmap", "opk", "ply", "las", "laz"})
+  for (const char* format : {"colmap", "opk", "ply", "las", "laz", "copc"})
     ASSERT_TRUE(export_block(*project, root_ / "export", format)) << format;
-  for (const char* file :
-       {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk", "tie_points.ply", "cloud.laz"})
+  for (const char* file : {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk",
+                           "tie_points.ply", "cloud.laz", "cloud.copc.laz"})
     EXPECT_TRUE(fs::exists(root_ / "export" / file)) << file;
   EXPECT_TRUE(bytes_of(root_ / "export/cloud.las").size() == bytes_of(root_ / "mapped/products/cloud.las").size());
   const auto refused = export_block(*project, root_ / "export", "dwg");
@@ -202,15 +203,18 @@ void SmallProject::export_writes_every_format_and_refuses_others() {
 
 void SmallProject::a_compressed_cloud_gives_the_same_surface() {
   fs::copy(root_ / "mapped", root_ / "compressed", fs::copy_options::recursive);
-  Settings changed = settings();
-  changed.densify.cloud = "laz";
-  Log log;
-  ASSERT_TRUE(bring(root_ / "compressed", changed, log, "terrain"));
   const fs::path products = root_ / "compressed/products";
-  EXPECT_FALSE(fs::exists(products / "cloud.las"));  // that of the earlier setting is not left beside
-  EXPECT_LT(5 * fs::file_size(products / "cloud.laz"), fs::file_size(root_ / "mapped/products/cloud.las"));
-  for (const char* product : {"dsm.tif", "dtm.tif"})
-    EXPECT_TRUE(bytes_of(products / product) == bytes_of(root_ / "mapped/products" / product));
+  for (const auto& [form, name, earlier] :
+       {std::tuple("laz", "cloud.laz", "cloud.las"), std::tuple("copc", "cloud.copc.laz", "cloud.laz")}) {
+    Settings changed = settings();
+    changed.densify.cloud = form;
+    Log log;
+    ASSERT_TRUE(bring(root_ / "compressed", changed, log, "terrain"));
+    EXPECT_FALSE(fs::exists(products / earlier));  // that of the earlier setting is not left beside
+    EXPECT_LT(5 * fs::file_size(products / name), fs::file_size(root_ / "mapped/products/cloud.las")) << form;
+    for (const char* product : {"dsm.tif", "dtm.tif"})
+      EXPECT_TRUE(bytes_of(products / product) == bytes_of(root_ / "mapped/products" / product)) << form;
+  }
   fs::remove_all(root_ / "compressed");
 }
 

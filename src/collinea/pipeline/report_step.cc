@@ -92,6 +92,7 @@ void add_products(const Project& project, const std::map<std::string, json>& rep
       fmt::format(std::locale(std::locale::classic(), new Thousands), "{:L} points", of("densify").value("points", 0l));
   add("Point cloud", "products/cloud.las", points + ", LAS 1.4 in the map, with sigmas");
   add("Point cloud", "products/cloud.laz", points + ", LAZ 1.4 in the map, with sigmas");
+  add("Point cloud", "products/cloud.copc.laz", points + ", COPC 1.0 (LAZ 1.4) in the map, with sigmas");
   add("Point cloud", "products/cloud.ply", points + ", PLY in the local frame, with normals");
   add("Surface model", "products/dsm.tif", cells_text(of("surface")));
   add("Surface model, standard deviations", "products/dsm_sigma.tif", "m");

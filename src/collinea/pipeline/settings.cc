@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "collinea/io/file.h"
+#include "collinea/io/las.h"
 #include "collinea/pipeline/json_text.h"
 
 namespace collinea {
@@ -152,8 +153,8 @@ Result<> validate_settings(const Settings& settings) {
   if (verdict && std::find(kOrientModes.begin(), kOrientModes.end(), mode) == kOrientModes.end())
     return fail(Errc::kBadInput, "orient: mode = \"" + mode + "\": choose auto, incremental or global");
   const std::string& cloud = settings.densify.cloud;
-  if (verdict && std::find(kCloudForms.begin(), kCloudForms.end(), cloud) == kCloudForms.end())
-    return fail(Errc::kBadInput, "densify: cloud = \"" + cloud + "\": choose las or laz");
+  if (verdict && !las_form_of(cloud))
+    return fail(Errc::kBadInput, "densify: cloud = \"" + cloud + "\": choose las, laz or copc");
   const auto& resolution = settings.densify.resolution;
   if (verdict && resolution && !shrink_of(*resolution))
     return fail(Errc::kBadInput, "densify: resolution = \"" + *resolution + "\": choose full, half or quarter");

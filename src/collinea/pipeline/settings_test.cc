@@ -76,7 +76,7 @@ TEST(Settings, WhatIsWrongIsNamedWithItsPlace) {
       {R"({"photos": "/p", "seed": -1})", "seed", Errc::kBadFormat},
       {R"({"photos": "/p", "seed": 1.5})", "seed", Errc::kBadFormat},
       {R"({"photos": "/p", "seed": 18446744073709551616})", "seed", Errc::kBadFormat},
-      {R"({"photos": "/p", "options": {"densify": {"cloud": "laz2"}}})", "las or laz", Errc::kBadInput},
+      {R"({"photos": "/p", "options": {"densify": {"cloud": "laz2"}}})", "las, laz or copc", Errc::kBadInput},
       {R"({"photos": "/p", "options": {"densify": {"resolution": "fulll"}}})", "full, half or quarter",
        Errc::kBadInput},
       {R"({"photos": "/p", "options": {"orient": {"max_error_px": -3}}})", "max_error_px", Errc::kBadInput},
