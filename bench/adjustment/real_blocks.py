@@ -55,12 +55,19 @@ def squares(points, difference, sigma):
             math.sqrt(sum(s * s for _, s in pairs) / n))
 
 
+def of_chance(n, deviations):
+    """Chi-squared of n degrees of freedom at that many standard deviations of a normal variable (Wilson, Hilferty 1931):
+    n +- deviations sqrt(2 n) would let pass any sigma, however large, of fewer than 32 coordinates."""
+    return n * max(0, 1 - 2 / (9 * n) + deviations * math.sqrt(2 / (9 * n))) ** 3
+
+
 def foretold(what, points):
-    """Differences are as long as foretold: chi-squared of n coordinates within four deviations, sqrt(2 n)."""
+    """Differences are as long as foretold, no longer and no shorter than chance explains."""
     chi2, n, real, expected = squares(points, "difference_m", "sigma_m")
-    return row(what, "chi-squared of the differences within 4 deviations of its freedom",
+    low, high = (of_chance(n, -4), of_chance(n, 4)) if n else (0, 0)
+    return row(what, "chi-squared of the differences within 4 deviations, as of a normal variable, on both sides",
                f"{len(points)} points: real {real:.4f} m, foretold {expected:.4f} m (root mean squares of coordinates); "
-               f"chi-squared {chi2:.1f} of {n}", n > 0 and abs(chi2 - n) <= 4 * math.sqrt(2 * n))
+               f"chi-squared {chi2:.1f} of {n} ({low:.1f} to {high:.1f})", n > 0 and low <= chi2 <= high)
 
 
 def leave_one_out(name, report):

@@ -5,10 +5,12 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <vector>
 
 #include "blocks.h"
-#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/quantiles.h"
 #include "collinea/adjust/snooping.h"
+#include "collinea/adjust/survey_block.h"
 #include "collinea/geometry/rotation.h"
 #include "rows.h"
 
@@ -22,32 +24,8 @@ constexpr double kLength_m = 0.005, kAngle_rad = 1e-4;  // a good total station 
 constexpr double kLeast = 4, kMost = 20;                // of blunders [sigmas]
 constexpr int kMostTakenOut = 10000;
 
-double normal_below(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
-
-bool is_ground(Group group) { return group >= Group::kDistance && group <= Group::kZenithAngle; }
+bool is_ground(Group group) { return group >= Group::kDistance && group <= Group::kOnLine; }
 bool is_attitude(Group group) { return group >= Group::kAttitudeLevel; }
-
-// What a total station in the first point and a tape between neighbours say.
-void measure_on_ground(const Block& exact, Block& block, Random& random) {
-  std::vector<ControlId> ids;
-  for (const auto& [id, control] : exact.control) ids.push_back(id);
-  const auto add = [&](GroundKind kind, std::size_t from, std::size_t to) {
-    GroundObservation one{.kind = kind, .from = ids[from], .to = ids[to]};
-    one.sigma = one.is_angle() ? kAngle_rad : kLength_m;
-    if (kind == GroundKind::kDirection) one.setup = 1;
-    one.value = ground_model(one, exact.control.at(one.from).position_in_world,
-                             exact.control.at(one.to).position_in_world, 0.3, false)
-                    .computed +
-                one.sigma * random.normal();
-    block.ground.push_back(one);
-  };
-  for (std::size_t i = 1; i < ids.size(); ++i) {
-    add(GroundKind::kDistance, i - 1, i);
-    add(GroundKind::kHeightDifference, 0, i);
-    add(GroundKind::kDirection, 0, i);
-    add(GroundKind::kZenithAngle, 0, i);
-  }
-}
 
 // Attitudes of an inertial system, turned by its boresight.
 void add_attitudes(const Block& exact, const Eigen::Vector3d& boresight, AdjustScope& scope, Random& random) {
@@ -84,7 +62,9 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
     const Block exact = exact_block(Layout::kCrossStrips, {.points = 150, .control = 8}, seed);
     Measured made = measured(exact, seed);
     Random random(seed, 31);
-    measure_on_ground(exact, made.block, random);
+    std::vector<ControlId> ids;
+    for (const auto& [id, control] : exact.control) ids.push_back(id);
+    testing::measure_on_ground(exact, made.block, ids, kLength_m, kAngle_rad, random);
     add_attitudes(exact, {0.01, -0.02, 0.03}, made.scope, random);
     const auto clean = adjust(made.block, made.scope, options, run);
     if (!clean || !clean->reliability) {
@@ -107,7 +87,7 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
           made.block.ground[one.source].value += sigmas * one.sigma;
         }
         const double shift = std::abs(sigmas) * std::sqrt(one.redundancy), limit = clean->reliability->limit;
-        const double power = normal_below(shift - limit) + normal_below(-shift - limit);
+        const double power = power_of_test(shift, limit);
         Counts& its = counts[attitude];
         ++its.planted;
         its.expected += power;
@@ -216,11 +196,12 @@ Rows instruments(const Effort& effort, const Run& run) {
   Rows rows;
   for (const auto& [kind, its] : found) {
     constexpr double kBeyond3 = 0.0027;
-    const double chance = kBeyond3 * its.all;
-    rows.push_back({fmt::format("{} found again", its.name), "within 3 sigma, but for 0.3 % of chance",
-                    fmt::format("{:.0f} of {:.0f} beyond 3 sigma (of {:.2g} on average); mean square {:.2f}",
-                                its.beyond, its.all, its.sigma / its.all, its.squares / its.all),
-                    failed == 0 && its.beyond <= chance + 4 * std::sqrt(chance)});
+    const double chance = kBeyond3 * its.all, mean = its.squares / its.all, deviation = std::sqrt(2 / its.all);
+    rows.push_back({fmt::format("{} found again", its.name),
+                    "within 3 sigma, but for 0.3 % of chance; errors over sigmas: mean square 1 within 4 deviations",
+                    fmt::format("{:.0f} of {:.0f} beyond 3 sigma (of {:.2g} on average); {:.2f} +- {:.2f}", its.beyond,
+                                its.all, its.sigma / its.all, mean, deviation),
+                    failed == 0 && its.beyond <= chance + 4 * std::sqrt(chance) && std::abs(mean - 1) < 4 * deviation});
   }
   rows.push_back(without_cross_flight(run));
   return rows;

@@ -18,6 +18,11 @@ using bundle::Step;
 
 constexpr double kLeastDamping = 1e-12, kMostDamping = 1e12;
 
+// Of a diagonal element of the normal equations. A damped step is short where little determines the block, however far
+// it still has to go: the end is believed of a step with this damping. What it holds back then is no more than that
+// step, up to an inflation (Conditioning) of 1e8.
+constexpr double kHardlyDamped = 1e-8;
+
 // Once a step gains less than this part, the robust loss is taken with its curvature: reweighting alone creeps.
 constexpr double kNear = 0.05, kLeastCurvature = 0.1;
 
@@ -30,11 +35,16 @@ struct Search {
 };
 
 /// Levenberg-Marquardt with the gain ratio of Madsen, Nielsen, Tingleff (2004); a step that the linear model foretold
-/// well lowers the damping tenfold.
+/// well lowers the damping tenfold, one that it foretold to a hundredth ends it.
 class LevenbergMarquardt {
  public:
   LevenbergMarquardt(Problem& problem, Normals& normals, const AdjustOptions& options, const Run& run)
-      : problem_(problem), normals_(normals), options_(options), run_(run), damping_(options.first_damping) {}
+      : problem_(problem),
+        normals_(normals),
+        options_(options),
+        run_(run),
+        hardly_damped_(std::max(kHardlyDamped, options.relative_cost_change)),
+        damping_(options.first_damping) {}
 
   Search search(State start) {
     Search at{std::move(start)};
@@ -43,8 +53,9 @@ class LevenbergMarquardt {
       at.cost = normals_.accumulate(at.state, damping_, run_);
       if (at.iterations == 0) at.initial_cost = at.cost + settled;
       if (at.cost < 1e-20 * static_cast<double>(problem_.observation_count)) at.converged = true;
-      if (at.converged || !normals_.solve(run_, step_)) {
-        if (!at.converged && !damp_more()) break;
+      if (at.converged) continue;
+      if (!normals_.solve(run_, step_)) {
+        if (!damp_more()) break;
         continue;
       }
       State next = bundle::moved(problem_, at.state, damping_, step_, run_);
@@ -55,6 +66,12 @@ class LevenbergMarquardt {
 
  private:
   bool damp_more() {
+    if (confirms_) {
+      needs_damping_ = true;
+      damping_ = damping_before_;
+      confirms_ = false;
+      return true;
+    }
     damping_ *= growth_;
     growth_ *= 2;
     return damping_ < kMostDamping;
@@ -70,14 +87,23 @@ class LevenbergMarquardt {
     const bool small = step_.largest_turn_rad < options_.parameter_change &&
                        step_.largest_move_m < options_.parameter_change * problem_.extent_m;
     if (std::isfinite(step_.cost) && step_.cost < at.cost) {
-      const double before = at.cost, gain = (before - step_.cost) / step_.promised;
+      const double before = at.cost, gain = (before - step_.cost) / step_.promised, used = damping_;
       const double bend = 2 * gain - 1;
       damping_ *= gain > 0.9 ? 0.1 : std::max(1.0 / 3, 1 - bend * bend * bend);
+      if (std::abs(gain - 1) < 0.01) damping_ = std::min(damping_, hardly_damped_);
       damping_ = std::max(damping_, kLeastDamping);
       growth_ = 2;
       at.state = std::move(next);
-      at.cost = step_.cost - bundle::settle_gauge(problem_, at.state);
-      at.converged = small || short_step || before - at.cost <= tolerance;
+      const double by_gauge = bundle::settle_gauge(problem_, at.state);
+      at.cost = step_.cost - by_gauge;
+      const bool moved_as_one = by_gauge > std::max(tolerance, options_.step_sigmas * options_.step_sigmas * variance);
+      const bool at_rest = small || (!moved_as_one && (short_step || before - at.cost <= tolerance));
+      at.converged = at_rest && (used <= hardly_damped_ || needs_damping_);
+      confirms_ = at_rest && !at.converged;
+      if (confirms_) {
+        damping_ = hardly_damped_;
+        damping_before_ = used;
+      }
       if (before - at.cost < kNear * before) problem_.tie_loss.least_curvature = kLeastCurvature;
     } else {
       problem_.tie_loss.least_curvature = 1;
@@ -90,7 +116,11 @@ class LevenbergMarquardt {
   const AdjustOptions& options_;
   const Run& run_;
   Step step_;
+  const double hardly_damped_;  // who asks for little gets it by damped steps
   double damping_, growth_ = 2;
+  bool confirms_ = false;       // this step is to tell whether the one before was short because of its damping
+  double damping_before_ = 0;   // of that one
+  bool needs_damping_ = false;  // such a step made things worse
 };
 
 // Brings every point to its place, images and cameras as they are. The iterations end when these are at rest: a point

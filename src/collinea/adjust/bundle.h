@@ -207,6 +207,15 @@ struct Conditioning {
   std::string mostly;  ///< what that combination consists of, in words
 };
 
+/// How a parameter of a camera goes with one of the six of an image: with what differs least from it in its effect.
+struct CameraPoseCorrelation {
+  CameraId camera;
+  int param = 0;    ///< Camera::Param
+  int of_pose = 0;  ///< 0 to 2: turns about x, y and z of the world; 3 to 5: the projection centre along them
+  ImageId image;    ///< of the camera's images the one with the largest
+  double correlation = 0;
+};
+
 /// The outcome of a bundle adjustment. Residuals are observed minus computed.
 struct Adjusted {
   std::map<ImageId, Rigid3> cam_from_world;                 ///< of the images that moved
@@ -245,6 +254,8 @@ struct Adjusted {
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points
   std::vector<PlacePrecision> places;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
+  /// With covariances, where the datum is complete: six of each free parameter of each camera.
+  std::vector<CameraPoseCorrelation> camera_pose_correlations;
   std::string undetermined;
   Conditioning conditioning;               ///< with covariances
   std::vector<Weakness> weaknesses;        ///< with covariances; none: everything is well determined

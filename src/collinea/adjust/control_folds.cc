@@ -74,6 +74,28 @@ std::vector<std::size_t> ControlFolds::spread(const State& state) const {
   return order;
 }
 
+std::vector<LeftOutPoint> without_coordinates(const std::vector<ControlId>& points, const Eigen::MatrixXd& cofactor,
+                                              const Eigen::VectorXd& differences, const Eigen::MatrixXd& weights,
+                                              const Eigen::VectorXd& survey, double variance) {
+  const Eigen::FullPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(cofactor.rows(), cofactor.cols()) -
+                                             cofactor * weights);
+  if (lu.matrixLU().diagonal().cwiseAbs().minCoeff() < kNotDetermined) return {};
+  const Eigen::VectorXd known = (weights.diagonal().array() > 0).select(differences, 0), moved = lu.solve(known);
+  const Eigen::MatrixXd without = lu.solve(cofactor);
+  std::vector<LeftOutPoint> left_out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    LeftOutPoint point{points[i], Eigen::Vector3d::Constant(kNaN), Eigen::Vector3d::Constant(kNaN)};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto row = static_cast<Eigen::Index>(3 * i) + axis;
+      if (!(weights(row, row) > 0)) continue;
+      point.difference_m[axis] = moved[row];
+      point.difference_sigma_m[axis] = std::sqrt(std::max(variance * without(row, row) + survey[row], 0.0));
+    }
+    left_out.push_back(point);
+  }
+  return left_out;
+}
+
 Folded ControlFolds::leave_out(const Problem& problem, const State& state, const Adjusted& adjusted, int folds) const {
   Folded out;
   out.folds = std::min(folds, static_cast<int>(points_.size() / 2));
@@ -97,28 +119,15 @@ Folded ControlFolds::leave_out(const Problem& problem, const State& state, const
       const auto first = static_cast<Eigen::Index>(3 * a);
       weights.block<3, 3>(first, first) = given.weight();
       survey.segment<3>(first) = inverse_weight(given).diagonal();
-      for (int axis = 0; axis < 3; ++axis)
-        difference[first + axis] = given.inverse_sigma[axis] > 0 ? place_of(state, p)[axis] - given.given[axis] : 0;
+      for (int axis = 0; axis < 3; ++axis) difference[first + axis] = place_of(state, p)[axis] - given.given[axis];
       for (std::size_t b = 0; b < members.size(); ++b)
         q.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)) =
             cofactor_.block<3, 3>(static_cast<Eigen::Index>(3 * members[a]), static_cast<Eigen::Index>(3 * members[b]));
     }
-    // As for a single point: without their coordinates they lie at given + (I - Q P)^-1 d.
-    const Eigen::FullPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(size, size) - q * weights);
-    if (lu.matrixLU().diagonal().cwiseAbs().minCoeff() < kNotDetermined) continue;
-    const Eigen::VectorXd moved = lu.solve(difference);
-    const Eigen::MatrixXd without = lu.solve(q);
-    for (std::size_t a = 0; a < members.size(); ++a) {
-      LeftOutPoint point{ControlId{problem.point(points_[members[a]]).id}, Eigen::Vector3d::Constant(kNaN),
-                         Eigen::Vector3d::Constant(kNaN)};
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto row = static_cast<Eigen::Index>(3 * a) + axis;
-        if (!(weights(row, row) > 0)) continue;
-        point.difference_m[axis] = moved[row];
-        point.difference_sigma_m[axis] = std::sqrt(std::max(variance * without(row, row) + survey[row], 0.0));
-      }
+    std::vector<ControlId> ids;
+    for (const std::size_t member : members) ids.push_back(ControlId{problem.point(points_[member]).id});
+    for (const LeftOutPoint& point : without_coordinates(ids, q, difference, weights, survey, variance))
       found[point.point] = {fold + 1, point};
-    }
   }
   for (const auto& [id, one] : found) {
     out.part.push_back(one.first);

@@ -9,6 +9,16 @@
 
 namespace collinea::bundle {
 
+/// Points without their own coordinates, by the cofactor Q of the adjusted ones, three rows of each, their differences
+/// d (adjusted minus given), weights P (0: not surveyed on that axis) and the variances `survey` of these: they lie at
+/// given + (I - Q P)^-1 d then, with the cofactor (I - Q P)^-1 Q, which `variance` multiplies. Exact for linear
+/// equations. None when they are not determined.
+[[nodiscard]] std::vector<LeftOutPoint> without_coordinates(const std::vector<ControlId>& points,
+                                                            const Eigen::MatrixXd& cofactor,
+                                                            const Eigen::VectorXd& differences,
+                                                            const Eigen::MatrixXd& weights,
+                                                            const Eigen::VectorXd& survey, double variance);
+
 /// What parts of the control would have been found to be off by, had their coordinates not taken part: leave-one-out
 /// flatters where neighbours have the same error. Exact for linear equations.
 class ControlFolds {

@@ -185,6 +185,7 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
     adjusted.camera_covariance[camera.id] = covariance;
   }
   add_places(problem, state, free_network, matrix, run, adjusted);
+  correlate_cameras_and_poses(problem, state, matrix, adjusted);
   if (options.reliability) add_reliability(block, problem, state, options, matrix, run, adjusted);
   if (adjusted.reliability) adjusted.reliability->folded = folds->leave_out(problem, state, adjusted, options.folds);
   if (!options.point_covariances || run.stopped()) return;

@@ -197,8 +197,8 @@ class SeenWithExtras {
 
 // Which motions of its part a measurement on the ground, an antenna or an attitude sees, as far as its direction goes.
 void gather_other_motions(const Problem& problem, const State& state, const std::vector<int>& part,
-                          std::vector<int> part_of_point, std::vector<Part>& parts) {
-  extend_parts(problem, part_of_point);
+                          std::vector<Part>& parts) {
+  const std::vector<int>& part_of_point = problem.part_of_point;
   SeenWithExtras all(problem, parts.size());
   for (const GroundLink& link : problem.ground) {
     const int its = part_of_point[link.from];
@@ -306,8 +306,10 @@ void find_datum(Problem& problem, const State& start) {
   for (int i = 0; i < problem.poses; ++i) parts[part[i]].poses.push_back(i);
   measure(parts, problem, start, part);
   gather_observed_motions(problem, start, part, part_of_point, parts);
+  extend_parts(problem, part_of_point);
+  problem.part_of_point = std::move(part_of_point);
   if (!problem.extras.empty() || !problem.ground.empty() || !problem.attitudes.empty())
-    gather_other_motions(problem, start, part, part_of_point, parts);
+    gather_other_motions(problem, start, part, parts);
   for (const Part& one : parts) {
     problem.extent_m = std::max(problem.extent_m, one.size);
     const Eigen::SelfAdjointEigenSolver<Matrix7> eigen(one.seen);

@@ -24,21 +24,25 @@ Eigen::Vector3d FreeNetwork::place_of(std::size_t point) const {
 }
 
 // Nothing for parts that are fixed.
-const FreeNetwork::Part* FreeNetwork::part_of(int pose) const {
-  if (parts_.empty() || pose < 0) return nullptr;
+const FreeNetwork::Part* FreeNetwork::part_numbered(int number) const {
   for (const Part& part : parts_)
-    if (part.number == problem_.part_of_pose[static_cast<std::size_t>(pose)]) return &part;
+    if (part.number == number) return &part;
   return nullptr;
 }
 
-const FreeNetwork::Part* FreeNetwork::part_with(std::size_t point) const {
-  const std::uint32_t ray = problem_.point(point).first_free;
-  if (problem_.point(point).held || ray == problem_.end_ray(point)) return nullptr;
-  return part_of(static_cast<int>(problem_.rays[ray].image));
+const FreeNetwork::Part* FreeNetwork::part_of(int pose) const {
+  return pose < 0 ? nullptr : part_numbered(problem_.part_of_pose[static_cast<std::size_t>(pose)]);
 }
 
+const FreeNetwork::Part* FreeNetwork::part_with(std::size_t point) const {
+  return problem_.point(point).held ? nullptr : part_numbered(problem_.part_of_point[point]);
+}
+
+// What no image shows moves with the part, but is nothing of what the images determine.
 bool FreeNetwork::in_datum(const Part& part, std::size_t point) const {
-  return part_with(point) == &part && (part.by_control || problem_.point(point).control < 0);
+  if (part_with(point) != &part) return false;
+  const ProblemPoint& its = problem_.point(point);
+  return its.control < 0 || (part.by_control && its.first_free < problem_.end_ray(point));
 }
 
 // False when the points do not tell all motions.

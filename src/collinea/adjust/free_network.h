@@ -42,6 +42,7 @@ class FreeNetwork {
   };
   [[nodiscard]] Eigen::MatrixXd of_place(const Part& part, const Eigen::Vector3d& place) const;
   [[nodiscard]] Eigen::Vector3d place_of(std::size_t point) const;
+  [[nodiscard]] const Part* part_numbered(int number) const;
   [[nodiscard]] const Part* part_of(int pose) const;
   [[nodiscard]] const Part* part_with(std::size_t point) const;
   [[nodiscard]] bool in_datum(const Part& part, std::size_t point) const;

@@ -275,15 +275,9 @@ class Gatherer {
     return {};
   }
 
-  [[nodiscard]] bool is_linked(ControlId point) const {
-    return std::any_of(links_.begin(), links_.end(), [&](std::uint32_t link) {
-      return block_.ground[link].from == point || block_.ground[link].to == point;
-    });
-  }
-
   // Images, coordinates and measurements on the ground together are as many as the unknowns.
-  [[nodiscard]] bool by_ground_too(const CandidatePoint& point, int rays) const {
-    return point.held || 2 * rays + point.given + ground_count(block_, links_, ControlId{point.id}) >= 3;
+  [[nodiscard]] static bool by_ground_too(const CandidatePoint& point, int rays, int on_ground) {
+    return point.held || 2 * rays + point.given + on_ground >= 3;
   }
 
   // What is measured to a point that takes no part goes; true when something went.
@@ -305,14 +299,16 @@ class Gatherer {
   void drop_weak() {
     for (bool changed = true; changed;) {
       changed = false;
+      const std::map<ControlId, int> on_ground = ground_counts(block_, links_);
       for (Candidate& image : candidates_) image.rays = 0;
       for (CandidatePoint& point : points_) {
         if (point.out) continue;
         int rays = 0;
         for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) rays += !candidates_[rays_[r].image].out;
         const bool seen = rays >= point.least_rays && rays > 0;
-        const bool linked = point.linked && is_linked(ControlId{point.id});
-        point.out = (!seen && !(linked && by_ground_too(point, rays))) || (point.for_ground && !linked);
+        const auto its = point.linked ? on_ground.find(ControlId{point.id}) : on_ground.end();
+        const bool linked = its != on_ground.end();
+        point.out = (!seen && !(linked && by_ground_too(point, rays, its->second))) || (point.for_ground && !linked);
         if (point.out) continue;
         for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r) ++candidates_[rays_[r].image].rays;
       }
@@ -344,10 +340,11 @@ class Gatherer {
     std::vector<int> order(static_cast<std::size_t>(free));
     std::iota(order.begin(), order.end(), 0);
     if (free <= 2 * kPosesOfTile) return order;  // two tiles: nothing to gain
+    const std::map<ControlId, int> linked = ground_counts(block_, links_);
     std::vector<std::uint32_t> first{0};
     std::vector<int> image_of_ray;
     for (const CandidatePoint& point : points_) {
-      if (point.out || point.held || (point.control >= 0 && is_linked(ControlId{point.id}))) continue;
+      if (point.out || point.held || (point.control >= 0 && linked.contains(ControlId{point.id}))) continue;
       for (std::uint32_t r = point.first_ray; r < point.end_ray; ++r)
         if (free_number[rays_[r].image] >= 0) image_of_ray.push_back(free_number[rays_[r].image]);
       first.push_back(static_cast<std::uint32_t>(image_of_ray.size()));

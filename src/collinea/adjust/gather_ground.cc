@@ -92,13 +92,12 @@ class GroundLayout {
   }
 
   int orientation_of(const GroundObservation& measured, const GroundLink& link) {
-    auto& extras = problem_.extras;
-    for (std::size_t i = 0; i < extras.size(); ++i)
-      if (extras[i].kind == UnknownKind::kOrientation && extras[i].owner == measured.setup) return static_cast<int>(i);
-    extras.push_back({UnknownKind::kOrientation, measured.setup});
+    const auto [its, first] = orientations_.try_emplace(measured.setup, static_cast<int>(problem_.extras.size()));
+    if (!first) return its->second;
+    problem_.extras.push_back({UnknownKind::kOrientation, measured.setup});
     // By its first direction; those that follow are at most a turn away, and residuals of angles know no turns.
     start_.extras.push_back(-ground_residual(measured, model_of(problem_, link, start_)));
-    return static_cast<int>(extras.size()) - 1;
+    return its->second;
   }
 
   void join() {
@@ -116,6 +115,7 @@ class GroundLayout {
   Problem& problem_;
   State& start_;
   std::map<ControlId, std::uint32_t> number_;
+  std::map<std::uint32_t, int> orientations_;       // of set-ups, in Problem::extras
   std::map<ShapeKey, std::pair<int, int>> shapes_;  // number of the shape, and of its first unknown
 };
 

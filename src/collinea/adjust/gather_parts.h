@@ -23,9 +23,10 @@ namespace collinea::bundle {
 void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(ControlId)>& place_of,
                        std::vector<std::uint32_t>& links);
 
-/// How many unknowns of a point the links can determine, if it takes part: each counts once, but of the directions of a
-/// set-up on the point one finds its orientation, and a single direction of a set-up says nothing.
-[[nodiscard]] int ground_count(const Block& block, const std::vector<std::uint32_t>& links, ControlId point);
+/// How many unknowns of each point the links can determine, if it takes part: each counts once, but of the directions
+/// of a set-up on the point one finds its orientation, and a single direction of a set-up says nothing. Points that no
+/// link has are not there.
+[[nodiscard]] std::map<ControlId, int> ground_counts(const Block& block, const std::vector<std::uint32_t>& links);
 
 /// Approximate places of points that have none, from those that have: set-ups by what they measured to two such points
 /// or more, targets by direction, zenith angle and distance from a set-up, or by directions and zenith angles of two.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -15,11 +16,62 @@ namespace {
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 
+// By how much a motion turns azimuths back, which are clockwise.
+double heading_of(const Similarity3& moved) {
+  const Eigen::Matrix3d turn = moved.rotation.toRotationMatrix();
+  return std::atan2(turn(1, 0), turn(0, 0));
+}
+
+// Where a height that points have in common is at the middle of the block.
+Eigen::Vector3d at_height(double height, const Eigen::Vector3d& centre) { return {centre.x(), centre.y(), height}; }
+
+// An unknown of set-ups or shapes of a block that was moved as a whole. Planes and lines stay where they are.
+double moved_extra(const ExtraUnknown& extra, double value, const Similarity3& moved, const Eigen::Vector3d& centre) {
+  if (extra.kind == UnknownKind::kOrientation) return value - heading_of(moved);
+  if (extra.kind == UnknownKind::kHeight) return (moved * at_height(value, centre)).z();
+  return value;
+}
+
 struct GaugeNormals {
   Eigen::Matrix<double, 7, 7> matrix = Eigen::Matrix<double, 7, 7>::Zero();
   Vector7 right = Vector7::Zero();
   double cost = 0;
 };
+
+// What was measured on the ground sees the scale, the level and, where only one end moves, the place.
+void add_ground(const Problem& problem, const State& state, const Similarity3& moved, const Eigen::Vector3d& centre,
+                double size, GaugeNormals& normals) {
+  const auto motion_at = [&](const Eigen::Vector3d& place) -> Matrix37 {
+    return size * motion_of(place, centre, size);
+  };
+  for (const GroundLink& link : problem.ground) {
+    if (!(link.inverse_sigma > 0)) continue;
+    const auto place = [&](std::uint32_t p) { return moved * Eigen::Vector3d(&state.points[3ul * p]); };
+    const Eigen::Vector3d from = place(link.from), to = place(link.to);
+    std::array<double, 3> extra{};
+    const ExtraUnknown* own = nullptr;
+    for (int k = 0; k < 3 && link.extra >= 0 && static_cast<std::size_t>(link.extra + k) < state.extras.size(); ++k) {
+      const auto i = static_cast<std::size_t>(link.extra + k);
+      extra[static_cast<std::size_t>(k)] = moved_extra(problem.extras[i], state.extras[i], moved, centre);
+      if (k == 0) own = &problem.extras[i];
+    }
+    const GroundModel model = link.shape >= 0
+                                  ? shape_model(link.observation, problem.shapes[static_cast<std::size_t>(link.shape)],
+                                                extra.data(), from, problem.level_at_origin)
+                                  : ground_model(link.observation, from, to, extra[0], problem.level_at_origin);
+    Eigen::Matrix<double, 1, 7> row = model.by_from.transpose() * motion_at(from);
+    if (link.to != link.from) row += model.by_to.transpose() * motion_at(to);
+    if (own && own->kind == UnknownKind::kOrientation) row[5] -= model.by_extra[0];
+    if (own && own->kind == UnknownKind::kHeight)
+      row += model.by_extra[0] *
+             motion_at(moved * at_height(state.extras[static_cast<std::size_t>(link.extra)], centre)).row(2);
+    row *= link.inverse_sigma;
+    const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
+    normals.matrix += row.transpose() * row;
+    normals.right += row.transpose() * residual;
+    normals.cost += residual * residual;
+  }
+}
 
 // The observations of place, of a block moved by `moved`, and their derivatives by a further motion.
 GaugeNormals normals_at(const Problem& problem, const State& state, const Similarity3& moved,
@@ -57,6 +109,7 @@ GaugeNormals normals_at(const Problem& problem, const State& state, const Simila
     add(Eigen::Map<const Eigen::Vector3d>(&state.points[3 * p]), Eigen::Map<const Eigen::Vector3d>(control.given),
         control.weight(), Loss{});
   }
+  add_ground(problem, state, moved, centre, size, normals);
   return normals;
 }
 
@@ -80,11 +133,13 @@ Similarity3 after(const Similarity3& moved, const Vector7& motion, const Eigen::
   return {scale * moved.scale, (turn * moved.rotation).normalized(), place(moved.translation)};
 }
 
-void transform(State& state, const Similarity3& moved) {
+void transform(const Problem& problem, State& state, const Similarity3& moved, const Eigen::Vector3d& centre) {
+  for (std::size_t i = 0; i < state.extras.size(); ++i)
+    state.extras[i] = moved_extra(problem.extras[i], state.extras[i], moved, centre);
   for (std::size_t i = 0; i < state.frames.size(); ++i) {
-    const Eigen::Vector3d centre = moved * centre_in(state, i);
+    const Eigen::Vector3d there = moved * centre_in(state, i);
     state.rotations[i] = (state.rotations[i] * moved.rotation.conjugate()).normalized();
-    state.frames[i] = frame_of(state.rotations[i], centre.data());
+    state.frames[i] = frame_of(state.rotations[i], there.data());
   }
   for (std::size_t p = 0; 3 * p < state.points.size(); ++p) {
     Eigen::Map<Eigen::Vector3d> point(&state.points[3 * p]);
@@ -145,11 +200,11 @@ double settle_gauge(const Problem& problem, State& state) {
   double fallen = before - normals.cost;
   if (!(fallen > 0)) return 0;
   if (is_plain(problem)) {
-    transform(state, moved);
+    transform(problem, state, moved, centre);
     return fallen;
   }
   State there = state;
-  transform(there, moved);
+  transform(problem, there, moved, centre);
   fallen = cost_of_place(problem, state) - cost_of_place(problem, there);
   if (!(fallen > 0)) return 0;
   state = std::move(there);

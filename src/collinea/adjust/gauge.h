@@ -16,10 +16,11 @@ using Matrix37 = Eigen::Matrix<double, 3, 7>;
 /// by [shift / size, angles (rad), log scale].
 [[nodiscard]] Matrix37 motion_of(const Eigen::Vector3d& point, const Eigen::Vector3d& centre, double size);
 
-/// Shifts, turns and scales the block as a whole so that positions, verticals and control coordinates fit best; image
-/// residuals stay as they are. A linear step does that badly: precise rays resist a turn by its second-order error, so
-/// that a block that lies askew creeps home. Answers by how much the cost fell, that of measurements on
-/// the ground too; 0 and nothing done where it does not, and unless problem.moves_as_one.
+/// Shifts, turns and scales the block as a whole so that positions, verticals, control coordinates and what was
+/// measured on the ground fit best; image residuals stay as they are. Orientations of set-ups and common heights go
+/// with it. A linear step does that badly: precise rays resist a turn by its second-order error, so that a block that
+/// lies askew creeps home. Answers by how much the cost fell; 0 and nothing done where it does not, and unless
+/// problem.moves_as_one.
 double settle_gauge(const Problem& problem, State& state);
 
 }  // namespace collinea::bundle

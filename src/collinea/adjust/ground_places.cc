@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "collinea/adjust/gather_parts.h"
 
@@ -170,22 +171,23 @@ void find_places_by_ground(const Block& block, const std::vector<std::uint32_t>&
   PlaceFinder(block, links, places).find();
 }
 
-int ground_count(const Block& block, const std::vector<std::uint32_t>& links, ControlId point) {
+std::map<ControlId, int> ground_counts(const Block& block, const std::vector<std::uint32_t>& links) {
   std::map<std::uint32_t, int> directions;  // of each set-up
   for (const std::uint32_t link : links)
     if (const GroundObservation& one = block.ground[link];
         one.kind == GroundKind::kDirection && one.role == ControlRole::kControl)
       ++directions[one.setup];
-  int count = 0;
-  std::set<std::uint32_t> own;
+  std::map<ControlId, int> counts;
+  std::set<std::pair<ControlId, std::uint32_t>> oriented;
   for (const std::uint32_t link : links) {
     const GroundObservation& one = block.ground[link];
-    if (one.role != ControlRole::kControl || (one.from != point && one.to != point)) continue;
-    if (one.kind == GroundKind::kDirection && directions.at(one.setup) < 2) continue;
-    ++count;
-    if (one.kind == GroundKind::kDirection && one.from == point) own.insert(one.setup);
+    const bool counts_here =
+        one.role == ControlRole::kControl && (one.kind != GroundKind::kDirection || directions.at(one.setup) >= 2);
+    for (const ControlId point : std::set{one.from, one.to}) counts[point] += counts_here;
+    if (counts_here && one.kind == GroundKind::kDirection && oriented.insert({one.from, one.setup}).second)
+      --counts[one.from];
   }
-  return count - static_cast<int>(own.size());
+  return counts;
 }
 
 }  // namespace collinea::bundle

@@ -28,6 +28,9 @@ void add_places(const Problem& problem, const State& state, const FreeNetwork& f
 /// The cofactor of an observation by one pose and unknowns of the border.
 [[nodiscard]] double variance_of(const Row& row, TileCholesky& inverse);
 
+/// Fills Adjusted::camera_pose_correlations, by the selected inverse, when the covariances of poses are there.
+void correlate_cameras_and_poses(const Problem& problem, const State& state, TileCholesky& inverse, Adjusted& adjusted);
+
 /// Fills Adjusted::reliability, by the selected inverse.
 void add_reliability(const Block& block, const Problem& problem, const State& state, const AdjustOptions& options,
                      TileCholesky& inverse, const Run& run, Adjusted& adjusted);

@@ -164,7 +164,8 @@ struct Problem {
   std::size_t ground_left_out = 0;  ///< of Block::ground, because of points that take no part or determine no shape
   bool level_at_origin = false;     ///< see ground_model()
   std::vector<DatumConstraint> datum;
-  std::vector<int> part_of_pose;  ///< images connected by points, as numbers of parts
+  std::vector<int> part_of_pose;   ///< images connected by points, as numbers of parts
+  std::vector<int> part_of_point;  ///< those that no image shows are of the part they are measured from; -1: of none
   int rank_defect = 0;
   std::string datum_text;
   std::vector<ImageId> images_left_out;

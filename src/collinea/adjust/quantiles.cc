@@ -46,4 +46,9 @@ double tau_limit(double alpha, long redundancy) {
   return std::sqrt(double(redundancy)) * std::sin(angle);
 }
 
+double power_of_test(double shift, double limit) {
+  const auto below = [](double x) { return std::erfc(-x / std::numbers::sqrt2) / 2; };
+  return below(shift - limit) + below(-shift - limit);
+}
+
 }  // namespace collinea

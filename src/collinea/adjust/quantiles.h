@@ -10,4 +10,8 @@ namespace collinea {
 /// freedom in all: sqrt(redundancy) at most, and exactly that for one.
 [[nodiscard]] double tau_limit(double alpha, long redundancy);
 
+/// Probability that a standard normal variable shifted by `shift` is beyond the limit on either side: the power of a
+/// test, for a blunder of n sigmas and the redundancy number r by n sqrt(r).
+[[nodiscard]] double power_of_test(double shift, double limit);
+
 }  // namespace collinea

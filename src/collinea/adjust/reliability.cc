@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/adjust/reliability.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/adjust/control_folds.h"
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
 #include "collinea/adjust/quantiles.h"
@@ -83,9 +83,7 @@ class Examiner {
     take_attitudes();
     take_extras();
     sums(ObservationGroup::kTieImages).squares = tie_.squares();
-    std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
-                     [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
-    if (out_.suspects.size() > kMostSuspects) out_.suspects.resize(kMostSuspects);
+    trim();
     return std::move(out_);
   }
 
@@ -112,6 +110,7 @@ class Examiner {
     group.squared_redundancy += r * r;
     out_.redundancy_sum += 1 - leverage;
     one.redundancy = r;
+    one.w = one.suspicion = 0;  // of the coordinate before
     one.least_blunder = one.effect = one.effect_in_sigmas = kInfinity;
     if (r > kNoRedundancy) {
       const bool in_image = one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages;
@@ -119,6 +118,7 @@ class Examiner {
       const double spread = one.sigma * std::sqrt(own * own + sigma0_ * sigma0_ * leverage / (weight * r));
       one.blunder = one.residual / r;
       one.w = one.blunder / spread;
+      one.suspicion = one.blunder / (sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r)));
       one.least_blunder = out_.delta0 * spread;
       one.effect = one.least_blunder * leverage;
       one.effect_in_sigmas = one.least_blunder / (sigma0_ * one.sigma) * std::sqrt(weight * std::max(leverage, 0.0));
@@ -136,15 +136,15 @@ class Examiner {
   void suspect_unseen(TestedObservation one) {
     ++out_.unseen;
     one.residual = one.blunder = one.redundancy = one.least_blunder = one.effect = one.effect_in_sigmas = kNaN;
-    one.w = kInfinity;
+    one.w = one.suspicion = kInfinity;
     out_.suspects.push_back(one);
     if (one.group != ObservationGroup::kTieImages) out_.others.push_back(one);
   }
 
   void trim() {
     std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
-                     [](const auto& a, const auto& b) { return std::abs(a.w) > std::abs(b.w); });
-    out_.suspects.resize(kMostSuspects);
+                     [](const auto& a, const auto& b) { return std::abs(a.suspicion) > std::abs(b.suspicion); });
+    if (out_.suspects.size() > kMostSuspects) out_.suspects.resize(kMostSuspects);
   }
 
   void take_rays(std::size_t p, const Block& block) {
@@ -202,27 +202,10 @@ class Examiner {
       sums(one.group).redundancy += of_test - of_group;
       out_.redundancy_sum += of_test - of_group;
     }
-    leave_out(ControlId{point.id}, q, difference, given);
-  }
-
-  // Without its own coordinates the point lies at given + (I - Q P)^-1 d, with the covariance Q (I - P Q)^-1: exact for
-  // linear equations.
-  void leave_out(ControlId id, const Eigen::Matrix3d& q, const Eigen::Vector3d& difference,
-                 const ControlCoordinates& given) {
-    const Eigen::Matrix3d p = given.weight(), survey = inverse_weight(given);
-    const Eigen::FullPivLU<Eigen::Matrix3d> lu(Eigen::Matrix3d::Identity() - q * p);
-    if (lu.matrixLU().diagonal().cwiseAbs().minCoeff() < kNoRedundancy) return;
-    const Eigen::Vector3d known = (p.diagonal().array() > 0).select(difference, 0);
-    const Eigen::Vector3d moved = lu.solve(known);
-    const Eigen::Matrix3d without = lu.solve(q);
-    LeftOutPoint point{id, Eigen::Vector3d::Constant(kNaN), Eigen::Vector3d::Constant(kNaN)};
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(p(axis, axis) > 0)) continue;
-      point.difference_m[axis] = moved[axis];
-      point.difference_sigma_m[axis] =
-          std::sqrt(std::max(std::pow(sigma_scale(adjusted_), 2) * without(axis, axis) + survey(axis, axis), 0.0));
-    }
-    out_.left_out.push_back(point);
+    for (const LeftOutPoint& one :
+         without_coordinates({ControlId{point.id}}, q, difference, given.weight(), inverse_weight(given).diagonal(),
+                             std::pow(sigma_scale(adjusted_), 2)))
+      out_.left_out.push_back(one);
   }
 
   // Plan and height share the loss, which is of the whole length, and so what it makes of their squares.

@@ -73,6 +73,8 @@ struct TestedObservation {
   double redundancy = 0;        ///< r: the part of a blunder that its own residual shows, 0 to 1
   double w = 0;                 ///< residual / its sigma: Baarda's w, or Pope's tau when sigma0 is estimated; infinite
                                 ///< (and all but sigma NaN) when the image does not see the point
+  double suspicion = 0;         ///< w if sigma0 multiplied all sigmas alike: of all observations the largest is that of
+                                ///< the wrong one, if there is but one, which w does not say of itself
   double blunder = 0;           ///< the most probable one: residual / r
   double least_blunder = 0;     ///< minimal detectable blunder (with the stated level and power); infinite when r = 0
   double effect = 0;            ///< of a blunder just not found on the adjusted value of the same coordinate
@@ -129,7 +131,7 @@ struct Reliability {
   double redundancy_sum = 0;      ///< over all observations, weak ones and verticals too: Adjusted::redundancy
   std::vector<Eigen::Vector2d> tie_redundancy;  ///< parallel to Adjusted::observations; NaN when not seen
   std::vector<TestedObservation> others;        ///< all but tie points: control, positions, ground, every one
-  std::vector<TestedObservation> suspects;      ///< beyond the limit, worst first, 1000 at most
+  std::vector<TestedObservation> suspects;      ///< beyond the limit, by `suspicion`, 1000 at most
   std::vector<LeftOutPoint> left_out;  ///< every control point without whose coordinates the block is determined
   Folded folded;                       ///< the same of parts of them
   std::array<GroupSums, kObservationGroups> groups;

@@ -41,6 +41,7 @@ struct Snooped {
   std::map<ImageId, GivenAttitude> attitudes;  ///< of the scope, those that were taken out with infinite sigmas
   std::vector<TakenOut> taken_out;             ///< in the order in which it went
   std::vector<NotTakenOut> kept;               ///< suspects of the last adjustment that cannot go, worst first
+  int put_back = 0;                            ///< that went, and in the end agreed with what was left
   int rounds = 0;                              ///< adjustments
   bool finished = false;                       ///< nothing is left that could be taken out
   double sigma0_before = 0;                    ///< with everything
@@ -49,14 +50,16 @@ struct Snooped {
 };
 
 /// Data snooping (Baarda 1968; Kok 1984): adjust, take out the worst suspect, adjust again, until no suspect is left or
-/// `most` have gone. Rays of control that miss the others of their point by more than a hundred sigmas go before the
-/// first adjustment, which they would bend (check_control). Suspects that cannot disturb each other go together: of
-/// each point one, of each image those that would be suspect whatever the worse ones in it did to them, of the
-/// observations that are no image points only the worst. A suspect stays when less than a tenth of a blunder shows in
-/// its residual, when its image would keep fewer than six rays, when another says the same of itself (their tests
-/// differ by less than a hundredth: which is wrong cannot be told), or when without it something is not determined: a
-/// round after which that is so is taken back, and half of it tried. Errors: those of adjust(); kIllPosed when
-/// something is not determined with all observations.
+/// `most` have gone. The worst is the one of the largest TestedObservation::suspicion. Rays of control that miss the
+/// others of their point by more than a hundred sigmas go before the first adjustment, which they would bend
+/// (check_control). Suspects that cannot disturb each other go together: of each point one, of each image those that
+/// would be suspect whatever the worse ones in it did to them; of the observations that are no image points only the
+/// worst, and with it no ray that is less suspect. In the end what went goes back, once, that agrees with what is left:
+/// another blunder had spoilt it. A suspect stays when less than a hundredth of a blunder shows in its residual, when
+/// its image would keep fewer than six rays, when another says the same of itself (without the one nothing checks the
+/// other: which is wrong cannot be told), or when without it something is not determined: a round after which that is
+/// so is taken back, and half of it tried. Errors: those of adjust(); kIllPosed when something is not determined with
+/// all observations.
 [[nodiscard]] Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                     int most, const Run& run);
 

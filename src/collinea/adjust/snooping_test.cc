@@ -10,12 +10,14 @@
 #include <set>
 #include <string>
 
-#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/quantiles.h"
+#include "collinea/adjust/survey_block.h"
 #include "collinea/adjust/test_block.h"
 
 namespace collinea {
 namespace {
 
+using testing::Surveyed;
 using testing::test_block;
 
 constexpr int kMost = 1000;
@@ -197,38 +199,14 @@ TEST(Snooping, ThreadsDoNotChangeWhatGoes) {
 
 // --- measurements on the ground, and attitudes
 
-// Between all control points of a block distances, height differences and what a total station in the first reads.
-void measure_on_ground(Block& block, std::uint64_t seed) {
-  Random random(seed, 11);
-  std::vector<ControlId> ids;
-  for (const auto& [id, control] : block.control) ids.push_back(id);
-  const auto add = [&](GroundKind kind, std::size_t from, std::size_t to, double sigma) {
-    GroundObservation one{.kind = kind, .from = ids[from], .to = ids[to], .sigma = sigma};
-    if (kind == GroundKind::kDirection) one.setup = 1;
-    const GroundModel model = ground_model(one, block.control.at(one.from).position_in_world,
-                                           block.control.at(one.to).position_in_world, 0.3, false);
-    one.value = model.computed + sigma * random.normal();
-    block.ground.push_back(one);
-  };
-  for (std::size_t i = 1; i < ids.size(); ++i) {
-    add(GroundKind::kDistance, i - 1, i, 0.003);
-    add(GroundKind::kHeightDifference, 0, i, 0.003);
-    add(GroundKind::kDirection, 0, i, 2e-4);
-    add(GroundKind::kZenithAngle, 0, i, 2e-4);
-  }
-}
-
-struct Surveyed {
-  Block block;
-  AdjustScope scope;
-};
-
 // Exact places, then errors of everything.
 Surveyed surveyed(std::uint64_t seed) {
   testing::TestBlockOptions options{.rows = 2, .columns = 4, .points = 60, .control = 6, .seed = seed};
   Surveyed made{test_block(options), {}};
-  measure_on_ground(made.block, seed);
-  Random random(seed, 12);
+  Random of_ground(seed, 11), random(seed, 12);
+  std::vector<ControlId> ids;
+  for (const auto& [id, control] : made.block.control) ids.push_back(id);
+  testing::measure_on_ground(made.block, made.block, ids, 0.003, 2e-4, of_ground);
   const auto measure = [&](auto& seen) {
     const double du = random.normal(), dv = random.normal();
     seen.pixel += 0.5 * Eigen::Vector2d(du, dv);
@@ -250,12 +228,6 @@ Surveyed surveyed(std::uint64_t seed) {
   return made;
 }
 
-double power_of(double sigmas, double redundancy, double limit) {
-  const auto below = [](double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); };
-  const double shift = std::abs(sigmas) * std::sqrt(redundancy);
-  return below(shift - limit) + below(-shift - limit);
-}
-
 // One blunder of 5 to 12 sigmas in a measurement on the ground and one in an attitude of each of 100 blocks: as many
 // are found as theory says, within four binomial deviations, and of good ones no more go than the level allows.
 TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower) {
@@ -275,7 +247,7 @@ TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower)
       for (const TestedObservation& one : clean->reliability->others)
         if (one.redundancy > 0.1 &&
             (attitude ? one.group >= ObservationGroup::kAttitudeLevel
-                      : one.group >= ObservationGroup::kDistance && one.group <= ObservationGroup::kZenithAngle))
+                      : one.group >= ObservationGroup::kDistance && one.group <= ObservationGroup::kOnLine))
           all.push_back(one);
       ASSERT_GT(all.size(), 10u);
       const TestedObservation& one = all[random.below(static_cast<std::uint32_t>(all.size()))];
@@ -287,7 +259,7 @@ TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower)
         made.block.ground[one.source].value += sigmas * one.sigma;
       }
       wrong.insert({one.group, one.source});
-      const double power = power_of(sigmas, one.redundancy, clean->reliability->limit);
+      const double power = power_of_test(sigmas * std::sqrt(one.redundancy), clean->reliability->limit);
       ++planted[attitude];
       expected[attitude] += power;
       variance[attitude] += power * (1 - power);

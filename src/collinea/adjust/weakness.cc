@@ -174,8 +174,7 @@ WeaknessFinder::KnownInPart WeaknessFinder::known_in(int part) const {
   };
   for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p) {
     const ProblemPoint& point = problem_.point(p);
-    if (point.control < 0 || point.first_free == problem_.end_ray(p) || !is_in(problem_.rays[point.first_free].image))
-      continue;
+    if (point.control < 0 || problem_.part_of_point[p] != part) continue;
     const Eigen::Map<const Eigen::Array3d> inverse_sigma(problem_.control[point.control].inverse_sigma);
     if (!point.held && !(inverse_sigma > 0).any()) continue;
     known.whole = known.whole && (point.held || (inverse_sigma > 0).all());

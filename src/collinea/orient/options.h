@@ -20,6 +20,7 @@ inline constexpr std::array<std::string_view, 3> kOrientModes = {"auto", "increm
 struct OrientOptions {
   std::string mode = "auto";
   std::string calibration = "auto";
+  std::string additional = "none";
   double max_error_px = 3;
   double min_angle_deg = 1.5;
   int min_points = 15;
@@ -41,6 +42,9 @@ struct OrientOptions {
     visit(
         Field{"calibration", &O::calibration, "",
               "camera parameters to find: auto (all of brown from three images on), none, focal, focal_radial, brown"});
+    visit(Field{"additional", &O::additional, "",
+                "additional parameters of every camera that is calibrated, on top of its model, found by the last "
+                "adjustments and used by all that follows: none | polynomial | ebner | gruen | fourier"});
     visit(Field{"max_error_px", &O::max_error_px, "px", "largest residual of a tie point's image", 0.1});
     visit(Field{"min_angle_deg", &O::min_angle_deg, "deg", "smallest angle between two rays that fix a tie point", 0.01,
                 90});

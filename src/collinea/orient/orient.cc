@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "collinea/adjust/additional_choice.h"
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
@@ -189,9 +190,13 @@ class Orienter {
 
   Result<Orientation> settle_in_world(Reconstruction& part, std::span<const ImagePair> pairs, bool in_world) {
     // A part that lies in the world by its positions keeps them: without them a large block only sways.
-    const AdjustScope by_itself{
+    AdjustScope by_itself{
         .use_positions = in_world && options_.use_positions, .use_control = false, .use_ground = false};
     COLLINEA_TRY(Adjusted settled, settle(part, by_itself, options_, true, run_));
+    if (options_.additional != "none") {
+      COLLINEA_TRY(by_itself.camera_sigmas, add_parameters(part));
+      COLLINEA_TRY(settled, settle(part, by_itself, options_, true, run_));
+    }
     if (options_.remeasure && pictures_) {
       const Block measured = part.block();
       COLLINEA_TRY(const auto places_px, remeasure(measured, keypoints_, pictures_, run_));
@@ -205,6 +210,7 @@ class Orienter {
     }
     take_sigma(part, settled.sigma0);
     AdjustScope scope = place(part);
+    scope.camera_sigmas = by_itself.camera_sigmas;
     if (Result<> added = take_instruments(part, scope); !added) return tl::unexpected(added.error());
     if (result_.georeferenced) {
       COLLINEA_TRY(result_.adjusted, tie_to_ground(part, scope));
@@ -212,9 +218,41 @@ class Orienter {
       COLLINEA_TRY(result_.adjusted, adjust_with_covariances(part, scope));
     }
     finish(part);
+    say_what_parameters_show();
     for (std::string& finding : weak_cases(result_.block, setup_, pairs, result_.adjusted))
       result_.findings.push_back(std::move(finding));
     return std::move(result_);
+  }
+
+  // What the lens does not describe: only now, since tie points are found without, and a few images do not tell it.
+  Result<std::map<CameraId, CameraSigmas>> add_parameters(Reconstruction& part) {
+    const auto name = std::ranges::find(kAdditionalNames, options_.additional);
+    if (name == kAdditionalNames.end())
+      return fail(Errc::kBadInput,
+                  "additional = \"" + options_.additional + "\": choose none, polynomial, ebner, gruen or fourier");
+    const auto set = static_cast<AdditionalSet>(name - kAdditionalNames.begin());
+    const std::string calibration = settled_options(part, options_).calibration;
+    std::map<CameraId, CameraSigmas> sigmas;
+    for (auto& [id, camera] : setup_.cameras) {
+      if (!camera.calibrate) continue;
+      camera.additional = set;
+      const auto of_lens = calibration_named(calibration, camera);
+      const auto all = with_additional(of_lens.value_or(CameraSigmas{}), camera, {});
+      COLLINEA_CHECK(all.has_value());
+      sigmas[id] = *all;
+    }
+    part.set_additional(set);
+    if (sigmas.empty()) result_.findings.push_back("no camera is calibrated: none gets additional parameters");
+    return sigmas;
+  }
+
+  // How many of them are there for a reason.
+  void say_what_parameters_show() {
+    constexpr double kLevel = 0.01;
+    for (const AdditionalTest& test : test_additional(result_.block, result_.adjusted, false, kLevel))
+      result_.findings.push_back(fmt::format(
+          "{}: {} of {} additional parameters are significant; collinea adjust tells which, and how alike they are",
+          result_.block.cameras.at(test.camera).name, test.kept, test.parameters.size()));
   }
 
   Result<Adjusted> adjust_with_covariances(Reconstruction& part, const AdjustScope& scope) const {

@@ -435,6 +435,11 @@ Block Reconstruction::block() const {
   return block;
 }
 
+void Reconstruction::set_additional(AdditionalSet set) {
+  for (auto& [id, camera] : cameras_)
+    if (camera.calibrate) camera.additional = set;
+}
+
 void Reconstruction::take(const Adjusted& adjusted) {
   for (const auto& [id, camera] : adjusted.cameras) cameras_[id] = camera;
   for (const auto& [image, pose] : adjusted.cam_from_world) poses_[image] = pose;

@@ -105,6 +105,8 @@ class Reconstruction {
   /// the ray keeps its own. A ray so moved counts as measured twice as well as a feature of scale 2 px: the noise shown
   /// afterwards was 0.38 to 0.72 of that shown before on five blocks, rendered and real.
   void move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> places_px);
+  /// Cameras that are calibrated get these parameters, zero at first.
+  void set_additional(AdditionalSet set);
   /// Puts images in place; nothing else.
   void place(const std::map<ImageId, Rigid3>& poses);
   /// Gives up images with fewer active rays, and those that have fewer without them.

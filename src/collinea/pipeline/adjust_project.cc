@@ -148,6 +148,8 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
         if (one->additional != set) std::fill(one->params.begin() + Camera::kParams, one->params.end(), 0.0);
         one->additional = set;
       }
+    else
+      first.additional = camera.additional;  // found by orient, around zero
     if (camera.additional == AdditionalSet::kNone) continue;
     any = true;
     if (own != task.scope.camera_sigmas.end() && asked.additional == "auto" && held.empty()) continue;

@@ -84,12 +84,44 @@ std::string camera_table(const Camera& camera, const MatrixPd& covariance) {
     }
     rows += "</tr>\n";
   }
-  std::string html =
-      fmt::format("<p>{}: strongest between {} and {}, {:+.3f}.</p>\n<table><thead><tr><th></th>", escaped(camera.name),
-                  param_name(strongest.first), param_name(strongest.second),
-                  correlation(covariance, strongest.first, strongest.second));
+  std::string html = fmt::format("<p>{}: strongest between {} and {}, {:+.3f}.</p>\n<table><thead><tr><th></th>",
+                                 escaped(camera.name), param_name(strongest.first), param_name(strongest.second),
+                                 correlation(covariance, strongest.first, strongest.second));
   for (const int k : free) html += fmt::format("<th>{}</th>", param_name(k));
   return html + "</tr></thead><tbody>\n" + rows + "</tbody></table>\n";
+}
+
+std::string in_words(const CameraPoseCorrelation& one, const AdjustmentReport& report) {
+  constexpr std::array<const char*, kOfPose> kWords = {"turn about east", "turn about north", "turn about up",
+                                                       "easting",         "northing",         "height"};
+  return fmt::format("{} and the {} of {} ({:+.2f})", param_name(one.param), kWords[std::size_t(one.of_pose)],
+                     report.block.images.at(one.image).file, one.correlation);
+}
+
+// Of the parameters of one camera with the poses of its images: in words the strongest of each.
+std::string camera_pose_table(const AdjustmentReport& report, CameraId camera) {
+  std::string rows, words;
+  std::vector<CameraPoseCorrelation> strongest;
+  for (const CameraPoseCorrelation& one : report.adjusted.camera_pose_correlations) {
+    if (one.camera != camera) continue;
+    if (one.of_pose == 0) {
+      rows += (rows.empty() ? "<tr>" : "</tr>\n<tr>") + text_cell(param_name(one.param));
+      strongest.push_back(one);
+    }
+    if (std::abs(one.correlation) > std::abs(strongest.back().correlation)) strongest.back() = one;
+    rows +=
+        fmt::format("<td{}>{:+.2f}</td>", std::abs(one.correlation) > kStrong ? " class=\"bad\"" : "", one.correlation);
+  }
+  if (rows.empty()) return "";
+  std::stable_sort(strongest.begin(), strongest.end(),
+                   [](const auto& a, const auto& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
+  for (std::size_t i = 0; i < std::min(kShown, strongest.size()); ++i)
+    words += (i > 0 ? "; " : "") + in_words(strongest[i], report);
+  std::string html = "<p>" + escaped(report.block.cameras.at(camera).name) +
+                     " with the poses of its images, in the image where it is strongest: " + escaped(words) +
+                     ".</p>\n<table><thead><tr><th></th>";
+  for (const char* name : kPoseNames) html += fmt::format("<th>{}</th>", name);
+  return html + "</tr></thead><tbody>\n" + rows + "</tr>\n</tbody></table>\n";
 }
 
 }  // namespace
@@ -98,7 +130,7 @@ std::string correlation_section(const AdjustmentReport& report) {
   const std::vector<PosePair> pairs = pose_pairs(report.adjusted);
   std::string html;
   for (const auto& [id, covariance] : report.adjusted.camera_covariance)
-    html += camera_table(report.block.cameras.at(id), covariance);
+    html += camera_table(report.block.cameras.at(id), covariance) + camera_pose_table(report, id);
   if (!pairs.empty()) {
     html +=
         "<p>Of the poses: the strongest pairs, over all images.</p>\n<table><thead><tr><th class=\"l\">pair</th>"
@@ -115,9 +147,8 @@ std::string correlation_section(const AdjustmentReport& report) {
   if (html.empty()) return "";
   return fmt::format(
              "<section><h2>Correlations</h2>\n<p>Between the parameters of each camera (red: beyond {:.1f}; each is "
-             "then "
-             "known more than twice worse than if the other were given) and within the poses. All are in "
-             "adjustment.json.</p>\n",
+             "then known more than twice worse than if the other were given), of these with the poses, and within the "
+             "poses. All are in adjustment.json.</p>\n",
              kStrong) +
          html + "</section>\n";
 }
@@ -133,6 +164,17 @@ json pose_correlation_json(const AdjustmentReport& report) {
     images.push_back({{"image", report.block.images.at(id).file}, {"correlations", values}});
   }
   return {{"pairs", pairs}, {"images", images}};
+}
+
+json camera_pose_correlation_json(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const CameraPoseCorrelation& one : report.adjusted.camera_pose_correlations)
+    list.push_back({{"camera", report.block.cameras.at(one.camera).name},
+                    {"parameter", param_name(one.param)},
+                    {"of_pose", kPoseNames[std::size_t(one.of_pose)]},
+                    {"image", report.block.images.at(one.image).file},
+                    {"correlation", number(one.correlation)}});
+  return list;
 }
 
 }  // namespace collinea

@@ -19,9 +19,10 @@ namespace collinea {
 /// Mean residuals of tie points on a grid over the format of each camera, and how far residuals are from normal ones.
 [[nodiscard]] std::string residual_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json residual_json(const AdjustmentReport& report);
-/// Correlations of the parameters of each camera, and within poses.
+/// Correlations of the parameters of each camera, of these with poses, and within poses.
 [[nodiscard]] std::string correlation_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json pose_correlation_json(const AdjustmentReport& report);
+[[nodiscard]] nlohmann::ordered_json camera_pose_correlation_json(const AdjustmentReport& report);
 /// Images and tie points whose places are known worst.
 [[nodiscard]] std::string weak_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json weak_json(const AdjustmentReport& report);

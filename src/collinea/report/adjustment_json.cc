@@ -177,6 +177,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
   if (!adjusted.pose_covariance.empty()) {
     j["pose_correlations"] = pose_correlation_json(report);
+    j["camera_pose_correlations"] = camera_pose_correlation_json(report);
     j["weakest"] = weak_json(report);
   }
   j["residuals"] = residual_json(report);

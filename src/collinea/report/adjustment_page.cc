@@ -185,8 +185,8 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
   std::string html = fmt::format(
       "<section><h2>Suspected blunders</h2>\n<p>Of {} observations {} exceed the limit {:.2f} of {}; about {:.0f} "
       "would "
-      "do so by chance (level {:g}). Test again after taking out the worst: one blunder spoils its "
-      "neighbours.{}{}</p>\n",
+      "do so by chance (level {:g}). Test again after taking out the worst, which comes first: one blunder spoils its "
+      "neighbours, and some of them may have a larger w.{}{}</p>\n",
       tests.tested, tests.rejected, tests.limit, tests.sigma0_known ? "Baarda's w" : "Pope's tau",
       tests.false_alarm * double(tests.tested), tests.false_alarm,
       tests.unseen > 0 ? fmt::format(" {} measurements are of points that lie where their image does not see them, "

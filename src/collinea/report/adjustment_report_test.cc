@@ -125,6 +125,10 @@ AdjustmentReport report_of_two_images() {
   covariance(Camera::kK1, Camera::kK1) = 1e-6;
   covariance(Camera::kF, Camera::kK1) = covariance(Camera::kK1, Camera::kF) = -0.95 * 2e-3;
   report.adjusted.camera_covariance[{1}] = covariance;
+  for (const int param : {Camera::kF, Camera::kK1})
+    for (int i = 0; i < 6; ++i)
+      report.adjusted.camera_pose_correlations.push_back(
+          {{1}, param, i, {2}, param == Camera::kF && i == 5 ? -0.97 : 0.01 * i});
   report.adjusted.points = {{{7}, {0, 0, 0}}, {{8}, {1, 0, 0}}, {{9}, {2, 0, 0}}};
   for (const double sigma : {0.01, 0.2, 0.01})
     report.adjusted.point_covariance.push_back(Eigen::Vector3d(1e-6, 1e-6, sigma * sigma).asDiagonal());
@@ -138,9 +142,13 @@ TEST(WriteAdjustment, TheStrongestCorrelationsAreNamed) {
   const AdjustmentReport report = report_of_two_images();
   const std::string page = adjustment_page(report, {});
   EXPECT_NE(page.find("lens: strongest between k1 and f, -0.950"), std::string::npos);
+  EXPECT_NE(page.find("strongest: f and the height of IMG_2.jpg (-0.97); k1 and the height of "), std::string::npos);
   EXPECT_NE(page.find("turn about north, east</td><td>0.60</td><td>+0.700</td><td class=\"l\">IMG_2.jpg"),
             std::string::npos);
   const auto json = nlohmann::json::parse(adjustment_json(report));
+  EXPECT_EQ(json.at("camera_pose_correlations").size(), 12u);
+  EXPECT_EQ(json.at("camera_pose_correlations").at(5).at("of_pose"), "height");
+  EXPECT_EQ(json.at("camera_pose_correlations").at(5).at("correlation"), -0.97);
   const auto& poses = json.at("pose_correlations");
   EXPECT_EQ(poses.at("pairs").size(), 15u);
   for (std::size_t k = 0; k < 15; ++k)
@@ -162,8 +170,9 @@ TEST(WriteAdjustment, TheWeakestImagesAndPointsComeFirst) {
 TEST(WriteAdjustment, WhatNoImageSeesIsCounted) {
   AdjustmentReport report;
   report.adjusted.reliability.emplace().unseen = 3;
-  EXPECT_NE(adjustment_page(report, {}).find("3 measurements are of points that lie where their image does not see them"),
-            std::string::npos);
+  EXPECT_NE(
+      adjustment_page(report, {}).find("3 measurements are of points that lie where their image does not see them"),
+      std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(adjustment_json(report)).at("reliability").at("unseen"), 3);
 }
 

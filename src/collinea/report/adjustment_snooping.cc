@@ -85,10 +85,11 @@ std::string snooping_section(const AdjustmentReport& report) {
   const Snooped& snooped = *report.snooped;
   std::string html = fmt::format(
       "<section><h2>Data snooping</h2>\n<p>{} observations were taken out in {} adjustments; sigma 0 with all of them "
-      "was {:.3f}.{} Blunder: measured minus what the adjustment without it says. Drawn: by how much the adjusted "
+      "was {:.3f}.{}{} Blunder: measured minus what the adjustment without it says. Drawn: by how much the adjusted "
       "value followed it while it took part.</p>\n",
       snooped.taken_out.size(), snooped.rounds, snooped.sigma0_before,
-      snooped.finished ? "" : " More are suspect: the bound was reached.");
+      snooped.finished ? "" : " More are suspect: the bound was reached.",
+      snooped.put_back > 0 ? fmt::format(" {} that another blunder had spoilt came back.", snooped.put_back) : "");
   if (!snooped.taken_out.empty()) {
     html +=
         "<table><thead><tr><th class=\"l\">observation</th><th class=\"l\">coordinate</th><th>w</th><th>blunder</th>"
@@ -153,7 +154,8 @@ json snooping_json(const AdjustmentReport& report) {
   for (const ControlDifference& one : snooped.with)
     with.push_back({{"name", snooped.block.control.at(one.point).name}, {"difference_m", vector(one.difference_m)}});
   return {{"adjustments", snooped.rounds}, {"finished", snooped.finished}, {"sigma0_before", snooped.sigma0_before},
-          {"taken_out", taken_out},        {"not_to_be_taken_out", kept},  {"control_points_before", with}};
+          {"taken_out", taken_out},        {"put_back", snooped.put_back}, {"not_to_be_taken_out", kept},
+          {"control_points_before", with}};
 }
 
 std::string taken_out_csv(const Snooped& snooped) {
