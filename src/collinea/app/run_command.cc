@@ -24,6 +24,12 @@ int run_until(Asked& asked, const std::string& last) {
   for (auto* path : {&asked.settings.import.control, &asked.settings.import.ground, &asked.settings.import.positions,
                      &asked.settings.orient.orientation, &asked.settings.ortho.seamlines})
     if (*path) *path = std::filesystem::absolute(**path, error).lexically_normal().string();
+  ImportOptions& import = asked.settings.import;
+  std::optional<std::string> gps_heights = import.gps_heights;
+  for (auto* heights : {&import.heights, &import.control_heights, &gps_heights})  // may be a file with a geoid grid
+    if (*heights && std::filesystem::is_regular_file(**heights, error))
+      *heights = std::filesystem::absolute(**heights, error).lexically_normal().string();
+  import.gps_heights = *gps_heights;
   auto project = create_project(asked.project, asked.settings, console->run());
   if (!project) return console->complain(project.error());
   console->log_to(project->folder / "log.txt");

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "collinea/base/random.h"
+#include "collinea/io/test_damage.h"
 
 namespace collinea {
 namespace {
@@ -219,6 +220,19 @@ TEST(ControlFile, RealFilesAreRead) {
     EXPECT_EQ(control->points.size(), file.points) << file.path;
     EXPECT_EQ(control->observations.size(), file.observations) << file.path;
   }
+}
+
+TEST(ControlFile, SurvivesTruncationAndGarbage) {
+  const auto read = [](const std::string& text) {
+    const auto file = parse_control(text);
+    if (!file) return;
+    for (const ControlFilePoint& point : file->points) EXPECT_TRUE(point.position_in_map.allFinite()) << text;
+  };
+  read_damaged("# collinea control, EPSG:32633\npoint, A, 1, 2, 3, 0.01, 0.01, inf, check\nimage, A, a.jpg, 5, 6\n",
+               read);
+  read_damaged(
+      "+proj=utm +zone=33 +datum=WGS84\n500000 5300000 400 12.5 13.5 a.jpg gcp1\n500010 5300000 401 1 2 b.jpg gcp2\n",
+      read);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "collinea/geometry/rotation.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
+#include "collinea/io/test_damage.h"
 
 namespace collinea {
 namespace {
@@ -136,14 +137,8 @@ TEST_F(DbatScript, SaysWhereWhatIsWrong) {
 }
 
 TEST_F(DbatScript, SurvivesTruncationAndGarbage) {
-  for (std::size_t end = 0; end < kScript.size(); end += 3) (void)read(kScript.substr(0, end));
-  Random random(4);
-  for (int trial = 0; trial < 300; ++trial) {
-    std::string broken = kScript;
-    for (int k = 0; k < 1 + trial % 4; ++k)
-      broken[std::size_t(random.uniform(0, double(broken.size() - 1)))] = char(int(random.uniform(0, 255)));
-    (void)read(broken);
-  }
+  read_damaged(
+      kScript, [&](const std::string& text) { (void)read(text); }, 300, 3);
 }
 
 }  // namespace

@@ -3,17 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <optional>
 
 #include "collinea/io/file.h"
 #include "collinea/io/text.h"
+#include "collinea/io/titled_table.h"
 
 namespace collinea {
 namespace {
-
-using Fields = std::vector<std::string_view>;
 
 constexpr double kDegree = std::numbers::pi / 180, kGon = std::numbers::pi / 200;
 constexpr double kArcsecond = kDegree / 3600, kMilligon = kGon / 1000;
@@ -51,81 +48,74 @@ const std::vector<Measured>& all_measured() {
   return all;
 }
 
-tl::unexpected<Error> bad_line(int line, const std::string& what) {
-  return fail(Errc::kBadFormat, "line " + std::to_string(line) + ": " + what);
+bool is_column(const std::string& name) {
+  for (const Shape& shape : kShapes)
+    if (name == shape.column || name == shape.sigma) return true;
+  for (const char* other : {"from", "to", "name", "role", "setup", "instrument_height_m", "target_height_m"})
+    if (name == other) return true;
+  for (const Measured& measured : all_measured()) {
+    const auto is_it = [&](const Unit& unit) { return unit.column == name; };
+    if (std::any_of(measured.values.begin(), measured.values.end(), is_it) ||
+        std::any_of(measured.sigmas.begin(), measured.sigmas.end(), is_it))
+      return true;
+  }
+  return false;
 }
 
 class Reader {
  public:
-  Result<> take_title(int line, const Fields& titles) {
-    for (std::size_t i = 0; i < titles.size(); ++i) {
-      const std::string name = lower(titles[i]);
-      if (!is_known(name)) return bad_line(line, "there is no column \"" + name + "\"");
-      if (!column_.emplace(name, i).second) return bad_line(line, "column " + name + " is there twice");
-    }
-    if (!has("from")) return bad_line(line, "the first row must name a column from");
+  explicit Reader(TitledTable& table) : table_(table) {}
+
+  Result<> check_titles() const {
+    if (!table_.has("from")) return table_.bad_row("the first row must name a column from");
+    bool measures = false, shapes = false;
     for (const Shape& shape : kShapes) {
-      if (!has(shape.column)) continue;
-      if (!has(shape.sigma) && !has("sigma_m"))
-        return bad_line(line, std::string("column ") + shape.column + " needs a column " + shape.sigma);
-      ++shapes_;
+      if (!table_.has(shape.column)) continue;
+      if (!table_.has(shape.sigma) && !table_.has("sigma_m"))
+        return table_.bad_row(std::string("column ") + shape.column + " needs a column " + shape.sigma);
+      shapes = true;
     }
     for (const Measured& measured : all_measured())
       for (const Unit& value : measured.values) {
-        if (!has(value.column)) continue;
-        if (std::none_of(measured.sigmas.begin(), measured.sigmas.end(), [&](auto& s) { return has(s.column); }))
-          return bad_line(line, "column " + std::string(value.column) + " needs a column " +
-                                    std::string(measured.sigmas.front().column));
-        ++measured_;
+        if (!table_.has(value.column)) continue;
+        if (std::none_of(measured.sigmas.begin(), measured.sigmas.end(), [&](auto& s) { return table_.has(s.column); }))
+          return table_.bad_row("column " + std::string(value.column) + " needs a column " +
+                                std::string(measured.sigmas.front().column));
+        measures = true;
       }
-    if (measured_ + shapes_ == 0)
-      return bad_line(line,
-                      "no column holds a measurement: distance_m, height_difference_m, direction_deg, zenith_deg, "
-                      "plane, line, level");
-    if (measured_ > 0 && !has("to")) return bad_line(line, "the first row must name a column to");
-    if (has("sigma_m") && has("distance_m") && has("height_difference_m"))
-      return bad_line(line,
-                      "sigma_m is of distances or of height differences? Call the columns sigma_distance_m and "
-                      "sigma_height_difference_m");
+    if (!measures && !shapes)
+      return table_.bad_row(
+          "no column holds a measurement: distance_m, height_difference_m, direction_deg, zenith_deg, plane, line, "
+          "level");
+    if (measures && !table_.has("to")) return table_.bad_row("the first row must name a column to");
     return {};
   }
 
-  Result<> take_row(int line, const Fields& fields) {
-    if (fields.size() > column_.size()) return bad_line(line, "too many fields (decimal commas?)");
-    fields_ = &fields;
-    GroundFileRow row{.from = std::string(field("from")), .to = std::string(field("to"))};
-    row.name = field("name");
-    row.setup = field("setup");
-    row.line = line;
-    if (row.from.empty()) return bad_line(line, "a row needs the name of a point");
-    if (row.from == row.to) return bad_line(line, "from and to are both " + row.from);
-    const std::string role = lower(field("role"));
+  Result<> take_row() {
+    GroundFileRow row{.from = std::string(table_.field("from")), .to = std::string(table_.field("to"))};
+    row.name = table_.field("name");
+    row.setup = table_.field("setup");
+    row.line = table_.line();
+    if (row.from.empty()) return table_.bad_row("a row needs the name of a point");
+    if (row.from == row.to) return table_.bad_row("from and to are both " + row.from);
+    const std::string role = lower(table_.field("role"));
     if (role != "" && role != "control" && role != "check")
-      return bad_line(line, "role \"" + role + "\" is neither control nor check");
+      return table_.bad_row("role \"" + role + "\" is neither control nor check");
     if (role == "check") row.role = ControlRole::kCheck;
-    const std::pair<const char*, double*> heights[] = {{"instrument_height_m", &row.instrument_height_m},
-                                                       {"target_height_m", &row.target_height_m}};
-    for (const auto& [name, height] : heights)
-      if (!field(name).empty()) {
-        COLLINEA_TRY(*height, number_in(line, name));
+    for (const auto& [name, height] : {std::pair("instrument_height_m", &row.instrument_height_m),
+                                       std::pair("target_height_m", &row.target_height_m)})
+      if (!table_.field(name).empty()) {
+        COLLINEA_TRY(*height, table_.number_in(name));
       }
     const std::size_t before = rows.size();
+    users_of_sigma_m_ = 0;
     if (Result<> taken = take_shapes(row); !taken) return taken;
     for (const Measured& measured : all_measured())
-      for (const Unit& value : measured.values) {
-        if (field(value.column).empty()) continue;
-        if (row.to.empty()) return bad_line(line, "a measurement needs the names of two points");
-        row.kind = measured.kind;
-        COLLINEA_TRY(const double number, number_in(line, value.column));
-        row.value = number * value.factor;
-        COLLINEA_TRY(row.sigma, sigma_of(line, measured));
-        if (row.kind == GroundKind::kDistance && !(row.value > 0))
-          return bad_line(line, "the distance " + row.from + " - " + row.to + " is not above 0");
-        rows.push_back(row);
-        if (row.kind == GroundKind::kHeightDifference)
-          rows.back().instrument_height_m = rows.back().target_height_m = 0;
-      }
-    if (rows.size() == before) return bad_line(line, "nothing is measured from " + row.from + " to " + row.to);
+      if (Result<> taken = take_measured(measured, row); !taken) return taken;
+    if (rows.size() == before) return table_.bad_row("nothing is measured from " + row.from + " to " + row.to);
+    if (users_of_sigma_m_ > 1)
+      return table_.bad_row("of which measurement of this row is sigma_m? Give each a column of its own: " +
+                            std::string("sigma_distance_m, sigma_height_difference_m, sigma_plane_m ..."));
     return {};
   }
 
@@ -135,76 +125,75 @@ class Reader {
   Result<> take_shapes(GroundFileRow row) {
     row.instrument_height_m = row.target_height_m = 0;
     for (const Shape& shape : kShapes) {
-      if (field(shape.column).empty()) continue;
+      if (table_.field(shape.column).empty()) continue;
       row.kind = shape.kind;
-      row.name = row.setup = field(shape.column);
+      row.name = row.setup = table_.field(shape.column);
       row.to = row.from;
-      const std::string_view column = field(shape.sigma).empty() ? "sigma_m" : shape.sigma;
-      if (field(column).empty())
-        return bad_line(row.line, row.from + " on " + shape.column + " " + row.name + " has no standard deviation");
-      COLLINEA_TRY(row.sigma, number_in(row.line, column));
-      if (!(row.sigma > 0)) return bad_line(row.line, std::string(column) + " must be above 0");
+      const std::string_view column = table_.field(shape.sigma).empty() ? "sigma_m" : shape.sigma;
+      if (table_.field(column).empty())
+        return table_.bad_row(row.from + " on " + shape.column + " " + row.name + " has no standard deviation");
+      COLLINEA_TRY(row.sigma, table_.number_in(column));
+      if (!(row.sigma > 0)) return table_.bad_row(std::string(column) + " must be above 0");
+      if (column == "sigma_m") users_of_sigma_m_ = 1;  // how well the point keeps to all its shapes
       for (row.axis = 0; row.axis < (shape.kind == GroundKind::kOnLine ? 2 : 1); ++row.axis) rows.push_back(row);
       row.axis = 0;
     }
     return {};
   }
 
-  static bool is_known(const std::string& name) {
-    for (const Shape& shape : kShapes)
-      if (name == shape.column || name == shape.sigma) return true;
-    for (const char* other : {"from", "to", "name", "role", "setup", "instrument_height_m", "target_height_m"})
-      if (name == other) return true;
-    for (const Measured& measured : all_measured()) {
-      const auto is_it = [&](const Unit& unit) { return unit.column == name; };
-      if (std::any_of(measured.values.begin(), measured.values.end(), is_it) ||
-          std::any_of(measured.sigmas.begin(), measured.sigmas.end(), is_it))
-        return true;
+  Result<> take_measured(const Measured& measured, GroundFileRow row) {
+    const Unit* in = nullptr;
+    for (const Unit& value : measured.values) {
+      if (table_.field(value.column).empty()) continue;
+      if (in)
+        return table_.bad_row(std::string(in->column) + " and " + std::string(value.column) + " tell one thing twice");
+      in = &value;
     }
-    return false;
-  }
-  [[nodiscard]] bool has(std::string_view name) const { return column_.find(name) != column_.end(); }
-  [[nodiscard]] std::string_view field(std::string_view name) const {
-    const auto its = column_.find(name);
-    return its == column_.end() || its->second >= fields_->size() ? std::string_view{} : (*fields_)[its->second];
-  }
-  [[nodiscard]] Result<double> number_in(int line, std::string_view name) const {
-    const auto value = number(field(name));
-    if (!value || !std::isfinite(*value))
-      return bad_line(line, std::string(name) + " \"" + std::string(field(name)) + "\" is not a number");
-    return *value;
-  }
-  [[nodiscard]] Result<double> sigma_of(int line, const Measured& measured) const {
-    for (const Unit& sigma : measured.sigmas) {
-      if (field(sigma.column).empty()) continue;
-      COLLINEA_TRY(const double value, number_in(line, sigma.column));
-      if (!(value > 0)) return bad_line(line, std::string(sigma.column) + " must be above 0");
-      return value * sigma.factor;
-    }
-    return bad_line(line, std::string("the ") + kGroundKindNames[static_cast<std::size_t>(measured.kind)] + " " +
-                              std::string(field("from")) + " - " + std::string(field("to")) +
-                              " has no standard deviation");
+    if (!in) return {};
+    if (row.to.empty()) return table_.bad_row("a measurement needs the names of two points");
+    row.kind = measured.kind;
+    COLLINEA_TRY(const double number, table_.number_in(in->column));
+    row.value = number * in->factor;
+    COLLINEA_TRY(row.sigma, sigma_of(measured));
+    const std::string between = row.from + " - " + row.to;
+    if (row.kind == GroundKind::kDistance && !(row.value > 0))
+      return table_.bad_row("the distance " + between + " is not above 0");
+    if (row.kind == GroundKind::kZenithAngle && !(row.value > 0 && row.value < std::numbers::pi))
+      return table_.bad_row("the zenith angle " + between +
+                            " is not between 0 (up) and 180 degrees, 200 gon (down); of the second face subtract it "
+                            "from 360 degrees, 400 gon");
+    if (row.kind == GroundKind::kHeightDifference) row.instrument_height_m = row.target_height_m = 0;
+    rows.push_back(std::move(row));
+    return {};
   }
 
-  std::map<std::string, std::size_t, std::less<>> column_;
-  const Fields* fields_ = nullptr;
-  int measured_ = 0, shapes_ = 0;
+  [[nodiscard]] Result<double> sigma_of(const Measured& measured) {
+    for (const Unit& sigma : measured.sigmas) {
+      if (table_.field(sigma.column).empty()) continue;
+      COLLINEA_TRY(const double value, table_.number_in(sigma.column));
+      if (!(value > 0)) return table_.bad_row(std::string(sigma.column) + " must be above 0");
+      users_of_sigma_m_ += sigma.column == "sigma_m";
+      return value * sigma.factor;
+    }
+    return table_.bad_row(std::string("the ") + kGroundKindNames[static_cast<std::size_t>(measured.kind)] + " " +
+                          std::string(table_.field("from")) + " - " + std::string(table_.field("to")) +
+                          " has no standard deviation");
+  }
+
+  TitledTable& table_;
+  int users_of_sigma_m_ = 0;  // of this row
 };
 
 }  // namespace
 
 Result<std::vector<GroundFileRow>> parse_ground(std::string_view text) {
-  Reader reader;
-  bool titled = false;
-  int line = 0;
-  for (const std::string_view raw : lines_of(text)) {
-    ++line;
-    const std::string_view content = trimmed(raw);
-    if (content.empty() || content.starts_with('#')) continue;
-    const Fields fields = fields_of(content, ',');
-    const Result<> taken = titled ? reader.take_row(line, fields) : reader.take_title(line, fields);
-    if (!taken) return tl::unexpected(taken.error());
-    titled = true;
+  COLLINEA_TRY(TitledTable table, TitledTable::parse(text, is_column));
+  Reader reader(table);
+  if (Result<> checked = reader.check_titles(); !checked) return tl::unexpected(checked.error());
+  while (true) {
+    COLLINEA_TRY(const bool more, table.next());
+    if (!more) break;
+    if (Result<> taken = reader.take_row(); !taken) return tl::unexpected(taken.error());
   }
   if (reader.rows.empty()) return fail(Errc::kBadFormat, "no measurement found");
   return std::move(reader.rows);

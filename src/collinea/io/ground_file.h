@@ -27,8 +27,8 @@ struct GroundFileRow {
 ///     from, to                                    points, as the control file calls them; `to` may be empty where
 ///                                                 nothing is measured between two
 ///     distance_m, height_difference_m             measured; empty where not
-///     direction_deg or _gon, zenith_deg or _gon   of a total station standing on `from`
-///     sigma_m                                     of distance or height difference, where there is one of them
+///     direction_deg or _gon, zenith_deg or _gon   of a total station standing on `from`; zenith from 0, up, to 180
+///     sigma_m                                     of distance, height difference or shapes, in rows with one of them
 ///     sigma_distance_m, sigma_height_difference_m, sigma_direction_arcsec or _mgon, sigma_zenith_arcsec or _mgon
 ///     plane, line, level                          names of a plane, a straight line, a common height on which `from`
 ///                                                 lies; sigma_plane_m, sigma_line_m (on each of two axes across it),

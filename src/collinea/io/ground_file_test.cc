@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
+
+#include "collinea/io/test_damage.h"
 
 namespace collinea {
 namespace {
@@ -61,8 +64,13 @@ TEST(GroundFile, WhatIsWrongIsToldWithItsLine) {
   EXPECT_EQ(message("from,to,length\nA,B,1\n"), "line 1: there is no column \"length\"");
   EXPECT_EQ(message("from,to,distance_m\nA,B,1\n"), "line 1: column distance_m needs a column sigma_distance_m");
   EXPECT_EQ(message(title.c_str()), "no measurement found");
-  EXPECT_TRUE(
-      std::string(message("from,to,distance_m,height_difference_m,sigma_m\nA,B,1,1,1\n")).starts_with("line 1: "));
+  const std::string shared = "from,to,distance_m,height_difference_m,plane,sigma_m\n";
+  EXPECT_TRUE(message((shared + "A,B,1,1,,1\n").c_str()).starts_with("line 2: of which measurement"));
+  EXPECT_TRUE(message((shared + "A,B,1,,wall,1\n").c_str()).starts_with("line 2: of which measurement"));
+  EXPECT_EQ(message((shared + "A,B,1,,,1\nA,B,,1,,1\nA,,,,wall,1\n").c_str()), "accepted");
+  const std::string angles = "from,to,zenith_deg,zenith_gon,sigma_zenith_arcsec\n";
+  EXPECT_EQ(message((angles + "A,B,90,100,1\n").c_str()), "line 2: zenith_deg and zenith_gon tell one thing twice");
+  EXPECT_TRUE(message((angles + "A,B,,300,1\n").c_str()).starts_with("line 2: the zenith angle A - B is not between"));
 }
 
 TEST(GroundFile, PointsLieOnPlanesLinesAndAtHeights) {
@@ -91,6 +99,19 @@ TEST(GroundFile, PointsLieOnPlanesLinesAndAtHeights) {
   EXPECT_EQ(message("from,plane,sigma_m\nA,wall,\n"), "line 2: A on plane wall has no standard deviation");
   EXPECT_EQ(message("from,plane,sigma_m\nA,wall,0\n"), "line 2: sigma_m must be above 0");
   EXPECT_EQ(message("from,distance_m,sigma_m\nA,1,1\n"), "line 1: the first row must name a column to");
+}
+
+TEST(GroundFile, SurvivesTruncationAndGarbage) {
+  read_damaged(
+      "# "
+      "station\nfrom,to,setup,direction_gon,sigma_direction_mgon,zenith_deg,sigma_zenith_arcsec,distance_m,sigma_m,"
+      "plane,"
+      "sigma_plane_m,role\nS,A,1,100,1,90,3600,20,0.002,,,check\nA,,,,,,,,,wall,0.01,\nS,B,1,200,1,,,,,,,\n",
+      [](const std::string& text) {
+        const auto rows = parse_ground(text);
+        if (!rows) return;
+        for (const GroundFileRow& row : *rows) EXPECT_TRUE(std::isfinite(row.value) && row.sigma > 0);
+      });
 }
 
 }  // namespace

@@ -13,11 +13,11 @@
 #include "collinea/block/picture_axes.h"
 #include "collinea/io/file.h"
 #include "collinea/io/text.h"
+#include "collinea/io/titled_table.h"
 
 namespace collinea {
 namespace {
 
-using Fields = std::vector<std::string_view>;
 using Three = std::array<const char*, 3>;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -46,19 +46,25 @@ std::optional<std::string> date_and_time(std::string_view text) {
                   &minute, &second, &read) != 6)
     return std::nullopt;
   const std::string_view rest = trimmed(text.substr(static_cast<std::size_t>(read)));
-  if ((!rest.empty() && rest != "Z") || month < 1 || month > 12 || day < 1 || day > 31 || hour > 23 || minute > 59 ||
-      !(second >= 0 && second < 61))
+  if ((!rest.empty() && rest != "Z") || year < 0 || month < 1 || month > 12 || day < 1 || day > 31 || hour < 0 ||
+      hour > 23 || minute < 0 || minute > 59 || !(second >= 0 && second < 61))
     return std::nullopt;
   char out[400];
   std::snprintf(out, sizeof out, "%04d:%02d:%02d %02d:%02d:%09.6f", year, month, day, hour, minute, second);
   return out;
 }
 
-// Pitch and roll of an aircraft about its own axes, of which the level ones point to its heading and to the right.
-Eigen::Vector3d turned(const Eigen::Vector3d& sigma_yaw_pitch_roll, double heading_deg) {
+// Turns about the plumb line, the level axis to the right of the heading and the axis of the roll, as turns about east,
+// north and the plumb line. The axis of the roll points to the heading, as far up as `rises_deg`. Upright it says
+// nothing of the tilt to the sides, which is taken to be known as well as the pitch.
+Eigen::Vector3d turned(const Eigen::Vector3d& sigma_yaw_pitch_roll, double heading_deg, double rises_deg) {
   const double sine = std::sin(heading_deg * kRadians), cosine = std::cos(heading_deg * kRadians);
-  const double pitch = sigma_yaw_pitch_roll[1], roll = sigma_yaw_pitch_roll[2];
-  return {std::hypot(sine * roll, cosine * pitch), std::hypot(cosine * roll, sine * pitch), sigma_yaw_pitch_roll[0]};
+  const double up = std::sin(rises_deg * kRadians), ahead = std::cos(rises_deg * kRadians);
+  const double pitch = sigma_yaw_pitch_roll[1];
+  const double sideways = up == 0 ? sigma_yaw_pitch_roll[2] : std::hypot(ahead * sigma_yaw_pitch_roll[2], up * pitch);
+  const double about_plumb =
+      up == 0 ? sigma_yaw_pitch_roll[0] : std::hypot(sigma_yaw_pitch_roll[0], up * sigma_yaw_pitch_roll[2]);
+  return {std::hypot(sine * sideways, cosine * pitch), std::hypot(cosine * sideways, sine * pitch), about_plumb};
 }
 
 // The camera looks down, its upper edge lies in front.
@@ -76,48 +82,59 @@ AttitudePrior attitude_of_aircraft(const Eigen::Vector3d& yaw_pitch_roll_deg) {
   return attitude_prior(Eigen::Quaterniond(Eigen::Matrix3d(world_from_cam.transpose())));
 }
 
+bool has_some(const TitledTable& table, const Three& names) {
+  return table.has(names[0]) || table.has(names[1]) || table.has(names[2]);
+}
+bool has_all(const TitledTable& table, const Three& names) {
+  return table.has(names[0]) && table.has(names[1]) && table.has(names[2]);
+}
+
+bool is_column(const std::string& name) {
+  for (const char* other : {"image", "taken", "sigma_m", "sigma_plan_m", "sigma_attitude_deg"})
+    if (name == other) return true;
+  for (const Three* three :
+       {&kGeographic, &kInMap, &kSigmas, &kAngles, &kOfAircraft, &kOfCamera, &kAngleSigmas, &kTurnSigmas})
+    if (std::find(three->begin(), three->end(), name) != three->end()) return true;
+  return false;
+}
+
 class TableReader {
  public:
-  Result<> take_title(int line, const Fields& titles) {
-    for (std::size_t i = 0; i < titles.size(); ++i) {
-      const std::string name = lower(titles[i]);
-      if (!is_known(name)) return bad_line(line, "there is no column \"" + name + "\"");
-      if (!column_.emplace(name, i).second) return bad_line(line, "column " + name + " is there twice");
-    }
-    if (!has("image")) return bad_line(line, "the first row must name a column image");
+  explicit TableReader(TitledTable& table) : table_(table) {}
+
+  Result<> check_titles() const {
+    if (!table_.has("image")) return table_.bad_row("the first row must name a column image");
     for (const Three* three : {&kAngles, &kOfAircraft, &kOfCamera})
-      if (has_some(*three) && !has_all(*three))
-        return bad_line(line, "three columns belong together: " + joined(*three));
+      if (has_some(table_, *three) && !has_all(table_, *three))
+        return table_.bad_row("three columns belong together: " + joined(*three));
     for (const Three* three : {&kGeographic, &kInMap})
-      if ((has((*three)[0]) || has((*three)[1])) && !(has((*three)[0]) && has((*three)[1])))
-        return bad_line(line, "columns belong together: " + joined(*three));
-    if (has(kGeographic[0]) && has(kInMap[0]))
-      return bad_line(line, "positions are given by latitude and longitude or by easting and northing, not both");
-    if (has_some(kAngles) + has_some(kOfAircraft) + has_some(kOfCamera) > 1)
-      return bad_line(line, "attitudes are given in one form: " + joined(kAngles) + "; " + joined(kOfAircraft) +
-                                "; or " + joined(kOfCamera));
-    if (!has(kGeographic[0]) && !has(kInMap[0]) && !has_some(kAngles) && !has_some(kOfAircraft) && !has_some(kOfCamera))
-      return bad_line(line, "no column holds a position (" + joined(kGeographic) + "; " + joined(kInMap) +
-                                ") or an attitude (" + joined(kAngles) + ")");
-    return {};
+      if (table_.has((*three)[0]) != table_.has((*three)[1]))
+        return table_.bad_row("columns belong together: " + joined(*three));
+    const bool geographic = table_.has(kGeographic[0]), in_map = table_.has(kInMap[0]);
+    const bool angles = table_.has(kAngles[0]), turns = table_.has(kOfAircraft[0]) || table_.has(kOfCamera[0]);
+    if (geographic && in_map)
+      return table_.bad_row("positions are given by latitude and longitude or by easting and northing, not both");
+    if (angles + table_.has(kOfAircraft[0]) + table_.has(kOfCamera[0]) > 1)
+      return table_.bad_row("attitudes are given in one form: " + joined(kAngles) + "; " + joined(kOfAircraft) +
+                            "; or " + joined(kOfCamera));
+    if (!geographic && !in_map && !angles && !turns)
+      return table_.bad_row("no column holds a position (" + joined(kGeographic) + "; " + joined(kInMap) +
+                            ") or an attitude (" + joined(kAngles) + ")");
+    return check_sigmas(geographic || in_map, angles, turns);
   }
 
-  Result<> take_row(int line, const Fields& fields) {
-    if (fields.size() > column_.size()) return bad_line(line, "too many fields (decimal commas?)");
-    fields_ = &fields;
-    line_ = line;
+  Result<> take_row() {
     PositionFileRow row;
-    row.image = field("image");
-    row.line = line;
-    if (row.image.empty()) return bad_line(line, "a row needs the name of an image");
-    if (!images_.insert(row.image).second) return bad_line(line, row.image + " is there twice");
+    row.image = table_.field("image");
+    row.line = table_.line();
+    if (row.image.empty()) return table_.bad_row("a row needs the name of an image");
+    if (!images_.insert(row.image).second) return table_.bad_row(row.image + " is there twice");
     if (Result<> taken = take_position(row); !taken) return taken;
     if (Result<> taken = take_attitude(row); !taken) return taken;
-    if (!field("taken").empty()) {
-      const auto taken = date_and_time(field("taken"));
+    if (const std::string_view text = table_.field("taken"); !text.empty()) {
+      const auto taken = date_and_time(text);
       if (!taken)
-        return bad_line(
-            line, "taken \"" + std::string(field("taken")) + "\" is no date and time like 2024:05:17 10:31:08.25");
+        return table_.bad_row("taken \"" + std::string(text) + "\" is no date and time like 2024:05:17 10:31:08.25");
       row.taken = *taken;
     }
     rows.push_back(std::move(row));
@@ -127,34 +144,25 @@ class TableReader {
   std::vector<PositionFileRow> rows;
 
  private:
-  static bool is_known(const std::string& name) {
-    for (const char* other : {"image", "taken", "sigma_m", "sigma_plan_m", "sigma_attitude_deg"})
-      if (name == other) return true;
-    for (const Three* three :
-         {&kGeographic, &kInMap, &kSigmas, &kAngles, &kOfAircraft, &kOfCamera, &kAngleSigmas, &kTurnSigmas})
-      if (std::find(three->begin(), three->end(), name) != three->end()) return true;
-    return false;
-  }
-  [[nodiscard]] bool has(std::string_view name) const { return column_.find(name) != column_.end(); }
-  [[nodiscard]] bool has_some(const Three& names) const { return has(names[0]) || has(names[1]) || has(names[2]); }
-  [[nodiscard]] bool has_all(const Three& names) const { return has(names[0]) && has(names[1]) && has(names[2]); }
-  [[nodiscard]] std::string_view field(std::string_view name) const {
-    const auto its = column_.find(name);
-    return its == column_.end() || its->second >= fields_->size() ? std::string_view{} : (*fields_)[its->second];
+  // Every standard deviation must be of something that the table holds.
+  [[nodiscard]] Result<> check_sigmas(bool positions, bool angles, bool turns) const {
+    const auto refuse = [&](std::string_view column) {
+      return table_.bad_row("column " + std::string(column) + " is the standard deviation of nothing in this table");
+    };
+    for (const std::string_view column : {kSigmas[0], kSigmas[1], kSigmas[2], "sigma_m", "sigma_plan_m"})
+      if (table_.has(column) && !positions) return refuse(column);
+    for (const char* column : kAngleSigmas)
+      if (table_.has(column) && !angles) return refuse(column);
+    for (const char* column : kTurnSigmas)
+      if (table_.has(column) && !turns) return refuse(column);
+    if (table_.has("sigma_attitude_deg") && !angles && !turns) return refuse("sigma_attitude_deg");
+    return {};
   }
 
-  // NaN where the cell is empty.
-  [[nodiscard]] Result<double> number_in(std::string_view name) const {
-    if (field(name).empty()) return kNaN;
-    const auto value = number(field(name));
-    if (!value || !std::isfinite(*value))
-      return bad_line(line_, std::string(name) + " \"" + std::string(field(name)) + "\" is not a number");
-    return *value;
-  }
   [[nodiscard]] Result<Eigen::Vector3d> three_in(const Three& names) const {
     Eigen::Vector3d values;
     for (int i = 0; i < 3; ++i) {
-      COLLINEA_TRY(values[i], number_in(names[static_cast<std::size_t>(i)]));
+      COLLINEA_TRY(values[i], table_.number_in(names[static_cast<std::size_t>(i)]));
     }
     return values;
   }
@@ -162,46 +170,47 @@ class TableReader {
   [[nodiscard]] Result<Eigen::Vector3d> sigmas(const Three& own, std::string_view of_two,
                                                std::string_view of_all) const {
     COLLINEA_TRY(Eigen::Vector3d values, three_in(own));
-    COLLINEA_TRY(const double two, number_in(of_two));
-    COLLINEA_TRY(const double all, number_in(of_all));
+    COLLINEA_TRY(const double two, table_.number_in(of_two));
+    COLLINEA_TRY(const double all, table_.number_in(of_all));
     for (int i = 0; i < 3; ++i) {
       if (std::isnan(values[i]) && i < 2) values[i] = two;
       if (std::isnan(values[i])) values[i] = all;
-      if (values[i] <= 0) return bad_line(line_, "a standard deviation must be above 0");
+      if (values[i] <= 0) return table_.bad_row("a standard deviation must be above 0");
     }
     return values;
   }
 
   Result<> take_position(PositionFileRow& row) const {
-    const bool geographic = has(kGeographic[0]);
+    const bool geographic = table_.has(kGeographic[0]);
     COLLINEA_TRY(const Eigen::Vector3d place, three_in(geographic ? kGeographic : kInMap));
     COLLINEA_TRY(row.sigma_m, sigmas(kSigmas, "sigma_plan_m", "sigma_m"));
     if (place.head<2>().array().isNaN().all()) return {};
-    if (!place.head<2>().allFinite()) return bad_line(line_, "half a position of " + row.image);
+    if (!place.head<2>().allFinite()) return table_.bad_row("half a position of " + row.image);
     if (geographic && (std::abs(place[0]) > 90 || std::abs(place[1]) > 360))
-      return bad_line(line_, "there is no such latitude and longitude");
+      return table_.bad_row("there is no such latitude and longitude");
     (geographic ? row.geographic : row.in_map) = place;
     return {};
   }
 
   Result<> take_attitude(PositionFileRow& row) const {
-    const Three& names = has_some(kAngles) ? kAngles : has_some(kOfAircraft) ? kOfAircraft : kOfCamera;
+    const bool of_camera = table_.has(kOfCamera[0]);
+    const Three& names = table_.has(kAngles[0]) ? kAngles : of_camera ? kOfCamera : kOfAircraft;
     COLLINEA_TRY(const Eigen::Vector3d angles, three_in(names));
+    COLLINEA_TRY(const double all, table_.number_in("sigma_attitude_deg"));
     COLLINEA_TRY(row.sigma_deg, sigmas(&names == &kAngles ? kAngleSigmas : kTurnSigmas, "", "sigma_attitude_deg"));
     if (angles.array().isNaN().all()) return {};
-    if (!angles.allFinite()) return bad_line(line_, "only a part of the angles of " + row.image);
+    if (!angles.allFinite()) return table_.bad_row("only a part of the angles of " + row.image);
     if (&names == &kAngles) {
       row.angles = OmegaPhiKappa{angles[0], angles[1], angles[2]};
       return {};
     }
-    row.attitude = &names == &kOfCamera ? AttitudePrior{angles[0], angles[1], angles[2]} : attitude_of_aircraft(angles);
-    row.sigma_deg = turned(row.sigma_deg, angles[0]);
+    row.attitude = of_camera ? AttitudePrior{angles[0], angles[1], angles[2]} : attitude_of_aircraft(angles);
+    if (!(row.sigma_deg.array() == all).all())  // one for all: about any axes
+      row.sigma_deg = turned(row.sigma_deg, angles[0], of_camera ? angles[1] : 0);
     return {};
   }
 
-  std::map<std::string, std::size_t, std::less<>> column_;
-  const Fields* fields_ = nullptr;
-  int line_ = 0;
+  TitledTable& table_;
   std::set<std::string> images_;
 };
 
@@ -250,12 +259,8 @@ Result<PositionFileRow> timestamp_row(int line, std::string_view text) {
   PositionFileRow row;
   row.number = static_cast<int>(value[0]);
   row.line = line;
-  constexpr double kMetresOfDegree = 111319.49;  // of the equator; offsets are decimetres
-  const double latitude = value[9];
-  row.geographic = Eigen::Vector3d(latitude + 1e-3 * value[3] / kMetresOfDegree,
-                                   value[11] + 1e-3 * value[5] / (kMetresOfDegree * std::cos(latitude * kRadians)),
-                                   value[13] - 1e-3 * value[7]);
-  row.sigma_m = {value[16], value[15], value[17]};  // the file tells north first
+  row.geographic = Eigen::Vector3d(value[9], value[11], value[13]);  // the offsets are in them
+  row.sigma_m = {value[16], value[15], value[17]};                   // the file tells north first
   row.sigma_deg.setConstant(kNaN);
   row.taken = time_of_gps(static_cast<long>(value[2]), value[1]);
   return row;
@@ -267,6 +272,22 @@ bool is_timestamp_file(const std::vector<std::string_view>& lines) {
   return false;
 }
 
+Result<std::vector<PositionFileRow>> timestamp_rows(const std::vector<std::string_view>& lines) {
+  std::vector<PositionFileRow> rows;
+  std::map<int, int> line_of;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const int line = static_cast<int>(i) + 1;
+    const std::string_view content = trimmed(lines[i]);
+    if (content.empty() || content.starts_with('#')) continue;
+    COLLINEA_TRY(PositionFileRow row, timestamp_row(line, content));
+    if (const auto [before, is_new] = line_of.emplace(row.number, line); !is_new)
+      return bad_line(line, "exposure " + std::to_string(row.number) + " is there twice, first in line " +
+                                std::to_string(before->second));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 // "# collinea positions, EPSG:32633"
 std::string crs_in(std::string_view comment) {
   const auto at = comment.find("collinea positions,");
@@ -276,32 +297,25 @@ std::string crs_in(std::string_view comment) {
 }  // namespace
 
 Result<PositionFile> parse_positions(std::string_view text) {
-  PositionFile file;
   const auto lines = lines_of(text);
-  const bool timestamps = is_timestamp_file(lines);
-  TableReader table;
-  std::map<int, int> line_of;
-  bool titled = false;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const int line = static_cast<int>(i) + 1;
-    const std::string_view content = trimmed(lines[i]);
-    if (content.starts_with('#') && file.crs.empty()) file.crs = crs_in(content);
-    if (content.empty() || content.starts_with('#')) continue;
-    if (timestamps) {
-      COLLINEA_TRY(PositionFileRow row, timestamp_row(line, content));
-      if (const auto [before, is_new] = line_of.emplace(row.number, line); !is_new)
-        return bad_line(line, "exposure " + std::to_string(row.number) + " is there twice, first in line " +
-                                  std::to_string(before->second));
-      file.rows.push_back(std::move(row));
-      continue;
-    }
-    const Fields fields = fields_of(content, ',');
-    const Result<> taken = titled ? table.take_row(line, fields) : table.take_title(line, fields);
-    if (!taken) return tl::unexpected(taken.error());
-    titled = true;
+  PositionFile file;
+  if (is_timestamp_file(lines)) {
+    COLLINEA_TRY(file.rows, timestamp_rows(lines));
+    return file;
   }
-  if (!timestamps) file.rows = std::move(table.rows);
-  if (file.rows.empty()) return fail(Errc::kBadFormat, "no position found");
+  for (const std::string_view line : lines)
+    if (const std::string_view content = trimmed(line); content.starts_with('#') && file.crs.empty())
+      file.crs = crs_in(content);
+  COLLINEA_TRY(TitledTable table, TitledTable::parse(text, is_column));
+  TableReader reader(table);
+  if (Result<> checked = reader.check_titles(); !checked) return tl::unexpected(checked.error());
+  while (true) {
+    COLLINEA_TRY(const bool more, table.next());
+    if (!more) break;
+    if (Result<> taken = reader.take_row(); !taken) return tl::unexpected(taken.error());
+  }
+  if (reader.rows.empty()) return fail(Errc::kBadFormat, "no position found");
+  file.rows = std::move(reader.rows);
   return file;
 }
 

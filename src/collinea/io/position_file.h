@@ -45,12 +45,14 @@ struct PositionFile {
 ///     yaw_deg, pitch_deg, roll_deg                 of an aircraft whose camera looks down with the upper edge of the
 ///                                                  picture in front (all zero: level, nose to the north); or
 ///     camera_yaw_deg, camera_pitch_deg, camera_roll_deg   of the optical axis, as drones write it (pitch -90: down)
-///     sigma_attitude_deg, or those of the three angles (sigma_omega_deg ...), which may be for all three forms
+///     sigma_attitude_deg (about any axis), or those of the three angles: sigma_omega_deg, sigma_phi_deg,
+///     sigma_kappa_deg; or sigma_yaw_deg, sigma_pitch_deg, sigma_roll_deg
 ///     taken                                        date and time, 2024:05:17 10:31:08.25 or 2024-05-17T10:31:08.25
 /// An empty cell: not known; height alone may be missing.
 ///
 /// Timestamp files of RTK drones (.mrk): number of the exposure, time of GPS, offsets from antenna to camera (north,
-/// east, down [mm]; applied), latitude, longitude, height, standard deviations.
+/// east, down [mm]), latitude, longitude and height of the camera (the manuals of the maker: after compensation; the
+/// offsets are not added again), standard deviations.
 ///
 /// Errors name the line.
 [[nodiscard]] Result<PositionFile> read_positions(const std::filesystem::path& path);

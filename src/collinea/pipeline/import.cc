@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <tuple>
 
 #include "collinea/base/hash.h"
@@ -368,9 +369,9 @@ bool has_positions(const Block& block) {
                      [](const auto& entry) { return entry.second.position.has_value(); });
 }
 
-// How high what the photographs count their heights from lies over the ellipsoid, for all of the block. Not for those
-// of a file, which says itself what its heights are.
-Result<> raise_positions(Imported& imported, const ImportOptions& options) {
+// How high what the photographs count their heights from lies over the ellipsoid, for all of the block. Not for
+// positions of a file, which says itself what its heights are.
+Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, const ImportOptions& options) {
   if (options.gps_heights == "ellipsoidal" || !has_positions(imported.block)) return {};
   const Eigen::Vector3d middle = middle_of(imported.block);
   const auto framed = [](Error error) { return std::move(error).within("--gps-heights"); };
@@ -379,7 +380,7 @@ Result<> raise_positions(Imported& imported, const ImportOptions& options) {
   COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, middle.x(), middle.y(), 0).map_error(framed));
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (auto& [id, image] : imported.block.images) {
-    if (!image.position) continue;
+    if (!image.position || of_file.contains(id)) continue;
     const double raised_m = -frame
                                  .map_from_local(frame.local_from_geographic(
                                      {image.position->latitude_deg, image.position->longitude_deg, 0}))
@@ -390,6 +391,7 @@ Result<> raise_positions(Imported& imported, const ImportOptions& options) {
     least = std::min(least, raised_m);
     most = std::max(most, raised_m);
   }
+  if (least > most) return {};
   imported.findings.push_back(
       fmt::format("heights of the photographs count from {}: {:.2f} to {:.2f} m over the ellipsoid here",
                   frame.crs_name().substr(frame.crs_name().find(" + ") + 3), least, most));
@@ -474,13 +476,13 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
                                                                             ": " + imported.skipped[0].reason));
   if (camera_params)
     if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
-  if (auto raised = raise_positions(imported, options); !raised) return tl::unexpected(raised.error());
   PositionFile positions;
+  std::set<ImageId> of_file;
   if (options.positions) {
     COLLINEA_TRY(positions, read_positions(*options.positions));
-    if (auto added = add_positions(imported, positions, *options.positions, options); !added)
-      return tl::unexpected(added.error());
+    COLLINEA_TRY(of_file, add_positions(imported, positions, *options.positions, options));
   }
+  if (auto raised = raise_positions(imported, of_file, options); !raised) return tl::unexpected(raised.error());
   if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
   if (auto added = add_map_attitudes(imported, positions); !added) return tl::unexpected(added.error());
   if (options.ground)

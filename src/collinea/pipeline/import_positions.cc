@@ -9,6 +9,7 @@
 
 #include "collinea/block/picture_axes.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/geodesy/heights.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/text.h"
@@ -53,7 +54,7 @@ class PositionImporter {
   PositionImporter(Imported& imported, const ImportOptions& options)
       : imported_(imported), block_(imported.block), options_(options) {}
 
-  Result<> add(const PositionFile& file, const std::filesystem::path& path) {
+  Result<std::set<ImageId>> add(const PositionFile& file, const std::filesystem::path& path) {
     const std::string name = path.filename().string();
     std::set<int> ambiguous;
     const std::map<int, ImageId> by_number = images_by_number(block_, path, ambiguous);
@@ -96,7 +97,7 @@ class PositionImporter {
       for (const auto& [id, taken] : times_) block_.images.at(id).taken = taken;
     else if (timed > 0)
       say(name + ": times are taken from the headers, because it does not tell those of all photographs");
-    return {};
+    return std::move(placed_);
   }
 
  private:
@@ -117,6 +118,7 @@ class PositionImporter {
       if (!has_height) prior.sigma_m.z() = std::numeric_limits<double>::infinity();
       if (image.position) prior.height_above_start_m = image.position->height_above_start_m;
       image.position = prior;
+      placed_.insert(id);
     }
     if (row.attitude) {
       image.attitude = row.attitude;
@@ -131,7 +133,7 @@ class PositionImporter {
   // Of a place without a height its height is NaN.
   Result<Eigen::Vector3d> geographic_of(const PositionFileRow& row, const std::string& file_crs) {
     if (row.geographic) return *row.geographic;
-    const std::string crs = file_crs.empty() ? options_.crs.value_or("") : file_crs;
+    std::string crs = file_crs.empty() ? options_.crs.value_or("") : file_crs;
     if (crs.empty())
       return fail(
           Errc::kBadInput,
@@ -141,6 +143,10 @@ class PositionImporter {
     const bool has_height = std::isfinite(in_map.z());
     if (!has_height) in_map.z() = 0;
     if (!frame_) {
+      COLLINEA_TRY(const bool says, says_heights(crs));
+      if (options_.heights && !says) {
+        COLLINEA_TRY(crs, with_heights(crs, *options_.heights));
+      }
       COLLINEA_TRY(const Eigen::Vector3d origin, geographic_from_map(crs, in_map));
       COLLINEA_TRY(frame_, LocalFrame::create(crs, origin.x(), origin.y(), origin.z()));
     }
@@ -154,13 +160,14 @@ class PositionImporter {
   Block& block_;
   const ImportOptions& options_;
   std::optional<LocalFrame> frame_;
+  std::set<ImageId> placed_;
   std::vector<std::pair<ImageId, std::string>> times_;
 };
 
 }  // namespace
 
-Result<> add_positions(Imported& imported, const PositionFile& file, const std::filesystem::path& path,
-                       const ImportOptions& options) {
+Result<std::set<ImageId>> add_positions(Imported& imported, const PositionFile& file, const std::filesystem::path& path,
+                                        const ImportOptions& options) {
   return PositionImporter(imported, options).add(file, path);
 }
 

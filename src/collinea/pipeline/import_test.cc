@@ -511,6 +511,23 @@ TEST_F(ImportHeights, HeightsOfThePhotographsMayCountFromAGeoid) {
   EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -geoid_m_, 1e-3);
 }
 
+// A file of positions says itself what its heights count from: its CRS, else --heights; --gps-heights is of headers.
+TEST_F(ImportHeights, HeightsOfAPositionFileAreThoseOfItsMap) {
+  const std::string places = fmt::format(",{:.4f},{:.4f},{:.4f}\n", map_.x(), map_.y(), map_.z());
+  ASSERT_TRUE(write_file(
+      folder_ / "gnss.csv",
+      "# collinea positions, EPSG:32633\nimage,easting_m,northing_m,height_m\na.jpg" + places + "b.jpg" + places));
+  options_.positions = (folder_ / "gnss.csv").string();
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), 0, 1e-3);  // both over the ellipsoid
+  options_.heights = (folder_ / "geoid.gtx").string();
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), 0, 1e-3);  // both over the geoid
+  const double raised_m = imported_.block.images.begin()->second.position->height_m;
+  EXPECT_NEAR(raised_m, 400, 1e-3);
+  options_.gps_heights = *options_.heights;
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), 0, 1e-3);
+  EXPECT_FALSE(mentions(imported_.findings, "heights of the photographs"));
+}
+
 TEST_F(ImportHeights, WhatIsWrongIsNamedByItsOption) {
   options_.gps_heights = "nowhere.gtx";
   EXPECT_NE(control_over_camera_m("EPSG:32633").error().message.find("--gps-heights"), std::string::npos);

@@ -18,7 +18,7 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kNoData = -9999;
 
-Result<MapArea> area_of(const PlanOptions& options) {
+Result<MapArea> read_area(const PlanOptions& options) {
   if (!options.area) return MapArea{};
   COLLINEA_TRY(const std::string text, read_file(*options.area));
   return parse_area(text).map_error([&](Error e) { return std::move(e).within(*options.area); });
@@ -36,7 +36,7 @@ struct Crs {
   std::string wkt, name;
 };
 
-// A CRS must fit the place: the middle of the site.
+// A CRS must fit the place: a corner of the site.
 Result<Crs> crs_of(const std::optional<std::string>& crs, const FlightPlan& plan) {
   if (!crs) return Crs{};
   const Eigen::Vector2d place = plan.area[0];
@@ -45,12 +45,17 @@ Result<Crs> crs_of(const std::optional<std::string>& crs, const FlightPlan& plan
   return Crs{frame.wkt1(), frame.crs_name()};
 }
 
-// One more strip across, measured as the others.
-Result<Gain> one_more_cross_strip(FlightOptions flight, const MapArea& area, const std::vector<PlannedPoint>& points,
-                                  const MeasurementOptions& measurements, const Run& run) {
+// One more strip across, measured as the others; nothing where there cannot be one more.
+Result<std::optional<Gain>> one_more_cross_strip(FlightOptions flight, const MapArea& area,
+                                                 const std::vector<PlannedPoint>& points,
+                                                 const MeasurementOptions& measurements, const Run& run) {
   ++flight.cross_strips;
-  COLLINEA_TRY(const FlightPlan plan, plan_flight(flight, area));
-  COLLINEA_TRY(PlannedBlock planned, planned_block(plan, points, measurements));
+  const auto plan = plan_flight(flight, area);
+  if (!plan) {
+    run.say("what one more cross strip would gain is not told: " + plan.error().message);
+    return std::nullopt;
+  }
+  COLLINEA_TRY(PlannedBlock planned, planned_block(*plan, points, measurements));
   COLLINEA_TRY(const Precision with, foretold(std::move(planned), run));
   return Gain{"one more cross strip", {}, with.area};
 }
@@ -182,7 +187,7 @@ Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions
   if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
   Run run = asked;
   run.seed = std::uint64_t(options.seed);
-  COLLINEA_TRY(const MapArea area, area_of(options));
+  COLLINEA_TRY(const MapArea area, read_area(options));
   PlanReport report;
   report.flight = flight;
   report.measurements = measurements;
@@ -199,8 +204,8 @@ Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions
     COLLINEA_TRY(const std::optional<Gain> point, one_more_point(report.plan, report.points, survey, measurements,
                                                                  report.precision, options.places, run));
     if (point) report.gains.push_back(*point);
-    COLLINEA_TRY(const Gain strip, one_more_cross_strip(flight, area, report.points, measurements, run));
-    report.gains.push_back(strip);
+    COLLINEA_TRY(const auto strip, one_more_cross_strip(flight, area, report.points, measurements, run));
+    if (strip) report.gains.push_back(*strip);
     if (!measurements.position_sigma_plan_m) {
       COLLINEA_TRY(const Gain positions, with_positions(report.plan, report.points, measurements, run));
       report.gains.push_back(positions);

@@ -12,6 +12,7 @@
 #include "collinea/image/test_folder.h"
 #include "collinea/io/control_file.h"
 #include "collinea/io/file.h"
+#include "collinea/plan/test_flight.h"
 
 namespace collinea {
 namespace {
@@ -19,25 +20,6 @@ namespace {
 using nlohmann::json;
 
 const Run kSerial;
-
-FlightOptions small_flight() {
-  FlightOptions flight;
-  flight.east_m = 90;
-  flight.north_m = 60;
-  flight.width_px = 1600;
-  flight.height_px = 1200;
-  flight.gsd_m = 0.04;
-  flight.forward_overlap = 0.7;
-  flight.side_overlap = 0.5;
-  return flight;
-}
-
-MeasurementOptions small_measurements() {
-  MeasurementOptions measurements;
-  measurements.points_per_image = 60;
-  measurements.map_cell_m = 10;
-  return measurements;
-}
 
 struct GdalClose {
   void operator()(void* dataset) const { GDALClose(dataset); }
@@ -48,8 +30,10 @@ TEST(PlanSurvey, TellsTheSameInTextJsonRasterAndGeoPackage) {
   FlightOptions flight = small_flight();
   flight.west_m = 546000;
   flight.south_m = 5338000;
-  const auto text = plan_survey(flight, {}, small_measurements(), {.crs = "EPSG:32633", .places = 2, .trials = 2},
-                                folder / "out", kSerial);
+  MeasurementOptions measurements = small_measurements();
+  measurements.map_cell_m = 10;
+  const auto text =
+      plan_survey(flight, {}, measurements, {.crs = "EPSG:32633", .places = 2, .trials = 2}, folder / "out", kSerial);
   ASSERT_TRUE(text) << text.error().message;
   const json plan = json::parse(read_file(folder / "out" / "plan.json").value());
   EXPECT_EQ(plan.at("crs"), "WGS 84 / UTM zone 33N");

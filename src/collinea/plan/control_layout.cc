@@ -11,15 +11,14 @@ using Eigen::Vector2d;
 
 /// The rectangle round the area along and across the strips, drawn in by the inset.
 struct Frame {
-  Vector2d along, across, low, high;  // low, high: along and across
+  StripAxes axes;
+  Vector2d low, high;  // along and across
 
-  Frame(const FlightPlan& plan, std::optional<double> inset_m) {
-    along = {std::sin(plan.heading_rad), std::cos(plan.heading_rad)};
-    across = {along.y(), -along.x()};
+  Frame(const FlightPlan& plan, std::optional<double> inset_m) : axes(plan.heading_rad) {
     low = Vector2d::Constant(1e300);
     high = -low;
     for (const Vector2d& corner : plan.area) {
-      const Vector2d uv(along.dot(corner), across.dot(corner));
+      const Vector2d uv = axes.uv(corner);
       low = low.cwiseMin(uv);
       high = high.cwiseMax(uv);
     }
@@ -28,7 +27,7 @@ struct Frame {
     high -= Vector2d::Constant(inset);
   }
   [[nodiscard]] Vector2d place(double u_share, double v_share) const {
-    return (low.x() + u_share * (high.x() - low.x())) * along + (low.y() + v_share * (high.y() - low.y())) * across;
+    return axes.place(low.x() + u_share * (high.x() - low.x()), low.y() + v_share * (high.y() - low.y()));
   }
 };
 

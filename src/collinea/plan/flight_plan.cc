@@ -14,16 +14,6 @@ constexpr double kRadians = std::numbers::pi / 180;
 constexpr std::size_t kMostImages = 20'000;
 constexpr double kSteepest_rad = 75 * kRadians;  // beyond it pictures show the horizon
 
-/// Strips of one direction: u along it, v to the right of it.
-struct Axes {
-  Vector2d along, across;
-
-  explicit Axes(double heading_rad)
-      : along(std::sin(heading_rad), std::cos(heading_rad)), across(along.y(), -along.x()) {}
-  [[nodiscard]] Vector2d uv(const Vector2d& place) const { return {along.dot(place), across.dot(place)}; }
-  [[nodiscard]] Vector2d place(double u, double v) const { return u * along + v * across; }
-};
-
 struct Range {
   double low = 1e300, high = -1e300;
   void add(double value) {
@@ -41,7 +31,7 @@ Range extent(const MapArea& area, const Vector2d& direction) {
 }
 
 // The part of the area between two lines along the strips, as a range along them.
-Range extent_between(const MapArea& area, const Axes& axes, double low, double high) {
+Range extent_between(const MapArea& area, const StripAxes& axes, double low, double high) {
   Range range;
   for (std::size_t i = 0; i < area.size(); ++i) {
     const Vector2d a = axes.uv(area[i]), b = axes.uv(area[(i + 1) % area.size()]);
@@ -58,7 +48,7 @@ double narrowest_heading(const MapArea& area) {
   for (std::size_t i = 0; i < area.size(); ++i) {
     const Vector2d edge = area[(i + 1) % area.size()] - area[i];
     if (!(edge.norm() > 0)) continue;
-    const double heading = std::atan2(edge.x(), edge.y()), width = extent(area, Axes(heading).across).size();
+    const double heading = std::atan2(edge.x(), edge.y()), width = extent(area, StripAxes(heading).across).size();
     if (width >= narrowest * (1 - 1e-9)) continue;
     narrowest = width;
     best = heading;
@@ -69,7 +59,7 @@ double narrowest_heading(const MapArea& area) {
 // As few steps as reach from end to end.
 int steps_over(double length_m, double step_m) { return int(std::ceil(length_m / step_m - 1e-6)); }
 
-void add_strip(FlightPlan& plan, const Axes& axes, double v, const Range& range, double base_m, double height_m,
+void add_strip(FlightPlan& plan, const StripAxes& axes, double v, const Range& range, double base_m, double height_m,
                bool cross) {
   const int steps = steps_over(range.size(), base_m), strip = plan.strips + plan.cross_strips;
   const double heading = std::atan2(axes.along.x(), axes.along.y());
@@ -90,7 +80,7 @@ Result<> check_count(double count) {
 }
 
 Result<> add_strips(FlightPlan& plan) {
-  const Axes axes(plan.heading_rad);
+  const StripAxes axes(plan.heading_rad);
   const Range across = extent(plan.area, axes.across), along = extent(plan.area, axes.along);
   const int steps = steps_over(across.size(), plan.spacing_m);
   if (auto few = check_count((steps + 1.0) * (along.size() / plan.base_m + 1)); !few) return few;
@@ -103,7 +93,7 @@ Result<> add_strips(FlightPlan& plan) {
 }
 
 Result<> add_cross_strips(FlightPlan& plan, const FlightOptions& options) {
-  const Axes axes(plan.heading_rad + std::numbers::pi / 2);
+  const StripAxes axes(plan.heading_rad + std::numbers::pi / 2);
   const Range across = extent(plan.area, axes.across), along = extent(plan.area, axes.along);
   const double factor = options.cross_height, spacing_m = factor * plan.spacing_m;
   if (auto few = check_count(options.cross_strips * (along.size() / (factor * plan.base_m) + 1)); !few) return few;
@@ -116,14 +106,16 @@ Result<> add_cross_strips(FlightPlan& plan, const FlightOptions& options) {
   return {};
 }
 
-Result<MapArea> area_of(const FlightOptions& o, const MapArea& area) {
+// That given, or the rectangle of the options.
+Result<MapArea> site_of(const FlightOptions& o, const MapArea& area) {
   if (area.empty()) {
     if (!o.east_m || !o.north_m)
       return fail(Errc::kBadInput, "plan which site? Give --east-m and --north-m, or --area with its corners");
     const double east = o.west_m + *o.east_m, north = o.south_m + *o.north_m;
     return MapArea{{o.west_m, o.south_m}, {east, o.south_m}, {east, north}, {o.west_m, north}};
   }
-  if (o.east_m || o.north_m) return fail(Errc::kBadInput, "give an area or the extent of a rectangle, not both");
+  if (o.east_m || o.north_m || o.west_m != 0 || o.south_m != 0)
+    return fail(Errc::kBadInput, "give an area or the extent of a rectangle, not both");
   const double extent_m = std::max(extent(area, Vector2d::UnitX()).size(), extent(area, Vector2d::UnitY()).size());
   if (area.size() < 3 || !(size_m2(area) > 1e-6 * extent_m * extent_m))
     return fail(Errc::kBadInput, "the corners of the area enclose nothing");
@@ -132,10 +124,13 @@ Result<MapArea> area_of(const FlightOptions& o, const MapArea& area) {
 
 }  // namespace
 
+StripAxes::StripAxes(double heading_rad)
+    : along(std::sin(heading_rad), std::cos(heading_rad)), across(along.y(), -along.x()) {}
+
 Result<FlightPlan> plan_flight(const FlightOptions& o, const MapArea& area) {
   if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
   FlightPlan plan;
-  COLLINEA_TRY(plan.area, area_of(o, area));
+  COLLINEA_TRY(plan.area, site_of(o, area));
   const double focal_px = o.focal_mm / o.sensor_width_mm * o.width_px;
   plan.camera = ideal_camera(focal_px, o.width_px, o.height_px);
   plan.camera.name = "planned camera";

@@ -55,6 +55,15 @@ struct FlightOptions {
   }
 };
 
+/// Plan coordinates along a heading (clockwise from north) and to the right of it.
+struct StripAxes {
+  Eigen::Vector2d along, across;
+
+  explicit StripAxes(double heading_rad);
+  [[nodiscard]] Eigen::Vector2d uv(const Eigen::Vector2d& place) const { return {along.dot(place), across.dot(place)}; }
+  [[nodiscard]] Eigen::Vector2d place(double u, double v) const { return u * along + v * across; }
+};
+
 /// One planned exposure.
 struct PlannedImage {
   int strip = 0;

@@ -8,6 +8,7 @@
 #include "collinea/geometry/rotation.h"
 #include "collinea/plan/precision.h"
 #include "collinea/plan/rules_of_thumb.h"
+#include "collinea/plan/test_flight.h"
 
 namespace collinea {
 namespace {
@@ -18,26 +19,6 @@ using Eigen::Vector3d;
 const Run kSerial;
 
 // A small site, so that a block is adjusted in a few milliseconds.
-FlightOptions small_flight() {
-  FlightOptions flight;
-  flight.east_m = 90;
-  flight.north_m = 60;
-  flight.width_px = 1600;
-  flight.height_px = 1200;
-  flight.gsd_m = 0.04;
-  flight.forward_overlap = 0.7;
-  flight.side_overlap = 0.5;
-  flight.relief_m = 6;
-  return flight;
-}
-
-MeasurementOptions small_measurements() {
-  MeasurementOptions measurements;
-  measurements.points_per_image = 60;
-  measurements.map_cell_m = 15;
-  return measurements;
-}
-
 struct Survey {
   FlightPlan plan;
   std::vector<PlannedPoint> points;
@@ -155,7 +136,8 @@ TEST(ControlLayout, WordsGiveTheirPoints) {
   EXPECT_EQ(count("corners_middle"), 5u);
   layout.control_points = 6;
   EXPECT_EQ(count("grid"), 6u);
-  for (const PlannedPoint& point : lay_out(layout, plan).value()) EXPECT_TRUE(contains(plan.area, point.place));
+  const auto points = lay_out(layout, plan).value();
+  for (const PlannedPoint& point : points) EXPECT_TRUE(contains(plan.area, point.place));
   layout.control = "everywhere";
   EXPECT_NE(lay_out(layout, plan).error().message.find("everywhere"), std::string::npos);
 }
@@ -166,7 +148,8 @@ TEST(ControlLayout, CornersOfASlantedSiteLieInIt) {
   const FlightPlan plan = plan_flight(flight, {{0, 0}, {120, 10}, {60, 90}}).value();
   LayoutOptions layout;
   layout.control = "corners";
-  for (const PlannedPoint& point : lay_out(layout, plan).value()) EXPECT_TRUE(contains(plan.area, point.place));
+  const auto points = lay_out(layout, plan).value();
+  for (const PlannedPoint& point : points) EXPECT_TRUE(contains(plan.area, point.place));
 }
 
 // The sigmas are those that the adjustment of the block with its errors gives: the design hardly changes with these,
@@ -348,6 +331,39 @@ TEST(PlannedBlock, ControlOutOfSightAndUnknownWordsAreErrors) {
   survey.measurements = small_measurements();
   survey.measurements.map_cell_m = 0.05;
   EXPECT_FALSE(planned_block(survey.plan, survey.points, survey.measurements));
+  survey.measurements = small_measurements();
+  survey.measurements.position_sigma_height_m = 0.03;  // of positions that are not measured
+  EXPECT_FALSE(planned_block(survey.plan, survey.points, survey.measurements));
+  survey.measurements.position_sigma_plan_m = 0.02;
+  EXPECT_TRUE(planned_block(survey.plan, survey.points, survey.measurements));
+}
+
+TEST(FlightPlan, AnAreaTakesNoCornerBesideIt) {
+  FlightOptions flight = small_flight();
+  flight.east_m = flight.north_m = std::nullopt;
+  const MapArea area = {{0, 0}, {90, 0}, {90, 60}};
+  EXPECT_TRUE(plan_flight(flight, area));
+  flight.west_m = 500000;
+  EXPECT_FALSE(plan_flight(flight, area));
+}
+
+TEST(Trials, ACameraWithoutUnknownsIsNotCompared) {
+  Survey survey = small_survey();
+  survey.measurements.calibration = "none";
+  const auto trials = tried(precision_of(survey), 2, kSerial);
+  ASSERT_TRUE(trials);
+  EXPECT_EQ(trials->cameras, 0);
+  EXPECT_GT(trials->poses, 0);
+}
+
+TEST(Customs, FourPointsInARowAreNotAtTheCorners) {
+  const auto corners_held = [](const Survey& survey) {
+    return customs(survey.plan, small_flight(), survey.points, precision_of(survey)).back().kept;
+  };
+  Survey survey = small_survey("corners");
+  EXPECT_TRUE(corners_held(survey));
+  for (std::size_t i = 0; i < 4; ++i) survey.points[i].place = {20.0 + 15 * double(i), 30};
+  EXPECT_FALSE(corners_held(survey));
 }
 
 TEST(RulesOfThumb, AreThoseOfTheBook) {

@@ -131,6 +131,7 @@ void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, i
     for (const int k : params_of(camera))
       if (covariance(k, k) > 0) free.push_back(k);
     degrees = int(free.size());
+    if (free.empty()) continue;
     Eigen::VectorXd error(degrees);
     for (int i = 0; i < degrees; ++i)
       error[i] = camera.params[std::size_t(free[std::size_t(i)])] -

@@ -70,7 +70,8 @@ struct Gain {
 struct Trials {
   int blocks = 0;
   Eigen::Vector3d cell_ratio = Eigen::Vector3d::Zero();  ///< root mean square of error / sigma: 1 is expected
-  double cell_chi2 = 0, pose_chi2 = 0, camera_chi2 = 0;  ///< mean of e' C^-1 e over its degrees of freedom: 1
+  double cell_chi2 = 0, pose_chi2 = 0, camera_chi2 = 0;  ///< mean of e' C^-1 e over its degrees of freedom: 1;
+                                                         ///< NaN where nothing of the kind is unknown
   long cells = 0, poses = 0, cameras = 0;
 };
 

@@ -46,17 +46,33 @@ std::vector<RuleOfThumb> rules_of_thumb(const FlightPlan& plan, const FlightOpti
           {"contours on gentle slopes", "0.25 ‰ * h", 0.25e-3 * h, std::nullopt}};
 }
 
+namespace {
+
+// Four points that lie each nearer to another corner of the site than a third of the site's shorter side.
+bool holds_corners(const FlightPlan& plan, const std::vector<PlannedPoint>& points) {
+  const auto corners = lay_out({.control = "corners"}, plan);
+  if (!corners) return false;
+  double near_m = 1e300;
+  for (std::size_t i = 0; i < corners->size(); ++i)
+    near_m = std::min(near_m, ((*corners)[i].place - (*corners)[(i + 1) % corners->size()].place).norm() / 3);
+  return std::all_of(corners->begin(), corners->end(), [&](const PlannedPoint& corner) {
+    return std::any_of(points.begin(), points.end(), [&](const PlannedPoint& point) {
+      return point.role == ControlRole::kControl && (point.place - corner.place).norm() <= near_m;
+    });
+  });
+}
+
+}  // namespace
+
 std::vector<Custom> customs(const FlightPlan& plan, const FlightOptions& flight,
                             const std::vector<PlannedPoint>& points, const Precision& precision) {
-  const auto control =
-      std::count_if(points.begin(), points.end(), [](const auto& p) { return p.role == ControlRole::kControl; });
   return {
       {"forward overlap of 60 % and more", flight.forward_overlap >= 0.6},
       {"side overlap of 20 % and more", flight.side_overlap >= 0.2},
       {"six and more tie points of three and more images in every image", well_tied(precision) == plan.images.size()},
       {"four control points and more, at the corners of the block (with measured projection centres they stay as a "
        "check)",
-       control >= 4}};
+       holds_corners(plan, points)}};
 }
 
 }  // namespace collinea

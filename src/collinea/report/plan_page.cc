@@ -180,8 +180,9 @@ std::string trials(const PlanReport& report) {
       "<section><h2>Foretold against simulated errors</h2>\n<p>{} blocks with all errors drawn anew were adjusted. "
       "Root mean "
       "square of error over standard deviation on the map (1 is expected): east {:.3f}, north {:.3f}, height {:.3f}. "
-      "Chi-squared over its degrees of freedom: places {:.3f}, images {:.3f}, camera {:.3f}.</p></section>\n",
-      t.blocks, t.cell_ratio.x(), t.cell_ratio.y(), t.cell_ratio.z(), t.cell_chi2, t.pose_chi2, t.camera_chi2);
+      "Chi-squared over its degrees of freedom: places {:.3f}, images {:.3f}{}.</p></section>\n",
+      t.blocks, t.cell_ratio.x(), t.cell_ratio.y(), t.cell_ratio.z(), t.cell_chi2, t.pose_chi2,
+      t.cameras > 0 ? fmt::format(", camera {:.3f}", t.camera_chi2) : "");
 }
 
 }  // namespace
