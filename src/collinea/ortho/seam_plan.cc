@@ -36,12 +36,13 @@ bool takes_up_a_border(const CellArea& window) {
 
 class Planner {
  public:
-  Planner(const OrthoScene& coarse, SeamPlan& plan, const Run& run) : coarse_(coarse), plan_(plan), run_(run) {}
+  Planner(const OrthoScene& coarse, double cell_m, SeamPlan& plan, const Run& run)
+      : coarse_(coarse), cell_m_(cell_m), plan_(plan), run_(run) {}
 
   // From nothing.
   Result<> plan(const CellArea& area) {
     std::vector<std::size_t> views;
-    COLLINEA_TRY(const auto window, look_at(coarse_, area, views, run_));
+    COLLINEA_TRY(const auto window, look_at(coarse_, cell_m_, area, views, run_));
     if (!window) return {};
     Raster<std::int16_t> labels = cheapest_views(*window);
     cut_seams(*window, 0, 0, area.width, area.height, labels);
@@ -54,7 +55,7 @@ class Planner {
   // From the plan there is; the outermost cells stay, unless they are the border of the map.
   Result<> improve(const CellArea& area) {
     std::vector<std::size_t> views;
-    COLLINEA_TRY(const auto window, look_at(coarse_, area, views, run_));
+    COLLINEA_TRY(const auto window, look_at(coarse_, cell_m_, area, views, run_));
     if (!window) return {};
     Raster<std::int16_t> labels(area.width, area.height, 1, kNoView);
     for (int y = 0; y < area.height; ++y) {
@@ -86,6 +87,7 @@ class Planner {
   }
 
   const OrthoScene& coarse_;
+  const double cell_m_;  // of the orthophoto
   SeamPlan& plan_;
   const Run& run_;
 };
@@ -127,7 +129,7 @@ Result<SeamPlan> plan_seams(const OrthoScene& scene, const std::vector<int>& shr
   coarse.grid = plan_grid(scene.grid);
   coarse.shrink = shrink;
   SeamPlan plan{Raster<std::uint16_t>(coarse.grid.width, coarse.grid.height), {}};
-  Planner planner(coarse, plan, run);
+  Planner planner(coarse, scene.grid.cell_m, plan, run);
   const auto first = windows_of(coarse.grid, 0);
   auto second = windows_of(coarse.grid, -kWindow / 2);
   std::erase_if(second, [](const CellArea& window) { return !takes_up_a_border(window); });

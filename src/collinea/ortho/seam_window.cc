@@ -216,7 +216,7 @@ int SeamWindow::seam_price(int x, int y, int u, int v, float different) const {
                   kDifferent * (1 - step) * different);
 }
 
-Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const CellArea& area,
+Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, double cell_m, const CellArea& area,
                                           std::vector<std::size_t>& views, const Run& run) {
   const CellArea with_margin{area.column - kMargin, area.row - kMargin, area.width + 2 * kMargin,
                              area.height + 2 * kMargin};
@@ -229,7 +229,7 @@ Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const CellAr
   height_m = std::max(height_m / double(coarse.views.size()), coarse.grid.cell_m);
   const int rim_cells = 1 + int(std::ceil(1.5 * coarse.surface->grid.cell_m / coarse.grid.cell_m));
   Visibility visibility(*patch, looking, rim_cells);
-  const CostLattice lattice = costs_at_nodes(*patch, looking, kBest);
+  const CostLattice lattice = costs_at_nodes(*patch, looking, cell_m, kBest);
   SeamWindow window(area.width / kBlock, area.height / kBlock);
   Looker looker{*patch, lattice, visibility, float(kDetour * coarse.grid.cell_m / height_m), window, {}};
   looker.sights.resize(std::size_t(window.blocks_across() * window.blocks_down()));

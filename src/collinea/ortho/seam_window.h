@@ -57,10 +57,10 @@ class SeamWindow {
   std::vector<Block> blocks_;
 };
 
-/// Looks at a part of the coarse scene (whole blocks of its grid); `views`: of the scene, in the order of the indices
-/// in the window. Nothing where no view shows anything. `coarse.terrain` may be missing. Errors: a picture or the
-/// surface cannot be read; cancelled.
-[[nodiscard]] Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const CellArea& area,
+/// Looks at a part of the coarse scene (whole blocks of its grid) for an orthophoto with cells of cell_m; `views`: of
+/// the scene, in the order of the indices in the window. Nothing where no view shows anything. `coarse.terrain` may be
+/// missing. Errors: a picture or the surface cannot be read; cancelled.
+[[nodiscard]] Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, double cell_m, const CellArea& area,
                                                         std::vector<std::size_t>& views, const Run& run);
 
 /// The labelling of least energy within reach of alpha-expansions (Boykov, Veksler, Zabih 2001), from `labels` on

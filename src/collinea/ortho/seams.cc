@@ -188,7 +188,7 @@ Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views,
                     Visibility& visibility) {
   Labels labels(patch.heights_m.width, patch.heights_m.height, 1, kNoView);
   if (views.empty()) return labels;
-  const CostLattice lattice = costs_at_nodes(patch, views, kBest);
+  const CostLattice lattice = costs_at_nodes(patch, views, patch.grid.cell_m, kBest);
   for (int y = 0; y < patch.blocks_down(); ++y)
     for (int x = 0; x < patch.blocks_across(); ++x) label_block(patch, lattice, wanted, x, y, visibility, labels);
   straighten(wanted, views.size(), visibility, labels);

@@ -33,7 +33,8 @@ FloatImage node_heights(const OrthoPatch& patch) {
 
 }  // namespace
 
-CostLattice costs_at_nodes(const OrthoPatch& patch, std::span<const View* const> views, std::size_t most) {
+CostLattice costs_at_nodes(const OrthoPatch& patch, std::span<const View* const> views, double cell_m,
+                           std::size_t most) {
   const FloatImage heights_m = node_heights(patch);
   CostLattice lattice;
   lattice.columns = heights_m.width, lattice.rows = heights_m.height, lattice.views = views.size();
@@ -49,7 +50,7 @@ CostLattice costs_at_nodes(const OrthoPatch& patch, std::span<const View* const>
       float* costs = lattice.costs.data() + node * views.size();
       const Eigen::Vector3d place = patch.lattice.at(i * kBlock, j * kBlock, double(z));
       for (std::size_t v = 0; v < views.size(); ++v) {
-        costs[v] = cost_of(*views[v], place, patch.grid.cell_m);
+        costs[v] = cost_of(*views[v], place, cell_m);
         order[v] = std::int16_t(v);
       }
       const auto kept = std::ptrdiff_t(std::min(most, views.size()));

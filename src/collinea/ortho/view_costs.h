@@ -23,8 +23,9 @@ struct CostLattice {
     return costs.data() + (std::size_t(j) * std::size_t(columns) + std::size_t(i)) * views;
   }
 };
-/// `most`: how many views are worth a look at a corner.
-[[nodiscard]] CostLattice costs_at_nodes(const OrthoPatch& patch, std::span<const View* const> views, std::size_t most);
+/// `most`: how many views are worth a look at a corner; `cell_m`: of the orthophoto that they are to serve.
+[[nodiscard]] CostLattice costs_at_nodes(const OrthoPatch& patch, std::span<const View* const> views, double cell_m,
+                                         std::size_t most);
 
 /// The best views of the four corners of a block, ascending; empty where there are no heights around.
 [[nodiscard]] std::vector<std::int16_t> candidates_of(const CostLattice& lattice, int block_x, int block_y);
