@@ -29,8 +29,12 @@ std::string name_of(OGRSpatialReferenceH srs) {
   return text;
 }
 
-// A GeoPackage calls the CRS of a file without one "undefined".
-bool is_undefined(OGRSpatialReferenceH srs) { return !srs || OSRIsLocal(srs); }
+// In a GeoPackage every layer has a CRS; that of a layer without one is called "Undefined ...".
+bool is_undefined(OGRSpatialReferenceH srs) {
+  if (!srs || OSRIsLocal(srs)) return true;
+  const char* name = OSRGetName(srs);
+  return name && std::string(name).starts_with("Undefined");
+}
 
 Result<> check_crs(OGRSpatialReferenceH found, const std::string& wkt) {
   const GdalSrs wanted(wkt.empty() ? nullptr : OSRNewSpatialReference(wkt.c_str()));

@@ -24,7 +24,7 @@ SeamWindow two_views(int price_per_column = 2) {
         for (int cell = 0; cell < kCells; ++cell) {
           const int x = i * SeamWindow::kBlock + cell % SeamWindow::kBlock;
           block.choices.push_back(
-              {price_per_column * std::max(0, view == 0 ? x - kSide / 2 : kSide / 2 - 1 - x), {100, 100, 100}, true});
+              {price_per_column * std::max(0, view == 0 ? x - kSide / 2 + 1 : kSide / 2 - x), {100, 100, 100}, true});
         }
       }
     }
