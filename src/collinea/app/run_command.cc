@@ -22,7 +22,7 @@ int run_until(Asked& asked, const std::string& last) {
   std::error_code error;
   asked.settings.photos = std::filesystem::absolute(asked.photos, error).lexically_normal().string();
   for (auto* path : {&asked.settings.import.control, &asked.settings.import.ground, &asked.settings.import.positions,
-                     &asked.settings.orient.orientation})
+                     &asked.settings.orient.orientation, &asked.settings.ortho.seamlines})
     if (*path) *path = std::filesystem::absolute(**path, error).lexically_normal().string();
   ImportOptions& import = asked.settings.import;
   std::optional<std::string> gps_heights = import.gps_heights;

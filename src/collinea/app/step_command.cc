@@ -42,10 +42,12 @@ int run_step(const Asked& asked, const std::string& step) {
   auto settings = read_settings(asked.project);
   if (!settings) return console->complain(settings.error());
   for (const auto& change : asked.changes) change(*settings);
-  if (auto& path = settings->orient.orientation; path && path->empty())
-    path.reset();
-  else if (path)
-    path = std::filesystem::absolute(*path).lexically_normal().string();
+  for (auto* path : {&settings->orient.orientation, &settings->ortho.seamlines}) {
+    if (*path && (*path)->empty())
+      path->reset();
+    else if (*path)
+      *path = std::filesystem::absolute(**path).lexically_normal().string();
+  }
   auto project = create_project(asked.project, *settings, console->run());
   if (!project) return console->complain(project.error());
   console->log_to(project->folder / "log.txt");

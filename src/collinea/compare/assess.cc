@@ -79,6 +79,21 @@ Result<OrthoErrors> assess_ortho(const ProductFiles& products, const TruthFolder
   return ortho_errors(product, expected, run);
 }
 
+Result<ColourErrors> assess_colours(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
+  PictureField product, expected;
+  COLLINEA_TRY(product.read, byte_reader(products.ortho, &product.grid));
+  COLLINEA_TRY(expected.read, byte_reader(truth.ortho, &expected.grid));
+  SourceReader sources;
+  if (there(products.ortho_source)) {
+    COLLINEA_TRY(GeoTiffReader opened, GeoTiffReader::open(products.ortho_source));
+    const auto reader = std::make_shared<GeoTiffReader>(std::move(opened));
+    sources = [reader](int column, int row, int width, int height) {
+      return reader->read_float(column, row, width, height);
+    };
+  }
+  return colour_errors(product, sources, expected, run);
+}
+
 std::string line(const char* what, const PointErrors& e) {
   return fmt::format(
       "{:<34} {:>5}   RMS east {:.4f}  north {:.4f}  up {:.4f}  3D {:.4f} m   worst {:.4f} m   mean {:+.4f} {:+.4f} "
@@ -121,6 +136,7 @@ Result<Assessment> assess(const Block& block, const ProductFiles& products, cons
   }
   if (there(products.ortho) && there(truth.ortho)) {
     COLLINEA_TRY(result.ortho, assess_ortho(products, truth, run));
+    COLLINEA_TRY(result.ortho_colours, assess_colours(products, truth, run));
   }
   return result;
 }
@@ -176,6 +192,12 @@ std::string table(const Assessment& a) {
         "over 1 px {:.1f} %   failed {:.1f} %   cell {:.4g} m\n",
         a.ortho->windows, a.ortho->rms_x_px, a.ortho->rms_y_px, a.ortho->median_px, a.ortho->mean_x_px,
         a.ortho->mean_y_px, 100 * a.ortho->share_over_1_px, 100 * a.ortho->share_failed, a.ortho->cell_m);
+  if (a.ortho_colours)
+    text += fmt::format(
+        "orthophoto, colours                {} pixels   wrong surface {:.2f} %   RMS {:.1f} grey   brightness of {} "
+        "photographs alike to RMS {:.1f} %, worst {:.1f} %\n",
+        a.ortho_colours->pixels, 100 * a.ortho_colours->share_wrong, a.ortho_colours->rms_grey,
+        a.ortho_colours->photographs, 100 * a.ortho_colours->gain_rms, 100 * a.ortho_colours->gain_worst);
   return text;
 }
 

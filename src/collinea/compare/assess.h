@@ -6,6 +6,7 @@
 #include <string>
 
 #include "collinea/base/run.h"
+#include "collinea/compare/colour_errors.h"
 #include "collinea/compare/ortho_errors.h"
 #include "collinea/compare/pose_errors.h"
 #include "collinea/compare/surface_errors.h"
@@ -16,7 +17,7 @@ namespace collinea {
 
 /// The products to be assessed; paths that are empty or do not exist are left out.
 struct ProductFiles {
-  std::filesystem::path dsm, dsm_state, dtm, dtm_state, ortho, dsm_sigma = {};
+  std::filesystem::path dsm, dsm_state, dtm, dtm_state, ortho, dsm_sigma = {}, ortho_source = {};
 };
 
 /// How far the results of a simulated block are from the truth.
@@ -27,6 +28,7 @@ struct Assessment {
   std::optional<WallErrors> walls;
   std::optional<TerrainErrors> terrain;
   std::optional<OrthoErrors> ortho;
+  std::optional<ColourErrors> ortho_colours;
   std::optional<double> gsd_m;  ///< cell of the true rasters
 };
 

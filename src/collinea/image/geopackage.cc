@@ -15,8 +15,11 @@ struct FeatureDestroyer {
   void operator()(void* feature) const { OGR_F_Destroy(feature); }
 };
 
-OGRwkbGeometryType geometry_type(VectorKind kind) {
-  return kind == VectorKind::kPoint ? wkbPoint25D : kind == VectorKind::kLine ? wkbLineString25D : wkbPolygon25D;
+OGRwkbGeometryType geometry_type(const VectorLayer& layer) {
+  const OGRwkbGeometryType type = layer.kind == VectorKind::kPoint  ? wkbPoint
+                                  : layer.kind == VectorKind::kLine ? wkbLineString
+                                                                    : wkbPolygon;
+  return layer.flat ? type : OGR_GT_SetZ(type);
 }
 
 OGRFieldType field_type(VectorType type) {
@@ -24,7 +27,7 @@ OGRFieldType field_type(VectorType type) {
 }
 
 OGRLayerH made_layer(void* dataset, const VectorLayer& layer, void* srs) {
-  const OGRLayerH made = GDALDatasetCreateLayer(dataset, layer.name.c_str(), srs, geometry_type(layer.kind), nullptr);
+  const OGRLayerH made = GDALDatasetCreateLayer(dataset, layer.name.c_str(), srs, geometry_type(layer), nullptr);
   for (std::size_t i = 0; made && i < layer.fields.size(); ++i) {
     const OGRFieldDefnH field = OGR_Fld_Create(layer.fields[i].name.c_str(), field_type(layer.fields[i].type));
     const OGRErr failed = OGR_L_CreateField(made, field, TRUE);
@@ -45,18 +48,29 @@ void set_value(OGRFeatureH feature, int field, const VectorValue& value) {
     OGR_F_SetFieldNull(feature, field);
 }
 
+void add_places(OGRGeometryH line, const std::vector<Eigen::Vector3d>& places, bool flat) {
+  for (const Eigen::Vector3d& place : places)
+    flat ? OGR_G_AddPoint_2D(line, place.x(), place.y()) : OGR_G_AddPoint(line, place.x(), place.y(), place.z());
+}
+
+bool add_ring(OGRGeometryH polygon, std::vector<Eigen::Vector3d> places, bool flat) {
+  const OGRGeometryH ring = OGR_G_CreateGeometry(wkbLinearRing);
+  if (!places.empty()) places.push_back(places.front());
+  add_places(ring, places, flat);
+  return OGR_G_AddGeometryDirectly(polygon, ring) == OGRERR_NONE;
+}
+
 // The feature takes what it is given.
-bool set_places(OGRFeatureH feature, VectorKind kind, const std::vector<Eigen::Vector3d>& places) {
-  const bool polygon = kind == VectorKind::kPolygon;
-  const OGRGeometryH line = OGR_G_CreateGeometry(kind == VectorKind::kPoint ? wkbPoint25D
-                                                 : polygon                  ? wkbLinearRing
-                                                                            : wkbLineString25D);
-  for (const Eigen::Vector3d& place : places) OGR_G_AddPoint(line, place.x(), place.y(), place.z());
-  if (!polygon) return OGR_F_SetGeometryDirectly(feature, line) == OGRERR_NONE;
-  if (!places.empty()) OGR_G_AddPoint(line, places[0].x(), places[0].y(), places[0].z());
-  const OGRGeometryH whole = OGR_G_CreateGeometry(wkbPolygon25D);
-  return OGR_G_AddGeometryDirectly(whole, line) == OGRERR_NONE &&
-         OGR_F_SetGeometryDirectly(feature, whole) == OGRERR_NONE;
+bool set_places(OGRFeatureH feature, const VectorLayer& layer, const VectorRow& row) {
+  const OGRGeometryH geometry = OGR_G_CreateGeometry(geometry_type(layer));
+  bool added = true;
+  if (layer.kind == VectorKind::kPolygon) {
+    added = add_ring(geometry, row.places, layer.flat);
+    for (const auto& hole : row.holes) added = added && add_ring(geometry, hole, layer.flat);
+  } else {
+    add_places(geometry, row.places, layer.flat);
+  }
+  return OGR_F_SetGeometryDirectly(feature, geometry) == OGRERR_NONE && added;
 }
 
 bool add_rows(OGRLayerH made, const VectorLayer& layer) {
@@ -65,8 +79,7 @@ bool add_rows(OGRLayerH made, const VectorLayer& layer) {
     COLLINEA_CHECK(row.values.size() == layer.fields.size());
     const std::unique_ptr<void, FeatureDestroyer> feature(OGR_F_Create(OGR_L_GetLayerDefn(made)));
     for (std::size_t i = 0; i < row.values.size(); ++i) set_value(feature.get(), int(i), row.values[i]);
-    if (!set_places(feature.get(), layer.kind, row.places) || OGR_L_CreateFeature(made, feature.get()) != OGRERR_NONE)
-      return false;
+    if (!set_places(feature.get(), layer, row) || OGR_L_CreateFeature(made, feature.get()) != OGRERR_NONE) return false;
   }
   return !begun || OGR_L_CommitTransaction(made) == OGRERR_NONE;
 }

@@ -25,8 +25,9 @@ struct VectorField {
 using VectorValue = std::variant<std::monostate, double, std::int64_t, std::string>;
 
 struct VectorRow {
-  std::vector<Eigen::Vector3d> places;  ///< one of a point; a polygon is closed by itself [m]
-  std::vector<VectorValue> values;      ///< one for each field
+  std::vector<Eigen::Vector3d> places;                   ///< one of a point; a polygon is closed by itself [m]
+  std::vector<VectorValue> values;                       ///< one for each field
+  std::vector<std::vector<Eigen::Vector3d>> holes = {};  ///< of a polygon, closed by themselves
 };
 
 struct VectorLayer {
@@ -34,9 +35,10 @@ struct VectorLayer {
   VectorKind kind = VectorKind::kPoint;
   std::vector<VectorField> fields;
   std::vector<VectorRow> rows;
+  bool flat = false;  ///< places without heights
 };
 
-/// Writes the layers with three-dimensional places into one GeoPackage, atomically. `wkt`: of the CRS; empty: a local
+/// Writes the layers into one GeoPackage, atomically. `wkt`: of the CRS; empty: a local
 /// frame. The same layers give the same bytes. By GDAL. Errors: not writable, GDAL without the format.
 [[nodiscard]] Result<> write_geopackage(const std::filesystem::path& path, const std::vector<VectorLayer>& layers,
                                         const std::string& wkt);

@@ -182,6 +182,13 @@ std::optional<ColourSample> sample_at(const View& view, const ColourImage& pictu
 
 }  // namespace
 
+std::array<float, 3> factor_of(const Exposure& exposure, float relative_radius2) {
+  std::array<float, 3> factor = exposure.gain;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (exposure.falloff[c] != 0) factor[c] *= std::exp(exposure.falloff[c] * relative_radius2);
+  return factor;
+}
+
 double relative_radius2(const Camera& camera, const Eigen::Vector2d& pixel) {
   const double half_width = camera.width_px / 2.0, half_height = camera.height_px / 2.0;
   const double x = pixel.x() - half_width, y = pixel.y() - half_height;

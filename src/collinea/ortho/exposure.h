@@ -20,6 +20,9 @@ struct Exposure {
   std::array<float, 3> falloff{0, 0, 0};  ///< the same for all pictures of a camera
 };
 
+/// By what the three channels of a place of the picture are multiplied.
+[[nodiscard]] std::array<float, 3> factor_of(const Exposure& exposure, float relative_radius2);
+
 /// The squared distance of a pixel from the middle of the picture over the squared half diagonal.
 [[nodiscard]] double relative_radius2(const Camera& camera, const Eigen::Vector2d& pixel);
 

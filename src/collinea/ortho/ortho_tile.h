@@ -2,29 +2,34 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
-#include "collinea/ortho/exposure.h"
+#include "collinea/ortho/ortho_scene.h"
 #include "collinea/ortho/seams.h"
 
 namespace collinea {
 
-/// Everything that the tiles of one orthophoto share.
-struct OrthoScene {
-  MapGrid grid;  ///< of the orthophoto
-  const HeightField* surface = nullptr;
-  const HeightOverview* surface_overview = nullptr;
-  const LocalFrame* frame = nullptr;  ///< null: map and world are the same
-  std::vector<View> views;
-  std::vector<int> shrink;          ///< at which size each view's picture is read
-  std::vector<Exposure> exposures;  ///< of each view
-  PixelCache* pictures = nullptr;
-  int feather_cells = 12;
+/// How well the pictures agree along seams: sides between neighbouring cells of different views, colours after
+/// balancing.
+struct SeamAgreement {
+  struct Step {
+    std::uint64_t sides = 0;
+    double grey_levels = 0;  ///< sum over the sides: second view less first
+  };
+  std::uint64_t sides = 0;
+  double difference_grey = 0;                                 ///< sum over the sides: mean over channels, without sign
+  std::map<std::pair<std::size_t, std::size_t>, Step> steps;  ///< by indices of the two views
+
+  void add(const SeamAgreement& other);
 };
 
 struct OrthoTile {
-  Raster<std::uint8_t> rgba;     ///< alpha 0: no height, or no view sees the place; else 255
-  Raster<std::uint16_t> source;  ///< 1 + index of the view that leads; 0: none
+  Raster<std::uint8_t> rgba;                               ///< alpha 0: no height, or no view sees the place; else 255
+  Raster<std::uint16_t> source;                            ///< 1 + index of the view that leads; 0: none
+  SeamAgreement seams;                                     ///< sides to the east and the south of the tile's cells
+  std::map<std::size_t, std::uint64_t> not_followed = {};  ///< by views that the plan names: cells that another leads
 };
 
 /// A piece of the orthophoto; column and row are multiples of OrthoPatch::kBlock. What a cell becomes depends only on

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "collinea/base/parallel.h"
+#include "collinea/ortho/seam_plan.h"
 #include "collinea/surface/dsm.h"
 
 namespace collinea {
@@ -70,7 +71,9 @@ std::vector<Piece> pieces_of(const MapGrid& grid) {
   return pieces;
 }
 
-void tally(const OrthoTile& tile, OrthoSummary& summary, std::set<std::uint16_t>& used) {
+void tally(const OrthoTile& tile, OrthoSummary& summary, std::set<std::uint16_t>& used, SeamAgreement& seams) {
+  seams.add(tile.seams);
+  for (const auto& [view, cells] : tile.not_followed) summary.not_followed[view] += cells;
   std::uint16_t last = 0;
   for (const std::uint16_t source : tile.source.data) {
     (source ? summary.painted_cells : summary.empty_cells)++;
@@ -78,11 +81,21 @@ void tally(const OrthoTile& tile, OrthoSummary& summary, std::set<std::uint16_t>
   }
 }
 
+void sum_up(const SeamAgreement& seams, OrthoSummary& summary) {
+  if (seams.sides == 0) return;
+  summary.seam_length_m = double(seams.sides) * summary.grid.cell_m;
+  summary.seam_difference_grey = seams.difference_grey / double(seams.sides);
+  double squares = 0;
+  for (const auto& [views, step] : seams.steps) squares += step.grey_levels * step.grey_levels / double(step.sides);
+  summary.seam_step_grey = std::sqrt(squares / double(seams.sides));
+}
+
 // Tiles are made side by side, a few at a time, and handed on in their order.
 Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary& summary, const Run& run) {
   const std::vector<Piece> pieces = pieces_of(scene.grid);
   const std::size_t at_once = std::size_t(2 * std::max(1, run.threads));
   std::set<std::uint16_t> used;
+  SeamAgreement seams;
   for (std::size_t begin = 0; begin < pieces.size(); begin += at_once) {
     const std::size_t end = std::min(begin + at_once, pieces.size());
     std::vector<Result<OrthoTile>> tiles(end - begin);
@@ -94,20 +107,21 @@ Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary
     for (std::size_t i = begin; i < end; ++i) {
       auto& tile = tiles[i - begin];
       if (!tile) return tl::unexpected(std::move(tile).error());
-      tally(*tile, summary, used);
+      tally(*tile, summary, used, seams);
       if (auto taken = sink.take(pieces[i].column, pieces[i].row, *tile); !taken) return taken;
     }
     run.report("ortho", double(end) / double(pieces.size()));
   }
   summary.photographs_used = used.size();
+  sum_up(seams, summary);
   return {};
 }
 
 }  // namespace
 
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
-                                     const PixelSource& pixels, double gsd_m, const OrthoSink& sink,
-                                     const OrthoOptions& options, const Run& run) {
+                                     const SeamGuides& guides, const PixelSource& pixels, double gsd_m,
+                                     const OrthoSink& sink, const OrthoOptions& options, const Run& run) {
   if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
   OrthoScene scene;
   scene.views = views_of(block, frame);
@@ -119,6 +133,7 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
   PixelCache pictures(pixels, kPictureMemory);
   scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame, scene.pictures = &pictures;
+  scene.terrain = guides.terrain;
   scene.shrink = shrinks(scene.views, heights.mean_m, scene.grid.cell_m);
   scene.feather_cells = options.feather_cells;
   scene.exposures.resize(scene.views.size());
@@ -126,10 +141,18 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
     COLLINEA_TRY(scene.exposures,
                  exposures_of(scene.views, places_in_world(heights, surface.grid, frame), pixels, run));
   }
+  SeamPlan seams;
+  if (guides.given) {
+    seams.given = *guides.given;
+  } else {
+    COLLINEA_TRY(seams, plan_seams(scene, shrinks(scene.views, heights.mean_m, plan_grid(scene.grid).cell_m), run));
+  }
+  scene.seams = &seams;
   OrthoSummary summary;
   summary.grid = scene.grid;
   summary.exposures = scene.exposures;
   for (const View& view : scene.views) summary.sources.push_back(view.image);
+  summary.seamlines = guides.given ? *guides.given : outlines_of(seams.source, plan_grid(scene.grid));
   if (auto begun = sink.begin(scene.grid); !begun) return tl::unexpected(std::move(begun).error());
   if (auto made = make_tiles(scene, sink, summary, run); !made) return tl::unexpected(std::move(made).error());
   return summary;

@@ -4,13 +4,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/ortho/exposure.h"
 #include "collinea/ortho/ortho_tile.h"
+#include "collinea/ortho/seamlines.h"
 
 namespace collinea {
 
@@ -18,6 +21,7 @@ struct OrthoOptions {
   std::optional<double> cell_m;  ///< nothing: the ground size of a pixel of the photographs
   int feather_cells = 12;
   bool balance = true;
+  std::optional<std::string> seamlines;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -25,8 +29,19 @@ struct OrthoOptions {
     visit(Field{"cell_m", &O::cell_m, "m", "cell of the orthophoto; else the ground size of a pixel", 1e-6});
     visit(Field{"feather_cells", &O::feather_cells, "cells",
                 "width of the zone along seams in which pictures are mixed", 2, 24});
+    visit(
+        Field{"seamlines", &O::seamlines, "",
+              "take each polygon of this GeoPackage from the photograph that its field \"photo\" names, wherever that "
+              "sees it (an edited products/seamlines.gpkg); nothing: find the seams"});
     visit(Field{"balance", &O::balance, "1", "make the brightness and colour of the photographs alike"});
   }
+};
+
+/// What is known of where seams should run.
+struct SeamGuides {
+  const HeightField* terrain = nullptr;  ///< what stands above it is no place for seams; null: not known
+  const std::vector<SeamPolygon>* given =
+      nullptr;  ///< where they are to run; sources by OrthoSummary::sources; null: find
 };
 
 struct OrthoFiles {
@@ -40,6 +55,12 @@ struct OrthoSummary {
   std::vector<Exposure> exposures;  ///< of the sources
   std::uint64_t painted_cells = 0, empty_cells = 0;
   std::uint64_t photographs_used = 0;
+  std::vector<SeamPolygon> seamlines;  ///< the plan: sources are places in `sources`, from 1 on
+  std::map<std::size_t, std::uint64_t>
+      not_followed;                 ///< by places in `sources`: cells planned for it that it does not see
+  double seam_length_m = 0;         ///< where both photographs see the place
+  double seam_difference_grey = 0;  ///< mean over the seams: by how much the two pictures differ, after balancing
+  double seam_step_grey = 0;        ///< root mean square over the seams: mean step between the two pictures of a pair
 };
 
 /// Takes the orthophoto piece by piece: windows of one grid, from the upper left, row by row.
@@ -50,17 +71,18 @@ struct OrthoSink {
 
 /// The true orthophoto: each cell of the map takes the colour of its place on the surface, from the photograph that
 /// sees it most from above and is not hidden by the surface; photographs are mixed in a narrow zone along the seams.
-/// Cells that no photograph sees, and cells without height, stay transparent: nothing is copied from the wrong surface.
-/// `frame`: null when the surface model lies in the plane x, y of the world. `gsd_m`: ground size of a pixel of the
-/// photographs. Holds at most about 512 MB of decoded photographs. Same bits with any number of threads. Errors: a
-/// photograph cannot be read, no oriented images, raster too large, cancelled.
+/// Seams run as given, or are found (plan_seams). Cells that no photograph sees, and cells without height, stay
+/// transparent: nothing is copied from the wrong surface. `frame`: null when the surface model lies in the plane x, y
+/// of the world. `gsd_m`: ground size of a pixel of the photographs. Holds at most about 512 MB of decoded photographs.
+/// Same bits with any number of threads. Errors: a photograph cannot be read, no oriented images, raster too large,
+/// cancelled.
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
-                                     const PixelSource& pixels, double gsd_m, const OrthoSink& sink,
-                                     const OrthoOptions& options, const Run& run);
+                                     const SeamGuides& guides, const PixelSource& pixels, double gsd_m,
+                                     const OrthoSink& sink, const OrthoOptions& options, const Run& run);
 
 /// The same, written to GeoTIFFs.
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
-                                     const PixelSource& pixels, double gsd_m, const OrthoFiles& files,
-                                     const OrthoOptions& options, const Run& run);
+                                     const SeamGuides& guides, const PixelSource& pixels, double gsd_m,
+                                     const OrthoFiles& files, const OrthoOptions& options, const Run& run);
 
 }  // namespace collinea

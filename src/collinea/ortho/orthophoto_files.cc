@@ -63,8 +63,8 @@ Result<HeightField> open_height_field(const std::filesystem::path& path, const s
 }
 
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
-                                     const PixelSource& pixels, double gsd_m, const OrthoFiles& files,
-                                     const OrthoOptions& options, const Run& run) {
+                                     const SeamGuides& guides, const PixelSource& pixels, double gsd_m,
+                                     const OrthoFiles& files, const OrthoOptions& options, const Run& run) {
   std::optional<GeoTiffWriter<std::uint8_t>> picture;
   std::optional<GeoTiffWriter<std::uint16_t>> source;
   const auto begin = [&](const MapGrid& grid) -> Result<> {
@@ -82,7 +82,7 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
     return picture->write(column, row, tile.rgba).and_then([&] { return source->write(column, row, tile.source); });
   };
   COLLINEA_TRY(OrthoSummary summary,
-               make_orthophoto(block, frame, surface, pixels, gsd_m, OrthoSink{begin, take}, options, run));
+               make_orthophoto(block, frame, surface, guides, pixels, gsd_m, OrthoSink{begin, take}, options, run));
   auto finished = source->finish().and_then([&] { return picture->finish(); });
   if (!finished) return tl::unexpected(std::move(finished).error());
   return summary;

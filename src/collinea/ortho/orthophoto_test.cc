@@ -127,7 +127,8 @@ struct Product {
   Result<OrthoSummary> summary;
 };
 
-Product make(const World& world, const Block& block, OrthoOptions options, bool uneven = false, int threads = 1) {
+Product make(const World& world, const Block& block, OrthoOptions options, bool uneven = false, int threads = 1,
+             const SeamGuides& guides = {}) {
   std::map<ImageId, ColourImage> photographs;
   for (const auto& [id, image] : block.images) photographs[id] = photograph(world, block, id, uneven);
   const PixelSource pixels = [&](ImageId image, int shrink) -> Result<ColourImage> {
@@ -149,7 +150,7 @@ Product make(const World& world, const Block& block, OrthoOptions options, bool 
                        }};
   Run run;
   run.threads = threads;
-  product.summary = make_orthophoto(block, nullptr, surface_of(world), pixels, kCell, sink, options, run);
+  product.summary = make_orthophoto(block, nullptr, surface_of(world), guides, pixels, kCell, sink, options, run);
   return product;
 }
 
@@ -185,7 +186,8 @@ double worst_colour(const Product& product, const World& world) {
 // Pictures and result are rounded to whole levels: 0.5 each, and a little for interpolation.
 TEST(Orthophoto, ColoursAreThoseOfTheGround) {
   const World world;
-  const Product product = make(world, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false});
+  const Product product =
+      make(world, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false, .seamlines = {}});
   ASSERT_TRUE(product.summary);
   EXPECT_LT(worst_colour(product, world), 1.5);
   EXPECT_GT(product.summary->painted_cells, 0.97 * kSide * kSide);
@@ -195,7 +197,8 @@ TEST(Orthophoto, ColoursAreThoseOfTheGround) {
 }
 
 TEST(Orthophoto, CellsWithoutHeightAreTransparent) {
-  const Product product = make({}, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false});
+  const Product product =
+      make({}, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false, .seamlines = {}});
   ASSERT_TRUE(product.summary);
   EXPECT_EQ(product.rgba.at(3, 4, 3), 0);
   EXPECT_EQ(product.source.at(3, 4), 0);
@@ -207,7 +210,8 @@ TEST(Orthophoto, CellsWithoutHeightAreTransparent) {
 // 90 levels away.
 TEST(Orthophoto, HiddenGroundIsNotPaintedWithTheRoof) {
   const World world;
-  const Product product = make(world, block_of({{4, 16, 50}}), {.cell_m = {}, .feather_cells = 8, .balance = false});
+  const Product product =
+      make(world, block_of({{4, 16, 50}}), {.cell_m = {}, .feather_cells = 8, .balance = false, .seamlines = {}});
   ASSERT_TRUE(product.summary);
   EXPECT_LT(worst_colour(product, world), 30);
   const int row = kSide - int(16 / kCell);
@@ -222,7 +226,8 @@ TEST(Orthophoto, HiddenGroundIsNotPaintedWithTheRoof) {
 // The wall facing the camera must not leave a trace on the ground in front of it.
 TEST(Orthophoto, NoCellShowsAWall) {
   const World world;
-  const Product product = make(world, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false});
+  const Product product =
+      make(world, block_of(nine_centres()), {.cell_m = {}, .feather_cells = 8, .balance = false, .seamlines = {}});
   ASSERT_TRUE(product.summary);
   int bluish = 0;
   for (int y = 0; y < kSide; ++y)
@@ -246,12 +251,45 @@ TEST(Orthophoto, UnevenExposuresAreBalanced) {
 
 TEST(Orthophoto, ThreadsDoNotMatter) {
   const Block block = block_of({{4, 4, 50}, {28, 28, 50}});
-  const OrthoOptions fine{.cell_m = 0.03, .feather_cells = 12, .balance = true};  // more than one tile
+  const OrthoOptions fine{.cell_m = 0.03, .feather_cells = 12, .balance = true, .seamlines = {}};  // more than one tile
   const Product one = make({}, block, fine, true), three = make({}, block, fine, true, 3);
   ASSERT_TRUE(one.summary && three.summary);
   EXPECT_GT(one.grid.width, kOrthoTile);
   EXPECT_EQ(one.rgba.data, three.rgba.data);
   EXPECT_EQ(one.source.data, three.source.data);
+}
+
+TEST(Orthophoto, TheSeamlinesThatWereFoundGiveTheSamePictureWhenTheyAreGiven) {
+  const Block block = block_of(nine_centres());
+  const OrthoOptions fine{.cell_m = 0.07, .feather_cells = 12, .balance = true, .seamlines = {}};
+  const Product found = make({}, block, fine, true);
+  ASSERT_TRUE(found.summary);
+  ASSERT_GT(found.summary->seamlines.size(), 4u);
+  const Product given = make({}, block, fine, true, 1, {.terrain = nullptr, .given = &found.summary->seamlines});
+  ASSERT_TRUE(given.summary);
+  EXPECT_EQ(given.rgba.data, found.rgba.data);
+  EXPECT_EQ(given.source.data, found.source.data);
+  EXPECT_EQ(given.summary->not_followed, found.summary->not_followed);
+}
+
+// A view from the west is asked for everywhere: it is taken everywhere but in the lee of the box and beside its
+// picture.
+TEST(Orthophoto, AGivenPhotographIsUsedWhereverItSeesTheGround) {
+  const World world;
+  const Block block = block_of({{4, 16, 50}, {28, 16, 50}});
+  const std::vector<SeamPolygon> everything = {{1, {{{-1, -1}, {-1, 40}, {40, 40}, {40, -1}}}}};
+  const Product product = make(world, block, {.cell_m = {}, .feather_cells = 8, .balance = false, .seamlines = {}},
+                               false, 1, {.terrain = nullptr, .given = &everything});
+  ASSERT_TRUE(product.summary);
+  const int row = kSide - int(16 / kCell);
+  const auto source = [&](double x) { return product.source.at(int(x / kCell), row); };
+  for (const double x : {1.0, 8.0, 14.0, 18.0, 25.5}) EXPECT_EQ(source(x), 1) << x;
+  EXPECT_EQ(source(20.7), 2);
+  EXPECT_EQ(source(22.0), 2);
+  EXPECT_LT(worst_colour(product, world), 30);
+  EXPECT_EQ(product.summary->not_followed.size(), 1u);
+  EXPECT_GT(product.summary->not_followed.at(0), 100u);
+  EXPECT_LT(product.summary->not_followed.at(0), product.summary->painted_cells / 3);
 }
 
 // The lower right quarter made as a tile of its own, against the same cells of a larger one.

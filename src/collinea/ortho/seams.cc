@@ -9,99 +9,9 @@ namespace collinea {
 namespace {
 
 constexpr int kBlock = OrthoPatch::kBlock;
-constexpr std::size_t kBest = 5;    // views worth a look at a node
+constexpr std::size_t kBest = 5;    // views worth a look at a corner of a block
 constexpr int kMajorityRadius = 5;  // [cells]
 constexpr int kMajorityRounds = 2;
-
-// Costs of all views at the corners of the blocks, and the best few there.
-struct CostLattice {
-  int columns = 0, rows = 0;
-  std::size_t views = 0;
-  std::vector<float> costs;                     // [node][view]
-  std::vector<std::vector<std::int16_t>> best;  // per node, ascending indices
-
-  [[nodiscard]] const float* at(int i, int j) const {
-    return costs.data() + (std::size_t(j) * std::size_t(columns) + std::size_t(i)) * views;
-  }
-};
-
-// The mean height of the blocks around each corner; NaN where there is none. Only what lies around counts, so that
-// neighbouring patches agree.
-FloatImage node_heights(const OrthoPatch& patch) {
-  FloatImage sums(patch.blocks_across() + 1, patch.blocks_down() + 1), counts = sums;
-  for (int by = 0; by < patch.blocks_down(); ++by) {
-    for (int bx = 0; bx < patch.blocks_across(); ++bx) {
-      double sum = 0;
-      int count = 0;
-      for (int y = by * kBlock; y < (by + 1) * kBlock; ++y)
-        for (int x = bx * kBlock; x < (bx + 1) * kBlock; ++x)
-          if (const float z = patch.heights_m.at(x, y); !std::isnan(z)) sum += double(z), ++count;
-      if (count == 0) continue;
-      for (int corner = 0; corner < 4; ++corner) {
-        sums.at(bx + (corner & 1), by + (corner >> 1)) += float(sum / count);
-        counts.at(bx + (corner & 1), by + (corner >> 1)) += 1;
-      }
-    }
-  }
-  for (std::size_t i = 0; i < sums.data.size(); ++i) sums.data[i] /= counts.data[i];  // 0 / 0 is the NaN that is wanted
-  return sums;
-}
-
-CostLattice costs_at_nodes(const OrthoPatch& patch, std::span<const View* const> views) {
-  const FloatImage heights_m = node_heights(patch);
-  CostLattice lattice;
-  lattice.columns = heights_m.width, lattice.rows = heights_m.height, lattice.views = views.size();
-  const std::size_t nodes = heights_m.data.size();
-  lattice.costs.assign(nodes * views.size(), 2 * kUseless);
-  lattice.best.resize(nodes);
-  std::vector<std::int16_t> order(views.size());
-  for (int j = 0; j < lattice.rows; ++j) {
-    for (int i = 0; i < lattice.columns; ++i) {
-      const float z = heights_m.at(i, j);
-      if (std::isnan(z)) continue;
-      const std::size_t node = std::size_t(j) * std::size_t(lattice.columns) + std::size_t(i);
-      float* costs = lattice.costs.data() + node * views.size();
-      const Eigen::Vector3d place = patch.lattice.at(i * kBlock, j * kBlock, double(z));
-      for (std::size_t v = 0; v < views.size(); ++v) {
-        costs[v] = cost_of(*views[v], place, patch.grid.cell_m);
-        order[v] = std::int16_t(v);
-      }
-      const auto kept = std::ptrdiff_t(std::min(kBest, views.size()));
-      std::partial_sort(order.begin(), order.begin() + kept, order.end(), [&](std::int16_t a, std::int16_t b) {
-        return costs[a] != costs[b] ? costs[a] < costs[b] : a < b;
-      });
-      lattice.best[node].assign(order.begin(), order.begin() + kept);
-    }
-  }
-  return lattice;
-}
-
-std::vector<std::int16_t> candidates_of(const CostLattice& lattice, int block_x, int block_y) {
-  std::vector<std::int16_t> candidates;
-  for (int corner = 0; corner < 4; ++corner) {
-    const auto& best = lattice.best[std::size_t(block_y + (corner >> 1)) * std::size_t(lattice.columns) +
-                                    std::size_t(block_x + (corner & 1))];
-    candidates.insert(candidates.end(), best.begin(), best.end());
-  }
-  std::sort(candidates.begin(), candidates.end());
-  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-  return candidates;
-}
-
-// The view that is the best at all four corners, and so everywhere between them; kNoView when there is none.
-std::int16_t best_throughout(const CostLattice& lattice, std::span<const std::int16_t> candidates, int block_x,
-                             int block_y) {
-  std::int16_t best = kNoView;
-  for (int corner = 0; corner < 4; ++corner) {
-    const float* costs = lattice.at(block_x + (corner & 1), block_y + (corner >> 1));
-    std::int16_t here = candidates.front();
-    for (const std::int16_t v : candidates)
-      if (costs[v] < costs[here]) here = v;
-    if (corner > 0 && here != best) return kNoView;
-    best = here;
-  }
-  return best;
-}
 
 void label_whole_block(const OrthoPatch& patch, int block_x, int block_y, std::int16_t view, Labels& labels) {
   for (int y = block_y * kBlock; y < (block_y + 1) * kBlock; ++y)
@@ -127,26 +37,42 @@ std::int16_t cheapest_that_sees(std::span<const std::int16_t> candidates, std::s
   return kNoView;
 }
 
-void label_block(const OrthoPatch& patch, const CostLattice& lattice, int block_x, int block_y, Visibility& visibility,
-                 Labels& labels) {
+// The view that all cells of a block are to be taken from; kNoView where they differ.
+std::int16_t wanted_throughout(const OrthoPatch& patch, const Labels& wanted, int block_x, int block_y) {
+  std::int16_t throughout = kNoView;
+  for (int y = block_y * kBlock; y < (block_y + 1) * kBlock; ++y) {
+    for (int x = block_x * kBlock; x < (block_x + 1) * kBlock; ++x) {
+      if (std::isnan(patch.heights_m.at(x, y))) continue;
+      if (wanted.at(x, y) == kNoView || (throughout != kNoView && wanted.at(x, y) != throughout)) return kNoView;
+      throughout = wanted.at(x, y);
+    }
+  }
+  return throughout;
+}
+
+std::int16_t wanted_that_sees(const WantedViews& wanted, int x, int y, Visibility& visibility) {
+  if (wanted.first.empty()) return kNoView;
+  for (const std::int16_t view : {wanted.first.at(x, y), wanted.next.at(x, y)})
+    if (view != kNoView && (visibility.sees(view, x, y) || visibility.sees_past_small_things(view, x, y))) return view;
+  return kNoView;
+}
+
+void label_block(const OrthoPatch& patch, const CostLattice& lattice, const WantedViews& wanted, int block_x,
+                 int block_y, Visibility& visibility, Labels& labels) {
   const std::vector<std::int16_t> candidates = candidates_of(lattice, block_x, block_y);
   if (candidates.empty()) return;  // no heights around
-  const std::int16_t throughout = best_throughout(lattice, candidates, block_x, block_y);
+  const std::int16_t throughout = wanted.first.empty() ? best_throughout(lattice, candidates, block_x, block_y)
+                                                       : wanted_throughout(patch, wanted.first, block_x, block_y);
   if (throughout != kNoView && visibility.sees_block(throughout, block_x, block_y))
     return label_whole_block(patch, block_x, block_y, throughout, labels);
-  const float *c00 = lattice.at(block_x, block_y), *c10 = lattice.at(block_x + 1, block_y);
-  const float *c01 = lattice.at(block_x, block_y + 1), *c11 = lattice.at(block_x + 1, block_y + 1);
   std::array<float, 4 * kBest> costs;
   for (int j = 0; j < kBlock; ++j) {
-    const float b = (float(j) + 0.5f) / kBlock;
     for (int i = 0; i < kBlock; ++i) {
       const int x = block_x * kBlock + i, y = block_y * kBlock + j;
       if (std::isnan(patch.heights_m.at(x, y))) continue;
-      const float a = (float(i) + 0.5f) / kBlock;
-      for (std::size_t k = 0; k < candidates.size(); ++k) {
-        const auto v = candidates[k];
-        costs[k] = (1 - b) * ((1 - a) * c00[v] + a * c10[v]) + b * ((1 - a) * c01[v] + a * c11[v]);
-      }
+      labels.at(x, y) = wanted_that_sees(wanted, x, y, visibility);
+      if (labels.at(x, y) != kNoView) continue;
+      costs_in_block(lattice, candidates, block_x, block_y, i, j, costs.data());
       labels.at(x, y) = cheapest_that_sees(candidates, std::span(costs).first(candidates.size()), x, y, visibility);
     }
   }
@@ -181,14 +107,20 @@ std::int16_t majority(const Labels& labels, int x, int y, std::vector<int>& vote
   return best;
 }
 
-void straighten(Labels& labels, std::size_t views, Visibility& visibility) {
+bool is_wanted(const WantedViews& wanted, int x, int y, std::int16_t view) {
+  return !wanted.first.empty() && (view == wanted.first.at(x, y) || view == wanted.next.at(x, y));
+}
+
+// Cells that could be taken as wanted stay.
+void straighten(const WantedViews& wanted, std::size_t views, Visibility& visibility, Labels& labels) {
   std::vector<int> votes(views);
   for (int round = 0; round < kMajorityRounds; ++round) {
     const Raster<std::uint8_t> near = near_seams(labels);
     Labels next = labels;
     for (int y = 0; y < labels.height; ++y)
       for (int x = 0; x < labels.width; ++x)
-        if (near.at(x, y) && labels.at(x, y) != kNoView) next.at(x, y) = majority(labels, x, y, votes, visibility);
+        if (near.at(x, y) && labels.at(x, y) != kNoView && !is_wanted(wanted, x, y, labels.at(x, y)))
+          next.at(x, y) = majority(labels, x, y, votes, visibility);
     labels = std::move(next);
   }
 }
@@ -252,13 +184,14 @@ Box box_of(const Labels& labels, std::int16_t view, int margin) {
 
 }  // namespace
 
-Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views, Visibility& visibility) {
+Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views, const WantedViews& wanted,
+                    Visibility& visibility) {
   Labels labels(patch.heights_m.width, patch.heights_m.height, 1, kNoView);
   if (views.empty()) return labels;
-  const CostLattice lattice = costs_at_nodes(patch, views);
+  const CostLattice lattice = costs_at_nodes(patch, views, patch.grid.cell_m, kBest);
   for (int y = 0; y < patch.blocks_down(); ++y)
-    for (int x = 0; x < patch.blocks_across(); ++x) label_block(patch, lattice, x, y, visibility, labels);
-  straighten(labels, views.size(), visibility);
+    for (int x = 0; x < patch.blocks_across(); ++x) label_block(patch, lattice, wanted, x, y, visibility, labels);
+  straighten(wanted, views.size(), visibility, labels);
   close_pinholes(patch, labels, views.size());
   return labels;
 }
@@ -275,7 +208,8 @@ ViewWeights weights_of(const Labels& labels, std::int16_t view, int feather_cell
   for (int y = 0; y < area.height; ++y)
     for (int x = 0; x < area.width; ++x)
       if (labels.at(box.left + x, box.top + y) != kNoView && area.at(x, y) > 1e-4f)
-        seen.at(x, y) = visibility.sees(view, box.left + x, box.top + y);
+        seen.at(x, y) =
+            labels.at(box.left + x, box.top + y) == view || visibility.sees(view, box.left + x, box.top + y);
   FloatImage far_from_hidden = seen;
   for (const bool along_rows : {true, false}) box_blur(far_from_hidden, half, along_rows);
   for (int y = 0; y < area.height; ++y) {

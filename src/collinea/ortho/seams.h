@@ -5,21 +5,27 @@
 #include <span>
 #include <vector>
 
-#include "collinea/ortho/visibility.h"
+#include "collinea/ortho/view_costs.h"
 
 namespace collinea {
 
 /// For each cell the view whose picture it takes: an index, or kNoView.
 using Labels = Raster<std::int16_t>;
-constexpr std::int16_t kNoView = -1;
 
 /// How far a label may depend on what lies around it [cells].
 constexpr int kSeamReach = 2 * OrthoPatch::kBlock;
 
-/// The cheapest view (cost_of, worked out at the corners of blocks and interpolated) that sees a cell, then
-/// straightened: a cell follows the majority around it where that view sees it too. kNoView where no view sees it, but
-/// for pinholes of a few cells, which follow their surroundings.
-[[nodiscard]] Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views, Visibility& visibility);
+/// The views that cells are to be taken from, as large as the patch (kNoView: none), or empty.
+struct WantedViews {
+  Labels first, next;  ///< next: where the first cannot be had
+};
+
+/// The wanted view of each cell that sees it, or from which only small things keep the cell; else the cheapest view
+/// (cost_of, worked out at the corners of blocks and interpolated) that sees it, these cells then straightened: they
+/// follow the majority around them where that view sees them too. kNoView where no view sees a cell, but for pinholes
+/// of a few cells, which follow their surroundings.
+[[nodiscard]] Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views,
+                                  const WantedViews& wanted, Visibility& visibility);
 
 /// The weight of one view in each cell of a rectangle: 1 well inside its own area, falling to 0 within feather_cells on
 /// both sides of its seams, and towards places that it does not see. A label's own cells keep a little, so that

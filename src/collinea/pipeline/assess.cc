@@ -13,7 +13,7 @@ Result<std::string> assess_project(const Project& project, const std::filesystem
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   const auto products = project.folder / "products";
   const ProductFiles files{products / "dsm.tif",       products / "dsm_state.tif", products / "dtm.tif",
-                           products / "dtm_state.tif", products / "ortho.tif",     products / "dsm_sigma.tif"};
+                           products / "dtm_state.tif", products / "ortho.tif",     products / "dsm_sigma.tif", products / "ortho_source.tif"};
   COLLINEA_TRY(const Assessment assessment, assess(block, files, known, project.run));
   return table(assessment);
 }

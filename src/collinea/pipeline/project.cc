@@ -48,7 +48,10 @@ const std::array<Step, 9>& steps() {
        terrain_step,
        {"orient", "surface"},
        {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif"}},
-      {"ortho", ortho_step, {"orient", "surface"}, {"products/ortho.tif", "products/ortho_source.tif"}},
+      {"ortho",
+       ortho_step,
+       {"orient", "surface", "terrain"},
+       {"products/ortho.tif", "products/ortho_source.tif", "products/seamlines.gpkg"}},
       {"report",
        report_step,
        {"import", "detect", "match", "orient", "densify", "surface", "terrain", "ortho"},
@@ -65,6 +68,8 @@ Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
   if (step.reads.empty()) hash.add(fingerprint_of_sources(project.settings.photos, project.settings.import));
   if (const auto& given = project.settings.orient.orientation; given && step.name == std::string_view("orient"))
     hash.add(fingerprint_of_orientation(*given));
+  if (const auto& given = project.settings.ortho.seamlines; given && step.name == std::string_view("ortho"))
+    hash.add(std::uint64_t{hash_of_file(*given).value_or(0)});
   for (const char* earlier : step.reads) {
     COLLINEA_TRY(const auto record, project.store.read_step(earlier));
     COLLINEA_CHECK(record.has_value());
@@ -173,6 +178,8 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
     return fail(Errc::kNotFound, settings.photos + " is not a folder of photographs");
   if (const auto& given = settings.orient.orientation; given && !is_there(*given))
     return fail(Errc::kNotFound, "orient: orientation: " + *given + " does not exist");
+  if (const auto& given = settings.ortho.seamlines; given && !is_there(*given))
+    return fail(Errc::kNotFound, "ortho: seamlines: " + *given + " does not exist");
   fs::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   COLLINEA_TRY(auto lock, ProjectLock::take(folder));

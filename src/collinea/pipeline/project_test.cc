@@ -11,6 +11,8 @@
 #include <tuple>
 
 #include "collinea/block/world_frame.h"
+#include "collinea/image/geopackage.h"
+#include "collinea/image/geotiff.h"
 #include "collinea/image/test_folder.h"
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
@@ -47,7 +49,8 @@ std::string bytes_of(const fs::path& path) {
 
 const std::vector<std::string> kProducts = {"cloud.las",     "cloud.ply",    "dsm.tif",       "dsm_sigma.tif",
                                             "dsm_state.tif", "dtm.tif",      "dtm_sigma.tif", "dtm_state.tif",
-                                            "contours.gpkg", "contours.dxf", "ortho.tif",     "ortho_source.tif"};
+                                            "contours.gpkg", "contours.dxf", "ortho.tif",     "ortho_source.tif",
+                                            "seamlines.gpkg"};
 
 // Six small photographs of a made-up village, mapped once. Tests are run one by one, each in a process of its own: what
 // follows on the mapping is therefore one test, made of many small ones.
@@ -116,6 +119,7 @@ class SmallProject : public ::testing::Test {
   void what_stands_in_the_way_of_a_product_is_named();
   void a_changed_control_file_leaves_matching_alone();
   void a_missing_product_is_made_again();
+  void given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change();
   void a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   void stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   void files_left_half_written_are_swept_and_others_are_not();
@@ -318,6 +322,29 @@ void SmallProject::a_missing_product_is_made_again() {
   EXPECT_EQ(bytes_of(project / "products/ortho.tif"), before);
 }
 
+void SmallProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change() {
+  const fs::path project = copy("seamlines"), mine = project / "mine.gpkg";
+  const std::string picture = bytes_of(project / "products/ortho.tif");
+  fs::copy_file(project / "products/seamlines.gpkg", mine);
+  Settings changed = settings();
+  changed.ortho.seamlines = mine.string();
+  Log log;
+  ASSERT_TRUE(bring(project, changed, log, "ortho"));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
+  EXPECT_EQ(bytes_of(project / "products/ortho.tif"), picture);
+  // No polygon at all: every cell goes to its cheapest view.
+  ASSERT_TRUE(write_geopackage(mine, {{"seamlines", VectorKind::kPolygon, {{"photo", VectorType::kText}}, {}, true}},
+                               GeoTiffReader::open(project / "products/dsm.tif")->grid().wkt));
+  const auto done = bring(project, changed, log = {}, "ortho");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
+  EXPECT_NE(bytes_of(project / "products/ortho.tif"), picture);
+  fs::remove(mine);
+  const auto missing = bring(project, changed, log, "ortho");
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("mine.gpkg does not exist"), std::string::npos) << missing.error().message;
+}
+
 void SmallProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same() {
   const fs::path project = copy("full_disk");
   fs::remove(project / "products/cloud.ply");
@@ -433,6 +460,7 @@ TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   what_stands_in_the_way_of_a_product_is_named();
   a_changed_control_file_leaves_matching_alone();
   a_missing_product_is_made_again();
+  given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change();
   a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   files_left_half_written_are_swept_and_others_are_not();

@@ -115,7 +115,8 @@ Eigen::Quaterniond shaken(Random& random, double sigma_deg) {
   return rotation_by(sigma_deg / kDegreesPerRadian * Eigen::Vector3d(x, y, z));
 }
 
-void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& cam_from_world, double exposure_sigma) {
+void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& cam_from_world, double exposure_sigma,
+                double white_balance_sigma) {
   const CameraId camera_id{0};
   truth.block.cameras.emplace(camera_id, camera);
   for (std::size_t i = 0; i < cam_from_world.size(); ++i) {
@@ -128,6 +129,9 @@ void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& c
     truth.block.cam_from_world.emplace(id, cam_from_world[i]);
     Random random = stream(truth, kExposure, i);
     truth.exposure.emplace(id, std::exp(exposure_sigma * bounded_normal(random)));
+    if (white_balance_sigma == 0) continue;
+    const double red = bounded_normal(random), blue = bounded_normal(random);
+    truth.white[id] = {std::exp(white_balance_sigma * red), 1, std::exp(white_balance_sigma * blue)};
   }
 }
 

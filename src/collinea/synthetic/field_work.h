@@ -12,7 +12,8 @@ namespace collinea {
 /// The steps that an aerial and a terrestrial survey have in common. All act on a truth whose scene and frame are set.
 
 /// Cameras, images and poses; each image with its own exposure.
-void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& cam_from_world, double exposure_sigma);
+void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& cam_from_world, double exposure_sigma,
+                double white_balance_sigma = 0);
 
 /// What the receiver wrote down: true positions plus normal errors.
 void add_positions(Truth& truth, double sigma_plan_m, double sigma_height_m);

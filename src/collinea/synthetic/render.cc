@@ -124,19 +124,19 @@ float quick_normal(Random& random) {
 
 std::uint8_t rounded(float grey) { return std::uint8_t(std::clamp(grey + 0.5f, 0.0f, 255.0f)); }
 
-void write_row(const std::vector<Colour>& light, int row, const Truth& truth, double gain, const Camera& camera,
-               Random random, std::uint8_t* out) {
+void write_row(const std::vector<Colour>& light, int row, const Truth& truth, const std::array<double, 3>& gain,
+               const Camera& camera, Random random, std::uint8_t* out) {
   const float noise = float(truth.optics.noise_grey);
   const double cx = camera.params[Camera::kCx], cy = camera.params[Camera::kCy], dy = row + 0.5 - cy;
   const double corner =
       0.25 * (double(camera.width_px) * camera.width_px + double(camera.height_px) * camera.height_px);
   for (std::size_t x = 0; x < light.size(); ++x) {
     const double dx = double(x) + 0.5 - cx;
-    const auto factor = float(gain * (1 - truth.optics.vignetting * (dx * dx + dy * dy) / corner));
+    const double falloff = 1 - truth.optics.vignetting * (dx * dx + dy * dy) / corner;
     const float grain = noise * quick_normal(random);
-    out[3 * x] = rounded(tone(factor * light[x].r) + grain);
-    out[3 * x + 1] = rounded(tone(factor * light[x].g) + grain);
-    out[3 * x + 2] = rounded(tone(factor * light[x].b) + grain);
+    out[3 * x] = rounded(tone(float(gain[0] * falloff) * light[x].r) + grain);
+    out[3 * x + 1] = rounded(tone(float(gain[1] * falloff) * light[x].g) + grain);
+    out[3 * x + 2] = rounded(tone(float(gain[2] * falloff) * light[x].b) + grain);
   }
 }
 
@@ -206,7 +206,10 @@ Result<ColourImage> render(const Truth& truth, ImageId image, const RayTable& ra
 
   ColourImage picture(camera.width_px, camera.height_px, 3);
   const std::vector<float> weights = gaussian(truth.optics.blur_px);
-  const double gain = truth.exposure.at(image);
+  std::array<double, 3> gain;
+  gain.fill(truth.exposure.at(image));
+  if (const auto white = truth.white.find(image); white != truth.white.end())
+    for (std::size_t c = 0; c < 3; ++c) gain[c] *= white->second[c];
   in_bands([&](int row) {
     thread_local std::vector<Colour> vertical, blurred;
     blur_row(photographer.light(), row, weights, vertical, blurred);

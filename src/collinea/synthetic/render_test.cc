@@ -32,6 +32,24 @@ TEST(Render, DoesNotDependOnThreads) {
   EXPECT_EQ(picture_of(truth, ImageId{1}).data, picture_of(truth, ImageId{1}, 2).data);
 }
 
+// Green keeps its exposure; the light of red and blue is changed by one factor each, in grey levels by factor^(1
+// / 2.2).
+TEST(Render, WhiteBalanceChangesRedAndBlueOfAPictureAsAWhole) {
+  SurveyOptions o = tiny_survey();
+  o.noise_grey = 0;
+  const ColourImage plain = picture_of(*make_survey(o), ImageId{1});
+  o.white_balance_sigma = 0.1;
+  const Truth truth = *make_survey(o);
+  const ColourImage tinted = picture_of(truth, ImageId{1});
+  const auto& white = truth.white.at(ImageId{1});
+  EXPECT_EQ(white[1], 1);
+  EXPECT_NE(white[0], white[2]);
+  for (std::size_t i = 0; i < plain.data.size(); ++i) {
+    if (plain.data[i] > 200) continue;  // clipped
+    ASSERT_NEAR(tinted.data[i], plain.data[i] * std::pow(white[i % 3], 1 / 2.2), 1.2) << i;
+  }
+}
+
 TEST(Render, UsesTheWholeRangeOfGreys) {
   const ColourImage picture = picture_of(*make_survey(tiny_survey()), ImageId{1});
   double sum = 0, squares = 0;

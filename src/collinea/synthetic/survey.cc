@@ -196,7 +196,7 @@ Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
   truth.gsd_m = plan.gsd_m;
   truth.nominal_focal_px = plan.camera.focal_px() / kFocalError;
   truth.seed = seed;
-  add_images(truth, plan.camera, poses, o.exposure_sigma);
+  add_images(truth, plan.camera, poses, o.exposure_sigma, o.white_balance_sigma);
   if (o.gps) {
     add_positions(truth, o.gps_sigma_plan_m, o.gps_sigma_height_m);
     add_attitudes(truth, kGimbalSigma_deg);

@@ -22,7 +22,7 @@ struct SurveyOptions {
   double k1 = -0.055, k2 = 0.028, k3 = -0.008, k4 = 0.0012, p1 = 0.0007, p2 = -0.0004;
   double principal_x_px = 6.5, principal_y_px = -9.2;
   double attitude_jitter_deg = 1.5, position_jitter_m = 0.8;
-  double exposure_sigma = 0.1, vignetting = 0.25, noise_grey = 1.5, blur_px = 0.6;
+  double exposure_sigma = 0.1, white_balance_sigma = 0, vignetting = 0.25, noise_grey = 1.5, blur_px = 0.6;
   bool gps = true;
   double gps_sigma_plan_m = 1.5, gps_sigma_height_m = 2.5;
   int control_points = 6, check_points = 12;
@@ -62,6 +62,8 @@ struct SurveyOptions {
                 10});
     visit(Field{"position_jitter_m", &O::position_jitter_m, "m", "standard deviation from the planned station", 0, 50});
     visit(Field{"exposure_sigma", &O::exposure_sigma, "1", "standard deviation of the exposure, relative", 0, 0.5});
+    visit(Field{"white_balance_sigma", &O::white_balance_sigma, "1",
+                "standard deviation of the exposure of red and of blue by itself, relative", 0, 0.5});
     visit(Field{"vignetting", &O::vignetting, "1", "share of the light lost in the corners", 0, 0.9});
     visit(Field{"noise_grey", &O::noise_grey, "grey", "standard deviation of the image noise", 0, 50});
     visit(Field{"blur_px", &O::blur_px, "px", "standard deviation of the blur", 0, 5});

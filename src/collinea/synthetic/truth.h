@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 
@@ -29,6 +30,7 @@ struct Truth {
   Block block;
   std::map<ControlId, Eigen::Vector3d> marks_in_world;  ///< exact centres of the survey marks [m]
   std::map<ImageId, double> exposure;                   ///< gain of each image; 1 = nominal
+  std::map<ImageId, std::array<double, 3>> white = {};  ///< further gains of red, green, blue; none: 1
   Optics optics;
   double gsd_m = 0.05;
   double nominal_focal_px = 0;  ///< what the header of the photographs implies

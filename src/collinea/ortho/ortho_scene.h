@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "collinea/ortho/exposure.h"
+#include "collinea/ortho/visibility.h"
+
+namespace collinea {
+
+struct SeamPlan;
+
+/// Everything that the tiles of one orthophoto share.
+struct OrthoScene {
+  MapGrid grid;  ///< of the orthophoto
+  const HeightField* surface = nullptr;
+  const HeightOverview* surface_overview = nullptr;
+  const LocalFrame* frame = nullptr;  ///< null: map and world are the same
+  std::vector<View> views;
+  std::vector<int> shrink;          ///< at which size each view's picture is read
+  std::vector<Exposure> exposures;  ///< of each view
+  PixelCache* pictures = nullptr;
+  int feather_cells = 12;
+  const HeightField* terrain = nullptr;  ///< null: not known; tells what is raised, where seams should not run
+  const SeamPlan* seams = nullptr;       ///< null: every cell takes the cheapest view
+};
+
+/// Cells of a grid; may reach beyond it.
+struct CellArea {
+  int column, row, width, height;
+};
+
+/// A piece of the scene's grid with its heights, and in `views` those that show something of it; nothing where there
+/// are no heights or no view shows anything. Errors: the surface cannot be read.
+[[nodiscard]] Result<std::optional<OrthoPatch>> make_patch(const OrthoScene& scene, const CellArea& area,
+                                                           std::vector<std::size_t>& views);
+
+}  // namespace collinea

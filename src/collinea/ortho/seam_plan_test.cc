@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/ortho/seam_plan.h"
+
+#include <gtest/gtest.h>
+
+#include "collinea/base/random.h"
+#include "collinea/ortho/seam_window.h"
+#include "collinea/ortho/view_costs.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kSide = 2 * SeamWindow::kBlock, kCells = SeamWindow::kBlock * SeamWindow::kBlock;
+
+// Two views that show everything, alike; the first is the cheaper one in the left half.
+SeamWindow two_views(int price_per_column = 2) {
+  SeamWindow window(2, 2);
+  window.raised = window.steep = FloatImage(kSide, kSide);
+  for (int j = 0; j < 2; ++j) {
+    for (int i = 0; i < 2; ++i) {
+      auto& block = window.block(i, j);
+      block.views = {0, 1};
+      for (int view = 0; view < 2; ++view) {
+        for (int cell = 0; cell < kCells; ++cell) {
+          const int x = i * SeamWindow::kBlock + cell % SeamWindow::kBlock;
+          block.choices.push_back(
+              {price_per_column * std::max(0, view == 0 ? x - kSide / 2 + 1 : kSide / 2 - x), {100, 100, 100}, true});
+        }
+      }
+    }
+  }
+  return window;
+}
+
+SeamWindow::Choice& choice(SeamWindow& window, int x, int y, int view) {
+  constexpr int kBlock = SeamWindow::kBlock;
+  return window.block(x / kBlock, y / kBlock).choices[std::size_t(view * kCells + y % kBlock * kBlock + x % kBlock)];
+}
+
+Raster<std::int16_t> seams_of(const SeamWindow& window) {
+  auto labels = cheapest_views(window);
+  cut_seams(window, 0, 0, kSide, kSide, labels);
+  return labels;
+}
+
+TEST(SeamWindow, ASeamOnOpenGroundIsWhereTheViewsAreEquallyGood) {
+  const auto labels = seams_of(two_views());
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) ASSERT_EQ(labels.at(x, y), x < kSide / 2 ? 0 : 1);
+}
+
+// A raised thing of 8 x 8 cells on the line between the views is of one of them as a whole.
+TEST(SeamWindow, ASeamGoesRoundARaisedThing) {
+  SeamWindow window = two_views();
+  for (int y = 12; y < 20; ++y)
+    for (int x = 13; x < 21; ++x) window.raised.at(x, y) = 1;
+  const auto labels = seams_of(window);
+  for (int y = 12; y < 20; ++y)
+    for (int x = 13; x < 21; ++x) ASSERT_EQ(labels.at(x, y), labels.at(13, 12)) << x << ' ' << y;
+  EXPECT_NE(labels.at(2, 16), labels.at(29, 16));
+}
+
+// The pictures differ everywhere but in one column.
+TEST(SeamWindow, ASeamRunsWhereThePicturesAgree) {
+  SeamWindow window = two_views();
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      if (x != 19 && x != 20) choice(window, x, y, 1).colour = {160, 160, 160};
+  const auto labels = seams_of(window);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) ASSERT_EQ(labels.at(x, y), x < 20 ? 0 : 1) << x << ' ' << y;
+}
+
+TEST(SeamWindow, NoCellTakesAViewThatDoesNotShowItNorMovesWhereItMustStay) {
+  SeamWindow window = two_views();
+  for (int y = 4; y < 9; ++y)
+    for (int x = 3; x < 7; ++x) choice(window, x, y, 0).price = SeamWindow::kForbidden;
+  for (int view = 0; view < 2; ++view) choice(window, 25, 25, view).price = SeamWindow::kForbidden;
+  auto labels = cheapest_views(window);
+  labels.at(0, 16) = 1;  // on the border that stays
+  cut_seams(window, 1, 1, kSide - 1, kSide - 1, labels);
+  for (int y = 4; y < 9; ++y)
+    for (int x = 3; x < 7; ++x) EXPECT_EQ(labels.at(x, y), 1);
+  EXPECT_EQ(labels.at(25, 25), kNoView);
+  EXPECT_EQ(labels.at(0, 16), 1);
+  EXPECT_EQ(labels.at(1, 1), 0);
+}
+
+// Energy of a labelling, as cut_seams is to make it small.
+int energy(const SeamWindow& window, const Raster<std::int16_t>& labels) {
+  int sum = 0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const auto own = labels.at(x, y);
+      sum += window.choice(x, y, own)->price;
+      for (const auto& [u, v] : {std::pair(x + 1, y), std::pair(x, y + 1)}) {
+        if (u >= kSide || v >= kSide || labels.at(u, v) == own) continue;
+        const auto different = [&](int i, int j) {
+          return SeamWindow::difference(window.choice(i, j, own), window.choice(i, j, labels.at(u, v)));
+        };
+        sum += window.seam_price(x, y, u, v, (different(x, y) + different(u, v)) / 2);
+      }
+    }
+  }
+  return sum;
+}
+
+// In a random landscape no single cell can change its view to make the energy smaller: an expansion holds all such
+// changes.
+TEST(SeamWindow, NoSingleCellCouldDoBetter) {
+  Random random(7);
+  SeamWindow window = two_views(6);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      window.raised.at(x, y) = float(random.uniform() < 0.2);
+      window.steep.at(x, y) = float(random.uniform());
+      for (int view = 0; view < 2; ++view)
+        for (auto& channel : choice(window, x, y, view).colour) channel = std::uint8_t(random.uniform(80, 120));
+    }
+  }
+  const auto before = cheapest_views(window);
+  auto labels = before;
+  cut_seams(window, 0, 0, kSide, kSide, labels);
+  const int least = energy(window, labels);
+  EXPECT_LT(least, energy(window, before));
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      auto changed = labels;
+      changed.at(x, y) = std::int16_t(1 - labels.at(x, y));
+      EXPECT_GE(energy(window, changed), least - 2) << x << ' ' << y;  // prices are rounded
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collinea
