@@ -24,6 +24,7 @@ std::vector<Command> all_commands() {
       simulate_command(),
       assess_command(),
       stereo_command(),
+      rectify_command(),
   };
 }
 

@@ -24,6 +24,7 @@ Command plan_command();
 Command simulate_command();
 Command assess_command();
 Command stereo_command();
+Command rectify_command();
 
 /// All of them, in the order of the help.
 std::vector<Command> all_commands();

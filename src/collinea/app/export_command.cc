@@ -10,6 +10,7 @@ namespace collinea {
 Command export_command() {
   struct Asked {
     std::string project, folder, format = "colmap";
+    std::optional<double> tile_m;
     ConsoleOptions console;
   };
   auto asked = std::make_shared<Asked>();
@@ -20,6 +21,8 @@ Command export_command() {
             flags.add("format", asked->format, "",
                       "colmap (text and binary model), bundler, opk (omega, phi, kappa), ply (tie points), las, laz or "
                       "copc (dense cloud)");
+            flags.add("tile_m", asked->tile_m, "m",
+                      "of a cloud: cut it into squares of the map so large, a file each; nothing: one file");
             flags.add_all(asked->console, "run");
           },
           [asked] {
@@ -27,7 +30,7 @@ Command export_command() {
             if (!console) return complain(console.error());
             auto project = open_project(asked->project, console->run());
             if (!project) return console->complain(project.error());
-            if (auto done = export_block(*project, asked->folder, asked->format); !done)
+            if (auto done = export_block(*project, asked->folder, asked->format, asked->tile_m); !done)
               return console->complain(done.error());
             fmt::print("{}\n", asked->folder);
             return 0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -200,6 +201,24 @@ void SmallProject::export_writes_every_format_and_refuses_others() {
                            "tie_points.ply", "cloud.laz", "cloud.copc.laz"})
     EXPECT_TRUE(fs::exists(root_ / "export" / file)) << file;
   EXPECT_TRUE(bytes_of(root_ / "export/cloud.las").size() == bytes_of(root_ / "mapped/products/cloud.las").size());
+  // In tiles: every point in one of them, and within it.
+  ASSERT_TRUE(export_block(*project, root_ / "tiles", "laz", 40));
+  std::uint64_t in_tiles = 0, files = 0;
+  for (const auto& entry : fs::directory_iterator(root_ / "tiles")) {
+    if (entry.path().extension() != ".laz") continue;
+    const auto tile = LasReader::open(entry.path());
+    ASSERT_TRUE(tile) << entry.path();
+    const LasHeader& header = tile->header();
+    for (int axis = 0; axis < 2; ++axis)
+      EXPECT_EQ(std::floor((header.lowest[axis] + 1e-6) / 40), std::floor((header.highest[axis] + 1e-6) / 40));
+    EXPECT_NE(bytes_of(root_ / "tiles/tiles.csv").find(entry.path().filename().string()), std::string::npos);
+    in_tiles += header.points;
+    ++files;
+  }
+  EXPECT_GT(files, 3u);
+  EXPECT_EQ(in_tiles, LasReader::open(root_ / "export/cloud.las")->header().points);
+  EXPECT_FALSE(export_block(*project, root_ / "tiles", "laz", -1.0));
+  EXPECT_FALSE(export_block(*project, root_ / "tiles", "opk", 40));
   const auto refused = export_block(*project, root_ / "export", "dwg");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::kBadInput);

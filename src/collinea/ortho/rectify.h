@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "collinea/base/run.h"
+#include "collinea/block/block.h"
+#include "collinea/image/geotiff.h"
+#include "collinea/ortho/pixel_cache.h"
+
+namespace collinea {
+
+/// A plane with its own frame: x to the right and y up as seen from the front, z (the normal) to the viewer.
+struct FramedPlane {
+  Eigen::Vector3d origin_in_world;
+  Eigen::Matrix3d world_from_plane;  ///< a rotation; its columns are the axes
+
+  [[nodiscard]] Eigen::Vector3d in_plane(const Eigen::Vector3d& point_in_world) const {
+    return world_from_plane.transpose() * (point_in_world - origin_in_world);
+  }
+};
+
+/// The axes of a plane through `origin` whose front is on the side of `normal`: y is the direction of steepest ascent
+/// along `up`, of a plane within 10 degrees of level the projected y axis of the world (north).
+[[nodiscard]] FramedPlane framed_plane(const Eigen::Vector3d& origin_in_world, const Eigen::Vector3d& normal_in_world,
+                                       const Eigen::Vector3d& up_in_world = Eigen::Vector3d::UnitZ());
+
+struct PlaneFit {
+  Eigen::Vector3d middle, normal;   ///< of unit length, to either side
+  double rms_m = 0;                 ///< of the distances of the points that were used
+  std::vector<std::size_t> points;  ///< those used
+};
+
+/// The plane that minimises the squared distances of three points or more. Nothing when they lie on a line: the middle
+/// extent of the points is below a thousandth of the largest.
+[[nodiscard]] std::optional<PlaneFit> fit_plane(std::span<const Eigen::Vector3d> points);
+
+/// The plane that most points lie on within `tolerance_m`: random samples of three (seed), then least squares over its
+/// points, twice. Nothing when less than a tenth of the points lie on any.
+[[nodiscard]] std::optional<PlaneFit> find_plane(std::span<const Eigen::Vector3d> points, double tolerance_m,
+                                                 std::uint64_t seed);
+
+/// A photograph that shows a plane: (x, y, 1) of the plane times cam_from_plane is a ray of the camera.
+struct PlaneView {
+  ImageId image;
+  Camera camera;
+  Eigen::Matrix3d cam_from_plane;
+  std::optional<Eigen::Vector3d> centre_over_plane;  ///< of projection, in the frame of the plane; nothing: not known
+};
+
+/// Where a place of the plane is seen; nothing behind the camera and beside the picture.
+[[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const PlaneView& view, const Eigen::Vector2d& on_plane_m);
+
+/// The side of a pixel on the plane: the square root of its area [m]. Infinite where the view shows nothing.
+[[nodiscard]] double pixel_size_m(const PlaneView& view, const Eigen::Vector2d& on_plane_m);
+
+/// How far a point one metre in front of the plane is shown from its place [m]; nothing when the centre is not known.
+[[nodiscard]] std::optional<double> shift_per_depth(const PlaneView& view, const Eigen::Vector2d& on_plane_m);
+
+/// A rectangle of the plane.
+struct PlaneExtent {
+  Eigen::Vector2d lowest, highest;
+  [[nodiscard]] Eigen::Vector2d size() const { return highest - lowest; }
+  /// The place at shares of its width and height.
+  [[nodiscard]] Eigen::Vector2d at(double x, double y) const {
+    return lowest + Eigen::Vector2d(x, y).cwiseProduct(size());
+  }
+};
+
+/// The views that together show what can be seen of an extent, the best first: that with the smallest pixels, seen most
+/// from the front, over the largest part; then what best fills the rest. At most one for each of 9 x 9 places.
+[[nodiscard]] std::vector<PlaneView> views_for(std::span<const PlaneView> views, const PlaneExtent& extent);
+
+/// The grid over an extent; lower-left cell corner at its lowest corner. Errors: no cells, or more than 2^31.
+[[nodiscard]] Result<MapGrid> plane_grid(const PlaneExtent& extent, double cell_m);
+
+struct RectifiedSummary {
+  std::uint64_t painted_cells = 0, empty_cells = 0;
+  std::vector<std::uint64_t> cells_of;  ///< painted from each view
+};
+
+/// The picture of a plane at a metric scale: every cell takes its colour (bicubic) from the first of `views` that shows
+/// it; cells that none shows stay transparent. Photographs are read at the largest reduction whose pixels are no larger
+/// than the cell. Written as GeoTIFF (cloud-optimised, coordinates of the plane in metres), or as PNG with a world file
+/// when `path` ends so: then the whole picture is held in memory. Same bits with any number of threads. Errors: a
+/// photograph or the file, cancelled.
+[[nodiscard]] Result<RectifiedSummary> write_rectified(const std::filesystem::path& path, const MapGrid& grid,
+                                                       std::span<const PlaneView> views, const PixelSource& pixels,
+                                                       const Run& run);
+
+}  // namespace collinea

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/ortho/rectify.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "collinea/base/random.h"
+#include "collinea/image/photo.h"
+#include "collinea/image/test_folder.h"
+#include "collinea/io/file.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+TEST(FramedPlane, IsSeenUprightFromTheFront) {
+  const FramedPlane south = framed_plane({1, 2, 3}, -Vector3d::UnitY());  // seen from the south
+  EXPECT_LT((south.world_from_plane.col(0) - Vector3d::UnitX()).norm(), 1e-12);
+  EXPECT_LT((south.world_from_plane.col(1) - Vector3d::UnitZ()).norm(), 1e-12);
+  const FramedPlane level = framed_plane({0, 0, 0}, Vector3d(0.05, 0, 1));
+  EXPECT_GT(level.world_from_plane(1, 1), 0.99);
+  for (const Vector3d& normal : {Vector3d(1, 2, 0.5), Vector3d(0, 0, 1), Vector3d(0, 1, 0), Vector3d(0, 0.1, -1)})
+    for (const Vector3d& up : {Vector3d(0, 0, 1), Vector3d(0, -1, 0.01), Vector3d(0, 1, 0)}) {
+      const FramedPlane plane = framed_plane({5, 6, 7}, normal, up);
+      EXPECT_LT((plane.world_from_plane.transpose() * plane.world_from_plane - Eigen::Matrix3d::Identity()).norm(),
+                1e-12);
+      EXPECT_GT(plane.world_from_plane.determinant(), 0);
+      EXPECT_LT((plane.world_from_plane.col(2) - normal.normalized()).norm(), 1e-12);
+      EXPECT_LT((plane.in_plane(Vector3d(5, 6, 7) + 2 * plane.world_from_plane.col(0)) - Vector3d(2, 0, 0)).norm(),
+                1e-12);
+    }
+}
+
+TEST(FitPlane, PointsOnALineGiveNone) {
+  std::vector<Vector3d> points = {{0, 0, 0}, {1, 1, 1}};
+  EXPECT_FALSE(fit_plane(points));
+  points.emplace_back(2, 2, 2);
+  EXPECT_FALSE(fit_plane(points));
+  EXPECT_FALSE(find_plane(points, 0.1, 1));
+  EXPECT_FALSE(find_plane(std::vector<Vector3d>(50, Vector3d(1, 2, 3)), 0.1, 1));
+  points.emplace_back(2, 0, 2);
+  const auto fit = fit_plane(points);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(std::abs(fit->normal.dot(Vector3d(1, 0, -1).normalized())), 1, 1e-12);
+  EXPECT_LT(fit->rms_m, 1e-12);
+}
+
+// A wall with 30 % of its points in windows, before it a hedge: the wall, to what its noise allows.
+TEST(FindPlane, TheLargestPlaneIsFoundAmongOthers) {
+  Random random(5);
+  const Vector3d normal = Vector3d(0.3, -1, 0.02).normalized();
+  const FramedPlane wall = framed_plane({10, 20, 5}, normal);
+  std::vector<Vector3d> points;
+  for (int i = 0; i < 6000; ++i) {
+    const double depth = i % 10 < 3 ? -0.25 : 0.005 * random.normal();
+    points.push_back(wall.origin_in_world +
+                     wall.world_from_plane * Vector3d(12 * random.uniform(), 8 * random.uniform(), depth));
+  }
+  for (int i = 0; i < 4000; ++i)
+    points.push_back(Vector3d(10 + 12 * random.uniform(), 14 + 3 * random.uniform(), 5 + 2 * random.uniform()));
+  const auto fit = find_plane(points, 0.02, 1);
+  ASSERT_TRUE(fit);
+  EXPECT_GT(std::abs(fit->normal.dot(normal)), 1 - 1e-7);
+  EXPECT_LT(std::abs(normal.dot(fit->middle - wall.origin_in_world)), 1e-3);
+  EXPECT_NEAR(fit->rms_m, 0.005, 0.001);
+  EXPECT_GT(fit->points.size(), 4100u);
+  std::vector<Vector3d> fog;
+  for (int i = 0; i < 3000; ++i) fog.emplace_back(random.uniform(), random.uniform(), random.uniform());
+  EXPECT_FALSE(find_plane(fog, 0.005, 1));
+}
+
+// What is painted on the wall, smooth enough for pixels of 1 cm.
+float painted(const Vector2d& place, int channel) {
+  return float(128 + 100 * std::sin(2.1 * place.x() + channel) * std::cos(1.7 * place.y()));
+}
+
+struct Shot {
+  PlaneView view;
+  ColourImage picture;
+};
+
+// A photograph of the wall by a distorting camera that stands at `centre` of the plane's frame.
+Shot shoot(std::uint32_t id, const Vector3d& centre, const Vector3d& target) {
+  Camera camera = ideal_camera(500, 600, 400);
+  camera.params[Camera::kK1] = -0.06;
+  camera.params[Camera::kCx] += 5;
+  const Vector3d forward = (target - centre).normalized(), right = forward.cross(Vector3d::UnitY()).normalized();
+  Eigen::Matrix3d rotation;
+  rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+  Shot shot{{ImageId{id}, camera, {}, centre}, ColourImage(600, 400, 3)};
+  shot.view.cam_from_plane << rotation.leftCols<2>(), -(rotation * centre);
+  for (int y = 0; y < 400; ++y)
+    for (int x = 0; x < 600; ++x) {
+      const Vector3d ray = rotation.transpose() * ray_in_cam(camera, {x + 0.5, y + 0.5});
+      const Vector3d at = centre - ray * (centre.z() / ray.z());
+      for (int c = 0; c < 3; ++c) shot.picture.at(x, y, c) = std::uint8_t(std::lround(painted(at.head<2>(), c)));
+    }
+  return shot;
+}
+
+TEST(WriteRectified, EveryCellHasTheColourOfItsPlace) {
+  const TestFolder folder;
+  const std::vector<Shot> shots = {shoot(0, {2, 1, 5}, {2.5, 1.5, 0}), shoot(1, {7, 2, 4}, {6, 2, 0})};
+  const std::vector<PlaneView> views = {shots[0].view, shots[1].view};
+  const PixelSource pixels = [&](ImageId image, int shrink) -> Result<ColourImage> {
+    EXPECT_EQ(shrink, 1);
+    return shots[image.value].picture;
+  };
+  const auto grid = plane_grid({{-2, -1}, {10, 4}}, 0.01);
+  ASSERT_TRUE(grid);
+  EXPECT_EQ(grid->width, 1200);
+  EXPECT_EQ(grid->height, 500);
+  collinea::Run run;
+  const auto summary = write_rectified(folder / "a.png", *grid, views, pixels, run);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_EQ(summary->painted_cells + summary->empty_cells, 600'000u);
+  EXPECT_EQ(summary->cells_of[0] + summary->cells_of[1], summary->painted_cells);
+  EXPECT_GT(summary->cells_of[1], 50'000u);
+  const auto tiff = GeoTiffReader::open([&] {
+    run.threads = 3;
+    EXPECT_TRUE(write_rectified(folder / "a.tif", *grid, views, pixels, run));
+    EXPECT_TRUE(write_rectified(folder / "b.tif", *grid, views, pixels, collinea::Run{}));
+    return folder / "a.tif";
+  }());
+  EXPECT_TRUE(*read_file(folder / "a.tif") == *read_file(folder / "b.tif"));  // on one thread and on three
+  ASSERT_TRUE(tiff) << tiff.error().message;
+  EXPECT_NEAR(tiff->grid().west_m, -2, 1e-9);
+  EXPECT_NEAR(tiff->grid().north_m, 4, 1e-9);
+  const auto rgba = tiff->read_byte(0, 0, 1200, 500);
+  ASSERT_TRUE(rgba);
+  std::uint64_t seen = 0;
+  double squares = 0;
+  for (int y = 0; y < 500; ++y)
+    for (int x = 0; x < 1200; ++x) {
+      const Vector2d place(grid->east_of(x + 0.5), grid->north_of(y + 0.5));
+      const bool shown = pixel_of(views[0], place) || pixel_of(views[1], place);
+      ASSERT_EQ(rgba->at(x, y, 3), shown ? 255 : 0);
+      if (!shown) continue;
+      ++seen;
+      for (int c = 0; c < 3; ++c) squares += std::pow(double(rgba->at(x, y, c)) - double(painted(place, c)), 2);
+    }
+  EXPECT_EQ(seen, summary->painted_cells);
+  EXPECT_LT(std::sqrt(squares / double(3 * seen)), 0.6);  // twice rounded: 0.29 each
+  const auto world = read_file(folder / "a.pgw");
+  ASSERT_TRUE(world);
+  EXPECT_EQ(*world, "0.01\n0\n0\n-0.01\n-1.995\n3.995\n");
+  const auto png = read_colour(folder / "a.png");
+  ASSERT_TRUE(png);
+  EXPECT_EQ(png->at(600, 250, 1), rgba->at(600, 250, 1));
+}
+
+TEST(ViewsFor, TheBestComesFirstAndOthersFillWhatItDoesNotShow) {
+  const PlaneView slanted = shoot(0, {12, 1.5, 3}, {4, 1.5, 0}).view, frontal = shoot(1, {4, 1.5, 5}, {4, 1.5, 0}).view,
+                  far = shoot(2, {4, 1.5, 40}, {4, 1.5, 0}).view, elsewhere = shoot(3, {90, 1, 5}, {90, 1, 0}).view;
+  const std::vector<PlaneView> views = {slanted, far, elsewhere, frontal};
+  const auto one = views_for(views, {{3, 0}, {5, 3}});
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].image.value, 1u);
+  const auto more = views_for(views, {{-4, 0}, {12, 3}});
+  ASSERT_GE(more.size(), 2u);
+  EXPECT_EQ(more[0].image.value, 1u);
+  EXPECT_TRUE(views_for(views, {{500, 0}, {510, 3}}).empty());
+}
+
+TEST(PlaneGrid, SenselessSizesAreRefused) {
+  EXPECT_FALSE(plane_grid({{0, 0}, {0, 1}}, 0.1));
+  EXPECT_FALSE(plane_grid({{0, 0}, {1, 1}}, 1e-9));
+  EXPECT_FALSE(plane_grid({{0, 0}, {std::nan(""), 1}}, 0.1));
+}
+
+}  // namespace
+}  // namespace collinea

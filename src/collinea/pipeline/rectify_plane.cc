@@ -1,0 +1,500 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/pipeline/rectify_plane.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collinea/image/photo.h"
+#include "collinea/io/colmap.h"
+#include "collinea/io/file.h"
+#include "collinea/io/las.h"
+#include "collinea/io/text.h"
+#include "collinea/ortho/plane_homography.h"
+#include "collinea/ortho/rectify.h"
+#include "collinea/pipeline/image_names.h"
+#include "collinea/pipeline/json_text.h"
+#include "collinea/pipeline/places.h"
+#include "collinea/pipeline/project.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kWider = 0.1;  // of the points' extent, on each side
+
+Result<std::vector<double>> numbers_of(std::string_view text, const char* flag) {
+  std::vector<double> numbers;
+  for (const std::string_view field : fields_of(text, ',')) {
+    const auto value = number(field);
+    if (!value || !std::isfinite(*value))
+      return fail(Errc::kBadInput, fmt::format("{} {}: \"{}\" is no number", flag, text, field));
+    numbers.push_back(*value);
+  }
+  return numbers;
+}
+
+// Rows of a name and numbers; titles and comments are passed over.
+struct Row {
+  std::string name;
+  std::vector<double> numbers;
+};
+Result<std::vector<Row>> rows_of(const fs::path& path, bool named, std::size_t least, std::size_t most) {
+  COLLINEA_TRY(const std::string text, read_file(path));
+  std::vector<Row> rows;
+  int line_number = 0;
+  for (std::string_view line : lines_of(text)) {
+    ++line_number;
+    line = trimmed(line.substr(0, line.find('#')));
+    if (line.empty()) continue;
+    auto fields = line.find(',') == std::string_view::npos ? words_of(line) : fields_of(line, ',');
+    Row row{named && !fields.empty() ? std::string(fields[0]) : std::to_string(rows.size() + 1), {}};
+    if (named && !fields.empty()) fields.erase(fields.begin());
+    const bool title =
+        std::none_of(fields.begin(), fields.end(), [](std::string_view f) { return number(f).has_value(); });
+    if (title && rows.empty()) continue;
+    for (const std::string_view field : fields)
+      if (const auto value = number(field)) row.numbers.push_back(*value);
+    if (row.numbers.size() != fields.size() || row.numbers.size() < least || row.numbers.size() > most)
+      return fail(Errc::kBadFormat, fmt::format("{}, line {}: {} to {} numbers{} are wanted", path.string(),
+                                                line_number, least, most, named ? " behind a name" : ""));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+// --- what is told of the result --------------------------------------------------------------------------------------
+
+struct Told {
+  std::string text;
+  nlohmann::json json;
+};
+
+std::string length_text(double m) { return m < 0.1 ? fmt::format("{:.3g} mm", 1000 * m) : fmt::format("{:.3g} m", m); }
+
+// A number at the middle of the extent and the largest at its corners.
+struct Spread {
+  double middle = 0, worst = 0;
+};
+template <class Measure>
+Spread spread_of(const PlaneExtent& extent, const Measure& measure) {
+  Spread spread{measure(extent.at(0.5, 0.5)), 0};
+  for (int corner = 0; corner < 4; ++corner)
+    spread.worst = std::max(spread.worst, measure(extent.at(corner & 1, corner >> 1)));
+  return spread;
+}
+
+nlohmann::json json_of(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Result<PlaneExtent> extent_of(const RectifyOptions& options, const std::vector<Vector2d>& around) {
+  if (options.extent) {
+    COLLINEA_TRY(const auto n, numbers_of(*options.extent, "--extent"));
+    if (n.size() != 4 || !(n[2] > n[0] && n[3] > n[1]))
+      return fail(Errc::kBadInput, "--extent " + *options.extent + ": left,bottom,right,top are wanted");
+    return PlaneExtent{{n[0], n[1]}, {n[2], n[3]}};
+  }
+  PlaneExtent extent{around[0], around[0]};
+  for (const Vector2d& p : around) {
+    extent.lowest = extent.lowest.cwiseMin(p);
+    extent.highest = extent.highest.cwiseMax(p);
+  }
+  const Vector2d more = kWider * extent.size();
+  return PlaneExtent{extent.lowest - more, extent.highest + more};
+}
+
+// Two digits: what is told is what is used.
+Result<double> cell_of(const RectifyOptions& options, const std::vector<PlaneView>& views, const PlaneExtent& extent) {
+  if (options.cell_m) return *options.cell_m;
+  double pixel_m = pixel_size_m(views[0], extent.at(0.5, 0.5));
+  if (!std::isfinite(pixel_m))  // the best view shows another part
+    for (int i = 0; i < 81; ++i)
+      pixel_m = std::min(pixel_m, pixel_size_m(views[0], extent.at(i % 9 / 8.0, i / 9 / 8.0)));
+  if (!std::isfinite(pixel_m)) return fail(Errc::kIllPosed, "no photograph shows the area to be rectified");
+  const double unit = std::pow(10.0, std::floor(std::log10(pixel_m)) - 1);
+  return std::max(1.0, std::floor(pixel_m / unit)) * unit;
+}
+
+Result<Told> paint(const fs::path& out, const PlaneExtent& extent, const std::vector<PlaneView>& views,
+                   const std::vector<std::string>& names, const PixelSource& pixels, const RectifyOptions& options,
+                   const Run& run) {
+  COLLINEA_TRY(const double cell_m, cell_of(options, views, extent));
+  COLLINEA_TRY(const MapGrid grid, plane_grid(extent, cell_m));
+  COLLINEA_TRY(const RectifiedSummary summary, write_rectified(out, grid, views, pixels, run));
+  if (summary.painted_cells == 0) return fail(Errc::kIllPosed, "no photograph shows the area to be rectified");
+  Told told;
+  const double share = double(summary.painted_cells) / double(summary.painted_cells + summary.empty_cells);
+  told.text = fmt::format("{}: {} x {} cells of {}, {:.1f} % painted\n", out.string(), grid.width, grid.height,
+                          length_text(cell_m), 100 * share);
+  told.json = {{"cell_m", cell_m},
+               {"width", grid.width},
+               {"height", grid.height},
+               {"left_m", grid.west_m},
+               {"top_m", grid.north_m},
+               {"painted_share", share},
+               {"photographs", nlohmann::json::array()}};
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (summary.cells_of[v] == 0) continue;
+    nlohmann::json photo = {{"file", names[v]}, {"cells", summary.cells_of[v]}};
+    if (views[v].centre_over_plane) photo["centre_over_plane_m"] = json_of(*views[v].centre_over_plane);
+    told.json["photographs"].push_back(photo);
+  }
+  if (views[0].centre_over_plane) {
+    const Spread shift = spread_of(extent, [&](const Vector2d& p) { return shift_per_depth(views[0], p).value_or(0); });
+    told.text +=
+        fmt::format("off the plane: 10 cm of depth shift a place by {} in the middle, {} in the worst corner\n",
+                    length_text(0.1 * shift.middle), length_text(0.1 * shift.worst));
+    told.json["shift_per_depth"] = {{"middle", shift.middle}, {"worst_corner", shift.worst}};
+  } else {
+    told.text += "off the plane: not known, the view is too frontal to say where the camera stood (--focal-px)\n";
+  }
+  return told;
+}
+
+Result<std::string> finished(Told told, const fs::path& out) {
+  fs::path json = out;
+  if (auto done = write_file(json.replace_extension(".json"), json_text(told.json, 2) + "\n"); !done)
+    return tl::unexpected(std::move(done).error());
+  return told.text;
+}
+
+// --- from a photograph -----------------------------------------------------------------------------------------------
+
+struct PhotoCamera {
+  Camera camera;
+  bool known = false;  // its focal length and lens
+};
+
+Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& options, const Run& run) {
+  COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
+  if (int(options.project.has_value()) + int(options.orientation.has_value()) + int(options.focal_px.has_value()) > 1)
+    return fail(Errc::kBadInput, "one of --project, --orientation and --focal-px says the camera, not several");
+  if (!options.project && !options.orientation) {
+    const double focal_px = options.focal_px.value_or(std::max(header.width_px, header.height_px));
+    return PhotoCamera{ideal_camera(focal_px, header.width_px, header.height_px), options.focal_px.has_value()};
+  }
+  Block block;
+  if (options.project) {
+    COLLINEA_TRY(const Project project, open_project(*options.project, run));
+    COLLINEA_TRY(block, project.store.read_block());
+  } else {
+    COLLINEA_TRY(block, read_colmap(*options.orientation));
+  }
+  const ImageNames names(block);
+  auto image = names.find(photo.string());
+  if (!image) image = names.find(photo.filename().string());
+  if (!image) return fail(Errc::kNotFound, "no photograph of the orientation is called " + photo.filename().string());
+  const Camera& camera = block.camera_of(*image);
+  if (camera.width_px != header.width_px || camera.height_px != header.height_px)
+    return fail(Errc::kBadInput,
+                fmt::format("its camera takes pictures of {} x {} px, {} has {} x {} px", camera.width_px,
+                            camera.height_px, photo.string(), header.width_px, header.height_px));
+  return PhotoCamera{camera, true};
+}
+
+Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
+  if (options.points.has_value() == options.rectangle.has_value())
+    return fail(Errc::kBadInput, "which plane? Give --points, or --rectangle with --size");
+  std::vector<PlanePoint> points;
+  if (options.points) {
+    COLLINEA_TRY(const auto rows, rows_of(*options.points, true, 4, 6));
+    for (const Row& row : rows) {
+      const auto& n = row.numbers;
+      points.push_back({row.name,
+                        {n[0], n[1]},
+                        {n[2], n[3]},
+                        n.size() > 4 ? n[4] : options.sigma_px,
+                        n.size() > 5 ? n[5] : options.sigma_m});
+    }
+    return points;
+  }
+  if (!options.size) return fail(Errc::kBadInput, "--rectangle needs --size width,height in metres");
+  COLLINEA_TRY(const auto c, numbers_of(*options.rectangle, "--rectangle"));
+  COLLINEA_TRY(const auto s, numbers_of(*options.size, "--size"));
+  if (c.size() != 8) return fail(Errc::kBadInput, "--rectangle: column,row of four corners are wanted");
+  if (s.size() != 2 || !(s[0] > 0 && s[1] > 0)) return fail(Errc::kBadInput, "--size: width,height are wanted");
+  const Vector2d corners[4] = {{0, s[1]}, {s[0], s[1]}, {s[0], 0}, {0, 0}};
+  const char* names[4] = {"upper left", "upper right", "lower right", "lower left"};
+  for (std::size_t i = 0; i < 4; ++i)
+    points.push_back({names[i], {c[2 * i], c[2 * i + 1]}, corners[i], options.sigma_px, options.sigma_m});
+  return points;
+}
+
+// What the homography is worth.
+void tell(const PlaneHomography& homography, const std::vector<PlanePoint>& points, const PlaneExtent& extent,
+          Told& told) {
+  std::size_t worst = 0;
+  auto& list = told.json["points"] = nlohmann::json::array();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& r = homography.residuals()[i];
+    if (r.in_sigmas > homography.residuals()[worst].in_sigmas) worst = i;
+    list.push_back({{"name", points[i].name},
+                    {"residual_px", {r.px.x(), r.px.y()}},
+                    {"residual_m", {r.m.x(), r.m.y()}},
+                    {"in_sigmas", r.in_sigmas}});
+  }
+  // Residuals larger than stated count; smaller ones may be luck.
+  const double scale = std::max(1.0, homography.sigma0());
+  const Spread sigma = spread_of(extent, [&](const Vector2d& p) {
+    return homography.matrix().row(2).dot(p.homogeneous()) > 0 ? scale * std::sqrt(homography.covariance_at(p).trace())
+                                                               : std::numeric_limits<double>::infinity();
+  });
+  told.json["redundancy"] = homography.redundancy();
+  told.json["sigma_position_m"] = {{"middle", sigma.middle}, {"worst_corner", sigma.worst}};
+  if (homography.redundancy() > 0) {
+    told.json["sigma0"] = homography.sigma0();
+    const auto& r = homography.residuals()[worst];
+    told.text += fmt::format("{} points, sigma0 {:.2f}; largest residual {:.2f} px, {} at point {}\n", points.size(),
+                             homography.sigma0(), r.px.norm(), length_text(r.m.norm()), points[worst].name);
+    if (homography.residuals_too_large())
+      told.text +=
+          "the residuals are larger than the sigmas stated allow: a point is wrong, does not lie on the plane, "
+          "or the lens distorts (--project)\n";
+  } else {
+    told.text += "four points: nothing checks them\n";
+  }
+  told.text += fmt::format("standard deviation of a place by them: {} in the middle, {} in the worst corner\n",
+                           length_text(sigma.middle), length_text(sigma.worst));
+}
+
+Result<std::string> rectify_photo(const fs::path& photo, const fs::path& out, const RectifyOptions& options,
+                                  const Run& run) {
+  if (options.control || options.places || options.region || options.tolerance_m)
+    return fail(Errc::kBadInput, "--control, --places, --region and --tolerance-m are for a project, not a photograph");
+  COLLINEA_TRY(const auto points, plane_points(options));
+  COLLINEA_TRY(const PhotoCamera used, camera_of(photo, options, run));
+  COLLINEA_TRY(const PlaneHomography homography, PlaneHomography::fit(used.camera, points));
+  std::vector<Vector2d> around;
+  for (const PlanePoint& p : points) around.push_back(p.on_plane_m);
+  COLLINEA_TRY(const PlaneExtent extent, extent_of(options, around));
+  PlaneView view{ImageId{0}, used.camera, homography.matrix(), {}};
+  std::string lens;
+  if (used.known) {
+    view.centre_over_plane = centre_over_plane(homography.matrix());
+  } else if (const auto focal = homography.focal()) {
+    view.centre_over_plane = centre_over_plane(homography.matrix(), focal->times);
+    lens = fmt::format("focal length from the perspective of the points: {:.0f} px, standard deviation {:.0f} px\n",
+                       focal->times * used.camera.focal_px(),
+                       focal->sigma * std::max(1.0, homography.sigma0()) * used.camera.focal_px());
+  }
+  if (!options.project && !options.orientation)
+    lens += "the lens is not known (--project, --orientation): its distortion stays in the picture\n";
+  COLLINEA_TRY(Told told, paint(
+                              out, extent, {view}, {photo.filename().string()},
+                              [&](ImageId, int shrink) { return read_colour(photo, shrink); }, options, run));
+  tell(homography, points, extent, told);
+  told.text += lens;
+  return finished(std::move(told), out);
+}
+
+// --- from a project --------------------------------------------------------------------------------------------------
+
+struct FoundPlane {
+  PlaneFit fit;
+  std::vector<Vector3d> points;  // of the plane, in the world
+  std::size_t of = 0;            // points looked at
+};
+
+Result<FoundPlane> plane_through(std::vector<Vector3d> points) {
+  if (points.size() < 3) return fail(Errc::kIllPosed, "a plane needs three points");
+  const auto fit = fit_plane(points);
+  if (!fit) return fail(Errc::kIllPosed, "the points lie on a line: they give no plane");
+  const std::size_t count = points.size();
+  return FoundPlane{*fit, std::move(points), count};
+}
+
+Result<FoundPlane> plane_of_control(const Block& block, const std::string& asked) {
+  std::vector<Vector3d> points;
+  for (const std::string_view name : fields_of(asked, ',')) {
+    const auto found = std::find_if(block.control.begin(), block.control.end(),
+                                    [&](const auto& entry) { return entry.second.name == name; });
+    if (found == block.control.end())
+      return fail(Errc::kNotFound, fmt::format("--control: the project has no point \"{}\"", name));
+    if (!found->second.sigma_m.allFinite())
+      return fail(Errc::kBadInput, fmt::format("--control: point {} was not surveyed in all three axes", name));
+    points.push_back(found->second.position_in_world);
+  }
+  return plane_through(std::move(points));
+}
+
+Result<FoundPlane> plane_of_places(const Places& places, const fs::path& path) {
+  COLLINEA_TRY(const auto rows, rows_of(path, false, 3, 3));
+  std::vector<Vector3d> points;
+  for (const Row& row : rows) {
+    const Vector3d on_map(row.numbers[0], row.numbers[1], row.numbers[2]);
+    points.push_back(places.frame ? places.frame->local_from_map(on_map) : on_map);
+  }
+  return plane_through(std::move(points));
+}
+
+// The points of the cloud in a box of the map, every second left out whenever there are too many.
+Result<std::vector<CloudPoint>> points_in(const fs::path& cloud, const Vector3d& lowest, const Vector3d& highest,
+                                          const Run& run) {
+  constexpr std::size_t kMost = 400'000, kPiece = 100'000;
+  COLLINEA_TRY(LasReader reader, LasReader::open(cloud));
+  std::vector<CloudPoint> found;
+  std::uint64_t inside = 0, stride = 1;
+  for (;;) {
+    COLLINEA_TRY(const std::vector<CloudPoint> piece, reader.read(kPiece));
+    if (piece.empty()) return found;
+    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    for (const CloudPoint& point : piece) {
+      if ((point.position.array() < lowest.array()).any() || (point.position.array() > highest.array()).any()) continue;
+      if (inside++ % stride == 0) found.push_back(point);
+      if (found.size() <= kMost) continue;
+      for (std::size_t i = 0; 2 * i < found.size(); ++i) found[i] = found[2 * i];
+      found.resize((found.size() + 1) / 2);
+      stride *= 2;
+    }
+  }
+}
+
+Result<FoundPlane> plane_of_region(const Project& project, const Places& places, const RectifyOptions& options) {
+  COLLINEA_TRY(const auto n, numbers_of(*options.region, "--region"));
+  if ((n.size() != 4 && n.size() != 6) || !(n[2] > n[0] && n[3] > n[1]) || (n.size() == 6 && !(n[5] > n[4])))
+    return fail(Errc::kBadInput, "--region: west,south,east,north or west,south,east,north,lowest,highest are wanted");
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  const Vector3d lowest(n[0], n[1], n.size() == 6 ? n[4] : -kAny), highest(n[2], n[3], n.size() == 6 ? n[5] : kAny);
+  if (!is_there(project.cloud()))
+    return fail(Errc::kNotFound, "there is no cloud yet: collinea densify " + project.folder.string());
+  COLLINEA_TRY(const auto cloud, points_in(project.cloud(), lowest, highest, project.run));
+  if (cloud.size() < 100)
+    return fail(Errc::kIllPosed, fmt::format("{} points of the cloud lie in the region: too few", cloud.size()));
+  std::vector<Vector3d> points;
+  std::vector<double> sigmas;
+  for (const CloudPoint& point : cloud) {
+    points.push_back(point.position);
+    sigmas.push_back(double(point.sigma_m));
+  }
+  if (places.frame) places.frame->local_from_map(points);
+  std::nth_element(sigmas.begin(), sigmas.begin() + std::ptrdiff_t(sigmas.size() / 2), sigmas.end());
+  const double tolerance_m = options.tolerance_m.value_or(3 * sigmas[sigmas.size() / 2]);
+  if (!(tolerance_m > 0)) return fail(Errc::kBadInput, "the cloud states no standard deviations: give --tolerance-m");
+  const auto fit = find_plane(points, tolerance_m, project.run.seed);
+  if (!fit)
+    return fail(Errc::kIllPosed,
+                fmt::format("no plane holds a tenth of the region's points within {}", length_text(tolerance_m)));
+  std::vector<Vector3d> on_it;
+  for (const std::size_t i : fit->points) on_it.push_back(points[i]);
+  return FoundPlane{*fit, std::move(on_it), points.size()};
+}
+
+Result<FoundPlane> plane_of(const Project& project, const Block& block, const Places& places,
+                            const RectifyOptions& options) {
+  if (int(options.control.has_value()) + int(options.places.has_value()) + int(options.region.has_value()) != 1)
+    return fail(Errc::kBadInput, "which plane? Give one of --control, --places and --region");
+  if (options.control) return plane_of_control(block, *options.control);
+  if (options.places) return plane_of_places(places, *options.places);
+  return plane_of_region(project, places, options);
+}
+
+// How many of the photographs that show the middle of the plane stand on the side of its normal, less those behind.
+int cameras_in_front(const Block& block, const PlaneFit& fit) {
+  int count = 0;
+  for (const auto& [image, pose] : block.cam_from_world) {
+    const auto pixel = project(block.camera_of(image), pose * fit.middle);
+    if (pixel && inside(block.camera_of(image), *pixel))
+      count += fit.normal.dot(centre_of(pose) - fit.middle) > 0 ? 1 : -1;
+  }
+  return count;
+}
+
+// Without a place on Earth nothing says where up is; those who take photographs mostly hold the camera level.
+Vector3d up_of(const Block& block) {
+  if (block.georeference) return Vector3d::UnitZ();
+  Vector3d up = Vector3d::Zero();
+  for (const auto& [image, pose] : block.cam_from_world) up -= pose.rotation.conjugate() * Vector3d::UnitY();
+  return up.norm() > 0 ? up.normalized() : Vector3d::UnitZ();
+}
+
+std::vector<PlaneView> views_of_plane(const Block& block, const FramedPlane& plane) {
+  std::vector<PlaneView> views;
+  for (const auto& [image, cam_from_world] : block.cam_from_world) {
+    const Vector3d centre = plane.in_plane(centre_of(cam_from_world));
+    if (!(centre.z() > 0)) continue;  // behind the plane
+    const Eigen::Matrix3d rotation = cam_from_world.rotation.toRotationMatrix();
+    PlaneView view{image, block.camera_of(image), {}, centre};
+    view.cam_from_plane << rotation * plane.world_from_plane.leftCols<2>(), cam_from_world * plane.origin_in_world;
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+// The extent of most of the points: one of a hundred on each side may be astray.
+std::vector<Vector2d> most_of(const FoundPlane& found, const FramedPlane& plane) {
+  std::vector<double> x, y;
+  for (const Vector3d& p : found.points) {
+    const Vector3d in_plane = plane.in_plane(p);
+    x.push_back(in_plane.x());
+    y.push_back(in_plane.y());
+  }
+  std::sort(x.begin(), x.end());
+  std::sort(y.begin(), y.end());
+  const std::size_t off = x.size() / 100, last = x.size() - 1 - off;
+  return {{x[off], y[off]}, {x[last], y[last]}};
+}
+
+Result<std::string> rectify_project(const fs::path& folder, const fs::path& out, const RectifyOptions& options,
+                                    const Run& run) {
+  if (options.points || options.rectangle || options.size || options.project || options.orientation || options.focal_px)
+    return fail(Errc::kBadInput,
+                "--points, --rectangle, --size, --project, --orientation and --focal-px are for a "
+                "photograph, not a project");
+  COLLINEA_TRY(const Project project, open_project(folder, run));
+  COLLINEA_TRY(const Block block, project.store.read_block());
+  if (block.cam_from_world.empty())
+    return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + folder.string());
+  COLLINEA_TRY(const Places places, places_of(project, block));
+  COLLINEA_TRY(FoundPlane found, plane_of(project, block, places, options));
+  if (cameras_in_front(block, found.fit) < 0) found.fit.normal = -found.fit.normal;
+  // The origin: the lower left corner of the points, so that coordinates of what they enclose are positive.
+  FramedPlane plane = framed_plane(found.fit.middle, found.fit.normal, up_of(block));
+  const auto about_middle = most_of(found, plane);
+  plane.origin_in_world += plane.world_from_plane.leftCols<2>() * about_middle[0];
+  COLLINEA_TRY(const PlaneExtent extent, extent_of(options, most_of(found, plane)));
+  const auto views = views_for(views_of_plane(block, plane), extent);
+  if (views.empty()) return fail(Errc::kIllPosed, "no photograph shows the plane from its front");
+  std::vector<std::string> names;
+  for (const PlaneView& view : views) names.push_back(block.images.at(view.image).file);
+  const auto pixels = [&](ImageId image, int shrink) {
+    return read_colour(project.photo(block.images.at(image)), shrink);
+  };
+  COLLINEA_TRY(Told told, paint(out, extent, views, names, pixels, options, run));
+  told.text += fmt::format("plane of {} points of {}, {} off it (RMS)\n", found.points.size(), found.of,
+                           length_text(found.fit.rms_m));
+  const Spread shift = spread_of(extent, [&](const Vector2d& p) { return *shift_per_depth(views[0], p); });
+  told.text += fmt::format("so places are shifted by {} in the middle, {} in the worst corner (RMS)\n",
+                           length_text(found.fit.rms_m * shift.middle), length_text(found.fit.rms_m * shift.worst));
+  if (!block.georeference) told.text += "the block has no scale: lengths are in its own unit, not in metres\n";
+  const auto on_map = [&](const Vector3d& p) { return places.frame ? places.frame->map_from_local(p) : p; };
+  told.json["plane"] = {{"points", found.points.size()},
+                        {"points_looked_at", found.of},
+                        {"rms_m", found.fit.rms_m},
+                        {"origin_on_map", json_of(on_map(plane.origin_in_world))},
+                        {"origin_in_world", json_of(plane.origin_in_world)},
+                        {"x_axis_in_world", json_of(plane.world_from_plane.col(0))},
+                        {"y_axis_in_world", json_of(plane.world_from_plane.col(1))},
+                        {"normal_in_world", json_of(plane.world_from_plane.col(2))}};
+  return finished(std::move(told), out);
+}
+
+}  // namespace
+
+Result<std::string> rectify_plane(const fs::path& source, const fs::path& out, const RectifyOptions& options,
+                                  const Run& run) {
+  if (auto fine = validate(options); !fine) return tl::unexpected(std::move(fine).error());
+  std::string extension = lower(out.extension().string());
+  if (extension != ".tif" && extension != ".tiff" && extension != ".png")
+    return fail(Errc::kBadInput, out.string() + ": the picture is a .tif or a .png");
+  std::error_code error;
+  if (out.has_parent_path()) fs::create_directories(out.parent_path(), error);
+  if (error) return fail(Errc::kBadInput, "cannot make " + out.parent_path().string() + ": " + error.message());
+  return fs::is_directory(source, error) ? rectify_project(source, out, options, run)
+                                         : rectify_photo(source, out, options, run);
+}
+
+}  // namespace collinea
