@@ -414,7 +414,19 @@ class Snooper {
       }
       const double own = is_ray(gone.group) ? sigma0 : 1;
       gone.sigma = given.sigma * std::sqrt(own * own + sigma0 * sigma0 * given.cofactor);
+      if (const auto sigma = sigma_of_correlated(gone, sigma0)) gone.sigma = *sigma;
     }
+  }
+
+  // The test of a correlated coordinate was that beside the others of its point, which have gone with it.
+  [[nodiscard]] std::optional<double> sigma_of_correlated(const TakenOut& gone, double sigma0) const {
+    if (gone.group != Group::kControlPlan && gone.group != Group::kControlHeight) return std::nullopt;
+    const ControlPoint& given = given_.control.at(gone.control);
+    if (given.correlation.isZero(0)) return std::nullopt;
+    for (const ControlDifference& now : out_.adjusted.control)
+      if (now.point == gone.control && now.covariance_m2)
+        return std::hypot(given.sigma_m[gone.axis], sigma0 * std::sqrt((*now.covariance_m2)(gone.axis, gone.axis)));
+    return std::nullopt;
   }
 
   // Another blunder, which has gone since, had spoilt it. Each once: what is suspect again goes for good.

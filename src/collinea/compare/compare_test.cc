@@ -159,8 +159,10 @@ TEST(WallErrors, SlopesAndWallsInHolesAreNotLookedAt) {
   const auto slope = [](double x, double) { return float(x); };
   EXPECT_EQ(wall_errors(field_of(0.1, 400, slope), field_of(0.1, 400, slope), 0.1, collinea::Run{})->places, 0u);
   const auto rim = [](double x, double y) { return y < 20 ? kNone : turned_block(x, y, 0); };  // of the truth
-  const auto at_rim = wall_errors(field_of(0.1, 400, rim), field_of(0.1, 400, rim), 0.1, collinea::Run{});
+  const HeightField whole = field_of(0.1, 400, [](double x, double y) { return turned_block(x, y, 0); });
+  const auto at_rim = wall_errors(whole, field_of(0.1, 400, rim), 0.1, collinea::Run{});
   ASSERT_TRUE(at_rim);
+  EXPECT_GT(at_rim->places, 0u);
   EXPECT_LT(at_rim->rms_m, 0.1);
   const auto holed = [](double x, double y) { return std::abs(x - 20) < 7 ? kNone : turned_block(x, y, 0); };
   const HeightField truth = field_of(0.1, 400, [](double x, double y) { return turned_block(x, y, 0); });

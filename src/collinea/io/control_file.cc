@@ -90,6 +90,8 @@ class Collector {
       return bad_line(line, "a covariance row needs: covariance, id, ee_m2, en_m2, eh_m2, nn_m2, nh_m2, hh_m2");
     const auto known = by_name_.find(std::string(f[1]));
     if (known == by_name_.end()) return bad_line(line, "there is no point " + std::string(f[1]) + " above this line");
+    if (!with_covariance_.insert(known->first).second)
+      return bad_line(line, "the covariance of " + known->first + " is given twice");
     ControlFilePoint& point = file_.points[known->second];
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     std::size_t next = 2;
@@ -187,6 +189,7 @@ class Collector {
   std::map<std::array<double, 3>, std::size_t> by_position_;  // infinity where missing: NaN has no order
   std::vector<std::array<double, 3>> keys_;
   std::set<std::tuple<std::string, std::string, double, double>> known_;  // observations
+  std::set<std::string> with_covariance_;
   int unnamed_ = 0;
 };
 

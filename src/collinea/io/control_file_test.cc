@@ -243,6 +243,8 @@ TEST(ControlFile, ACovarianceStandsInPlaceOfSigmas) {
             "line 3: this is no covariance of A: it has to be positive definite");
   EXPECT_EQ(error("covariance, B, 1, 0, 0, 1, 0, 1\n"),
             "line 3: covariances of an axis that has no coordinate, or no variance above 0");
+  EXPECT_EQ(error("covariance, A, 1, 0, 0, 1, 0, 1\ncovariance, A, 1, 0, 0, 1, 0, 1\n"),
+            "line 4: the covariance of A is given twice");
   EXPECT_EQ(error("covariance, A, 1, 0, 0, 1\n"),
             "line 3: a covariance row needs: covariance, id, ee_m2, en_m2, eh_m2, nn_m2, nh_m2, hh_m2");
 }

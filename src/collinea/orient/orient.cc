@@ -169,6 +169,10 @@ class Orienter {
       part.extend_all(run_);
       if (const auto shown = part.shown_noise()) part.set_noise(*shown);
     }
+    if (options_.additional != "none")
+      result_.findings.push_back(
+          "poses are held as given: no camera gets additional parameters; with "
+          "--refine-orientation they do");
     doubt_loose(part);
     place(part);
     COLLINEA_TRY(result_.adjusted, part.adjust_all(adjust, held, run_));
@@ -234,15 +238,17 @@ class Orienter {
     const std::string calibration = settled_options(part, options_).calibration;
     std::map<CameraId, CameraSigmas> sigmas;
     for (auto& [id, camera] : setup_.cameras) {
-      if (!camera.calibrate) continue;
+      if (!camera.calibrate || calibration == "none") continue;
       camera.additional = set;
       const auto of_lens = calibration_named(calibration, camera);
       const auto all = with_additional(of_lens.value_or(CameraSigmas{}), camera, {});
       COLLINEA_CHECK(all.has_value());
       sigmas[id] = *all;
     }
-    part.set_additional(set);
-    if (sigmas.empty()) result_.findings.push_back("no camera is calibrated: none gets additional parameters");
+    if (sigmas.empty())
+      result_.findings.push_back("no camera is calibrated: none gets additional parameters");
+    else
+      part.set_additional(set);
     return sigmas;
   }
 

@@ -127,6 +127,10 @@ Result<PlaneHomography> PlaneHomography::fit(const Camera& camera, std::span<con
   for (const PlanePoint& p : points) {
     if (!p.pixel.allFinite() || !p.on_plane_m.allFinite() || !(p.sigma_px > 0) || !(p.sigma_m >= 0))
       return fail(Errc::kBadInput, "point " + p.name + ": its numbers make no sense");
+    if (!in_plane(camera, p.pixel))
+      return fail(Errc::kIllPosed, "point " + p.name +
+                                       " lies too far off the axis of a fisheye: a picture of a plane "
+                                       "reaches 80 degrees");
     on_plane.push_back(p.on_plane_m);
     on_picture.push_back(normalized(camera, p.pixel));
   }

@@ -180,13 +180,11 @@ int shrink_for(const PlaneView& view, const MapGrid& grid) {
   return shrink;
 }
 
-bool may_show(const PlaneView& view, const MapGrid& grid, int top, int rows) {
-  constexpr int kSteps = 32;
-  for (int j = 0; j <= kSteps; ++j)
-    for (int i = 0; i <= kSteps; ++i)
-      if (pixel_of(view,
-                   {grid.east_of(double(grid.width) * i / kSteps), grid.north_of(top + double(rows) * j / kSteps)}))
-        return true;
+// Some cell of a band that is still empty lies in the picture.
+bool shows_some(const PlaneView& view, const MapGrid& grid, int top, const Raster<std::uint8_t>& rgba) {
+  for (int y = 0; y < rgba.height; ++y)
+    for (int x = 0; x < grid.width; ++x)
+      if (!rgba.at(x, y, 3) && pixel_of(view, {grid.east_of(x + 0.5), grid.north_of(top + y + 0.5)})) return true;
   return false;
 }
 
@@ -202,7 +200,7 @@ struct Painter {
     Raster<std::uint8_t> rgba(grid.width, rows, 4);
     for (std::size_t v = 0; v < views.size(); ++v) {
       const PlaneView& view = views[v];
-      if (!may_show(view, grid, top, rows)) continue;
+      if (!shows_some(view, grid, top, rgba)) continue;
       COLLINEA_TRY(const auto picture, pictures.picture(view.image, shrinks[v]));
       const double across = double(picture->width) / view.camera.width_px;
       const double down = double(picture->height) / view.camera.height_px;
@@ -244,7 +242,7 @@ Result<RectifiedSummary> write_rectified(const std::filesystem::path& path, cons
   for (const PlaneView& view : views) painter.shrinks.push_back(shrink_for(view, grid));
   RectifiedSummary summary;
   summary.cells_of.resize(views.size());
-  const bool png = path.extension() == ".png" || path.extension() == ".PNG";
+  const bool png = lower(path.extension().string()) == ".png";
   std::optional<GeoTiffWriter<std::uint8_t>> tiff;
   Raster<std::uint8_t> whole;
   if (png) {
@@ -266,15 +264,16 @@ Result<RectifiedSummary> write_rectified(const std::filesystem::path& path, cons
     }
     if (auto written = tiff->write(0, top, band); !written) return tl::unexpected(written.error());
   }
+  for (const std::uint64_t cells : summary.cells_of) summary.painted_cells += cells;
+  if (summary.painted_cells == 0) return fail(Errc::kIllPosed, "no photograph shows the area to be rectified");
   if (png) {
+    if (auto written = write_png(path, whole); !written) return tl::unexpected(written.error());
     std::filesystem::path world = path;
     if (auto written = write_file(world.replace_extension(".pgw"), world_file(grid)); !written)
       return tl::unexpected(written.error());
-    if (auto written = write_png(path, whole); !written) return tl::unexpected(written.error());
   } else if (auto finished = tiff->finish(); !finished) {
     return tl::unexpected(finished.error());
   }
-  for (const std::uint64_t cells : summary.cells_of) summary.painted_cells += cells;
   summary.empty_cells = std::uint64_t(grid.width) * std::uint64_t(grid.height) - summary.painted_cells;
   return summary;
 }

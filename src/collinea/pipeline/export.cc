@@ -82,12 +82,14 @@ Result<> write_tiles(const Project& project, const std::filesystem::path& folder
                      const std::map<Tile, std::uint64_t>& counts, double tile_m) {
   constexpr std::size_t kAtOnce = 64;
   const Eigen::Vector3d lowest = options.lowest, highest = options.highest;
+  options.run.threads = 1;  // so many writers, each with what its threads wait for
   for (auto first = counts.begin(); first != counts.end();) {
     std::map<Tile, LasWriter> writers;
     for (; first != counts.end() && writers.size() < kAtOnce; ++first) {
       const auto& [east, north] = first->first;
-      options.lowest = {double(east) * tile_m, double(north) * tile_m, lowest.z()};
-      options.highest = {options.lowest.x() + tile_m, options.lowest.y() + tile_m, highest.z()};
+      const Eigen::Vector2d corner(double(east) * tile_m, double(north) * tile_m);
+      options.lowest.head<2>() = corner.cwiseMax(lowest.head<2>());
+      options.highest.head<2>() = (corner.array() + tile_m).matrix().cwiseMin(highest.head<2>());
       COLLINEA_TRY(LasWriter writer,
                    LasWriter::create(folder / las_file_name(tile_name(first->first, tile_m), options.form), options));
       writers.emplace(first->first, std::move(writer));

@@ -125,7 +125,6 @@ Result<Told> paint(const fs::path& out, const PlaneExtent& extent, const std::ve
   COLLINEA_TRY(const double cell_m, cell_of(options, views, extent));
   COLLINEA_TRY(const MapGrid grid, plane_grid(extent, cell_m));
   COLLINEA_TRY(const RectifiedSummary summary, write_rectified(out, grid, views, pixels, run));
-  if (summary.painted_cells == 0) return fail(Errc::kIllPosed, "no photograph shows the area to be rectified");
   Told told;
   const double share = double(summary.painted_cells) / double(summary.painted_cells + summary.empty_cells);
   told.text = fmt::format("{}: {} x {} cells of {}, {:.1f} % painted\n", out.string(), grid.width, grid.height,
@@ -199,6 +198,7 @@ Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& optio
 Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
   if (options.points.has_value() == options.rectangle.has_value())
     return fail(Errc::kBadInput, "which plane? Give --points, or --rectangle with --size");
+  if (options.points && options.size) return fail(Errc::kBadInput, "--size belongs to --rectangle, not to --points");
   std::vector<PlanePoint> points;
   if (options.points) {
     COLLINEA_TRY(const auto rows, rows_of(*options.points, true, 4, 6));
@@ -387,18 +387,24 @@ Result<FoundPlane> plane_of(const Project& project, const Block& block, const Pl
                             const RectifyOptions& options) {
   if (int(options.control.has_value()) + int(options.places.has_value()) + int(options.region.has_value()) != 1)
     return fail(Errc::kBadInput, "which plane? Give one of --control, --places and --region");
+  if (options.tolerance_m && !options.region) return fail(Errc::kBadInput, "--tolerance-m belongs to --region");
   if (options.control) return plane_of_control(block, *options.control);
   if (options.places) return plane_of_places(places, *options.places);
   return plane_of_region(project, places, options);
 }
 
-// How many of the photographs that show the middle of the plane stand on the side of its normal, less those behind.
-int cameras_in_front(const Block& block, const PlaneFit& fit) {
-  int count = 0;
+// On which side of the plane they stand who photograph its points: how often the points are seen from the side of the
+// normal, less how often from behind.
+long seen_from_front(const Block& block, const FoundPlane& found) {
+  constexpr std::size_t kLookedAt = 100;
+  const std::size_t step = 1 + found.points.size() / kLookedAt;
+  long count = 0;
   for (const auto& [image, pose] : block.cam_from_world) {
-    const auto pixel = project(block.camera_of(image), pose * fit.middle);
-    if (pixel && inside(block.camera_of(image), *pixel))
-      count += fit.normal.dot(centre_of(pose) - fit.middle) > 0 ? 1 : -1;
+    const long side = found.fit.normal.dot(centre_of(pose) - found.fit.middle) > 0 ? 1 : -1;
+    for (std::size_t i = 0; i < found.points.size(); i += step) {
+      const auto pixel = project(block.camera_of(image), pose * found.points[i]);
+      if (pixel && inside(block.camera_of(image), *pixel)) count += side;
+    }
   }
   return count;
 }
@@ -450,7 +456,7 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + folder.string());
   COLLINEA_TRY(const Places places, places_of(project, block));
   COLLINEA_TRY(FoundPlane found, plane_of(project, block, places, options));
-  if (cameras_in_front(block, found.fit) < 0) found.fit.normal = -found.fit.normal;
+  if (seen_from_front(block, found) < 0) found.fit.normal = -found.fit.normal;
   // The origin: the lower left corner of the points, so that coordinates of what they enclose are positive.
   FramedPlane plane = framed_plane(found.fit.middle, found.fit.normal, up_of(block));
   const auto about_middle = most_of(found, plane);
@@ -491,6 +497,12 @@ Result<std::string> rectify_plane(const fs::path& source, const fs::path& out, c
   if (extension != ".tif" && extension != ".tiff" && extension != ".png")
     return fail(Errc::kBadInput, out.string() + ": the picture is a .tif or a .png");
   std::error_code error;
+  for (const std::optional<std::string>& read : {std::optional(source.string()), options.points, options.places})
+    for (const fs::path& made :
+         {out, fs::path(out).replace_extension(".json"), fs::path(out).replace_extension(".pgw")})
+      if (read && fs::equivalent(*read, made, error))
+        return fail(Errc::kBadInput, made.string() + " would be written over what is read from it");
+  error.clear();
   if (out.has_parent_path()) fs::create_directories(out.parent_path(), error);
   if (error) return fail(Errc::kBadInput, "cannot make " + out.parent_path().string() + ": " + error.message());
   return fs::is_directory(source, error) ? rectify_project(source, out, options, run)

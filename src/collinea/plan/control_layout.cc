@@ -83,10 +83,14 @@ Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& o, const FlightPl
   return points;
 }
 
-std::vector<PlannedPoint> planned_points(const ControlFile& file) {
+Result<std::vector<PlannedPoint>> planned_points(const ControlFile& file) {
   std::vector<PlannedPoint> points;
-  for (const ControlFilePoint& point : file.points)
+  for (const ControlFilePoint& point : file.points) {
+    if (!point.correlation.isZero(0))
+      return fail(Errc::kUnsupported,
+                  "point " + point.name + " has a covariance: plan knows standard deviations of the axes only");
     points.push_back({point.name, point.role, point.position_in_map.head<2>(), point.sigma_m});
+  }
   return points;
 }
 

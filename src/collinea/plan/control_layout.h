@@ -44,7 +44,7 @@ struct PlannedPoint {
 /// the directions of the strips and across. Errors: options out of range, a word that is none.
 [[nodiscard]] Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& options, const FlightPlan& plan);
 [[nodiscard]] bool is_layout_word(const std::string& control);
-/// Those of a control file.
-[[nodiscard]] std::vector<PlannedPoint> planned_points(const ControlFile& file);
+/// Those of a control file. Error: one has a covariance, which is not planned with.
+[[nodiscard]] Result<std::vector<PlannedPoint>> planned_points(const ControlFile& file);
 
 }  // namespace collinea
