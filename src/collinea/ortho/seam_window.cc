@@ -23,8 +23,8 @@ constexpr float kLength = 0.1f, kRaised = 6, kSteep = 0.5f, kDifferent = 1;
 // thing of half the flying height. Both scale with the size of the picture in pixels, so that the resolution does not
 // matter.
 constexpr double kDetour = 100;
-// Showing a cell that lies beside hidden ones; and one that only small things keep from the view: that, and per
-// (difference / kMostDifferent)^2 from the best view that sees it.
+// Showing a cell that only small things keep from the view: the first, and the second per (difference /
+// kMostDifferent)^2 from the best view that sees it.
 constexpr float kDoubtful = 0.2f, kBehindOtherThings = 4;
 constexpr double kFullyRaised = 10;  // [surface cells] above the terrain
 constexpr double kFullySteep = 3;    // [cells of the window] of height within 3 x 3 cells
@@ -39,7 +39,7 @@ float grey_levels_between(const SeamWindow::Choice& a, const SeamWindow::Choice&
 }
 
 // How well the cells are seen by the views that are worth a look, without colours.
-enum Sight : std::uint8_t { kHidden, kPastSmallThings, kBesideHidden, kSeen };
+enum Sight : std::uint8_t { kHidden, kPastSmallThings, kSeen };
 
 struct Looker {
   const OrthoPatch& patch;
@@ -126,7 +126,6 @@ void price_doubts(const std::vector<Sight>& sight, SeamWindow::Block& block) {
     }
     for (std::size_t k = 0; k < block.views.size(); ++k) {
       auto& choice = block.choices[k * kCells + cell];
-      if (sight[k * kCells + cell] == kBesideHidden) choice.price += price_of(kDoubtful);
       if (sight[k * kCells + cell] != kPastSmallThings) continue;
       const float apart =
           best && choice.has_colour ? grey_levels_between(choice, *best) / float(SeamWindow::kMostDifferent) : 1.0f;

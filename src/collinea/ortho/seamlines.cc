@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace collinea {
@@ -88,7 +87,11 @@ class Tracer {
 
 }  // namespace
 
-void absorb_small_areas(std::size_t fewest_cells, Raster<std::uint16_t>& source) {
+namespace {
+
+// Answers whether anything changed.
+bool absorb_once(std::size_t fewest_cells, Raster<std::uint16_t>& source) {
+  bool changed = false;
   std::vector<std::uint16_t> sources;
   const Raster<std::int32_t> area = areas_of(source, sources);
   std::vector<std::vector<Eigen::Vector2i>> cells(sources.size());
@@ -111,6 +114,17 @@ void absorb_small_areas(std::size_t fewest_cells, Raster<std::uint16_t>& source)
                                           [](const auto& a, const auto& b) { return a.second < b.second; });
     if (longest == borders.end()) continue;
     for (const Eigen::Vector2i& cell : own) source.at(cell.x(), cell.y()) = longest->first;
+    changed = true;
+  }
+  return changed;
+}
+
+}  // namespace
+
+// Small areas that touch take each other's source: what is small still goes in the next round.
+void absorb_small_areas(std::size_t fewest_cells, Raster<std::uint16_t>& source) {
+  constexpr int kRounds = 8;
+  for (int round = 0; round < kRounds && absorb_once(fewest_cells, source); ++round) {
   }
 }
 
@@ -133,30 +147,52 @@ std::vector<SeamPolygon> outlines_of(const Raster<std::uint16_t>& source, const 
   return polygons;
 }
 
+namespace {
+
+// Where the border of a polygon crosses the middles of rows: in columns, centres of cells from here on.
+void find_crossings(const SeamPolygon& polygon, const MapGrid& grid, int column, int row,
+                    std::vector<std::vector<double>>& crossings) {
+  const double rows = double(crossings.size());
+  for (const MapRing& ring : polygon.rings)
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Eigen::Vector2d &a = ring[i], &b = ring[i + 1 < ring.size() ? i + 1 : 0];
+      const double first = (grid.north_m - std::max(a.y(), b.y())) / grid.cell_m - row - 1;
+      const double last = (grid.north_m - std::min(a.y(), b.y())) / grid.cell_m - row + 1;
+      for (int y = int(std::clamp(std::floor(first), 0.0, rows)); y < int(std::clamp(std::ceil(last), 0.0, rows));
+           ++y) {
+        const double north_m = grid.north_of(row + y + 0.5);
+        if ((a.y() > north_m) == (b.y() > north_m)) continue;
+        const double east_m = a.x() + (north_m - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+        crossings[std::size_t(y)].push_back((east_m - grid.west_m) / grid.cell_m - column - 0.5);
+      }
+    }
+}
+
+}  // namespace
+
 void fill(const std::vector<SeamPolygon>& polygons, const MapGrid& grid, int column, int row,
           Raster<std::uint16_t>& source, Raster<std::uint16_t>& below) {
-  std::vector<double> crossings;
+  const double west_m = grid.east_of(column), east_m = grid.east_of(column + source.width);
+  const double north_m = grid.north_of(row), south_m = grid.north_of(row + source.height);
+  std::vector<std::vector<double>> crossings(std::size_t(source.height));
   for (const SeamPolygon& polygon : polygons) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
+    MapRing corners;  // of the rectangle around it
     for (const MapRing& ring : polygon.rings)
-      for (const auto& place : ring) low = std::min(low, place.y()), high = std::max(high, place.y());
-    const double first = (grid.north_m - high) / grid.cell_m - row, last = (grid.north_m - low) / grid.cell_m - row;
-    for (int y = int(std::clamp(std::floor(first), 0.0, double(source.height)));
-         y < int(std::clamp(std::ceil(last), 0.0, double(source.height))); ++y) {
-      const double north_m = grid.north_of(row + y + 0.5);
-      crossings.clear();
-      for (const MapRing& ring : polygon.rings) {
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-          const Eigen::Vector2d &a = ring[i], &b = ring[i + 1 < ring.size() ? i + 1 : 0];
-          if ((a.y() > north_m) == (b.y() > north_m)) continue;
-          const double east_m = a.x() + (north_m - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-          crossings.push_back((east_m - grid.west_m) / grid.cell_m - column - 0.5);  // centres from here on
-        }
+      for (const auto& place : ring) {
+        if (corners.empty()) corners = {place, place};
+        corners = {corners[0].cwiseMin(place), corners[1].cwiseMax(place)};
       }
-      std::sort(crossings.begin(), crossings.end());
-      for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-        const int begin = int(std::clamp(std::ceil(crossings[i]), 0.0, double(source.width)));
-        const int end = int(std::clamp(std::ceil(crossings[i + 1]), 0.0, double(source.width)));
+    if (corners.empty() || corners[1].x() < west_m || corners[0].x() > east_m || corners[1].y() < south_m ||
+        corners[0].y() > north_m)
+      continue;
+    for (auto& of_row : crossings) of_row.clear();
+    find_crossings(polygon, grid, column, row, crossings);
+    for (int y = 0; y < source.height; ++y) {
+      std::vector<double>& at = crossings[std::size_t(y)];
+      std::sort(at.begin(), at.end());
+      for (std::size_t i = 0; i + 1 < at.size(); i += 2) {
+        const int begin = int(std::clamp(std::ceil(at[i]), 0.0, double(source.width)));
+        const int end = int(std::clamp(std::ceil(at[i + 1]), 0.0, double(source.width)));
         for (int x = begin; x < end; ++x) {
           if (source.at(x, y) != polygon.source) below.at(x, y) = source.at(x, y);
           source.at(x, y) = polygon.source;

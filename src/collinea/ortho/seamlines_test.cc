@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "collinea/base/random.h"
@@ -81,6 +82,16 @@ TEST(Seamlines, SmallAreasGoToTheNeighbourWithTheLongestBorder) {
   alone.at(1, 1) = 2;
   absorb_small_areas(3, alone);
   EXPECT_EQ(alone.at(1, 1), 2);
+}
+
+TEST(Seamlines, SmallAreasThatTouchLeaveNothingBehind) {
+  Raster<std::uint16_t> source(10, 10);
+  for (int y = 0; y < 10; ++y)
+    for (int x = 0; x < 10; ++x) source.at(x, y) = 3;
+  source.at(4, 4) = 2;  // takes what goes after it
+  source.at(5, 4) = source.at(5, 5) = source.at(4, 5) = source.at(3, 5) = 1;
+  absorb_small_areas(6, source);
+  EXPECT_EQ(std::count(source.data.begin(), source.data.end(), 3), 100);
 }
 
 TEST(Seamlines, TheLaterPolygonLiesOnTop) {
