@@ -9,7 +9,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "collinea/adjust/additional_choice.h"
 #include "collinea/adjust/control_check.h"
 #include "collinea/adjust/datum.h"
 #include "collinea/adjust/intersect.h"
@@ -18,6 +17,7 @@
 #include "collinea/block/ground_words.h"
 #include "collinea/block/picture_axes.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/orient/additional.h"
 #include "collinea/orient/control_doubt.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
@@ -222,7 +222,8 @@ class Orienter {
       COLLINEA_TRY(result_.adjusted, adjust_with_covariances(part, scope));
     }
     finish(part);
-    say_what_parameters_show();
+    for (std::string& finding : additional_findings(result_.block, result_.adjusted))
+      result_.findings.push_back(std::move(finding));
     for (std::string& finding : weak_cases(result_.block, setup_, pairs, result_.adjusted))
       result_.findings.push_back(std::move(finding));
     return std::move(result_);
@@ -230,35 +231,13 @@ class Orienter {
 
   // What the lens does not describe: only now, since tie points are found without, and a few images do not tell it.
   Result<std::map<CameraId, CameraSigmas>> add_parameters(Reconstruction& part) {
-    const auto name = std::ranges::find(kAdditionalNames, options_.additional);
-    if (name == kAdditionalNames.end())
-      return fail(Errc::kBadInput,
-                  "additional = \"" + options_.additional + "\": choose none, polynomial, ebner, gruen or fourier");
-    const auto set = static_cast<AdditionalSet>(name - kAdditionalNames.begin());
-    const std::string calibration = settled_options(part, options_).calibration;
-    std::map<CameraId, CameraSigmas> sigmas;
-    for (auto& [id, camera] : setup_.cameras) {
-      if (!camera.calibrate || calibration == "none") continue;
-      camera.additional = set;
-      const auto of_lens = calibration_named(calibration, camera);
-      const auto all = with_additional(of_lens.value_or(CameraSigmas{}), camera, {});
-      COLLINEA_CHECK(all.has_value());
-      sigmas[id] = *all;
-    }
+    COLLINEA_TRY(auto sigmas,
+                 add_additional(options_.additional, settled_options(part, options_).calibration, setup_.cameras));
     if (sigmas.empty())
       result_.findings.push_back("no camera is calibrated: none gets additional parameters");
     else
-      part.set_additional(set);
+      part.set_additional(setup_.cameras.at(sigmas.begin()->first).additional);
     return sigmas;
-  }
-
-  // How many of them are there for a reason.
-  void say_what_parameters_show() {
-    constexpr double kLevel = 0.01;
-    for (const AdditionalTest& test : test_additional(result_.block, result_.adjusted, false, kLevel))
-      result_.findings.push_back(fmt::format(
-          "{}: {} of {} additional parameters are significant; collinea adjust tells which, and how alike they are",
-          result_.block.cameras.at(test.camera).name, test.kept, test.parameters.size()));
   }
 
   Result<Adjusted> adjust_with_covariances(Reconstruction& part, const AdjustScope& scope) const {

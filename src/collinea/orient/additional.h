@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "collinea/adjust/bundle.h"
+
+namespace collinea {
+
+/// Gives every camera that is calibrated the additional parameters of that name (kAdditionalNames). Answers the
+/// standard deviations of all its parameters before the adjustment; of no camera, where calibration is "none". Error:
+/// no such set.
+[[nodiscard]] Result<std::map<CameraId, CameraSigmas>> add_additional(const std::string& name,
+                                                                      const std::string& calibration,
+                                                                      std::map<CameraId, Camera>& cameras);
+
+/// How many of them are there for a reason, a line for each camera.
+[[nodiscard]] std::vector<std::string> additional_findings(const Block& block, const Adjusted& adjusted);
+
+}  // namespace collinea
