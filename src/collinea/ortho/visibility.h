@@ -49,8 +49,6 @@ class Visibility {
 
   /// `view`: index into the views. Cells without height are seen by nobody.
   [[nodiscard]] bool sees(int view, int x, int y);
-  /// Without the rim: the cell itself is not hidden.
-  [[nodiscard]] bool sees_itself(int view, int x, int y) { return hidden_around(std::size_t(view), x, y, 0) == 0; }
   /// As sees(), but a few hidden cells in the rim do not count (the teeth of an edge), as long as the next neighbours
   /// are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden place it is no
   /// help.
