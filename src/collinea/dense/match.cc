@@ -11,6 +11,7 @@
 #include "collinea/dense/measured_sigma.h"
 #include "collinea/dense/overview.h"
 #include "collinea/dense/pinhole.h"
+#include "collinea/dense/rims.h"
 #include "collinea/dense/texture_place.h"
 
 namespace collinea {
@@ -294,6 +295,8 @@ class Matching {
       if (l == 0) finest_surface = finer;
     }
     if (!agreed.empty()) dense::fill_rough(finest, agreed, result);
+    dense::empty_false_rims(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth, run_);
+    if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
     return finished(finest, result);
   }
 
@@ -350,7 +353,7 @@ class Matching {
   }
 
   DepthMap finished(const Level& level, dense::Refined& refined) const {
-    dense::remove_specks(refined.inverse_depth, 2 * level.step, kSmallestPatch, &refined.sigma);
+    dense::remove_specks(refined.inverse_depth, kOneSurface * level.step, kSmallestPatch, &refined.sigma);
     DepthMap map{reference_->camera, std::move(refined.inverse_depth), std::move(refined.sigma)};
     for (std::size_t i = 0; i < map.depth.data.size(); ++i) {
       const float z = 1 / map.depth.data[i];
@@ -361,6 +364,7 @@ class Matching {
   }
 
   static constexpr float kAgreeing = 1.5f;  // steps
+  static constexpr float kOneSurface = 2;   // steps
   static constexpr float kUnison = 8;       // sigmas
   static constexpr float kMuchBetter = 0.6f;
   static constexpr int kSmallestPatch = 40;  // pixels
