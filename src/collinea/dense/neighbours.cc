@@ -86,12 +86,10 @@ void TieView::add(PointId id, const Eigen::Vector3d& position_in_world) {
 }
 
 void TieView::add(const Observation& seen) {
-  // first_ray_ grows up to the point of this ray: observations are sorted by point.
-  std::size_t point = first_ray_.empty() ? 0 : first_ray_.size() - 1;
-  while (point < points_.size() && points_[point] < seen.point) ++point;
-  if (point == points_.size() || points_[point] != seen.point || !block_.cam_from_world.count(seen.image)) return;
+  while (at_ < points_.size() && points_[at_] < seen.point) ++at_;
+  if (at_ == points_.size() || points_[at_] != seen.point || !block_.cam_from_world.count(seen.image)) return;
   const auto ray = std::uint32_t(image_of_ray_.size());
-  first_ray_.resize(point + 1, ray);
+  first_ray_.resize(std::max(first_ray_.size(), at_ + 1), ray);
   rays_of_[seen.image].push_back(ray);
   image_of_ray_.push_back(seen.image);
   cell_of_ray_.push_back(std::uint8_t(cell_of(block_.camera_of(seen.image), seen.pixel)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <vector>
 
 #include "collinea/block/block.h"
@@ -30,6 +31,9 @@ class TieView {
   void add(const Observation& seen);
   void finish();
 
+  /// Of all tie points, in the order of their ids.
+  [[nodiscard]] std::span<const Eigen::Vector3d> positions_in_world() const { return positions_; }
+
   /// Tie points in front of the image's camera, in the order of their ids.
   [[nodiscard]] std::vector<SeenPoint> seen_by(ImageId image) const;
 
@@ -49,6 +53,7 @@ class TieView {
   const Block& block_;
   std::vector<PointId> points_;
   std::vector<Eigen::Vector3d> positions_;  ///< of the points, in the world
+  std::size_t at_ = 0;                      ///< point of the observation that came last
   std::vector<std::uint32_t> first_ray_;    ///< of each point; one more at the end
   std::vector<ImageId> image_of_ray_;
   std::vector<std::uint8_t> cell_of_ray_;                  ///< of its image, where the ray lies

@@ -50,9 +50,10 @@ class ProjectStore {
   Result<Block> read_block() const;
   /// As read_block, without tie points and their observations, which take more memory than all the rest.
   Result<Block> read_orientation() const;
-  /// Hands on first the tie points, then their observations, each in the order of a block.
-  Result<> read_ties(const std::function<void(PointId, const TiePoint&)>& take_point,
-                     const std::function<void(const Observation&)>& take_observation) const;
+  /// As read_block, but fills `block` without tie points and their observations and hands on first the points, then the
+  /// observations, each in the order of a block.
+  Result<> read_block_and_ties(Block& block, const std::function<void(PointId, const TiePoint&)>& take_point,
+                               const std::function<void(const Observation&)>& take_observation) const;
   /// As read_block, but as it was set up: no poses, no points, cameras and control observations before adjustment.
   Result<Block> read_setup() const;
 

@@ -529,11 +529,28 @@ Result<Block> ProjectStore::read_orientation() const {
   return state_->read([](Database& db) { return read_consistently(db, Wanted::kOrientation); });
 }
 
-Result<> ProjectStore::read_ties(const std::function<void(PointId, const TiePoint&)>& take_point,
-                                 const std::function<void(const Observation&)>& take_observation) const {
+Result<> ProjectStore::read_block_and_ties(Block& block,
+                                           const std::function<void(PointId, const TiePoint&)>& take_point,
+                                           const std::function<void(const Observation&)>& take_observation) const {
   return state_->read([&](Database& db) -> Result<> {
     COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
-    return read_tie_tables(db, take_point, take_observation);
+    COLLINEA_TRY(block, read_tables(db, Wanted::kOrientation));
+    if (block.cam_from_world.empty()) return {};
+    std::vector<PointId> known;  // ascending, as are the points of observations
+    std::size_t at = 0;
+    bool fits = true;
+    const auto take_known_point = [&](PointId id, const TiePoint& point) {
+      fits = fits && (known.empty() || known.back() < id);
+      known.push_back(id);
+      take_point(id, point);
+    };
+    const auto take_fitting_observation = [&](const Observation& seen) {
+      while (at < known.size() && known[at] < seen.point) ++at;
+      fits = fits && at < known.size() && known[at] == seen.point && block.images.contains(seen.image);
+      if (fits) take_observation(seen);
+    };
+    if (auto read = read_tie_tables(db, take_known_point, take_fitting_observation); !read) return read;
+    return fits ? Result<>{} : damaged("observations of images or points that are not there");
   });
 }
 

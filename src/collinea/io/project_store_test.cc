@@ -251,13 +251,17 @@ TEST_F(ProjectStoreTest, TiesComeOneByOneAndTheOrientationWithoutThem) {
   EXPECT_TRUE(block->points.empty() && block->observations.empty());
   expect_same_cameras(*block, oriented);
   expect_same_control(*block, oriented);
-  ASSERT_TRUE(store.read_ties(
+  Block with_ties;
+  ASSERT_TRUE(store.read_block_and_ties(
+      with_ties,
       [&](PointId id, const TiePoint& point) {
         EXPECT_TRUE(block->observations.empty());
         EXPECT_TRUE(block->points.empty() || block->points.rbegin()->first < id);
         block->points[id] = point;
       },
       [&](const Observation& seen) { block->observations.push_back(seen); }));
+  EXPECT_TRUE(with_ties.points.empty() && with_ties.observations.empty());
+  expect_same_cameras(with_ties, oriented);
   expect_same_orientation(*block, oriented);
 }
 

@@ -33,26 +33,43 @@ void blur(Sums& sums) {
   }
 }
 
-bool empty(const std::array<double, 4>& sum) { return !(sum[3] > 0); }
-
-// Nodes without weight take over from their neighbours, ring by ring.
-void grow(Sums& sums) {
-  for (bool more = true; more;) {
-    more = false;
-    const Sums before = sums;
-    for (int y = 0; y < sums.height; ++y) {
-      for (int x = 0; x < sums.width; ++x) {
-        auto& sum = sums.node(x, y);
-        if (!empty(sum)) continue;
-        for (int v = std::max(0, y - 1); v <= std::min(sums.height - 1, y + 1); ++v) {
-          for (int u = std::max(0, x - 1); u <= std::min(sums.width - 1, x + 1); ++u) {
-            const auto& from = before.of[std::size_t(v) * std::size_t(sums.width) + std::size_t(u)];
-            for (std::size_t k = 0; k < 4; ++k) sum[k] += from[k];
-          }
-        }
-        more |= !empty(sum);
-      }
+// Sums become means. Nodes without weight take over that of their neighbours, ring by ring.
+void to_means(Sums& sums) {
+  const auto around = [&](int node, const auto& visit) {
+    const int x = node % sums.width, y = node / sums.width;
+    for (int v = std::max(0, y - 1); v <= std::min(sums.height - 1, y + 1); ++v)
+      for (int u = std::max(0, x - 1); u <= std::min(sums.width - 1, x + 1); ++u) visit(v * sums.width + u);
+  };
+  std::vector<int> ring;
+  for (int node = 0; node < int(sums.of.size()); ++node) {
+    auto& sum = sums.of[std::size_t(node)];
+    if (!(sum[3] > 0)) continue;
+    for (std::size_t k = 0; k < 4; ++k) sum[k] /= k < 3 ? sum[3] : 1;
+    sum[3] = 1;
+    ring.push_back(node);
+  }
+  while (!ring.empty()) {
+    std::vector<int> next;
+    for (const int node : ring) {
+      around(node, [&](int other) {
+        if (sums.of[std::size_t(other)][3] > 0) return;
+        sums.of[std::size_t(other)][3] = -1;  // waits; nothing is taken over within a ring
+        next.push_back(other);
+      });
     }
+    std::sort(next.begin(), next.end());
+    next.erase(std::unique(next.begin(), next.end()), next.end());
+    for (const int node : next) {
+      std::array<double, 4> mean{};
+      around(node, [&](int other) {
+        const auto& from = sums.of[std::size_t(other)];
+        if (!(from[3] > 0)) return;
+        for (std::size_t k = 0; k < 4; ++k) mean[k] += from[k];
+      });
+      for (std::size_t k = 0; k < 3; ++k) sums.of[std::size_t(node)][k] = mean[k] / mean[3];
+    }
+    for (const int node : next) sums.of[std::size_t(node)][3] = 1;
+    ring = std::move(next);
   }
 }
 
@@ -96,9 +113,9 @@ ChannelTable smoothed_table(std::span<const ChannelValues> scattered, double rad
     }
   }
   blur(sums);
-  grow(sums);
+  to_means(sums);
   for (std::size_t c = 0; c < 3; ++c)
-    for (const auto& sum : sums.of) table.values[c].push_back(float(sum[c] / sum[3]));
+    for (const auto& mean : sums.of) table.values[c].push_back(float(mean[c]));
   return table;
 }
 

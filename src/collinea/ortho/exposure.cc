@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/ortho/exposure.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,8 +14,9 @@
 namespace collinea {
 namespace {
 
-constexpr int kNodes = 17;  // of the directions along each side
-constexpr float kLargestLogGain = 0.7f;
+constexpr int kNodes = 17;             // of the directions along each side
+constexpr float kLargestLogGain = 1;   // of pictures, of directions, and of corners by the fall-off
+constexpr std::size_t kMostSeen = 20;  // sightings of a place: more tell little new
 
 ChannelTable directions() {
   ChannelTable table;
@@ -53,7 +56,9 @@ Sightings sightings_of(std::span<const std::vector<ColourSample>> samples, std::
     while (end < seen.size() && seen[end].place == seen[begin].place) ++end;
     if (end - begin < 2) continue;
     sightings.first.push_back(sightings.all.size());
-    for (std::size_t i = begin; i < end; ++i) {
+    const std::size_t count = std::min(end - begin, kMostSeen);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = begin + k * (end - begin) / count;
       const ColourSample& s = *seen[i].sample;
       sightings.all.push_back(
           {seen[i].picture, cameras[seen[i].picture], s.r2, table.place_of(s.direction), s.log_colour});
@@ -79,25 +84,30 @@ double dot(const Vector& a, const Vector& b) {
   return sum;
 }
 
-// The trends of the gains in plan, as vectors of length 1 over the pictures: none, one or two.
+// The trends of the gains in plan, along the long and the short axis of the block, as vectors of length 1 over the
+// pictures. A strip has but one, as its pictures stand hardly aside of it.
 std::vector<Vector> trends_of(const Sightings& sightings, std::span<const Standpoint> standpoints) {
+  constexpr double kLeastWidth = 0.1;  // of the length
   std::vector<bool> counts(standpoints.size());
   for (const Sighting& s : sightings.all) counts[s.picture] = true;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double pictures = 0;
+  for (std::size_t i = 0; i < standpoints.size(); ++i)
+    if (counts[i]) mean += standpoints[i].at, ++pictures;
+  if (pictures < 2) return {};
+  mean /= pictures;
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (std::size_t i = 0; i < standpoints.size(); ++i)
+    if (counts[i]) scatter += (standpoints[i].at - mean) * (standpoints[i].at - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter);
   std::vector<Vector> trends;
-  for (int axis = 0; axis < 2; ++axis) {
+  for (const int axis : {1, 0}) {  // eigenvalues ascend
+    if (!(axes.eigenvalues()[axis] > kLeastWidth * kLeastWidth * axes.eigenvalues()[1])) continue;
     Vector trend(standpoints.size());
-    double mean = 0, pictures = 0;
     for (std::size_t i = 0; i < trend.size(); ++i)
-      if (counts[i]) mean += standpoints[i].at[axis], ++pictures;
-    for (std::size_t i = 0; i < trend.size(); ++i)
-      if (counts[i]) trend[i] = standpoints[i].at[axis] - mean / pictures;
-    const double before = std::sqrt(dot(trend, trend));
-    for (const Vector& other : trends) {
-      const double common = dot(trend, other);
-      for (std::size_t i = 0; i < trend.size(); ++i) trend[i] -= common * other[i];
-    }
+      if (counts[i]) trend[i] = axes.eigenvectors().col(axis).dot(standpoints[i].at - mean);
     const double length = std::sqrt(dot(trend, trend));
-    if (!(length > 1e-3 * before)) continue;  // a single strip has but one
+    if (!(length > 0)) continue;
     for (double& value : trend) value /= length;
     trends.push_back(std::move(trend));
   }
@@ -109,16 +119,18 @@ std::vector<Vector> trends_of(const Sightings& sightings, std::span<const Standp
 class ChannelFit {
  public:
   ChannelFit(const Sightings& sightings, const Unknowns& unknowns, const std::vector<Vector>& trends,
-             std::size_t channel)
+             std::size_t channel, const Run& run)
       : sightings_(sightings),
         unknowns_(unknowns),
         trends_(trends),
         channel_(channel),
+        run_(run),
         weights_(sightings.all.size(), 1.0f) {}
 
+  // Not to be used when run.stopped().
   Vector solve() {
     Vector x(unknowns_.size());
-    for (int round = 0; round < 10; ++round) {
+    for (int round = 0; round < 10 && !run_.stopped(); ++round) {
       prepare();
       improve(x);
       weigh(x, round);
@@ -131,6 +143,7 @@ class ChannelFit {
   const Unknowns& unknowns_;
   const std::vector<Vector>& trends_;
   std::size_t channel_;
+  const Run& run_;
   std::vector<float> weights_;
   Vector pull_, diagonal_, right_;
   double smoothness_ = 0, steadiness_ = 0;
@@ -219,13 +232,13 @@ class ChannelFit {
     sums[at - step] += force, sums[at] -= 2 * force, sums[at + step] += force;
   }
 
-  // Conjugate gradients, preconditioned by the diagonal.
+  // Conjugate gradients, preconditioned by the diagonal. What 500 steps leave is smooth over the block, and small.
   void improve(Vector& x) {
     Vector r = times(x), z(x.size()), p(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) r[i] = right_[i] - r[i];
     double wanted = 0, previous = 0;
     for (std::size_t i = 0; i < x.size(); ++i) wanted += 1e-10 * right_[i] * right_[i] / diagonal_[i];
-    for (int step = 0; step < 500; ++step) {
+    for (int step = 0; step < 500 && !run_.stopped(); ++step) {
       for (std::size_t i = 0; i < x.size(); ++i) z[i] = r[i] / diagonal_[i];
       const double now = dot(r, z);
       if (!(now > wanted)) break;
@@ -317,8 +330,9 @@ std::optional<ColourSample> sample_at(const View& view, const ColourImage& pictu
 std::array<float, 3> ColourBalance::factor(std::size_t view_index, const View& view,
                                            const Eigen::Vector3d& place_in_world, const Eigen::Vector2d& pixel) const {
   const Exposure& exposure = exposures[view_index];
-  const float r2 = float(relative_radius2(view.camera, pixel));
   std::array<float, 3> darker{0, 0, 0}, factor = exposure.gain;
+  if (directions.width == 0 && exposure.falloff == darker) return factor;
+  const float r2 = float(relative_radius2(view.camera, pixel));
   if (directions.width > 0) {
     darker = directions.at((view.centre_in_world - place_in_world).normalized().head<2>());
     const auto usual = places.at(place_in_world.head<2>());
@@ -334,9 +348,9 @@ double relative_radius2(const Camera& camera, const Eigen::Vector2d& pixel) {
   return (x * x + y * y) / (half_width * half_width + half_height * half_height);
 }
 
-ColourBalance balance_exposures(std::span<const Eigen::Vector2d> places,
-                                std::span<const std::vector<ColourSample>> samples,
-                                std::span<const Standpoint> standpoints, const Run& run) {
+Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> places,
+                                        std::span<const std::vector<ColourSample>> samples,
+                                        std::span<const Standpoint> standpoints, const Run& run) {
   std::map<CameraId, std::uint32_t> index_of;
   for (const Standpoint& from : standpoints) index_of.emplace(from.camera, std::uint32_t(index_of.size()));
   std::vector<std::uint32_t> camera_of;
@@ -346,14 +360,16 @@ ColourBalance balance_exposures(std::span<const Eigen::Vector2d> places,
   const Unknowns unknowns{samples.size(), index_of.size()};
   ColourBalance balance{std::vector<Exposure>(samples.size()), directions(), {}};
   parallel_for(run, 3, [&](std::size_t channel) {
-    const Vector x = ChannelFit(sightings, unknowns, trends, channel).solve();
+    const Vector x = ChannelFit(sightings, unknowns, trends, channel, run).solve();
     for (std::size_t i = 0; i < samples.size(); ++i) {
       Exposure& exposure = balance.exposures[i];
       exposure.gain[channel] = std::exp(-std::clamp(float(x[i]), -kLargestLogGain, kLargestLogGain));
-      exposure.falloff[channel] = std::clamp(float(x[unknowns.camera(camera_of[i])]), -0.2f, 1.0f);
+      exposure.falloff[channel] =
+          std::clamp(float(x[unknowns.camera(camera_of[i])]), -kLargestLogGain, kLargestLogGain);
     }
     balance.directions.values[channel] = darkness_of_directions(x, unknowns, sightings);
   });
+  if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
   balance.places = darkness_of_places(balance.directions, places, samples, standpoints);
   return balance;
 }

@@ -28,9 +28,9 @@ struct ColourBalance {
   /// horizontal components of the unit vector from the ground to the camera. Ground reflects more light back to the
   /// sun (the hot spot round the shadow of the camera) than away from it.
   ChannelTable directions;
-  /// The mean of `directions` over all pictures that show a place, over x and y of the world. The colour of a place is
-  /// that mean of what is seen of it: at the border of the block, which all see from the same side, it stays what the
-  /// pictures show.
+  /// The mean of `directions` over the pictures that show a place neither cut off nor black, over x and y of the world.
+  /// The colour of a place is that mean of what is seen of it: at the border of the block, which all see from the same
+  /// side, it stays what the pictures show.
   ChannelTable places;
 
   /// By what the channels of a picture are multiplied where it shows `place_in_world` at `pixel`.
@@ -60,10 +60,10 @@ struct Standpoint {
 /// same differences between neighbours; the second is taken, because exposures have no reason to follow the ground, and
 /// gains that do would pile up to a cast at the border of the block. `places`: in plan; `samples[i]` are those of
 /// picture i, ascending by place; pictures with the same `standpoints[i].camera` share a fall-off. Pictures without
-/// common places keep gain 1.
-[[nodiscard]] ColourBalance balance_exposures(std::span<const Eigen::Vector2d> places,
-                                              std::span<const std::vector<ColourSample>> samples,
-                                              std::span<const Standpoint> standpoints, const Run& run);
+/// common places keep gain 1. Error: cancelled.
+[[nodiscard]] Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> places,
+                                                      std::span<const std::vector<ColourSample>> samples,
+                                                      std::span<const Standpoint> standpoints, const Run& run);
 
 /// Looks up the places in all pictures (at an eighth of their size) and balances them. Errors: a picture cannot be
 /// read; cancelled.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stop_token>
 
 #include "collinea/base/random.h"
 #include "collinea/image/test_folder.h"
@@ -197,7 +198,7 @@ TEST(Exposures, GainsAndFalloffAreRecoveredDespiteOutliers) {
   }
   std::vector<Standpoint> standpoints;
   for (int i = 0; i < kPictures; ++i) standpoints.push_back({CameraId{1}, {double(i), 0}});
-  const auto exposures = balance_exposures(places, samples, standpoints, collinea::Run{}).exposures;
+  const auto exposures = balance_exposures(places, samples, standpoints, collinea::Run{}).value().exposures;
   EXPECT_NEAR(exposures[0].falloff[0], 0.3, 0.02);
   for (std::size_t i = 1; i < kPictures; ++i) {
     const double ratio = std::log(double(exposures[i].gain[2]) / double(exposures[i - 1].gain[2]));
@@ -232,7 +233,7 @@ TEST(Exposures, LightSentBackToTheSunDoesNotBecomeATrendOfTheGains) {
   std::vector<Standpoint> standpoints;
   for (int i = 0; i < kAcross * kDown; ++i)
     standpoints.push_back({CameraId{1}, {0.2 * (i % kAcross), 0.3 * (i / kAcross)}});
-  const ColourBalance balance = balance_exposures(places, samples, standpoints, collinea::Run{});
+  const ColourBalance balance = balance_exposures(places, samples, standpoints, collinea::Run{}).value();
   double trend = 0, squares = 0;  // of the gains from west to east
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double x = double(i % kAcross) - (kAcross - 1) / 2.0;
@@ -255,13 +256,60 @@ TEST(Exposures, LightSentBackToTheSunDoesNotBecomeATrendOfTheGains) {
   EXPECT_NEAR(double(balance.places.at({1.8, 0.75})[1]), -0.5 * 0.4, 0.06);
 }
 
+TEST(Exposures, MayBeCancelled) {
+  std::vector<std::vector<ColourSample>> samples(2);
+  for (std::uint32_t i = 0; i < 50; ++i)
+    for (auto& seen : samples) seen.push_back({i, 0.1f, {4, 4, 4}});
+  const std::vector<Eigen::Vector2d> places(50, Eigen::Vector2d::Zero());
+  const std::vector<Standpoint> standpoints{{CameraId{1}, {0, 0}}, {CameraId{1}, {1, 0}}};
+  std::stop_source stop;
+  stop.request_stop();
+  collinea::Run run;
+  run.stop = stop.get_token();
+  const auto balance = balance_exposures(places, samples, standpoints, run);
+  ASSERT_FALSE(balance);
+  EXPECT_EQ(balance.error().code, Errc::kCancelled);
+}
+
+// The pictures stand a little aside of the line: that is no axis along which exposures could have a trend.
+TEST(Exposures, OfAStripAreNotHeldBackAcrossIt) {
+  Random random(14);
+  constexpr int kPictures = 8;
+  std::vector<Standpoint> standpoints;
+  std::vector<double> log_gain;
+  for (int i = 0; i < kPictures; ++i) {
+    log_gain.push_back(0.3 * (i % 2 == 0 ? 1 : -1) * (i % 4 < 2 ? 1 : 0.3));
+    standpoints.push_back({CameraId{1}, {0.2 * i, 0.01 * (i % 2 == 0 ? 1 : -1)}});
+  }
+  std::vector<std::vector<ColourSample>> samples(kPictures);
+  std::vector<Eigen::Vector2d> places;
+  for (std::uint32_t place = 0; place < 600; ++place) {
+    places.emplace_back(random.uniform(0, 1.4), random.uniform(-0.3, 0.3));
+    for (std::size_t i = 0; i < kPictures; ++i) {
+      const Eigen::Vector2d t = standpoints[i].at - places.back();
+      if (t.cwiseAbs().maxCoeff() > 0.4) continue;
+      const float value = float(4 + log_gain[i] + 0.02 * random.normal());
+      samples[i].push_back(
+          {place, float(2 * t.squaredNorm()), {value, value, value}, t / std::sqrt(1 + t.squaredNorm())});
+    }
+  }
+  const ColourBalance balance = balance_exposures(places, samples, standpoints, collinea::Run{}).value();
+  double product = 0, squares = 0;
+  for (std::size_t i = 1; i < kPictures; ++i) {
+    const double truth = log_gain[i - 1] - log_gain[i];
+    product += truth * std::log(double(balance.exposures[i].gain[1]) / double(balance.exposures[i - 1].gain[1]));
+    squares += truth * truth;
+  }
+  EXPECT_NEAR(product / squares, 1, 0.02);
+}
+
 TEST(Exposures, PicturesWithoutCommonPlacesStayAsTheyAre) {
   std::vector<std::vector<ColourSample>> samples(2);
   const std::vector<Eigen::Vector2d> places(50, Eigen::Vector2d::Zero());
   for (std::uint32_t i = 0; i < 50; ++i) samples[i % 2].push_back({i, 0.1f, {4, 4, 4}});
   const std::vector<Standpoint> standpoints{{CameraId{1}, {0, 0}}, {CameraId{1}, {1, 0}}};
-  for (const Exposure& exposure : balance_exposures(places, samples, standpoints, collinea::Run{}).exposures)
-    EXPECT_EQ(exposure.gain[0], 1);
+  const ColourBalance balance = balance_exposures(places, samples, standpoints, collinea::Run{}).value();
+  for (const Exposure& exposure : balance.exposures) EXPECT_EQ(exposure.gain[0], 1);
 }
 
 TEST(ChannelTable, SmoothedValuesFollowAPlaneAndGoOnWhereThereAreNone) {
@@ -279,6 +327,17 @@ TEST(ChannelTable, SmoothedValuesFollowAPlaneAndGoOnWhereThereAreNone) {
   EXPECT_NEAR(double(table.at({123, -10})[0]), 120, 1.5);  // as the nearest
   EXPECT_NEAR(double(table.at({128, -10})[0]), 130, 1.5);
   EXPECT_EQ(table.at({1000, -10}), table.at({200, -10}));
+}
+
+// Two sites in opposite corners: between them a thousand rings of nodes take over from one another.
+TEST(ChannelTable, LongGapsStayBetweenTheirEnds) {
+  const std::vector<ChannelValues> scattered{{{0, 0}, {1, 1, 1}}, {{990, 990}, {2, 2, 2}}};
+  const ChannelTable table = smoothed_table(scattered, 1);
+  for (double t = 0; t <= 990; t += 11) {
+    EXPECT_GE(table.at({t, 990 - t})[0], 1) << t;
+    EXPECT_LE(table.at({t, 990 - t})[0], 2) << t;
+  }
+  EXPECT_NEAR(double(table.at({900, 900})[0]), 2, 1e-6);
 }
 
 TEST(ChannelTable, OfOnePlaceOrOfNone) {

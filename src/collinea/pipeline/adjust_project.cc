@@ -136,7 +136,10 @@ std::vector<std::string> words_in(const std::string& list) {
 Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run& run) {
   std::optional<AdditionalSet> wanted;
   if (asked.additional != "auto") {
-    COLLINEA_TRY(wanted, additional_named(asked.additional));
+    COLLINEA_TRY(wanted, additional_named(asked.additional).map_error([](Error error) {
+      error.message += "; auto keeps those that orient found";
+      return error;
+    }));
   }
   const std::vector<std::string> held = words_in(asked.additional_held);
   std::set<std::string> instead;
