@@ -11,6 +11,8 @@
 #include "collinea/dense/measured_sigma.h"
 #include "collinea/dense/overview.h"
 #include "collinea/dense/pinhole.h"
+#include "collinea/dense/rims.h"
+#include "collinea/dense/texture_place.h"
 
 namespace collinea {
 namespace {
@@ -283,16 +285,18 @@ class Matching {
       refined = dense::refine(level, surface, true, run_);
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       keep_good(level, surface, certainty, refined);
+      dense::keep_textured(dense::texture_place(*level.picture), kAgreeing * level.step, refined.inverse_depth);
       if (l == 0) {
         result = std::move(refined);
       } else {
-        dense::keep_textured(*level.picture, refined.inverse_depth);
         fill_from(refined, 1 << l, finest_surface, kAgreeing * level.step, result);
       }
       finer = std::move(surface);
       if (l == 0) finest_surface = finer;
     }
     if (!agreed.empty()) dense::fill_rough(finest, agreed, result);
+    dense::empty_false_rims(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth, run_);
+    if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
     return finished(finest, result);
   }
 
@@ -349,7 +353,7 @@ class Matching {
   }
 
   DepthMap finished(const Level& level, dense::Refined& refined) const {
-    dense::remove_specks(refined.inverse_depth, 2 * level.step, kSmallestPatch, &refined.sigma);
+    dense::remove_specks(refined.inverse_depth, kOneSurface * level.step, kSmallestPatch, &refined.sigma);
     DepthMap map{reference_->camera, std::move(refined.inverse_depth), std::move(refined.sigma)};
     for (std::size_t i = 0; i < map.depth.data.size(); ++i) {
       const float z = 1 / map.depth.data[i];
@@ -360,6 +364,7 @@ class Matching {
   }
 
   static constexpr float kAgreeing = 1.5f;  // steps
+  static constexpr float kOneSurface = 2;   // steps
   static constexpr float kUnison = 8;       // sigmas
   static constexpr float kMuchBetter = 0.6f;
   static constexpr int kSmallestPatch = 40;  // pixels

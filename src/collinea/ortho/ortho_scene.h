@@ -18,8 +18,8 @@ struct OrthoScene {
   const HeightOverview* surface_overview = nullptr;
   const LocalFrame* frame = nullptr;  ///< null: map and world are the same
   std::vector<View> views;
-  std::vector<int> shrink;          ///< at which size each view's picture is read
-  std::vector<Exposure> exposures;  ///< of each view
+  std::vector<int> shrink;  ///< at which size each view's picture is read
+  ColourBalance balance;
   PixelCache* pictures = nullptr;
   int feather_cells = 12;
   const HeightField* terrain = nullptr;  ///< null: not known; tells what is raised, where seams should not run

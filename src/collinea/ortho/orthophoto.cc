@@ -124,10 +124,9 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   scene.terrain = guides.terrain;
   scene.shrink = shrinks(scene, scene.grid.cell_m);
   scene.feather_cells = options.feather_cells;
-  scene.exposures.resize(scene.views.size());
+  scene.balance.exposures.resize(scene.views.size());
   if (options.balance) {
-    COLLINEA_TRY(scene.exposures,
-                 exposures_of(scene.views, places_in_world(heights, surface.grid, frame), pixels, run));
+    COLLINEA_TRY(scene.balance, balance_of(scene.views, places_in_world(heights, surface.grid, frame), pixels, run));
   }
   SeamPlan seams;
   if (guides.given) {
@@ -138,7 +137,7 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   scene.seams = &seams;
   OrthoSummary summary;
   summary.grid = scene.grid;
-  summary.exposures = scene.exposures;
+  summary.balance = scene.balance;
   for (const View& view : scene.views) summary.sources.push_back(view.image);
   summary.seamlines = guides.given ? *guides.given : outlines_of(seams.source, plan_grid(scene.grid));
   if (auto begun = sink.begin(scene.grid); !begun) return tl::unexpected(std::move(begun).error());

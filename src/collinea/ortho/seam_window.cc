@@ -96,16 +96,18 @@ struct Looker {
   }
 };
 
-void colour_block(const OrthoPatch& patch, const View& view, const Exposure& exposure, const ColourImage& picture,
+void colour_block(const OrthoPatch& patch, const OrthoScene& coarse, std::size_t v, const ColourImage& picture,
                   int left, int top, SeamWindow::Choice* choices) {
+  const View& view = coarse.views[v];
   for (int cell = 0; cell < kCells; ++cell) {
     const int x = left + cell % kBlock, y = top + cell / kBlock;
     if (std::isnan(patch.heights_m.at(x, y))) continue;
-    const auto pixel = pixel_of(view, patch.world_at(x, y));
+    const Eigen::Vector3d place = patch.world_at(x, y);
+    const auto pixel = pixel_of(view, place);
     if (!pixel || !well_inside(view, *pixel)) continue;
     SeamWindow::Choice& choice = choices[cell];
     choice.has_colour = true;
-    const std::array<float, 3> factor = factor_of(exposure, float(relative_radius2(view.camera, *pixel)));
+    const std::array<float, 3> factor = coarse.balance.factor(v, view, place, *pixel);
     for (int c = 0; c < 3; ++c)
       choice.colour[std::size_t(c)] = std::uint8_t(
           std::clamp(factor[std::size_t(c)] * bilinear(picture, pixel->x() * picture.width / view.camera.width_px,
@@ -124,11 +126,10 @@ Result<> colour(const OrthoScene& coarse, const OrthoPatch& patch, const std::ve
         auto& block = window.block(i, j);
         const int slot = block.slot_of(std::int16_t(v));
         if (slot < 0) continue;
-        const View& view = coarse.views[views[v]];
         if (!picture) {
-          COLLINEA_TRY(picture, coarse.pictures->picture(view.image, coarse.shrink[views[v]]));
+          COLLINEA_TRY(picture, coarse.pictures->picture(coarse.views[views[v]].image, coarse.shrink[views[v]]));
         }
-        colour_block(patch, view, coarse.exposures[views[v]], *picture, kMargin + i * kBlock, kMargin + j * kBlock,
+        colour_block(patch, coarse, views[v], *picture, kMargin + i * kBlock, kMargin + j * kBlock,
                      block.choices.data() + slot * kCells);
       }
     }
