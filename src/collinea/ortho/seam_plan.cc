@@ -134,6 +134,31 @@ OrthoScene on_grid(const OrthoScene& scene, const MapGrid& grid) {
   return result;
 }
 
+// Narrow windows along the borders of those that lie side by side: upright ones, or level ones.
+std::vector<CellArea> windows_on_borders(const MapGrid& grid, bool upright) {
+  constexpr int kLong = 4 * kBlock;
+  std::vector<CellArea> windows;
+  const int width = whole_blocks(grid.width), height = whole_blocks(grid.height);
+  const int across = upright ? width : height, along = upright ? height : width;
+  for (int border = kWindow; border < across; border += kWindow) {
+    for (int begin = -kLong / 2; begin < along; begin += kLong) {
+      const int from = border - kBlock, thick = std::min(2 * kBlock, across - from);
+      const int first = std::max(0, begin), length = std::min(begin + kLong, along) - first;
+      windows.push_back(upright ? CellArea{from, first, thick, length} : CellArea{first, from, length, thick});
+    }
+  }
+  return windows;
+}
+
+bool has_a_seam(const Raster<std::uint16_t>& source, const CellArea& area) {
+  const int right = std::min(area.column + area.width, source.width),
+            bottom = std::min(area.row + area.height, source.height);
+  for (int y = area.row; y < bottom; ++y)
+    for (int x = area.column; x < right; ++x)
+      if (source.at(x, y) != source.at(area.column, area.row)) return true;
+  return false;
+}
+
 // From nothing, in windows side by side; then in windows shifted by half their size in both directions and in each:
 // what borders of windows have done to a seam is undone, also where those of two rounds meet.
 Result<> plan_from_nothing(const OrthoScene& scene, const SeamLook& look, Raster<std::uint16_t>& source,
@@ -164,11 +189,17 @@ Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run) {
   if (auto drafted = plan_from_nothing(draft_scene, look, draft, run); !drafted)
     return tl::unexpected(std::move(drafted).error());
   run.report("ortho: seams", 0.3);
-  look.start = &draft, look.start_times = kOverview, look.best_views = 2;
+  look.start = &draft, look.start_times = kOverview, look.best_views = 3;
   SeamPlan plan{Raster<std::uint16_t>(plan_scene.grid.width, plan_scene.grid.height), {}};
   Planner planner(plan_scene, look, plan.source, run);
   auto refined =
       in_windows(windows_of(plan_scene.grid, 0, 0), run, [&](const CellArea& area) { return planner.refine(area); });
+  // The draft's seams at the borders of these windows are not where those of the plan are: these close up.
+  for (const bool upright : {true, false}) {
+    auto windows = windows_on_borders(plan_scene.grid, upright);
+    std::erase_if(windows, [&](const CellArea& window) { return !has_a_seam(plan.source, window); });
+    if (refined) refined = in_windows(windows, run, [&](const CellArea& area) { return planner.improve(area); });
+  }
   if (!refined) return tl::unexpected(std::move(refined).error());
   // Narrower than the zone in which pictures are mixed: no seam is worth that, and what its view alone sees is taken
   // from it anyway.

@@ -11,6 +11,7 @@
 #include "collinea/io/colmap.h"
 #include "collinea/io/file.h"
 #include "collinea/io/opk.h"
+#include "collinea/pipeline/fitted_camera.h"
 #include "collinea/pipeline/image_names.h"
 
 namespace collinea {
@@ -24,16 +25,9 @@ tl::unexpected<Error> unknown(const std::string& source, const std::string& imag
   return fail(Errc::kBadInput, source + ": no photograph of the project is called " + image);
 }
 
-// The camera as of the photographs: a model may have been made on smaller copies.
+// The camera as of the photographs, under the name and with the sigma that these give it.
 Result<Camera> fitted(Camera camera, const Camera& ours, const std::string& image) {
-  const double times = double(ours.width_px) / camera.width_px;
-  if (std::abs(times * camera.height_px - ours.height_px) > std::max(1.0, times))
-    return fail(Errc::kBadInput,
-                fmt::format("the camera of {} takes pictures of {} x {} px, the photograph has {} x {} px", image,
-                            camera.width_px, camera.height_px, ours.width_px, ours.height_px));
-  scale_params(camera, times);
-  camera.width_px = ours.width_px;
-  camera.height_px = ours.height_px;
+  COLLINEA_TRY(camera, fitted_to(std::move(camera), ours.width_px, ours.height_px, image));
   camera.name = ours.name;
   camera.sigma_f_px = ours.sigma_f_px;
   return camera;

@@ -15,8 +15,8 @@ namespace collinea {
 
 namespace {
 
-// Seamlines that were found are written for editing; those that were given are copied, so that the products tell what
-// was used, unless they are that very file.
+// Seamlines that were found are written for editing; those that were given are written, too, as they were understood,
+// so that the products tell what was used, unless they are that very file.
 Result<> keep_seamlines(const Project& project, const Block& block, const OrthoSummary& summary) {
   const auto path = project.folder / "products" / "seamlines.gpkg";
   const auto& given = project.settings.ortho.seamlines;

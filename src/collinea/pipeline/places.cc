@@ -19,6 +19,7 @@ Result<Places> places_of(const Project& project, const Block& block) {
     shrink = std::max(shrink, of_camera);
   }
   places.matched_pixel_m = shrink * places.pixel_m;
+  places.metric = report.value("metric", report.at("georeferenced").get<bool>());
   if (report.at("georeferenced").get<bool>()) {
     COLLINEA_TRY(places.frame, world_frame(*block.georeference));
   }

@@ -8,10 +8,12 @@
 #include <functional>
 
 #include "collinea/base/hash.h"
+#include "collinea/image/geotiff.h"
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/pipeline/cost.h"
 #include "collinea/pipeline/given_orientation.h"
+#include "collinea/pipeline/seamlines_file.h"
 #include "collinea/pipeline/step.h"
 
 namespace collinea {
@@ -161,6 +163,21 @@ Result<> do_step(Project& project, const Step& step) {
   return {};
 }
 
+// Seamlines that are asked for anew are looked at before they are noted: a wrong file would stay in the project. Until
+// there is a surface, nothing says which map and which photographs they are of.
+Result<> check_new_seamlines(const fs::path& folder, const Settings& settings, const ProjectStore& store) {
+  const auto& given = settings.ortho.seamlines;
+  const fs::path surface = folder / "products" / "dsm.tif";
+  if (!given || !is_there(surface)) return {};
+  if (const auto noted = read_settings(folder); noted && noted->ortho.seamlines == given) return {};
+  COLLINEA_TRY(const Block block, store.read_block());
+  std::vector<ImageId> oriented;
+  for (const auto& [image, pose] : block.cam_from_world) oriented.push_back(image);
+  COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(surface));
+  const auto read = read_seamlines(*given, block, oriented, reader.grid().wkt);
+  return read ? Result<>{} : tl::unexpected(read.error());
+}
+
 Result<ProjectStore> open_store(const fs::path& folder) {
   return ProjectStore::open(folder).map_error([&](Error error) { return with_advice(std::move(error), folder); });
 }
@@ -185,6 +202,7 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
   COLLINEA_TRY(auto lock, ProjectLock::take(folder));
   sweep(folder);
   COLLINEA_TRY(ProjectStore store, open_store(folder));
+  if (auto fine = check_new_seamlines(folder, settings, store); !fine) return tl::unexpected(std::move(fine).error());
   if (auto written = write_settings(folder, settings); !written)
     return tl::unexpected(with_advice(std::move(written).error(), folder));
   Project project{folder, settings, std::move(store), run, std::move(lock)};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/project.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -19,6 +20,7 @@
 #include "collinea/io/las.h"
 #include "collinea/pipeline/export.h"
 #include "collinea/pipeline/info.h"
+#include "collinea/pipeline/rectify_plane.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {
@@ -120,6 +122,7 @@ class SmallProject : public ::testing::Test {
   void what_stands_in_the_way_of_a_product_is_named();
   void a_changed_control_file_leaves_matching_alone();
   void a_missing_product_is_made_again();
+  void a_plane_of_the_project_is_rectified();
   void given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change();
   void a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   void stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
@@ -341,13 +344,116 @@ void SmallProject::a_missing_product_is_made_again() {
   EXPECT_EQ(bytes_of(project / "products/ortho.tif"), before);
 }
 
+// Planes by control, by places of the map and by a region of the cloud, at the scale of the map.
+void SmallProject::a_plane_of_the_project_is_rectified() {
+  const fs::path project = root_ / "mapped", out = root_ / "plane/out.tif";
+  const auto opened = open_project(project, {});
+  ASSERT_TRUE(opened);
+  const Block block = opened->store.read_block().value();
+  const auto frame = world_frame(block.georeference.value());
+  ASSERT_TRUE(frame);
+  std::string names, places;
+  std::vector<Eigen::Vector3d> points;
+  for (const auto& [id, control] : block.control) {
+    if (points.size() == 3) break;
+    points.push_back(control.position_in_world);
+    const Eigen::Vector3d on_map = frame->map_from_local(points.back());
+    names += (names.empty() ? "" : ",") + control.name;
+    for (const double number : {on_map.x(), on_map.y(), on_map.z()}) places += std::to_string(number) + " ";
+    places += "\n";
+  }
+  ASSERT_EQ(points.size(), 3u);
+  fs::create_directories(out.parent_path());
+  ASSERT_TRUE(write_file(root_ / "plane/places.txt", places));
+  const auto made = [&](const RectifyOptions& options) { return rectify_plane(project, out, options, {}); };
+  const auto told = [&] { return nlohmann::json::parse(*read_file(root_ / "plane/out.json")); };
+  const auto vector_of = [](const nlohmann::json& list) {
+    return Eigen::Vector3d(list[0].get<double>(), list[1].get<double>(), list[2].get<double>());
+  };
+
+  const auto by_control = made({.control = names});
+  ASSERT_TRUE(by_control) << by_control.error().message;
+  EXPECT_EQ(by_control->find("no scale"), std::string::npos) << *by_control;
+  const auto plane = told().at("plane");
+  EXPECT_EQ(plane.at("points"), 3);
+  EXPECT_GT(plane.at("normal_in_world")[2].get<double>(), 0.9);
+  // What is painted at the points is what the orthophoto shows there.
+  const auto picture = GeoTiffReader::open(out), ortho = GeoTiffReader::open(project / "products/ortho.tif");
+  ASSERT_TRUE(picture && ortho);
+  const auto mean_at = [](const GeoTiffReader& reader, const Eigen::Vector2d& at) {
+    const MapGrid& grid = reader.grid();
+    const int r = int(std::lround(1 / grid.cell_m));
+    const auto rgba = reader.read_byte(int((at.x() - grid.west_m) / grid.cell_m) - r,
+                                       int((grid.north_m - at.y()) / grid.cell_m) - r, 2 * r, 2 * r);
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    if (!rgba) return sum;
+    for (std::size_t i = 0; i < rgba->data.size(); ++i) sum[Eigen::Index(i % 4)] += rgba->data[i];
+    return Eigen::Vector4d(sum / (double(rgba->data.size()) / 4));
+  };
+  int compared = 0;
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3d from_origin = point - vector_of(plane.at("origin_in_world"));
+    const Eigen::Vector4d shown = mean_at(*picture, {from_origin.dot(vector_of(plane.at("x_axis_in_world"))),
+                                                     from_origin.dot(vector_of(plane.at("y_axis_in_world")))});
+    const Eigen::Vector4d expected = mean_at(*ortho, frame->map_from_local(point).head<2>());
+    if (shown[3] < 255 || expected[3] < 255) continue;
+    ++compared;
+    EXPECT_LT((shown - expected).cwiseAbs().maxCoeff(), 30) << shown.transpose() << " : " << expected.transpose();
+  }
+  EXPECT_GE(compared, 2);
+
+  ASSERT_TRUE(made({.places = root_ / "plane/places.txt"}));
+  EXPECT_LT((vector_of(told().at("plane").at("normal_in_world")) - vector_of(plane.at("normal_in_world"))).norm(),
+            1e-4);
+  const MapGrid& map = ortho->grid();
+  const auto region =
+      fmt::format("{},{},{},{}", map.west_m, map.north_of(map.height), map.east_of(map.width), map.north_m);
+  const auto by_region = made({.region = region, .tolerance_m = 1.0});
+  ASSERT_TRUE(by_region) << by_region.error().message;
+  EXPECT_GT(told().at("plane").at("normal_in_world")[2].get<double>(), 0.95);
+  EXPECT_GT(told().at("plane").at("points").get<int>(), 1000);
+  EXPECT_LT(told().at("plane").at("rms_m").get<double>(), 1.0);
+
+  const auto why = [&](const RectifyOptions& options) {
+    const auto done = made(options);
+    return done ? std::string("done") : done.error().message;
+  };
+  EXPECT_NE(why({}).find("which plane"), std::string::npos);
+  EXPECT_NE(why({.control = names, .region = region}).find("which plane"), std::string::npos);
+  EXPECT_NE(why({.control = names, .sigma_px = 1.0}).find("--sigma-px"), std::string::npos);
+  EXPECT_NE(why({.control = names, .sigma_m = 0.0}).find("--sigma-m"), std::string::npos);
+  EXPECT_NE(why({.focal_px = 100.0, .control = names}).find("for a photograph"), std::string::npos);
+  EXPECT_NE(why({.control = "nobody," + names}).find("no point \"nobody\""), std::string::npos);
+  EXPECT_NE(why({.region = "0,0,1,1"}).find("0 points"), std::string::npos);
+
+  // Whether lengths are metres is what the orientation says, not whether the block has a place on the map.
+  const fs::path local = copy("local");
+  for (const bool metric : {true, false}) {
+    auto store = ProjectStore::open(local);
+    ASSERT_TRUE(store);
+    auto step = store->read_step("orient").value().value();
+    auto report = nlohmann::json::parse(step.report_json);
+    report["georeferenced"] = false, report["metric"] = metric;
+    step.report_json = report.dump();
+    ASSERT_TRUE(store->write_step(step));
+    const auto done = rectify_plane(local, out, {.control = names}, {});
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_EQ(done->find("no scale") == std::string::npos, metric) << *done;
+  }
+}
+
 void SmallProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change() {
   const fs::path project = copy("seamlines"), mine = project / "mine.gpkg";
   const std::string picture = bytes_of(project / "products/ortho.tif");
   fs::copy_file(project / "products/seamlines.gpkg", mine);
   Settings changed = settings();
-  changed.ortho.seamlines = mine.string();
   Log log;
+  // A file that holds none is refused at once and does not stay in the project.
+  changed.ortho.seamlines = (project / "project.json").string();
+  ASSERT_FALSE(bring(project, changed, log, "ortho"));
+  ASSERT_TRUE(read_settings(project));
+  EXPECT_FALSE(read_settings(project)->ortho.seamlines);
+  changed.ortho.seamlines = mine.string();
   ASSERT_TRUE(bring(project, changed, log, "ortho"));
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
   EXPECT_EQ(bytes_of(project / "products/ortho.tif"), picture);
@@ -479,6 +585,7 @@ TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   what_stands_in_the_way_of_a_product_is_named();
   a_changed_control_file_leaves_matching_alone();
   a_missing_product_is_made_again();
+  a_plane_of_the_project_is_rectified();
   given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change();
   a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();

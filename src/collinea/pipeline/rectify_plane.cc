@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/median.h"
 #include "collinea/image/photo.h"
 #include "collinea/io/colmap.h"
 #include "collinea/io/file.h"
@@ -14,6 +15,7 @@
 #include "collinea/io/text.h"
 #include "collinea/ortho/plane_homography.h"
 #include "collinea/ortho/rectify.h"
+#include "collinea/pipeline/fitted_camera.h"
 #include "collinea/pipeline/image_names.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/places.h"
@@ -187,28 +189,22 @@ Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& optio
   auto image = names.find(photo.string());
   if (!image) image = names.find(photo.filename().string());
   if (!image) return fail(Errc::kNotFound, "no photograph of the orientation is called " + photo.filename().string());
-  const Camera& camera = block.camera_of(*image);
-  if (camera.width_px != header.width_px || camera.height_px != header.height_px)
-    return fail(Errc::kBadInput,
-                fmt::format("its camera takes pictures of {} x {} px, {} has {} x {} px", camera.width_px,
-                            camera.height_px, photo.string(), header.width_px, header.height_px));
-  return PhotoCamera{camera, true};
+  COLLINEA_TRY(Camera camera, fitted_to(block.camera_of(*image), header.width_px, header.height_px, photo.string()));
+  return PhotoCamera{std::move(camera), true};
 }
 
 Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
   if (options.points.has_value() == options.rectangle.has_value())
     return fail(Errc::kBadInput, "which plane? Give --points, or --rectangle with --size");
   if (options.points && options.size) return fail(Errc::kBadInput, "--size belongs to --rectangle, not to --points");
+  const double sigma_px = options.sigma_px.value_or(0.5), sigma_m = options.sigma_m.value_or(0);
   std::vector<PlanePoint> points;
   if (options.points) {
     COLLINEA_TRY(const auto rows, rows_of(*options.points, true, 4, 6));
     for (const Row& row : rows) {
       const auto& n = row.numbers;
-      points.push_back({row.name,
-                        {n[0], n[1]},
-                        {n[2], n[3]},
-                        n.size() > 4 ? n[4] : options.sigma_px,
-                        n.size() > 5 ? n[5] : options.sigma_m});
+      points.push_back(
+          {row.name, {n[0], n[1]}, {n[2], n[3]}, n.size() > 4 ? n[4] : sigma_px, n.size() > 5 ? n[5] : sigma_m});
     }
     return points;
   }
@@ -220,7 +216,7 @@ Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
   const Vector2d corners[4] = {{0, s[1]}, {s[0], s[1]}, {s[0], 0}, {0, 0}};
   const char* names[4] = {"upper left", "upper right", "lower right", "lower left"};
   for (std::size_t i = 0; i < 4; ++i)
-    points.push_back({names[i], {c[2 * i], c[2 * i + 1]}, corners[i], options.sigma_px, options.sigma_m});
+    points.push_back({names[i], {c[2 * i], c[2 * i + 1]}, corners[i], sigma_px, sigma_m});
   return points;
 }
 
@@ -371,8 +367,7 @@ Result<FoundPlane> plane_of_region(const Project& project, const Places& places,
     sigmas.push_back(double(point.sigma_m));
   }
   if (places.frame) places.frame->local_from_map(points);
-  std::nth_element(sigmas.begin(), sigmas.begin() + std::ptrdiff_t(sigmas.size() / 2), sigmas.end());
-  const double tolerance_m = options.tolerance_m.value_or(3 * sigmas[sigmas.size() / 2]);
+  const double tolerance_m = options.tolerance_m.value_or(3 * median(sigmas));
   if (!(tolerance_m > 0)) return fail(Errc::kBadInput, "the cloud states no standard deviations: give --tolerance-m");
   const auto fit = find_plane(points, tolerance_m, project.run.seed);
   if (!fit)
@@ -450,6 +445,11 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
     return fail(Errc::kBadInput,
                 "--points, --rectangle, --size, --project, --orientation and --focal-px are for a "
                 "photograph, not a project");
+  if (options.sigma_px || options.sigma_m)
+    return fail(
+        Errc::kBadInput,
+        "--sigma-px and --sigma-m are of the points of a photograph; a project's plane is judged by how far its "
+        "points lie off it");
   COLLINEA_TRY(const Project project, open_project(folder, run));
   COLLINEA_TRY(const Block block, project.store.read_block());
   if (block.cam_from_world.empty())
@@ -475,7 +475,7 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
   const Spread shift = spread_of(extent, [&](const Vector2d& p) { return *shift_per_depth(views[0], p); });
   told.text += fmt::format("so places are shifted by {} in the middle, {} in the worst corner (RMS)\n",
                            length_text(found.fit.rms_m * shift.middle), length_text(found.fit.rms_m * shift.worst));
-  if (!block.georeference) told.text += "the block has no scale: lengths are in its own unit, not in metres\n";
+  if (!places.metric) told.text += "the block has no scale: lengths are in its own unit, not in metres\n";
   const auto on_map = [&](const Vector3d& p) { return places.frame ? places.frame->map_from_local(p) : p; };
   told.json["plane"] = {{"points", found.points.size()},
                         {"points_looked_at", found.of},

@@ -20,8 +20,7 @@ struct RectifyOptions {
   std::optional<double> tolerance_m = {};
   std::optional<std::string> extent = {};
   std::optional<double> cell_m = {};
-  double sigma_px = 0.5;
-  double sigma_m = 0;
+  std::optional<double> sigma_px = {}, sigma_m = {};
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -57,8 +56,9 @@ struct RectifyOptions {
               "left,bottom,right,top in metres on the plane; nothing: around the points, a tenth wider on each side"});
     visit(Field{"cell_m", &O::cell_m, "m", "cell of the picture; nothing: the pixel of the photograph in its middle",
                 1e-6, 1e6});
-    visit(Field{"sigma_px", &O::sigma_px, "px", "of the image coordinates of points that state none", 1e-6, 1e4});
-    visit(Field{"sigma_m", &O::sigma_m, "m", "of the plane coordinates of points that state none", 0, 1e4});
+    visit(Field{"sigma_px", &O::sigma_px, "px",
+                "of the image coordinates of a photograph's points that state none; nothing: 0.5", 1e-6, 1e4});
+    visit(Field{"sigma_m", &O::sigma_m, "m", "of their plane coordinates; nothing: 0", 0, 1e4});
   }
 };
 

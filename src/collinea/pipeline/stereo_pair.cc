@@ -16,6 +16,7 @@
 #include "collinea/io/colmap.h"
 #include "collinea/io/file.h"
 #include "collinea/io/ply.h"
+#include "collinea/pipeline/fitted_camera.h"
 #include "collinea/pipeline/image_names.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/project.h"
@@ -70,20 +71,6 @@ Result<Prepared> rectified_pair(const fs::path& left, const fs::path& right, con
   return ready;
 }
 
-// The camera as of the photograph: a model may have been made on a copy of another size.
-Result<Camera> fitted(Camera camera, const fs::path& photo) {
-  COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
-  const double times = double(header.width_px) / camera.width_px;
-  if (std::abs(times * camera.height_px - header.height_px) > std::max(1.0, times))
-    return fail(Errc::kBadInput,
-                fmt::format("its camera takes pictures of {} x {} px, {} has {} x {} px", camera.width_px,
-                            camera.height_px, photo.string(), header.width_px, header.height_px));
-  scale_params(camera, times);
-  camera.width_px = header.width_px;
-  camera.height_px = header.height_px;
-  return camera;
-}
-
 struct Side {
   ImageId image;
   fs::path photo;
@@ -96,7 +83,9 @@ Result<Side> side_of(const Block& block, const std::string& name, const fs::path
   const auto image = ImageNames(block).find(name);
   if (!image) return fail(Errc::kNotFound, "no photograph of the orientation is called " + name);
   if (!block.cam_from_world.count(*image)) return fail(Errc::kIllPosed, name + " is not oriented");
-  COLLINEA_TRY(const Camera whole, fitted(block.camera_of(*image), photo));
+  COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
+  COLLINEA_TRY(const Camera whole,
+               fitted_to(block.camera_of(*image), header.width_px, header.height_px, photo.string()));
   COLLINEA_TRY(const int shrink, shrink_for(whole, pair));
   return Side{*image, photo, shrunk(whole, shrink), shrink};
 }

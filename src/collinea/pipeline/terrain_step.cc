@@ -7,6 +7,7 @@
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
 #include "collinea/pipeline/json_text.h"
+#include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
 #include "collinea/surface/dtm.h"
 
@@ -55,7 +56,8 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
                       why + ": no terrain model"};
   };
   if (!looks_down(block)) return without("the images do not look down on the scene");
-  if (!block.georeference) return without("the block has no scale, so that the size of objects is not known");
+  COLLINEA_TRY(const Places places, places_of(project, block));
+  if (!places.metric) return without("the block has no scale, so that the size of objects is not known");
   const DsmFiles dsm{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif", {}};
   const DtmFiles files{products / "dtm.tif", products / "dtm_sigma.tif", products / "dtm_state.tif",
                        products / "contours.gpkg"};
