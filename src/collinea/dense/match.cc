@@ -12,6 +12,7 @@
 #include "collinea/dense/overview.h"
 #include "collinea/dense/pinhole.h"
 #include "collinea/dense/rims.h"
+#include "collinea/dense/texture_place.h"
 
 namespace collinea {
 namespace {
@@ -284,10 +285,10 @@ class Matching {
       refined = dense::refine(level, surface, true, run_);
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       keep_good(level, surface, certainty, refined);
+      dense::keep_textured(dense::texture_place(*level.picture), kAgreeing * level.step, refined.inverse_depth);
       if (l == 0) {
         result = std::move(refined);
       } else {
-        dense::keep_textured(*level.picture, refined.inverse_depth);
         fill_from(refined, 1 << l, finest_surface, kAgreeing * level.step, result);
       }
       finer = std::move(surface);

@@ -94,6 +94,36 @@ TEST(DepthMap, NeighboursMayBeTurned) {
   EXPECT_GT(e.part_measured(), 0.85);
 }
 
+// Points that nobody sees, observations of points and images that are not there: all passed over.
+TEST(TieView, OfTiesOneByOneIsThatOfTheBlock) {
+  Scene scene = Scene::of_four({.slope = 0, .roof = 2});
+  const TieView whole(scene.block);
+  TieView one_by_one = TieView::without_ties(scene.block);
+  std::uint32_t last = 0;
+  for (const auto& [id, point] : scene.block.points) {
+    one_by_one.add(id, point.position_in_world);
+    last = id.value;
+  }
+  one_by_one.add(PointId{last + 1}, {0, 0, 0});
+  for (const Observation& seen : scene.block.observations) {
+    Observation of_nothing = seen;
+    of_nothing.image = ImageId{9999};
+    one_by_one.add(of_nothing);
+    one_by_one.add(seen);
+  }
+  one_by_one.add(Observation{kFirst, PointId{last + 2}, 0, {1, 1}});
+  one_by_one.finish();
+  const auto expected = whole.seen_by(kFirst), seen = one_by_one.seen_by(kFirst);
+  ASSERT_EQ(seen.size(), expected.size());
+  ASSERT_GT(seen.size(), 50u);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    EXPECT_EQ(seen[i].point, expected[i].point);
+    EXPECT_EQ(seen[i].point_in_cam, expected[i].point_in_cam);
+  }
+  EXPECT_EQ(one_by_one.neighbours(kFirst, 3), whole.neighbours(kFirst, 3));
+  EXPECT_EQ(one_by_one.overlapping(kFirst, 3), whole.overlapping(kFirst, 3));
+}
+
 // Pyramids end where the shorter side does, while the longer one is still wider than overviews are.
 TEST(Overview, OfALongStripIsTheSmallestPictureThereIs) {
   const Camera strip = ideal_camera(3000, 3000, 200);

@@ -73,19 +73,32 @@ std::vector<ImageId> most_useful(std::vector<Candidate> candidates, int count) {
 }  // namespace
 
 TieView::TieView(const Block& block) : block_(block) {
-  for (const Observation& seen : block.observations) {
-    const auto point = block.points.find(seen.point);
-    if (!block.cam_from_world.count(seen.image) || point == block.points.end()) continue;
-    if (points_.empty() || points_.back() != seen.point) {  // observations are sorted by point
-      points_.push_back(seen.point);
-      positions_.push_back(point->second.position_in_world);
-      first_ray_.push_back(std::uint32_t(image_of_ray_.size()));
-    }
-    rays_of_[seen.image].push_back(std::uint32_t(image_of_ray_.size()));
-    image_of_ray_.push_back(seen.image);
-    cell_of_ray_.push_back(std::uint8_t(cell_of(block.camera_of(seen.image), seen.pixel)));
-  }
-  first_ray_.push_back(std::uint32_t(image_of_ray_.size()));
+  for (const auto& [id, point] : block.points) add(id, point.position_in_world);
+  for (const Observation& seen : block.observations) add(seen);
+  finish();
+}
+
+TieView TieView::without_ties(const Block& block) { return {block, Nothing{}}; }
+
+void TieView::add(PointId id, const Eigen::Vector3d& position_in_world) {
+  points_.push_back(id);
+  positions_.push_back(position_in_world);
+}
+
+void TieView::add(const Observation& seen) {
+  // first_ray_ grows up to the point of this ray: observations are sorted by point.
+  std::size_t point = first_ray_.empty() ? 0 : first_ray_.size() - 1;
+  while (point < points_.size() && points_[point] < seen.point) ++point;
+  if (point == points_.size() || points_[point] != seen.point || !block_.cam_from_world.count(seen.image)) return;
+  const auto ray = std::uint32_t(image_of_ray_.size());
+  first_ray_.resize(point + 1, ray);
+  rays_of_[seen.image].push_back(ray);
+  image_of_ray_.push_back(seen.image);
+  cell_of_ray_.push_back(std::uint8_t(cell_of(block_.camera_of(seen.image), seen.pixel)));
+}
+
+void TieView::finish() {
+  first_ray_.resize(points_.size() + 1, std::uint32_t(image_of_ray_.size()));
   points_.shrink_to_fit();
   positions_.shrink_to_fit();
   first_ray_.shrink_to_fit();

@@ -18,10 +18,17 @@ struct SeenPoint {
 };
 
 /// Which images see which tie points; built once per block, read by every image. The block must outlive it, but not its
-/// points and observations.
+/// points and observations, which take several times the memory.
 class TieView {
  public:
   explicit TieView(const Block& block);
+
+  /// Of a block whose tie points and observations come one by one: first all points, then all observations, each in the
+  /// order of their ids, then finish(). Observations of unknown points and of images without pose are passed over.
+  static TieView without_ties(const Block& block);
+  void add(PointId id, const Eigen::Vector3d& position_in_world);
+  void add(const Observation& seen);
+  void finish();
 
   /// Tie points in front of the image's camera, in the order of their ids.
   [[nodiscard]] std::vector<SeenPoint> seen_by(ImageId image) const;
@@ -35,6 +42,8 @@ class TieView {
   [[nodiscard]] std::vector<ImageId> overlapping(ImageId image, int count) const;
 
  private:
+  struct Nothing {};
+  TieView(const Block& block, Nothing) : block_(block) {}
   [[nodiscard]] std::size_t point_of(std::uint32_t ray) const;
 
   const Block& block_;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "collinea/dense/pinhole.h"
+#include "collinea/dense/texture_place.h"
 #include "collinea/dense/window_variance.h"
 
 namespace collinea::dense {
@@ -116,10 +117,11 @@ void fill_rough(const Level& finest, const FloatImage& agreed, Refined& result) 
   const FloatImage surface = median3(agreed);
   const int factor = int(std::lround(double(finest.picture->width) / agreed.width));
   const float px = float(factor) * finest.step / finest.parallax_px;
+  const TexturePlace place = texture_place(*finest.picture);
   for (int y = 0; y < result.inverse_depth.height; ++y)
     for (int x = 0; x < result.inverse_depth.width; ++x) {
       float& w = result.inverse_depth.at(x, y);
-      if (!std::isnan(w) || grey_deviation(*finest.picture, x, y) < kLeastTexture) continue;
+      if (!std::isnan(w) || place.beside(x, y) || grey_deviation(*finest.picture, x, y) < kLeastTexture) continue;
       const int i = x / factor, j = y / factor;
       if (i >= agreed.width || j >= agreed.height || std::isnan(agreed.at(i, j))) continue;
       const float rough = roughness(surface, i, j);

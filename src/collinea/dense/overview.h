@@ -22,8 +22,8 @@ struct PlacedMap {
 [[nodiscard]] FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& others, float reach);
 
 /// Leaves and grass look different from everywhere: windows do not correlate, though small pictures agree on the
-/// surface. Where `result`, of the finest level, has nothing and the picture has texture, it gets the surface `agreed`
-/// upon, with a sigma from the size of its pixels and its roughness.
+/// surface. Where `result`, of the finest level, has nothing and the picture has texture, and not only beside, it gets
+/// the surface `agreed` upon, with a sigma from the size of its pixels and its roughness.
 void fill_rough(const Level& finest, const FloatImage& agreed, Refined& result);
 
 }  // namespace collinea::dense

@@ -80,6 +80,7 @@ TEST(FillRough, GivesTexturedHolesTheAgreedSurface) {
   EXPECT_FLOAT_EQ(result.inverse_depth.at(10, 20), 0.1f);
   EXPECT_NEAR(result.sigma.at(10, 20), 0.4f * 4 * 0.001f, 1e-6f);
   EXPECT_TRUE(std::isnan(result.inverse_depth.at(22, 20)));  // the overviews do not agree
+  EXPECT_TRUE(std::isnan(result.inverse_depth.at(41, 20)));  // texture beside it alone
   EXPECT_TRUE(std::isnan(result.inverse_depth.at(60, 20)));  // no texture
 }
 

@@ -8,7 +8,6 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/dense/level.h"
-#include "collinea/dense/window_variance.h"
 
 namespace collinea::dense {
 namespace {
@@ -143,18 +142,6 @@ Refined refine(const Level& level, const FloatImage& surface, bool near, const R
       refine_cell(level, surface, column * kCell, int(row) * kCell, trial_step, *scratch, result);
   });
   return result;
-}
-
-void keep_textured(const GreyImage& picture, FloatImage& surface) {
-  constexpr float kLeastInside = 0.15f;  // of the variance of a window, in its middle 3 x 3 pixels
-  const auto variance = [&](int x, int y, int reach) {
-    return variance_around(x, y, reach, picture.width, picture.height,
-                           [&](int i, int j) { return float(picture.at(i, j)) - 128; });
-  };
-  for (int y = 0; y < surface.height; ++y)
-    for (int x = 0; x < surface.width; ++x)
-      if (!std::isnan(surface.at(x, y)) && variance(x, y, 1) < kLeastInside * variance(x, y, kRadius))
-        surface.at(x, y) = kNaN;
 }
 
 FloatImage smoothed_within(const FloatImage& surface, float reach) {

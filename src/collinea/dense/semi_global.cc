@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <new>
@@ -57,7 +56,7 @@ struct Slot {
 class TileMatching {
  public:
   TileMatching(const DisparityCosts& costs, const GreyImage& left, int right_width, const GreyImage& small,
-               const DisparityRange& range, double max_left_right_px, const StereoTile& tile, const Run& run,
+               const DisparityRange& range, int max_left_right_px, const StereoTile& tile, const Run& run,
                FloatImage& disparity)
       : costs_(costs), left_(left), small_(small), tile_(tile), run_(run), disparity_(disparity) {
     width_ = tile.x1 - tile.x0;
@@ -66,7 +65,7 @@ class TileMatching {
     labels_ = range.high - range.low + 1;
     stride_ = stride_of(labels_);
     right_width_ = right_width;
-    max_apart_ = int(std::floor(max_left_right_px));
+    max_apart_ = max_left_right_px;
     const std::size_t elements = std::size_t(width_) * std::size_t(height_) * std::size_t(stride_);
     tolls_ = room_for<std::uint8_t>(elements);
     slots_.resize(std::size_t(std::max(run.threads, 1)) + 2);  // the last one is what lies outside
@@ -240,7 +239,7 @@ GreyImage small_changes(const GreyImage& left) {
 }
 
 void match_tile(const DisparityCosts& costs, const GreyImage& left, int right_width, const GreyImage& small,
-                const DisparityRange& range, double max_left_right_px, const StereoTile& tile, const Run& run,
+                const DisparityRange& range, int max_left_right_px, const StereoTile& tile, const Run& run,
                 FloatImage& disparity) {
   TileMatching(costs, left, right_width, small, range, max_left_right_px, tile, run, disparity).match();
 }

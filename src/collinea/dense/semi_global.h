@@ -26,7 +26,7 @@ struct StereoTile {
 /// the kept part of the tile where left and right agree within `max_left_right_px` and the right picture has the pixel;
 /// leaves the rest. The rows are shared among run.threads threads, each a little behind the one above.
 void match_tile(const DisparityCosts& costs, const GreyImage& left, int right_width, const GreyImage& small,
-                const DisparityRange& range, double max_left_right_px, const StereoTile& tile, const Run& run,
+                const DisparityRange& range, int max_left_right_px, const StereoTile& tile, const Run& run,
                 FloatImage& disparity);
 
 }  // namespace collinea::dense

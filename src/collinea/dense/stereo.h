@@ -24,7 +24,7 @@ struct DisparityRange {
 
 struct StereoOptions {
   std::string cost = "census";
-  double max_left_right_px = 1;
+  int max_left_right_px = 1;
   int min_patch_px = 100;
   double min_correlation = 0.5;
   double max_sigma_px = 0.5;
@@ -35,7 +35,7 @@ struct StereoOptions {
     using O = StereoOptions;
     visit(Field{"cost", &O::cost, "", "census, zncc, rank, sad or ssd: how unlike two pixels are"});
     visit(Field{"max_left_right_px", &O::max_left_right_px, "px",
-                "largest difference between what is found from the left and from the right", 0, 100});
+                "largest difference between what is found from the left and from the right, in whole pixels", 0, 100});
     visit(Field{"min_patch_px", &O::min_patch_px, "px", "what hangs together less is left out", 0, 1e6});
     visit(Field{"min_correlation", &O::min_correlation, "1", "smallest correlation of an accepted match", -1, 1});
     visit(Field{"max_sigma_px", &O::max_sigma_px, "px",

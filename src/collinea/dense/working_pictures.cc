@@ -5,32 +5,17 @@
 #include <array>
 #include <cmath>
 
-#include "collinea/dense/cubic.h"
-#include "collinea/dense/pinhole.h"
+#include "collinea/dense/epipolar_pair.h"
 
 namespace collinea {
 namespace {
 
 constexpr double kDefaultPixels = 3.2e6;
 constexpr int kSmallestSide = 40;  // of the coarsest level kept
-constexpr int kGrid = 8;           // pixels between exact evaluations of the distortion; between them error < 0.003 px
 
 bool is_ideal(const Camera& camera) {
   return !is_fisheye(camera.model) &&
          std::all_of(camera.params.begin() + Camera::kK1, camera.params.end(), [](double p) { return p == 0; });
-}
-
-// Where the pixels of the ideal picture lie on the photograph, at every kGrid-th pixel (sample units); NaN: nowhere.
-std::vector<Eigen::Vector2f> distortion_grid(const Camera& camera, const Camera& ideal, int columns, int rows) {
-  std::vector<Eigen::Vector2f> grid(std::size_t(columns) * std::size_t(rows));
-  const dense::Pinhole pinhole(ideal);
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) {
-      const auto pixel = project(camera, pinhole.ray(i * kGrid + 0.5, j * kGrid + 0.5));
-      grid[std::size_t(j) * std::size_t(columns) + std::size_t(i)] =
-          pixel ? Eigen::Vector2f((*pixel - Eigen::Vector2d(0.5, 0.5)).cast<float>()) : Eigen::Vector2f(NAN, NAN);
-    }
-  return grid;
 }
 
 }  // namespace
@@ -89,27 +74,11 @@ Camera camera_of_level(const Camera& camera, int level) {
 }
 
 GreyImage undistorted(const GreyImage& picture, const Camera& camera) {
+  if (!is_ideal(camera))
+    return resampled(picture, camera, Eigen::Quaterniond::Identity(), without_distortion(camera), Run{});
   GreyImage result(picture.width, picture.height);
-  if (is_ideal(camera)) {
-    std::transform(picture.data.begin(), picture.data.end(), result.data.begin(),
-                   [](std::uint8_t v) { return std::max<std::uint8_t>(v, 1); });
-    return result;
-  }
-  const int columns = (picture.width - 1) / kGrid + 2, rows = (picture.height - 1) / kGrid + 2;
-  const auto grid = distortion_grid(camera, without_distortion(camera), columns, rows);
-  for (int y = 0; y < result.height; ++y) {
-    const Eigen::Vector2f* upper = grid.data() + std::size_t(y / kGrid) * std::size_t(columns);
-    const float v = float(y % kGrid) / kGrid;
-    std::uint8_t* out = result.row(y);
-    for (int x = 0; x < result.width; ++x) {
-      const int i = x / kGrid;
-      const float u = float(x % kGrid) / kGrid;
-      const Eigen::Vector2f above = upper[i] + u * (upper[i + 1] - upper[i]);
-      const Eigen::Vector2f below = upper[columns + i] + u * (upper[columns + i + 1] - upper[columns + i]);
-      out[x] =
-          dense::cubic<1>(picture, above.x() + v * (below.x() - above.x()), above.y() + v * (below.y() - above.y()));
-    }
-  }
+  std::transform(picture.data.begin(), picture.data.end(), result.data.begin(),
+                 [](std::uint8_t v) { return std::max<std::uint8_t>(v, 1); });
   return result;
 }
 

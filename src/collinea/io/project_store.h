@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -47,6 +48,11 @@ class ProjectStore {
   Result<> write_orientation(const Block& block);
   /// Everything in one block. Before orientation there are no poses; cameras and control observations are as set up.
   Result<Block> read_block() const;
+  /// As read_block, without tie points and their observations, which take more memory than all the rest.
+  Result<Block> read_orientation() const;
+  /// Hands on first the tie points, then their observations, each in the order of a block.
+  Result<> read_ties(const std::function<void(PointId, const TiePoint&)>& take_point,
+                     const std::function<void(const Observation&)>& take_observation) const;
   /// As read_block, but as it was set up: no poses, no points, cameras and control observations before adjustment.
   Result<Block> read_setup() const;
 

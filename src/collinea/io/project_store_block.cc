@@ -402,14 +402,23 @@ Result<> read_poses(Database& db, std::map<ImageId, Rigid3>& cam_from_world) {
 Result<> read_orientation_tables(Database& db, Block& block) {
   if (auto read = read_cameras(db, "adjusted_cameras", block.cameras); !read) return read;
   if (auto read = read_poses(db, block.cam_from_world); !read) return read;
-  auto& points = block.points;
-  const auto take_point = [&](PointRecord::Value&& p) { points.insert_or_assign(points.end(), p.first, p.second); };
-  if (auto read = read_chunks<PointRecord>(db, "points", take_point); !read) return read;
+  return read_control_observations(db, "used_control_observations", block);
+}
+
+Result<> read_tie_tables(Database& db, const std::function<void(PointId, const TiePoint&)>& take_point,
+                         const std::function<void(const Observation&)>& take_observation) {
+  const auto take = [&](PointRecord::Value&& p) { take_point(p.first, p.second); };
+  if (auto read = read_chunks<PointRecord>(db, "points", take); !read) return read;
+  return read_chunks<ObservationRecord>(db, "observations", take_observation);
+}
+
+Result<> read_tie_tables(Database& db, Block& block) {
   COLLINEA_TRY(const auto bytes, db.integer("SELECT coalesce(sum(length(data)), 0) FROM observations"));
   block.observations.reserve(std::size_t(bytes) / ObservationRecord::kBytes);  // growing would take twice as much
-  const auto take_observation = [&](const Observation& o) { block.observations.push_back(o); };
-  if (auto read = read_chunks<ObservationRecord>(db, "observations", take_observation); !read) return read;
-  return read_control_observations(db, "used_control_observations", block);
+  auto& points = block.points;
+  return read_tie_tables(
+      db, [&](PointId id, const TiePoint& point) { points.insert_or_assign(points.end(), id, point); },
+      [&](const Observation& o) { block.observations.push_back(o); });
 }
 
 Result<> erase_orientation(Database& db) {
@@ -435,21 +444,26 @@ bool fits_together(const Block& block) {
   return true;
 }
 
-Result<Block> read_tables(Database& db, bool with_orientation) {
+enum class Wanted { kSetup, kOrientation, kAll };
+
+Result<Block> read_tables(Database& db, Wanted wanted) {
   Block block;
   if (auto read = read_setup_tables(db, block); !read) return tl::unexpected(read.error());
   COLLINEA_TRY(const auto oriented, db.integer("SELECT count(*) FROM oriented"));
-  const bool wanted = with_orientation && oriented > 0;
-  const auto read =
-      wanted ? read_orientation_tables(db, block) : read_control_observations(db, "control_observations", block);
+  if (oriented == 0) wanted = Wanted::kSetup;
+  const auto read = wanted == Wanted::kSetup ? read_control_observations(db, "control_observations", block)
+                                             : read_orientation_tables(db, block);
   if (!read) return tl::unexpected(read.error());
+  if (wanted == Wanted::kAll) {
+    if (auto ties = read_tie_tables(db, block); !ties) return tl::unexpected(ties.error());
+  }
   if (!fits_together(block)) return damaged("observations or poses of images or points that are not there");
   return block;
 }
 
-Result<Block> read_consistently(Database& db, bool with_orientation) {
+Result<Block> read_consistently(Database& db, Wanted wanted) {
   COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
-  return read_tables(db, with_orientation);
+  return read_tables(db, wanted);
 }
 
 }  // namespace
@@ -487,7 +501,7 @@ Result<> ProjectStore::write_setup(const Block& block) {
     if (auto written = write_chunks<ControlObservationRecord>(db, "control_observations", block.control_observations);
         !written)
       return written;
-    return read_tables(db, true) ? Result<>{} : erase_orientation(db);  // it was of another setup
+    return read_tables(db, Wanted::kAll) ? Result<>{} : erase_orientation(db);  // it was of another setup
   });
 }
 
@@ -508,11 +522,23 @@ Result<> ProjectStore::write_orientation(const Block& block) {
 }
 
 Result<Block> ProjectStore::read_block() const {
-  return state_->read([](Database& db) { return read_consistently(db, true); });
+  return state_->read([](Database& db) { return read_consistently(db, Wanted::kAll); });
+}
+
+Result<Block> ProjectStore::read_orientation() const {
+  return state_->read([](Database& db) { return read_consistently(db, Wanted::kOrientation); });
+}
+
+Result<> ProjectStore::read_ties(const std::function<void(PointId, const TiePoint&)>& take_point,
+                                 const std::function<void(const Observation&)>& take_observation) const {
+  return state_->read([&](Database& db) -> Result<> {
+    COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
+    return read_tie_tables(db, take_point, take_observation);
+  });
 }
 
 Result<Block> ProjectStore::read_setup() const {
-  return state_->read([](Database& db) { return read_consistently(db, false); });
+  return state_->read([](Database& db) { return read_consistently(db, Wanted::kSetup); });
 }
 
 }  // namespace collinea

@@ -241,6 +241,26 @@ TEST_F(ProjectStoreTest, TheOrientationComesBackBitByBitAndLeavesTheSetupAlone) 
   EXPECT_TRUE(again->cam_from_world.empty() && again->points.empty() && again->observations.empty());
 }
 
+TEST_F(ProjectStoreTest, TiesComeOneByOneAndTheOrientationWithoutThem) {
+  const Block oriented = oriented_block(6000);
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_setup(setup_block()));
+  ASSERT_TRUE(store.write_orientation(oriented));
+  auto block = store.read_orientation();
+  ASSERT_TRUE(block) << block.error().message;
+  EXPECT_TRUE(block->points.empty() && block->observations.empty());
+  expect_same_cameras(*block, oriented);
+  expect_same_control(*block, oriented);
+  ASSERT_TRUE(store.read_ties(
+      [&](PointId id, const TiePoint& point) {
+        EXPECT_TRUE(block->observations.empty());
+        EXPECT_TRUE(block->points.empty() || block->points.rbegin()->first < id);
+        block->points[id] = point;
+      },
+      [&](const Observation& seen) { block->observations.push_back(seen); }));
+  expect_same_orientation(*block, oriented);
+}
+
 TEST_F(ProjectStoreTest, ASmallerOrientationReplacesALargerOne) {
   ProjectStore store = open();
   ASSERT_TRUE(store.write_setup(setup_block()));

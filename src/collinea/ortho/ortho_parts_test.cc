@@ -95,6 +95,30 @@ TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
   EXPECT_EQ(result->places[3].row, 48.5);
 }
 
+TEST(HeightField, ThinnedKeepsEveryFourthHeightAndTheCorner) {
+  HeightField field;
+  field.grid = {500, 900, 0.5, 70, 301, ""};
+  field.read = [](int column, int row, int width, int height) -> Result<FloatImage> {
+    EXPECT_TRUE(column >= 0 && row >= 0 && column + width <= 70 && row + height <= 301);
+    FloatImage heights(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) heights.at(x, y) = float(column + x + 1000 * (row + y));
+    return heights;
+  };
+  const HeightField thin = thinned(field, 4);
+  EXPECT_EQ(thin.grid.width, 18);
+  EXPECT_EQ(thin.grid.height, 76);
+  EXPECT_EQ(thin.grid.cell_m, 2);
+  EXPECT_EQ(thin.grid.west_m, 500);
+  EXPECT_EQ(thin.grid.north_m, 900);
+  EXPECT_FALSE(thin.read_sigma);
+  const auto part = thin.read(3, 1, 15, 75);  // more than one strip, and to the last cells
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->at(0, 0), 14 + 1000 * 6);
+  EXPECT_EQ(part->at(1, 70), 18 + 1000 * (4 * 71 + 2));
+  EXPECT_EQ(part->at(14, 74), 69 + 1000 * 300);
+}
+
 TEST(HeightField, SigmasOfAnotherModelAreRefusedInWords) {
   const TestFolder folder;
   const auto write = [&](const std::string& name, const MapGrid& grid) {
@@ -159,6 +183,10 @@ TEST(Exposures, GainsAndFalloffAreRecoveredDespiteOutliers) {
   std::vector<std::vector<ColourSample>> samples(kPictures);
   std::vector<double> log_gain;
   for (int i = 0; i < kPictures; ++i) log_gain.push_back(random.uniform(-0.2, 0.2));
+  double trend = 0;  // which would be the directions'
+  for (int i = 0; i < kPictures; ++i) trend += (i - 5.5) * log_gain[std::size_t(i)] / 143;
+  for (int i = 0; i < kPictures; ++i) log_gain[std::size_t(i)] -= trend * (i - 5.5);
+  const std::vector<Eigen::Vector2d> places(1200, Eigen::Vector2d::Zero());
   for (std::uint32_t place = 0; place < 1200; ++place) {
     const double colour = random.uniform(3.5, 4.5);
     for (int i = int(place) / 100; i < std::min(kPictures, int(place) / 100 + 3); ++i) {
@@ -167,8 +195,9 @@ TEST(Exposures, GainsAndFalloffAreRecoveredDespiteOutliers) {
       samples[std::size_t(i)].push_back({place, float(r2), {value, value, value}});
     }
   }
-  const std::vector<CameraId> cameras(kPictures, CameraId{1});
-  const auto exposures = balance_exposures(samples, cameras);
+  std::vector<Standpoint> standpoints;
+  for (int i = 0; i < kPictures; ++i) standpoints.push_back({CameraId{1}, {double(i), 0}});
+  const auto exposures = balance_exposures(places, samples, standpoints, collinea::Run{}).exposures;
   EXPECT_NEAR(exposures[0].falloff[0], 0.3, 0.02);
   for (std::size_t i = 1; i < kPictures; ++i) {
     const double ratio = std::log(double(exposures[i].gain[2]) / double(exposures[i - 1].gain[2]));
@@ -176,11 +205,87 @@ TEST(Exposures, GainsAndFalloffAreRecoveredDespiteOutliers) {
   }
 }
 
+// Six strips of eight pictures over ground that sends more light back to the sun: brighter the further west one stands,
+// most where the shadow of the camera falls. The exposures differ at random; they must not take over that trend.
+TEST(Exposures, LightSentBackToTheSunDoesNotBecomeATrendOfTheGains) {
+  Random random(12);
+  constexpr int kAcross = 8, kDown = 6;
+  const auto log_brightness = [](const Eigen::Vector2d& u) {
+    return -0.5 * u.x() + 0.2 * std::exp(-30 * (u - Eigen::Vector2d(-0.25, 0.1)).squaredNorm());
+  };
+  std::vector<double> log_gain;
+  for (int i = 0; i < kAcross * kDown; ++i) log_gain.push_back(0.05 * random.normal());
+  std::vector<std::vector<ColourSample>> samples(kAcross * kDown);
+  std::vector<Eigen::Vector2d> places;
+  for (std::uint32_t place = 0; place < 3000; ++place) {
+    const Eigen::Vector2d at(random.uniform(-0.3, 0.2 * kAcross + 0.1), random.uniform(-0.3, 0.3 * kDown));
+    places.push_back(at);
+    const double colour = random.uniform(3.5, 4.5);
+    for (int i = 0; i < kAcross * kDown; ++i) {
+      const Eigen::Vector2d from(0.2 * (i % kAcross), 0.3 * (i / kAcross)), t = from - at;  // in flying heights
+      if (t.cwiseAbs().maxCoeff() > 0.5) continue;
+      const Eigen::Vector2d u = t / std::sqrt(1 + t.squaredNorm());
+      const float value = float(colour + log_gain[std::size_t(i)] + log_brightness(u) + 0.02 * random.normal());
+      samples[std::size_t(i)].push_back({place, float(2 * t.squaredNorm()), {value, value, value}, u});
+    }
+  }
+  std::vector<Standpoint> standpoints;
+  for (int i = 0; i < kAcross * kDown; ++i)
+    standpoints.push_back({CameraId{1}, {0.2 * (i % kAcross), 0.3 * (i / kAcross)}});
+  const ColourBalance balance = balance_exposures(places, samples, standpoints, collinea::Run{});
+  double trend = 0, squares = 0;  // of the gains from west to east
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double x = double(i % kAcross) - (kAcross - 1) / 2.0;
+    trend += x * (std::log(double(balance.exposures[i].gain[1])) + log_gain[i]), squares += x * x;
+  }
+  // The directions' trend of 0.5 would make 0.1 from picture to picture. What is left is the chance trend of the gains.
+  EXPECT_NEAR(trend / squares, 0, 0.01);
+  // Every place looks the same from everywhere. How much of that the fall-off does is arbitrary.
+  const auto corrected = [&](const Eigen::Vector2d& t) {
+    const Eigen::Vector2d u = t / std::sqrt(1 + t.squaredNorm());
+    return double(balance.exposures[0].falloff[1]) * 2 * t.squaredNorm() + double(balance.directions.at(u)[1]) +
+           log_brightness(u);
+  };
+  const double above = corrected({0, 0});
+  for (const auto& [x, y] : {std::pair(-0.3, 0.0), {0.3, 0.0}, {0.0, 0.3}, {0.2, -0.3}, {-0.25, 0.1}})
+    EXPECT_NEAR(corrected({x, y}), above, 0.05) << x << " " << y;
+  // In the middle of the block the directions have nothing to say on the whole; at its eastern border, seen from the
+  // west only, the ground keeps the brightness of that side.
+  EXPECT_NEAR(double(balance.places.at({0.7, 0.75})[1]), 0, 0.03);
+  EXPECT_NEAR(double(balance.places.at({1.8, 0.75})[1]), -0.5 * 0.4, 0.06);
+}
+
 TEST(Exposures, PicturesWithoutCommonPlacesStayAsTheyAre) {
   std::vector<std::vector<ColourSample>> samples(2);
+  const std::vector<Eigen::Vector2d> places(50, Eigen::Vector2d::Zero());
   for (std::uint32_t i = 0; i < 50; ++i) samples[i % 2].push_back({i, 0.1f, {4, 4, 4}});
-  const std::vector<CameraId> cameras(2, CameraId{1});
-  for (const Exposure& exposure : balance_exposures(samples, cameras)) EXPECT_EQ(exposure.gain[0], 1);
+  const std::vector<Standpoint> standpoints{{CameraId{1}, {0, 0}}, {CameraId{1}, {1, 0}}};
+  for (const Exposure& exposure : balance_exposures(places, samples, standpoints, collinea::Run{}).exposures)
+    EXPECT_EQ(exposure.gain[0], 1);
+}
+
+TEST(ChannelTable, SmoothedValuesFollowAPlaneAndGoOnWhereThereAreNone) {
+  Random random(13);
+  std::vector<ChannelValues> scattered;
+  for (int i = 0; i < 4000; ++i) {
+    const Eigen::Vector2d at(random.uniform(100, 140), random.uniform(-20, 0));
+    if (at.x() > 120 && at.x() < 130) continue;  // nothing is known here
+    scattered.push_back({at, {float(at.x()), 7, float(-at.y())}});
+  }
+  const ChannelTable table = smoothed_table(scattered, 1);
+  EXPECT_NEAR(double(table.at({110, -10})[0]), 110, 0.3);
+  EXPECT_NEAR(double(table.at({110, -5})[2]), 5, 0.3);
+  for (const double x : {90.0, 110.0, 124.0, 150.0}) EXPECT_NEAR(double(table.at({x, -10})[1]), 7, 1e-4) << x;
+  EXPECT_NEAR(double(table.at({123, -10})[0]), 120, 1.5);  // as the nearest
+  EXPECT_NEAR(double(table.at({128, -10})[0]), 130, 1.5);
+  EXPECT_EQ(table.at({1000, -10}), table.at({200, -10}));
+}
+
+TEST(ChannelTable, OfOnePlaceOrOfNone) {
+  EXPECT_EQ(smoothed_table({}, 1).at({3, 4})[0], 0);
+  const std::vector<ChannelValues> one{{{5, 6}, {1, 2, 3}}};
+  EXPECT_EQ(smoothed_table(one, 0).at({5, 6})[0], 0);
+  for (const double x : {-9.0, 5.0, 99.0}) EXPECT_NEAR(double(smoothed_table(one, 2).at({x, 6})[2]), 3, 1e-6);
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ struct OrthoScene {
   const HeightOverview* surface_overview = nullptr;
   const LocalFrame* frame = nullptr;  ///< null: map and world are the same
   std::vector<View> views;
-  std::vector<int> shrink;          ///< at which size each view's picture is read
-  std::vector<Exposure> exposures;  ///< of each view
+  std::vector<int> shrink;  ///< at which size each view's picture is read
+  ColourBalance balance;
   PixelCache* pictures = nullptr;
   int feather_cells = 12;
   const HeightField* terrain = nullptr;  ///< null: not known; tells what is raised, where seams should not run
@@ -30,6 +30,9 @@ struct OrthoScene {
 struct CellArea {
   int column, row, width, height;
 };
+
+/// For each view the largest reduction of its picture at which a pixel still is no larger than a cell.
+[[nodiscard]] std::vector<int> shrinks(const OrthoScene& scene, double cell_m);
 
 /// A piece of the scene's grid with its heights, and in `views` those that show something of it; nothing where there
 /// are no heights or no view shows anything. Errors: the surface cannot be read.

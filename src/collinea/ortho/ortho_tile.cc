@@ -42,17 +42,19 @@ struct Mixture {
 };
 
 struct Source {
+  const ColourBalance& balance;
+  std::size_t index;
   const View& view;
-  const Exposure& exposure;
   const ColourImage& picture;
 };
 
 bool colour_at(const OrthoPatch& patch, const Source& source, int x, int y, float colour[3]) {
-  const auto pixel = pixel_of(source.view, patch.world_at(x, y));
+  const Eigen::Vector3d place = patch.world_at(x, y);
+  const auto pixel = pixel_of(source.view, place);
   if (!pixel) return false;
   bicubic(source.picture, pixel->x() * source.picture.width / source.view.camera.width_px,
           pixel->y() * source.picture.height / source.view.camera.height_px, colour);
-  const auto factor = factor_of(source.exposure, float(relative_radius2(source.view.camera, *pixel)));
+  const auto factor = source.balance.factor(source.index, source.view, place, *pixel);
   for (std::size_t c = 0; c < 3; ++c) colour[c] *= factor[c];
   return true;
 }
@@ -227,10 +229,7 @@ Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, 
   if (!patch) return OrthoTile{Raster<std::uint8_t>(width, height, 4), Raster<std::uint16_t>(width, height), {}, {}};
   std::vector<const View*> views;
   for (const std::size_t v : over) views.push_back(&scene.views[v]);
-  // Roof edges of the surface model are good to about a cell; one more for the reach of the interpolation in the
-  // picture.
-  const int rim_cells = 1 + int(std::ceil(1.5 * scene.surface->grid.cell_m / scene.grid.cell_m));
-  Visibility visibility(*patch, views, rim_cells);
+  Visibility visibility(*patch, views, int(std::lround(rim_m(*scene.surface, scene.grid.cell_m) / scene.grid.cell_m)));
   const Labels labels = choose_views(*patch, views, wanted_views(scene, area, over), visibility);
   std::vector<SeamSide> sides = seam_sides(labels, wanted, visibility);
   Mixture mixture{FloatImage(area.width, area.height, 3), FloatImage(area.width, area.height)};
@@ -239,7 +238,7 @@ Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, 
     const std::size_t v = over[std::size_t(label)];
     const ViewWeights weights = weights_of(labels, label, scene.feather_cells, visibility);
     COLLINEA_TRY(const auto picture, scene.pictures->picture(scene.views[v].image, scene.shrink[v]));
-    const Source source{scene.views[v], scene.exposures[v], *picture};
+    const Source source{scene.balance, v, scene.views[v], *picture};
     add_view(*patch, source, weights, wanted, mixture);
     look_along_seams(*patch, source, label, sides);
   }

@@ -51,8 +51,8 @@ struct OrthoFiles {
 
 struct OrthoSummary {
   MapGrid grid;
-  std::vector<ImageId> sources;     ///< all oriented images, by id
-  std::vector<Exposure> exposures;  ///< of the sources
+  std::vector<ImageId> sources;  ///< all oriented images, by id
+  ColourBalance balance;         ///< of the sources
   std::uint64_t painted_cells = 0, empty_cells = 0;
   std::uint64_t photographs_used = 0;
   std::vector<SeamPolygon> seamlines;  ///< the plan: sources are places in `sources`, from 1 on

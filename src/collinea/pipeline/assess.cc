@@ -8,12 +8,13 @@ namespace collinea {
 
 Result<std::string> assess_project(const Project& project, const std::filesystem::path& truth) {
   COLLINEA_TRY(const TruthFolder known, read_truth(truth));
-  COLLINEA_TRY(const Block block, project.store.read_block());
+  COLLINEA_TRY(const Block block, project.store.read_orientation());
   if (block.cam_from_world.empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   const auto products = project.folder / "products";
-  const ProductFiles files{products / "dsm.tif",       products / "dsm_state.tif", products / "dtm.tif",
-                           products / "dtm_state.tif", products / "ortho.tif",     products / "dsm_sigma.tif", products / "ortho_source.tif"};
+  const ProductFiles files{products / "dsm.tif",         products / "dsm_state.tif", products / "dtm.tif",
+                           products / "dtm_state.tif",   products / "ortho.tif",     products / "dsm_sigma.tif",
+                           products / "ortho_source.tif"};
   COLLINEA_TRY(const Assessment assessment, assess(block, files, known, project.run));
   return table(assessment);
 }

@@ -94,18 +94,12 @@ Result<std::string> inputs_of_depth_maps(const Project& project) {
 // Where on the map the tie points lie.
 struct Extent {
   Eigen::Vector3d lowest = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), highest = -lowest;
-};
 
-Extent extent_of(const Block& block, const Places& places) {
-  Extent extent;
-  for (const auto& [id, point] : block.points) {
-    const Eigen::Vector3d on_map =
-        places.frame ? places.frame->map_from_local(point.position_in_world) : point.position_in_world;
-    extent.lowest = extent.lowest.cwiseMin(on_map);
-    extent.highest = extent.highest.cwiseMax(on_map);
+  void include(const Eigen::Vector3d& on_map) {
+    lowest = lowest.cwiseMin(on_map);
+    highest = highest.cwiseMax(on_map);
   }
-  return extent;
-}
+};
 
 // Both cloud files at once: LAS in the map, PLY in the world frame.
 class CloudFiles {
@@ -156,12 +150,20 @@ class CloudFiles {
 }  // namespace
 
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
-  COLLINEA_TRY(Block block, project.store.read_block());
+  COLLINEA_TRY(const Block block, project.store.read_orientation());
   COLLINEA_TRY(const Places places, places_of(project, block));
-  const Extent of_ties = extent_of(block, places);
-  const TieView ties(block);
-  block.points.clear();  // from here on all is in `ties`, in a fraction of the memory
-  block.observations = {};
+  TieView ties = TieView::without_ties(block);
+  Extent of_ties;
+  if (auto read = project.store.read_ties(
+          [&](PointId id, const TiePoint& point) {
+            of_ties.include(places.frame ? places.frame->map_from_local(point.position_in_world)
+                                         : point.position_in_world);
+            ties.add(id, point.position_in_world);
+          },
+          [&](const Observation& seen) { ties.add(seen); });
+      !read)
+    return tl::unexpected(read.error());
+  ties.finish();
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
   WorkingPictures pictures(
       block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);

@@ -28,7 +28,7 @@ Result<> keep_seamlines(const Project& project, const Block& block, const OrthoS
 }  // namespace
 
 Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) {
-  COLLINEA_TRY(const Block block, project.store.read_block());
+  COLLINEA_TRY(const Block block, project.store.read_orientation());
   if (!looks_down(block))
     return StepOutput{inputs_hash, R"({"skipped_because": "the images do not look down: no orthophoto"})",
                       "the images do not look down on the scene: no orthophoto"};

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "collinea/base/median.h"
 #include "collinea/dense/epipolar_pair.h"
 #include "collinea/dense/working_pictures.h"
 #include "collinea/image/geotiff.h"
@@ -230,9 +231,7 @@ Summary summary_of(const GreyImage& left, const DisparityMap& map) {
   }
   summary.measured = sigmas.size();
   if (sigmas.empty()) return summary;
-  const auto middle = sigmas.begin() + std::ptrdiff_t(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  summary.median_sigma_px = *middle;
+  summary.median_sigma_px = median(sigmas);
   return summary;
 }
 

@@ -41,7 +41,7 @@ Result<std::vector<PlaceSigma>> orientation_sigmas(const Project& project, const
 }  // namespace
 
 Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash) {
-  COLLINEA_TRY(const Block block, project.store.read_block());
+  COLLINEA_TRY(const Block block, project.store.read_orientation());
   if (!looks_down(block))
     return StepOutput{inputs_hash, R"({"skipped_because": "the images do not look down: no surface model"})",
                       "the images do not look down on the scene: no surface model"};

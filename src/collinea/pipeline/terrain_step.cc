@@ -46,7 +46,7 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
 }  // namespace
 
 Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash) {
-  COLLINEA_TRY(const Block block, project.store.read_block());
+  COLLINEA_TRY(const Block block, project.store.read_orientation());
   const auto products = project.folder / "products";
   const auto without = [&](const std::string& why) -> Result<StepOutput> {
     for (const char* earlier : {"contours.gpkg", "contours.dxf"})

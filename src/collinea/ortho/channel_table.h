@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+namespace collinea {
+
+/// Three values, one by channel, at the nodes of a square grid over a plane; bilinear between the nodes, and beyond the
+/// grid as at its border.
+struct ChannelTable {
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< of the first node
+  double step = 1;
+  int width = 0, height = 0;                 ///< nodes; 0: no table, all values 0
+  std::array<std::vector<float>, 3> values;  ///< by channel, rows along x
+
+  /// The four nodes round a place and their weights. Only of tables with two nodes and more each way.
+  struct Place {
+    std::array<int, 4> node;
+    std::array<float, 4> weight;
+  };
+  [[nodiscard]] Place place_of(const Eigen::Vector2d& at) const;
+  [[nodiscard]] std::array<float, 3> at(const Eigen::Vector2d& place) const;
+};
+
+struct ChannelValues {
+  Eigen::Vector2d at;
+  std::array<float, 3> values;
+};
+
+/// The mean of scattered values, smoothed over about `radius`; where there are none, that of the nearest. No table
+/// without values. At most 1000 nodes each way: over more, it is smoothed further.
+[[nodiscard]] ChannelTable smoothed_table(std::span<const ChannelValues> scattered, double radius);
+
+}  // namespace collinea
