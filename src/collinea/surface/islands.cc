@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/median.h"
+
 namespace collinea {
 namespace {
 
@@ -16,12 +18,6 @@ constexpr int kFarthestBlocks = 64;      // farther away nothing tells anything 
 constexpr int kAroundBlocks = 16;        // beyond the nearest of what is around
 constexpr double kLowest = 0.05;         // quantile of the heights around; 1 - kLowest of the island's own
 constexpr double kShallowestCells = 10;  // what is less deep may be rough ground
-
-double quantile(std::vector<double>& values, double part) {
-  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 }  // namespace
 
