@@ -15,5 +15,12 @@ TEST(Median, IsTheUpperOneOfAnEvenNumber) {
   EXPECT_EQ(median(one), 7);
 }
 
+TEST(Quantile, IsTheNearestValue) {
+  EXPECT_EQ(quantile(std::vector{5, 1, 4, 2, 3}, 0), 1);
+  EXPECT_EQ(quantile(std::vector{5, 1, 4, 2, 3}, 0.3), 2);
+  EXPECT_EQ(quantile(std::vector{5, 1, 4, 2, 3}, 1), 5);
+  EXPECT_EQ(quantile(std::vector{7.0}, 0.5), 7.0);
+}
+
 }  // namespace
 }  // namespace collinea

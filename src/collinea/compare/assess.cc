@@ -160,8 +160,10 @@ std::string table(const Assessment& a) {
       text += line("  interpolated cells", a.surface->smooth_interpolated, unit_m);
     if (a.surface->roofs.cells) text += line("surface model, roofs", a.surface->roofs, unit_m);
     if (a.surface->bounds)
-      text += fmt::format("surface model, sigma               {} cells   within 95 % bounds {:.1f} %\n",
-                          a.surface->bounds, 100 * a.surface->within_bounds);
+      text += fmt::format(
+          "surface model, sigma               {} cells   within 95 % bounds {:.1f} %{}\n", a.surface->bounds,
+          100 * a.surface->within_bounds,
+          a.surface->roofs.cells ? fmt::format("   on roofs {:.1f} %", 100 * a.surface->roofs_within_bounds) : "");
     text += fmt::format(
         "surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell "
         "{:.4g} m\n",

@@ -211,6 +211,7 @@ TEST(SurfaceErrors, RoofsAreJudgedByThemselvesAndSigmasByTheErrors) {
   EXPECT_NEAR(honest->roofs.rmse_m, 0.1, 0.01);
   EXPECT_NEAR(honest->within_bounds, 0.95, 0.005);
   EXPECT_NEAR(proud->within_bounds, 0.673, 0.01);  // 0.98 sigma of a normal error
+  EXPECT_NEAR(proud->roofs_within_bounds, 0.673, 0.02);
   EXPECT_GT(honest->bounds, 140'000u);
 }
 

@@ -87,7 +87,8 @@ class Assessor {
   const Run& run_;
   const HeightField* terrain_;
   std::vector<float> overall_, smooth_measured_, smooth_interpolated_, roofs_;
-  std::size_t bounds_ = 0, within_ = 0, found_ = 0, measured_ = 0, seen_ = 0, seen_found_ = 0;
+  std::size_t bounds_ = 0, within_ = 0, roof_bounds_ = 0, roofs_within_ = 0, found_ = 0, measured_ = 0, seen_ = 0,
+              seen_found_ = 0;
 };
 
 // Heights that are no more than the nearest on a step, and exact on smooth ground.
@@ -111,18 +112,21 @@ void Assessor::add_cell(const FloatImage& heights, const FloatImage& sigmas, con
   overall_.push_back(z - truth);
   if (!rough) (measured ? smooth_measured_ : smooth_interpolated_).push_back(z - truth);
   if (!measured) return;
-  bool counts = !rough;
+  bool counts = !rough, roof = false;
   float expected = truth;
   if (!strip.terrain_m.empty() && !strip.broken.at(int(u), int(v))) {
     expected = bilinear(strip.heights_m, u, v);
     if (expected - strip.terrain_m.at(int(u), int(v)) > kRoof_m) {
       roofs_.push_back(z - expected);
-      counts = true;
+      counts = roof = true;
     }
   }
   if (!counts || sigmas.empty() || !(sigmas.at(x, y) > 0)) return;
+  const bool within = std::abs(z - expected) <= kBound * double(sigmas.at(x, y));
   ++bounds_;
-  within_ += std::abs(z - expected) <= kBound * double(sigmas.at(x, y));
+  within_ += within;
+  roof_bounds_ += roof;
+  roofs_within_ += roof && within;
 }
 
 bool Assessor::seen_by_enough(const HeightWindow& window, double x, double y, float z,
@@ -211,6 +215,7 @@ Result<SurfaceErrors> Assessor::all() {
   errors.roofs = height_errors(roofs_, 3 * errors.cell_m);
   errors.bounds = bounds_;
   errors.within_bounds = bounds_ > 0 ? double(within_) / double(bounds_) : 0;
+  errors.roofs_within_bounds = roof_bounds_ > 0 ? double(roofs_within_) / double(roof_bounds_) : 0;
   const double cells = double(true_cells) * std::pow(truth_.grid.cell_m / model_.grid.cell_m, 2);
   errors.completeness = std::min(1.0, double(found_) / cells);
   errors.completeness_measured = std::min(1.0, double(measured_) / cells);

@@ -30,8 +30,9 @@ struct SurfaceErrors {
   std::size_t cells_seen = 0;        ///< looked at for that
   HeightErrors
       roofs;  ///< measured cells on objects more than a metre high, no step within 3 cells; none without terrain
-  std::size_t bounds = 0;    ///< measured cells of smooth ground and roofs whose sigma was looked at
-  double within_bounds = 0;  ///< of these, the share whose error is below 1.96 sigma
+  std::size_t bounds = 0;          ///< measured cells of smooth ground and roofs whose sigma was looked at
+  double within_bounds = 0;        ///< of these, the share whose error is below 1.96 sigma
+  double roofs_within_bounds = 0;  ///< the same of those of roofs
 };
 
 /// Bytes of a raster by windows, as HeightField::read.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/median.h"
 #include "collinea/dense/level.h"
 #include "collinea/dense/measured_sigma.h"
 #include "collinea/dense/overview.h"
@@ -53,12 +54,6 @@ std::vector<Sounding> soundings(const TieView& ties, ImageId image, const Camera
     if (pixel && inside(camera, *pixel)) result.push_back({pixel->x(), pixel->y(), 1 / seen.point_in_cam.z()});
   }
   return result;
-}
-
-double quantile(std::vector<double> values, double part) {
-  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 // w = a x + b y + c around which the inverse depths lie, and how far (all of them but the grossest).

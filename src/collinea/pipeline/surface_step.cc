@@ -18,7 +18,7 @@ PointSource points_of(LasReader& reader) {
   return [&reader](std::vector<SurfacePoint>& batch) -> Result<> {
     COLLINEA_TRY(const std::vector<CloudPoint> cloud, reader.read(kBatch));
     batch.clear();
-    for (const CloudPoint& point : cloud) batch.push_back({point.position, point.sigma_m});
+    for (const CloudPoint& point : cloud) batch.push_back({point.position, point.sigma_m, point.images});
     return {};
   };
 }

@@ -9,8 +9,9 @@
 namespace collinea {
 namespace {
 
-constexpr double kUse = 1.5;       // points up to here take part in the fit [cells]
-constexpr double kSteepest = 1.5;  // rise per run that still is one surface
+constexpr double kUse = 1.5;                // points up to here take part in the fit [cells]
+constexpr double kSteepest = 1.5;           // rise per run that still is one surface
+const double kAside = 1 / std::sqrt(12.0);  // standard deviation of a place that is known to a pixel [cells]
 
 double distance2(const CellPoint& p) { return p.x * p.x + p.y * p.y; }
 
@@ -183,7 +184,9 @@ double CellFit::sigma_of(const Plane& plane, double cell_m) const {
   }
   double factor = 1;
   if (points > 4) factor = std::max(1.0, misfit / expected * points / (points - 3));
-  return std::sqrt(w2v / (w * w) * (1 + plane.leverage) * factor);
+  // All points of a window are aside together.
+  const double aside2 = kAside * kAside * (plane.slope_x * plane.slope_x + plane.slope_y * plane.slope_y);
+  return std::sqrt(w2v / (w * w) * (1 + plane.leverage) * factor + aside2);
 }
 
 }  // namespace collinea

@@ -17,7 +17,7 @@ struct CellPoint {
 
 struct CellEstimate {
   double height_m = 0;  ///< at the centre of the cell
-  double sigma_m = 0;   ///< from the sigmas of the points and their scatter, as if their errors were independent
+  double sigma_m = 0;   ///< from the points' sigmas and scatter, as if independent, and from their place on a slope
   int points = 0;       ///< that took part
 };
 

@@ -44,7 +44,8 @@ std::vector<GridPoint> in_cells(const std::vector<SurfacePoint>& batch, const Lo
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3d& p = positions[i - begin];
       const float sigma_m = batch[i].sigma_m;
-      points[i] = {p.x() / cell_m, -p.y() / cell_m, p.z(), sigma_m == 0 ? float(0.5 * cell_m) : sigma_m, 0};
+      points[i] = {p.x() / cell_m, -p.y() / cell_m, p.z(), sigma_m == 0 ? float(0.5 * cell_m) : sigma_m,
+                   batch[i].images};
     }
   });
   return points;

@@ -21,6 +21,7 @@ namespace collinea {
 struct SurfacePoint {
   Eigen::Vector3d position;  ///< in the world or on the map, see PointFrame [m]
   float sigma_m = 0;         ///< of its height; 0: unknown, taken as half a cell
+  std::uint8_t images = 0;   ///< that agree on it; 0: unknown
 };
 
 /// In which coordinates points come. From files they often are on the map already.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "collinea/base/random.h"
@@ -99,6 +100,31 @@ TEST(Dsm, IslandsFarBelowEverythingGo) {
   EXPECT_NEAR(at(66, 32), 1.5, 1e-3);
   EXPECT_EQ(at(66, 52), kNoHeight);
   EXPECT_EQ(dsm.summary->points_dropped, 5000u);
+}
+
+// A lawn that three images tell, and what two alone tell, apart from it and beside it.
+TEST(Dsm, IslandsOfTwoImagesGo) {
+  const auto heights = [](std::uint8_t of_lawn, std::uint8_t of_island) {
+    Random random(6);
+    std::vector<SurfacePoint> points;
+    const auto patch = [&](double west, double south, double size, double height_m, std::uint8_t images) {
+      for (int i = 0; i < int(size * size * 200); ++i)
+        points.push_back({{west + random.uniform(0, size), south + random.uniform(0, size), height_m}, 0.02f, images});
+    };
+    patch(0, 0, 60, 2, of_lawn);
+    patch(60, 10, 5, 2.5, 2);
+    patch(65, 50, 5, 3, of_island);
+    const Collected dsm = build(points, {.cell_m = 0.1, .fill_holes_m = 0});
+    const auto at = [&](double x, double y) {
+      const int column = int((x - dsm.grid.west_m) / 0.1), row = int((dsm.grid.north_m - y) / 0.1);
+      return column < dsm.grid.width ? dsm.height_m.at(column, row) : kNoHeight;
+    };
+    return std::array{at(30, 30), at(62, 12), at(67, 52)};
+  };
+  EXPECT_EQ(heights(3, 2), (std::array{2.0f, 2.5f, kNoHeight}));
+  EXPECT_EQ(heights(3, 3), (std::array{2.0f, 2.5f, 3.0f}));
+  EXPECT_EQ(heights(3, 0), (std::array{2.0f, 2.5f, 3.0f}));  // not known by how many
+  EXPECT_EQ(heights(2, 2), (std::array{2.0f, 2.5f, 3.0f}));  // a block of two images
 }
 
 // An island beyond everything, and a stray that would be an island if it were not one.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "collinea/base/median.h"
 #include "collinea/base/parallel.h"
 #include "collinea/image/contours.h"
 #include "collinea/io/file.h"
@@ -246,12 +247,8 @@ class Terrain {
     for (std::size_t i = 0; i < covered_.data.size(); ++i)
       if (covered_.data[i]) heights.push_back(mean_.height_m.data[i]);
     if (heights.empty()) return 0;
-    const auto quantile_m = [&](double share) {
-      const auto place = heights.begin() + std::ptrdiff_t(share * double(heights.size() - 1));
-      std::nth_element(heights.begin(), place, heights.end());
-      return double(*place);
-    };
-    const double relief_m = quantile_m(1 - kStrayShare) - quantile_m(kStrayShare);
+    const double highest_m = double(quantile(heights, 1 - kStrayShare)),
+                 relief_m = highest_m - double(quantile(heights, kStrayShare));
     const double least_m = std::max(relief_m / kContoursOverRelief, kContourSigmas * summary_.mean_sigma_m);
     if (!(least_m > 0)) return 0;
     const double unit_m = std::pow(10.0, std::floor(std::log10(least_m)));

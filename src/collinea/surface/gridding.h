@@ -14,7 +14,7 @@ struct GridPoint {
   double column = 0, row = 0;
   double height_m = 0;
   float sigma_m = 0;
-  std::uint32_t unused = 0;  ///< the record has no gaps: it is written to files as it lies in memory
+  std::uint32_t images = 0;  ///< that agree on it; 0: unknown. Has no gaps: it is written to files as it is in memory
 };
 
 /// A rectangle of cells of that raster.

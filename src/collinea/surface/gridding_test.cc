@@ -78,6 +78,18 @@ TEST(Gridding, NoiseDoesNotLiftFlatGround) {
   EXPECT_GT(squares / 1600, claimed / 1600 * 0.4);
 }
 
+// On a slope a pixel's breadth of doubt where a point lies is doubt of the height, however many points there are.
+TEST(Gridding, SigmaOnASlopeKnowsThatPlacesAreKnownToAPixel) {
+  const double slope = 0.9;
+  const auto plane = [&](double x, double y) { return slope * kCell * (0.6 * x + 0.8 * y); };
+  const SurfaceTile level = measure_window(spread([](double, double) { return 0; }), kWindow, kCell);
+  const SurfaceTile tilted = measure_window(spread(plane), kWindow, kCell);
+  for (std::size_t i = 0; i < level.sigma_m.data.size(); ++i) {
+    const double own = double(level.sigma_m.data[i]), all = double(tilted.sigma_m.data[i]);
+    ASSERT_NEAR(all * all - own * own, std::pow(slope * kCell, 2) / 12, 2e-5) << i;
+  }
+}
+
 TEST(Gridding, AStepKeepsBothLevels) {
   const auto step = [](double x, double) { return x < 20 ? 0.0 : 3.0; };
   const SurfaceTile tile = measure_window(spread(step), kWindow, kCell);

@@ -125,6 +125,21 @@ TEST(HoleFilling, BesideAWallTheGroundGoesOn) {
   }
 }
 
+// As wide as the wall is high. Wherever it lies on the cells of the pyramid, but where one of these shows the roof
+// alone.
+TEST(HoleFilling, BesideAWallAWideHoleIsNoRamp) {
+  int ramps = 0;
+  for (int from = 96; from < 112; ++from) {
+    const auto hole = [=](int x, int y) { return x >= from && x < from + 40 && y >= 60 && y < 200; };
+    const SurfaceTile tile = filled(with_hole([=](int x, int) { return x >= from + 40 ? 4.0 : 0.0; }, hole), 100);
+    double worst = 0;
+    for (int y = 60; y < 200; ++y)
+      for (int x = from; x < from + 40; ++x) worst = std::max(worst, height(tile, x, y));
+    ramps += worst > 0.5;
+  }
+  EXPECT_LE(ramps, 1);
+}
+
 TEST(HoleFilling, AHoleInTheMiddleOfARoofStaysOnTheRoof) {
   const auto hole = [](int x, int y) { return x >= 100 && x < 116 && y >= 100 && y < 112; };
   const auto roof = [](int x, int y) { return x >= 60 && x < 160 && y >= 60 && y < 160 ? 4.0 : 0.0; };

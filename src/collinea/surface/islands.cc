@@ -5,22 +5,19 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/median.h"
+
 namespace collinea {
 namespace {
 
 static_assert((Islands::kBlock & (Islands::kBlock - 1)) == 0);
 
-constexpr std::uint64_t kShare = 100;    // a part with less than 1 / kShare of the largest one's points is small
+constexpr std::uint64_t kShare = 100;  // a part with less than 1 / kShare of the largest one's points is small
+constexpr double kAlmostAll = 0.9;
 constexpr int kFarthestBlocks = 64;      // farther away nothing tells anything of an island
 constexpr int kAroundBlocks = 16;        // beyond the nearest of what is around
 constexpr double kLowest = 0.05;         // quantile of the heights around; 1 - kLowest of the island's own
 constexpr double kShallowestCells = 10;  // what is less deep may be rough ground
-
-double quantile(std::vector<double>& values, double part) {
-  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 }  // namespace
 
@@ -33,6 +30,7 @@ void Islands::add(std::span<const GridPoint> points) {
   for (const GridPoint& point : points) {
     Block& block = blocks_[place_of(point)];
     ++block.points;
+    block.of_two += point.images == 2;
     block.sum_m += point.height_m;
     const auto column = std::uint8_t(std::int64_t(std::floor(point.column)) & (kBlock - 1)),
                row = std::uint8_t(std::int64_t(std::floor(point.row)) & (kBlock - 1));
@@ -45,7 +43,7 @@ std::vector<Islands::Part> Islands::parts() {
   std::vector<Part> parts;
   for (auto& [start, first] : blocks_) {
     if (first.part >= 0 || first.points < kFewest) continue;
-    Part part{{start}, first.points};
+    Part part{{start}, first.points, first.of_two};
     first.part = int(parts.size());
     for (std::size_t next = 0; next < part.blocks.size(); ++next)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
@@ -56,14 +54,14 @@ std::vector<Islands::Part> Islands::parts() {
           found->second.part = int(parts.size());
           part.blocks.push_back(place);
           part.points += found->second.points;
+          part.of_two += found->second.of_two;
         }
     parts.push_back(std::move(part));
   }
   return parts;
 }
 
-bool Islands::is_sunken(const Part& part, std::uint64_t most, const std::vector<Part>& parts, double cell_m) const {
-  if (part.points * kShare >= most) return false;
+bool Islands::is_sunken(const Part& part, const std::vector<Part>& parts, double cell_m) const {
   std::int64_t top = std::numeric_limits<std::int64_t>::max(), bottom = -top, left = top, right = bottom;
   std::vector<double> own;
   for (const Place& place : part.blocks) {
@@ -78,7 +76,7 @@ bool Islands::is_sunken(const Part& part, std::uint64_t most, const std::vector<
     for (auto it = blocks_.lower_bound({row, left - kFarthestBlocks});
          it != blocks_.end() && it->first.first == row && it->first.second <= right + kFarthestBlocks; ++it) {
       const Block& block = it->second;
-      if (block.part < 0 || block.sunken || parts[std::size_t(block.part)].points <= part.points) continue;
+      if (block.part < 0 || block.gone || parts[std::size_t(block.part)].points <= part.points) continue;
       const std::int64_t away =
           std::max({left - it->first.second, it->first.second - right, top - row, row - bottom, std::int64_t{1}});
       nearest = std::min(nearest, away);
@@ -98,17 +96,21 @@ std::uint64_t Islands::find(double cell_m) {
   for (const Part& part : all) by_size.push_back(&part);
   // the largest first: what has gone says nothing of smaller ones
   std::stable_sort(by_size.begin(), by_size.end(), [](const Part* a, const Part* b) { return a->points > b->points; });
+  if (all.empty()) return 0;
+  const Part& largest = *by_size.front();
   std::uint64_t points = 0;
   for (const Part* candidate : by_size) {
     const Part& part = *candidate;
-    if (!is_sunken(part, by_size.front()->points, all, cell_m)) continue;
+    if (part.points * kShare >= largest.points) continue;
+    const bool loose = part.share_of_two() > kAlmostAll && largest.share_of_two() < 0.5;
+    if (!loose && !is_sunken(part, all, cell_m)) continue;
     for (const Place& place : part.blocks)  // with the thin rim around them
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
           const auto found = blocks_.find({place.first + dy, place.second + dx});
-          if (found == blocks_.end() || found->second.sunken) continue;
+          if (found == blocks_.end() || found->second.gone) continue;
           if ((dx || dy) && found->second.part >= 0) continue;
-          found->second.sunken = true;
+          found->second.gone = true;
           points += found->second.points;
         }
   }
@@ -117,7 +119,7 @@ std::uint64_t Islands::find(double cell_m) {
 
 bool Islands::holds(const GridPoint& point) const {
   const auto found = blocks_.find(place_of(point));
-  return found != blocks_.end() && found->second.sunken;
+  return found != blocks_.end() && found->second.gone;
 }
 
 void Islands::forget(const CellWindow& window) {
@@ -131,7 +133,7 @@ Islands::Bounds Islands::bounds() const {
   constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
   Bounds bounds{kFar, kFar, -kFar, -kFar};
   for (const auto& [place, block] : blocks_) {
-    if (block.sunken) continue;
+    if (block.gone) continue;
     const std::int64_t row = place.first * kBlock, column = place.second * kBlock;
     bounds.west = std::min(bounds.west, column + block.west), bounds.east = std::max(bounds.east, column + block.east);
     bounds.north = std::min(bounds.north, row + block.north);

@@ -11,7 +11,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kSteepest = 1.5;       // rise per run that still is one surface
+constexpr double kSteepest = 1;         // rise per run that still is one surface: ground, over the width of a hole
 constexpr double kLeastShare = 0.1;     // of the weight, for a level to be believed
 constexpr double kDroppedShare = 0.25;  // of the distance to what was left out, in sigma
 constexpr double kSigmaPerCell = 0.15;  // of a cell that only coarser ones know, in cells of these
@@ -20,10 +20,10 @@ struct Part {
   double height_m, sigma_m, weight;
 };
 
-// One surface: a slope, and noise no larger than that.
+// One surface: a slope, and noise no larger than that, nor than a step.
 double tolerance_m(double sigma_m, const HeightLevel& level) {
   const double slope_m = kSteepest * level.cell_m;
-  return std::max(level.step_m, slope_m + std::min(3 * sigma_m, slope_m));
+  return std::max(level.step_m, slope_m + std::min({3 * sigma_m, slope_m, level.step_m}));
 }
 
 // The lowest surface among parts that lie within a cell of the level or two of each other. Sorts them.
