@@ -6,7 +6,7 @@
 #include <set>
 
 #include "blocks.h"
-#include "collinea/adjust/quantiles.h"
+#include "blunder_counts.h"
 #include "collinea/adjust/snooping.h"
 #include "rows.h"
 
@@ -15,30 +15,10 @@ namespace {
 
 using Group = ObservationGroup;
 
-constexpr double kShare = 0.01, kLeast = 4, kMost = 20;  // of image points; sigmas
-constexpr int kMostTakenOut = 10000;
+constexpr double kShare = 0.01;  // of image points
 // By how much the mean squared length of errors of a block's places differs when a hundredth of its rays has gone, as a
 // standard deviation over blocks: measured where snooping is right. Its own scatter would allow for what it spoils.
 constexpr double kOfBlock = 0.18;
-
-struct Counts {
-  double planted = 0, found = 0, expected = 0, variance = 0;
-
-  void plant(double sigmas, double redundancy, double limit) {
-    const double shift = std::abs(sigmas) * std::sqrt(redundancy);
-    const double power = power_of_test(shift, limit);
-    ++planted;
-    expected += power;
-    variance += power * (1 - power);
-  }
-  [[nodiscard]] bool ok() const { return std::abs(found - expected) < 4 * std::sqrt(variance) + 0.5; }
-  [[nodiscard]] Row row(const std::string& what) const {
-    return {
-        what, "share that theory says, within 4 binomial deviations",
-        fmt::format("{:.0f} of {:.0f} found; expected {:.1f} +- {:.1f}", found, planted, expected, std::sqrt(variance)),
-        ok()};
-  }
-};
 
 // What was planted: rays of tie points by (image, point), rays of control and coordinates of control.
 struct Planted {
@@ -97,7 +77,7 @@ class Trial {
     planted.coordinates.insert({ControlId{ground->source}, ground->group});
     counts.plant(sigmas, ground->redundancy, tests_.limit);
   }
-  double blunder() { return (random_.uniform() < 0.5 ? -1 : 1) * random_.uniform(kLeast, kMost); }
+  double blunder() { return (random_.uniform() < 0.5 ? -1 : 1) * random_.uniform(kLeastBlunder, kLargestBlunder); }
 
   const Reliability& tests_;
   const Adjusted& adjusted_;

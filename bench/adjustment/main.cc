@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   collinea::Run run;
   run.threads = 2;
   std::string only;
+  std::optional<int> blocks;  // as asked for, before or after --quick
   // Programs that print rows stand in the source tree, and run the program that was built beside this one.
   const auto script = [&](const char* name) {
     return rows_of(fmt::format("python3 '{}/{}' --rows --collinea '{}/collinea'", COLLINEA_BENCH_FOLDER, name,
@@ -60,7 +61,7 @@ int main(int argc, char** argv) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string word(words[i]);
     if (word == "--quick") {
-      effort = {180, 4, 100, 20000};
+      effort = {.blocks = blocks.value_or(180), .blunder_blocks = 4, .large_images = 100, .large_points = 20000};
       continue;
     }
     if (word != "--threads" && word != "--blocks" && word != "--only") return refuse(word + ": no such option");
@@ -71,7 +72,10 @@ int main(int argc, char** argv) {
     }
     const auto value = positive(words[i]);
     if (!value) return refuse(word + " needs a number from 1 on");
-    (word == "--threads" ? run.threads : effort.blocks) = *value;
+    if (word == "--threads")
+      run.threads = *value;
+    else
+      effort.blocks = *(blocks = value);
   }
   if (!only.empty() && std::none_of(parts.begin(), parts.end(), [&](const auto& part) { return part.first == only; })) {
     std::string known;

@@ -2,6 +2,7 @@
 #include "collinea/orient/additional.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -9,15 +10,20 @@
 
 namespace collinea {
 
+Result<AdditionalSet> additional_named(const std::string& name) {
+  const auto known = std::ranges::find(kAdditionalNames, name);
+  if (known != kAdditionalNames.end()) return AdditionalSet(known - kAdditionalNames.begin());
+  return fail(Errc::kBadInput,
+              fmt::format("additional = \"{}\": choose one of {}", name, fmt::join(kAdditionalNames, ", ")));
+}
+
 Result<std::map<CameraId, CameraSigmas>> add_additional(const std::string& name, const std::string& calibration,
                                                         std::map<CameraId, Camera>& cameras) {
-  const auto known = std::ranges::find(kAdditionalNames, name);
-  if (known == kAdditionalNames.end())
-    return fail(Errc::kBadInput, "additional = \"" + name + "\": choose none, polynomial, ebner, gruen or fourier");
+  COLLINEA_TRY(const AdditionalSet set, additional_named(name));
   std::map<CameraId, CameraSigmas> sigmas;
   for (auto& [id, camera] : cameras) {
     if (!camera.calibrate || calibration == "none") continue;
-    camera.additional = static_cast<AdditionalSet>(known - kAdditionalNames.begin());
+    camera.additional = set;
     const auto of_lens = calibration_named(calibration, camera);
     const auto all = with_additional(of_lens.value_or(CameraSigmas{}), camera, {});
     COLLINEA_CHECK(all.has_value());

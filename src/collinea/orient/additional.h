@@ -9,6 +9,9 @@
 
 namespace collinea {
 
+/// The set of that name of kAdditionalNames. Error: none has it.
+[[nodiscard]] Result<AdditionalSet> additional_named(const std::string& name);
+
 /// Gives every camera that is calibrated the additional parameters of that name (kAdditionalNames). Answers the
 /// standard deviations of all its parameters before the adjustment; of no camera, where calibration is "none". Error:
 /// no such set.

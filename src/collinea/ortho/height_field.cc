@@ -78,7 +78,39 @@ void add_strip(const FloatImage& strip, int first_row, HeightOverview& result) {
   }
 }
 
+using ReadHeights = std::function<Result<FloatImage>(int column, int row, int width, int height)>;
+
+ReadHeights read_thinned(const ReadHeights& read, const MapGrid& grid, int times) {
+  return [read, times, columns = grid.width, rows = grid.height](int column, int row, int width,
+                                                                 int height) -> Result<FloatImage> {
+    FloatImage result(width, height);
+    const auto from = [times](int cell, int cells) { return std::min(cell * times + times / 2, cells - 1); };
+    const int left = from(column, columns), right = from(column + width - 1, columns) + 1;
+    constexpr int kStrip = 64;
+    for (int strip = 0; strip < height; strip += kStrip) {
+      const int end = std::min(strip + kStrip, height);
+      const int top = from(row + strip, rows), bottom = from(row + end - 1, rows) + 1;
+      COLLINEA_TRY(const FloatImage fine, read(left, top, right - left, bottom - top));
+      for (int y = strip; y < end; ++y)
+        for (int x = 0; x < width; ++x)
+          result.at(x, y) = fine.at(from(column + x, columns) - left, from(row + y, rows) - top);
+    }
+    return result;
+  };
+}
+
 }  // namespace
+
+HeightField thinned(const HeightField& field, int times) {
+  HeightField result;
+  result.grid = field.grid;
+  result.grid.cell_m *= times;
+  result.grid.width = (field.grid.width + times - 1) / times;
+  result.grid.height = (field.grid.height + times - 1) / times;
+  result.read = read_thinned(field.read, field.grid, times);
+  if (field.read_sigma) result.read_sigma = read_thinned(field.read_sigma, field.grid, times);
+  return result;
+}
 
 Result<HeightOverview> overview(const HeightField& field, const Run& run) {
   constexpr int kBlock = HeightOverview::kBlock;
@@ -147,10 +179,11 @@ float HeightWindow::ceiling_m(double x, double y) const {
 
 bool HeightWindow::hides(const FloatImage& occluders_m, double x, double y, double height_m, double camera_x,
                          double camera_y, double camera_height_m) const {
-  const double run = std::hypot(camera_x - x, camera_y - y), rise = camera_height_m - height_m;
+  const double across = camera_x - x, down = camera_y - y, rise = camera_height_m - height_m;
+  const double run = std::sqrt(across * across + down * down);
   if (!(rise > 0)) return true;
   if (run < 1) return false;
-  const double step_x = (camera_x - x) / run, step_y = (camera_y - y) / run, rise_per_cell = rise / run;
+  const double step_x = across / run, step_y = down / run, rise_per_cell = rise / run;
   for (double s = 1.5; s < run;) {
     const double line_m = height_m + cell_m_ + rise_per_cell * s;
     if (line_m >= highest_m_) return false;

@@ -25,6 +25,10 @@ struct HeightField {
 [[nodiscard]] Result<HeightField> open_height_field(const std::filesystem::path& path,
                                                     const std::filesystem::path& sigma_path = {});
 
+/// The same surface in cells `times` as large, each with the height of one cell near its middle: steps stay sharp.
+/// Reads `field`, which must outlive it, in strips.
+[[nodiscard]] HeightField thinned(const HeightField& field, int times);
+
 /// A place of the surface, in continuous cells of its raster.
 struct SurfacePlace {
   double column = 0, row = 0;

@@ -95,6 +95,30 @@ TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
   EXPECT_EQ(result->places[3].row, 48.5);
 }
 
+TEST(HeightField, ThinnedKeepsEveryFourthHeightAndTheCorner) {
+  HeightField field;
+  field.grid = {500, 900, 0.5, 70, 301, ""};
+  field.read = [](int column, int row, int width, int height) -> Result<FloatImage> {
+    EXPECT_TRUE(column >= 0 && row >= 0 && column + width <= 70 && row + height <= 301);
+    FloatImage heights(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) heights.at(x, y) = float(column + x + 1000 * (row + y));
+    return heights;
+  };
+  const HeightField thin = thinned(field, 4);
+  EXPECT_EQ(thin.grid.width, 18);
+  EXPECT_EQ(thin.grid.height, 76);
+  EXPECT_EQ(thin.grid.cell_m, 2);
+  EXPECT_EQ(thin.grid.west_m, 500);
+  EXPECT_EQ(thin.grid.north_m, 900);
+  EXPECT_FALSE(thin.read_sigma);
+  const auto part = thin.read(3, 1, 15, 75);  // more than one strip, and to the last cells
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->at(0, 0), 14 + 1000 * 6);
+  EXPECT_EQ(part->at(1, 70), 18 + 1000 * (4 * 71 + 2));
+  EXPECT_EQ(part->at(14, 74), 69 + 1000 * 300);
+}
+
 TEST(HeightField, SigmasOfAnotherModelAreRefusedInWords) {
   const TestFolder folder;
   const auto write = [&](const std::string& name, const MapGrid& grid) {

@@ -108,6 +108,17 @@ FloatImage heights_of(const OrthoPatch& patch, const Area& area) {
 
 }  // namespace
 
+std::vector<int> shrinks(const OrthoScene& scene, double cell_m) {
+  std::vector<int> result;
+  for (const View& view : scene.views) {
+    const double pixel_m = std::abs(view.centre_in_map.z() - scene.surface_overview->mean_m) / view.camera.focal_px();
+    int shrink = 1;
+    while (shrink < 8 && 2 * shrink * pixel_m <= 1.05 * cell_m) shrink *= 2;
+    result.push_back(shrink);
+  }
+  return result;
+}
+
 Result<std::optional<OrthoPatch>> make_patch(const OrthoScene& scene, const CellArea& area,
                                              std::vector<std::size_t>& views) {
   HeightRange range = heights_under(*scene.surface_overview, surface_area(scene, area, 1));

@@ -31,6 +31,9 @@ struct CellArea {
   int column, row, width, height;
 };
 
+/// For each view the largest reduction of its picture at which a pixel still is no larger than a cell.
+[[nodiscard]] std::vector<int> shrinks(const OrthoScene& scene, double cell_m);
+
 /// A piece of the scene's grid with its heights, and in `views` those that show something of it; nothing where there
 /// are no heights or no view shows anything. Errors: the surface cannot be read.
 [[nodiscard]] Result<std::optional<OrthoPatch>> make_patch(const OrthoScene& scene, const CellArea& area,

@@ -229,10 +229,7 @@ Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, 
   if (!patch) return OrthoTile{Raster<std::uint8_t>(width, height, 4), Raster<std::uint16_t>(width, height), {}, {}};
   std::vector<const View*> views;
   for (const std::size_t v : over) views.push_back(&scene.views[v]);
-  // Roof edges of the surface model are good to about a cell; one more for the reach of the interpolation in the
-  // picture.
-  const int rim_cells = 1 + int(std::ceil(1.5 * scene.surface->grid.cell_m / scene.grid.cell_m));
-  Visibility visibility(*patch, views, rim_cells);
+  Visibility visibility(*patch, views, int(std::lround(rim_m(*scene.surface, scene.grid.cell_m) / scene.grid.cell_m)));
   const Labels labels = choose_views(*patch, views, wanted_views(scene, area, over), visibility);
   std::vector<SeamSide> sides = seam_sides(labels, wanted, visibility);
   Mixture mixture{FloatImage(area.width, area.height, 3), FloatImage(area.width, area.height)};

@@ -34,18 +34,6 @@ Result<MapGrid> grid_over(const MapGrid& surface, double cell_m) {
   return grid;
 }
 
-// The largest reduction at which a pixel of the picture still is no larger than a cell.
-std::vector<int> shrinks(const std::vector<View>& views, double mean_height_m, double cell_m) {
-  std::vector<int> result;
-  for (const View& view : views) {
-    const double pixel_m = std::abs(view.centre_in_map.z() - mean_height_m) / view.camera.focal_px();
-    int shrink = 1;
-    while (shrink < 8 && 2 * shrink * pixel_m <= 1.05 * cell_m) shrink *= 2;
-    result.push_back(shrink);
-  }
-  return result;
-}
-
 std::vector<Eigen::Vector3d> places_in_world(const HeightOverview& overview, const MapGrid& grid,
                                              const LocalFrame* frame) {
   std::vector<Eigen::Vector3d> places;
@@ -134,7 +122,7 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   PixelCache pictures(pixels, kPictureMemory);
   scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame, scene.pictures = &pictures;
   scene.terrain = guides.terrain;
-  scene.shrink = shrinks(scene.views, heights.mean_m, scene.grid.cell_m);
+  scene.shrink = shrinks(scene, scene.grid.cell_m);
   scene.feather_cells = options.feather_cells;
   scene.balance.exposures.resize(scene.views.size());
   if (options.balance) {
@@ -144,7 +132,7 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   if (guides.given) {
     seams.given = *guides.given;
   } else {
-    COLLINEA_TRY(seams, plan_seams(scene, shrinks(scene.views, heights.mean_m, plan_grid(scene.grid).cell_m), run));
+    COLLINEA_TRY(seams, plan_seams(scene, run));
   }
   scene.seams = &seams;
   OrthoSummary summary;

@@ -32,17 +32,32 @@ Box box_of(const SeamWindow& window, std::int16_t view, const Box& free) {
           std::min(box.bottom, free.bottom)};
 }
 
+// True when a label in the box or beside it has changed after a time.
+bool changed_since(const SeamWindow& window, const Box& box, const std::vector<int>& changed_at, int time) {
+  for (int j = std::max(0, box.top - 1) / kBlock; j <= std::min(box.bottom, window.height() - 1) / kBlock; ++j)
+    for (int i = std::max(0, box.left - 1) / kBlock; i <= std::min(box.right, window.width() - 1) / kBlock; ++i)
+      if (changed_at[std::size_t(j * window.blocks_across() + i)] > time) return true;
+  return false;
+}
+
 // One move: every cell either keeps its view or takes alpha, so that the energy becomes the least.
 class Expansion {
  public:
   Expansion(const SeamWindow& window, std::int16_t alpha, const Box& box, Labels& labels)
-      : window_(window), alpha_(alpha), box_(box), labels_(labels), cut_(box.right - box.left, box.bottom - box.top) {
-    cells_.resize(std::size_t(window.width() * window.height()));
-    for (int y = std::max(0, box.top - 1); y < std::min(window.height(), box.bottom + 1); ++y)
-      for (int x = std::max(0, box.left - 1); x < std::min(window.width(), box.right + 1); ++x) look_at(x, y);
+      : window_(window),
+        alpha_(alpha),
+        box_(box),
+        around_{std::max(0, box.left - 1), std::max(0, box.top - 1), std::min(window.width(), box.right + 1),
+                std::min(window.height(), box.bottom + 1)},
+        labels_(labels),
+        cut_(box.right - box.left, box.bottom - box.top),
+        cells_(std::size_t((around_.right - around_.left) * (around_.bottom - around_.top))) {
+    for (int y = around_.top; y < around_.bottom; ++y)
+      for (int x = around_.left; x < around_.right; ++x) look_at(x, y);
   }
 
-  bool move() {
+  // Notes the time at the blocks that change.
+  bool move(std::vector<int>& changed_at, int time) {
     for (int y = box_.top; y < box_.bottom; ++y)
       for (int x = box_.left; x < box_.right; ++x) add_cell(x, y);
     cut_.solve();
@@ -51,6 +66,7 @@ class Expansion {
       for (int x = box_.left; x < box_.right; ++x) {
         if (!at(x, y).free || cut_.on_first_side(x - box_.left, y - box_.top)) continue;
         labels_.at(x, y) = alpha_;
+        changed_at[std::size_t(y / kBlock * window_.blocks_across() + x / kBlock)] = time;
         changed = true;
       }
     }
@@ -64,7 +80,9 @@ class Expansion {
     bool free = false;    // to take alpha
   };
 
-  [[nodiscard]] Cell& at(int x, int y) { return cells_[std::size_t(y * window_.width() + x)]; }
+  [[nodiscard]] Cell& at(int x, int y) {
+    return cells_[std::size_t((y - around_.top) * (around_.right - around_.left) + x - around_.left)];
+  }
 
   void look_at(int x, int y) {
     const std::int16_t own = labels_.at(x, y);
@@ -128,7 +146,7 @@ class Expansion {
 
   const SeamWindow& window_;
   const std::int16_t alpha_;
-  const Box box_;
+  const Box box_, around_;
   Labels& labels_;
   GridCut cut_;
   std::vector<Cell> cells_;
@@ -156,11 +174,19 @@ void cut_seams(const SeamWindow& window, int first_x, int first_y, int last_x, i
   std::sort(views.begin(), views.end());
   views.erase(std::unique(views.begin(), views.end()), views.end());
   const Box free{first_x, first_y, last_x, last_y};
+  // When a block last changed, and when a view last expanded: a move among labels that it has already met changes
+  // nothing.
+  int time = 0;
+  std::vector<int> changed_at(std::size_t(window.blocks_across() * window.blocks_down())),
+      expanded_at(views.size(), -1);
   for (int round = 0; round < kMostRounds; ++round) {
     bool changed = false;
-    for (const std::int16_t view : views) {
-      const Box box = box_of(window, view, free);
-      if (box.left < box.right && box.top < box.bottom) changed |= Expansion(window, view, box, labels).move();
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      const Box box = box_of(window, views[k], free);
+      if (box.left >= box.right || box.top >= box.bottom) continue;
+      if (!changed_since(window, box, changed_at, expanded_at[k])) continue;
+      expanded_at[k] = ++time;
+      changed |= Expansion(window, views[k], box, labels).move(changed_at, time);
     }
     if (!changed) return;
   }

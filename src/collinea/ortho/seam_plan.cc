@@ -15,12 +15,12 @@ constexpr int kBlock = SeamWindow::kBlock;
 
 int whole_blocks(int cells) { return (cells + kBlock - 1) / kBlock * kBlock; }
 
-// Windows from `first` on, cut at the grid to whole blocks.
-std::vector<CellArea> windows_of(const MapGrid& grid, int first) {
+// Windows from a cell on, cut at the grid to whole blocks.
+std::vector<CellArea> windows_of(const MapGrid& grid, int first_column, int first_row) {
   std::vector<CellArea> windows;
   const int width = whole_blocks(grid.width), height = whole_blocks(grid.height);
-  for (int row = first; row < height; row += kWindow) {
-    for (int column = first; column < width; column += kWindow) {
+  for (int row = first_row; row < height; row += kWindow) {
+    for (int column = first_column; column < width; column += kWindow) {
       const int left = std::max(0, column), top = std::max(0, row);
       windows.push_back({left, top, std::min(column + kWindow, width) - left, std::min(row + kWindow, height) - top});
     }
@@ -34,61 +34,67 @@ bool takes_up_a_border(const CellArea& window) {
   return inside(window.column, window.width) || inside(window.row, window.height);
 }
 
+MapGrid coarser(MapGrid grid, int times) {
+  grid.cell_m *= times;
+  grid.width = (grid.width + times - 1) / times;
+  grid.height = (grid.height + times - 1) / times;
+  return grid;
+}
+
+// Settles the views of windows of a grid.
 class Planner {
  public:
-  Planner(const OrthoScene& coarse, double cell_m, SeamPlan& plan, const Run& run)
-      : coarse_(coarse), cell_m_(cell_m), plan_(plan), run_(run) {}
+  Planner(const OrthoScene& scene, const SeamLook& look, Raster<std::uint16_t>& source, const Run& run)
+      : scene_(scene), look_(look), source_(source), run_(run) {}
 
   // From nothing.
   Result<> plan(const CellArea& area) {
-    std::vector<std::size_t> views;
-    COLLINEA_TRY(const auto window, look_at(coarse_, cell_m_, area, views, run_));
-    if (!window) return {};
-    Raster<std::int16_t> labels = cheapest_views(*window);
-    cut_seams(*window, 0, 0, area.width, area.height, labels);
-    for (int y = 0; y < area.height; ++y)
-      for (int x = 0; x < area.width; ++x)
-        if (const std::int16_t label = labels.at(x, y); label != kNoView) set(area, x, y, views[std::size_t(label)]);
-    return {};
+    return settle(area, false, [](int, int) { return std::uint16_t{0}; });
   }
 
-  // From the plan there is; the outermost cells stay, unless they are the border of the map.
+  // From the views there are. The outermost cells stay, unless they are the border of the map.
   Result<> improve(const CellArea& area) {
-    std::vector<std::size_t> views;
-    COLLINEA_TRY(const auto window, look_at(coarse_, cell_m_, area, views, run_));
-    if (!window) return {};
-    Raster<std::int16_t> labels(area.width, area.height, 1, kNoView);
-    for (int y = 0; y < area.height; ++y) {
-      for (int x = 0; x < area.width; ++x) {
-        const std::uint16_t source = get(area, x, y);
-        const auto found = std::lower_bound(views.begin(), views.end(), std::size_t(source) - 1);
-        if (source && found != views.end() && *found + 1 == source)
-          labels.at(x, y) = std::int16_t(found - views.begin());
-      }
-    }
-    const int right = area.column + area.width, bottom = area.row + area.height;
-    cut_seams(*window, area.column > 0, area.row > 0, area.width - (right < coarse_.grid.width),
-              area.height - (bottom < coarse_.grid.height), labels);
-    for (int y = 0; y < area.height; ++y)
-      for (int x = 0; x < area.width; ++x)
-        if (const std::int16_t label = labels.at(x, y); label != kNoView) set(area, x, y, views[std::size_t(label)]);
-    return {};
+    return settle(area, true, [&](int column, int row) {
+      return column < source_.width && row < source_.height ? source_.at(column, row) : std::uint16_t{0};
+    });
+  }
+
+  // From a plan of larger cells (SeamLook), whose views the outermost cells keep: so windows side by side fit.
+  Result<> refine(const CellArea& area) {
+    return settle(area, true, [&](int column, int row) { return look_.started(column, row); });
   }
 
  private:
-  [[nodiscard]] std::uint16_t get(const CellArea& area, int x, int y) const {
-    const int column = area.column + x, row = area.row + y;
-    return column < plan_.source.width && row < plan_.source.height ? plan_.source.at(column, row) : std::uint16_t{0};
-  }
-  void set(const CellArea& area, int x, int y, std::size_t view) {
-    const int column = area.column + x, row = area.row + y;
-    if (column < plan_.source.width && row < plan_.source.height)
-      plan_.source.at(column, row) = std::uint16_t(view + 1);
+  template <class Started>
+  Result<> settle(const CellArea& area, bool outermost_stay, const Started& started) {
+    std::vector<std::size_t> views;
+    COLLINEA_TRY(const auto window, look_at(scene_, look_, area, views, run_));
+    if (!window) return {};
+    Raster<std::int16_t> labels = cheapest_views(*window);
+    for (int y = 0; y < area.height; ++y) {
+      for (int x = 0; x < area.width; ++x) {
+        const std::uint16_t source = started(area.column + x, area.row + y);
+        const auto found = std::lower_bound(views.begin(), views.end(), std::size_t(source) - 1);
+        if (source == 0 || found == views.end() || *found + 1 != source) continue;
+        const auto view = std::int16_t(found - views.begin());
+        const auto* choice = window->choice(x, y, view);
+        if (choice && choice->price != SeamWindow::kForbidden) labels.at(x, y) = view;
+      }
+    }
+    const int right = area.column + area.width, bottom = area.row + area.height;
+    cut_seams(*window, outermost_stay && area.column > 0, outermost_stay && area.row > 0,
+              area.width - (outermost_stay && right < scene_.grid.width),
+              area.height - (outermost_stay && bottom < scene_.grid.height), labels);
+    for (int y = 0; y < area.height && area.row + y < source_.height; ++y)
+      for (int x = 0; x < area.width && area.column + x < source_.width; ++x)
+        if (const std::int16_t label = labels.at(x, y); label != kNoView)
+          source_.at(area.column + x, area.row + y) = std::uint16_t(views[std::size_t(label)] + 1);
+    return {};
   }
 
-  const OrthoScene& coarse_;
-  const double cell_m_;  // of the orthophoto
-  SeamPlan& plan_;
+  const OrthoScene& scene_;
+  const SeamLook& look_;
+  Raster<std::uint16_t>& source_;
   const Run& run_;
 };
 
@@ -116,28 +122,54 @@ SeamPlan::Part SeamPlan::part(const MapGrid& grid, const CellArea& area) const {
   return result;
 }
 
-MapGrid plan_grid(const MapGrid& orthophoto) {
-  MapGrid grid = orthophoto;
-  grid.cell_m *= SeamPlan::kCoarse;
-  grid.width = (orthophoto.width + SeamPlan::kCoarse - 1) / SeamPlan::kCoarse;
-  grid.height = (orthophoto.height + SeamPlan::kCoarse - 1) / SeamPlan::kCoarse;
-  return grid;
+MapGrid plan_grid(const MapGrid& orthophoto) { return coarser(orthophoto, SeamPlan::kCoarse); }
+
+namespace {
+
+// The scene on a grid of its own.
+OrthoScene on_grid(const OrthoScene& scene, const MapGrid& grid) {
+  OrthoScene result = scene;
+  result.grid = grid;
+  result.shrink = shrinks(scene, grid.cell_m);
+  return result;
 }
 
-Result<SeamPlan> plan_seams(const OrthoScene& scene, const std::vector<int>& shrink, const Run& run) {
-  OrthoScene coarse = scene;
-  coarse.grid = plan_grid(scene.grid);
-  coarse.shrink = shrink;
-  SeamPlan plan{Raster<std::uint16_t>(coarse.grid.width, coarse.grid.height), {}};
-  Planner planner(coarse, scene.grid.cell_m, plan, run);
-  const auto first = windows_of(coarse.grid, 0);
-  auto second = windows_of(coarse.grid, -kWindow / 2);
-  std::erase_if(second, [](const CellArea& window) { return !takes_up_a_border(window); });
-  const auto planned = in_windows(first, run, [&](const CellArea& area) { return planner.plan(area); });
-  if (!planned) return tl::unexpected(planned.error());
-  run.report("ortho: seams", 0.5);
-  const auto improved = in_windows(second, run, [&](const CellArea& area) { return planner.improve(area); });
-  if (!improved) return tl::unexpected(improved.error());
+// From nothing, in windows side by side; then in windows shifted by half their size in both directions and in each:
+// what borders of windows have done to a seam is undone, also where those of two rounds meet.
+Result<> plan_from_nothing(const OrthoScene& scene, const SeamLook& look, Raster<std::uint16_t>& source,
+                           const Run& run) {
+  Planner planner(scene, look, source, run);
+  auto done = in_windows(windows_of(scene.grid, 0, 0), run, [&](const CellArea& area) { return planner.plan(area); });
+  constexpr int kHalf = kWindow / 2;
+  for (const auto& [column, row] : {std::pair(-kHalf, -kHalf), std::pair(-kHalf, 0), std::pair(0, -kHalf)}) {
+    auto windows = windows_of(scene.grid, column, row);
+    std::erase_if(windows, [](const CellArea& window) { return !takes_up_a_border(window); });
+    if (done) done = in_windows(windows, run, [&](const CellArea& area) { return planner.improve(area); });
+  }
+  return done;
+}
+
+}  // namespace
+
+Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run) {
+  constexpr int kOverview = 4;    // cells of the plan along one of the first draft
+  constexpr double kRaised = 10;  // [surface cells]
+  OrthoScene plan_scene = on_grid(scene, plan_grid(scene.grid));
+  const HeightField surface = thinned(*scene.surface, kOverview);
+  COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
+  OrthoScene draft_scene = on_grid(scene, coarser(plan_scene.grid, kOverview));
+  draft_scene.surface = &surface, draft_scene.surface_overview = &heights;
+  SeamLook look{scene.grid.cell_m, kRaised * scene.surface->grid.cell_m};
+  Raster<std::uint16_t> draft(draft_scene.grid.width, draft_scene.grid.height);
+  if (auto drafted = plan_from_nothing(draft_scene, look, draft, run); !drafted)
+    return tl::unexpected(std::move(drafted).error());
+  run.report("ortho: seams", 0.3);
+  look.start = &draft, look.start_times = kOverview, look.best_views = 2;
+  SeamPlan plan{Raster<std::uint16_t>(plan_scene.grid.width, plan_scene.grid.height), {}};
+  Planner planner(plan_scene, look, plan.source, run);
+  auto refined =
+      in_windows(windows_of(plan_scene.grid, 0, 0), run, [&](const CellArea& area) { return planner.refine(area); });
+  if (!refined) return tl::unexpected(std::move(refined).error());
   // Narrower than the zone in which pictures are mixed: no seam is worth that, and what its view alone sees is taken
   // from it anyway.
   constexpr std::size_t kFewest = 16;

@@ -27,11 +27,12 @@ struct SeamPlan {
 /// The grid of a plan.
 [[nodiscard]] MapGrid plan_grid(const MapGrid& orthophoto);
 
-/// Finds the seams of least energy (SeamWindow) on a grid of kCoarse cells: first in windows side by side, then in
-/// windows shifted by half their size, which take up the seams at the borders of the first ones. The windows are fixed
-/// to the grid of the orthophoto: the plan depends neither on threads nor on how the orthophoto is cut into tiles.
-/// Holds one window per thread and two bytes for 16 cells of the orthophoto. `shrink`: at which size each view's
-/// picture is read here. Errors: a picture or the surface cannot be read; cancelled.
-[[nodiscard]] Result<SeamPlan> plan_seams(const OrthoScene& scene, const std::vector<int>& shrink, const Run& run);
+/// Finds the seams of least energy (SeamWindow): a draft on a grid four times as coarse as the plan's, on which windows
+/// of work are so large that few seams meet their borders (and those windows are shifted and cut again); then on the
+/// grid of the plan, from the draft on, among the views that this has nearby and the best few. The windows are fixed to
+/// the grid of the orthophoto: the plan depends neither on threads nor on how the orthophoto is cut into tiles.
+/// Holds one window per thread and two bytes for 16 cells of the orthophoto. Errors: a picture or the surface cannot be
+/// read; cancelled.
+[[nodiscard]] Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run);
 
 }  // namespace collinea

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "collinea/base/random.h"
 #include "collinea/ortho/seam_window.h"
 #include "collinea/ortho/view_costs.h"
@@ -130,6 +132,57 @@ TEST(SeamWindow, NoSingleCellCouldDoBetter) {
       EXPECT_GE(energy(window, changed), least - 2) << x << ' ' << y;  // prices are rounded
     }
   }
+}
+
+// A roof with a chimney, 10 m square, across the border of two windows of the plan and midway between two pictures
+// that each see all of it but what the chimney hides: it is of one picture, those places included.
+TEST(SeamPlan, ARoofIsOfOnePictureAsAWhole) {
+  constexpr double kCell = 0.2, kMiddleX = 1024 * kCell, kMiddleY = 16;
+  constexpr int kWidth = 1184, kHeight = 160;
+  const auto height_at = [](double x, double y) {
+    const double dx = std::abs(x - kMiddleX), dy = std::abs(y - kMiddleY);
+    return dx < 0.8 && dy < 0.8 ? 9.0f : dx < 5 && dy < 5 ? 6.0f : 0.0f;
+  };
+  HeightField surface, terrain;
+  surface.grid = terrain.grid = {0, kHeight * kCell, kCell, kWidth, kHeight, ""};
+  const auto read = [grid = surface.grid](auto height) {
+    return [grid, height](int column, int row, int width, int height_cells) -> Result<FloatImage> {
+      FloatImage heights(width, height_cells);
+      for (int y = 0; y < height_cells; ++y)
+        for (int x = 0; x < width; ++x)
+          heights.at(x, y) = height(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5));
+      return heights;
+    };
+  };
+  surface.read = read(height_at);
+  terrain.read = read([](double, double) { return 0.0f; });
+  const auto heights = overview(surface, collinea::Run{});
+  ASSERT_TRUE(heights);
+  Block block;
+  block.cameras[CameraId{1}] = ideal_camera(300, 400, 300);
+  for (const std::uint32_t i : {1u, 2u}) {
+    block.images[ImageId{i}] = Image{.file = {}, .camera = CameraId{1}, .taken = {}, .position = {}, .attitude = {}};
+    const Eigen::Quaterniond down(0, 1, 0, 0);
+    const Eigen::Vector3d centre(kMiddleX + (i == 1 ? -7 : 7), kMiddleY + 1, 40);
+    block.cam_from_world[ImageId{i}] = {down, -(down * centre)};
+  }
+  PixelCache pictures(
+      [](ImageId, int shrink) -> Result<ColourImage> { return ColourImage(400 / shrink, 300 / shrink, 3, 100); },
+      1 << 24);
+  OrthoScene scene{surface.grid, &surface, &*heights, nullptr, views_of(block, nullptr),
+                   {},           {},       &pictures, 12,      &terrain};
+  scene.exposures.resize(2);
+  const auto plan = plan_seams(scene, collinea::Run{});
+  ASSERT_TRUE(plan);
+  const auto at = [&](double x, double y) {
+    return plan->source.at(int(x / (4 * kCell)), int((kHeight * kCell - y) / (4 * kCell)));
+  };
+  const auto roof = at(kMiddleX, kMiddleY);
+  EXPECT_NE(roof, 0);
+  for (double y = kMiddleY - 4.5; y < kMiddleY + 4.6; y += 0.5)
+    for (double x = kMiddleX - 4.5; x < kMiddleX + 4.6; x += 0.5) ASSERT_EQ(at(x, y), roof) << x << ' ' << y;
+  EXPECT_EQ(at(kMiddleX - 12, kMiddleY), 1);
+  EXPECT_EQ(at(kMiddleX + 12, kMiddleY), 2);
 }
 
 }  // namespace

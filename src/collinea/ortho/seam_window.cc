@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/ortho/seam_plan.h"
 #include "collinea/ortho/view_costs.h"
 
 namespace collinea {
@@ -11,9 +12,6 @@ namespace {
 
 constexpr int kBlock = SeamWindow::kBlock;
 constexpr int kCells = kBlock * kBlock;
-// Views worth a look at a corner of a block: more than for single cells, since a roof is to be of one picture as a
-// whole.
-constexpr std::size_t kBest = 8;
 
 // The energy of a seam, per side of a cell. A raised thing is to be of one picture as a whole: a seam along its
 // outline, where surface and colours break anyway, is far cheaper than one across it. Where the surface steps, a break
@@ -26,11 +24,13 @@ constexpr double kDetour = 100;
 // Showing a cell that only small things keep from the view: the first, and the second per (difference /
 // kMostDifferent)^2 from the best view that sees it.
 constexpr float kDoubtful = 0.2f, kBehindOtherThings = 4;
-constexpr double kFullyRaised = 10;  // [surface cells] above the terrain
-constexpr double kFullySteep = 3;    // [cells of the window] of height within 3 x 3 cells
-constexpr int kMargin = kBlock;      // around the window, for what depends on surroundings
+// Cells that are hidden from the view: they are taken from another one, which draws a seam on both sides of what is
+// hidden. Across a raised thing, in a strip of six cells, that is 2 kRaised / 6 for each.
+constexpr float kHiddenCell = kRaised / 3;
+constexpr double kFullySteep = 3;  // [cells of the window] of height within 3 x 3 cells
+constexpr int kMargin = kBlock;    // around the window, for what depends on surroundings
 
-int price_of(float energy) { return int(std::lround(energy * float(SeamWindow::kPrice))); }
+int price_of(float energy) { return int(energy * float(SeamWindow::kPrice) + 0.5f); }  // never negative
 
 float grey_levels_between(const SeamWindow::Choice& a, const SeamWindow::Choice& b) {
   int sum = 0;
@@ -42,6 +42,9 @@ float grey_levels_between(const SeamWindow::Choice& a, const SeamWindow::Choice&
 enum Sight : std::uint8_t { kHidden, kPastSmallThings, kSeen };
 
 struct Looker {
+  const SeamLook& how;
+  const CellArea& area;
+  const std::vector<std::size_t>& views;  // of the scene
   const OrthoPatch& patch;
   const CostLattice& lattice;
   Visibility& visibility;
@@ -49,14 +52,33 @@ struct Looker {
   SeamWindow& window;
   std::vector<std::vector<Sight>> sights;  // [block][view * cell]
 
+  // Those of the start in the block and half a block around it.
+  void add_started(int i, int j, std::vector<std::int16_t>& worth_a_look) const {
+    const int step = std::max(1, std::min(how.start_times, kBlock / 2));
+    std::uint16_t last = 0;
+    for (int y = -kBlock / 2; y < kBlock + kBlock / 2; y += step) {
+      for (int x = -kBlock / 2; x < kBlock + kBlock / 2; x += step) {
+        const std::uint16_t source = how.started(area.column + i * kBlock + x, area.row + j * kBlock + y);
+        if (source == 0 || source == last) continue;
+        last = source;
+        const auto found = std::lower_bound(views.begin(), views.end(), std::size_t(source) - 1);
+        if (found == views.end() || *found + 1 != source) continue;
+        const auto view = std::int16_t(found - views.begin());
+        const auto place = std::lower_bound(worth_a_look.begin(), worth_a_look.end(), view);
+        if (place == worth_a_look.end() || *place != view) worth_a_look.insert(place, view);
+      }
+    }
+  }
+
   void look(int i, int j) {
     auto& block = window.block(i, j);
     const int bx = i + kMargin / kBlock, by = j + kMargin / kBlock;
     block.views = candidates_of(lattice, bx, by);
+    if (how.start) add_started(i, j, block.views);
     block.choices.assign(block.views.size() * kCells, {});
     auto& sight = sights[std::size_t(j * window.blocks_across() + i)];
     sight.assign(block.choices.size(), kHidden);
-    std::array<float, 4 * kBest> costs;
+    std::vector<float> costs(block.views.size());
     for (int cell = 0; cell < kCells; ++cell) {
       const int x = bx * kBlock + cell % kBlock, y = by * kBlock + cell / kBlock;
       if (std::isnan(patch.heights_m.at(x, y))) continue;
@@ -68,7 +90,7 @@ struct Looker {
         seen = visibility.sees(view, x, y)                     ? kSeen
                : visibility.sees_past_small_things(view, x, y) ? kPastSmallThings
                                                                : kHidden;
-        if (seen != kHidden) block.choices[k * kCells + std::size_t(cell)].price = price_of(per_cost * costs[k]);
+        block.choices[k * kCells + std::size_t(cell)].price = price_of(per_cost * costs[k]);
       }
     }
   }
@@ -115,9 +137,10 @@ Result<> colour(const OrthoScene& coarse, const OrthoPatch& patch, const std::ve
   return {};
 }
 
-// Makes views pay in cells that small things keep from them: the more, the less they look like what the best view that
-// sees the cell shows. Twigs among leaves do no harm, a chimney on a roof does.
-void price_doubts(const std::vector<Sight>& sight, SeamWindow::Block& block) {
+// Makes views pay in cells that they do not show well. What small things keep from them costs the more, the less it
+// looks like what the best view that sees the cell shows: twigs among leaves do no harm, a chimney on a roof does. What
+// is hidden is going to be taken from another view, cell by cell; what is not on the picture cannot be had.
+void price_doubts(const std::vector<Sight>& sight, float per_cell, SeamWindow::Block& block) {
   for (std::size_t cell = 0; cell < kCells; ++cell) {
     const SeamWindow::Choice* best = nullptr;
     for (std::size_t k = 0; k < block.views.size(); ++k) {
@@ -127,10 +150,17 @@ void price_doubts(const std::vector<Sight>& sight, SeamWindow::Block& block) {
     }
     for (std::size_t k = 0; k < block.views.size(); ++k) {
       auto& choice = block.choices[k * kCells + cell];
-      if (sight[k * kCells + cell] != kPastSmallThings) continue;
-      const float apart =
-          best && choice.has_colour ? grey_levels_between(choice, *best) / float(SeamWindow::kMostDifferent) : 1.0f;
-      choice.price += price_of(kDoubtful + kBehindOtherThings * apart * apart);
+      if (choice.price == SeamWindow::kForbidden || sight[k * kCells + cell] == kSeen) continue;
+      if (!choice.has_colour) {
+        choice.price = SeamWindow::kForbidden;
+        continue;
+      }
+      if (sight[k * kCells + cell] == kHidden) {
+        choice.price += price_of(per_cell * kHiddenCell);
+        continue;
+      }
+      const float apart = best ? grey_levels_between(choice, *best) / float(SeamWindow::kMostDifferent) : 1.0f;
+      choice.price += price_of(per_cell * (kDoubtful + kBehindOtherThings * apart * apart));
     }
   }
 }
@@ -176,11 +206,11 @@ FloatImage steepness_of(const OrthoScene& coarse, const OrthoPatch& patch, const
   return steep;
 }
 
-Result<FloatImage> raisedness_of(const OrthoScene& coarse, const OrthoPatch& patch, const SeamWindow& window) {
+Result<FloatImage> raisedness_of(const OrthoScene& coarse, double raised_m, const OrthoPatch& patch,
+                                 const SeamWindow& window) {
   FloatImage raised(window.width(), window.height());
   if (!coarse.terrain) return raised;
   COLLINEA_TRY(const FloatImage terrain_m, terrain_under(coarse, patch, window));
-  const double raised_m = kFullyRaised * coarse.surface->grid.cell_m;
   for (int y = 0; y < raised.height; ++y)
     for (int x = 0; x < raised.width; ++x)
       if (const float above_m = patch.heights_m.at(kMargin + x, kMargin + y) - terrain_m.at(x, y); above_m > 0)
@@ -216,7 +246,7 @@ int SeamWindow::seam_price(int x, int y, int u, int v, float different) const {
                   kDifferent * (1 - step) * different);
 }
 
-Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, double cell_m, const CellArea& area,
+Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const SeamLook& look, const CellArea& area,
                                           std::vector<std::size_t>& views, const Run& run) {
   const CellArea with_margin{area.column - kMargin, area.row - kMargin, area.width + 2 * kMargin,
                              area.height + 2 * kMargin};
@@ -227,21 +257,23 @@ Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, double cell_
   for (const std::size_t v : views) looking.push_back(&coarse.views[v]);
   for (const View& view : coarse.views) height_m += view.centre_in_map.z() - coarse.surface_overview->mean_m;
   height_m = std::max(height_m / double(coarse.views.size()), coarse.grid.cell_m);
-  const int rim_cells = 1 + int(std::ceil(1.5 * coarse.surface->grid.cell_m / coarse.grid.cell_m));
+  const int rim_cells = int(std::ceil(rim_m(*coarse.surface, look.cell_m) / coarse.grid.cell_m));
   Visibility visibility(*patch, looking, rim_cells);
-  const CostLattice lattice = costs_at_nodes(*patch, looking, cell_m, kBest);
+  const CostLattice lattice = costs_at_nodes(*patch, looking, look.cell_m, look.best_views);
   SeamWindow window(area.width / kBlock, area.height / kBlock);
-  Looker looker{*patch, lattice, visibility, float(kDetour * coarse.grid.cell_m / height_m), window, {}};
+  Looker looker{look,   area, views, *patch, lattice, visibility, float(kDetour * coarse.grid.cell_m / height_m),
+                window, {}};
   looker.sights.resize(std::size_t(window.blocks_across() * window.blocks_down()));
   for (int j = 0; j < window.blocks_down(); ++j)
     for (int i = 0; i < window.blocks_across(); ++i) looker.look(i, j);
   if (auto coloured = colour(coarse, *patch, views, window, run); !coloured)
     return tl::unexpected(std::move(coloured).error());
+  const auto per_cell = float(coarse.grid.cell_m / (SeamPlan::kCoarse * look.cell_m));
   for (int j = 0; j < window.blocks_down(); ++j)
     for (int i = 0; i < window.blocks_across(); ++i)
-      price_doubts(looker.sights[std::size_t(j * window.blocks_across() + i)], window.block(i, j));
+      price_doubts(looker.sights[std::size_t(j * window.blocks_across() + i)], per_cell, window.block(i, j));
   window.steep = steepness_of(coarse, *patch, window);
-  COLLINEA_TRY(window.raised, raisedness_of(coarse, *patch, window));
+  COLLINEA_TRY(window.raised, raisedness_of(coarse, look.raised_m, *patch, window));
   return window;
 }
 

@@ -57,11 +57,28 @@ class SeamWindow {
   std::vector<Block> blocks_;
 };
 
-/// Looks at a part of the coarse scene (whole blocks of its grid) for an orthophoto with cells of cell_m; `views`: of
-/// the scene, in the order of the indices in the window. Nothing where no view shows anything. `coarse.terrain` may be
-/// missing. Errors: a picture or the surface cannot be read; cancelled.
-[[nodiscard]] Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, double cell_m, const CellArea& area,
-                                                        std::vector<std::size_t>& views, const Run& run);
+/// How a window is looked at.
+struct SeamLook {
+  double cell_m = 0;           ///< of the orthophoto that is planned
+  double raised_m = 0;         ///< what stands so much above the terrain is raised in full
+  std::size_t best_views = 8;  ///< worth a look at the corner of a block
+  /// Null, or a plan of cells `start_times` as large: what it has around a block is worth a look there, too.
+  const Raster<std::uint16_t>* start = nullptr;
+  int start_times = 1;
+
+  /// 1 + index of the scene's view that the start has in a cell of the window's grid; 0: none.
+  [[nodiscard]] std::uint16_t started(int column, int row) const {
+    const int x = column / start_times, y = row / start_times;
+    return column >= 0 && row >= 0 && x < start->width && y < start->height ? start->at(x, y) : std::uint16_t{0};
+  }
+};
+
+/// Looks at a part of the coarse scene (whole blocks of its grid); `views`: of the scene, in the order of the indices
+/// in the window. Nothing where no view shows anything. `coarse.terrain` may be missing. Errors: a picture or the
+/// surface cannot be read; cancelled.
+[[nodiscard]] Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const SeamLook& look,
+                                                        const CellArea& area, std::vector<std::size_t>& views,
+                                                        const Run& run);
 
 /// The labelling of least energy within reach of alpha-expansions (Boykov, Veksler, Zabih 2001), from `labels` on
 /// (kNoView stays). Only cells in [first, last) of both axes may change.

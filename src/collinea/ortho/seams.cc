@@ -9,7 +9,7 @@ namespace collinea {
 namespace {
 
 constexpr int kBlock = OrthoPatch::kBlock;
-constexpr std::size_t kBest = 5;    // views worth a look at a corner of a block
+constexpr std::size_t kBest = 8;    // views worth a look at a corner of a block
 constexpr int kMajorityRadius = 5;  // [cells]
 constexpr int kMajorityRounds = 2;
 

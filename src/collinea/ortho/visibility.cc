@@ -12,6 +12,10 @@ constexpr int kBlock = OrthoPatch::kBlock;
 
 }  // namespace
 
+double rim_m(const HeightField& surface, double cell_m) {
+  return cell_m * (1 + std::ceil(1.5 * surface.grid.cell_m / cell_m));
+}
+
 Visibility::Visibility(const OrthoPatch& patch, std::vector<const View*> views, int rim_cells)
     : patch_(patch), views_(std::move(views)), rim_cells_(std::min(rim_cells, kBlock)), layers_(views_.size()) {
   block_low_ = FloatImage(patch.blocks_across(), patch.blocks_down(), 1, std::numeric_limits<float>::quiet_NaN());
@@ -44,19 +48,18 @@ bool Visibility::sees_past_small_things(int view, int x, int y) const {
   const View& from = *views_[std::size_t(view)];
   const float height_m = patch_.heights_m.at(x, y);
   if (std::isnan(height_m)) return false;
-  const auto pixel = pixel_of(from, patch_.world_at(x, y));
-  if (!pixel || !well_inside(from, *pixel)) return false;
+  if (!on_picture(std::size_t(view), x, y)) return false;
   const double u = patch_.surface_x(patch_.grid.east_of(patch_.column + x + 0.5));
   const double v = patch_.surface_y(patch_.grid.north_of(patch_.row + y + 0.5));
   const double camera_x = patch_.surface_x(from.centre_in_map.x()), camera_y = patch_.surface_y(from.centre_in_map.y());
-  const auto hidden = [&](int dx, int dy) {
+  const auto hides = [&](int dx, int dy) {
     return patch_.surface.hides_by_wide_things(u + dx, v + dy, double(height_m), camera_x + dx, camera_y + dy,
                                                from.centre_in_map.z());
   };
-  if (hidden(0, 0)) return false;
+  if (hides(0, 0)) return false;
   // Wide things have lost so much at their edges: it is made up for here, and two cells more are kept away from them.
   for (const int r : {HeightWindow::kThin, HeightWindow::kThin + 2})
-    if (hidden(-r, -r) || hidden(r, -r) || hidden(-r, r) || hidden(r, r)) return false;
+    if (hides(-r, -r) || hides(r, -r) || hides(-r, r) || hides(r, r)) return false;
   return true;
 }
 
@@ -68,24 +71,31 @@ int Visibility::hidden_around(std::size_t view, int x, int y, int radius) {
   return hidden;
 }
 
-bool Visibility::sees_cell(const View& view, int x, int y) const {
-  const auto pixel = pixel_of(view, patch_.world_at(x, y));
-  if (!pixel || !well_inside(view, *pixel)) return false;
-  const double east_m = patch_.grid.east_of(patch_.column + x + 0.5),
-               north_m = patch_.grid.north_of(patch_.row + y + 0.5);
-  return !patch_.surface.hides(patch_.surface_x(east_m), patch_.surface_y(north_m), double(patch_.heights_m.at(x, y)),
-                               patch_.surface_x(view.centre_in_map.x()), patch_.surface_y(view.centre_in_map.y()),
-                               view.centre_in_map.z());
+bool Visibility::on_picture(std::size_t view, int x, int y) const {
+  const Layer& layer = layers_[view];
+  if (!layer.pictured.empty() &&
+      layer.pictured[std::size_t(y / kBlock * patch_.blocks_across() + x / kBlock)] == State::kAll)
+    return true;
+  const auto pixel = pixel_of(*views_[view], patch_.world_at(x, y));
+  return pixel && well_inside(*views_[view], *pixel);
 }
 
-bool Visibility::sees_whole_block(const View& view, int block_x, int block_y) const {
+bool Visibility::hidden(const View& view, int x, int y) const {
+  const double east_m = patch_.grid.east_of(patch_.column + x + 0.5),
+               north_m = patch_.grid.north_of(patch_.row + y + 0.5);
+  return patch_.surface.hides(patch_.surface_x(east_m), patch_.surface_y(north_m), double(patch_.heights_m.at(x, y)),
+                              patch_.surface_x(view.centre_in_map.x()), patch_.surface_y(view.centre_in_map.y()),
+                              view.centre_in_map.z());
+}
+
+bool Visibility::whole_block_on_picture(const View& view, int block_x, int block_y) const {
   const float low_m = block_low_.at(block_x, block_y), high_m = block_high_.at(block_x, block_y);
   for (int corner = 0; corner < 8; ++corner) {
     const double x = (block_x + (corner & 1)) * kBlock, y = (block_y + (corner >> 1 & 1)) * kBlock;
     const auto pixel = pixel_of(view, patch_.lattice.at(x, y, double(corner & 4 ? high_m : low_m)));
     if (!pixel || !well_inside(view, *pixel)) return false;
   }
-  return clear_towards(view, block_x, block_y, low_m, high_m);
+  return true;
 }
 
 // Steps from the block towards the camera: nowhere may the surface, as far aside as the block is wide, reach up to the
@@ -115,12 +125,18 @@ Visibility::State Visibility::raw_state(std::size_t view, int block_x, int block
   Layer& layer = layers_[view];
   if (layer.raw.empty()) {
     layer.raw.assign(std::size_t(patch_.blocks_across() * patch_.blocks_down()), State::kUnknown);
-    layer.final = layer.raw;
+    layer.final = layer.pictured = layer.raw;
   }
-  State& state = layer.raw[std::size_t(block_y * patch_.blocks_across() + block_x)];
+  const std::size_t block = std::size_t(block_y * patch_.blocks_across() + block_x);
+  State& state = layer.raw[block];
   if (state != State::kUnknown) return state;
-  if (std::isnan(block_low_.at(block_x, block_y)) || sees_whole_block(*views_[view], block_x, block_y))
-    return state = State::kAll;
+  if (std::isnan(block_low_.at(block_x, block_y))) return state = State::kAll;
+  if (whole_block_on_picture(*views_[view], block_x, block_y)) {
+    layer.pictured[block] = State::kAll;
+    if (clear_towards(*views_[view], block_x, block_y, block_low_.at(block_x, block_y),
+                      block_high_.at(block_x, block_y)))
+      return state = State::kAll;
+  }
   if (layer.raw_mask.empty()) {
     layer.raw_mask = Raster<std::uint8_t>(patch_.heights_m.width, patch_.heights_m.height);
     layer.final_mask = layer.raw_mask;
@@ -129,7 +145,8 @@ Visibility::State Visibility::raw_state(std::size_t view, int block_x, int block
   for (int y = block_y * kBlock; y < (block_y + 1) * kBlock; ++y) {
     for (int x = block_x * kBlock; x < (block_x + 1) * kBlock; ++x) {
       // A cell without height hides nothing and must not make its neighbours hidden.
-      const bool seen = std::isnan(patch_.heights_m.at(x, y)) || sees_cell(*views_[view], x, y);
+      const bool seen =
+          std::isnan(patch_.heights_m.at(x, y)) || (on_picture(view, x, y) && !hidden(*views_[view], x, y));
       layer.raw_mask.at(x, y) = seen;
       all &= seen;
     }

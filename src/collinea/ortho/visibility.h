@@ -39,6 +39,10 @@ struct OrthoPatch {
   }
 };
 
+/// How far from hidden places an orthophoto of such cells counts as hidden, too: roof edges of a surface model are good
+/// to about a cell; one cell of the orthophoto more for the reach of the interpolation in the picture.
+[[nodiscard]] double rim_m(const HeightField& surface, double cell_m);
+
 /// Which cells of a patch are on which pictures, and not hidden by the surface. Worked out block by block when asked
 /// for; a block that certainly is seen as a whole costs next to nothing.
 class Visibility {
@@ -65,11 +69,13 @@ class Visibility {
   enum class State : std::uint8_t { kUnknown, kAll, kMask };
   struct Layer {
     std::vector<State> raw, final;  // per block
+    std::vector<State> pictured;    // per block: kAll where it is on the picture as a whole
     Raster<std::uint8_t> raw_mask, final_mask;
   };
 
-  [[nodiscard]] bool sees_cell(const View& view, int x, int y) const;
-  [[nodiscard]] bool sees_whole_block(const View& view, int block_x, int block_y) const;
+  [[nodiscard]] bool on_picture(std::size_t view, int x, int y) const;
+  [[nodiscard]] bool hidden(const View& view, int x, int y) const;
+  [[nodiscard]] bool whole_block_on_picture(const View& view, int block_x, int block_y) const;
   [[nodiscard]] bool clear_towards(const View& view, int block_x, int block_y, float low_m, float high_m) const;
   int hidden_around(std::size_t view, int x, int y, int radius);
   State raw_state(std::size_t view, int block_x, int block_y);

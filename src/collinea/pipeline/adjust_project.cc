@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "collinea/adjust/control_check.h"
@@ -16,6 +17,7 @@
 #include "collinea/io/file.h"
 #include "collinea/io/photomodeler.h"
 #include "collinea/io/text.h"
+#include "collinea/orient/additional.h"
 #include "collinea/orient/approximate.h"
 #include "collinea/pipeline/adjusted_report.h"
 
@@ -132,27 +134,26 @@ std::vector<std::string> words_in(const std::string& list) {
 
 // Gives the cameras the additional set that was asked for, free or held. A camera with another set begins at zero.
 Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run& run) {
-  const auto name = std::ranges::find(kAdditionalNames, asked.additional);
-  if (name == kAdditionalNames.end() && asked.additional != "auto")
-    return fail(Errc::kBadInput,
-                "additional = \"" + asked.additional + "\": choose none, polynomial, ebner, gruen or fourier");
+  std::optional<AdditionalSet> wanted;
+  if (asked.additional != "auto") {
+    COLLINEA_TRY(wanted, additional_named(asked.additional));
+  }
   const std::vector<std::string> held = words_in(asked.additional_held);
   std::set<std::string> instead;
   bool any = false;
   for (auto& [id, camera] : task.block.cameras) {
     const auto own = task.scope.camera_sigmas.find(id);
     Camera& first = task.scope.first_cameras.try_emplace(id, camera).first->second;
-    if (asked.additional != "auto")
+    if (wanted)
       for (Camera* one : {&camera, &first}) {
-        const auto set = AdditionalSet(name - kAdditionalNames.begin());
-        if (one->additional != set) std::fill(one->params.begin() + Camera::kParams, one->params.end(), 0.0);
-        one->additional = set;
+        if (one->additional != *wanted) std::fill(one->params.begin() + Camera::kParams, one->params.end(), 0.0);
+        one->additional = *wanted;
       }
     else
       first.additional = camera.additional;  // found by orient, around zero
     if (camera.additional == AdditionalSet::kNone) continue;
     any = true;
-    if (own != task.scope.camera_sigmas.end() && asked.additional == "auto" && held.empty()) continue;
+    if (own != task.scope.camera_sigmas.end() && !wanted && held.empty()) continue;
     CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
     if (own != task.scope.camera_sigmas.end())
       sigmas = own->second;

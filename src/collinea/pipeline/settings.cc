@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "collinea/camera/additional.h"
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
+#include "collinea/orient/additional.h"
 #include "collinea/pipeline/json_text.h"
 
 namespace collinea {
@@ -143,10 +143,8 @@ Result<> validate_settings(const Settings& settings) {
   if (verdict && std::find(kCalibrations.begin(), kCalibrations.end(), calibration) == kCalibrations.end())
     return fail(Errc::kBadInput,
                 "orient: calibration = \"" + calibration + "\": choose auto, none, focal, focal_radial or brown");
-  const std::string& additional = settings.orient.additional;
-  if (verdict && std::find(kAdditionalNames.begin(), kAdditionalNames.end(), additional) == kAdditionalNames.end())
-    return fail(Errc::kBadInput,
-                "orient: additional = \"" + additional + "\": choose none, polynomial, ebner, gruen or fourier");
+  if (const auto set = additional_named(settings.orient.additional); verdict && !set)
+    return tl::unexpected(Error(set.error()).within("orient"));
   if (verdict)
     verdict = check_instruments(settings.orient.instruments).map_error([](Error error) {
       return std::move(error).within("orient");
