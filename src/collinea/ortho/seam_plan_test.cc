@@ -171,7 +171,7 @@ TEST(SeamPlan, ARoofIsOfOnePictureAsAWhole) {
       1 << 24);
   OrthoScene scene{surface.grid, &surface, &*heights, nullptr, views_of(block, nullptr),
                    {},           {},       &pictures, 12,      &terrain};
-  scene.exposures.resize(2);
+  scene.balance.exposures.resize(2);
   const auto plan = plan_seams(scene, collinea::Run{});
   ASSERT_TRUE(plan);
   const auto at = [&](double x, double y) {
