@@ -4,8 +4,8 @@
 - Before a dark background every point of the object falls on the object in every photograph that has it in its frame: what
   falls beside it by more than two pixels in any of them is not on the surface.
 - A block is cut into the photographs of even and of odd number, and each half matched by itself with the same poses. A point
-  of one half is off where a photograph of the other sees, through it, a surface beyond; where that is hidden or empty,
-  nothing is said. What both halves share, as errors of the poses, is not seen.
+  of one half is off where the photographs of the other see the surface beyond it or a little before it; where it is hidden
+  by more than HIDDEN_GSD, or nothing is there, nothing is said. What both halves share, as errors of the poses, is not seen.
 """
 import os
 
@@ -216,8 +216,9 @@ def against(cloud, other, views_of_other):
         rays = points - view.centre()
         rays /= np.linalg.norm(rays, axis=1)[:, None]
         best_sigmas, best_gsds, filled = np.full(len(points), np.inf), np.full(len(points), np.inf), np.zeros(len(points), int)
-        for beside in (at + down * shown.width + right for down in (-1, 0, 1) for right in (-1, 0, 1)):
-            there = seen & (beside >= 0) & (beside < len(shown.nearest))
+        for down, right in ((down, right) for down in (-1, 0, 1) for right in (-1, 0, 1)):
+            beside, column = at + down * shown.width + right, at % shown.width + right
+            there = seen & (beside >= 0) & (beside < len(shown.nearest)) & (column >= 0) & (column < shown.width)
             index = np.where(there, shown.nearest[np.where(there, beside, 0)], -1)
             there &= index >= 0
             filled += there

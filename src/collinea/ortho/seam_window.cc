@@ -176,15 +176,23 @@ Result<FloatImage> terrain_under(const OrthoScene& coarse, const OrthoPatch& pat
   };
   const int left = std::clamp(int(std::floor(column_of(0))), 0, from.width);
   const int right = std::clamp(int(std::floor(column_of(window.width() - 1))) + 1, 0, from.width);
-  const int top = std::clamp(int(std::floor(row_of(0))), 0, from.height);
-  const int bottom = std::clamp(int(std::floor(row_of(window.height() - 1))) + 1, 0, from.height);
-  if (right <= left || bottom <= top) return result;
-  COLLINEA_TRY(const FloatImage heights, coarse.terrain->read(left, top, right - left, bottom - top));
-  for (int y = 0; y < result.height; ++y) {
-    for (int x = 0; x < result.width; ++x) {
-      const int column = int(std::floor(column_of(x))) - left, row = int(std::floor(row_of(y))) - top;
-      if (column >= 0 && row >= 0 && column < heights.width && row < heights.height)
-        result.at(x, y) = heights.at(column, row);
+  if (right <= left) return result;
+  // In strips: cells of a draft may be many times as large as those of the terrain.
+  constexpr double kMostCells = 1 << 22;
+  const double rows_below = std::max(1.0, grid.cell_m / from.cell_m);
+  const int strip = int(std::clamp(kMostCells / (double(right - left) * rows_below), 1.0, double(result.height)));
+  for (int first = 0; first < result.height; first += strip) {
+    const int last = std::min(first + strip, result.height) - 1;
+    const int top = std::clamp(int(std::floor(row_of(first))), 0, from.height);
+    const int bottom = std::clamp(int(std::floor(row_of(last))) + 1, 0, from.height);
+    if (bottom <= top) continue;
+    COLLINEA_TRY(const FloatImage heights, coarse.terrain->read(left, top, right - left, bottom - top));
+    for (int y = first; y <= last; ++y) {
+      for (int x = 0; x < result.width; ++x) {
+        const int column = int(std::floor(column_of(x))) - left, row = int(std::floor(row_of(y))) - top;
+        if (column >= 0 && row >= 0 && column < heights.width && row < heights.height)
+          result.at(x, y) = heights.at(column, row);
+      }
     }
   }
   return result;
