@@ -11,7 +11,8 @@
 namespace collinea {
 
 /// Hands `read` a text cut off at every `step`-th byte, then `trials` times with some bytes of chance, a piece of
-/// it that comes again or is left out, or a number that is none of this world. The reader may refuse; it must come back.
+/// it that comes again or is left out, or a number that is none of this world. The reader may refuse; it must come
+/// back.
 template <class Read>
 void read_damaged(std::string_view text, Read&& read, int trials = 2000, std::size_t step = 1) {
   for (std::size_t end = 0; end < text.size(); end += step) read(std::string(text.substr(0, end)));
