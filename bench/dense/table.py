@@ -102,8 +102,10 @@ def beach():
     photos = os.path.join(args.data, "brighton_beach", "images")
     if not os.path.isdir(photos):
         return print("brighton_beach: skipped, no " + photos)
-    from PIL import Image
-
+    try:
+        from PIL import Image
+    except ImportError as missing:
+        return print(f"brighton_beach: skipped, {missing}")
     out = os.path.join(args.out, "beach")
     small = os.path.join(out, "images")
     os.makedirs(small, exist_ok=True)

@@ -209,14 +209,18 @@ Smoothness smoothness_for(const GreyImage& picture) {
   for (int y = 0; y < picture.height; ++y) {
     const std::uint8_t* here = picture.row(y);
     const std::uint8_t* below = picture.row(std::min(y + 1, picture.height - 1));
-    for (int x = 0; x < picture.width; ++x) {
-      const int right = here[std::min(x + 1, picture.width - 1)];
-      s.small.at(x, y) =
-          std::uint8_t(std::min(std::abs(int(here[x]) - right) + std::abs(int(here[x]) - below[x]), 255));
-    }
+    std::uint8_t* out = s.small.row(y);
+    const auto texture = [&](int x, int right) {
+      return std::uint8_t(std::min(std::abs(here[x] - right) + std::abs(here[x] - below[x]), 255));
+    };
+    for (int x = 0; x + 1 < picture.width; ++x) out[x] = texture(x, here[x + 1]);
+    if (picture.width > 0) out[picture.width - 1] = texture(picture.width - 1, here[picture.width - 1]);
   }
   s.small = window_mean(s.small);
-  for (auto& value : s.small.data) value = std::uint8_t(kSmall + kSmallMore * kTexture / (kTexture + int(value)));
+  std::array<std::uint8_t, 256> small;
+  for (int texture = 0; texture < 256; ++texture)
+    small[std::size_t(texture)] = std::uint8_t(kSmall + kSmallMore * kTexture / (kTexture + texture));
+  for (auto& value : s.small.data) value = small[value];
   for (int difference = 0; difference < 256; ++difference)
     s.large[std::size_t(difference)] =
         std::uint16_t(std::max<double>(kLargeLeast, kLarge / (1 + difference / kGreyScale)));

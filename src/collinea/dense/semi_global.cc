@@ -31,15 +31,16 @@ struct Freed {
 template <class T>
 using Room = std::unique_ptr<T[], Freed>;
 
-// Memory without a value (it is written before it is read), in pages of 2 MB where the system has them: with small ones
-// the kernel would spend as long on handing them out as the matching takes.
+// Memory without a value (it is written before it is read). Much of it in pages of 2 MB where the system has them: with
+// small ones the kernel would spend as long on handing them out as the matching takes.
 template <class T>
 Room<T> room_for(std::size_t count) {
-  constexpr std::size_t kPage = std::size_t(1) << 21;
-  const std::size_t bytes = (count * sizeof(T) + kPage - 1) / kPage * kPage;
-  void* memory = std::aligned_alloc(kPage, bytes);
+  constexpr std::size_t kLargePage = std::size_t(1) << 21, kPage = 4096;
+  const std::size_t page = count * sizeof(T) > kLargePage / 2 ? kLargePage : kPage;
+  const std::size_t bytes = (count * sizeof(T) + page - 1) / page * page;
+  void* memory = std::aligned_alloc(page, bytes);
   if (!memory) throw std::bad_alloc();
-  madvise(memory, bytes, MADV_HUGEPAGE);
+  if (page == kLargePage) madvise(memory, bytes, MADV_HUGEPAGE);
   return Room<T>(static_cast<T*>(memory));
 }
 
