@@ -51,9 +51,10 @@ std::string bytes_of(const fs::path& path) {
 }
 
 const std::vector<std::string> kProducts = {
-    "cloud.las", "cloud.ply",        "dsm.tif",        "dsm_sigma.tif",     "dsm_state.tif",
-    "dtm.tif",   "dtm_sigma.tif",    "dtm_state.tif",  "contours.gpkg",     "contours.dxf",
-    "ortho.tif", "ortho_source.tif", "seamlines.gpkg", "dsm_hillshade.tif", "dtm_hillshade.tif"};
+    "cloud.las",         "cloud.ply",        "dsm.tif",        "dsm_sigma.tif",          "dsm_state.tif",
+    "dtm.tif",           "dtm_sigma.tif",    "dtm_state.tif",  "contours.gpkg",          "contours.dxf",
+    "ortho.tif",         "ortho_source.tif", "seamlines.gpkg", "dsm_sigma_relative.tif", "dtm_sigma_relative.tif",
+    "dsm_hillshade.tif", "dtm_hillshade.tif"};
 
 // Six small photographs of a made-up village, mapped once. Tests are run one by one, each in a process of its own: what
 // follows on the mapping is therefore one test, made of many small ones.
