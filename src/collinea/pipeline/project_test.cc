@@ -14,6 +14,7 @@
 
 #include "collinea/base/random.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/geometry/plane.h"
 #include "collinea/image/geopackage.h"
 #include "collinea/image/geotiff.h"
 #include "collinea/image/photo.h"
@@ -21,7 +22,6 @@
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/ortho_tile.h"
-#include "collinea/ortho/rectify.h"
 #include "collinea/pipeline/export.h"
 #include "collinea/pipeline/info.h"
 #include "collinea/pipeline/rectify_plane.h"
@@ -54,10 +54,11 @@ std::string bytes_of(const fs::path& path) {
   return std::move(bytes).str();
 }
 
-const std::vector<std::string> kProducts = {"cloud.las",     "cloud.ply",    "dsm.tif",       "dsm_sigma.tif",
-                                            "dsm_state.tif", "dtm.tif",      "dtm_sigma.tif", "dtm_state.tif",
-                                            "contours.gpkg", "contours.dxf", "ortho.tif",     "ortho_source.tif",
-                                            "seamlines.gpkg"};
+const std::vector<std::string> kProducts = {
+    "cloud.las",         "cloud.ply",        "dsm.tif",        "dsm_sigma.tif",          "dsm_state.tif",
+    "dtm.tif",           "dtm_sigma.tif",    "dtm_state.tif",  "contours.gpkg",          "contours.dxf",
+    "ortho.tif",         "ortho_source.tif", "seamlines.gpkg", "dsm_sigma_relative.tif", "dtm_sigma_relative.tif",
+    "dsm_hillshade.tif", "dtm_hillshade.tif"};
 
 // Six small photographs of a made-up village, mapped once. Tests are run one by one, each in a process of its own: what
 // follows on the mapping is therefore one test, made of many small ones.
