@@ -126,7 +126,7 @@ Rows blunders(const Effort& effort, const Run& run) {
   std::vector<double> lengthened, allowed;
   int failed = 0;
   AdjustOptions options = exact_options("brown");
-  options.reliability = true;
+  options.reliability = options.covariances = true;
   for (int i = 0; i < effort.blunder_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(5000 + i);
     const Measured made = measured(exact_block(static_cast<Layout>(i % 3), {.points = 300, .control = 9}, seed), seed);
@@ -138,7 +138,7 @@ Rows blunders(const Effort& effort, const Run& run) {
     Trial trial(made.block, *clean, seed);
     trial.plant(rays, control);
     const auto snooped = snoop(trial.block, made.scope, options, kMostTakenOut, run);
-    const auto best = adjust(without(made.block, trial.planted), made.scope, exact_options("brown"), run);
+    const auto best = adjust(without(made.block, trial.planted), made.scope, options, run);
     if (!best || !snooped || !snooped->finished || !snooped->adjusted.reliability) {
       ++failed;
       continue;
