@@ -463,8 +463,10 @@ void SmallProject::the_plane_of_a_region_is_the_one_that_most_points_of_the_clou
   auto reader = LasReader::open(root_ / "mapped/products/cloud.las");
   ASSERT_TRUE(frame && reader);
   const LasHeader header = reader->header();
+  const auto points = reader->read(10'000'000);
+  ASSERT_TRUE(points);
   std::vector<Eigen::Vector3d> cloud;
-  for (const CloudPoint& point : reader->read(10'000'000).value()) cloud.push_back(point.position);
+  for (const CloudPoint& point : *points) cloud.push_back(point.position);
   frame->local_from_map(cloud);
   const auto region = fmt::format("{},{},{},{}", header.lowest[0] - 1, header.lowest[1] - 1, header.highest[0] + 1,
                                   header.highest[1] + 1);
