@@ -21,6 +21,8 @@ struct Smoothness {
   std::array<std::uint16_t, 256> large{};  ///< by more, for each difference of grey values
 };
 [[nodiscard]] Smoothness smoothness_for(const GreyImage& picture);
+/// Smoothness::small for texture_around().
+[[nodiscard]] std::array<std::uint8_t, 256> small_for_textures();
 /// The same everywhere on a picture of this size.
 [[nodiscard]] Smoothness uniform_smoothness(int width, int height, int small, int large);
 

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "collinea/base/random.h"
 #include "collinea/dense/aggregate.h"
 #include "collinea/dense/level.h"
 #include "collinea/dense/match_kernels.h"
+#include "collinea/dense/texture.h"
 
 namespace collinea::dense {
 namespace {
@@ -245,6 +248,72 @@ TEST(RemoveSpecks, StandardDeviationsJoinWhatTheyCannotTellApart) {
   EXPECT_EQ(uncertain.data, surface.data);
   remove_specks(certain, 0.1f, 40, &small);
   EXPECT_TRUE(std::isnan(certain.at(11, 6)));
+}
+
+// Every patch filled in turn, pixel by pixel.
+FloatImage without_specks(const FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma) {
+  FloatImage result = surface;
+  std::vector<char> seen(surface.data.size(), 0);
+  for (std::size_t first = 0; first < seen.size(); ++first) {
+    if (seen[first]) continue;
+    std::vector<std::size_t> patch{first};
+    seen[first] = 1;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      const int x = int(patch[i]) % surface.width, y = int(patch[i]) / surface.width;
+      for (const auto& [u, v] : {std::pair{x - 1, y}, {x + 1, y}, {x, y - 1}, {x, y + 1}}) {
+        if (u < 0 || v < 0 || u >= surface.width || v >= surface.height) continue;
+        const float more = sigma ? 2 * (sigma->at(x, y) + sigma->at(u, v)) : 0;
+        const std::size_t at = std::size_t(v * surface.width + u);
+        if (seen[at] || !(std::abs(surface.at(x, y) - surface.at(u, v)) <= reach + more)) continue;
+        seen[at] = 1;
+        patch.push_back(at);
+      }
+    }
+    if (int(patch.size()) < min_pixels)
+      for (const std::size_t at : patch) result.data[at] = NAN;
+  }
+  return result;
+}
+
+TEST(RemoveSpecks, EqualsFillingPatches) {
+  Random random(12);
+  for (const int width : {1, 63, 64, 65, 150})
+    for (const double reach : {1.1, 1.5, 2.1}) {  // values 0 to 4 as well: few large patches, and many small ones
+      FloatImage surface(width, 40), sigma(width, 40);
+      for (auto& value : surface.data) value = random.below(12) ? float(random.below(5)) : NAN;
+      for (auto& value : sigma.data) value = float(random.uniform(0, 0.3));
+      for (const FloatImage* known : {static_cast<FloatImage*>(nullptr), &sigma}) {
+        FloatImage found = surface;
+        remove_specks(found, float(reach), 20, known);
+        const FloatImage plain = without_specks(surface, float(reach), 20, known);
+        for (std::size_t i = 0; i < plain.data.size(); ++i) {
+          EXPECT_EQ(std::isnan(found.data[i]), std::isnan(plain.data[i])) << width << ' ' << i;
+          if (!std::isnan(plain.data[i])) {
+            EXPECT_EQ(found.data[i], surface.data[i]);
+          }
+        }
+      }
+    }
+}
+
+TEST(TextureAround, IsTheMeanOfTwoDifferences) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {64, 9}, {90, 40}}) {
+    const GreyImage picture = random_picture(width, height, 5);
+    const auto texture = [&](int x, int y) {
+      const int own = picture.at(x, y), right = picture.at(std::min(x + 1, width - 1), y),
+                below = picture.at(x, std::min(y + 1, height - 1));
+      return std::min(std::abs(own - right) + std::abs(own - below), 255);
+    };
+    const GreyImage found = texture_around(picture);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        int sum = 0, count = 0;
+        for (int v = std::max(y - 3, 0); v <= std::min(y + 3, height - 1); ++v)
+          for (int u = std::max(x - 3, 0); u <= std::min(x + 3, width - 1); ++u, ++count) sum += texture(u, v);
+        EXPECT_EQ(int(found.at(x, y)), sum / count) << x << ' ' << y;
+      }
+  }
+  EXPECT_TRUE(texture_around({}).empty());
 }
 
 TEST(FillHoles, LeavesValuesAndFillsTheRest) {

@@ -130,6 +130,24 @@ void Peaks(const ColumnSums& sums, int width, const MeasuredRow& row) {
   }
 }
 
+void AcceptRow(const float* found, const Acceptance& a, int width, const MeasuredRow& row) {
+  const auto floor = hn::Set(f, a.sigma_floor_px * a.sigma_floor_px);
+  const auto of_surface = hn::Set(f, a.surface_sigma_px * a.surface_sigma_px);
+  for (int x = 0; x < width; x += int(hn::Lanes(f))) {
+    const auto own = hn::Mul(hn::Set(f, a.sigma_scale), hn::LoadU(f, row.sigma + x));
+    const auto sigma = hn::Sqrt(hn::Add(hn::Mul(own, own), floor));
+    const auto before = hn::LoadU(f, found + x);
+    const auto good = hn::And(hn::Ge(hn::LoadU(f, row.correlation + x), hn::Set(f, a.min_correlation)),
+                              hn::Le(sigma, hn::Set(f, a.max_sigma_px)));
+    const auto accepted = hn::And(good, hn::Eq(before, before));
+    const auto part = hn::Div(of_surface, hn::Add(of_surface, hn::Mul(sigma, sigma)));
+    const auto surface = hn::LoadU(f, row.surface + x);
+    const auto both = hn::Add(surface, hn::Mul(part, hn::Sub(hn::LoadU(f, row.disparity + x), surface)));
+    hn::StoreU(hn::IfThenElse(accepted, both, hn::NaN(f)), f, row.disparity + x);
+    hn::StoreU(hn::IfThenElse(accepted, sigma, hn::NaN(f)), f, row.sigma + x);
+  }
+}
+
 void MedianRow(const std::array<const float*, 3>& rows, int width, float* out) {
   for (int x = 0; x < width; x += int(hn::Lanes(f))) {
     hn::Vec<F> v[9];
@@ -174,6 +192,7 @@ namespace collinea::dense {
 HWY_EXPORT(Warp);
 HWY_EXPORT(Slide);
 HWY_EXPORT(Peaks);
+HWY_EXPORT(AcceptRow);
 HWY_EXPORT(MedianRow);
 HWY_EXPORT(MeanWithinRow);
 
@@ -186,6 +205,9 @@ void slide(const TrialRow& entering, const TrialRow* leaving, int width, const C
 }
 void find_peaks(const ColumnSums& sums, int width, const MeasuredRow& row) {
   HWY_DYNAMIC_DISPATCH(Peaks)(sums, width, row);
+}
+void accept_row(const float* found, const Acceptance& acceptance, int width, const MeasuredRow& row) {
+  HWY_DYNAMIC_DISPATCH(AcceptRow)(found, acceptance, width, row);
 }
 void median_row(const std::array<const float*, 3>& rows, int width, float* out) {
   HWY_DYNAMIC_DISPATCH(MedianRow)(rows, width, out);

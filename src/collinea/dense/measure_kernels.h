@@ -40,6 +40,17 @@ void slide(const TrialRow& entering, const TrialRow* leaving, int width, const C
 /// The peak of each pixel's correlations. The sums begin kMeasureReach columns before the first pixel.
 void find_peaks(const ColumnSums& sums, int width, const MeasuredRow& row);
 
+/// What a measured disparity must be to be accepted, and what becomes of it.
+struct Acceptance {
+  float sigma_scale = 1, sigma_floor_px = 0;  ///< sigma = hypot(scale * measured sigma, floor)
+  float surface_sigma_px = 1;                 ///< the surface is an observation with this standard deviation, too
+  float min_correlation = 0, max_sigma_px = 1;
+};
+
+/// Turns what find_peaks() has found into accepted disparities and their sigmas, in place: NaN where `found` is NaN and
+/// where correlation or sigma are not good enough.
+void accept_row(const float* found, const Acceptance& acceptance, int width, const MeasuredRow& row);
+
 /// The median of 3 x 3; rows are readable from column -1 on.
 void median_row(const std::array<const float*, 3>& rows, int width, float* out);
 

@@ -164,31 +164,4 @@ FloatImage smoothed_within(const FloatImage& surface, float reach) {
   return result;
 }
 
-void remove_specks(FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma) {
-  const auto width = std::size_t(surface.width), height = std::size_t(surface.height);
-  // every pixel points to one of its patch, the first of the patch to itself
-  std::vector<std::uint32_t> patch(surface.data.size());
-  const auto first_of = [&](std::uint32_t at) {
-    while (patch[at] != at) at = patch[at] = patch[patch[at]];
-    return at;
-  };
-  const auto goes_on = [&](std::size_t at, std::size_t before) {
-    const float more = sigma ? 2 * (sigma->data[at] + sigma->data[before]) : 0;
-    return std::abs(surface.data[before] - surface.data[at]) <= reach + more;
-  };
-  for (std::size_t y = 0, at = 0; y < height; ++y) {
-    for (std::size_t x = 0; x < width; ++x, ++at) {
-      patch[at] = x > 0 && goes_on(at, at - 1) ? patch[at - 1] : std::uint32_t(at);
-      if (y == 0 || !goes_on(at, at - width) || patch[at] == patch[at - width]) continue;
-      const std::uint32_t a = first_of(patch[at]), b = first_of(patch[at - width]);
-      patch[std::max(a, b)] = std::min(a, b);
-      patch[at] = std::min(a, b);
-    }
-  }
-  std::vector<int> pixels(patch.size(), 0);
-  for (std::size_t at = 0; at < patch.size(); ++at) ++pixels[patch[at] = first_of(std::uint32_t(at))];
-  for (std::size_t at = 0; at < patch.size(); ++at)
-    if (pixels[patch[at]] < min_pixels) surface.data[at] = kNaN;
-}
-
 }  // namespace collinea::dense

@@ -11,6 +11,7 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/dense/disparity_kernels.h"
+#include "collinea/dense/texture.h"
 
 namespace collinea::dense {
 namespace {
@@ -234,9 +235,11 @@ std::vector<StereoTile> stereo_tiles(int width, int height, int labels, std::siz
 }
 
 GreyImage small_changes(const GreyImage& left) {
-  Smoothness smoothness = smoothness_for(left);
-  for (auto& small : smoothness.small.data) small = std::uint8_t(small * kLargestCost / kLargestCensusCost);
-  return std::move(smoothness.small);
+  auto small = small_for_textures();
+  for (auto& value : small) value = std::uint8_t(value * kLargestCost / kLargestCensusCost);
+  GreyImage result = texture_around(left);
+  for (auto& value : result.data) value = small[value];
+  return result;
 }
 
 void match_tile(const DisparityCosts& costs, const GreyImage& left, int right_width, const GreyImage& small,

@@ -357,7 +357,7 @@ void expect_seen_from_right(const TwoRows& rows, const PlainSweep& plain) {
 }
 
 TEST(SweepColumns, IsWhatTheFormulasSay) {
-  for (const int labels : {20, 64, 90}) {
+  for (const int labels : {16, 20, 32, 64, 90, 128}) {
     TwoRows rows(labels);
     PlainSweep plain(rows);
     for (const int turn : {0, 1}) {
@@ -381,15 +381,52 @@ TEST(Census, IsOneBitForEachDarkerPixelAround) {
     std::copy_n(picture.row(y), 90, row.begin() + kCensusReach);
   }
   for (std::size_t y = 0; y < 5; ++y) around[y] = rows[y].data() + kCensusReach;
-  std::vector<std::uint32_t> words(std::size_t(90 + kCensusSlack));
-  census_row(around.data(), 90, words.data());
-  for (int x = 2; x < 88; ++x) {
+  const auto census = [&](bool mirrored) {
+    std::vector<std::vector<std::uint8_t>> bytes(kCensusBytes, std::vector<std::uint8_t>(90 + kCensusSlack));
+    CensusRows<std::uint8_t> out;
+    for (std::size_t i = 0; i < kCensusBytes; ++i) out[i] = bytes[i].data();
+    census_row(around.data(), 90, mirrored, out);
+    return bytes;
+  };
+  const auto bytes = census(false);
+  for (std::size_t x = 2; x < 88; ++x) {
     int darker = 0;
     for (int y = 0; y < 5; ++y)
-      for (int i = x - 2; i <= x + 2; ++i) darker += picture.at(i, y) < picture.at(x, 2);
-    const bool hole = std::abs(x - 40) <= 2;
-    EXPECT_EQ((words[std::size_t(x)] & kNoCensus) != 0, hole) << x;
-    EXPECT_EQ(__builtin_popcount(words[std::size_t(x)] & ~kNoCensus), darker) << x;
+      for (int i = int(x) - 2; i <= int(x) + 2; ++i) darker += picture.at(i, y) < picture.at(int(x), 2);
+    EXPECT_EQ(bytes[3][x] == 255, std::abs(int(x) - 40) <= 2) << x;
+    EXPECT_EQ(__builtin_popcount(unsigned(bytes[0][x] | bytes[1][x] << 8 | bytes[2][x] << 16)), darker) << x;
+  }
+  for (auto& row : rows) std::reverse(row.begin(), row.begin() + 90 + 2 * kCensusReach);
+  const auto mirrored = census(true);
+  for (std::size_t i = 0; i < kCensusBytes; ++i)
+    for (std::size_t x = 2; x < 88; ++x) EXPECT_EQ(mirrored[i][89 - x], bytes[i][x]) << x;
+}
+
+TEST(CensusCosts, AreTwiceTheBitsThatDifferOrChance) {
+  constexpr int kWidth = 70;
+  Random random(11);
+  for (const int labels : {20, 32, 60, 128}) {
+    const int stride = (labels + kLabelUnit - 1) / kLabelUnit * kLabelUnit;
+    std::vector<std::vector<std::uint8_t>> left(kCensusBytes), right(kCensusBytes);
+    CensusRows<const std::uint8_t> left_rows, right_rows;
+    for (std::size_t i = 0; i < kCensusBytes; ++i) {
+      for (auto* bytes : {&left[i], &right[i]}) {
+        bytes->resize(std::size_t(kWidth + stride));
+        for (auto& byte : *bytes) byte = i < 3 ? std::uint8_t(random.below(256)) : random.below(9) ? 0 : 255;
+      }
+      left_rows[i] = left[i].data(), right_rows[i] = right[i].data();
+    }
+    std::vector<std::uint8_t> costs(std::size_t(kWidth * stride) + 1, 77);
+    census_costs(left_rows, right_rows, kWidth, labels, stride, 24, costs.data());
+    for (int x = 0; x < kWidth; ++x)
+      for (int k = 0; k < stride; ++k) {
+        const std::size_t a = std::size_t(x), b = std::size_t(kWidth - 1 - x + k);
+        int bits = 0;
+        for (std::size_t i = 0; i < 3; ++i) bits += __builtin_popcount(unsigned(left[i][a] ^ right[i][b]));
+        const int expected = k >= labels ? 255 : left[3][a] || right[3][b] ? 24 : 2 * bits;
+        EXPECT_EQ(costs[std::size_t(x * stride + k)], expected) << x << ' ' << k;
+      }
+    EXPECT_EQ(costs.back(), 77);  // nothing beyond
   }
 }
 
