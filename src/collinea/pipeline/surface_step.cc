@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/image/hillshade.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
 #include "collinea/pipeline/json_text.h"
@@ -50,10 +51,12 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
-                       products / "dsm_count.tif"};
+                       products / "dsm_count.tif", products / "dsm_sigma_relative.tif"};
   COLLINEA_TRY(const DsmSummary summary,
                build_dsm({points_of(reader), places.frame_or_null(), PointFrame::kMap, places.matched_pixel_m, sigmas},
                          files, project.folder / "scratch", project.settings.surface, project.run));
+  if (auto drawn = write_hillshade(files.height, products / "dsm_hillshade.tif", project.run); !drawn)
+    return tl::unexpected(std::move(drawn).error());
   const double seen = double(summary.measured_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
                                  {"width", summary.grid.width},
@@ -64,7 +67,8 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
                                  {"interpolated_cells", summary.interpolated_cells},
                                  {"lowest_m", summary.lowest_m},
                                  {"highest_m", summary.highest_m},
-                                 {"mean_sigma_m", summary.mean_sigma_m}};
+                                 {"mean_sigma_m", summary.mean_sigma_m},
+                                 {"mean_sigma_relative_m", summary.mean_sigma_relative_m}};
   return StepOutput{inputs_hash, json_text(report),
                     fmt::format("{} x {} cells of {:.3g} m, {:.1f} % of the seen ones interpolated", summary.grid.width,
                                 summary.grid.height, summary.grid.cell_m,

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/image/hillshade.h"
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
@@ -58,13 +59,19 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   if (!looks_down(block)) return without("the images do not look down on the scene");
   COLLINEA_TRY(const Places places, places_of(project, block));
   if (!places.metric) return without("the block has no scale, so that the size of objects is not known");
-  const DsmFiles dsm{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif", {}};
+  const DsmFiles dsm{products / "dsm.tif",
+                     products / "dsm_sigma.tif",
+                     products / "dsm_state.tif",
+                     {},
+                     products / "dsm_sigma_relative.tif"};
   const DtmFiles files{products / "dtm.tif", products / "dtm_sigma.tif", products / "dtm_state.tif",
-                       products / "contours.gpkg"};
+                       products / "contours.gpkg", products / "dtm_sigma_relative.tif"};
   const auto made = build_dtm(dsm, files, project.settings.terrain, project.run);
   if (!made && made.error().code == Errc::kIllPosed) return without(made.error().message);
   if (!made) return tl::unexpected(made.error());
   const DtmSummary& summary = made->summary;
+  if (auto drawn = write_hillshade(files.height, products / "dtm_hillshade.tif", project.run); !drawn)
+    return tl::unexpected(std::move(drawn).error());
   COLLINEA_TRY(const std::uint64_t ground_points, classify(project, made->ground));
   const double cells = double(summary.ground_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
@@ -77,6 +84,7 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
                                  {"lowest_m", summary.lowest_m},
                                  {"highest_m", summary.highest_m},
                                  {"mean_sigma_m", summary.mean_sigma_m},
+                                 {"mean_sigma_relative_m", summary.mean_sigma_relative_m},
                                  {"contour_m", summary.contour_m},
                                  {"contours", summary.contours}};
   return StepOutput{
