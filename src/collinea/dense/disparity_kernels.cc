@@ -22,24 +22,27 @@ void CensusRow(const std::uint8_t* const* rows, int width, bool mirrored, const 
   const hn::CappedTag<std::uint8_t, 64> d;
   const hn::RebindToSigned<decltype(d)> i;
   const auto sign = hn::Set(d, 0x80);
+  std::array<const std::uint8_t*, kNeighbours> around;  // row by row, without the middle
+  for (int n = 0; n < kNeighbours; ++n) {
+    const int at = n < kNeighbours / 2 ? n : n + 1, column = at % kSide - kCensusReach;
+    around[std::size_t(n)] = rows[at / kSide] + (mirrored ? -column : column);
+  }
   for (int x = 0; x < width; x += int(hn::Lanes(d))) {
     const auto middle = hn::LoadU(d, rows[kCensusReach] + x);
     const auto own = hn::BitCast(i, hn::Xor(middle, sign));
     auto least = middle;
-    // eight of the neighbours, counted row by row from `first` on, fill a byte
-    const auto byte_of = [&](int first) {
+    // eight of the neighbours from `first` on fill a byte
+    const auto byte_of = [&](std::size_t first) {
       auto bits = hn::Zero(d);
-      for (int n = first; n < first + 8; ++n) {
-        const int at = n < kNeighbours / 2 ? n : n + 1;  // without the middle
-        const int column = at % kSide - kCensusReach;
-        const auto other = hn::LoadU(d, rows[at / kSide] + x + (mirrored ? -column : column));
+      for (std::size_t n = first; n < first + 8; ++n) {
+        const auto other = hn::LoadU(d, around[n] + x);
         least = hn::Min(least, other);
         const auto darker = hn::VecFromMask(i, hn::Lt(hn::BitCast(i, hn::Xor(other, sign)), own));
         bits = hn::Sub(hn::Add(bits, bits), hn::BitCast(d, darker));
       }
       return bits;
     };
-    for (int byte = 0; byte < 3; ++byte) hn::StoreU(byte_of(8 * byte), d, census[std::size_t(byte)] + x);
+    for (std::size_t byte = 0; byte < 3; ++byte) hn::StoreU(byte_of(8 * byte), d, census[byte] + x);
     hn::StoreU(hn::VecFromMask(d, hn::Eq(least, hn::Zero(d))), d, census[3] + x);
   }
 }
@@ -49,23 +52,27 @@ HWY_INLINE void CostsOfRow(const CensusRows<const std::uint8_t>& left, const Cen
                            int width, int labels, int stride, int chance, std::uint8_t* HWY_RESTRICT costs) {
   const hn::CappedTag<std::uint8_t, kLanes> d;
   const auto unknown = hn::Set(d, std::uint8_t(chance));
+  // apart from the arrays: writing bytes might change those for all that the compiler knows
+  const std::uint8_t *const left0 = left[0], *const left1 = left[1], *const left2 = left[2], *const left3 = left[3];
+  const std::uint8_t *const right0 = right[0], *const right1 = right[1], *const right2 = right[2],
+                            *const right3 = right[3];
   for (int x = 0; x < width; ++x, costs += stride) {
-    if (left[3][x]) {
+    if (left3[x]) {
       std::fill(costs, costs + labels, std::uint8_t(chance));
     } else {
-      const auto first = hn::Set(d, left[0][x]), second = hn::Set(d, left[1][x]), third = hn::Set(d, left[2][x]);
+      const auto first = hn::Set(d, left0[x]), second = hn::Set(d, left1[x]), third = hn::Set(d, left2[x]);
       const int others = width - 1 - x;
       for (int k = 0; k < stride; k += int(hn::Lanes(d))) {
         const auto differing = [&](auto own, const std::uint8_t* other) {
           return hn::PopulationCount(hn::Xor(own, hn::LoadU(d, other + others + k)));
         };
         const auto bits =
-            hn::Add(hn::Add(differing(first, right[0]), differing(second, right[1])), differing(third, right[2]));
-        const auto missing = hn::MaskFromVec(hn::LoadU(d, right[3] + others + k));
+            hn::Add(hn::Add(differing(first, right0), differing(second, right1)), differing(third, right2));
+        const auto missing = hn::MaskFromVec(hn::LoadU(d, right3 + others + k));
         hn::StoreU(hn::IfThenElse(missing, unknown, hn::Add(bits, bits)), d, costs + k);
       }
     }
-    std::fill(costs + labels, costs + stride, std::uint8_t(255));
+    if (labels < stride) std::fill(costs + labels, costs + stride, std::uint8_t(255));
   }
 }
 
@@ -100,7 +107,7 @@ void SweepRow(RowOfSweep& row, int from, int to) {
   const int stride = row.stride;
   for (int i = from; i < to; ++i) {
     const int x = row.sense > 0 ? i : row.width - 1 - i;
-    const std::uint8_t* costs = row.costs + std::size_t(x) * std::size_t(stride);
+    const std::uint8_t* costs = row.costs + std::size_t(x - row.costs_from) * std::size_t(stride);
     std::uint8_t* tolls = row.tolls + std::size_t(x) * std::size_t(stride);
     for (int k = 0; k < stride; ++k) row.sums[k] = std::uint16_t(row.sense > 0 ? 0 : tolls[k] + 8 * costs[k]);
     const auto path = [&](const std::uint8_t* arriving, int smallest, int large, std::uint8_t* leaving) {
@@ -230,12 +237,25 @@ struct Arrival {
   }
 };
 
-// Where the first of `count` sums is that equals `least`, which is one of them.
-template <class D16>
-HWY_INLINE int FirstEqual(D16 d, const std::uint16_t* sums, std::uint16_t least) {
-  const auto wanted = hn::Set(d, least);
-  for (int k = 0;; k += int(hn::Lanes(d)))
-    if (const auto at = hn::FindFirstTrue(d, hn::Eq(hn::LoadU(d, sums + k), wanted)); at >= 0) return k + int(at);
+// Where the first of the sums is that equals `least`, which is one of them; all are less than 32768. kWhole: it is
+// within the first vector of bytes.
+template <bool kWhole, class D, class D16>
+HWY_INLINE int FirstEqual(D d, D16 d16, const std::uint16_t* sums, std::uint16_t least) {
+  const hn::Half<D> half;
+  const hn::RebindToSigned<D16> i16;
+  const auto wanted = hn::Set(d16, least);
+  const auto beyond = [&](const std::uint16_t* from) {
+    return hn::DemoteTo(half, hn::BitCast(i16, hn::Sub(hn::LoadU(d16, from), wanted)));
+  };
+  for (int k = 0;; k += int(hn::Lanes(d))) {
+    const auto bytes = hn::Combine(d, beyond(sums + k + hn::Lanes(d16)), beyond(sums + k));
+    const auto equal = hn::Eq(bytes, hn::Zero(d));
+    if constexpr (kWhole) {
+      return int(hn::FindKnownFirstTrue(d, equal));
+    } else {
+      if (const auto at = hn::FindFirstTrue(d, equal); at >= 0) return k + int(at);
+    }
+  }
 }
 
 template <class D16>
@@ -250,7 +270,8 @@ HWY_INLINE void SeeFromTheRight(D16 d, hn::Vec<D16> sum, int k, std::uint16_t* H
 
 // kWhole: the labels of a pixel are one vector; then the path along the row stays in registers.
 template <int kLanes, bool kUp, bool kWhole>
-HWY_INLINE void SweepColumns(RowOfSweep& row, int from, int to) {
+HWY_INLINE void SweepColumns(RowOfSweep& of_row, int from, int to) {
+  const RowOfSweep row = of_row;  // a copy: writing bytes might change the other for all that the compiler knows
   const hn::CappedTag<std::uint8_t, kLanes> d;
   using D = decltype(d);
   const hn::Half<D> half;
@@ -278,7 +299,7 @@ HWY_INLINE void SweepColumns(RowOfSweep& row, int from, int to) {
     std::uint8_t* to_oblique = row.now.costs + PathRow::offset(x, 0, stride);
     std::uint8_t* to_straight = row.now.costs + PathRow::offset(x, 1, stride);
     std::uint8_t* to_other = row.now.costs + PathRow::offset(x, 2, stride);
-    const std::uint8_t* costs = row.costs + std::size_t(x) * std::size_t(stride);
+    const std::uint8_t* costs = row.costs + std::size_t(x - row.costs_from) * std::size_t(stride);
     std::uint8_t* tolls = row.tolls + std::size_t(x) * std::size_t(stride);
     std::uint16_t* right_sum = kUp ? row.right_sum + row.width - 1 - x : nullptr;
     std::uint16_t* right_label = kUp ? row.right_label + row.width - 1 - x : nullptr;
@@ -327,13 +348,13 @@ HWY_INLINE void SweepColumns(RowOfSweep& row, int from, int to) {
     const std::uint32_t four = hn::GetLane(hn::BitCast(d32, least));  // that from the side is the lowest byte
     std::memcpy(row.now.smallest + (x + 1) * 4, &four, sizeof four);
     if constexpr (kUp) {
-      const int k = FirstEqual(d16, row.sums, SmallestLane(d16, least_sum));
+      const int k = FirstEqual<kWhole>(d, d16, row.sums, SmallestLane(d16, least_sum));
       row.best[x] = {std::uint16_t(k), k > 0 ? row.sums[k - 1] : std::uint16_t(0xFFFF), row.sums[k],
                      k + 1 < row.labels ? row.sums[k + 1] : std::uint16_t(0xFFFF)};
     }
   }
   if constexpr (kWhole) hn::StoreU(along, d, side_buffer(to));
-  row.side_smallest = hn::GetLane(side_smallest);
+  of_row.side_smallest = hn::GetLane(side_smallest);
 }
 
 template <int kLanes, bool kUp>
@@ -354,6 +375,38 @@ void SweepRow(RowOfSweep& row, int from, int to) {
 
 #endif  // HWY_TARGET == HWY_SCALAR
 
+void DisparitiesOfRow(const FoundRow& row, float* HWY_RESTRICT disparity) {
+  const hn::CappedTag<float, 16> f;
+  const hn::RebindToSigned<decltype(f)> i;
+  const hn::Rebind<std::uint16_t, decltype(f)> d16;
+  const hn::Rebind<std::uint8_t, decltype(f)> d8;
+  const auto zero = hn::Zero(i), none = hn::Set(i, 0xFFFF);
+  for (int x = 0; x < row.width; x += int(hn::Lanes(f))) {
+    hn::Vec<decltype(d16)> label16, before16, at16, after16;
+    hn::LoadInterleaved4(d16, &row.best[x].label, label16, before16, at16, after16);
+    const auto column = hn::Iota(i, x);
+    const auto label = hn::PromoteTo(i, label16);
+    const auto right = hn::Sub(hn::Sub(column, hn::Set(i, row.low)), label);
+    const auto place = hn::Add(hn::Sub(hn::Set(i, row.width - 1), column), label);
+    const auto safe = hn::Min(hn::Max(place, zero), hn::Set(i, row.right_size - 1));
+    const auto words =
+        hn::GatherOffset(i, reinterpret_cast<const std::int32_t*>(row.right_label), hn::ShiftLeft<1>(safe));
+    const auto apart = hn::Abs(hn::Sub(hn::And(words, none), label));
+    const auto there = hn::AndNot(hn::Lt(right, hn::Set(i, row.first_right)), hn::Lt(right, hn::Set(i, row.end_right)));
+    const auto seen = hn::Gt(hn::PromoteTo(i, hn::LoadU(d8, row.left + x)), zero);
+    const auto good = hn::And(hn::And(there, seen), hn::Lt(apart, hn::Set(i, row.max_apart + 1)));
+    const auto before = hn::PromoteTo(i, before16), at = hn::PromoteTo(i, at16), after = hn::PromoteTo(i, after16);
+    const auto rise_before = hn::ConvertTo(f, hn::Sub(before, at)), rise_after = hn::ConvertTo(f, hn::Sub(after, at));
+    const auto both = hn::Add(rise_before, rise_after);
+    const auto between =
+        hn::And(hn::RebindMask(f, hn::And(hn::Ne(before, none), hn::Ne(after, none))), hn::Gt(both, hn::Zero(f)));
+    const auto off = hn::Div(hn::Mul(hn::Set(f, 0.5f), hn::Sub(rise_before, rise_after)), both);
+    const auto value =
+        hn::Add(hn::Set(f, float(row.low)), hn::Add(hn::ConvertTo(f, label), hn::IfThenElseZero(between, off)));
+    hn::StoreU(hn::IfThenElse(hn::RebindMask(f, good), value, hn::NaN(f)), f, disparity + x);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace collinea::dense
 HWY_AFTER_NAMESPACE();
@@ -365,6 +418,7 @@ HWY_EXPORT(CensusRow);
 HWY_EXPORT(CensusCosts);
 HWY_EXPORT(JumpRow);
 HWY_EXPORT(SweepRow);
+HWY_EXPORT(DisparitiesOfRow);
 
 void census_row(const std::uint8_t* const* rows, int width, bool mirrored, const CensusRows<std::uint8_t>& census) {
   HWY_DYNAMIC_DISPATCH(CensusRow)(rows, width, mirrored, census);
@@ -377,6 +431,10 @@ void census_costs(const CensusRows<const std::uint8_t>& left, const CensusRows<c
 
 void jump_row(const std::uint8_t* here, const std::uint8_t* before, int sense, int width, std::uint8_t* jumps) {
   HWY_DYNAMIC_DISPATCH(JumpRow)(here, before, sense, width, jumps);
+}
+
+void disparities_of_row(const FoundRow& row, float* disparity) {
+  HWY_DYNAMIC_DISPATCH(DisparitiesOfRow)(row, disparity);
 }
 
 void sweep_columns(RowOfSweep& row, int from, int to) { HWY_DYNAMIC_DISPATCH(SweepRow)(row, from, to); }

@@ -68,14 +68,15 @@ struct Best {
 struct RowOfSweep {
   int sense = 1;
   int width = 0, labels = 0, stride = 0;
-  const std::uint8_t* costs = nullptr;  ///< of column x, label k: [x * stride + k]
+  const std::uint8_t* costs = nullptr;  ///< of column x, label k: [(x - costs_from) * stride + k]
+  int costs_from = 0;
   const std::uint8_t* small = nullptr;  ///< by column
   const std::uint8_t* large = nullptr;  ///< by column and direction: [x * 4 + p], p = side, oblique behind, straight,
                                         ///< oblique ahead
   PathRow before{}, now{};
   std::uint8_t* side = nullptr;  ///< path costs along the row: two buffers of stride + 2 kPathGuard, ends guarded
   std::uint8_t side_smallest = 0;
-  std::uint8_t* tolls = nullptr;  ///< as costs; sums over the four directions, written downwards, read upwards
+  std::uint8_t* tolls = nullptr;  ///< [x * stride + k]; sums over the four directions, written downwards, read upwards
   // upwards only:
   std::uint16_t* sums = nullptr;         ///< room for `stride`
   Best* best = nullptr;                  ///< by column
@@ -86,5 +87,22 @@ struct RowOfSweep {
 /// Columns [from, to) in the order of the sweep (0 is where the row begins). cost + large < 255 everywhere, but for the
 /// costs of padded labels, which are 255.
 void sweep_columns(RowOfSweep& row, int from, int to);
+
+/// What the sweep upwards has found along a row of a tile.
+struct FoundRow {
+  const std::uint8_t* left = nullptr;  ///< grey values by column
+  const Best* best = nullptr;          ///< likewise
+  const std::uint16_t* right_label =
+      nullptr;  ///< as RowOfSweep::right_label, `right_size` elements, readable to one more
+  int width = 0, right_size = 0;
+  int low = 0;                         ///< disparity of label 0
+  int first_right = 0, end_right = 0;  ///< columns the right picture has, counted from that of the tile
+  int max_apart = 0;                   ///< of the label found from the right
+};
+
+/// Disparities: low + label, at the parabola through the three sums; NaN where the left picture is 0, the right one has
+/// no such column, or what is found from there is more than max_apart away. Columns are readable and writable to
+/// width + kCensusSlack.
+void disparities_of_row(const FoundRow& row, float* disparity);
 
 }  // namespace collinea::dense

@@ -57,7 +57,8 @@ class Band {
         stride_(left.width + 2 * kMeasureReach + 2 * kRowSlack) {
     memory_.resize(std::size_t(stride_) * (kSide + 1) * 5);
     sums_.resize(std::size_t(stride_) * 12);
-    quads_.resize(std::size_t(right.width));
+    other_.resize(std::size_t(right.width + kRowSlack + 3));
+    quads_.resize(std::size_t(right.width + kRowSlack));
     own_.resize(std::size_t(left.width + kRowSlack));
     depth_.resize(std::size_t(left.width + kRowSlack));
     before_.resize(std::size_t(left.width + kRowSlack));
@@ -91,12 +92,10 @@ class Band {
 
   void warp(int y, const TrialRow& row) {
     const std::uint8_t* other = right_.row(y);
-    const int last = right_.width - 1;
-    for (int i = 0; i <= last; ++i) {
-      const std::uint32_t a = other[std::max(i - 1, 0)], b = other[i], c = other[std::min(i + 1, last)],
-                          e = other[std::min(i + 2, last)];
-      quads_[std::size_t(i)] = std::int32_t(a | b << 8 | c << 16 | e << 24);
-    }
+    other_[0] = other[0];
+    std::copy_n(other, right_.width, other_.begin() + 1);
+    std::fill_n(other_.begin() + 1 + right_.width, 2, other[right_.width - 1]);
+    pack_quads(other_.data() + 1, right_.width, quads_.data());
     std::copy_n(left_.row(y), left_.width, own_.begin());
     std::copy_n(surface_.row(y), left_.width, depth_.begin());
     TrialRow inner{row.left + kMeasureReach, row.missing + kMeasureReach, {}};
@@ -125,7 +124,7 @@ class Band {
   const Acceptance& acceptance_;
   int stride_;
   std::vector<std::int32_t> memory_, sums_, quads_;
-  std::vector<std::uint8_t> own_;
+  std::vector<std::uint8_t> own_, other_;
   std::vector<float> depth_, before_;
   std::array<std::vector<float>, 3> out_;
   std::array<TrialRow, kSide + 1> rows_;
@@ -174,12 +173,17 @@ class SmoothBand {
 }  // namespace
 
 void fill_row(const float* found, int width, float* filled) {
-  float near = kNaN;  // first from the right, then the smaller of that and what is to the left
-  for (int x = width - 1; x >= 0; --x) filled[x] = near = std::isnan(found[x]) ? near : found[x];
-  near = kNaN;
-  for (int x = 0; x < width; ++x) {
-    near = std::isnan(found[x]) ? near : found[x];
-    filled[x] = near < filled[x] || std::isnan(filled[x]) ? near : filled[x];
+  for (int x = 0; x < width;) {
+    if (!std::isnan(found[x])) {
+      filled[x] = found[x];
+      ++x;
+      continue;
+    }
+    int end = x + 1;
+    while (end < width && std::isnan(found[end])) ++end;
+    const float before = x > 0 ? found[x - 1] : kNaN, after = end < width ? found[end] : kNaN;
+    std::fill(filled + x, filled + end, std::fmin(before, after));
+    x = end;
   }
 }
 

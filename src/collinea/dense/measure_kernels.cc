@@ -23,6 +23,15 @@ constexpr int kPerPixel = 16;  // places and grey values are multiples of 1/16
 constexpr float kTrialPx = 0.5f;
 constexpr float kFlat = 0.02f * kPixels;  // sum of squares below which a window is without texture
 
+void PackQuads(const std::uint8_t* row, int width, std::int32_t* HWY_RESTRICT quads) {
+  const hn::Rebind<std::uint8_t, F> u8;
+  for (int x = 0; x < width; x += int(hn::Lanes(f))) {
+    const auto at = [&](int i) { return hn::PromoteTo(i32, hn::LoadU(u8, row + x + i)); };
+    const auto lower = hn::Or(at(-1), hn::ShiftLeft<8>(at(0)));
+    hn::StoreU(hn::Or(lower, hn::Or(hn::ShiftLeft<16>(at(1)), hn::ShiftLeft<24>(at(2)))), i32, quads + x);
+  }
+}
+
 // Place [1/16 px] of column x on the right picture: the surface there, rounded.
 HWY_INLINE hn::Vec<I> PlaceOf(const float* surface, int x) {
   const auto column = hn::Add(hn::Iota(f, 0), hn::Set(f, float(x)));
@@ -189,6 +198,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace collinea::dense {
 
+HWY_EXPORT(PackQuads);
 HWY_EXPORT(Warp);
 HWY_EXPORT(Slide);
 HWY_EXPORT(Peaks);
@@ -196,6 +206,9 @@ HWY_EXPORT(AcceptRow);
 HWY_EXPORT(MedianRow);
 HWY_EXPORT(MeanWithinRow);
 
+void pack_quads(const std::uint8_t* row, int width, std::int32_t* quads) {
+  HWY_DYNAMIC_DISPATCH(PackQuads)(row, width, quads);
+}
 void warp_row(const std::uint8_t* left, const std::int32_t* quads, int right_width, const float* surface, int width,
               const TrialRow& out) {
   HWY_DYNAMIC_DISPATCH(Warp)(left, quads, right_width, surface, width, out);

@@ -29,8 +29,12 @@ struct MeasuredRow {
   float *disparity, *sigma, *correlation;
 };
 
-/// Fills `out` for a row of pixels. `quads`: element i packs pixels i - 1 to i + 2 of the right row from the lowest
-/// byte on, 0 <= i < right_width; what lies beyond is taken from the border.
+/// Element i packs pixels i - 1 to i + 2 of a row from the lowest byte on, 0 <= i < width; the row is readable from -1
+/// to width + kRowSlack + 2.
+void pack_quads(const std::uint8_t* row, int width, std::int32_t* quads);
+
+/// Fills `out` for a row of pixels. `quads`: as pack_quads() makes them of the right row; what lies beyond is taken
+/// from the border.
 void warp_row(const std::uint8_t* left, const std::int32_t* quads, int right_width, const float* surface, int width,
               const TrialRow& out);
 

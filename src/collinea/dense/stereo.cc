@@ -2,7 +2,6 @@
 #include "collinea/dense/stereo.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "collinea/dense/disparity_measure.h"
@@ -13,7 +12,6 @@
 namespace collinea {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kSmoothReachPx = 1;  // neighbours that differ by more belong to another surface
 constexpr int kMostDisparities = 2000;
 constexpr std::size_t kLargestVolume = 400'000'000;  // pixels times labels of a tile, a byte each
@@ -52,7 +50,7 @@ Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, c
   COLLINEA_TRY(const StereoCost kind, cost_named(options.cost));
   const dense::DisparityCosts costs(left, right, kind, run);
   const GreyImage small = dense::small_changes(left);
-  FloatImage disparity(left.width, left.height, 1, kNaN);
+  FloatImage disparity(left.width, left.height);
   const auto tiles = dense::stereo_tiles(left.width, left.height, range.high - range.low + 1, kLargestVolume);
   for (const dense::StereoTile& tile : tiles) {
     dense::match_tile(costs, left, right.width, small, range, options.max_left_right_px, tile, run, disparity);

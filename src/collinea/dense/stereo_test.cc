@@ -369,6 +369,44 @@ TEST(SweepColumns, IsWhatTheFormulasSay) {
   }
 }
 
+TEST(DisparitiesOfRow, AreParabolasWhereBothPicturesAgree) {
+  constexpr int kWidth = 75, kLabels = 40, kLow = -7;
+  Random random(21);
+  std::vector<std::uint8_t> left(kWidth + kCensusSlack);
+  std::vector<Best> best(left.size());
+  std::vector<std::uint16_t> right_label(kWidth + 64 + 1);
+  for (auto& grey : left) grey = std::uint8_t(random.below(8) ? 9 : 0);
+  for (auto& label : right_label) label = std::uint16_t(20 + random.below(5));
+  for (auto& b : best) {
+    const auto at = std::uint16_t(random.below(600));
+    const auto beside = [&] { return random.below(9) ? std::uint16_t(at + random.below(100)) : std::uint16_t(0xFFFF); };
+    b = {std::uint16_t(20 + random.below(5)), beside(), at, beside()};
+  }
+  best[3].label = 0, best[70].label = kLabels - 1;
+  FoundRow row;
+  row.left = left.data(), row.best = best.data(), row.right_label = right_label.data();
+  row.width = kWidth, row.right_size = kWidth + 64;
+  row.low = kLow, row.first_right = -4, row.end_right = 50, row.max_apart = 1;
+  std::vector<float> disparity(left.size());
+  disparities_of_row(row, disparity.data());
+  int found = 0;
+  for (int x = 0; x < kWidth; ++x) {
+    const Best& b = best[std::size_t(x)];
+    const int right = x - kLow - b.label;
+    const int apart = std::abs(right_label[std::size_t(kWidth - 1 - x + b.label)] - b.label);
+    if (left[std::size_t(x)] == 0 || right < -4 || right >= 50 || apart > 1) {
+      EXPECT_TRUE(std::isnan(disparity[std::size_t(x)])) << x;
+      continue;
+    }
+    ++found;
+    float label = b.label;
+    if (const int rises = b.before + b.after - 2 * b.at; b.before != 0xFFFF && b.after != 0xFFFF && rises > 0)
+      label += 0.5f * float(b.before - b.after) / float(rises);
+    EXPECT_EQ(disparity[std::size_t(x)], kLow + label) << x;
+  }
+  EXPECT_GT(found, 15);
+}
+
 TEST(Census, IsOneBitForEachDarkerPixelAround) {
   GreyImage picture(90, 5);
   Random random(4);
