@@ -223,17 +223,15 @@ std::vector<std::uint16_t> aggregate(const Labels& labels, const Volume& volume,
   return sums;
 }
 
-Winner winner(const std::uint16_t* sums_of_pixel, int labels) {
+float winner(const std::uint16_t* sums_of_pixel, int labels) {
   const std::uint16_t* sums = sums_of_pixel + kGuard;
-  const int best = int(std::min_element(sums, sums + labels) - sums);
-  Winner w{float(best), sums[best], 0xFFFF};
-  for (int k = 0; k < labels; ++k)
-    if (std::abs(k - best) > 1) w.runner_up = std::min(w.runner_up, sums[k]);
+  const int best = first_least(sums_of_pixel, kGuard, kGuard + labels) - kGuard;
+  float label = float(best);
   if (best > 0 && best + 1 < labels) {
     const float left = float(sums[best - 1]) - float(sums[best]), right = float(sums[best + 1]) - float(sums[best]);
-    if (left + right > 0) w.label += 0.5f * (left - right) / (left + right);
+    if (left + right > 0) label += 0.5f * (left - right) / (left + right);
   }
-  return w;
+  return label;
 }
 
 }  // namespace collinea::dense

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "collinea/base/parallel.h"
+#include "collinea/dense/last_rows.h"
 
 namespace collinea::dense {
 namespace {
@@ -18,25 +19,6 @@ namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr int kSide = 2 * kMeasureReach + 1;
 constexpr int kBandRows = 64;  // a band of rows is one item of work
-constexpr int kBorder = 4;     // columns repeated on either side of a row
-
-// The last rows of a picture, which can be read and written some columns beyond their ends.
-class LastRows {
- public:
-  LastRows(int width, int count) : width_(width), count_(count), stride_(width + 2 * kBorder + kRowSlack) {
-    data_.resize(std::size_t(stride_) * std::size_t(count));
-  }
-  [[nodiscard]] float* row(int y) { return data_.data() + std::size_t(y % count_) * std::size_t(stride_) + kBorder; }
-  void repeat_border(int y) {
-    float* values = row(y);
-    std::fill(values - kBorder, values, values[0]);
-    std::fill(values + width_, values + width_ + kBorder + kRowSlack, values[width_ - 1]);
-  }
-
- private:
-  int width_, count_, stride_;
-  std::vector<float> data_;
-};
 
 void for_bands(const Run& run, int height, const std::function<void(int, int)>& work) {
   const int bands = (height + kBandRows - 1) / kBandRows;
@@ -135,7 +117,7 @@ class Band {
 class SmoothBand {
  public:
   SmoothBand(const FloatImage& found, float reach)
-      : found_(found), reach_(reach), values_(found.width, 4), medians_(found.width, 8) {
+      : found_(found), reach_(reach), values_(found.width, 4, 0), medians_(found.width, 8, 0) {
     smooth_.resize(std::size_t(found.width + kRowSlack));
   }
 

@@ -11,6 +11,7 @@
 #include "collinea/dense/aggregate.h"
 #include "collinea/dense/level.h"
 #include "collinea/dense/match_kernels.h"
+#include "collinea/dense/path_kernels.h"
 #include "collinea/dense/texture.h"
 
 namespace collinea::dense {
@@ -198,9 +199,75 @@ TEST(Aggregate, EqualsThePlainRecursionAlsoAcrossCells) {
 TEST(Winner, LiesBetweenLabelsWhereTheParabolaSays) {
   std::vector<std::uint16_t> sums(16, 1000);
   for (int k = 0; k < 10; ++k) sums[std::size_t(k + kGuard)] = std::uint16_t(100 + 10 * (k - 4.3) * (k - 4.3));
-  const Winner best = winner(sums.data(), 10);
-  EXPECT_NEAR(best.label, 4.3, 0.05);  // sums are whole numbers
-  EXPECT_GT(best.runner_up, best.sum);
+  EXPECT_NEAR(winner(sums.data(), 10), 4.3, 0.05);  // sums are whole numbers
+}
+
+TEST(FirstLeast, IsTheFirstOfTheLeast) {
+  Random random(31);
+  for (const int labels : {1, 2, 14, 15, 16, 40, 190}) {
+    std::vector<std::uint16_t> values(std::size_t((labels + 2 + 15) / 16 * 16));
+    for (int turn = 0; turn < 20; ++turn) {
+      for (auto& value : values) value = turn ? std::uint16_t(random.below(9)) : std::uint16_t(0xFFFF);
+      values.front() = 0;
+      values[std::size_t(labels + 1)] = 0;
+      EXPECT_EQ(first_least(values.data(), 1, labels + 1),
+                std::min_element(values.begin() + 1, values.begin() + 1 + labels) - values.begin());
+    }
+  }
+}
+
+// Random values with holes.
+FloatImage random_surface(int width, int height, double holes, std::uint64_t seed) {
+  FloatImage surface(width, height);
+  Random random(seed);
+  for (auto& value : surface.data) value = random.uniform(0, 1) < holes ? NAN : float(random.uniform(0, 1));
+  return surface;
+}
+
+// Those that are known of the square around a pixel.
+std::vector<float> known_around(const FloatImage& surface, int x, int y, int reach) {
+  std::vector<float> values;
+  for (int v = std::max(y - reach, 0); v <= std::min(y + reach, surface.height - 1); ++v)
+    for (int u = std::max(x - reach, 0); u <= std::min(x + reach, surface.width - 1); ++u)
+      if (!std::isnan(surface.at(u, v))) values.push_back(surface.at(u, v));
+  return values;
+}
+
+TEST(Median3, IsThatOfWhatIsKnown) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {40, 30}})
+    for (const double holes : {0.0, 0.5, 0.9}) {
+      const FloatImage surface = random_surface(width, height, holes, 5), found = median3(surface);
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          std::vector<float> values = known_around(surface, x, y, 1);
+          std::sort(values.begin(), values.end());
+          if (values.empty()) {
+            EXPECT_TRUE(std::isnan(found.at(x, y)));
+          } else {
+            EXPECT_EQ(found.at(x, y), values[values.size() / 2]) << x << ' ' << y;
+          }
+        }
+    }
+}
+
+TEST(SmoothedWithin, IsTheMeanOfWhatIsAlike) {
+  constexpr float kReach = 0.3f;
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {40, 30}}) {
+    const FloatImage surface = random_surface(width, height, 0.3, 6), found = smoothed_within(surface, kReach);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const float middle = surface.at(x, y);
+        if (std::isnan(middle)) {
+          EXPECT_TRUE(std::isnan(found.at(x, y)));
+          continue;
+        }
+        double sum = 0;
+        int count = 0;
+        for (const float value : known_around(surface, x, y, 2))
+          if (std::abs(value - middle) <= kReach) sum += double(value), ++count;
+        EXPECT_NEAR(double(found.at(x, y)), sum / count, 1e-5);
+      }
+  }
 }
 
 Level level_of(const GreyImage& picture) {

@@ -175,6 +175,34 @@ void MedianRow(const std::array<const float*, 3>& rows, int width, float* out) {
   }
 }
 
+void MedianOfKnownRow(const std::array<const float*, 3>& rows, int width, float* out) {
+  for (int x = 0; x < width; x += int(hn::Lanes(f))) {
+    hn::Vec<F> v[9];
+    auto known = hn::Zero(i32);  // less the number of those
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) {
+        const auto value = hn::LoadU(f, rows[std::size_t(j)] + x + i - 1);
+        const auto is_known = hn::Eq(value, value);
+        v[3 * j + i] = hn::IfThenElse(is_known, value, hn::Inf(f));  // to the end
+        known = hn::Add(known, hn::BitCast(i32, hn::VecFromMask(f, is_known)));
+      }
+    const auto sort = [&](int a, int b) {
+      const auto low = hn::Min(v[a], v[b]);
+      v[b] = hn::Max(v[a], v[b]);
+      v[a] = low;
+    };
+    // a network that sorts nine (Floyd, in Knuth 1973)
+    sort(0, 3), sort(1, 7), sort(2, 5), sort(4, 8), sort(0, 7), sort(2, 4), sort(3, 8), sort(5, 6), sort(0, 2);
+    sort(1, 3), sort(4, 5), sort(7, 8), sort(1, 4), sort(3, 6), sort(5, 7), sort(0, 1), sort(2, 4), sort(3, 5);
+    sort(6, 8), sort(2, 3), sort(4, 5), sort(6, 7), sort(1, 2), sort(3, 4), sort(5, 6);
+    auto median = v[4];
+    for (int n = 0; n < 8; ++n)
+      median = hn::IfThenElse(hn::RebindMask(f, hn::Eq(known, hn::Set(i32, -n))), v[n / 2], median);
+    median = hn::IfThenElse(hn::RebindMask(f, hn::Eq(known, hn::Zero(i32))), hn::NaN(f), median);
+    hn::StoreU(median, f, out + x);
+  }
+}
+
 void MeanWithinRow(const std::array<const float*, 5>& rows, float reach, int width, float* out) {
   const auto limit = hn::Set(f, reach);
   for (int x = 0; x < width; x += int(hn::Lanes(f))) {
@@ -187,7 +215,8 @@ void MeanWithinRow(const std::array<const float*, 5>& rows, float reach, int wid
         sum = hn::Add(sum, hn::IfThenElseZero(near, off));
         count = hn::Add(count, hn::IfThenElseZero(near, hn::Set(f, 1.0f)));
       }
-    hn::StoreU(hn::Add(middle, hn::Div(sum, count)), f, out + x);
+    const auto mean = hn::Add(middle, hn::Div(sum, count));
+    hn::StoreU(hn::IfThenElse(hn::Gt(count, hn::Zero(f)), mean, middle), f, out + x);
   }
 }
 
@@ -204,6 +233,7 @@ HWY_EXPORT(Slide);
 HWY_EXPORT(Peaks);
 HWY_EXPORT(AcceptRow);
 HWY_EXPORT(MedianRow);
+HWY_EXPORT(MedianOfKnownRow);
 HWY_EXPORT(MeanWithinRow);
 
 void pack_quads(const std::uint8_t* row, int width, std::int32_t* quads) {
@@ -224,6 +254,9 @@ void accept_row(const float* found, const Acceptance& acceptance, int width, con
 }
 void median_row(const std::array<const float*, 3>& rows, int width, float* out) {
   HWY_DYNAMIC_DISPATCH(MedianRow)(rows, width, out);
+}
+void median_of_known_row(const std::array<const float*, 3>& rows, int width, float* out) {
+  HWY_DYNAMIC_DISPATCH(MedianOfKnownRow)(rows, width, out);
 }
 void mean_within_row(const std::array<const float*, 5>& rows, float reach, int width, float* out) {
   HWY_DYNAMIC_DISPATCH(MeanWithinRow)(rows, reach, width, out);

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-// The inner loops of measuring disparities again, and of smoothing them, row by row.
+// The inner loops of measuring disparities again, and of smoothing surfaces, row by row.
 namespace collinea::dense {
 
 inline constexpr int kMeasureReach = 3;   ///< half the window
@@ -58,7 +58,12 @@ void accept_row(const float* found, const Acceptance& acceptance, int width, con
 /// The median of 3 x 3; rows are readable from column -1 on.
 void median_row(const std::array<const float*, 3>& rows, int width, float* out);
 
-/// The mean over those of 5 x 5 that differ by at most `reach` from the middle; rows are readable from column -2 on.
+/// The same where not all is known: NaN do not count, of an even number the upper one of the middle two; NaN where
+/// there is nothing.
+void median_of_known_row(const std::array<const float*, 3>& rows, int width, float* out);
+
+/// The mean over those of 5 x 5 that differ by at most `reach` from the middle; NaN do not count, and stay. Rows are
+/// readable from column -2 on.
 void mean_within_row(const std::array<const float*, 5>& rows, float reach, int width, float* out);
 
 }  // namespace collinea::dense

@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "collinea/base/parallel.h"
+#include "collinea/dense/last_rows.h"
 #include "collinea/dense/level.h"
+#include "collinea/dense/measure_kernels.h"
 
 namespace collinea::dense {
 namespace {
@@ -145,21 +147,22 @@ Refined refine(const Level& level, const FloatImage& surface, bool near, const R
 
 FloatImage smoothed_within(const FloatImage& surface, float reach) {
   constexpr int kAround = 2;
-  FloatImage result(surface.width, surface.height);
-  for (int y = 0; y < surface.height; ++y)
-    for (int x = 0; x < surface.width; ++x) {
-      const float middle = surface.at(x, y);
-      float sum = 0;
-      int count = 0;
-      for (int j = std::max(y - kAround, 0); j <= std::min(y + kAround, surface.height - 1); ++j)
-        for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, surface.width - 1); ++i) {
-          const float off = surface.at(i, j) - middle;
-          if (!(std::abs(off) <= reach)) continue;
-          sum += off;
-          ++count;
-        }
-      result.at(x, y) = count ? middle + sum / float(count) : middle;
+  const int width = surface.width, height = surface.height;
+  LastRows rows(width, 2 * kAround + 1, kNaN), beyond(width, 1, kNaN);
+  std::vector<float> mean(std::size_t(width + kRowSlack));
+  FloatImage result(width, height);
+  for (int y = 0; y < height + kAround; ++y) {
+    if (y < height) std::copy_n(surface.row(y), width, rows.row(y));
+    const int middle = y - kAround;
+    if (middle < 0) continue;
+    std::array<const float*, 2 * kAround + 1> around;
+    for (int j = -kAround; j <= kAround; ++j) {
+      const bool there = middle + j >= 0 && middle + j < height;
+      around[std::size_t(j + kAround)] = there ? rows.row(middle + j) : beyond.row(0);
     }
+    mean_within_row(around, reach, width, mean.data());
+    std::copy_n(mean.begin(), width, result.row(middle));
+  }
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include "collinea/dense/stereo.h"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,8 @@
 #include <limits>
 #include <stop_token>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "collinea/base/random.h"
 #include "collinea/dense/disparity_kernels.h"
@@ -160,6 +163,24 @@ TEST(Stereo, TheNumberOfThreadsDoesNotMatter) {
     EXPECT_TRUE(
         std::equal(alone->disparity.data.begin(), alone->disparity.data.end(), shared->disparity.data.begin(), same));
     EXPECT_TRUE(std::equal(alone->sigma.data.begin(), alone->sigma.data.end(), shared->sigma.data.begin(), same));
+  }
+}
+
+TEST(Stereo, TheVectorsOfTheProcessorDoNotMatter) {
+  const TestPair pair{.at_left = 10, .square = 24, .noise = 3};
+  const std::int64_t all = hwy::SupportedTargets();
+  const auto best = pair.matched();
+  ASSERT_TRUE(best);
+  for (std::int64_t targets = all; targets; targets &= targets - 1) {
+    hwy::SetSupportedTargetsForTest(targets & -targets);
+    const auto map = pair.matched();
+    hwy::SetSupportedTargetsForTest(0);
+    ASSERT_TRUE(map);
+    for (const auto& [one, other] : {std::pair{&best->disparity, &map->disparity}, {&best->sigma, &map->sigma}})
+      for (std::size_t i = 0; i < one->data.size(); ++i)
+        if (!std::isnan(one->data[i]) || !std::isnan(other->data[i])) {
+          ASSERT_EQ(one->data[i], other->data[i]) << targets << ' ' << i;
+        }
   }
 }
 
