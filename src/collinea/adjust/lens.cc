@@ -104,7 +104,7 @@ bool project_other(const Lens& lens, const double* point_in_cam, const double* m
 void derive_other_by_point(const Lens& lens, const Projected& at, double z, double* by_point) {
   if (lens.kind == LensKind::kGeneral) {
     Matrix23 derivatives = Matrix23::Zero();
-    collinea::project(core_of(lens), {at.x, at.y, z}, &derivatives, nullptr);
+    (void)collinea::project(core_of(lens), {at.x, at.y, z}, &derivatives, nullptr);  // what is projected is there
     for (int k = 0; k < 6; ++k) by_point[k] = derivatives(k / 3, k % 3);
     return;
   }
@@ -124,7 +124,7 @@ void derive_other_by_params(const Lens& lens, const Projected& at, double* by_pa
   if (lens.kind == LensKind::kGeneral) {
     Matrix2P derivatives = Matrix2P::Zero();
     Matrix23 by_point;
-    collinea::project(core_of(lens), {at.x, at.y, at.r2}, &by_point, &derivatives);
+    (void)collinea::project(core_of(lens), {at.x, at.y, at.r2}, &by_point, &derivatives);
     for (int k = 0; k < Camera::kAllParams; ++k) column[k] = derivatives(0, k), row[k] = derivatives(1, k);
     return;
   }

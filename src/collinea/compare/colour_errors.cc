@@ -89,12 +89,8 @@ class Comparison {
   }
 
  private:
-  [[nodiscard]] double truth_x(double column) const {
-    return (product_.grid.east_of(column) - truth_.grid.west_m) / truth_.grid.cell_m;
-  }
-  [[nodiscard]] double truth_y(double row) const {
-    return (truth_.grid.north_m - product_.grid.north_of(row)) / truth_.grid.cell_m;
-  }
+  [[nodiscard]] double truth_x(double column) const { return truth_.grid.column_of(product_.grid.east_of(column)); }
+  [[nodiscard]] double truth_y(double row) const { return truth_.grid.row_of(product_.grid.north_of(row)); }
 
   const PictureField& product_;
   const SourceReader& sources_;

@@ -44,8 +44,8 @@ Result<FloatImage> grey_window(const PictureField& field, int column, int row, i
 
 // The truth at the pixel centres of a strip of the product.
 Result<FloatImage> resampled(const PictureField& truth, const MapGrid& product, int row, int height) {
-  const auto x_of = [&](double column) { return (product.east_of(column) - truth.grid.west_m) / truth.grid.cell_m; };
-  const auto y_of = [&](double r) { return (truth.grid.north_m - product.north_of(r)) / truth.grid.cell_m; };
+  const auto x_of = [&](double column) { return truth.grid.column_of(product.east_of(column)); };
+  const auto y_of = [&](double r) { return truth.grid.row_of(product.north_of(r)); };
   const int left = int(std::floor(x_of(0))) - 2, right = int(std::ceil(x_of(product.width))) + 2;
   const int top = int(std::floor(y_of(row))) - 2, bottom = int(std::ceil(y_of(row + height))) + 2;
   COLLINEA_TRY(const FloatImage grey, grey_window(truth, left, top, right - left, bottom - top));

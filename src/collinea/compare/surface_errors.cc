@@ -72,12 +72,8 @@ class Assessor {
   void count_seen(const FloatImage& heights, const TrueStrip& strip, int row);
   [[nodiscard]] bool seen_by_enough(const HeightWindow& window, double x, double y, float z,
                                     const Eigen::Vector3d& world) const;
-  [[nodiscard]] double truth_x(double column) const {
-    return (model_.grid.east_of(column) - truth_.grid.west_m) / truth_.grid.cell_m;
-  }
-  [[nodiscard]] double truth_y(double row) const {
-    return (truth_.grid.north_m - model_.grid.north_of(row)) / truth_.grid.cell_m;
-  }
+  [[nodiscard]] double truth_x(double column) const { return truth_.grid.column_of(model_.grid.east_of(column)); }
+  [[nodiscard]] double truth_y(double row) const { return truth_.grid.row_of(model_.grid.north_of(row)); }
 
   const HeightField& model_;
   const StateReader& state_;
@@ -135,8 +131,8 @@ bool Assessor::seen_by_enough(const HeightWindow& window, double x, double y, fl
   for (const View& view : views_) {
     const auto pixel = pixel_of(view, world);
     if (!pixel || !inside(view.camera, *pixel)) continue;
-    const double camera_x = (view.centre_in_map.x() - truth_.grid.west_m) / truth_.grid.cell_m;
-    const double camera_y = (truth_.grid.north_m - view.centre_in_map.y()) / truth_.grid.cell_m - window.row();
+    const double camera_x = truth_.grid.column_of(view.centre_in_map.x());
+    const double camera_y = truth_.grid.row_of(view.centre_in_map.y()) - window.row();
     count += !window.hides(x, y, double(z), camera_x, camera_y, view.centre_in_map.z());
     if (count >= kEnough) return true;
   }
@@ -230,8 +226,8 @@ Result<TerrainErrors> terrain_errors(const HeightField& model, const StateReader
                                      const HeightField& surface, const Run& run) {
   constexpr double kObject_m = 1;
   const MapGrid &grid = model.grid, &truth = terrain.grid;
-  const auto truth_x = [&](double column) { return (grid.east_of(column) - truth.west_m) / truth.cell_m; };
-  const auto truth_y = [&](double row) { return (truth.north_m - grid.north_of(row)) / truth.cell_m; };
+  const auto truth_x = [&](double column) { return truth.column_of(grid.east_of(column)); };
+  const auto truth_y = [&](double row) { return truth.row_of(grid.north_of(row)); };
   std::vector<float> measured, interpolated;
   TerrainErrors errors;
   std::size_t removed = 0;

@@ -26,12 +26,8 @@ struct Strip {
 };
 
 Result<FloatImage> true_heights(const HeightField& model, const HeightField& truth, int row, int rows) {
-  const auto column_of = [&](int x) {
-    return int(std::floor((model.grid.east_of(x + 0.5) - truth.grid.west_m) / truth.grid.cell_m));
-  };
-  const auto row_of = [&](int y) {
-    return int(std::floor((truth.grid.north_m - model.grid.north_of(y + 0.5)) / truth.grid.cell_m));
-  };
+  const auto column_of = [&](int x) { return int(std::floor(truth.grid.column_of(model.grid.east_of(x + 0.5)))); };
+  const auto row_of = [&](int y) { return int(std::floor(truth.grid.row_of(model.grid.north_of(y + 0.5)))); };
   FloatImage result(model.grid.width, rows, 1, std::numeric_limits<float>::quiet_NaN());
   const int top = std::max(0, row_of(row)), bottom = std::min(truth.grid.height, row_of(row + rows - 1) + 1);
   if (bottom <= top) return result;

@@ -269,6 +269,7 @@ class Matching {
     const Level finest = level_at(0);
     dense::Refined result;
     FloatImage finer, finest_surface;
+    dense::TexturePlace finest_place;
     for (int l = 0; l < kMeasuredLevels && !surfaces[std::size_t(l)].empty(); ++l) {
       const Level level = l == 0 ? finest : level_at(l);
       FloatImage surface = std::move(surfaces[std::size_t(l)]);
@@ -283,16 +284,18 @@ class Matching {
       refined = dense::refine(level, surface, true, run_);
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       keep_good(level, surface, certainty, refined);
-      dense::keep_textured(dense::texture_place(*level.picture), kAgreeing * level.step, refined.inverse_depth);
+      dense::TexturePlace place = dense::texture_place(*level.picture);
+      dense::keep_textured(place, kAgreeing * level.step, refined.inverse_depth);
       if (l == 0) {
         result = std::move(refined);
+        finest_place = std::move(place);
       } else {
         fill_from(refined, 1 << l, finest_surface, kAgreeing * level.step, result);
       }
       finer = std::move(surface);
       if (l == 0) finest_surface = finer;
     }
-    if (!agreed.empty()) dense::fill_rough(finest, agreed, result);
+    if (!agreed.empty()) dense::fill_rough(finest, finest_place, agreed, result);
     dense::empty_false_rims(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth, run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
     return finished(finest, result);

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "collinea/dense/pinhole.h"
-#include "collinea/dense/texture_place.h"
 #include "collinea/dense/window_variance.h"
 
 namespace collinea::dense {
@@ -113,11 +112,10 @@ FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& oth
   return result;
 }
 
-void fill_rough(const Level& finest, const FloatImage& agreed, Refined& result) {
+void fill_rough(const Level& finest, const TexturePlace& place, const FloatImage& agreed, Refined& result) {
   const FloatImage surface = median3(agreed);
   const int factor = int(std::lround(double(finest.picture->width) / agreed.width));
   const float px = float(factor) * finest.step / finest.parallax_px;
-  const TexturePlace place = texture_place(*finest.picture);
   for (int y = 0; y < result.inverse_depth.height; ++y)
     for (int x = 0; x < result.inverse_depth.width; ++x) {
       float& w = result.inverse_depth.at(x, y);

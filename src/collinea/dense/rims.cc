@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "collinea/base/parallel.h"
+#include "collinea/dense/match_kernels.h"
 
 namespace collinea::dense {
 namespace {
 
-constexpr int kHalfWindow = 3;            // of matching: what a rim reaches
+constexpr int kHalfWindow = kRadius;      // of matching: what a rim reaches
 constexpr int kAround = 2 * kHalfWindow;  // as much again beyond the rim tells what surely lies in front
 constexpr int kFewest = 5;                // pixels in front, and behind
 constexpr float kAlike = 10;              // grey values: above the noise of pictures, below what makes an edge

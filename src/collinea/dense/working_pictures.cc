@@ -2,8 +2,6 @@
 #include "collinea/dense/working_pictures.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "collinea/dense/epipolar_pair.h"
 

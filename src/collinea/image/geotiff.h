@@ -19,10 +19,11 @@ struct MapGrid {
   int width = 0, height = 0;  ///< cells
   std::string wkt;            ///< of the CRS; empty: a local frame
 
-  [[nodiscard]] double east_of(double column) const {
-    return west_m + column * cell_m;
-  }  ///< continuous column; +0.5 = centre
+  // Columns and rows are continuous: 0 is the outer edge of the first, 0.5 its middle.
+  [[nodiscard]] double east_of(double column) const { return west_m + column * cell_m; }
   [[nodiscard]] double north_of(double row) const { return north_m - row * cell_m; }
+  [[nodiscard]] double column_of(double east_m) const { return (east_m - west_m) / cell_m; }
+  [[nodiscard]] double row_of(double at_north_m) const { return (north_m - at_north_m) / cell_m; }
 };
 
 /// Writes a raster on disk block by block (tiled GeoTIFF, DEFLATE, floating-point or byte samples); the file appears

@@ -5,8 +5,6 @@
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 
-#include <cmath>
-
 #include "collinea/image/vector_file.h"
 
 namespace collinea {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "collinea/geometry/polygon.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -10,10 +11,8 @@ namespace collinea {
 bool contains(const MapArea& area, const Eigen::Vector2d& place) {
   bool in = false;
   for (std::size_t i = 0; i < area.size(); ++i) {
-    const Eigen::Vector2d &a = area[i], &b = area[(i + 1) % area.size()];
-    if ((a.y() > place.y()) != (b.y() > place.y()) &&
-        place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      in = !in;
+    const auto border = crossing(area[i], area[(i + 1) % area.size()], place.y());
+    if (border && place.x() < *border) in = !in;
   }
   return in;
 }

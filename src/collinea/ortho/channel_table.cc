@@ -2,7 +2,6 @@
 #include "collinea/ortho/channel_table.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace collinea {
 namespace {

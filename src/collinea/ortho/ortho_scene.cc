@@ -10,18 +10,16 @@ namespace {
 
 constexpr int kFarthestOccluder = 2048;  // [surface cells]
 
-using Area = CellArea;
-
 struct HeightRange {
   float low_m = std::numeric_limits<float>::infinity(), high_m = -std::numeric_limits<float>::infinity();
   [[nodiscard]] bool empty() const { return !(low_m <= high_m); }
 };
 
 // The part of the surface under an area of the orthophoto, with a margin, cut at the border of the raster.
-Area surface_area(const OrthoScene& scene, const Area& area, int margin) {
+CellArea surface_area(const OrthoScene& scene, const CellArea& area, int margin) {
   const MapGrid &from = scene.grid, &to = scene.surface->grid;
-  const auto column = [&](double c) { return (from.east_of(c) - to.west_m) / to.cell_m; };
-  const auto row = [&](double r) { return (to.north_m - from.north_of(r)) / to.cell_m; };
+  const auto column = [&](double c) { return to.column_of(from.east_of(c)); };
+  const auto row = [&](double r) { return to.row_of(from.north_of(r)); };
   const int left = std::clamp(int(std::floor(column(area.column))) - margin, 0, to.width);
   const int right = std::clamp(int(std::ceil(column(area.column + area.width))) + margin, 0, to.width);
   const int top = std::clamp(int(std::floor(row(area.row))) - margin, 0, to.height);
@@ -30,7 +28,7 @@ Area surface_area(const OrthoScene& scene, const Area& area, int margin) {
 }
 
 template <class Visit>
-void each_block(const HeightOverview& overview, const Area& surface, Visit&& visit) {
+void each_block(const HeightOverview& overview, const CellArea& surface, Visit&& visit) {
   constexpr int kBlock = HeightOverview::kBlock;
   if (surface.width <= 0 || surface.height <= 0) return;
   for (int y = surface.row / kBlock; y <= (surface.row + surface.height - 1) / kBlock; ++y)
@@ -38,7 +36,7 @@ void each_block(const HeightOverview& overview, const Area& surface, Visit&& vis
       if (!std::isnan(overview.highest_m.at(x, y))) visit(x, y);
 }
 
-HeightRange heights_under(const HeightOverview& overview, const Area& surface) {
+HeightRange heights_under(const HeightOverview& overview, const CellArea& surface) {
   HeightRange range;
   each_block(overview, surface, [&](int x, int y) {
     range.low_m = std::min(range.low_m, overview.lowest_m.at(x, y));
@@ -48,7 +46,7 @@ HeightRange heights_under(const HeightOverview& overview, const Area& surface) {
 }
 
 // Views that show something of the patch, by a coarse look at 5 x 5 places, lowest and highest.
-std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice& lattice, const Area& area,
+std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice& lattice, const CellArea& area,
                                     const HeightRange& range) {
   std::vector<std::size_t> found;
   const double stride_cells = std::max(area.width, area.height) / 4.0;
@@ -72,7 +70,7 @@ std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice&
 
 // How far away something could stand that hides a cell of the area from one of the views [surface cells].
 int occluder_reach(const OrthoScene& scene, const std::vector<std::size_t>& views, const WorldLattice& lattice,
-                   const Area& area, const HeightRange& range) {
+                   const CellArea& area, const HeightRange& range) {
   double flattest = 0;  // largest run per rise
   for (const std::size_t v : views) {
     for (int corner = 0; corner < 4; ++corner) {
@@ -83,7 +81,7 @@ int occluder_reach(const OrthoScene& scene, const std::vector<std::size_t>& view
     }
   }
   const double cell_m = scene.surface->grid.cell_m;
-  const Area near = surface_area(scene, area, 0), far = surface_area(scene, area, kFarthestOccluder);
+  const CellArea near = surface_area(scene, area, 0), far = surface_area(scene, area, kFarthestOccluder);
   constexpr int kBlock = HeightOverview::kBlock;
   int reach = 0;
   each_block(*scene.surface_overview, far, [&](int x, int y) {
@@ -96,7 +94,7 @@ int occluder_reach(const OrthoScene& scene, const std::vector<std::size_t>& view
   return reach + 2;
 }
 
-FloatImage heights_of(const OrthoPatch& patch, const Area& area) {
+FloatImage heights_of(const OrthoPatch& patch, const CellArea& area) {
   FloatImage heights_m(area.width, area.height);
   for (int y = 0; y < area.height; ++y) {
     const double v = patch.surface_y(patch.grid.north_of(area.row + y + 0.5));
@@ -133,7 +131,7 @@ Result<std::optional<OrthoPatch>> make_patch(const OrthoScene& scene, const Cell
                    scene.surface->grid};
   views = views_over(scene, patch.lattice, area, range);
   if (views.empty()) return std::nullopt;
-  const Area window = surface_area(scene, area, occluder_reach(scene, views, patch.lattice, area, range));
+  const CellArea window = surface_area(scene, area, occluder_reach(scene, views, patch.lattice, area, range));
   if (window.width <= 0 || window.height <= 0) return std::nullopt;
   COLLINEA_TRY(FloatImage heights, scene.surface->read(window.column, window.row, window.width, window.height));
   FloatImage sigmas;

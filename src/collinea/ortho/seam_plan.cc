@@ -2,6 +2,7 @@
 #include "collinea/ortho/seam_plan.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "collinea/base/parallel.h"
 #include "collinea/ortho/seam_window.h"
@@ -73,10 +74,8 @@ class Planner {
     Raster<std::int16_t> labels = cheapest_views(*window);
     for (int y = 0; y < area.height; ++y) {
       for (int x = 0; x < area.width; ++x) {
-        const std::uint16_t source = started(area.column + x, area.row + y);
-        const auto found = std::lower_bound(views.begin(), views.end(), std::size_t(source) - 1);
-        if (source == 0 || found == views.end() || *found + 1 != source) continue;
-        const auto view = std::int16_t(found - views.begin());
+        const std::int16_t view = place_of_source(views, started(area.column + x, area.row + y));
+        if (view == kNoView) continue;
         const auto* choice = window->choice(x, y, view);
         if (choice && choice->price != SeamWindow::kForbidden) labels.at(x, y) = view;
       }

@@ -61,9 +61,8 @@ struct Looker {
         const std::uint16_t source = how.started(area.column + i * kBlock + x, area.row + j * kBlock + y);
         if (source == 0 || source == last) continue;
         last = source;
-        const auto found = std::lower_bound(views.begin(), views.end(), std::size_t(source) - 1);
-        if (found == views.end() || *found + 1 != source) continue;
-        const auto view = std::int16_t(found - views.begin());
+        const std::int16_t view = place_of_source(views, source);
+        if (view == kNoView) continue;
         const auto place = std::lower_bound(worth_a_look.begin(), worth_a_look.end(), view);
         if (place == worth_a_look.end() || *place != view) worth_a_look.insert(place, view);
       }
@@ -168,12 +167,8 @@ void price_doubts(const std::vector<Sight>& sight, float per_cell, SeamWindow::B
 Result<FloatImage> terrain_under(const OrthoScene& coarse, const OrthoPatch& patch, const SeamWindow& window) {
   FloatImage result(window.width(), window.height(), 1, std::numeric_limits<float>::quiet_NaN());
   const MapGrid &grid = coarse.grid, &from = coarse.terrain->grid;
-  const auto column_of = [&](int x) {
-    return (grid.east_of(patch.column + kMargin + x + 0.5) - from.west_m) / from.cell_m;
-  };
-  const auto row_of = [&](int y) {
-    return (from.north_m - grid.north_of(patch.row + kMargin + y + 0.5)) / from.cell_m;
-  };
+  const auto column_of = [&](int x) { return from.column_of(grid.east_of(patch.column + kMargin + x + 0.5)); };
+  const auto row_of = [&](int y) { return from.row_of(grid.north_of(patch.row + kMargin + y + 0.5)); };
   const int left = std::clamp(int(std::floor(column_of(0))), 0, from.width);
   const int right = std::clamp(int(std::floor(column_of(window.width() - 1))) + 1, 0, from.width);
   if (right <= left) return result;
@@ -252,6 +247,12 @@ int SeamWindow::seam_price(int x, int y, int u, int v, float different) const {
   const float step = std::max(steep.at(x, y), steep.at(u, v));
   return price_of(kLength + kRaised * std::min(raised.at(x, y), raised.at(u, v)) + kSteep * step +
                   kDifferent * (1 - step) * different);
+}
+
+std::int16_t place_of_source(const std::vector<std::size_t>& views, std::uint16_t source) {
+  if (source == 0) return kNoView;
+  const auto found = std::lower_bound(views.begin(), views.end(), std::size_t(source) - 1);
+  return found != views.end() && *found + 1 == source ? std::int16_t(found - views.begin()) : kNoView;
 }
 
 Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const SeamLook& look, const CellArea& area,

@@ -57,6 +57,9 @@ class SeamWindow {
   std::vector<Block> blocks_;
 };
 
+/// Where the view that is `source` of a plan (its number + 1, 0: none) stands in `views`, ascending; kNoView: nowhere.
+[[nodiscard]] std::int16_t place_of_source(const std::vector<std::size_t>& views, std::uint16_t source);
+
 /// How a window is looked at.
 struct SeamLook {
   double cell_m = 0;           ///< of the orthophoto that is planned

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "collinea/geometry/polygon.h"
 namespace collinea {
 namespace {
 
@@ -85,10 +86,6 @@ class Tracer {
   Raster<std::uint8_t> walked_;
 };
 
-}  // namespace
-
-namespace {
-
 // Answers whether anything changed.
 bool absorb_once(std::size_t fewest_cells, Raster<std::uint16_t>& source) {
   bool changed = false;
@@ -156,14 +153,13 @@ void find_crossings(const SeamPolygon& polygon, const MapGrid& grid, int column,
   for (const MapRing& ring : polygon.rings)
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Eigen::Vector2d &a = ring[i], &b = ring[i + 1 < ring.size() ? i + 1 : 0];
-      const double first = (grid.north_m - std::max(a.y(), b.y())) / grid.cell_m - row - 1;
-      const double last = (grid.north_m - std::min(a.y(), b.y())) / grid.cell_m - row + 1;
+      const double first = grid.row_of(std::max(a.y(), b.y())) - row - 1;
+      const double last = grid.row_of(std::min(a.y(), b.y())) - row + 1;
       for (int y = int(std::clamp(std::floor(first), 0.0, rows)); y < int(std::clamp(std::ceil(last), 0.0, rows));
            ++y) {
         const double north_m = grid.north_of(row + y + 0.5);
-        if ((a.y() > north_m) == (b.y() > north_m)) continue;
-        const double east_m = a.x() + (north_m - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-        crossings[std::size_t(y)].push_back((east_m - grid.west_m) / grid.cell_m - column - 0.5);
+        if (const auto east_m = crossing(a, b, north_m))
+          crossings[std::size_t(y)].push_back(grid.column_of(*east_m) - column - 0.5);
       }
     }
 }

@@ -28,12 +28,8 @@ struct OrthoPatch {
   [[nodiscard]] int blocks_across() const { return heights_m.width / kBlock; }
   [[nodiscard]] int blocks_down() const { return heights_m.height / kBlock; }
   /// Continuous cells of the surface window, of a map position.
-  [[nodiscard]] double surface_x(double east_m) const {
-    return (east_m - surface_grid.west_m) / surface_grid.cell_m - surface.column();
-  }
-  [[nodiscard]] double surface_y(double north_m) const {
-    return (surface_grid.north_m - north_m) / surface_grid.cell_m - surface.row();
-  }
+  [[nodiscard]] double surface_x(double east_m) const { return surface_grid.column_of(east_m) - surface.column(); }
+  [[nodiscard]] double surface_y(double north_m) const { return surface_grid.row_of(north_m) - surface.row(); }
   [[nodiscard]] Eigen::Vector3d world_at(int x, int y) const {
     return lattice.at(x + 0.5, y + 0.5, double(heights_m.at(x, y)));
   }

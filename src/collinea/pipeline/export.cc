@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/export.h"
+#include "collinea/pipeline/cloud_pieces.h"
 
 #include <fmt/format.h>
 
@@ -49,20 +50,6 @@ Result<> export_tie_points(const std::filesystem::path& folder, const Block& blo
   return writer.finish();
 }
 
-constexpr std::size_t kPiece = 100'000;
-
-// The points of a cloud, piece by piece.
-Result<> for_each_piece(const Project& project, const std::function<Result<>(std::vector<CloudPoint>& points)>& take) {
-  COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
-  for (std::uint64_t done = 0; done < reader.header().points;) {
-    COLLINEA_TRY(std::vector<CloudPoint> points, reader.read(kPiece));
-    if (auto taken = take(points); !taken) return taken;
-    done += points.size();
-    if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
-  }
-  return {};
-}
-
 using Tile = std::pair<std::int64_t, std::int64_t>;  // column east, row north, from the origin of the map
 
 // A point on the border belongs to the tile that begins there, whatever its last digit.
@@ -94,7 +81,7 @@ Result<> write_tiles(const Project& project, const std::filesystem::path& folder
                    LasWriter::create(folder / las_file_name(tile_name(first->first, tile_m), options.form), options));
       writers.emplace(first->first, std::move(writer));
     }
-    auto written = for_each_piece(project, [&](std::vector<CloudPoint>& points) -> Result<> {
+    auto written = for_each_piece(project.cloud(), project.run, [&](std::vector<CloudPoint>& points) -> Result<> {
       std::map<Tile, std::vector<CloudPoint>> parts;
       for (const CloudPoint& point : points)
         if (const Tile tile = tile_of(point, tile_m); writers.contains(tile)) parts[tile].push_back(point);
@@ -126,12 +113,13 @@ Result<> export_cloud(const Project& project, const std::filesystem::path& folde
   options.run = project.run;
   if (!tile_m) {
     COLLINEA_TRY(LasWriter writer, LasWriter::create(folder / las_file_name("cloud", form), options));
-    auto written = for_each_piece(project, [&](std::vector<CloudPoint>& points) { return writer.write(points); });
+    auto written = for_each_piece(project.cloud(), project.run,
+                                  [&](std::vector<CloudPoint>& points) { return writer.write(points); });
     return written ? writer.finish() : written;
   }
   constexpr std::size_t kMostTiles = 1'000'000;
   std::map<Tile, std::uint64_t> counts;
-  auto counted = for_each_piece(project, [&](std::vector<CloudPoint>& points) -> Result<> {
+  auto counted = for_each_piece(project.cloud(), project.run, [&](std::vector<CloudPoint>& points) -> Result<> {
     for (const CloudPoint& point : points) ++counts[tile_of(point, *tile_m)];
     if (counts.size() > kMostTiles)
       return fail(Errc::kBadInput, "--tile-m is too small: there would be a million tiles");

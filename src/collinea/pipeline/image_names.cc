@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
 
 namespace collinea {
 namespace {
@@ -43,6 +42,15 @@ std::optional<ImageId> ImageNames::find(const std::string& name) const {
   for (std::size_t i = 0; i < readings.size(); ++i)
     if (const auto found = known_[i].find(readings[i]); found != known_[i].end() && found->second) return found->second;
   return std::nullopt;
+}
+
+std::optional<ImageId> ImageNames::find_photo(const std::filesystem::path& path) const {
+  const std::string whole = path_of(path.string());
+  for (std::size_t at = 0; at != std::string::npos; at = whole.find('/', at)) {
+    if (at > 0 || whole.starts_with('/')) ++at;
+    if (const auto found = known_[0].find(whole.substr(at)); found != known_[0].end()) return found->second;
+  }
+  return find(whole);
 }
 
 }  // namespace collinea

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,6 +17,8 @@ class ImageNames {
  public:
   explicit ImageNames(const Block& block);
   [[nodiscard]] std::optional<ImageId> find(const std::string& name) const;
+  /// The image whose path below the photo folder is the end of `path`, the longest of them; else as find() does.
+  [[nodiscard]] std::optional<ImageId> find_photo(const std::filesystem::path& path) const;
 
  private:
   /// By path, path in lower case, name, name in lower case; nothing: several have it.

@@ -24,5 +24,16 @@ TEST(ImageNames, TheExactNameWinsAndAnyOtherLetterCaseMustBeUnique) {
   EXPECT_EQ(names.find("else/F.jpg"), ImageId{4});
 }
 
+TEST(ImageNames, APhotographIsFoundByTheEndOfItsPath) {
+  const ImageNames names(block_of({"A.jpg", "b/A.jpg", "b/C.jpg"}));
+  EXPECT_EQ(names.find_photo("/photos/A.jpg"), ImageId{0});
+  EXPECT_EQ(names.find_photo("/photos/b/A.jpg"), ImageId{1});
+  EXPECT_EQ(names.find_photo("b/./A.jpg"), ImageId{1});
+  EXPECT_EQ(names.find_photo("A.jpg"), ImageId{0});
+  EXPECT_EQ(names.find_photo("/A.jpg"), ImageId{0});
+  EXPECT_EQ(names.find_photo("copies/c.JPG"), ImageId{2});
+  EXPECT_EQ(names.find_photo("/photos/xA.jpg"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace collinea

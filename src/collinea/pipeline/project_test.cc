@@ -50,10 +50,10 @@ std::string bytes_of(const fs::path& path) {
   return std::move(bytes).str();
 }
 
-const std::vector<std::string> kProducts = {"cloud.las",     "cloud.ply",    "dsm.tif",       "dsm_sigma.tif",
-                                            "dsm_state.tif", "dtm.tif",      "dtm_sigma.tif", "dtm_state.tif",
-                                            "contours.gpkg", "contours.dxf", "ortho.tif",     "ortho_source.tif",
-                                            "seamlines.gpkg"};
+const std::vector<std::string> kProducts = {
+    "cloud.las", "cloud.ply",        "dsm.tif",        "dsm_sigma.tif",     "dsm_state.tif",
+    "dtm.tif",   "dtm_sigma.tif",    "dtm_state.tif",  "contours.gpkg",     "contours.dxf",
+    "ortho.tif", "ortho_source.tif", "seamlines.gpkg", "dsm_hillshade.tif", "dtm_hillshade.tif"};
 
 // Six small photographs of a made-up village, mapped once. Tests are run one by one, each in a process of its own: what
 // follows on the mapping is therefore one test, made of many small ones.
@@ -383,8 +383,7 @@ void SmallProject::a_plane_of_the_project_is_rectified() {
   const auto mean_at = [](const GeoTiffReader& reader, const Eigen::Vector2d& at) {
     const MapGrid& grid = reader.grid();
     const int r = int(std::lround(1 / grid.cell_m));
-    const auto rgba = reader.read_byte(int((at.x() - grid.west_m) / grid.cell_m) - r,
-                                       int((grid.north_m - at.y()) / grid.cell_m) - r, 2 * r, 2 * r);
+    const auto rgba = reader.read_byte(int(grid.column_of(at.x())) - r, int(grid.row_of(at.y())) - r, 2 * r, 2 * r);
     Eigen::Vector4d sum = Eigen::Vector4d::Zero();
     if (!rgba) return sum;
     for (std::size_t i = 0; i < rgba->data.size(); ++i) sum[Eigen::Index(i % 4)] += rgba->data[i];

@@ -7,19 +7,17 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/base/median.h"
 #include "collinea/image/photo.h"
 #include "collinea/io/colmap.h"
 #include "collinea/io/file.h"
-#include "collinea/io/las.h"
+#include "collinea/io/number_rows.h"
 #include "collinea/io/text.h"
 #include "collinea/ortho/plane_homography.h"
 #include "collinea/ortho/rectify.h"
 #include "collinea/pipeline/fitted_camera.h"
 #include "collinea/pipeline/image_names.h"
 #include "collinea/pipeline/json_text.h"
-#include "collinea/pipeline/places.h"
-#include "collinea/pipeline/project.h"
+#include "collinea/pipeline/project_plane.h"
 
 namespace collinea {
 namespace {
@@ -30,44 +28,8 @@ using Eigen::Vector3d;
 
 constexpr double kWider = 0.1;  // of the points' extent, on each side
 
-Result<std::vector<double>> numbers_of(std::string_view text, const char* flag) {
-  std::vector<double> numbers;
-  for (const std::string_view field : fields_of(text, ',')) {
-    const auto value = number(field);
-    if (!value || !std::isfinite(*value))
-      return fail(Errc::kBadInput, fmt::format("{} {}: \"{}\" is no number", flag, text, field));
-    numbers.push_back(*value);
-  }
-  return numbers;
-}
-
-// Rows of a name and numbers; titles and comments are passed over.
-struct Row {
-  std::string name;
-  std::vector<double> numbers;
-};
-Result<std::vector<Row>> rows_of(const fs::path& path, bool named, std::size_t least, std::size_t most) {
-  COLLINEA_TRY(const std::string text, read_file(path));
-  std::vector<Row> rows;
-  int line_number = 0;
-  for (std::string_view line : lines_of(text)) {
-    ++line_number;
-    line = trimmed(line.substr(0, line.find('#')));
-    if (line.empty()) continue;
-    auto fields = line.find(',') == std::string_view::npos ? words_of(line) : fields_of(line, ',');
-    Row row{named && !fields.empty() ? std::string(fields[0]) : std::to_string(rows.size() + 1), {}};
-    if (named && !fields.empty()) fields.erase(fields.begin());
-    const bool title =
-        std::none_of(fields.begin(), fields.end(), [](std::string_view f) { return number(f).has_value(); });
-    if (title && rows.empty()) continue;
-    for (const std::string_view field : fields)
-      if (const auto value = number(field)) row.numbers.push_back(*value);
-    if (row.numbers.size() != fields.size() || row.numbers.size() < least || row.numbers.size() > most)
-      return fail(Errc::kBadFormat, fmt::format("{}, line {}: {} to {} numbers{} are wanted", path.string(),
-                                                line_number, least, most, named ? " behind a name" : ""));
-    rows.push_back(std::move(row));
-  }
-  return rows;
+Result<std::vector<double>> numbers_of(const std::string& text, const char* flag) {
+  return parse_numbers(text).map_error([&](Error e) { return std::move(e).within(flag); });
 }
 
 // --- what is told of the result --------------------------------------------------------------------------------------
@@ -76,8 +38,6 @@ struct Told {
   std::string text;
   nlohmann::json json;
 };
-
-std::string length_text(double m) { return m < 0.1 ? fmt::format("{:.3g} mm", 1000 * m) : fmt::format("{:.3g} m", m); }
 
 // A number at the middle of the extent and the largest at its corners.
 struct Spread {
@@ -185,9 +145,7 @@ Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& optio
   } else {
     COLLINEA_TRY(block, read_colmap(*options.orientation));
   }
-  const ImageNames names(block);
-  auto image = names.find(photo.string());
-  if (!image) image = names.find(photo.filename().string());
+  const auto image = ImageNames(block).find_photo(photo);
   if (!image) return fail(Errc::kNotFound, "no photograph of the orientation is called " + photo.filename().string());
   COLLINEA_TRY(Camera camera, fitted_to(block.camera_of(*image), header.width_px, header.height_px, photo.string()));
   return PhotoCamera{std::move(camera), true};
@@ -200,8 +158,11 @@ Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
   const double sigma_px = options.sigma_px.value_or(0.5), sigma_m = options.sigma_m.value_or(0);
   std::vector<PlanePoint> points;
   if (options.points) {
-    COLLINEA_TRY(const auto rows, rows_of(*options.points, true, 4, 6));
-    for (const Row& row : rows) {
+    COLLINEA_TRY(const std::string text, read_file(*options.points));
+    COLLINEA_TRY(const auto rows, parse_number_rows(text, true, 4, 6).map_error([&](Error e) {
+      return std::move(e).within(*options.points);
+    }));
+    for (const NumberRow& row : rows) {
       const auto& n = row.numbers;
       points.push_back(
           {row.name, {n[0], n[1]}, {n[2], n[3]}, n.size() > 4 ? n[4] : sigma_px, n.size() > 5 ? n[5] : sigma_m});
@@ -289,129 +250,6 @@ Result<std::string> rectify_photo(const fs::path& photo, const fs::path& out, co
 
 // --- from a project --------------------------------------------------------------------------------------------------
 
-struct FoundPlane {
-  PlaneFit fit;
-  std::vector<Vector3d> points;  // of the plane, in the world
-  std::size_t of = 0;            // points looked at
-};
-
-Result<FoundPlane> plane_through(std::vector<Vector3d> points) {
-  if (points.size() < 3) return fail(Errc::kIllPosed, "a plane needs three points");
-  const auto fit = fit_plane(points);
-  if (!fit) return fail(Errc::kIllPosed, "the points lie on a line: they give no plane");
-  const std::size_t count = points.size();
-  return FoundPlane{*fit, std::move(points), count};
-}
-
-Result<FoundPlane> plane_of_control(const Block& block, const std::string& asked) {
-  std::vector<Vector3d> points;
-  for (const std::string_view name : fields_of(asked, ',')) {
-    const auto found = std::find_if(block.control.begin(), block.control.end(),
-                                    [&](const auto& entry) { return entry.second.name == name; });
-    if (found == block.control.end())
-      return fail(Errc::kNotFound, fmt::format("--control: the project has no point \"{}\"", name));
-    if (!found->second.sigma_m.allFinite())
-      return fail(Errc::kBadInput, fmt::format("--control: point {} was not surveyed in all three axes", name));
-    points.push_back(found->second.position_in_world);
-  }
-  return plane_through(std::move(points));
-}
-
-Result<FoundPlane> plane_of_places(const Places& places, const fs::path& path) {
-  COLLINEA_TRY(const auto rows, rows_of(path, false, 3, 3));
-  std::vector<Vector3d> points;
-  for (const Row& row : rows) {
-    const Vector3d on_map(row.numbers[0], row.numbers[1], row.numbers[2]);
-    points.push_back(places.frame ? places.frame->local_from_map(on_map) : on_map);
-  }
-  return plane_through(std::move(points));
-}
-
-// The points of the cloud in a box of the map, every second left out whenever there are too many.
-Result<std::vector<CloudPoint>> points_in(const fs::path& cloud, const Vector3d& lowest, const Vector3d& highest,
-                                          const Run& run) {
-  constexpr std::size_t kMost = 400'000, kPiece = 100'000;
-  COLLINEA_TRY(LasReader reader, LasReader::open(cloud));
-  std::vector<CloudPoint> found;
-  std::uint64_t inside = 0, stride = 1;
-  for (;;) {
-    COLLINEA_TRY(const std::vector<CloudPoint> piece, reader.read(kPiece));
-    if (piece.empty()) return found;
-    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-    for (const CloudPoint& point : piece) {
-      if ((point.position.array() < lowest.array()).any() || (point.position.array() > highest.array()).any()) continue;
-      if (inside++ % stride == 0) found.push_back(point);
-      if (found.size() <= kMost) continue;
-      for (std::size_t i = 0; 2 * i < found.size(); ++i) found[i] = found[2 * i];
-      found.resize((found.size() + 1) / 2);
-      stride *= 2;
-    }
-  }
-}
-
-Result<FoundPlane> plane_of_region(const Project& project, const Places& places, const RectifyOptions& options) {
-  COLLINEA_TRY(const auto n, numbers_of(*options.region, "--region"));
-  if ((n.size() != 4 && n.size() != 6) || !(n[2] > n[0] && n[3] > n[1]) || (n.size() == 6 && !(n[5] > n[4])))
-    return fail(Errc::kBadInput, "--region: west,south,east,north or west,south,east,north,lowest,highest are wanted");
-  constexpr double kAny = std::numeric_limits<double>::infinity();
-  const Vector3d lowest(n[0], n[1], n.size() == 6 ? n[4] : -kAny), highest(n[2], n[3], n.size() == 6 ? n[5] : kAny);
-  if (!is_there(project.cloud()))
-    return fail(Errc::kNotFound, "there is no cloud yet: collinea densify " + project.folder.string());
-  COLLINEA_TRY(const auto cloud, points_in(project.cloud(), lowest, highest, project.run));
-  if (cloud.size() < 100)
-    return fail(Errc::kIllPosed, fmt::format("{} points of the cloud lie in the region: too few", cloud.size()));
-  std::vector<Vector3d> points;
-  std::vector<double> sigmas;
-  for (const CloudPoint& point : cloud) {
-    points.push_back(point.position);
-    sigmas.push_back(double(point.sigma_m));
-  }
-  if (places.frame) places.frame->local_from_map(points);
-  const double tolerance_m = options.tolerance_m.value_or(3 * median(sigmas));
-  if (!(tolerance_m > 0)) return fail(Errc::kBadInput, "the cloud states no standard deviations: give --tolerance-m");
-  const auto fit = find_plane(points, tolerance_m, project.run.seed);
-  if (!fit)
-    return fail(Errc::kIllPosed,
-                fmt::format("no plane holds a tenth of the region's points within {}", length_text(tolerance_m)));
-  std::vector<Vector3d> on_it;
-  for (const std::size_t i : fit->points) on_it.push_back(points[i]);
-  return FoundPlane{*fit, std::move(on_it), points.size()};
-}
-
-Result<FoundPlane> plane_of(const Project& project, const Block& block, const Places& places,
-                            const RectifyOptions& options) {
-  if (int(options.control.has_value()) + int(options.places.has_value()) + int(options.region.has_value()) != 1)
-    return fail(Errc::kBadInput, "which plane? Give one of --control, --places and --region");
-  if (options.tolerance_m && !options.region) return fail(Errc::kBadInput, "--tolerance-m belongs to --region");
-  if (options.control) return plane_of_control(block, *options.control);
-  if (options.places) return plane_of_places(places, *options.places);
-  return plane_of_region(project, places, options);
-}
-
-// On which side of the plane they stand who photograph its points: how often the points are seen from the side of the
-// normal, less how often from behind.
-long seen_from_front(const Block& block, const FoundPlane& found) {
-  constexpr std::size_t kLookedAt = 100;
-  const std::size_t step = 1 + found.points.size() / kLookedAt;
-  long count = 0;
-  for (const auto& [image, pose] : block.cam_from_world) {
-    const long side = found.fit.normal.dot(centre_of(pose) - found.fit.middle) > 0 ? 1 : -1;
-    for (std::size_t i = 0; i < found.points.size(); i += step) {
-      const auto pixel = project(block.camera_of(image), pose * found.points[i]);
-      if (pixel && inside(block.camera_of(image), *pixel)) count += side;
-    }
-  }
-  return count;
-}
-
-// Without a place on Earth nothing says where up is; those who take photographs mostly hold the camera level.
-Vector3d up_of(const Block& block) {
-  if (block.georeference) return Vector3d::UnitZ();
-  Vector3d up = Vector3d::Zero();
-  for (const auto& [image, pose] : block.cam_from_world) up -= pose.rotation.conjugate() * Vector3d::UnitY();
-  return up.norm() > 0 ? up.normalized() : Vector3d::UnitZ();
-}
-
 std::vector<PlaneView> views_of_plane(const Block& block, const FramedPlane& plane) {
   std::vector<PlaneView> views;
   for (const auto& [image, cam_from_world] : block.cam_from_world) {
@@ -423,20 +261,6 @@ std::vector<PlaneView> views_of_plane(const Block& block, const FramedPlane& pla
     views.push_back(std::move(view));
   }
   return views;
-}
-
-// The extent of most of the points: one of a hundred on each side may be astray.
-std::vector<Vector2d> most_of(const FoundPlane& found, const FramedPlane& plane) {
-  std::vector<double> x, y;
-  for (const Vector3d& p : found.points) {
-    const Vector3d in_plane = plane.in_plane(p);
-    x.push_back(in_plane.x());
-    y.push_back(in_plane.y());
-  }
-  std::sort(x.begin(), x.end());
-  std::sort(y.begin(), y.end());
-  const std::size_t off = x.size() / 100, last = x.size() - 1 - off;
-  return {{x[off], y[off]}, {x[last], y[last]}};
 }
 
 Result<std::string> rectify_project(const fs::path& folder, const fs::path& out, const RectifyOptions& options,
@@ -455,14 +279,10 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
   if (block.cam_from_world.empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + folder.string());
   COLLINEA_TRY(const Places places, places_of(project, block));
-  COLLINEA_TRY(FoundPlane found, plane_of(project, block, places, options));
-  if (seen_from_front(block, found) < 0) found.fit.normal = -found.fit.normal;
-  // The origin: the lower left corner of the points, so that coordinates of what they enclose are positive.
-  FramedPlane plane = framed_plane(found.fit.middle, found.fit.normal, up_of(block));
-  const auto about_middle = most_of(found, plane);
-  plane.origin_in_world += plane.world_from_plane.leftCols<2>() * about_middle[0];
-  COLLINEA_TRY(const PlaneExtent extent, extent_of(options, most_of(found, plane)));
-  const auto views = views_for(views_of_plane(block, plane), extent);
+  const AskedPlane asked{options.control, options.places, options.region, options.tolerance_m};
+  COLLINEA_TRY(const ProjectPlane plane, plane_of_project(project, block, places, asked));
+  COLLINEA_TRY(const PlaneExtent extent, extent_of(options, {Vector2d::Zero(), plane.extent}));
+  const auto views = views_for(views_of_plane(block, plane.frame), extent);
   if (views.empty()) return fail(Errc::kIllPosed, "no photograph shows the plane from its front");
   std::vector<std::string> names;
   for (const PlaneView& view : views) names.push_back(block.images.at(view.image).file);
@@ -470,21 +290,21 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
     return read_colour(project.photo(block.images.at(image)), shrink);
   };
   COLLINEA_TRY(Told told, paint(out, extent, views, names, pixels, options, run));
-  told.text += fmt::format("plane of {} points of {}, {} off it (RMS)\n", found.points.size(), found.of,
-                           length_text(found.fit.rms_m));
+  told.text +=
+      fmt::format("plane of {} points of {}, {} off it (RMS)\n", plane.points, plane.of, length_text(plane.rms_m));
   const Spread shift = spread_of(extent, [&](const Vector2d& p) { return *shift_per_depth(views[0], p); });
   told.text += fmt::format("so places are shifted by {} in the middle, {} in the worst corner (RMS)\n",
-                           length_text(found.fit.rms_m * shift.middle), length_text(found.fit.rms_m * shift.worst));
+                           length_text(plane.rms_m * shift.middle), length_text(plane.rms_m * shift.worst));
   if (!places.metric) told.text += "the block has no scale: lengths are in its own unit, not in metres\n";
   const auto on_map = [&](const Vector3d& p) { return places.frame ? places.frame->map_from_local(p) : p; };
-  told.json["plane"] = {{"points", found.points.size()},
-                        {"points_looked_at", found.of},
-                        {"rms_m", found.fit.rms_m},
-                        {"origin_on_map", json_of(on_map(plane.origin_in_world))},
-                        {"origin_in_world", json_of(plane.origin_in_world)},
-                        {"x_axis_in_world", json_of(plane.world_from_plane.col(0))},
-                        {"y_axis_in_world", json_of(plane.world_from_plane.col(1))},
-                        {"normal_in_world", json_of(plane.world_from_plane.col(2))}};
+  told.json["plane"] = {{"points", plane.points},
+                        {"points_looked_at", plane.of},
+                        {"rms_m", plane.rms_m},
+                        {"origin_on_map", json_of(on_map(plane.frame.origin_in_world))},
+                        {"origin_in_world", json_of(plane.frame.origin_in_world)},
+                        {"x_axis_in_world", json_of(plane.frame.world_from_plane.col(0))},
+                        {"y_axis_in_world", json_of(plane.frame.world_from_plane.col(1))},
+                        {"normal_in_world", json_of(plane.frame.world_from_plane.col(2))}};
   return finished(std::move(told), out);
 }
 

@@ -78,16 +78,13 @@ struct Side {
   int shrink = 1;
 };
 
-Result<Side> side_of(const Block& block, const std::string& name, const fs::path& photo,
-                     const StereoPairOptions& pair) {
-  const auto image = ImageNames(block).find(name);
-  if (!image) return fail(Errc::kNotFound, "no photograph of the orientation is called " + name);
-  if (!block.cam_from_world.count(*image)) return fail(Errc::kIllPosed, name + " is not oriented");
+Result<Side> side_of(const Block& block, ImageId image, const fs::path& photo, const StereoPairOptions& pair) {
+  if (!block.cam_from_world.count(image)) return fail(Errc::kIllPosed, photo.string() + " is not oriented");
   COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
   COLLINEA_TRY(const Camera whole,
-               fitted_to(block.camera_of(*image), header.width_px, header.height_px, photo.string()));
+               fitted_to(block.camera_of(image), header.width_px, header.height_px, photo.string()));
   COLLINEA_TRY(const int shrink, shrink_for(whole, pair));
-  return Side{*image, photo, shrunk(whole, shrink), shrink};
+  return Side{image, photo, shrunk(whole, shrink), shrink};
 }
 
 std::vector<Eigen::Vector3d> points_seen_by_both(const Block& block, ImageId left, ImageId right) {
@@ -135,11 +132,11 @@ Result<Prepared> prepared(const std::string& left, const std::string& right, con
   } else {
     COLLINEA_TRY(block, read_colmap(*pair.orientation));
   }
-  const auto side = [&](const std::string& asked) {
-    const ImageNames names(block);
-    const std::string name = names.find(asked) ? asked : fs::path(asked).filename().string();
-    const auto image = names.find(name);
-    return side_of(block, name, pair.project && image ? folder / block.images.at(*image).file : fs::path(asked), pair);
+  const ImageNames names(block);
+  const auto side = [&](const std::string& asked) -> Result<Side> {
+    const auto image = names.find_photo(asked);
+    if (!image) return fail(Errc::kNotFound, "no photograph of the orientation is called " + asked);
+    return side_of(block, *image, pair.project ? folder / block.images.at(*image).file : fs::path(asked), pair);
   };
   COLLINEA_TRY(const Side left_side, side(left));
   COLLINEA_TRY(const Side right_side, side(right));

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/image/hillshade.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
 #include "collinea/pipeline/json_text.h"
@@ -54,6 +55,8 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const DsmSummary summary,
                build_dsm({points_of(reader), places.frame_or_null(), PointFrame::kMap, places.matched_pixel_m, sigmas},
                          files, project.folder / "scratch", project.settings.surface, project.run));
+  if (auto drawn = write_hillshade(files.height, products / "dsm_hillshade.tif", project.run); !drawn)
+    return tl::unexpected(std::move(drawn).error());
   const double seen = double(summary.measured_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
                                  {"width", summary.grid.width},

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/image/hillshade.h"
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
@@ -65,6 +66,8 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   if (!made && made.error().code == Errc::kIllPosed) return without(made.error().message);
   if (!made) return tl::unexpected(made.error());
   const DtmSummary& summary = made->summary;
+  if (auto drawn = write_hillshade(files.height, products / "dtm_hillshade.tif", project.run); !drawn)
+    return tl::unexpected(std::move(drawn).error());
   COLLINEA_TRY(const std::uint64_t ground_points, classify(project, made->ground));
   const double cells = double(summary.ground_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "collinea/image/geotiff.h"
+#include "collinea/image/hillshade.h"
 #include "collinea/image/photo.h"
 #include "collinea/report/figures.h"
 #include "collinea/report/svg.h"
@@ -51,18 +53,6 @@ std::pair<double, double> percentiles(const FloatImage& heights, double low, dou
   return {at(low), at(high)};
 }
 
-// Brightness of a slope in light from the north-west, 45 degrees high; 1 on a plane.
-double shade(const FloatImage& heights, int x, int y, double cell_m) {
-  const auto height = [&](int column, int row) {
-    const float v = heights.at(std::clamp(column, 0, heights.width - 1), std::clamp(row, 0, heights.height - 1));
-    return std::isfinite(v) ? double(v) : double(heights.at(x, y));
-  };
-  const double east = (height(x + 1, y) - height(x - 1, y)) / (2 * cell_m);
-  const double north = (height(x, y - 1) - height(x, y + 1)) / (2 * cell_m);
-  const double facing = (1 + (east - north) / std::sqrt(2.0)) / std::sqrt(1 + east * east + north * north);
-  return std::clamp(facing, 0.0, 1.35);
-}
-
 Raster<std::uint8_t> shaded(const FloatImage& heights, double cell_m, double low, double high) {
   Raster<std::uint8_t> picture(heights.width, heights.height, 3, 255);
   for (int y = 0; y < heights.height; ++y)
@@ -70,7 +60,8 @@ Raster<std::uint8_t> shaded(const FloatImage& heights, double cell_m, double low
       const float value = heights.at(x, y);
       if (!std::isfinite(value)) continue;
       const Colour colour = ramp((value - low) / std::max(1e-9, high - low));
-      const double light = 0.35 + 0.65 * shade(heights, x, y, cell_m);
+      const double facing = hillshade_at(heights, x, y, cell_m) * std::numbers::sqrt2;  // 1 on a plane
+      const double light = 0.35 + 0.65 * std::min(facing, 1.35);
       for (int c = 0; c < 3; ++c)
         picture.at(x, y, c) = std::uint8_t(std::clamp(colour[std::size_t(c)] * light, 0.0, 255.0));
     }

@@ -335,7 +335,7 @@ bool GroundSurface::shows_ground(double column, double row, double height_m, dou
 }
 
 bool GroundSurface::shows_ground(const Eigen::Vector3d& on_map, double sigma_m) const {
-  const double column = (on_map.x() - grid_.west_m) / grid_.cell_m, row = (grid_.north_m - on_map.y()) / grid_.cell_m;
+  const double column = grid_.column_of(on_map.x()), row = grid_.row_of(on_map.y());
   if (!(column >= 0 && row >= 0 && column < grid_.width && row < grid_.height)) return false;
   return shows_ground(column, row, on_map.z(), sigma_m);
 }

@@ -79,8 +79,7 @@ Result<> HeightSamples::load(int row) {
 }
 
 Result<HeightSample> HeightSamples::at(const Eigen::Vector2d& on_map) {
-  const double column = (on_map.x() - grid().west_m) / grid().cell_m,
-               row = (grid().north_m - on_map.y()) / grid().cell_m;
+  const double column = grid().column_of(on_map.x()), row = grid().row_of(on_map.y());
   if (!(column >= 0 && row >= 0 && column <= grid().width && row <= grid().height)) return HeightSample{};
   const double x = std::clamp(column - 0.5, 0.0, grid().width - 1.0),
                y = std::clamp(row - 0.5, 0.0, grid().height - 1.0);

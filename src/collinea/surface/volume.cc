@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "collinea/base/parallel.h"
+#include "collinea/geometry/polygon.h"
 #include "collinea/image/geotiff.h"
 #include "collinea/surface/height_samples.h"
 
@@ -35,10 +36,8 @@ FloatImage parts_inside(const MapGrid& grid, const MapArea& area) {
       const double north = grid.north_of(y + (line + 0.5) / kLines);
       crossings.clear();
       for (std::size_t i = 0; i < area.size(); ++i) {
-        const Eigen::Vector2d &a = area[i], &b = area[(i + 1) % area.size()];
-        if ((a.y() > north) != (b.y() > north))
-          crossings.push_back((a.x() + (north - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) - grid.west_m) /
-                              grid.cell_m);
+        const auto east = crossing(area[i], area[(i + 1) % area.size()], north);
+        if (east) crossings.push_back(grid.column_of(*east));
       }
       std::sort(crossings.begin(), crossings.end());
       for (std::size_t k = 0; k + 1 < crossings.size(); k += 2) {
@@ -64,10 +63,10 @@ Result<Window> window_of(const SurfaceFiles& surface, const std::optional<MapAre
     }
     const MapGrid& whole = heights.grid();
     const auto clamped = [](double value, int most) { return int(std::clamp(value, 0.0, double(most))); };
-    window.column = clamped(std::floor((low.x() - whole.west_m) / whole.cell_m), whole.width);
-    window.row = clamped(std::floor((whole.north_m - high.y()) / whole.cell_m), whole.height);
-    window.grid.width = clamped(std::ceil((high.x() - whole.west_m) / whole.cell_m), whole.width) - window.column;
-    window.grid.height = clamped(std::ceil((whole.north_m - low.y()) / whole.cell_m), whole.height) - window.row;
+    window.column = clamped(std::floor(whole.column_of(low.x())), whole.width);
+    window.row = clamped(std::floor(whole.row_of(high.y())), whole.height);
+    window.grid.width = clamped(std::ceil(whole.column_of(high.x())), whole.width) - window.column;
+    window.grid.height = clamped(std::ceil(whole.row_of(low.y())), whole.height) - window.row;
     window.grid.west_m = whole.east_of(window.column);
     window.grid.north_m = whole.north_of(window.row);
     if (window.grid.width <= 0 || window.grid.height <= 0)
