@@ -161,7 +161,8 @@ class Fusion {
     const std::size_t bytes = 2 * sizeof(float) * reference_->depth.data.size();
     const int room = std::max(2, int(options_.memory_mb * 1e6 / double(bytes + 1)) - 1);
     const Rigid3 reference_from_world = block_.cam_from_world.at(image);
-    for (const ImageId other : ties_.overlapping(image, std::min(room, kMostNeighbours))) {
+    COLLINEA_TRY(const auto overlapping, ties_.overlapping(image, std::min(room, kMostNeighbours)));
+    for (const ImageId other : overlapping) {
       if (!images_.count(other)) continue;
       if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
       COLLINEA_TRY(const auto map, cache_.map(other));

@@ -47,11 +47,12 @@ struct Sounding {
   double x, y, w;
 };
 
-std::vector<Sounding> soundings(const TieView& ties, ImageId image, const Camera& camera) {
+Result<std::vector<Sounding>> soundings(const TieView& ties, ImageId image, const Camera& camera) {
+  COLLINEA_TRY(const auto seen, ties.seen_by(image));
   std::vector<Sounding> result;
-  for (const SeenPoint& seen : ties.seen_by(image)) {
-    const auto pixel = project(camera, seen.point_in_cam);
-    if (pixel && inside(camera, *pixel)) result.push_back({pixel->x(), pixel->y(), 1 / seen.point_in_cam.z()});
+  for (const Eigen::Vector3d& point_in_cam : seen) {
+    const auto pixel = project(camera, point_in_cam);
+    if (pixel && inside(camera, *pixel)) result.push_back({pixel->x(), pixel->y(), 1 / point_in_cam.z()});
   }
   return result;
 }
@@ -126,10 +127,11 @@ class Matching {
   Result<> prepare(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures) {
     const std::string& file = block.images.at(image).file;
     COLLINEA_TRY(reference_, pictures.picture(image));
-    soundings_ = soundings(ties, image, reference_->camera);
+    COLLINEA_TRY(soundings_, soundings(ties, image, reference_->camera));
     if (soundings_.size() < kFewestTiePoints) return fail(Errc::kIllPosed, file + ": too few tie points to match it");
     const Rigid3& pose = block.cam_from_world.at(image);
-    for (const ImageId id : ties.neighbours(image, options_.neighbours)) {
+    COLLINEA_TRY(const auto others, ties.neighbours(image, options_.neighbours));
+    for (const ImageId id : others) {
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       Neighbour neighbour;
       COLLINEA_TRY(neighbour.picture, pictures.picture(id));
@@ -175,8 +177,9 @@ class Matching {
   Result<FloatImage> agreed_overview(const Block& block, ImageId image, const TieView& ties, DepthStore& store) const {
     COLLINEA_TRY(const DepthMap own, store.read(image));
     const Rigid3& pose = block.cam_from_world.at(image);
+    COLLINEA_TRY(const auto overlapping, ties.overlapping(image, kOverviewsCompared));
     std::vector<dense::PlacedMap> others;
-    for (const ImageId id : ties.overlapping(image, kOverviewsCompared)) {
+    for (const ImageId id : overlapping) {
       if (!store.has(id)) continue;
       dense::PlacedMap other;
       COLLINEA_TRY(other.map, store.read(id));

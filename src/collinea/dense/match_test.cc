@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
 #include <vector>
 
 #include "collinea/dense/test_scene.h"
@@ -94,34 +95,54 @@ TEST(DepthMap, NeighboursMayBeTurned) {
   EXPECT_GT(e.part_measured(), 0.85);
 }
 
-// Points that nobody sees, observations of points and images that are not there: all passed over.
-TEST(TieView, OfTiesOneByOneIsThatOfTheBlock) {
-  Scene scene = Scene::of_four({.slope = 0, .roof = 2});
-  const TieView whole(scene.block);
-  TieView one_by_one = TieView::without_ties(scene.block);
-  std::uint32_t last = 0;
-  for (const auto& [id, point] : scene.block.points) {
-    one_by_one.add(id, point.position_in_world);
-    last = id.value;
+// Ten thousand points seen by nine images each, of twenty in a row that have a pose.
+Block block_of_many_ties() {
+  Scene scene;
+  for (int i = 0; i < 20; ++i) scene.add_camera(0.4 * i, 0, 0, Scene::camera());
+  Block block = scene.block;
+  Random random(5);
+  for (std::uint32_t n = 0; n < 10'000; ++n) {
+    const Eigen::Vector3d point(8 * random.uniform(), random.uniform(), random.uniform());
+    block.points[PointId{n}] = {point, {}};
+    const auto first = std::uint32_t(12 * random.uniform());
+    for (std::uint32_t i = first; i < first + 9; ++i)
+      block.observations.push_back({ImageId{i}, PointId{n}, 0, {200 * random.uniform(), 160 * random.uniform()}, 1});
   }
-  one_by_one.add(PointId{last + 1}, {0, 0, 0});
-  for (const Observation& seen : scene.block.observations) {
-    Observation of_nothing = seen;
-    of_nothing.image = ImageId{9999};
-    one_by_one.add(of_nothing);
-    one_by_one.add(seen);
+  block.cam_from_world.erase(ImageId{7});
+  return block;
+}
+
+// Points that nobody sees and observations by images without pose are passed over.
+TEST(TieView, OnDiskIsThatInMemory) {
+  const Block block = block_of_many_ties();
+  const TieView whole(block);
+  auto on_disk = TieView::on_disk(block, std::filesystem::temp_directory_path() / "collinea_tie_view");
+  ASSERT_TRUE(on_disk) << on_disk.error().message;
+  for (auto seen = block.observations.begin(); const auto& [id, point] : block.points) {
+    on_disk->add(point.position_in_world, {seen, seen + 9});
+    on_disk->add(point.position_in_world, {});
+    seen += 9;
   }
-  one_by_one.add(Observation{kFirst, PointId{last + 2}, 0, {1, 1}});
-  one_by_one.finish();
-  const auto expected = whole.seen_by(kFirst), seen = one_by_one.seen_by(kFirst);
-  ASSERT_EQ(seen.size(), expected.size());
-  ASSERT_GT(seen.size(), 50u);
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    EXPECT_EQ(seen[i].point, expected[i].point);
-    EXPECT_EQ(seen[i].point_in_cam, expected[i].point_in_cam);
+  for (const auto& [image, of_file] : block.images) {
+    const auto expected = *whole.seen_by(image), seen = *on_disk->seen_by(image);
+    EXPECT_EQ(seen, expected);
+    EXPECT_EQ(seen.size() > 500, block.cam_from_world.contains(image));
+    EXPECT_EQ(*on_disk->neighbours(image, 5), *whole.neighbours(image, 5));
+    EXPECT_EQ(*on_disk->overlapping(image, 30), *whole.overlapping(image, 30));
   }
-  EXPECT_EQ(one_by_one.neighbours(kFirst, 3), whole.neighbours(kFirst, 3));
-  EXPECT_EQ(one_by_one.overlapping(kFirst, 3), whole.overlapping(kFirst, 3));
+  EXPECT_EQ(whole.overlapping(ImageId{10}, 30)->size(), 15u);  // 2 to 18 without itself and 7
+}
+
+TEST(TieView, OnDiskHoldsNoMoreOfManyTiesThanOfFew) {
+  const Block block = block_of_many_ties();
+  EXPECT_GT(TieView(block).bytes_held(), 4 * TieView::kBuffered);
+  auto ties = TieView::on_disk(block, std::filesystem::temp_directory_path() / "collinea_tie_view");
+  ASSERT_TRUE(ties) << ties.error().message;
+  for (auto seen = block.observations.begin(); const auto& [id, point] : block.points) {
+    ties->add(point.position_in_world, {seen, seen + 9});
+    seen += 9;
+    ASSERT_LT(ties->bytes_held(), 2 * TieView::kBuffered + 64 * 1024);  // strings grow to twice what is in them
+  }
 }
 
 // Pyramids end where the shorter side does, while the longer one is still wider than overviews are.

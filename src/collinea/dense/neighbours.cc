@@ -6,6 +6,9 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
+
+#include "collinea/io/packed.h"
 
 namespace collinea {
 namespace {
@@ -72,98 +75,147 @@ std::vector<ImageId> most_useful(std::vector<Candidate> candidates, int count) {
 
 }  // namespace
 
-TieView::TieView(const Block& block) : block_(block) {
-  for (const auto& [id, point] : block.points) add(id, point.position_in_world);
-  for (const Observation& seen : block.observations) add(seen);
-  finish();
-}
+// One ray of an image: the point, and who else sees it.
+struct TieView::Ray {
+  Eigen::Vector3d point_in_world;
+  std::size_t cell;             // of its image, where the ray lies
+  std::vector<ImageId> others;  // images of the other rays to the point
+};
 
-TieView TieView::without_ties(const Block& block) { return {block, Nothing{}}; }
-
-void TieView::add(PointId id, const Eigen::Vector3d& position_in_world) {
-  points_.push_back(id);
-  positions_.push_back(position_in_world);
-}
-
-void TieView::add(const Observation& seen) {
-  while (at_ < points_.size() && points_[at_] < seen.point) ++at_;
-  if (at_ == points_.size() || points_[at_] != seen.point || !block_.cam_from_world.count(seen.image)) return;
-  const auto ray = std::uint32_t(image_of_ray_.size());
-  first_ray_.resize(std::max(first_ray_.size(), at_ + 1), ray);
-  rays_of_[seen.image].push_back(ray);
-  image_of_ray_.push_back(seen.image);
-  cell_of_ray_.push_back(std::uint8_t(cell_of(block_.camera_of(seen.image), seen.pixel)));
-}
-
-void TieView::finish() {
-  first_ray_.resize(points_.size() + 1, std::uint32_t(image_of_ray_.size()));
-  points_.shrink_to_fit();
-  positions_.shrink_to_fit();
-  first_ray_.shrink_to_fit();
-  image_of_ray_.shrink_to_fit();
-  cell_of_ray_.shrink_to_fit();
-  for (auto& [image, rays] : rays_of_) rays.shrink_to_fit();
-}
-
-std::size_t TieView::point_of(std::uint32_t ray) const {
-  return std::size_t(std::upper_bound(first_ray_.begin(), first_ray_.end(), ray) - first_ray_.begin()) - 1;
-}
-
-std::vector<SeenPoint> TieView::seen_by(ImageId image) const {
-  std::vector<SeenPoint> seen;
-  const auto own = rays_of_.find(image);
-  if (own == rays_of_.end()) return seen;
-  const Rigid3& cam_from_world = block_.cam_from_world.at(image);
-  for (const std::uint32_t ray : own->second) {
-    const std::size_t point = point_of(ray);
-    const Eigen::Vector3d in_cam = cam_from_world * positions_[point];
-    if (in_cam.z() > 0) seen.push_back({in_cam, points_[point]});
+TieView::TieView(const Block& block) : block_(&block) {
+  auto observation = block.observations.begin();
+  const auto end = block.observations.end();
+  for (const auto& [id, point] : block.points) {
+    while (observation != end && observation->point < id) ++observation;
+    const auto first = observation;
+    while (observation != end && observation->point == id) ++observation;
+    add(point.position_in_world, {first, observation});
   }
+}
+
+Result<TieView> TieView::on_disk(const Block& block, const std::filesystem::path& file) {
+  TieView view(&block);
+  COLLINEA_TRY(view.spool_, RecordSpool::create(file));
+  return view;
+}
+
+void TieView::add(const Eigen::Vector3d& position_in_world, std::span<const Observation> observations) {
+  const auto passed_over = [&](const Observation& seen) { return !block_->cam_from_world.count(seen.image); };
+  const auto images = std::uint32_t(observations.size()) -
+                      std::uint32_t(std::count_if(observations.begin(), observations.end(), passed_over));
+  for (const Observation& own : observations) {
+    if (passed_over(own)) continue;
+    Packer packer;
+    for (int i = 0; i < 3; ++i) packer.put(position_in_world[i]);
+    packer.put(std::uint8_t(cell_of(block_->camera_of(own.image), own.pixel)));
+    packer.put(images - 1);
+    for (const Observation& other : observations)
+      if (&other != &own && !passed_over(other)) packer.put(other.image.value);
+    rays_[own.image].in_memory += packer.bytes();
+    buffered_ += packer.size();
+  }
+  if (spool_ && buffered_ > kBuffered) move_to_disk();
+}
+
+void TieView::move_to_disk() {
+  for (auto& [image, rays] : rays_) {
+    if (rays.in_memory.empty()) continue;
+    Packer before;
+    before.put(rays.last.at);
+    before.put(rays.last.bytes);
+    rays.last = {spool_->size(), before.size() + rays.in_memory.size()};
+    spool_->append(before.bytes());
+    spool_->append(rays.in_memory);
+    std::string().swap(rays.in_memory);
+  }
+  buffered_ = 0;
+}
+
+std::size_t TieView::bytes_held() const {
+  std::size_t bytes = rays_.size() * sizeof(Rays);
+  for (const auto& [image, rays] : rays_) bytes += rays.in_memory.capacity();
+  return bytes;
+}
+
+Result<std::string> TieView::rays_of(ImageId image) const {
+  const auto own = rays_.find(image);
+  if (own == rays_.end()) return std::string();
+  std::vector<std::string> pieces;  // last first
+  std::size_t bytes = own->second.in_memory.size();
+  for (Piece piece = own->second.last; piece.at != kNone;) {
+    COLLINEA_TRY(pieces.emplace_back(), spool_->read(piece.at, piece.bytes));
+    Unpacker before(pieces.back());
+    before.get(piece.at);
+    before.get(piece.bytes);
+    bytes += before.left();
+  }
+  std::string rays;
+  rays.reserve(bytes);
+  for (; !pieces.empty(); pieces.pop_back()) rays.append(pieces.back(), sizeof(Piece));
+  return rays += own->second.in_memory;
+}
+
+template <class Visit>
+Result<> TieView::for_rays(ImageId image, Visit&& visit) const {
+  COLLINEA_TRY(const std::string bytes, rays_of(image));
+  Unpacker unpacker(bytes);
+  Ray ray;
+  while (unpacker.left() > 0) {
+    for (int i = 0; i < 3; ++i) unpacker.get(ray.point_in_world[i]);
+    ray.cell = unpacker.get<std::uint8_t>();
+    ray.others.resize(unpacker.get<std::uint32_t>());
+    for (ImageId& other : ray.others) unpacker.get(other.value);
+    visit(std::as_const(ray));
+  }
+  return {};
+}
+
+Result<std::vector<Eigen::Vector3d>> TieView::seen_by(ImageId image) const {
+  std::vector<Eigen::Vector3d> seen;
+  auto read = for_rays(image, [&](const Ray& ray) {
+    const Eigen::Vector3d in_cam = block_->cam_from_world.at(image) * ray.point_in_world;
+    if (in_cam.z() > 0) seen.push_back(in_cam);
+  });
+  if (!read) return tl::unexpected(std::move(read).error());
   return seen;
 }
 
-std::vector<ImageId> TieView::neighbours(ImageId image, int count) const {
-  const auto own = rays_of_.find(image);
-  if (own == rays_of_.end()) return {};
-  const Rigid3& cam_from_world = block_.cam_from_world.at(image);
-  const Eigen::Vector3d centre = centre_of(cam_from_world);
-
+Result<std::vector<ImageId>> TieView::neighbours(ImageId image, int count) const {
+  std::size_t rays = 0;
   std::array<double, kCells * kCells> points_in_cell{};
   std::map<ImageId, Candidate> candidates;
-  for (const std::uint32_t mine : own->second) {
-    const std::size_t point = point_of(mine);
-    const std::size_t cell = cell_of_ray_[mine];
-    ++points_in_cell[cell];
-    for (std::uint32_t ray = first_ray_[point]; ray < first_ray_[point + 1]; ++ray) {
-      const ImageId other = image_of_ray_[ray];
+  auto read = for_rays(image, [&](const Ray& ray) {
+    const Eigen::Vector3d centre = centre_of(block_->cam_from_world.at(image));
+    ++rays;
+    ++points_in_cell[ray.cell];
+    for (const ImageId other : ray.others) {
       if (other == image) continue;
       Candidate& c = candidates[other];
       c.image = other;
       ++c.shared;
-      c.worth[cell] += worth_of_angle(angle_at(positions_[point], centre, centre_of(block_.cam_from_world.at(other))));
+      c.worth[ray.cell] +=
+          worth_of_angle(angle_at(ray.point_in_world, centre, centre_of(block_->cam_from_world.at(other))));
     }
-  }
+  });
+  if (!read) return tl::unexpected(std::move(read).error());
 
   std::vector<Candidate> list;
   for (auto& [id, c] : candidates) {
-    if (c.shared < int(std::min(kSharedToCompare, own->second.size() / 4))) continue;
+    if (c.shared < int(std::min(kSharedToCompare, rays / 4))) continue;
     if (std::accumulate(c.worth.begin(), c.worth.end(), 0.0) < kLeastWorth * c.shared) continue;
     for (std::size_t i = 0; i < c.worth.size(); ++i) c.worth[i] /= std::max(1.0, points_in_cell[i]);
-    c.side = side_of(cam_from_world * centre_of(block_.cam_from_world.at(id)));
+    c.side = side_of(block_->cam_from_world.at(image) * centre_of(block_->cam_from_world.at(id)));
     list.push_back(c);
   }
   return most_useful(std::move(list), count);
 }
 
-std::vector<ImageId> TieView::overlapping(ImageId image, int count) const {
-  const auto own = rays_of_.find(image);
-  if (own == rays_of_.end()) return {};
+Result<std::vector<ImageId>> TieView::overlapping(ImageId image, int count) const {
   std::map<ImageId, int> shared;
-  for (const std::uint32_t mine : own->second) {
-    const std::size_t point = point_of(mine);
-    for (std::uint32_t ray = first_ray_[point]; ray < first_ray_[point + 1]; ++ray)
-      if (ray != mine) ++shared[image_of_ray_[ray]];
-  }
+  auto read = for_rays(image, [&](const Ray& ray) {
+    for (const ImageId other : ray.others) ++shared[other];
+  });
+  if (!read) return tl::unexpected(std::move(read).error());
   std::vector<std::pair<int, ImageId>> order;
   for (const auto& [id, n] : shared)
     if (id != image && n >= kFewestShared) order.emplace_back(-n, id);

@@ -1,63 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "collinea/base/result.h"
 #include "collinea/block/block.h"
+#include "collinea/io/record_spool.h"
 
 namespace collinea {
 
 /// Rays farther apart see leaves, grass and edges too differently to tell anything of each other [rad].
 inline constexpr double kWidestAngle_rad = 0.5;
 
-/// The tie points an image sees, with what matching wants to know of them.
-struct SeenPoint {
-  Eigen::Vector3d point_in_cam;  ///< z > 0
-  PointId point;
-};
-
-/// Which images see which tie points; built once per block, read by every image. The block must outlive it, but not its
-/// points and observations, which take several times the memory.
+/// Which images see which tie points, image by image: what an image asks for is with its own rays, so that a block of
+/// any size can leave them on disk. The block must outlive it, but not its points and observations. What is asked may
+/// be asked from several threads at once, but not while points are added. Errors: the disk was full, or is broken.
 class TieView {
  public:
+  /// Of a whole block, in memory.
   explicit TieView(const Block& block);
 
-  /// Of a block whose tie points and observations come one by one: first all points, then all observations, each in the
-  /// order of their ids, then finish(). Observations of unknown points and of images without pose are passed over.
-  static TieView without_ties(const Block& block);
-  void add(PointId id, const Eigen::Vector3d& position_in_world);
-  void add(const Observation& seen);
-  void finish();
+  /// Of a block whose tie points come one by one. They lie on disk, in a file without a name beside `file`; in memory
+  /// are kBuffered bytes of them and a few for each image, however many there are.
+  static Result<TieView> on_disk(const Block& block, const std::filesystem::path& file);
+  static constexpr std::size_t kBuffered = std::size_t{1} << 20;
 
-  /// Of all tie points, in the order of their ids.
-  [[nodiscard]] std::span<const Eigen::Vector3d> positions_in_world() const { return positions_; }
+  /// The next point, in the order of ids, and its observations. Those by images without pose are passed over.
+  void add(const Eigen::Vector3d& position_in_world, std::span<const Observation> observations);
 
-  /// Tie points in front of the image's camera, in the order of their ids.
-  [[nodiscard]] std::vector<SeenPoint> seen_by(ImageId image) const;
+  /// Tie points in front of the image's camera, in its frame (z > 0), in the order of their ids.
+  [[nodiscard]] Result<std::vector<Eigen::Vector3d>> seen_by(ImageId image) const;
 
   /// Up to `count` images to match `image` with, best first: they see the same tie points, from 6 to 25 degrees aside,
   /// cover all of the image, and lie on different sides of it. Fewer (or none) when the block has no more.
-  [[nodiscard]] std::vector<ImageId> neighbours(ImageId image, int count) const;
+  [[nodiscard]] Result<std::vector<ImageId>> neighbours(ImageId image, int count) const;
 
   /// All images that share at least six tie points with `image` (fewer may be wrong ones), most shared first, at most
   /// `count`.
-  [[nodiscard]] std::vector<ImageId> overlapping(ImageId image, int count) const;
+  [[nodiscard]] Result<std::vector<ImageId>> overlapping(ImageId image, int count) const;
+
+  /// What it holds in memory, but for the constant part.
+  [[nodiscard]] std::size_t bytes_held() const;
 
  private:
-  struct Nothing {};
-  TieView(const Block& block, Nothing) : block_(block) {}
-  [[nodiscard]] std::size_t point_of(std::uint32_t ray) const;
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  struct Piece {  ///< of the rays of an image, on disk: the place of the piece before it, then the rays
+    std::uint64_t at = kNone, bytes = 0;
+  };
+  struct Rays {  ///< of an image, in the order of points: first those of the pieces, then those in memory
+    Piece last;
+    std::string in_memory;
+  };
+  struct Ray;
+  explicit TieView(const Block* block) : block_(block) {}
+  void move_to_disk();
+  [[nodiscard]] Result<std::string> rays_of(ImageId image) const;
+  template <class Visit>
+  [[nodiscard]] Result<> for_rays(ImageId image, Visit&& visit) const;
 
-  const Block& block_;
-  std::vector<PointId> points_;
-  std::vector<Eigen::Vector3d> positions_;  ///< of the points, in the world
-  std::size_t at_ = 0;                      ///< point of the observation that came last
-  std::vector<std::uint32_t> first_ray_;    ///< of each point; one more at the end
-  std::vector<ImageId> image_of_ray_;
-  std::vector<std::uint8_t> cell_of_ray_;                  ///< of its image, where the ray lies
-  std::map<ImageId, std::vector<std::uint32_t>> rays_of_;  ///< ascending
+  const Block* block_;
+  std::map<ImageId, Rays> rays_;
+  std::size_t buffered_ = 0;
+  std::optional<RecordSpool> spool_;
 };
 
 }  // namespace collinea

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/image/gdal_access.h"
 
+#include <cpl_conv.h>
 #include <cpl_error.h>
 
 #include <mutex>
 
 namespace collinea {
+namespace {
+
+// Of blocks that were read or are to be written. GDAL's own limit is a twentieth of the machine's memory: as long as
+// that is not reached, whole rasters stay in memory once they were read.
+constexpr GIntBig kBlockCache = GIntBig{64} << 20;
+
+}  // namespace
 
 GdalErrors::GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::keep, this); }
 
@@ -25,7 +33,10 @@ tl::unexpected<Error> GdalErrors::error(Errc code, const std::string& doing) con
 
 void set_up_gdal() {
   static std::once_flag once;
-  std::call_once(once, [] { GDALAllRegister(); });
+  std::call_once(once, [] {
+    GDALAllRegister();
+    if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(kBlockCache);
+  });
 }
 
 }  // namespace collinea

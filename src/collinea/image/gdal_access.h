@@ -33,7 +33,7 @@ struct GdalCloser {
 };
 using GdalDataset = std::unique_ptr<void, GdalCloser>;
 
-/// Registers GDAL's drivers; cheap to call again.
+/// Registers GDAL's drivers, and bounds its cache unless GDAL_CACHEMAX does; cheap to call again.
 void set_up_gdal();
 
 template <class T>

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/copc.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "collinea/base/parallel.h"
@@ -41,34 +36,6 @@ std::size_t octant_of(const Place& place, int level) {
 }
 
 }  // namespace
-
-// --- records on disk -------------------------------------------------------------------------------------------------
-
-Result<RecordSpool> RecordSpool::create(const std::filesystem::path& file) {
-  static std::atomic<unsigned> count = 0;
-  RecordSpool spool;
-  spool.name_ = file.string();
-  const std::string name = spool.name_ + ".part" + std::to_string(::getpid()) + "." + std::to_string(count++);
-  spool.file_.reset(std::fopen(name.c_str(), "w+b"));
-  if (!spool.file_) return fail(Errc::kBadInput, spool.name_ + ": cannot be written: " + std::strerror(errno));
-  std::error_code ignored;
-  std::filesystem::remove(name, ignored);
-  std::setvbuf(spool.file_.get(), nullptr, _IOFBF, 1 << 16);
-  return spool;
-}
-
-void RecordSpool::append(std::string_view bytes) {
-  failed_ |= std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size();
-  size_ += bytes.size();
-}
-
-Result<std::string> RecordSpool::read(std::uint64_t at, std::uint64_t bytes) {
-  std::string read(bytes, '\0');
-  failed_ |= ::fseeko(file_.get(), ::off_t(at), SEEK_SET) != 0;
-  failed_ |= std::fread(read.data(), 1, bytes, file_.get()) != bytes;
-  if (failed_) return fail(Errc::kBadInput, name_ + ": cannot be sorted: no room for its points on the disk");
-  return read;
-}
 
 // --- what a node keeps -----------------------------------------------------------------------------------------------
 

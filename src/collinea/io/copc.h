@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -15,6 +14,7 @@
 #include "collinea/base/run.h"
 #include "collinea/io/file.h"
 #include "collinea/io/laz.h"
+#include "collinea/io/record_spool.h"
 
 namespace collinea {
 
@@ -27,26 +27,6 @@ struct CopcKey {
 struct CopcNode {
   CopcKey key;
   LazChunk chunk;
-};
-
-/// Records on disk while they are sorted. The file has no name, so that nothing is left of it whatever happens.
-class RecordSpool {
- public:
-  /// Beside `file`, where there must be room for the file itself. Errors: not writable.
-  static Result<RecordSpool> create(const std::filesystem::path& file);
-  void append(std::string_view bytes);
-  [[nodiscard]] std::uint64_t size() const { return size_; }
-  /// `bytes` from `at`; errors: they could not be written (full disk) or cannot be read.
-  Result<std::string> read(std::uint64_t at, std::uint64_t bytes);
-
- private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::unique_ptr<std::FILE, Close> file_;
-  std::string name_;
-  std::uint64_t size_ = 0;
-  bool failed_ = false;
 };
 
 /// How large the nodes become, and the pieces worked on in memory; the latter does not change the file.

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct StepRecord {
   double seconds = 0, cpu_seconds = 0, peak_memory_bytes = 0;
   std::string report_json;  ///< figures for the report; a JSON object
 };
+
+using TakeTie = std::function<void(PointId id, const TiePoint& point, std::span<const Observation> observations)>;
 
 /// block.db of a project folder: SQLite in WAL mode, every call one transaction. May be used from several threads
 /// at once (calls are serialised inside). A killed program loses at most the call in work.
@@ -50,10 +53,9 @@ class ProjectStore {
   Result<Block> read_block() const;
   /// As read_block, without tie points and their observations, which take more memory than all the rest.
   Result<Block> read_orientation() const;
-  /// As read_block, but fills `block` without tie points and their observations and hands on first the points, then the
-  /// observations, each in the order of a block.
-  Result<> read_block_and_ties(Block& block, const std::function<void(PointId, const TiePoint&)>& take_point,
-                               const std::function<void(const Observation&)>& take_observation) const;
+  /// Hands on what read_orientation left out, point by point in the order of a block, with the observations of each.
+  /// `block`: what that gave. `take` must not use the store.
+  Result<> read_ties(const Block& block, const TakeTie& take) const;
   /// As read_block, but as it was set up: no poses, no points, cameras and control observations before adjustment.
   Result<Block> read_setup() const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "collinea/base/hash.h"
 #include "collinea/io/packed.h"
@@ -109,17 +110,47 @@ Result<> write_chunks(Database& db, const std::string& table, const Values& valu
   return packer.size() > 0 ? flush() : Result<>{};
 }
 
+// The records of a table, one after the other.
+template <class Record>
+class ChunkReader {
+ public:
+  static Result<ChunkReader> open(Database& db, const std::string& table) {
+    ChunkReader reader;
+    reader.table_ = table;
+    COLLINEA_TRY(reader.select_, db.prepare("SELECT data FROM " + table + " ORDER BY chunk"));
+    if (auto first = reader.advance(); !first) return tl::unexpected(first.error());
+    return reader;
+  }
+  [[nodiscard]] bool at_end() const { return !value_; }
+  [[nodiscard]] const typename Record::Value& value() const { return *value_; }
+  Result<> advance() {
+    while (chunk_.left() == 0) {
+      value_.reset();
+      COLLINEA_TRY(const bool row, select_.next());
+      if (!row) return {};
+      const std::string_view blob = select_.blob(0);
+      if (blob.size() % Record::kBytes != 0) return damaged(table_);
+      chunk_ = Unpacker(blob);
+    }
+    value_ = Record::get_one(chunk_);
+    return {};
+  }
+
+ private:
+  std::string table_;
+  Statement select_;
+  Unpacker chunk_{std::string_view()};  // of the row that the statement is at
+  std::optional<typename Record::Value> value_;
+};
+
 template <class Record, class Take>
 Result<> read_chunks(Database& db, const std::string& table, Take&& take) {
-  COLLINEA_TRY(auto select, db.prepare("SELECT data FROM " + table + " ORDER BY chunk"));
-  while (true) {
-    COLLINEA_TRY(const bool row, select.next());
-    if (!row) return {};
-    const std::string_view blob = select.blob(0);
-    if (blob.size() % Record::kBytes != 0) return damaged(table);
-    Unpacker unpacker(blob);
-    while (unpacker.left() > 0) take(Record::get_one(unpacker));
+  COLLINEA_TRY(auto reader, ChunkReader<Record>::open(db, table));
+  while (!reader.at_end()) {
+    take(reader.value());
+    if (auto next = reader.advance(); !next) return next;
   }
+  return {};
 }
 
 Result<> write_georeference(Database& db, const std::optional<Georeference>& georeference) {
@@ -405,20 +436,37 @@ Result<> read_orientation_tables(Database& db, Block& block) {
   return read_control_observations(db, "used_control_observations", block);
 }
 
-Result<> read_tie_tables(Database& db, const std::function<void(PointId, const TiePoint&)>& take_point,
-                         const std::function<void(const Observation&)>& take_observation) {
-  const auto take = [&](PointRecord::Value&& p) { take_point(p.first, p.second); };
-  if (auto read = read_chunks<PointRecord>(db, "points", take); !read) return read;
-  return read_chunks<ObservationRecord>(db, "observations", take_observation);
-}
-
 Result<> read_tie_tables(Database& db, Block& block) {
   COLLINEA_TRY(const auto bytes, db.integer("SELECT coalesce(sum(length(data)), 0) FROM observations"));
   block.observations.reserve(std::size_t(bytes) / ObservationRecord::kBytes);  // growing would take twice as much
   auto& points = block.points;
-  return read_tie_tables(
-      db, [&](PointId id, const TiePoint& point) { points.insert_or_assign(points.end(), id, point); },
-      [&](const Observation& o) { block.observations.push_back(o); });
+  const auto take_point = [&](const PointRecord::Value& p) {
+    points.insert_or_assign(points.end(), p.first, p.second);
+  };
+  if (auto read = read_chunks<PointRecord>(db, "points", take_point); !read) return read;
+  return read_chunks<ObservationRecord>(db, "observations",
+                                        [&](const Observation& o) { block.observations.push_back(o); });
+}
+
+// Points and observations side by side, both in the order of points.
+Result<> read_ties_in_order(Database& db, const Block& block, const TakeTie& take) {
+  COLLINEA_TRY(auto points, ChunkReader<PointRecord>::open(db, "points"));
+  COLLINEA_TRY(auto observations, ChunkReader<ObservationRecord>::open(db, "observations"));
+  const auto unfit = [] { return damaged("observations of images or points that are not there"); };
+  std::vector<Observation> seen;
+  while (!points.at_end()) {
+    const auto [id, point] = points.value();
+    seen.clear();
+    while (!observations.at_end() && observations.value().point == id) {
+      if (!block.images.contains(observations.value().image)) return unfit();
+      seen.push_back(observations.value());
+      if (auto next = observations.advance(); !next) return next;
+    }
+    take(id, point, seen);
+    if (auto next = points.advance(); !next) return next;
+    if (!points.at_end() && points.value().first <= id) return unfit();
+  }
+  return observations.at_end() ? Result<>{} : unfit();
 }
 
 Result<> erase_orientation(Database& db) {
@@ -529,28 +577,10 @@ Result<Block> ProjectStore::read_orientation() const {
   return state_->read([](Database& db) { return read_consistently(db, Wanted::kOrientation); });
 }
 
-Result<> ProjectStore::read_block_and_ties(Block& block,
-                                           const std::function<void(PointId, const TiePoint&)>& take_point,
-                                           const std::function<void(const Observation&)>& take_observation) const {
+Result<> ProjectStore::read_ties(const Block& block, const TakeTie& take) const {
   return state_->read([&](Database& db) -> Result<> {
     COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
-    COLLINEA_TRY(block, read_tables(db, Wanted::kOrientation));
-    if (block.cam_from_world.empty()) return {};
-    std::vector<PointId> known;  // ascending, as are the points of observations
-    std::size_t at = 0;
-    bool fits = true;
-    const auto take_known_point = [&](PointId id, const TiePoint& point) {
-      fits = fits && (known.empty() || known.back() < id);
-      known.push_back(id);
-      take_point(id, point);
-    };
-    const auto take_fitting_observation = [&](const Observation& seen) {
-      while (at < known.size() && known[at] < seen.point) ++at;
-      fits = fits && at < known.size() && known[at] == seen.point && block.images.contains(seen.image);
-      if (fits) take_observation(seen);
-    };
-    if (auto read = read_tie_tables(db, take_known_point, take_fitting_observation); !read) return read;
-    return fits ? Result<>{} : damaged("observations of images or points that are not there");
+    return read_ties_in_order(db, block, take);
   });
 }
 

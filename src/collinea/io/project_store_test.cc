@@ -251,18 +251,19 @@ TEST_F(ProjectStoreTest, TiesComeOneByOneAndTheOrientationWithoutThem) {
   EXPECT_TRUE(block->points.empty() && block->observations.empty());
   expect_same_cameras(*block, oriented);
   expect_same_control(*block, oriented);
-  Block with_ties;
-  ASSERT_TRUE(store.read_block_and_ties(
-      with_ties,
-      [&](PointId id, const TiePoint& point) {
-        EXPECT_TRUE(block->observations.empty());
-        EXPECT_TRUE(block->points.empty() || block->points.rbegin()->first < id);
-        block->points[id] = point;
-      },
-      [&](const Observation& seen) { block->observations.push_back(seen); }));
-  EXPECT_TRUE(with_ties.points.empty() && with_ties.observations.empty());
-  expect_same_cameras(with_ties, oriented);
-  expect_same_orientation(*block, oriented);
+  std::size_t points = 0;
+  Block with_ties = *block;
+  ASSERT_TRUE(store.read_ties(*block, [&](PointId id, const TiePoint& point, auto observations) {
+    EXPECT_TRUE(with_ties.points.empty() || with_ties.points.rbegin()->first < id);
+    with_ties.points[id] = point;
+    for (const Observation& seen : observations) EXPECT_EQ(seen.point, id);
+    with_ties.observations.insert(with_ties.observations.end(), observations.begin(), observations.end());
+    ++points;
+  }));
+  EXPECT_EQ(points, oriented.points.size());
+  expect_same_orientation(with_ties, oriented);
+  block->images.erase(oriented.observations.back().image);
+  EXPECT_FALSE(store.read_ties(*block, [](auto, const auto&, auto) {}));
 }
 
 TEST_F(ProjectStoreTest, ASmallerOrientationReplacesALargerOne) {

@@ -14,6 +14,7 @@ namespace collinea {
 namespace {
 
 constexpr std::size_t kPictureMemory = std::size_t{512} << 20;
+constexpr std::size_t kPictures = 64;  // more than the tiles in work and those beside them show
 constexpr double kMostCells = 4e10;
 constexpr std::size_t kMostPlaces = 40'000;
 
@@ -119,7 +120,7 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   COLLINEA_TRY(scene.grid, grid_over(surface.grid, options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m)));
   COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
-  PixelCache pictures(pixels, kPictureMemory);
+  PixelCache pictures(pixels, kPictureMemory, kPictures);
   scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame, scene.pictures = &pictures;
   scene.terrain = guides.terrain;
   scene.shrink = shrinks(scene, scene.grid.cell_m);

@@ -23,20 +23,20 @@ Result<std::shared_ptr<const ColourImage>> PixelCache::picture(ImageId image, in
   const std::lock_guard lock(mutex_);
   entry->picture = picture;
   entry->bytes = picture->data.size();
-  held_bytes_ += entry->bytes;
+  held_bytes_ += entry->bytes, ++held_;
   make_room();
   return picture;
 }
 
 void PixelCache::make_room() {
-  while (held_bytes_ > most_bytes_) {
+  while (held_bytes_ > most_bytes_ || held_ > most_pictures_) {
     auto oldest = entries_.end();
     for (auto it = entries_.begin(); it != entries_.end(); ++it) {
       if (it->second->bytes == 0 || it->second->last_use == uses_) continue;
       if (oldest == entries_.end() || it->second->last_use < oldest->second->last_use) oldest = it;
     }
     if (oldest == entries_.end()) return;
-    held_bytes_ -= oldest->second->bytes;
+    held_bytes_ -= oldest->second->bytes, --held_;
     entries_.erase(oldest);
   }
 }

@@ -34,7 +34,7 @@ Visibility::Visibility(const OrthoPatch& patch, std::vector<const View*> views, 
 bool Visibility::sees(int view, int x, int y) {
   const std::size_t v = std::size_t(view);
   if (std::isnan(patch_.heights_m.at(x, y))) return false;
-  return final_state(v, x / kBlock, y / kBlock) == State::kAll || layers_[v].final_mask.at(x, y) != 0;
+  return final_state(v, x / kBlock, y / kBlock) == State::kAll || layers_[v].final_mask.at(x, y);
 }
 
 bool Visibility::sees_barely(int view, int x, int y) {
@@ -67,7 +67,7 @@ int Visibility::hidden_around(std::size_t view, int x, int y, int radius) {
   int hidden = 0;
   for (int j = std::max(0, y - radius); j <= std::min(patch_.heights_m.height - 1, y + radius); ++j)
     for (int i = std::max(0, x - radius); i <= std::min(patch_.heights_m.width - 1, x + radius); ++i)
-      hidden += raw_state(view, i / kBlock, j / kBlock) == State::kMask && layers_[view].raw_mask.at(i, j) == 0;
+      hidden += raw_state(view, i / kBlock, j / kBlock) == State::kMask && !layers_[view].raw_mask.at(i, j);
   return hidden;
 }
 
@@ -138,7 +138,7 @@ Visibility::State Visibility::raw_state(std::size_t view, int block_x, int block
       return state = State::kAll;
   }
   if (layer.raw_mask.empty()) {
-    layer.raw_mask = Raster<std::uint8_t>(patch_.heights_m.width, patch_.heights_m.height);
+    layer.raw_mask = Mask(patch_.blocks_across(), patch_.blocks_down());
     layer.final_mask = layer.raw_mask;
   }
   bool all = true;
@@ -147,7 +147,7 @@ Visibility::State Visibility::raw_state(std::size_t view, int block_x, int block
       // A cell without height hides nothing and must not make its neighbours hidden.
       const bool seen =
           std::isnan(patch_.heights_m.at(x, y)) || (on_picture(view, x, y) && !hidden(*views_[view], x, y));
-      layer.raw_mask.at(x, y) = seen;
+      layer.raw_mask.set(x, y, seen);
       all &= seen;
     }
   }
@@ -173,7 +173,7 @@ void Visibility::make_final_mask(Layer& layer, int block_x, int block_y) const {
   const int width = patch_.heights_m.width, height = patch_.heights_m.height, r = rim_cells_;
   const auto raw_seen = [&](int x, int y) {
     const State state = layer.raw[std::size_t(y / kBlock * patch_.blocks_across() + x / kBlock)];
-    return state == State::kAll || layer.raw_mask.at(x, y) != 0;
+    return state == State::kAll || layer.raw_mask.at(x, y);
   };
   const int top = std::max(0, block_y * kBlock - r), bottom = std::min(height, (block_y + 1) * kBlock + r);
   Raster<std::uint8_t> rows(kBlock, bottom - top, 1, 1);
@@ -186,7 +186,7 @@ void Visibility::make_final_mask(Layer& layer, int block_x, int block_y) const {
     for (int i = 0; i < kBlock; ++i) {
       std::uint8_t seen = 1;
       for (int v = std::max(top, y - r); v <= std::min(bottom - 1, y + r); ++v) seen &= rows.at(i, v - top);
-      layer.final_mask.at(block_x * kBlock + i, y) = seen;
+      layer.final_mask.set(block_x * kBlock + i, y, seen != 0);
     }
   }
 }

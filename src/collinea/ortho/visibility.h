@@ -63,10 +63,33 @@ class Visibility {
 
  private:
   enum class State : std::uint8_t { kUnknown, kAll, kMask };
+  /// A bit for each cell of a patch, block by block: dozens of views may need some.
+  class Mask {
+   public:
+    Mask() = default;
+    Mask(int blocks_across, int blocks_down)
+        : across_(blocks_across), rows_(std::size_t(blocks_across * blocks_down * OrthoPatch::kBlock)) {}
+    [[nodiscard]] bool empty() const { return rows_.empty(); }
+    [[nodiscard]] bool at(int x, int y) const { return rows_[row_of(x, y)] >> (x % OrthoPatch::kBlock) & 1; }
+    void set(int x, int y, bool value) {
+      const auto bit = std::uint16_t(1 << (x % OrthoPatch::kBlock));
+      std::uint16_t& row = rows_[row_of(x, y)];
+      row = std::uint16_t(value ? row | bit : row & ~bit);
+    }
+
+   private:
+    static_assert(OrthoPatch::kBlock == 16);
+    [[nodiscard]] std::size_t row_of(int x, int y) const {
+      constexpr int kBlock = OrthoPatch::kBlock;
+      return std::size_t((y / kBlock * across_ + x / kBlock) * kBlock + y % kBlock);
+    }
+    int across_ = 0;
+    std::vector<std::uint16_t> rows_;
+  };
   struct Layer {
     std::vector<State> raw, final;  // per block
     std::vector<State> pictured;    // per block: kAll where it is on the picture as a whole
-    Raster<std::uint8_t> raw_mask, final_mask;
+    Mask raw_mask, final_mask;
   };
 
   [[nodiscard]] bool on_picture(std::size_t view, int x, int y) const;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
@@ -96,14 +97,19 @@ struct Extent {
   Eigen::Vector3d lowest = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), highest = -lowest;
 };
 
-Extent extent_of(const TieView& ties, const Places& places) {
-  Extent extent;
-  for (const Eigen::Vector3d& point : ties.positions_in_world()) {
-    const Eigen::Vector3d on_map = places.frame ? places.frame->map_from_local(point) : point;
-    extent.lowest = extent.lowest.cwiseMin(on_map);
-    extent.highest = extent.highest.cwiseMax(on_map);
-  }
-  return extent;
+// Leaves the tie points on disk.
+Result<TieView> read_ties(const Project& project, const Block& block, const Places& places, Extent& extent) {
+  COLLINEA_TRY(TieView ties, TieView::on_disk(block, project.folder / "depth" / "ties"));
+  auto read =
+      project.store.read_ties(block, [&](PointId, const TiePoint& point, std::span<const Observation> observations) {
+        const Eigen::Vector3d& position = point.position_in_world;
+        const Eigen::Vector3d on_map = places.frame ? places.frame->map_from_local(position) : position;
+        extent.lowest = extent.lowest.cwiseMin(on_map);
+        extent.highest = extent.highest.cwiseMax(on_map);
+        ties.add(position, observations);
+      });
+  if (!read) return tl::unexpected(std::move(read).error());
+  return ties;
 }
 
 // Both cloud files at once: LAS in the map, PLY in the world frame.
@@ -155,16 +161,8 @@ class CloudFiles {
 }  // namespace
 
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
-  Block block;
-  TieView ties = TieView::without_ties(block);
-  if (auto read = project.store.read_block_and_ties(
-          block, [&](PointId id, const TiePoint& point) { ties.add(id, point.position_in_world); },
-          [&](const Observation& seen) { ties.add(seen); });
-      !read)
-    return tl::unexpected(read.error());
-  ties.finish();
+  COLLINEA_TRY(const Block block, project.store.read_orientation());
   COLLINEA_TRY(const Places places, places_of(project, block));
-  const Extent of_ties = extent_of(ties, places);
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
   WorkingPictures pictures(
       block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
@@ -172,6 +170,8 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
   COLLINEA_TRY(DepthFolder overviews,
                DepthFolder::open(project.folder / "depth" / "overview", made_from, block, pictures));
+  Extent of_ties;
+  COLLINEA_TRY(const TieView ties, read_ties(project, block, places, of_ties));
   json report = {{"skipped", json::array()}};
   COLLINEA_TRY(const std::vector<ImageId> images,
                match_all(project, block, ties, pictures, overviews, folder, report["skipped"]));

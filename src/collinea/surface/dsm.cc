@@ -20,8 +20,9 @@ constexpr double kWidestOfAll = 100'000;
 
 constexpr int kBucketCells = 256;
 constexpr int kTileCells = 512;
-constexpr std::size_t kPointMemory = std::size_t{256} << 20;
-constexpr std::size_t kTileMemory = std::size_t{256} << 20;
+// What lies beyond is written to disk and read back once: caches of any size would not save that of large blocks.
+constexpr std::size_t kPointMemory = std::size_t{64} << 20;
+constexpr std::size_t kTileMemory = std::size_t{16} << 20;
 constexpr double kMostCells = 2e10;
 
 int widest_hole_cells(const DsmOptions& options, double cell_m) {

@@ -246,5 +246,23 @@ TEST(PointBuckets, WhatWentToFilesComesBack) {
   EXPECT_FALSE(std::filesystem::exists(scratch));
 }
 
+TEST(PointBuckets, HoldNoMoreOfManyPointsThanOfFew) {
+  constexpr std::size_t kLimit = 1000 * sizeof(GridPoint);
+  PointBuckets buckets(std::filesystem::temp_directory_path() / "collinea_point_buckets_memory_test", 32, kLimit);
+  Random random(8);
+  std::vector<GridPoint> points(100);
+  std::size_t most = 0;
+  for (int i = 0; i < 200; ++i) {
+    for (GridPoint& point : points) point = {random.uniform(-100, 100), random.uniform(-100, 100), double(i), 0.1f, 0};
+    ASSERT_TRUE(buckets.add(points));
+    std::size_t room = 0;
+    for (const auto& [place, bucket] : buckets.buckets()) room += bucket.in_memory.capacity();
+    ASSERT_EQ(buckets.bytes_held(), room * sizeof(GridPoint));
+    most = std::max(most, buckets.bytes_held());
+  }
+  EXPECT_LE(most, kLimit);
+  EXPECT_GT(most, kLimit / 2);
+}
+
 }  // namespace
 }  // namespace collinea

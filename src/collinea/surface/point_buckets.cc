@@ -10,6 +10,8 @@
 namespace collinea {
 namespace {
 
+constexpr double kMoreThanExpected = 1.125;  // points do not lie evenly in their squares
+
 bool within(const GridPoint& p, const CellWindow& window) {
   return p.column >= double(window.column) && p.row >= double(window.row) &&
          p.column < double(window.column + window.width) && p.row < double(window.row + window.height);
@@ -42,10 +44,11 @@ Result<> PointBuckets::add(std::span<const GridPoint> points) {
       last = place;
     }
     ++bucket->count;
+    const std::size_t room = bucket->in_memory.capacity();
     bucket->in_memory.push_back(p);
+    held_ += bucket->in_memory.capacity() - room;
   }
-  held_ += points.size();
-  return held_ * sizeof(GridPoint) > memory_bytes_ ? spill() : Result<>{};
+  return bytes_held() > memory_bytes_ ? spill() : Result<>{};
 }
 
 Result<> PointBuckets::spill() {
@@ -58,7 +61,7 @@ Result<> PointBuckets::spill() {
                std::streamsize(bucket.in_memory.size() * sizeof(GridPoint)));
     if (!file.flush()) return fail(Errc::kBadInput, "cannot write " + file_of(place).string() + ": is the disk full?");
     bucket.in_file += bucket.in_memory.size();
-    bucket.in_memory = {};
+    std::vector<GridPoint>().swap(bucket.in_memory);  // "= {}" would keep the memory
   }
   held_ = 0;
   return {};
@@ -69,7 +72,18 @@ void PointBuckets::drop(const Place& place) {
   if (found == buckets_.end()) return;
   std::error_code ignored;
   if (found->second.in_file > 0) std::filesystem::remove(file_of(place), ignored);
+  held_ -= found->second.in_memory.capacity();
   buckets_.erase(found);
+}
+
+double PointBuckets::expected_points(const Place& place, const Bucket& bucket, const CellWindow& window) const {
+  const auto part = [&](std::int64_t of_bucket, std::int64_t first, int size) {
+    const std::int64_t begin = std::max(of_bucket * cells_, first),
+                       end = std::min((of_bucket + 1) * cells_, first + std::int64_t(size));
+    return double(end - begin) / cells_;
+  };
+  return double(bucket.count) * part(place.column, window.column, window.width) *
+         part(place.row, window.row, window.height);
 }
 
 Result<> PointBuckets::read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window,
@@ -93,19 +107,24 @@ Result<> PointBuckets::read_bucket(const Place& place, const Bucket& bucket, con
 }
 
 Result<std::vector<GridPoint>> PointBuckets::points_in(const CellWindow& window) const {
-  std::vector<GridPoint> points;
+  std::vector<const std::pair<const Place, Bucket>*> touched;
   const std::int64_t first_column = floor_div(window.column, cells_), first_row = floor_div(window.row, cells_);
   const std::int64_t last_column = floor_div(window.column + window.width - 1, cells_);
   const std::int64_t last_row = floor_div(window.row + window.height - 1, cells_);
+  double expected = 0;
   for (std::int64_t row = first_row; row <= last_row; ++row) {
     for (std::int64_t column = first_column; column <= last_column; ++column) {
-      const Place place{column, row};
-      const auto found = buckets_.find(place);
+      const auto found = buckets_.find({column, row});
       if (found == buckets_.end()) continue;
-      if (auto read = read_bucket(place, found->second, window, points); !read)
-        return tl::unexpected(std::move(read).error());
+      touched.push_back(&*found);
+      expected += expected_points(found->first, found->second, window);
     }
   }
+  std::vector<GridPoint> points;
+  points.reserve(std::size_t(kMoreThanExpected * expected));  // growing would take three times as much for a moment
+  for (const auto* bucket : touched)
+    if (auto read = read_bucket(bucket->first, bucket->second, window, points); !read)
+      return tl::unexpected(std::move(read).error());
   return points;
 }
 

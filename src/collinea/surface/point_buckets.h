@@ -34,6 +34,8 @@ class PointBuckets {
   Result<> add(std::span<const GridPoint> points);
   [[nodiscard]] const std::map<Place, Bucket>& buckets() const { return buckets_; }
   void drop(const Place& place);
+  /// Of points in memory, with the room that was made for more.
+  [[nodiscard]] std::size_t bytes_held() const { return held_ * sizeof(GridPoint); }
 
   /// All points within a window. May be called from several threads at once (not while points are added).
   [[nodiscard]] Result<std::vector<GridPoint>> points_in(const CellWindow& window) const;
@@ -41,12 +43,13 @@ class PointBuckets {
  private:
   [[nodiscard]] std::filesystem::path file_of(const Place& place) const;
   Result<> spill();
+  [[nodiscard]] double expected_points(const Place& place, const Bucket& bucket, const CellWindow& window) const;
   Result<> read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window,
                        std::vector<GridPoint>& to) const;
 
   std::filesystem::path scratch_;
   int cells_;
-  std::size_t memory_bytes_, held_ = 0;
+  std::size_t memory_bytes_, held_ = 0;  // the second: points there is room for
   bool made_scratch_ = false;
   std::map<Place, Bucket> buckets_;
 };
