@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which share of a cloud lies off the surface, without a laser scan. Needs numpy and PIL; used by table.py.
+"""Which share of a cloud lies off the surface, without a laser scan, and how much of the photographs it shows: who leaves out
+what is difficult has little that is off. Needs numpy and PIL; used by table.py.
 
 - Before a dark background every point of the object falls on the object in every photograph that has it in its frame: what
   falls beside it by more than two pixels in any of them is not on the surface.
 - A block is cut into the photographs of even and of odd number, and each half matched by itself with the same poses. A point
   of one half is off where the photographs of the other see the surface beyond it or a little before it; where it is hidden
   by more than HIDDEN_GSD, or nothing is there, nothing is said. What both halves share, as errors of the poses, is not seen.
+- A pixel of a photograph is shown where a point of the cloud that faces it falls within a pixel; before a dark background
+  those of the object count.
+What the cloud says of its own sigmas is told beside these shares, but decides none of them.
 """
 import os
 
@@ -15,7 +19,7 @@ from PIL import Image
 DARK = 30  # of 255: darker than lit objects, brighter than black cloth; shadows on the object are closed
 CLOSED_PX = 10
 OFF_PX = 2
-OFF_GSD = 3  # off by so many pixels of the ground, and by three sigmas
+OFF_GSD = 3  # pixels of the ground
 OFF_SIGMAS = 3
 HIDDEN_GSD = 10  # what lies farther behind is hidden, not wrong
 MATCHED_PIXELS = 3.2e6  # photographs with more are matched at half, a quarter ... of their size
@@ -150,12 +154,12 @@ def spread(mask, px):
     return result
 
 
-def object_in(photo):
-    """What is not clear background: bright, or enclosed by what is bright, with OFF_PX around it."""
+def object_in(photo, around_px=OFF_PX):
+    """What is not clear background: bright, or enclosed by what is bright, with some pixels around it."""
     bright = np.asarray(Image.open(photo).convert("L")) > DARK
     closed = np.pad(bright & in_company(bright), 2 * CLOSED_PX)
     closed = ~spread(~spread(closed, CLOSED_PX), CLOSED_PX)
-    return spread(closed, OFF_PX)[2 * CLOSED_PX:-2 * CLOSED_PX, 2 * CLOSED_PX:-2 * CLOSED_PX]
+    return spread(closed, around_px)[2 * CLOSED_PX:-2 * CLOSED_PX, 2 * CLOSED_PX:-2 * CLOSED_PX]
 
 
 def in_company(mask):
@@ -203,19 +207,19 @@ class Shown:
 
 
 def against(cloud, other, views_of_other):
-    """Of points of `cloud`: how far they lie before the surface of `other`, across it, in sigmas of both and in pixels on the
-    ground, by the photograph of other's that says least; NaN where all find it hidden or nothing there."""
+    """Of points of `cloud`: how far they lie before the surface of `other`, across it, in pixels on the ground and in sigmas of
+    both, by the photograph of other's that says fewest pixels; NaN where all find it hidden or nothing there."""
     cloud = cloud[::-(-len(cloud) // ASKED)]
     points, theirs = places(cloud), places(other)
     normals = np.stack([other["nx"], other["ny"], other["nz"]], 1).astype(float)
-    sigmas, gsds = np.full(len(points), np.nan), np.full(len(points), np.nan)
+    gsds, sigmas = np.full(len(points), np.nan), np.full(len(points), np.nan)
     for view in views_of_other:
         shown = Shown(view, theirs)
         at, seen, depths = shown.pixels(points)
         gsd = depths / view.calibration[0, 0] * shown.shrink
         rays = points - view.centre()
         rays /= np.linalg.norm(rays, axis=1)[:, None]
-        best_sigmas, best_gsds, filled = np.full(len(points), np.inf), np.full(len(points), np.inf), np.zeros(len(points), int)
+        best_gsds, best_sigmas, filled = np.full(len(points), np.inf), np.full(len(points), np.inf), np.zeros(len(points), int)
         for down, right in ((down, right) for down in (-1, 0, 1) for right in (-1, 0, 1)):
             beside, column = at + down * shown.width + right, at % shown.width + right
             there = seen & (beside >= 0) & (beside < len(shown.nearest)) & (column >= 0) & (column < shown.width)
@@ -226,16 +230,31 @@ def against(cloud, other, views_of_other):
             cosine = -(n * rays).sum(1)  # normals look towards the cameras
             off = (n * (points - q)).sum(1) * np.sign(cosine)
             sigma = np.hypot(cloud["sigma_m"], other["sigma_m"][index]) * np.abs(cosine).clip(0.1)
-            nearer = there & (np.abs(off) / sigma < np.abs(best_sigmas))
-            best_sigmas[nearer], best_gsds[nearer] = (off / sigma)[nearer], (off / gsd)[nearer]
+            nearer = there & (np.abs(off) / gsd < np.abs(best_gsds))
+            best_gsds[nearer], best_sigmas[nearer] = (off / gsd)[nearer], (off / sigma)[nearer]
         told = seen & (filled >= 5) & (best_gsds > -HIDDEN_GSD)
-        better = told & ~(np.abs(best_sigmas) >= np.abs(sigmas))
-        sigmas[better], gsds[better] = best_sigmas[better], best_gsds[better]
-    return sigmas, gsds
+        better = told & ~(np.abs(best_gsds) >= np.abs(gsds))
+        gsds[better], sigmas[better] = best_gsds[better], best_sigmas[better]
+    return gsds, sigmas
 
 
-def told_off(sigmas, gsds):
+def told_off(gsds, sigmas):
     """share off of those told, share told, share of these within OFF_SIGMAS, median distance [GSD]"""
-    told = ~np.isnan(sigmas)
-    far = np.abs(sigmas[told]) > OFF_SIGMAS
-    return (far & (np.abs(gsds[told]) > OFF_GSD)).mean(), told.mean(), (~far).mean(), np.median(np.abs(gsds[told]))
+    told = ~np.isnan(gsds)
+    gsds, sigmas = np.abs(gsds[told]), np.abs(sigmas[told])
+    return (gsds > OFF_GSD).mean(), told.mean(), (sigmas <= OFF_SIGMAS).mean(), np.median(gsds)
+
+
+def shown_share(cloud, views, photos=None):
+    """Of the pixels of the views, at the size they are matched in (of the object, where the photographs' folder is given), the
+    share that a point facing the view falls into, or beside."""
+    points, normals = places(cloud), np.stack([cloud["nx"], cloud["ny"], cloud["nz"]], 1)
+    pixels = filled = 0
+    for name, view in views.items():
+        facing = ((view.centre() - points) * normals).sum(1) > 0
+        shown = Shown(view, points[facing])
+        there = spread((shown.nearest >= 0).reshape(shown.height, shown.width), 1)
+        wanted = object_in(os.path.join(photos, name), 0) if photos else np.ones_like(there)
+        pixels += wanted.sum()
+        filled += (there & wanted).sum()
+    return filled / pixels

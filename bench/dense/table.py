@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What dense matching, surface and orthophoto must show, and what they do, as one table.
 
-usage: bench/dense/table.py [--only stereo,beach,demo,villages,exposures,mvs,laz,run,memory] [--data DIR] [--out DIR] [--bin DIR]
-  --only  rows; default: all but memory (which renders 450 images, and takes 12 minutes of processor time)
+usage: bench/dense/table.py [--only stereo,beach,demo,villages,redrawn,exposures,mvs,laz,run,memory] [--data DIR] [--out DIR] [--bin DIR]
+  --only  rows; default: all but redrawn (25 minutes of processor time) and memory (renders 450 images, 12 minutes)
   --data  folder of the real blocks (default ../shared/data); what is not there is skipped, saying so
-  --out   where the projects go (default build/bench-dense); projects found there are continued
+  --out   where the projects go (default build/bench-dense); photographs rendered there by an earlier run are used again,
+          projects are not: a step that another build of the same version has done counts as up to date
   --bin   folder of the programs (default build/release/bin)
 beach needs python3-pil: the pictures are reduced to 1000 px width first; mvs (off_surface.py) numpy, too; laz reads back with
 the npm packages laz-perf and copc where they are installed in the present folder or in bench. The seconds of laz and run are on
@@ -15,6 +16,7 @@ import argparse
 import json
 import math
 import os
+import random
 import re
 import resource
 import shutil
@@ -61,6 +63,12 @@ def run(*words):
 
 def collinea(*words):
     return run(os.path.join(args.bin, "collinea"), *words)
+
+
+def fresh(project):
+    """nothing of what an earlier build did is left in it"""
+    shutil.rmtree(project, ignore_errors=True)
+    return project
 
 
 def info(project):
@@ -113,7 +121,7 @@ def beach():
         with Image.open(os.path.join(photos, name)) as picture:
             size = (1000, round(1000 * picture.height / picture.width))
             picture.resize(size, Image.LANCZOS).save(os.path.join(small, name), quality=92, exif=picture.info.get("exif", b""))
-    project = os.path.join(out, "project")
+    project = fresh(os.path.join(out, "project"))
     collinea("run", small, "-o", project, "--until", "orient")
     _, cpu = collinea("densify", project, "--resolution", "full")
     i = info(project)
@@ -147,35 +155,76 @@ def judge_lines(of, rows, lines):
 
 
 def demo():
-    block, project = (os.path.join(args.out, "accuracy", "demo", f) for f in ("block", "project"))  # of bench/accuracy.py, too
+    block, project = (os.path.join(args.out, "accuracy", "demo", f) for f in ("block", "project"))  # of `laz`, too
     if not os.path.exists(os.path.join(block, "truth", "dtm.tif")):
         collinea("simulate", block)
-    collinea("run", os.path.join(block, "images"), "-o", project, "--control", os.path.join(block, "control.csv"))
+    collinea("run", os.path.join(block, "images"), "-o", fresh(project), "--control", os.path.join(block, "control.csv"))
     lines = collinea("assess", project, os.path.join(block, "truth"))[0].splitlines()
     judge_lines("demo: ", DEMO, lines)
 
 
 # The error of the orientation is common to all heights of a block: of one block all bounds hold or few do. How they hold is
-# told by several blocks alone. These are small and seen by 12 photographs, so that much is told by two or at a slant.
+# told by several blocks alone. These are small and seen by 12 photographs, so that much is told by two or at a slant. Ground and
+# roofs have the limits of the demo block all the same, each village for itself. Walls do not keep its RMS of 2 GSD: a sixth to a
+# third of their places are farther off. That is told without a verdict; their median has one.
+VILLAGES = [("smooth ground", "RMSE", 0.7), ("roofs", "RMSE", 1.0), ("walls", "median", 2), ("walls", "RMS", None)]
+
+
 def villages():
-    within, rows = [], {what: [] for what in ("smooth ground", "roofs", "walls")}
+    within, rows = [], {of: [] for of in VILLAGES}
     for seed in range(1, 7):
         out = os.path.join(args.out, f"village-{seed}")
         block, project = os.path.join(out, "block"), os.path.join(out, "project")
         if not os.path.exists(os.path.join(block, "truth", "dtm.tif")):
             collinea("simulate", block, "--images", 12, "--width-px", 900, "--height-px", 675, "--gsd-m", 0.08, "--seed", seed)
-        collinea("run", os.path.join(block, "images"), "-o", project, "--control", os.path.join(block, "control.csv"),
+        collinea("run", os.path.join(block, "images"), "-o", fresh(project), "--control", os.path.join(block, "control.csv"),
                  "--until", "surface")
         lines = collinea("assess", project, os.path.join(block, "truth"))[0].splitlines()
         line_of = lambda what: next(l for l in lines if l.startswith("surface model, " + what))
         within.append(float(re.search(r"bounds ([\d.]+) %", line_of("sigma"))[1]))
-        for what, errors in rows.items():
-            errors.append(float(re.search(r"= ([\d.]+) GSD", line_of(what))[1]))
+        for of, errors in rows.items():
+            errors.append(float(re.search(of[1] + r" (?:\S+ m = )?([\d.]+) GSD", line_of(of[0]))[1]))
     mean = sum(within) / len(within)
     row("six villages: 95 % bounds of the surface", "90-98 % in the mean of blocks",
         f"{mean:.1f} % ({', '.join(f'{w:.1f}' for w in within)})", 90 <= mean <= 98)
-    for what, errors in rows.items():
-        row(f"six villages: {what}", "-", f"RMS {', '.join(f'{e:.2f}' for e in errors)} GSD")
+    for (what, figure, limit), errors in rows.items():
+        row(f"six villages: {what}", f"{figure} <= {limit} GSD in each" if limit else "-",
+            f"{figure} {', '.join(f'{e:.2f}' for e in errors)} GSD", max(errors) <= limit if limit else None)
+
+
+# The same of the demo block itself: its control is surveyed anew, with errors drawn by the sigmas it states.
+def redrawn():
+    block, project = (os.path.join(args.out, "accuracy", "demo", f) for f in ("block", "project"))
+    truth = os.path.join(block, "truth")
+    if not os.path.exists(os.path.join(project, "block.db")):
+        return print("redrawn: skipped, no " + project + " (--only demo makes it)")
+    with open(os.path.join(truth, "marks.csv")) as file:
+        rows = ([field.strip() for field in line.split(",")] for line in file if not line.startswith("#"))
+        exact = {fields[0]: [float(field) for field in fields[5:8]] for fields in rows}
+    out = os.path.join(args.out, "redrawn")
+    within = []
+    for draw in range(1, 9):
+        shutil.rmtree(out, ignore_errors=True)
+        os.makedirs(os.path.join(out, "project"))
+        shutil.copy(os.path.join(project, "block.db"), os.path.join(out, "project"))  # features and matches stay
+        shutil.copy(os.path.join(project, "project.json"), os.path.join(out, "project"))
+        draws = random.Random(draw)
+        with open(os.path.join(block, "control.csv")) as file, open(os.path.join(out, "control.csv"), "w") as anew:
+            for line in file:
+                fields = [field.strip() for field in line.split(",")]
+                if fields[0] == "point":
+                    for axis in range(3):
+                        fields[2 + axis] = f"{draws.gauss(exact[fields[1]][axis], float(fields[5 + axis])):.4f}"
+                    line = ", ".join(fields) + "\n"
+                anew.write(line)
+        collinea("run", os.path.join(block, "images"), "-o", os.path.join(out, "project"), "--control",
+                 os.path.join(out, "control.csv"), "--until", "surface")
+        lines = collinea("assess", os.path.join(out, "project"), truth)[0].splitlines()
+        line = next(l for l in lines if l.startswith("surface model, sigma"))
+        within.append(float(re.search(r"bounds ([\d.]+) %", line)[1]))
+    mean = sum(within) / len(within)
+    row("demo, control surveyed eight times: 95 % bounds of the surface", "90-98 % in the mean of surveys",
+        f"{mean:.1f} % ({', '.join(f'{w:.1f}' for w in within)})", 90 <= mean <= 98)
 
 
 # Exposures of +-30 % at two thirds of the photographs and more at the others, white balance of +-5 %, corners at 60 %.
@@ -184,7 +233,7 @@ def exposures():
     block, project = os.path.join(out, "block"), os.path.join(out, "project")
     if not os.path.exists(os.path.join(block, "truth", "dtm.tif")):
         collinea("simulate", block, "--exposure-sigma", 0.3, "--white-balance-sigma", 0.05, "--vignetting", 0.4)
-    collinea("run", os.path.join(block, "images"), "-o", project, "--control", os.path.join(block, "control.csv"),
+    collinea("run", os.path.join(block, "images"), "-o", fresh(project), "--control", os.path.join(block, "control.csv"),
              "--until", "ortho")
     lines = collinea("assess", project, os.path.join(block, "truth"))[0].splitlines()
     judge_lines("demo with planted exposures: ", [what for what in DEMO if what[0].startswith("orthophoto")], lines)
@@ -193,6 +242,17 @@ def exposures():
     row("demo with planted exposures: seams", "step <= 1 grey of 255",
         f"{made['seam_length_m']:.0f} m, step {made['seam_step_grey']:.2f} grey, pictures differ by "
         f"{made['seam_difference_grey']:.1f} grey", made["seam_step_grey"] <= 1)
+
+
+# Where there is no laser scan, nobody has said how much of a cloud may be off, or missing. So that neither gets worse unseen:
+# what was reached, per cent off the surface and per cent of the pixels shown; a quarter more, or a twentieth less, is SHORT.
+REACHED = {"temple": (2.0, 73.8), "dino": (2.2, 55.2), "fountain-P11": (1.6, 67.0), "ioniq5": (3.2, 31.7)}
+
+
+def judge_off(what, of, off, shown, more):
+    most, least = 1.25 * REACHED[of][0], 0.95 * REACHED[of][1]
+    row(what, f"<= {most:.1f} %, pixels shown >= {least:.1f} %", f"{100 * off:.2f} % of {more}; {100 * shown:.1f} % of the pixels shown",
+        100 * off <= most and 100 * shown >= least)
 
 
 # Boxes as published with the pictures.
@@ -210,7 +270,7 @@ def mvs():
         """of photographs with given poses"""
         project = os.path.join(args.out, "mvs", name)
         off_surface.write_model(project + "-model", views)
-        collinea("run", photos, "-o", project, "--orientation", project + "-model", "--until", "densify")
+        collinea("run", photos, "-o", fresh(project), "--orientation", project + "-model", "--until", "densify")
         return off_surface.read_cloud(os.path.join(project, "products", "cloud.ply"))
 
     for name, box in MIDDLEBURY.items():
@@ -221,11 +281,11 @@ def mvs():
         views = off_surface.middlebury_views(photos)
         points = cloud(name, photos, views)
         inside, beside = off_surface.beside_object(points, views, photos, box)
-        row(f"{name}SparseRing: off the surface (beside the object in a photograph)", "<= 3 %",
-            f"{100 * beside.mean():.2f} % of {inside.sum()} points in the box; {len(points) - inside.sum()} of the scenery",
-            beside.mean() <= 0.03)
+        judge_off(f"{name}SparseRing: off the surface (beside the object in a photograph)", name, beside.mean(),
+                  off_surface.shown_share(points[inside], views, photos),
+                  f"{inside.sum()} points in the box, {len(points) - inside.sum()} more are of the scenery")
 
-    def halves(name, photos, views, wanted):
+    def halves(name, photos, views):
         clouds, names = [], sorted(views)
         for half in (0, 1):
             folder = os.path.join(args.out, "mvs", f"{name}-photos-{half}")
@@ -235,23 +295,24 @@ def mvs():
             clouds.append(cloud(f"{name}-{half}", folder, {n: views[n] for n in names[half::2]}))
         for half in (0, 1):
             seen_by = [views[n] for n in names[1 - half::2]]
-            sigmas, gsds = off_surface.against(clouds[half], clouds[1 - half], seen_by)
-            off, told, within, median = off_surface.told_off(sigmas, gsds)
-            row(f"{name}, {'odd' if half else 'even'} photographs: off the surface of the others", f"<= {wanted} %",
-                f"{100 * off:.2f} % of {100 * told:.0f} % that they tell of {len(sigmas)} points; {100 * within:.1f} % within "
-                f"3 sigmas, median {median:.2f} GSD", 100 * off <= wanted)
+            gsds, sigmas = off_surface.against(clouds[half], clouds[1 - half], seen_by)
+            off, told, within, median = off_surface.told_off(gsds, sigmas)
+            judge_off(f"{name}, {'odd' if half else 'even'} photographs: more than 3 GSD off the surface of the others", name, off,
+                      off_surface.shown_share(clouds[half], {n: views[n] for n in names[half::2]}),
+                      f"{100 * told:.0f} % that they tell of {len(gsds)} points (median {median:.2f} GSD; {100 * within:.1f} % "
+                      "within 3 sigmas)")
 
     photos = os.path.join(args.data, "strecha2008", "fountain-P11")
     if os.path.isdir(photos):
-        halves("fountain-P11", os.path.join(photos, "images"), off_surface.strecha_views(os.path.join(photos, "gt_dense_cameras")), 3)
+        halves("fountain-P11", os.path.join(photos, "images"), off_surface.strecha_views(os.path.join(photos, "gt_dense_cameras")))
     else:
         print("fountain-P11: skipped, no " + photos)
     photos = os.path.join(args.data, "ioniq5", "images")
     if os.path.isdir(photos):  # a glossy car; no poses are given with it
         project = os.path.join(args.out, "mvs", "ioniq5")
-        collinea("run", photos, "-o", project, "--control", os.path.join(args.data, "ioniq5", "gcp_list.txt"), "--until", "orient")
+        collinea("run", photos, "-o", fresh(project), "--control", os.path.join(args.data, "ioniq5", "gcp_list.txt"), "--until", "orient")
         collinea("export", project, project + "-exported")
-        halves("ioniq5", photos, off_surface.read_model(project + "-exported"), 8)
+        halves("ioniq5", photos, off_surface.read_model(project + "-exported"))
     else:
         print("ioniq5: skipped, no " + photos)
 
@@ -292,8 +353,7 @@ def whole_run():
         if not os.path.isdir(data):
             print(f"{name}: skipped, no {data}")
             continue
-        project = os.path.join(args.out, "run", name)
-        shutil.rmtree(project, ignore_errors=True)
+        project = fresh(os.path.join(args.out, "run", name))
         start = time.monotonic()
         _, cpu = collinea("run", os.path.join(data, "images"), "-o", project, "--threads", 2,
                           *(os.path.join(data, word) if word.endswith(".txt") else word for word in more))
@@ -315,7 +375,7 @@ def memory():
         block, project = os.path.join(out, "block"), os.path.join(out, "project")
         if not os.path.isdir(os.path.join(block, "truth")):
             collinea("simulate", block, "--images", images, "--width-px", 600, "--height-px", 450, "--gsd-m", 0.13)
-        collinea("run", os.path.join(block, "images"), "-o", project, "--max-features", 750, "--until", "orient")
+        collinea("run", os.path.join(block, "images"), "-o", fresh(project), "--max-features", 750, "--until", "orient")
         for step in ("densify", "surface", "terrain", "ortho"):
             collinea(step, project, *(["--memory-mb", 20] if step == "densify" else []))
         steps = {s["name"]: s["peak_memory_bytes"] / 2**20 for s in info(project)["steps"]}
@@ -331,7 +391,7 @@ def memory():
 
 
 os.makedirs(args.out, exist_ok=True)
-row_names = {"stereo": stereo, "beach": beach, "demo": demo, "villages": villages, "exposures": exposures, "mvs": mvs, "laz": laz, "run": whole_run,
+row_names = {"stereo": stereo, "beach": beach, "demo": demo, "villages": villages, "redrawn": redrawn, "exposures": exposures, "mvs": mvs, "laz": laz, "run": whole_run,
              "memory": memory}
 if unknown := set(args.only.split(",")) - set(row_names):
     parser.error(f"no such row: {', '.join(sorted(unknown))}")

@@ -29,27 +29,31 @@ std::array<double, 3> ground(double x, double y) {
   return {120 + 20 * std::sin(x), 110 + 20 * std::cos(y), 100 + 10 * std::sin(x + y)};
 }
 
-// The left half is of a photograph that is 10 % darker, the right one of one that is as much brighter; all of it is 20
-// % darker than the truth. A square of 1 % of the area shows a wall.
+// The left quarter is of a photograph that is 10 % darker, the right one of one that is as much brighter, what lies
+// between of two that are as bright as all are; all of it is 20 % darker than the truth. A square of 1 % of the area
+// shows a wall.
 TEST(ColourErrors, TellsBrightnessFromTheWrongSurface) {
   const auto made = [](double x, double y) {
     if (x > 10 && x < 14 && y > 10 && y < 14) return std::array<double, 3>{30, 30, 160};
     auto colour = ground(x, y);
-    for (double& channel : colour) channel *= 0.8 * (x < 20 ? 0.9 : 1.1);
+    for (double& channel : colour) channel *= 0.8 * (x < 10 ? 0.9 : x < 30 ? 1 : 1.1);
     return colour;
   };
   const SourceReader sources = [](int column, int, int width, int height) -> Result<FloatImage> {
     FloatImage source(width, height);
     for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) source.at(x, y) = column + x < 200 ? 3.0f : 5.0f;
+      for (int x = 0; x < width; ++x) source.at(x, y) = 3 + float((column + x) / 100);
     return source;
   };
   const auto errors =
       colour_errors(picture_of(0.1, 400, made), sources, picture_of(0.11, 364, ground), collinea::Run{});
   ASSERT_TRUE(errors);
-  EXPECT_EQ(errors->photographs, 2u);
-  EXPECT_NEAR(errors->gain_rms, std::log(1.1 / 0.9) / 2, 0.003);
-  EXPECT_NEAR(errors->gain_worst, std::log(1.1 / 0.9) / 2, 0.004);
+  EXPECT_EQ(errors->photographs, 4u);
+  // Ratios are counted in steps of 0.002 and pictures rounded to whole levels.
+  const double common = std::log(0.9 * 1.1) / 4, darker = std::log(0.9) - common, brighter = std::log(1.1) - common;
+  const double rms = std::sqrt((darker * darker + brighter * brighter + 2 * common * common) / 4);
+  EXPECT_NEAR(errors->gain_rms, rms, 0.003);
+  EXPECT_NEAR(errors->gain_worst, -darker, 0.004);
   EXPECT_NEAR(errors->share_wrong, 0.01, 0.001);
   EXPECT_NEAR(double(errors->pixels), 396 * 396, 1'000);  // two cells of the truth are left out all around
 }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "collinea/dense/path_kernels.h"
+#include "collinea/dense/texture.h"
 
 namespace collinea::dense {
 namespace {
@@ -18,32 +19,6 @@ constexpr int kSmall = 10, kSmallMore = 45;  // the second where there is no tex
 constexpr int kTexture = 8;                  // sum of two gradients that halves it [grey values]
 constexpr double kLarge = 100, kLargeLeast = 30;
 constexpr double kGreyScale = 12;  // a step of that many grey values halves the penalty of a large change
-
-// Mean over 7 x 7, cut at the border.
-GreyImage window_mean(const GreyImage& picture) {
-  constexpr int kAround = 3;
-  GreyImage result(picture.width, picture.height);
-  std::vector<int> columns(std::size_t(picture.width), 0);
-  const auto add = [&](int row, int sign) {
-    if (row < 0 || row >= picture.height) return;
-    for (int x = 0; x < picture.width; ++x) columns[std::size_t(x)] += sign * picture.at(x, row);
-  };
-  for (int y = 0; y < kAround; ++y) add(y, 1);
-  for (int y = 0; y < picture.height; ++y) {
-    add(y + kAround, 1);
-    add(y - kAround - 1, -1);
-    const int rows = std::min(y + kAround, picture.height - 1) - std::max(y - kAround, 0) + 1;
-    int sum = 0;
-    for (int x = 0; x < std::min(kAround, picture.width); ++x) sum += columns[std::size_t(x)];
-    for (int x = 0; x < picture.width; ++x) {
-      if (x + kAround < picture.width) sum += columns[std::size_t(x + kAround)];
-      if (x > kAround) sum -= columns[std::size_t(x - kAround - 1)];
-      const int across = std::min(x + kAround, picture.width - 1) - std::max(x - kAround, 0) + 1;
-      result.at(x, y) = std::uint8_t(sum / (across * rows));
-    }
-  }
-  return result;
-}
 
 // The label of `from` that has the same inverse depth as label 0 of `to`, at one pixel.
 int shift_between(const Labels& labels, const Cell& to, const Cell& from, int x, int y) {
@@ -204,22 +179,16 @@ class Sweep {
 
 }  // namespace
 
-Smoothness smoothness_for(const GreyImage& picture) {
-  Smoothness s{GreyImage(picture.width, picture.height), {}};
-  for (int y = 0; y < picture.height; ++y) {
-    const std::uint8_t* here = picture.row(y);
-    const std::uint8_t* below = picture.row(std::min(y + 1, picture.height - 1));
-    std::uint8_t* out = s.small.row(y);
-    const auto texture = [&](int x, int right) {
-      return std::uint8_t(std::min(std::abs(here[x] - right) + std::abs(here[x] - below[x]), 255));
-    };
-    for (int x = 0; x + 1 < picture.width; ++x) out[x] = texture(x, here[x + 1]);
-    if (picture.width > 0) out[picture.width - 1] = texture(picture.width - 1, here[picture.width - 1]);
-  }
-  s.small = window_mean(s.small);
+std::array<std::uint8_t, 256> small_for_textures() {
   std::array<std::uint8_t, 256> small;
   for (int texture = 0; texture < 256; ++texture)
     small[std::size_t(texture)] = std::uint8_t(kSmall + kSmallMore * kTexture / (kTexture + texture));
+  return small;
+}
+
+Smoothness smoothness_for(const GreyImage& picture) {
+  Smoothness s{texture_around(picture), {}};
+  const auto small = small_for_textures();
   for (auto& value : s.small.data) value = small[value];
   for (int difference = 0; difference < 256; ++difference)
     s.large[std::size_t(difference)] =
@@ -254,17 +223,15 @@ std::vector<std::uint16_t> aggregate(const Labels& labels, const Volume& volume,
   return sums;
 }
 
-Winner winner(const std::uint16_t* sums_of_pixel, int labels) {
+float winner(const std::uint16_t* sums_of_pixel, int labels) {
   const std::uint16_t* sums = sums_of_pixel + kGuard;
-  const int best = int(std::min_element(sums, sums + labels) - sums);
-  Winner w{float(best), sums[best], 0xFFFF};
-  for (int k = 0; k < labels; ++k)
-    if (std::abs(k - best) > 1) w.runner_up = std::min(w.runner_up, sums[k]);
+  const int best = first_least(sums_of_pixel, kGuard, kGuard + labels) - kGuard;
+  float label = float(best);
   if (best > 0 && best + 1 < labels) {
     const float left = float(sums[best - 1]) - float(sums[best]), right = float(sums[best + 1]) - float(sums[best]);
-    if (left + right > 0) w.label += 0.5f * (left - right) / (left + right);
+    if (left + right > 0) label += 0.5f * (left - right) / (left + right);
   }
-  return w;
+  return label;
 }
 
 }  // namespace collinea::dense

@@ -21,6 +21,8 @@ struct Smoothness {
   std::array<std::uint16_t, 256> large{};  ///< by more, for each difference of grey values
 };
 [[nodiscard]] Smoothness smoothness_for(const GreyImage& picture);
+/// Smoothness::small for texture_around().
+[[nodiscard]] std::array<std::uint8_t, 256> small_for_textures();
 /// The same everywhere on a picture of this size.
 [[nodiscard]] Smoothness uniform_smoothness(int width, int height, int small, int large);
 
@@ -45,12 +47,7 @@ struct Volume {
 [[nodiscard]] std::vector<std::uint16_t> aggregate(const Labels& labels, const Volume& volume, const GreyImage& picture,
                                                    const Smoothness& smoothness, const std::function<bool()>& stopped);
 
-/// The label with the smallest sum and, between labels, the minimum of the parabola; the runner-up at least two labels
-/// away (the largest possible sum when there is none).
-struct Winner {
-  float label = 0;
-  std::uint16_t sum = 0, runner_up = 0;
-};
-[[nodiscard]] Winner winner(const std::uint16_t* sums_of_pixel, int labels);
+/// The label with the smallest sum (the first of them) and, between labels, the minimum of the parabola.
+[[nodiscard]] float winner(const std::uint16_t* sums_of_pixel, int labels);
 
 }  // namespace collinea::dense

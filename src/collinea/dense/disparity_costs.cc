@@ -20,20 +20,23 @@ std::uint8_t near(const GreyImage& picture, int x, int y) {
   return picture.at(std::clamp(x, 0, picture.width - 1), std::clamp(y, 0, picture.height - 1));
 }
 
-// Every row with its border repeated, as far as a census window reaches.
+// Every row with its border repeated, as far as a census window reaches; from right to left when it is mirrored.
 struct PaddedRows {
   const GreyImage& picture;
   int stride;
   std::vector<std::uint8_t> data;
 
-  explicit PaddedRows(const GreyImage& p) : picture(p), stride(p.width + 2 * kCensusReach) {
+  PaddedRows(const GreyImage& p, bool mirrored) : picture(p), stride(p.width + 2 * kCensusReach) {
     data.resize(std::size_t(stride) * std::size_t(p.height + 2 * kCensusReach) + kCensusSlack);
     for (int y = -kCensusReach; y < p.height + kCensusReach; ++y) {
       const std::uint8_t* row = p.row(std::clamp(y, 0, p.height - 1));
       std::uint8_t* out = data.data() + std::size_t(y + kCensusReach) * std::size_t(stride);
-      std::fill_n(out, kCensusReach, row[0]);
-      std::copy_n(row, p.width, out + kCensusReach);
-      std::fill_n(out + kCensusReach + p.width, kCensusReach, row[p.width - 1]);
+      if (mirrored)
+        std::reverse_copy(row, row + p.width, out + kCensusReach);
+      else
+        std::copy_n(row, p.width, out + kCensusReach);
+      std::fill_n(out, kCensusReach, out[kCensusReach]);
+      std::fill_n(out + kCensusReach + p.width, kCensusReach, out[kCensusReach + p.width - 1]);
     }
   }
   [[nodiscard]] const std::uint8_t* at(int y) const {
@@ -41,18 +44,20 @@ struct PaddedRows {
   }
 };
 
-Raster<std::uint32_t> census_of(const GreyImage& picture, bool reversed, const Run& run) {
-  const PaddedRows rows(picture);
-  Raster<std::uint32_t> result(picture.width, picture.height);
+template <class Byte, class Picture>
+CensusRows<Byte> census_rows(Picture& census, int y) {
+  CensusRows<Byte> rows;
+  for (int i = 0; i < kCensusBytes; ++i) rows[std::size_t(i)] = census.row(y * kCensusBytes + i);
+  return rows;
+}
+
+GreyImage census_of(const GreyImage& picture, bool mirrored, const Run& run) {
+  const PaddedRows rows(picture, mirrored);
+  GreyImage result((picture.width + kCensusSlack - 1) / kCensusSlack * kCensusSlack, picture.height * kCensusBytes);
   parallel_for(run, std::size_t(picture.height), [&](std::size_t row) {
     std::array<const std::uint8_t*, 2 * kCensusReach + 1> around;
     for (int j = 0; j < int(around.size()); ++j) around[std::size_t(j)] = rows.at(int(row) + j - kCensusReach);
-    std::vector<std::uint32_t> words(std::size_t(picture.width + kCensusSlack));
-    census_row(around.data(), picture.width, words.data());
-    if (reversed)
-      std::reverse_copy(words.begin(), words.begin() + picture.width, result.row(int(row)));
-    else
-      std::copy_n(words.begin(), picture.width, result.row(int(row)));
+    census_row(around.data(), picture.width, mirrored, census_rows<std::uint8_t>(result, int(row)));
   });
   return result;
 }
@@ -112,12 +117,20 @@ DisparityCosts::DisparityCosts(const GreyImage& left, const GreyImage& right, St
 
 void DisparityCosts::row(int y, int x0, int x1, int low, int labels, int stride, std::uint8_t* costs) const {
   if (kind_ != StereoCost::kCensus) return window_row(y, x0, x1, low, labels, stride, costs);
-  // element j is column x1 - 1 - low - j of the right picture
-  std::vector<std::uint32_t> right(std::size_t(x1 - x0 + stride), kNoCensus);
-  const int first = right_.width - 1 - (x1 - 1 - low);  // of the reversed row
-  const int begin = std::max(0, -first), end = std::min(int(right.size()), right_.width - first);
-  if (begin < end) std::copy_n(right_census_.row(y) + first + begin, end - begin, right.data() + begin);
-  census_costs(left_census_.row(y) + x0, right.data(), x1 - x0, labels, stride, kChanceCost, costs);
+  // element j is column x1 - 1 - low - j of the right picture; there is nothing beyond it
+  const std::size_t reach = std::size_t(x1 - x0 + stride);
+  std::vector<std::uint8_t> memory(kCensusBytes * reach, 255);
+  CensusRows<const std::uint8_t> left = census_rows<const std::uint8_t>(left_census_, y), right;
+  const int first = right_.width - 1 - (x1 - 1 - low);  // of the mirrored row
+  const int begin = std::max(0, -first), end = std::min(int(reach), right_.width - first);
+  for (std::size_t i = 0; i < kCensusBytes; ++i) {
+    std::uint8_t* bytes = memory.data() + i * reach;
+    if (begin < end)
+      std::copy_n(right_census_.row(y * kCensusBytes + int(i)) + first + begin, end - begin, bytes + begin);
+    left[i] += x0;
+    right[i] = bytes;
+  }
+  census_costs(left, right, x1 - x0, labels, stride, kChanceCost, costs);
 }
 
 // For study: plain sums over windows, no vectors.

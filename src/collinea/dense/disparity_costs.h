@@ -36,7 +36,7 @@ class DisparityCosts {
   const GreyImage& left_;
   const GreyImage& right_;
   StereoCost kind_;
-  Raster<std::uint32_t> left_census_, right_census_;  ///< the latter from right to left
+  GreyImage left_census_, right_census_;  ///< kCensusBytes rows for each of the picture, the latter from right to left
   GreyImage left_rank_, right_rank_;
   FloatImage left_deviation_, right_deviation_;  ///< root of the sum of squared deviations in a window
   Raster<std::int32_t> left_sum_, right_sum_;    ///< of grey values in a window

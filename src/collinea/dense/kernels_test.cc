@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "collinea/base/random.h"
 #include "collinea/dense/aggregate.h"
 #include "collinea/dense/level.h"
 #include "collinea/dense/match_kernels.h"
+#include "collinea/dense/path_kernels.h"
+#include "collinea/dense/texture.h"
 
 namespace collinea::dense {
 namespace {
@@ -195,9 +199,75 @@ TEST(Aggregate, EqualsThePlainRecursionAlsoAcrossCells) {
 TEST(Winner, LiesBetweenLabelsWhereTheParabolaSays) {
   std::vector<std::uint16_t> sums(16, 1000);
   for (int k = 0; k < 10; ++k) sums[std::size_t(k + kGuard)] = std::uint16_t(100 + 10 * (k - 4.3) * (k - 4.3));
-  const Winner best = winner(sums.data(), 10);
-  EXPECT_NEAR(best.label, 4.3, 0.05);  // sums are whole numbers
-  EXPECT_GT(best.runner_up, best.sum);
+  EXPECT_NEAR(winner(sums.data(), 10), 4.3, 0.05);  // sums are whole numbers
+}
+
+TEST(FirstLeast, IsTheFirstOfTheLeast) {
+  Random random(31);
+  for (const int labels : {1, 2, 14, 15, 16, 40, 190}) {
+    std::vector<std::uint16_t> values(std::size_t((labels + 2 + 15) / 16 * 16));
+    for (int turn = 0; turn < 20; ++turn) {
+      for (auto& value : values) value = turn ? std::uint16_t(random.below(9)) : std::uint16_t(0xFFFF);
+      values.front() = 0;
+      values[std::size_t(labels + 1)] = 0;
+      EXPECT_EQ(first_least(values.data(), 1, labels + 1),
+                std::min_element(values.begin() + 1, values.begin() + 1 + labels) - values.begin());
+    }
+  }
+}
+
+// Random values with holes.
+FloatImage random_surface(int width, int height, double holes, std::uint64_t seed) {
+  FloatImage surface(width, height);
+  Random random(seed);
+  for (auto& value : surface.data) value = random.uniform(0, 1) < holes ? NAN : float(random.uniform(0, 1));
+  return surface;
+}
+
+// Those that are known of the square around a pixel.
+std::vector<float> known_around(const FloatImage& surface, int x, int y, int reach) {
+  std::vector<float> values;
+  for (int v = std::max(y - reach, 0); v <= std::min(y + reach, surface.height - 1); ++v)
+    for (int u = std::max(x - reach, 0); u <= std::min(x + reach, surface.width - 1); ++u)
+      if (!std::isnan(surface.at(u, v))) values.push_back(surface.at(u, v));
+  return values;
+}
+
+TEST(Median3, IsThatOfWhatIsKnown) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {40, 30}})
+    for (const double holes : {0.0, 0.5, 0.9}) {
+      const FloatImage surface = random_surface(width, height, holes, 5), found = median3(surface);
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          std::vector<float> values = known_around(surface, x, y, 1);
+          std::sort(values.begin(), values.end());
+          if (values.empty()) {
+            EXPECT_TRUE(std::isnan(found.at(x, y)));
+          } else {
+            EXPECT_EQ(found.at(x, y), values[values.size() / 2]) << x << ' ' << y;
+          }
+        }
+    }
+}
+
+TEST(SmoothedWithin, IsTheMeanOfWhatIsAlike) {
+  constexpr float kReach = 0.3f;
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {40, 30}}) {
+    const FloatImage surface = random_surface(width, height, 0.3, 6), found = smoothed_within(surface, kReach);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const float middle = surface.at(x, y);
+        if (std::isnan(middle)) {
+          EXPECT_TRUE(std::isnan(found.at(x, y)));
+          continue;
+        }
+        double sum = 0;
+        int count = 0;
+        for (const float value : known_around(surface, x, y, 2))
+          if (std::abs(value - middle) <= kReach) sum += double(value), ++count;
+        EXPECT_NEAR(double(found.at(x, y)), sum / count, 1e-5);
+      }
+  }
 }
 
 Level level_of(const GreyImage& picture) {
@@ -245,6 +315,72 @@ TEST(RemoveSpecks, StandardDeviationsJoinWhatTheyCannotTellApart) {
   EXPECT_EQ(uncertain.data, surface.data);
   remove_specks(certain, 0.1f, 40, &small);
   EXPECT_TRUE(std::isnan(certain.at(11, 6)));
+}
+
+// Every patch filled in turn, pixel by pixel.
+FloatImage without_specks(const FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma) {
+  FloatImage result = surface;
+  std::vector<char> seen(surface.data.size(), 0);
+  for (std::size_t first = 0; first < seen.size(); ++first) {
+    if (seen[first]) continue;
+    std::vector<std::size_t> patch{first};
+    seen[first] = 1;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      const int x = int(patch[i]) % surface.width, y = int(patch[i]) / surface.width;
+      for (const auto& [u, v] : {std::pair{x - 1, y}, {x + 1, y}, {x, y - 1}, {x, y + 1}}) {
+        if (u < 0 || v < 0 || u >= surface.width || v >= surface.height) continue;
+        const float more = sigma ? 2 * (sigma->at(x, y) + sigma->at(u, v)) : 0;
+        const std::size_t at = std::size_t(v * surface.width + u);
+        if (seen[at] || !(std::abs(surface.at(x, y) - surface.at(u, v)) <= reach + more)) continue;
+        seen[at] = 1;
+        patch.push_back(at);
+      }
+    }
+    if (int(patch.size()) < min_pixels)
+      for (const std::size_t at : patch) result.data[at] = NAN;
+  }
+  return result;
+}
+
+TEST(RemoveSpecks, EqualsFillingPatches) {
+  Random random(12);
+  for (const int width : {1, 63, 64, 65, 150})
+    for (const double reach : {1.1, 1.5, 2.1}) {  // values 0 to 4 as well: few large patches, and many small ones
+      FloatImage surface(width, 40), sigma(width, 40);
+      for (auto& value : surface.data) value = random.below(12) ? float(random.below(5)) : NAN;
+      for (auto& value : sigma.data) value = float(random.uniform(0, 0.3));
+      for (const FloatImage* known : {static_cast<FloatImage*>(nullptr), &sigma}) {
+        FloatImage found = surface;
+        remove_specks(found, float(reach), 20, known);
+        const FloatImage plain = without_specks(surface, float(reach), 20, known);
+        for (std::size_t i = 0; i < plain.data.size(); ++i) {
+          EXPECT_EQ(std::isnan(found.data[i]), std::isnan(plain.data[i])) << width << ' ' << i;
+          if (!std::isnan(plain.data[i])) {
+            EXPECT_EQ(found.data[i], surface.data[i]);
+          }
+        }
+      }
+    }
+}
+
+TEST(TextureAround, IsTheMeanOfTwoDifferences) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {64, 9}, {90, 40}}) {
+    const GreyImage picture = random_picture(width, height, 5);
+    const auto texture = [&](int x, int y) {
+      const int own = picture.at(x, y), right = picture.at(std::min(x + 1, width - 1), y),
+                below = picture.at(x, std::min(y + 1, height - 1));
+      return std::min(std::abs(own - right) + std::abs(own - below), 255);
+    };
+    const GreyImage found = texture_around(picture);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        int sum = 0, count = 0;
+        for (int v = std::max(y - 3, 0); v <= std::min(y + 3, height - 1); ++v)
+          for (int u = std::max(x - 3, 0); u <= std::min(x + 3, width - 1); ++u, ++count) sum += texture(u, v);
+        EXPECT_EQ(int(found.at(x, y)), sum / count) << x << ' ' << y;
+      }
+  }
+  EXPECT_TRUE(texture_around({}).empty());
 }
 
 TEST(FillHoles, LeavesValuesAndFillsTheRest) {

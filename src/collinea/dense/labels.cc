@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "collinea/base/median.h"
+#include "collinea/dense/last_rows.h"
+#include "collinea/dense/measure_kernels.h"
 
 namespace collinea::dense {
 namespace {
@@ -150,17 +152,19 @@ Labels labels_around(const FloatImage& coarse, int width, int height, float step
 }
 
 FloatImage median3(const FloatImage& raster) {
-  FloatImage result(raster.width, raster.height);
-  std::array<float, 9> around;
-  for (int y = 0; y < raster.height; ++y)
-    for (int x = 0; x < raster.width; ++x) {
-      int n = 0;
-      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, raster.height - 1); ++j)
-        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, raster.width - 1); ++i)
-          if (const float value = raster.at(i, j); !std::isnan(value)) around[std::size_t(n++)] = value;
-      std::nth_element(around.begin(), around.begin() + n / 2, around.begin() + n);
-      result.at(x, y) = n ? around[std::size_t(n / 2)] : std::numeric_limits<float>::quiet_NaN();
-    }
+  const int width = raster.width, height = raster.height;
+  constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+  LastRows rows(width, 4, kNothing), beyond(width, 1, kNothing);
+  std::vector<float> median(std::size_t(width + kRowSlack));
+  FloatImage result(width, height);
+  for (int y = 0; y <= height; ++y) {
+    if (y < height) std::copy_n(raster.row(y), width, rows.row(y));
+    if (y == 0) continue;
+    median_of_known_row(
+        {y > 1 ? rows.row(y - 2) : beyond.row(0), rows.row(y - 1), y < height ? rows.row(y) : beyond.row(0)}, width,
+        median.data());
+    std::copy_n(median.begin(), width, result.row(y - 1));
+  }
   return result;
 }
 

@@ -116,8 +116,8 @@ void take_winners(const Level& level, const Labels& labels, const Volume& volume
         for (int x = cell.left; x < std::min(cell.left + kCell, labels.width); ++x) {
           if (level.picture->at(x, y) == 0) continue;
           const int pixel = (y - cell.top) * kCell + x - cell.left;
-          const Winner best = winner(of_cell + std::size_t(pixel) * std::size_t(cell.stride), cell.labels);
-          result.at(x, y) = labels.base(cell, x, y) + (cell.first + best.label) * labels.step;
+          const float best = winner(of_cell + std::size_t(pixel) * std::size_t(cell.stride), cell.labels);
+          result.at(x, y) = labels.base(cell, x, y) + (cell.first + best) * labels.step;
         }
     }
 }

@@ -23,6 +23,15 @@ constexpr int kPerPixel = 16;  // places and grey values are multiples of 1/16
 constexpr float kTrialPx = 0.5f;
 constexpr float kFlat = 0.02f * kPixels;  // sum of squares below which a window is without texture
 
+void PackQuads(const std::uint8_t* row, int width, std::int32_t* HWY_RESTRICT quads) {
+  const hn::Rebind<std::uint8_t, F> u8;
+  for (int x = 0; x < width; x += int(hn::Lanes(f))) {
+    const auto at = [&](int i) { return hn::PromoteTo(i32, hn::LoadU(u8, row + x + i)); };
+    const auto lower = hn::Or(at(-1), hn::ShiftLeft<8>(at(0)));
+    hn::StoreU(hn::Or(lower, hn::Or(hn::ShiftLeft<16>(at(1)), hn::ShiftLeft<24>(at(2)))), i32, quads + x);
+  }
+}
+
 // Place [1/16 px] of column x on the right picture: the surface there, rounded.
 HWY_INLINE hn::Vec<I> PlaceOf(const float* surface, int x) {
   const auto column = hn::Add(hn::Iota(f, 0), hn::Set(f, float(x)));
@@ -130,6 +139,24 @@ void Peaks(const ColumnSums& sums, int width, const MeasuredRow& row) {
   }
 }
 
+void AcceptRow(const float* found, const Acceptance& a, int width, const MeasuredRow& row) {
+  const auto floor = hn::Set(f, a.sigma_floor_px * a.sigma_floor_px);
+  const auto of_surface = hn::Set(f, a.surface_sigma_px * a.surface_sigma_px);
+  for (int x = 0; x < width; x += int(hn::Lanes(f))) {
+    const auto own = hn::Mul(hn::Set(f, a.sigma_scale), hn::LoadU(f, row.sigma + x));
+    const auto sigma = hn::Sqrt(hn::Add(hn::Mul(own, own), floor));
+    const auto before = hn::LoadU(f, found + x);
+    const auto good = hn::And(hn::Ge(hn::LoadU(f, row.correlation + x), hn::Set(f, a.min_correlation)),
+                              hn::Le(sigma, hn::Set(f, a.max_sigma_px)));
+    const auto accepted = hn::And(good, hn::Eq(before, before));
+    const auto part = hn::Div(of_surface, hn::Add(of_surface, hn::Mul(sigma, sigma)));
+    const auto surface = hn::LoadU(f, row.surface + x);
+    const auto both = hn::Add(surface, hn::Mul(part, hn::Sub(hn::LoadU(f, row.disparity + x), surface)));
+    hn::StoreU(hn::IfThenElse(accepted, both, hn::NaN(f)), f, row.disparity + x);
+    hn::StoreU(hn::IfThenElse(accepted, sigma, hn::NaN(f)), f, row.sigma + x);
+  }
+}
+
 void MedianRow(const std::array<const float*, 3>& rows, int width, float* out) {
   for (int x = 0; x < width; x += int(hn::Lanes(f))) {
     hn::Vec<F> v[9];
@@ -148,6 +175,34 @@ void MedianRow(const std::array<const float*, 3>& rows, int width, float* out) {
   }
 }
 
+void MedianOfKnownRow(const std::array<const float*, 3>& rows, int width, float* out) {
+  for (int x = 0; x < width; x += int(hn::Lanes(f))) {
+    hn::Vec<F> v[9];
+    auto known = hn::Zero(i32);  // less the number of those
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) {
+        const auto value = hn::LoadU(f, rows[std::size_t(j)] + x + i - 1);
+        const auto is_known = hn::Eq(value, value);
+        v[3 * j + i] = hn::IfThenElse(is_known, value, hn::Inf(f));  // to the end
+        known = hn::Add(known, hn::BitCast(i32, hn::VecFromMask(f, is_known)));
+      }
+    const auto sort = [&](int a, int b) {
+      const auto low = hn::Min(v[a], v[b]);
+      v[b] = hn::Max(v[a], v[b]);
+      v[a] = low;
+    };
+    // a network that sorts nine (Floyd, in Knuth 1973)
+    sort(0, 3), sort(1, 7), sort(2, 5), sort(4, 8), sort(0, 7), sort(2, 4), sort(3, 8), sort(5, 6), sort(0, 2);
+    sort(1, 3), sort(4, 5), sort(7, 8), sort(1, 4), sort(3, 6), sort(5, 7), sort(0, 1), sort(2, 4), sort(3, 5);
+    sort(6, 8), sort(2, 3), sort(4, 5), sort(6, 7), sort(1, 2), sort(3, 4), sort(5, 6);
+    auto median = v[4];
+    for (int n = 0; n < 8; ++n)
+      median = hn::IfThenElse(hn::RebindMask(f, hn::Eq(known, hn::Set(i32, -n))), v[n / 2], median);
+    median = hn::IfThenElse(hn::RebindMask(f, hn::Eq(known, hn::Zero(i32))), hn::NaN(f), median);
+    hn::StoreU(median, f, out + x);
+  }
+}
+
 void MeanWithinRow(const std::array<const float*, 5>& rows, float reach, int width, float* out) {
   const auto limit = hn::Set(f, reach);
   for (int x = 0; x < width; x += int(hn::Lanes(f))) {
@@ -160,7 +215,8 @@ void MeanWithinRow(const std::array<const float*, 5>& rows, float reach, int wid
         sum = hn::Add(sum, hn::IfThenElseZero(near, off));
         count = hn::Add(count, hn::IfThenElseZero(near, hn::Set(f, 1.0f)));
       }
-    hn::StoreU(hn::Add(middle, hn::Div(sum, count)), f, out + x);
+    const auto mean = hn::Add(middle, hn::Div(sum, count));
+    hn::StoreU(hn::IfThenElse(hn::Gt(count, hn::Zero(f)), mean, middle), f, out + x);
   }
 }
 
@@ -171,12 +227,18 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace collinea::dense {
 
+HWY_EXPORT(PackQuads);
 HWY_EXPORT(Warp);
 HWY_EXPORT(Slide);
 HWY_EXPORT(Peaks);
+HWY_EXPORT(AcceptRow);
 HWY_EXPORT(MedianRow);
+HWY_EXPORT(MedianOfKnownRow);
 HWY_EXPORT(MeanWithinRow);
 
+void pack_quads(const std::uint8_t* row, int width, std::int32_t* quads) {
+  HWY_DYNAMIC_DISPATCH(PackQuads)(row, width, quads);
+}
 void warp_row(const std::uint8_t* left, const std::int32_t* quads, int right_width, const float* surface, int width,
               const TrialRow& out) {
   HWY_DYNAMIC_DISPATCH(Warp)(left, quads, right_width, surface, width, out);
@@ -187,8 +249,14 @@ void slide(const TrialRow& entering, const TrialRow* leaving, int width, const C
 void find_peaks(const ColumnSums& sums, int width, const MeasuredRow& row) {
   HWY_DYNAMIC_DISPATCH(Peaks)(sums, width, row);
 }
+void accept_row(const float* found, const Acceptance& acceptance, int width, const MeasuredRow& row) {
+  HWY_DYNAMIC_DISPATCH(AcceptRow)(found, acceptance, width, row);
+}
 void median_row(const std::array<const float*, 3>& rows, int width, float* out) {
   HWY_DYNAMIC_DISPATCH(MedianRow)(rows, width, out);
+}
+void median_of_known_row(const std::array<const float*, 3>& rows, int width, float* out) {
+  HWY_DYNAMIC_DISPATCH(MedianOfKnownRow)(rows, width, out);
 }
 void mean_within_row(const std::array<const float*, 5>& rows, float reach, int width, float* out) {
   HWY_DYNAMIC_DISPATCH(MeanWithinRow)(rows, reach, width, out);

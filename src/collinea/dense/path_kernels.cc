@@ -37,6 +37,20 @@ void StepPaths(const std::uint8_t* HWY_RESTRICT cost, int stride, const Arriving
   }
 }
 
+int FirstLeast(const std::uint16_t* values, int from, int to) {
+  const hn::CappedTag<std::uint16_t, 16> d;
+  const int lanes = int(hn::Lanes(d));
+  const auto most = hn::Set(d, std::uint16_t(0xFFFF)), count = hn::Set(d, std::uint16_t(to - from));
+  const auto counts = [&](int i) { return hn::Lt(hn::Iota(d, std::uint16_t(i - from)), count); };  // before from: huge
+  auto least = most;
+  for (int i = 0; i < to; i += lanes) least = hn::Min(least, hn::IfThenElse(counts(i), hn::LoadU(d, values + i), most));
+  const auto wanted = hn::Set(d, hn::GetLane(hn::MinOfLanes(d, least)));
+  for (int i = 0;; i += lanes) {
+    const auto equal = hn::And(counts(i), hn::Eq(hn::LoadU(d, values + i), wanted));
+    if (const auto at = hn::FindFirstTrue(d, equal); at >= 0) return i + int(at);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace collinea::dense
 HWY_AFTER_NAMESPACE();
@@ -45,10 +59,15 @@ HWY_AFTER_NAMESPACE();
 namespace collinea::dense {
 
 HWY_EXPORT(StepPaths);
+HWY_EXPORT(FirstLeast);
 
 void step_paths(const std::uint8_t* cost, int stride, const Arriving* arriving, int count, std::uint16_t small,
                 std::uint16_t* const* leaving, std::uint16_t* smallest_leaving, std::uint16_t* sums) {
   HWY_DYNAMIC_DISPATCH(StepPaths)(cost, stride, arriving, count, small, leaving, smallest_leaving, sums);
+}
+
+int first_least(const std::uint16_t* values, int from, int to) {
+  return HWY_DYNAMIC_DISPATCH(FirstLeast)(values, from, to);
 }
 
 }  // namespace collinea::dense

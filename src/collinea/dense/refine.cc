@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "collinea/base/parallel.h"
+#include "collinea/dense/last_rows.h"
 #include "collinea/dense/level.h"
+#include "collinea/dense/measure_kernels.h"
 
 namespace collinea::dense {
 namespace {
@@ -145,49 +147,23 @@ Refined refine(const Level& level, const FloatImage& surface, bool near, const R
 
 FloatImage smoothed_within(const FloatImage& surface, float reach) {
   constexpr int kAround = 2;
-  FloatImage result(surface.width, surface.height);
-  for (int y = 0; y < surface.height; ++y)
-    for (int x = 0; x < surface.width; ++x) {
-      const float middle = surface.at(x, y);
-      float sum = 0;
-      int count = 0;
-      for (int j = std::max(y - kAround, 0); j <= std::min(y + kAround, surface.height - 1); ++j)
-        for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, surface.width - 1); ++i) {
-          const float off = surface.at(i, j) - middle;
-          if (!(std::abs(off) <= reach)) continue;
-          sum += off;
-          ++count;
-        }
-      result.at(x, y) = count ? middle + sum / float(count) : middle;
+  const int width = surface.width, height = surface.height;
+  LastRows rows(width, 2 * kAround + 1, kNaN), beyond(width, 1, kNaN);
+  std::vector<float> mean(std::size_t(width + kRowSlack));
+  FloatImage result(width, height);
+  for (int y = 0; y < height + kAround; ++y) {
+    if (y < height) std::copy_n(surface.row(y), width, rows.row(y));
+    const int middle = y - kAround;
+    if (middle < 0) continue;
+    std::array<const float*, 2 * kAround + 1> around;
+    for (int j = -kAround; j <= kAround; ++j) {
+      const bool there = middle + j >= 0 && middle + j < height;
+      around[std::size_t(j + kAround)] = there ? rows.row(middle + j) : beyond.row(0);
     }
-  return result;
-}
-
-void remove_specks(FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma) {
-  const auto width = std::size_t(surface.width), height = std::size_t(surface.height);
-  // every pixel points to one of its patch, the first of the patch to itself
-  std::vector<std::uint32_t> patch(surface.data.size());
-  const auto first_of = [&](std::uint32_t at) {
-    while (patch[at] != at) at = patch[at] = patch[patch[at]];
-    return at;
-  };
-  const auto goes_on = [&](std::size_t at, std::size_t before) {
-    const float more = sigma ? 2 * (sigma->data[at] + sigma->data[before]) : 0;
-    return std::abs(surface.data[before] - surface.data[at]) <= reach + more;
-  };
-  for (std::size_t y = 0, at = 0; y < height; ++y) {
-    for (std::size_t x = 0; x < width; ++x, ++at) {
-      patch[at] = x > 0 && goes_on(at, at - 1) ? patch[at - 1] : std::uint32_t(at);
-      if (y == 0 || !goes_on(at, at - width) || patch[at] == patch[at - width]) continue;
-      const std::uint32_t a = first_of(patch[at]), b = first_of(patch[at - width]);
-      patch[std::max(a, b)] = std::min(a, b);
-      patch[at] = std::min(a, b);
-    }
+    mean_within_row(around, reach, width, mean.data());
+    std::copy_n(mean.begin(), width, result.row(middle));
   }
-  std::vector<int> pixels(patch.size(), 0);
-  for (std::size_t at = 0; at < patch.size(); ++at) ++pixels[patch[at] = first_of(std::uint32_t(at))];
-  for (std::size_t at = 0; at < patch.size(); ++at)
-    if (pixels[patch[at]] < min_pixels) surface.data[at] = kNaN;
+  return result;
 }
 
 }  // namespace collinea::dense

@@ -11,6 +11,7 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/dense/disparity_kernels.h"
+#include "collinea/dense/texture.h"
 
 namespace collinea::dense {
 namespace {
@@ -52,6 +53,7 @@ struct Slot {
   std::vector<std::uint8_t> here, above;  // grey values, the border repeated
   std::vector<std::uint16_t> sums, right_sum, right_label;
   std::vector<Best> best;
+  std::vector<float> disparity;
 };
 
 class TileMatching {
@@ -95,14 +97,15 @@ class TileMatching {
           std::fill_n(slot.costs + PathRow::offset(x, p, stride_), labels_, std::uint8_t(0));
     slot.smallest.assign(std::size_t(width_ + 2) * 4, 0);
     slot.side.assign(std::size_t(stride_ + 2 * kPathGuard) * 2, 255);
-    slot.label_costs.resize(std::size_t(width_) * std::size_t(stride_));
+    slot.label_costs.resize(std::size_t(kColumnsAtATime) * std::size_t(stride_));
     slot.jumps.resize(std::size_t(width_ + kCensusSlack) * 4);
     slot.here.resize(std::size_t(width_ + kCensusSlack) + 1);
     slot.above.resize(slot.here.size());
     slot.sums.resize(std::size_t(stride_));
     slot.right_sum.resize(std::size_t(width_ + stride_));
-    slot.right_label.resize(std::size_t(width_ + stride_));
-    slot.best.resize(std::size_t(width_));
+    slot.right_label.resize(std::size_t(width_ + stride_ + 1));
+    slot.best.resize(std::size_t(width_ + kCensusSlack));
+    slot.disparity.resize(slot.best.size());
   }
 
   // However a row ends, also by an exception: those that wait for it go on.
@@ -126,6 +129,7 @@ class TileMatching {
       RowOfSweep row = begin(y, sense, slot, before);
       for (int column = 0; column < width_;) {
         const int end = std::min(column + kColumnsAtATime, width_);
+        costs_of(y, column, end, slot, row);
         if (i) wait_for(done[i - 1], std::min(end + 1, width_));
         sweep_columns(row, column, end);
         column = end;
@@ -144,8 +148,6 @@ class TileMatching {
 
   RowOfSweep begin(int y, int sense, Slot& slot, Slot& before) {
     const std::size_t at = std::size_t(y - tile_.y0) * std::size_t(width_) * std::size_t(stride_);
-    // again on the way up: that takes less time than to keep them
-    costs_.row(y, tile_.x0, tile_.x1, low_, labels_, stride_, slot.label_costs.data());
     jumps(y, sense, slot);
     // the side's path begins outside: nothing paid
     std::fill_n(slot.side.data() + kPathGuard, labels_, std::uint8_t(0));
@@ -153,7 +155,6 @@ class TileMatching {
     RowOfSweep row;
     row.sense = sense;
     row.width = width_, row.labels = labels_, row.stride = stride_;
-    row.costs = slot.label_costs.data();
     row.small = small_.row(y) + tile_.x0;
     row.large = slot.jumps.data();
     row.before = {before.costs, before.smallest.data()};
@@ -164,6 +165,15 @@ class TileMatching {
     row.best = slot.best.data();
     row.right_sum = slot.right_sum.data(), row.right_label = slot.right_label.data();
     return row;
+  }
+
+  // Of columns [from, to) in the order of the sweep. So few that they are still at hand when the sweep comes, and again
+  // on the way up: that takes less time than to keep them.
+  void costs_of(int y, int from, int to, Slot& slot, RowOfSweep& row) const {
+    const int first = row.sense > 0 ? from : width_ - to, end = row.sense > 0 ? to : width_ - from;
+    costs_.row(y, tile_.x0 + first, tile_.x0 + end, low_, labels_, stride_, slot.label_costs.data());
+    row.costs = slot.label_costs.data();
+    row.costs_from = first;
   }
 
   void jumps(int y, int sense, Slot& slot) const {
@@ -178,21 +188,18 @@ class TileMatching {
     jump_row(slot.here.data() + 1, slot.above.data() + 1, sense, width_, slot.jumps.data());
   }
 
-  void take_disparities(int y, const Slot& slot) {
-    for (int x = tile_.kept_x0; x < tile_.kept_x1; ++x) {
-      if (left_.at(x, y) == 0) continue;
-      const Best& best = slot.best[std::size_t(x - tile_.x0)];
-      const int k = best.label, other = x - low_ - k;
-      if (other < 0 || other >= right_width_) continue;
-      const int from_right = slot.right_label[std::size_t(tile_.x1 - 1 - x + k)];
-      if (std::abs(from_right - k) > max_apart_) continue;
-      float label = float(k);
-      if (best.before != 0xFFFF && best.after != 0xFFFF) {
-        const float left = float(best.before) - float(best.at), right = float(best.after) - float(best.at);
-        if (left + right > 0) label += 0.5f * (left - right) / (left + right);
-      }
-      disparity_.at(x, y) = float(low_) + label;
-    }
+  void take_disparities(int y, Slot& slot) {
+    FoundRow row;
+    row.left = slot.here.data() + 1;
+    row.best = slot.best.data();
+    row.right_label = slot.right_label.data();
+    row.width = width_, row.right_size = width_ + stride_;
+    row.low = low_;
+    row.first_right = -tile_.x0, row.end_right = right_width_ - tile_.x0;
+    row.max_apart = max_apart_;
+    disparities_of_row(row, slot.disparity.data());
+    std::copy(slot.disparity.data() + tile_.kept_x0 - tile_.x0, slot.disparity.data() + tile_.kept_x1 - tile_.x0,
+              disparity_.row(y) + tile_.kept_x0);
   }
 
   const DisparityCosts& costs_;
@@ -234,9 +241,11 @@ std::vector<StereoTile> stereo_tiles(int width, int height, int labels, std::siz
 }
 
 GreyImage small_changes(const GreyImage& left) {
-  Smoothness smoothness = smoothness_for(left);
-  for (auto& small : smoothness.small.data) small = std::uint8_t(small * kLargestCost / kLargestCensusCost);
-  return std::move(smoothness.small);
+  auto small = small_for_textures();
+  for (auto& value : small) value = std::uint8_t(value * kLargestCost / kLargestCensusCost);
+  GreyImage result = texture_around(left);
+  for (auto& value : result.data) value = small[value];
+  return result;
 }
 
 void match_tile(const DisparityCosts& costs, const GreyImage& left, int right_width, const GreyImage& small,

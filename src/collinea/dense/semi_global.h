@@ -23,8 +23,8 @@ struct StereoTile {
 [[nodiscard]] GreyImage small_changes(const GreyImage& left);
 
 /// Semi-global aggregation along eight directions, the least sum and the parabola through it. Writes the disparities of
-/// the kept part of the tile where left and right agree within `max_left_right_px` and the right picture has the pixel;
-/// leaves the rest. The rows are shared among run.threads threads, each a little behind the one above.
+/// the kept part of the tile, NaN where left and right differ by more than `max_left_right_px` or the right picture has
+/// no such pixel. The rows are shared among run.threads threads, each a little behind the one above.
 void match_tile(const DisparityCosts& costs, const GreyImage& left, int right_width, const GreyImage& small,
                 const DisparityRange& range, int max_left_right_px, const StereoTile& tile, const Run& run,
                 FloatImage& disparity);

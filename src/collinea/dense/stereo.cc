@@ -2,8 +2,6 @@
 #include "collinea/dense/stereo.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <vector>
 
 #include "collinea/dense/disparity_measure.h"
@@ -13,9 +11,6 @@
 
 namespace collinea {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-using dense::kSigmaFloorPx, dense::kSigmaScale, dense::kSmoothSigmaPx;
 
 constexpr float kSmoothReachPx = 1;  // neighbours that differ by more belong to another surface
 constexpr int kMostDisparities = 2000;
@@ -47,30 +42,6 @@ Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRan
   return {};
 }
 
-// The disparities measured again by correlation of windows that follow the surface, with their standard deviations.
-Result<DisparityMap> measured(const GreyImage& left, const GreyImage& right, const FloatImage& found,
-                              const StereoOptions& options, const Run& run) {
-  FloatImage surface = found;
-  fill_disparities(surface);
-  for (float& value : surface.data)  // rows in which nothing was found
-    if (std::isnan(value)) value = 0;
-  surface = dense::smoothed(surface, kSmoothReachPx, run);
-  const dense::MeasuredDisparities refined = dense::measure(left, right, surface, run);
-  if (run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
-  DisparityMap map{FloatImage(left.width, left.height, 1, kNaN), FloatImage(left.width, left.height, 1, kNaN)};
-  for (std::size_t i = 0; i < found.data.size(); ++i) {
-    if (std::isnan(found.data[i])) continue;
-    const float own = kSigmaScale * refined.sigma.data[i];
-    const float sigma = std::sqrt(own * own + kSigmaFloorPx * kSigmaFloorPx);
-    if (!(refined.correlation.data[i] >= float(options.min_correlation) && sigma <= float(options.max_sigma_px)))
-      continue;
-    const float part = kSmoothSigmaPx * kSmoothSigmaPx / (kSmoothSigmaPx * kSmoothSigmaPx + sigma * sigma);
-    map.disparity.data[i] = surface.data[i] + part * (refined.disparity.data[i] - surface.data[i]);
-    map.sigma.data[i] = sigma;
-  }
-  return map;
-}
-
 }  // namespace
 
 Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
@@ -79,34 +50,27 @@ Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, c
   COLLINEA_TRY(const StereoCost kind, cost_named(options.cost));
   const dense::DisparityCosts costs(left, right, kind, run);
   const GreyImage small = dense::small_changes(left);
-  FloatImage disparity(left.width, left.height, 1, kNaN);
+  FloatImage disparity(left.width, left.height);
   const auto tiles = dense::stereo_tiles(left.width, left.height, range.high - range.low + 1, kLargestVolume);
   for (const dense::StereoTile& tile : tiles) {
     dense::match_tile(costs, left, right.width, small, range, options.max_left_right_px, tile, run, disparity);
     if (run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
   }
   dense::remove_specks(disparity, 1.0f, options.min_patch_px);
-  COLLINEA_TRY(DisparityMap map, measured(left, right, disparity, options, run));
+  const FloatImage surface = dense::smooth_surface(disparity, kSmoothReachPx, run);
+  const dense::Acceptance acceptance{dense::kSigmaScale, dense::kSigmaFloorPx, dense::kSmoothSigmaPx,
+                                     float(options.min_correlation), float(options.max_sigma_px)};
+  DisparityMap map = dense::measure(left, right, surface, disparity, acceptance, run);
+  if (run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
   if (options.fill) fill_disparities(map.disparity);
   return map;
 }
 
 void fill_disparities(FloatImage& disparity) {
-  const int width = disparity.width;
-  std::vector<float> after(std::size_t(width) + 1);
+  std::vector<float> filled(std::size_t(disparity.width));
   for (int y = 0; y < disparity.height; ++y) {
-    float* row = disparity.row(y);
-    after[std::size_t(width)] = kNaN;
-    for (int x = width - 1; x >= 0; --x)
-      after[std::size_t(x)] = std::isnan(row[x]) ? after[std::size_t(x) + 1] : row[x];
-    float before = kNaN;
-    for (int x = 0; x < width; ++x) {
-      if (std::isnan(row[x])) {
-        row[x] = std::fmin(before, after[std::size_t(x)]);
-      } else {
-        before = row[x];
-      }
-    }
+    dense::fill_row(disparity.row(y), disparity.width, filled.data());
+    std::copy(filled.begin(), filled.end(), disparity.row(y));
   }
 }
 

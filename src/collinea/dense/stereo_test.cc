@@ -2,6 +2,7 @@
 #include "collinea/dense/stereo.h"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,8 @@
 #include <limits>
 #include <stop_token>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "collinea/base/random.h"
 #include "collinea/dense/disparity_kernels.h"
@@ -160,6 +163,24 @@ TEST(Stereo, TheNumberOfThreadsDoesNotMatter) {
     EXPECT_TRUE(
         std::equal(alone->disparity.data.begin(), alone->disparity.data.end(), shared->disparity.data.begin(), same));
     EXPECT_TRUE(std::equal(alone->sigma.data.begin(), alone->sigma.data.end(), shared->sigma.data.begin(), same));
+  }
+}
+
+TEST(Stereo, TheVectorsOfTheProcessorDoNotMatter) {
+  const TestPair pair{.at_left = 10, .square = 24, .noise = 3};
+  const std::int64_t all = hwy::SupportedTargets();
+  const auto best = pair.matched();
+  ASSERT_TRUE(best);
+  for (std::int64_t targets = all; targets; targets &= targets - 1) {
+    hwy::SetSupportedTargetsForTest(targets & -targets);
+    const auto map = pair.matched();
+    hwy::SetSupportedTargetsForTest(0);
+    ASSERT_TRUE(map);
+    for (const auto& [one, other] : {std::pair{&best->disparity, &map->disparity}, {&best->sigma, &map->sigma}})
+      for (std::size_t i = 0; i < one->data.size(); ++i)
+        if (!std::isnan(one->data[i]) || !std::isnan(other->data[i])) {
+          ASSERT_EQ(one->data[i], other->data[i]) << targets << ' ' << i;
+        }
   }
 }
 
@@ -357,7 +378,7 @@ void expect_seen_from_right(const TwoRows& rows, const PlainSweep& plain) {
 }
 
 TEST(SweepColumns, IsWhatTheFormulasSay) {
-  for (const int labels : {20, 64, 90}) {
+  for (const int labels : {16, 20, 32, 64, 90, 128}) {
     TwoRows rows(labels);
     PlainSweep plain(rows);
     for (const int turn : {0, 1}) {
@@ -367,6 +388,44 @@ TEST(SweepColumns, IsWhatTheFormulasSay) {
       expect_seen_from_right(rows, plain);
     }
   }
+}
+
+TEST(DisparitiesOfRow, AreParabolasWhereBothPicturesAgree) {
+  constexpr int kWidth = 75, kLabels = 40, kLow = -7;
+  Random random(21);
+  std::vector<std::uint8_t> left(kWidth + kCensusSlack);
+  std::vector<Best> best(left.size());
+  std::vector<std::uint16_t> right_label(kWidth + 64 + 1);
+  for (auto& grey : left) grey = std::uint8_t(random.below(8) ? 9 : 0);
+  for (auto& label : right_label) label = std::uint16_t(20 + random.below(5));
+  for (auto& b : best) {
+    const auto at = std::uint16_t(random.below(600));
+    const auto beside = [&] { return random.below(9) ? std::uint16_t(at + random.below(100)) : std::uint16_t(0xFFFF); };
+    b = {std::uint16_t(20 + random.below(5)), beside(), at, beside()};
+  }
+  best[3].label = 0, best[70].label = kLabels - 1;
+  FoundRow row;
+  row.left = left.data(), row.best = best.data(), row.right_label = right_label.data();
+  row.width = kWidth, row.right_size = kWidth + 64;
+  row.low = kLow, row.first_right = -4, row.end_right = 50, row.max_apart = 1;
+  std::vector<float> disparity(left.size());
+  disparities_of_row(row, disparity.data());
+  int found = 0;
+  for (int x = 0; x < kWidth; ++x) {
+    const Best& b = best[std::size_t(x)];
+    const int right = x - kLow - b.label;
+    const int apart = std::abs(right_label[std::size_t(kWidth - 1 - x + b.label)] - b.label);
+    if (left[std::size_t(x)] == 0 || right < -4 || right >= 50 || apart > 1) {
+      EXPECT_TRUE(std::isnan(disparity[std::size_t(x)])) << x;
+      continue;
+    }
+    ++found;
+    float label = b.label;
+    if (const int rises = b.before + b.after - 2 * b.at; b.before != 0xFFFF && b.after != 0xFFFF && rises > 0)
+      label += 0.5f * float(b.before - b.after) / float(rises);
+    EXPECT_EQ(disparity[std::size_t(x)], kLow + label) << x;
+  }
+  EXPECT_GT(found, 15);
 }
 
 TEST(Census, IsOneBitForEachDarkerPixelAround) {
@@ -381,15 +440,52 @@ TEST(Census, IsOneBitForEachDarkerPixelAround) {
     std::copy_n(picture.row(y), 90, row.begin() + kCensusReach);
   }
   for (std::size_t y = 0; y < 5; ++y) around[y] = rows[y].data() + kCensusReach;
-  std::vector<std::uint32_t> words(std::size_t(90 + kCensusSlack));
-  census_row(around.data(), 90, words.data());
-  for (int x = 2; x < 88; ++x) {
+  const auto census = [&](bool mirrored) {
+    std::vector<std::vector<std::uint8_t>> bytes(kCensusBytes, std::vector<std::uint8_t>(90 + kCensusSlack));
+    CensusRows<std::uint8_t> out;
+    for (std::size_t i = 0; i < kCensusBytes; ++i) out[i] = bytes[i].data();
+    census_row(around.data(), 90, mirrored, out);
+    return bytes;
+  };
+  const auto bytes = census(false);
+  for (std::size_t x = 2; x < 88; ++x) {
     int darker = 0;
     for (int y = 0; y < 5; ++y)
-      for (int i = x - 2; i <= x + 2; ++i) darker += picture.at(i, y) < picture.at(x, 2);
-    const bool hole = std::abs(x - 40) <= 2;
-    EXPECT_EQ((words[std::size_t(x)] & kNoCensus) != 0, hole) << x;
-    EXPECT_EQ(__builtin_popcount(words[std::size_t(x)] & ~kNoCensus), darker) << x;
+      for (int i = int(x) - 2; i <= int(x) + 2; ++i) darker += picture.at(i, y) < picture.at(int(x), 2);
+    EXPECT_EQ(bytes[3][x] == 255, std::abs(int(x) - 40) <= 2) << x;
+    EXPECT_EQ(__builtin_popcount(unsigned(bytes[0][x] | bytes[1][x] << 8 | bytes[2][x] << 16)), darker) << x;
+  }
+  for (auto& row : rows) std::reverse(row.begin(), row.begin() + 90 + 2 * kCensusReach);
+  const auto mirrored = census(true);
+  for (std::size_t i = 0; i < kCensusBytes; ++i)
+    for (std::size_t x = 2; x < 88; ++x) EXPECT_EQ(mirrored[i][89 - x], bytes[i][x]) << x;
+}
+
+TEST(CensusCosts, AreTwiceTheBitsThatDifferOrChance) {
+  constexpr int kWidth = 70;
+  Random random(11);
+  for (const int labels : {20, 32, 60, 128}) {
+    const int stride = (labels + kLabelUnit - 1) / kLabelUnit * kLabelUnit;
+    std::vector<std::vector<std::uint8_t>> left(kCensusBytes), right(kCensusBytes);
+    CensusRows<const std::uint8_t> left_rows, right_rows;
+    for (std::size_t i = 0; i < kCensusBytes; ++i) {
+      for (auto* bytes : {&left[i], &right[i]}) {
+        bytes->resize(std::size_t(kWidth + stride));
+        for (auto& byte : *bytes) byte = i < 3 ? std::uint8_t(random.below(256)) : random.below(9) ? 0 : 255;
+      }
+      left_rows[i] = left[i].data(), right_rows[i] = right[i].data();
+    }
+    std::vector<std::uint8_t> costs(std::size_t(kWidth * stride) + 1, 77);
+    census_costs(left_rows, right_rows, kWidth, labels, stride, 24, costs.data());
+    for (int x = 0; x < kWidth; ++x)
+      for (int k = 0; k < stride; ++k) {
+        const std::size_t a = std::size_t(x), b = std::size_t(kWidth - 1 - x + k);
+        int bits = 0;
+        for (std::size_t i = 0; i < 3; ++i) bits += __builtin_popcount(unsigned(left[i][a] ^ right[i][b]));
+        const int expected = k >= labels ? 255 : left[3][a] || right[3][b] ? 24 : 2 * bits;
+        EXPECT_EQ(costs[std::size_t(x * stride + k)], expected) << x << ' ' << k;
+      }
+    EXPECT_EQ(costs.back(), 77);  // nothing beyond
   }
 }
 

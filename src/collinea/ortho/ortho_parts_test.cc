@@ -142,6 +142,47 @@ TEST(HeightField, SigmasOfAnotherModelAreRefusedInWords) {
   }
 }
 
+// Cells of one view, of which `unseen` of the 5 x 5 in the middle are seen by nobody, the middle among them.
+Labels with_unseen(int unseen) {
+  Labels labels(9, 9, 1, 3);
+  labels.at(4, 4) = kNoView;
+  for (int i = 0, left = unseen - 1; left > 0; ++i) {
+    auto& label = labels.at(2 + i % 5, 2 + i / 5);
+    if (label != kNoView) label = kNoView, --left;
+  }
+  return labels;
+}
+
+TEST(Pinholes, CloseWhereNoMoreThanTenOfTwentyFiveCellsAreUnseen) {
+  const FloatImage level(9, 9);
+  for (const int unseen : {1, 10, 11, 25}) {
+    Labels labels = with_unseen(unseen);
+    close_pinholes(level, 4, labels);
+    EXPECT_EQ(labels.at(4, 4), unseen <= 10 ? 3 : kNoView) << unseen;
+  }
+}
+
+TEST(Pinholes, TakeTheViewOfMostCellsAround) {
+  Labels labels(9, 9, 1, 2);
+  for (int y = 0; y < 9; ++y)
+    for (int x = 0; x < 4; ++x) labels.at(x, y) = 1;  // 10 of 25
+  labels.at(4, 4) = kNoView;
+  close_pinholes(FloatImage(9, 9), 3, labels);
+  EXPECT_EQ(labels.at(4, 4), 2);
+}
+
+TEST(Pinholes, HiddenPlacesKeepTheirBordersAndCellsWithoutHeightStayEmpty) {
+  Labels labels(12, 12, 1, 0);
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 6; ++x) labels.at(x, y) = kNoView;
+  labels.at(9, 6) = kNoView;
+  FloatImage heights(12, 12);
+  heights.at(9, 6) = kNone;
+  const Labels before = labels;
+  close_pinholes(heights, 1, labels);
+  EXPECT_EQ(labels.data, before.data);
+}
+
 // Keys' kernel reproduces polynomials of degree 2.
 TEST(Bicubic, ReproducesAParabola) {
   ColourImage picture(12, 12, 3);
@@ -316,10 +357,24 @@ TEST(Exposures, OfAStripAreNotHeldBackAcrossIt) {
 TEST(Exposures, PicturesWithoutCommonPlacesStayAsTheyAre) {
   std::vector<std::vector<ColourSample>> samples(2);
   const std::vector<Eigen::Vector2d> places(50, Eigen::Vector2d::Zero());
-  for (std::uint32_t i = 0; i < 50; ++i) samples[i % 2].push_back({i, 0.1f, {4, 4, 4}});
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    const bool second = i % 2 == 1;  // is brighter, towards its corners and from the east
+    const Eigen::Vector2d direction(0.01 * i - 0.25, 0.2);
+    const float r2 = 0.02f * float(i), value = second ? 4.5f + 0.3f * r2 + float(direction.x()) : 4.0f;
+    samples[second].push_back({i, r2, {value, value - 0.2f, value + 0.1f}, direction});
+  }
   const std::vector<Standpoint> standpoints{{CameraId{1}, {0, 0}}, {CameraId{1}, {1, 0}}};
   const ColourBalance balance = balance_exposures(places, samples, standpoints, collinea::Run{}).value();
-  for (const Exposure& exposure : balance.exposures) EXPECT_EQ(exposure.gain[0], 1);
+  ASSERT_EQ(balance.exposures.size(), 2u);
+  const std::array<float, 3> ones{1, 1, 1}, zeros{0, 0, 0};
+  for (const Exposure& exposure : balance.exposures) {
+    EXPECT_EQ(exposure.gain, ones);
+    EXPECT_EQ(exposure.falloff, zeros);
+  }
+  for (const double x : {-0.8, -0.2, 0.0, 0.5}) {
+    EXPECT_EQ(balance.directions.at({x, 0.2}), zeros) << x;
+    EXPECT_EQ(balance.places.at({x, 0}), zeros) << x;
+  }
 }
 
 TEST(ChannelTable, SmoothedValuesFollowAPlaneAndGoOnWhereThereAreNone) {

@@ -67,19 +67,27 @@ Block block_of(const std::vector<Eigen::Vector3d>& centres) {
   return block;
 }
 
-double gain_of(ImageId image) { return 1 + 0.06 * (double(image.value % 5) - 2); }
+// What was planted: each channel has exposures of its own.
+std::array<double, 3> gain_of(ImageId image) {
+  std::array<double, 3> gain;
+  for (std::uint32_t c = 0; c < 3; ++c) gain[c] = 1 + 0.06 * (double((image.value + 2 * c) % 5) - 2);
+  return gain;
+}
 
 ColourImage photograph(const World& world, const Block& block, ImageId image, bool uneven) {
   const Camera& camera = block.camera_of(image);
   const Rigid3 world_from_cam = inverse(block.cam_from_world.at(image));
+  const std::array<double, 3> gain = gain_of(image);
   ColourImage picture(camera.width_px, camera.height_px, 3);
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {
       const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
       const Colour colour = world.seen(world_from_cam.translation, world_from_cam.rotation * ray_in_cam(camera, pixel));
-      const double factor = uneven ? gain_of(image) * std::exp(-0.25 * relative_radius2(camera, pixel)) : 1;
-      for (int c = 0; c < 3; ++c)
-        picture.at(x, y, c) = std::uint8_t(std::lround(std::min(255.0, factor * colour[std::size_t(c)])));
+      const double darker = std::exp(-0.25 * relative_radius2(camera, pixel));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double factor = uneven ? gain[c] * darker : 1;
+        picture.at(x, y, int(c)) = std::uint8_t(std::lround(std::min(255.0, factor * colour[c])));
+      }
     }
   }
   return picture;
@@ -240,28 +248,44 @@ TEST(Orthophoto, UnevenExposuresAreBalanced) {
   const Block block = block_of(nine_centres());
   const Product product = make(world, block, {}, true);
   ASSERT_TRUE(product.summary);
-  // Every place of the ground gets the same colour from all pictures that show it.
+  // Every place of the ground gets the same colour from all pictures that show it: to a grey level of the hundred that
+  // it has in the mean, to three at worst. Planted are up to 50 %.
   const ColourBalance& balance = product.summary->balance;
   const std::vector<View> views = views_of(block, nullptr);
   ASSERT_EQ(balance.exposures.size(), views.size());
-  int common = 0;
+  double worst = 0, sum = 0, planted = 0;
+  int common = 0, sightings = 0;
   for (int y = 2; y < 30; y += 3) {
     for (int x = 2; x < 30; x += 3) {
       const Eigen::Vector3d place(x, y, 0);
-      std::vector<double> brightness;
+      std::array<std::vector<double>, 3> brightness, uneven;
       for (std::size_t i = 0; i < views.size(); ++i) {
         const auto pixel = pixel_of(views[i], place);
         if (!pixel || !well_inside(views[i], *pixel)) continue;
-        const double planted = gain_of(views[i].image) * std::exp(-0.25 * relative_radius2(views[i].camera, *pixel));
-        brightness.push_back(planted * double(balance.factor(i, views[i], place, *pixel)[1]));
+        const double darker = std::exp(-0.25 * relative_radius2(views[i].camera, *pixel));
+        for (std::size_t c = 0; c < 3; ++c) {
+          uneven[c].push_back(gain_of(views[i].image)[c] * darker);
+          brightness[c].push_back(uneven[c].back() * double(balance.factor(i, views[i], place, *pixel)[c]));
+        }
       }
-      if (brightness.size() < 2) continue;
-      ++common;
-      const auto [least, most] = std::minmax_element(brightness.begin(), brightness.end());
-      EXPECT_NEAR(*most / *least, 1, 0.03) << x << " " << y;
+      if (brightness[0].size() < 2) continue;
+      ++common, sightings += int(brightness[0].size());
+      const auto spread = [](const std::vector<double>& all) {
+        const auto [least, most] = std::minmax_element(all.begin(), all.end());
+        return *most / *least - 1;
+      };
+      for (std::size_t c = 0; c < 3; ++c) {
+        worst = std::max(worst, spread(brightness[c]));
+        sum += spread(brightness[c]);
+        planted = std::max(planted, spread(uneven[c]));
+      }
     }
   }
-  EXPECT_GT(common, 50);
+  EXPECT_GT(common, 90);  // of 100 places
+  EXPECT_GT(sightings, 5 * common);
+  EXPECT_GT(planted, 0.4);
+  EXPECT_LT(sum / (3 * common), 0.01);
+  EXPECT_LT(worst, 0.03);
 }
 
 TEST(Orthophoto, ThreadsDoNotMatter) {

@@ -88,6 +88,52 @@ TEST(SeamWindow, NoCellTakesAViewThatDoesNotShowItNorMovesWhereItMustStay) {
   EXPECT_EQ(labels.at(1, 1), 0);
 }
 
+// Worked out by hand, in prices of 1/256: V = 0.1 + 6 min(raised) + 0.5 step + (1 - step) different, step the larger
+// one.
+TEST(SeamWindow, PricesOfSeamsAreThoseOfTheFormula) {
+  struct Case {
+    const char* what;
+    float raised[2], steep[2], different;
+    int price;
+  };
+  const Case cases[] = {{"on level ground, pictures alike", {0, 0}, {0, 0}, 0, 26},
+                        {"on level ground, pictures half different", {0, 0}, {0, 0}, 0.5, 154},
+                        {"across a raised thing", {1, 1}, {0, 0}, 0, 1562},
+                        {"along its outline", {1, 0}, {0, 0}, 0, 26},
+                        {"across what is raised a little", {0.5, 0.25}, {0, 0}, 0, 410},
+                        {"along a step, where differences do not show", {0, 0}, {0, 1}, 1, 154},
+                        {"along half a step", {0, 0}, {0.5, 0.25}, 1, 218}};
+  for (const Case& one : cases) {
+    SeamWindow window = two_views();
+    for (int i = 0; i < 2; ++i) {
+      window.raised.at(7 + i, 9) = one.raised[i], window.steep.at(7 + i, 9) = one.steep[i];
+      window.raised.at(9, 7 + i) = one.raised[i], window.steep.at(9, 7 + i) = one.steep[i];
+    }
+    EXPECT_EQ(window.seam_price(7, 9, 8, 9, one.different), one.price) << one.what;
+    EXPECT_EQ(window.seam_price(8, 9, 7, 9, one.different), one.price) << one.what;
+    EXPECT_EQ(window.seam_price(9, 7, 9, 8, one.different), one.price) << one.what;
+  }
+}
+
+// The mean over the channels of what lies between them, of 30 grey levels.
+TEST(SeamWindow, DifferencesOfPicturesAreMeansOverChannelsThatEndAtThirtyLevels) {
+  using Choice = SeamWindow::Choice;
+  const Choice grey{0, {100, 100, 100}, true}, colourless{0, {100, 100, 100}, false};
+  const auto from_grey = [&](const Choice& other) {
+    EXPECT_EQ(SeamWindow::difference(&grey, &other), SeamWindow::difference(&other, &grey));
+    return SeamWindow::difference(&grey, &other);
+  };
+  EXPECT_EQ(from_grey(grey), 0);
+  EXPECT_FLOAT_EQ(from_grey({0, {103, 94, 100}, true}), 0.1f);
+  EXPECT_FLOAT_EQ(from_grey({0, {145, 100, 100}, true}), 0.5f);
+  EXPECT_FLOAT_EQ(from_grey({0, {71, 129, 71}, true}), 29 / 30.0f);
+  EXPECT_EQ(from_grey({0, {130, 130, 130}, true}), 1);
+  EXPECT_EQ(from_grey({0, {255, 255, 255}, true}), 1);
+  EXPECT_EQ(from_grey(colourless), 1);
+  EXPECT_EQ(SeamWindow::difference(&colourless, &colourless), 1);
+  EXPECT_EQ(SeamWindow::difference(&grey, nullptr), 1);
+}
+
 // Energy of a labelling, as cut_seams is to make it small.
 int energy(const SeamWindow& window, const Raster<std::int16_t>& labels) {
   int sum = 0;

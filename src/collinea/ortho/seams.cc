@@ -125,26 +125,6 @@ void straighten(const WantedViews& wanted, std::size_t views, Visibility& visibi
   }
 }
 
-// Cells that no view sees, but that lie among seen ones, take the view of these: a tooth of the edge of a roof leaves
-// such holes of a few cells, and what they show there is no worse than that edge.
-void close_pinholes(const OrthoPatch& patch, Labels& labels, std::size_t views) {
-  constexpr int r = 2, kMostUnseen = 10;  // of 25 cells; a cell at the straight border of a hidden place has 15
-  std::vector<int> votes(views);
-  const Labels before = labels;
-  for (int y = r; y < labels.height - r; ++y) {
-    for (int x = r; x < labels.width - r; ++x) {
-      if (before.at(x, y) != kNoView || std::isnan(patch.heights_m.at(x, y))) continue;
-      std::fill(votes.begin(), votes.end(), 0);
-      int unseen = 0;
-      for (int v = y - r; v <= y + r; ++v)
-        for (int u = x - r; u <= x + r; ++u)
-          before.at(u, v) == kNoView ? ++unseen : ++votes[std::size_t(before.at(u, v))];
-      if (unseen <= kMostUnseen)
-        labels.at(x, y) = std::int16_t(std::max_element(votes.begin(), votes.end()) - votes.begin());
-    }
-  }
-}
-
 // Mean over (2r + 1) cells along rows (or columns); the outside counts as the border cell.
 void box_blur(FloatImage& image, int r, bool along_rows) {
   const int lines = along_rows ? image.height : image.width, length = along_rows ? image.width : image.height;
@@ -192,8 +172,26 @@ Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views,
   for (int y = 0; y < patch.blocks_down(); ++y)
     for (int x = 0; x < patch.blocks_across(); ++x) label_block(patch, lattice, wanted, x, y, visibility, labels);
   straighten(wanted, views.size(), visibility, labels);
-  close_pinholes(patch, labels, views.size());
+  close_pinholes(patch.heights_m, views.size(), labels);
   return labels;
+}
+
+void close_pinholes(const FloatImage& heights_m, std::size_t views, Labels& labels) {
+  constexpr int r = 2, kMostUnseen = 10;  // of 25 cells; a cell at the straight border of a hidden place has 15
+  std::vector<int> votes(views);
+  const Labels before = labels;
+  for (int y = r; y < labels.height - r; ++y) {
+    for (int x = r; x < labels.width - r; ++x) {
+      if (before.at(x, y) != kNoView || std::isnan(heights_m.at(x, y))) continue;
+      std::fill(votes.begin(), votes.end(), 0);
+      int unseen = 0;
+      for (int v = y - r; v <= y + r; ++v)
+        for (int u = x - r; u <= x + r; ++u)
+          before.at(u, v) == kNoView ? ++unseen : ++votes[std::size_t(before.at(u, v))];
+      if (unseen <= kMostUnseen)
+        labels.at(x, y) = std::int16_t(std::max_element(votes.begin(), votes.end()) - votes.begin());
+    }
+  }
 }
 
 ViewWeights weights_of(const Labels& labels, std::int16_t view, int feather_cells, Visibility& visibility) {

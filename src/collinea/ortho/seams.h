@@ -26,6 +26,11 @@ struct WantedViews {
 [[nodiscard]] Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views,
                                   const WantedViews& wanted, Visibility& visibility);
 
+/// Cells with a height that no view sees, but of whose 5 x 5 cells at most ten are such, take the view that most of the
+/// others have: a tooth of the edge of a roof leaves such holes of a few cells, and what they show there is no worse
+/// than that edge. Two cells along the border of the patch stay. `views`: how many there are.
+void close_pinholes(const FloatImage& heights_m, std::size_t views, Labels& labels);
+
 /// The weight of one view in each cell of a rectangle: 1 well inside its own area, falling to 0 within feather_cells on
 /// both sides of its seams, and towards places that it does not see. A label's own cells keep a little, so that
 /// something is left where no other view sees them. Sum over the views is not 1.

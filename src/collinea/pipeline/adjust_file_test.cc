@@ -18,11 +18,6 @@ namespace {
 
 using nlohmann::json;
 
-json report_in(const std::filesystem::path& folder) {
-  std::ifstream file(folder / "adjustment.json");
-  return json::parse(file);
-}
-
 /// Rows of a table by their first field.
 std::map<std::string, std::vector<std::string>> table_in(const std::filesystem::path& path) {
   std::map<std::string, std::vector<std::string>> rows;
@@ -40,10 +35,7 @@ INSTANTIATE_TEST_SUITE_P(WithAndWithoutInstruments, AdjustFileRoundTrip, testing
 
 TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
   const TestFolder folder;
-  SurveyOptions survey;
-  survey.images = 12;
-  survey.control_points = 6;
-  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120});
+  auto project = open_small_survey(folder / "block");
   ASSERT_TRUE(project && bring_up_to(*project, "orient"));
   const auto file = folder / "block.txt";
   AdjustProjectOptions options;

@@ -20,10 +20,7 @@ namespace {
 
 TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
   const TestFolder folder;
-  SurveyOptions survey;
-  survey.images = 12;
-  survey.control_points = 6;
-  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120});
+  auto project = open_small_survey(folder / "block");
   ASSERT_TRUE(project) << project.error().message;
   const auto early = adjust_project(*project, {});
   ASSERT_FALSE(early);
@@ -34,8 +31,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
   for (const bool components : {false, true}) {
     const auto done = adjust_project(*project, {.variance_components = components});
     ASSERT_TRUE(done) << done.error().message;
-    std::ifstream file(folder / "block" / "adjustment" / "adjustment.json");
-    const nlohmann::json report = nlohmann::json::parse(file);
+    const nlohmann::json report = report_in(folder / "block" / "adjustment");
     // Orientation left sigmas as the residuals show them: sigma0 is 1 within four of its standard deviations
     // (chi-squared with the redundancy); variance components are repeated until 1 %.
     const double bound = components ? 0.01 : 4 / std::sqrt(2 * report.at("redundancy").get<double>());
@@ -57,16 +53,12 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
 // Blunders in the oriented block of a project: they are taken out, told, and do not spoil what is written.
 TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   const TestFolder folder;
-  SurveyOptions survey;
-  survey.images = 12;
-  survey.control_points = 6;
-  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120});
+  auto project = open_small_survey(folder / "block");
   ASSERT_TRUE(project && bring_up_to(*project, "orient"));
   const auto report_of = [&](bool snoop) {
     const auto done = adjust_project(*project, {.loss = "none", .snoop = snoop});
     EXPECT_TRUE(done) << done.error().message;
-    std::ifstream file(folder / "block" / "adjustment" / "adjustment.json");
-    return nlohmann::json::parse(file);
+    return report_in(folder / "block" / "adjustment");
   };
   const double sigma0 = report_of(true).at("sigma0").get<double>();
   Block block = *project->store.read_block();

@@ -23,7 +23,9 @@ Result<std::optional<MapArea>> area_of(const std::optional<std::string>& file) {
   });
 }
 
-SurfaceFiles files_of(const std::filesystem::path& height) { return {height, sigmas_beside(height)}; }
+SurfaceFiles files_of(const std::filesystem::path& height) {
+  return {height, sigmas_beside(height), relative_sigmas_beside(height)};
+}
 
 Result<Volume> volume_of(const SurfaceFiles& surface, const std::string& base, const std::optional<MapArea>& area,
                          const VolumeOptions& options, const Run& run) {

@@ -96,11 +96,13 @@ void add_products(const Project& project, const std::map<std::string, json>& rep
   add("Point cloud", "products/cloud.ply", points + ", PLY in the local frame, with normals");
   add("Surface model", "products/dsm.tif", cells_text(of("surface")));
   add("Surface model, standard deviations", "products/dsm_sigma.tif", "m");
+  add("Surface model, relative standard deviations", "products/dsm_sigma_relative.tif", "m, against heights around");
   add("Surface model, state", "products/dsm_state.tif", "0 nothing, 1 measured, 2 interpolated");
   add("Surface model, count", "products/dsm_count.tif", "points that made a cell");
   add("Surface model, hillshade", "products/dsm_hillshade.tif", "light from the north-west");
   add("Terrain model", "products/dtm.tif", cells_text(of("terrain")));
   add("Terrain model, standard deviations", "products/dtm_sigma.tif", "m");
+  add("Terrain model, relative standard deviations", "products/dtm_sigma_relative.tif", "m, against heights around");
   add("Terrain model, state", "products/dtm_state.tif", "0 nothing, 1 ground as measured, 2 interpolated");
   add("Terrain model, hillshade", "products/dtm_hillshade.tif", "light from the north-west");
   const std::string contours = fmt::format("every {:.4g} m, with heights", of("terrain").value("contour_m", 0.0));

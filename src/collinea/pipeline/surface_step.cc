@@ -51,7 +51,7 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
-                       products / "dsm_count.tif"};
+                       products / "dsm_count.tif", products / "dsm_sigma_relative.tif"};
   COLLINEA_TRY(const DsmSummary summary,
                build_dsm({points_of(reader), places.frame_or_null(), PointFrame::kMap, places.matched_pixel_m, sigmas},
                          files, project.folder / "scratch", project.settings.surface, project.run));
@@ -67,7 +67,8 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
                                  {"interpolated_cells", summary.interpolated_cells},
                                  {"lowest_m", summary.lowest_m},
                                  {"highest_m", summary.highest_m},
-                                 {"mean_sigma_m", summary.mean_sigma_m}};
+                                 {"mean_sigma_m", summary.mean_sigma_m},
+                                 {"mean_sigma_relative_m", summary.mean_sigma_relative_m}};
   return StepOutput{inputs_hash, json_text(report),
                     fmt::format("{} x {} cells of {:.3g} m, {:.1f} % of the seen ones interpolated", summary.grid.width,
                                 summary.grid.height, summary.grid.cell_m,

@@ -59,9 +59,13 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   if (!looks_down(block)) return without("the images do not look down on the scene");
   COLLINEA_TRY(const Places places, places_of(project, block));
   if (!places.metric) return without("the block has no scale, so that the size of objects is not known");
-  const DsmFiles dsm{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif", {}};
+  const DsmFiles dsm{products / "dsm.tif",
+                     products / "dsm_sigma.tif",
+                     products / "dsm_state.tif",
+                     {},
+                     products / "dsm_sigma_relative.tif"};
   const DtmFiles files{products / "dtm.tif", products / "dtm_sigma.tif", products / "dtm_state.tif",
-                       products / "contours.gpkg"};
+                       products / "contours.gpkg", products / "dtm_sigma_relative.tif"};
   const auto made = build_dtm(dsm, files, project.settings.terrain, project.run);
   if (!made && made.error().code == Errc::kIllPosed) return without(made.error().message);
   if (!made) return tl::unexpected(made.error());
@@ -80,6 +84,7 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
                                  {"lowest_m", summary.lowest_m},
                                  {"highest_m", summary.highest_m},
                                  {"mean_sigma_m", summary.mean_sigma_m},
+                                 {"mean_sigma_relative_m", summary.mean_sigma_relative_m},
                                  {"contour_m", summary.contour_m},
                                  {"contours", summary.contours}};
   return StepOutput{

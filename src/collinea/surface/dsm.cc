@@ -117,11 +117,13 @@ void tally(const SurfaceTile& tile, DsmSummary& summary) {
     summary.empty_cells += state == CellState::kEmpty;
     summary.interpolated_cells += state == CellState::kInterpolated;
     if (state != CellState::kMeasured) continue;
-    const double height_m = tile.height_m.data[i], sigma_m = tile.sigma_m.data[i];
+    const double height_m = tile.height_m.data[i], sigma_m = tile.sigma_m.data[i],
+                 relative_m = tile.sigma_relative_m.data[i];
     const bool first = summary.measured_cells++ == 0;
     summary.lowest_m = first ? height_m : std::min(summary.lowest_m, height_m);
     summary.highest_m = first ? height_m : std::max(summary.highest_m, height_m);
     summary.mean_sigma_m += sigma_m * sigma_m;
+    summary.mean_sigma_relative_m += relative_m * relative_m;
   }
 }
 
@@ -193,6 +195,7 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
       [&](std::size_t i) -> Result<SurfaceTile> {
         COLLINEA_TRY(const SurfaceTile measured, tiles.window(HoleFilling::with_margin(windows[i])));
         SurfaceTile tile = holes.filled(measured, windows[i]);
+        tile.sigma_relative_m = tile.sigma_m;
         orientation.add_to(tile.sigma_m, windows[i]);
         return tile;
       },
@@ -249,7 +252,9 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
                              summary, run);
       !made)
     return tl::unexpected(std::move(made).error());
-  summary.mean_sigma_m = summary.measured_cells ? std::sqrt(summary.mean_sigma_m / double(summary.measured_cells)) : 0;
+  if (summary.measured_cells > 0)
+    for (double* mean : {&summary.mean_sigma_m, &summary.mean_sigma_relative_m})
+      *mean = std::sqrt(*mean / double(summary.measured_cells));
   return summary;
 }
 

@@ -46,10 +46,11 @@ struct DsmOptions {
 
 /// Where the rasters go. All have the same grid.
 struct DsmFiles {
-  std::filesystem::path height;  ///< float, m; no data -9999
-  std::filesystem::path sigma;   ///< float, m; no data -9999
-  std::filesystem::path state;   ///< byte: 0 nothing, 1 measured, 2 interpolated
-  std::filesystem::path count;   ///< 16 bit: points that made the cell
+  std::filesystem::path height;          ///< float, m; no data -9999
+  std::filesystem::path sigma;           ///< float, m; no data -9999
+  std::filesystem::path state;           ///< byte: 0 nothing, 1 measured, 2 interpolated
+  std::filesystem::path count;           ///< 16 bit: points that made the cell
+  std::filesystem::path sigma_relative;  ///< float, m: sigma without what the orientation adds; no data -9999
 };
 
 struct DsmSummary {
@@ -57,8 +58,8 @@ struct DsmSummary {
   std::uint64_t points = 0;          ///< read
   std::uint64_t points_dropped = 0;  ///< not finite, or far from all others
   std::uint64_t measured_cells = 0, interpolated_cells = 0, empty_cells = 0;
-  double lowest_m = 0, highest_m = 0;  ///< of the measured cells; 0 when there are none
-  double mean_sigma_m = 0;             ///< quadratic mean of the measured cells
+  double lowest_m = 0, highest_m = 0;                  ///< of the measured cells; 0 when there are none
+  double mean_sigma_m = 0, mean_sigma_relative_m = 0;  ///< quadratic means of the measured cells
 };
 
 /// Takes the model piece by piece, as build_dsm makes it: windows of one grid, from the upper left, row by row.

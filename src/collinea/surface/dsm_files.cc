@@ -7,9 +7,9 @@
 namespace collinea {
 namespace {
 
-// The four rasters while they are written.
+// The rasters while they are written.
 struct Writers {
-  std::optional<GeoTiffWriter<float>> height, sigma;
+  std::optional<GeoTiffWriter<float>> height, sigma, sigma_relative;
   std::optional<GeoTiffWriter<std::uint8_t>> state;
   std::optional<GeoTiffWriter<std::uint16_t>> count;
 };
@@ -30,6 +30,10 @@ Result<> start_all(Writers& writers, const DsmFiles& files, const MapGrid& grid)
         return start(writers.sigma, files.sigma, grid, double(kNoHeight), "standard deviation of the height [m]");
       })
       .and_then([&] {
+        return start(writers.sigma_relative, files.sigma_relative, grid, double(kNoHeight),
+                     "standard deviation of the height against those around it [m]");
+      })
+      .and_then([&] {
         return start(writers.state, files.state, grid, std::nullopt, "0 nothing, 1 measured, 2 interpolated");
       })
       .and_then([&] { return start(writers.count, files.count, grid, std::nullopt, "points that made the cell"); });
@@ -38,6 +42,7 @@ Result<> start_all(Writers& writers, const DsmFiles& files, const MapGrid& grid)
 Result<> write_all(Writers& writers, int column, int row, const SurfaceTile& tile) {
   return writers.height->write(column, row, tile.height_m)
       .and_then([&] { return writers.sigma->write(column, row, tile.sigma_m); })
+      .and_then([&] { return writers.sigma_relative->write(column, row, tile.sigma_relative_m); })
       .and_then([&] { return writers.state->write(column, row, tile.state); })
       .and_then([&] { return writers.count->write(column, row, tile.count); });
 }
@@ -53,6 +58,7 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const DsmFiles& files, c
   COLLINEA_TRY(const DsmSummary summary, build_dsm(cloud, sink, scratch, options, run));
   // The height comes last: where it is, all are.
   auto finished = writers.sigma->finish()
+                      .and_then([&] { return writers.sigma_relative->finish(); })
                       .and_then([&] { return writers.state->finish(); })
                       .and_then([&] { return writers.count->finish(); })
                       .and_then([&] { return writers.height->finish(); });

@@ -16,7 +16,7 @@ namespace {
 // A model collected in memory.
 struct Collected {
   MapGrid grid;
-  FloatImage height_m, sigma_m;
+  FloatImage height_m, sigma_m, sigma_relative_m;
   Result<DsmSummary> summary;
 };
 
@@ -43,19 +43,20 @@ Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int
     return {};
   };
   Collected result;
-  const SurfaceSink sink{[&](const MapGrid& grid) -> Result<> {
-                           result.grid = grid;
-                           result.height_m = result.sigma_m = FloatImage(grid.width, grid.height, 1, -1);
-                           return {};
-                         },
-                         [&](int column, int row, const SurfaceTile& tile) -> Result<> {
-                           for (int y = 0; y < tile.height_m.height; ++y) {
-                             std::copy_n(tile.height_m.row(y), tile.height_m.width,
-                                         result.height_m.row(row + y) + column);
-                             std::copy_n(tile.sigma_m.row(y), tile.sigma_m.width, result.sigma_m.row(row + y) + column);
-                           }
-                           return {};
-                         }};
+  const SurfaceSink sink{
+      [&](const MapGrid& grid) -> Result<> {
+        result.grid = grid;
+        result.height_m = result.sigma_m = result.sigma_relative_m = FloatImage(grid.width, grid.height, 1, -1);
+        return {};
+      },
+      [&](int column, int row, const SurfaceTile& tile) -> Result<> {
+        for (int y = 0; y < tile.height_m.height; ++y) {
+          std::copy_n(tile.height_m.row(y), tile.height_m.width, result.height_m.row(row + y) + column);
+          std::copy_n(tile.sigma_m.row(y), tile.sigma_m.width, result.sigma_m.row(row + y) + column);
+          std::copy_n(tile.sigma_relative_m.row(y), tile.sigma_m.width, result.sigma_relative_m.row(row + y) + column);
+        }
+        return {};
+      }};
   Run run;
   run.threads = threads;
   result.summary = build_dsm({source, frame, point_frame, 0.1234, places}, sink, "unused", options, run);
@@ -166,6 +167,8 @@ TEST(Dsm, SigmasKnowWhatTheOrientationLeavesOpen) {
   EXPECT_EQ(added(30, 10), double(kNoHeight));
   EXPECT_GT(dsm.summary->mean_sigma_m, 0.09);
   EXPECT_EQ(bare.height_m.data, dsm.height_m.data);
+  EXPECT_EQ(bare.sigma_m.data, dsm.sigma_relative_m.data);
+  EXPECT_EQ(bare.summary->mean_sigma_m, dsm.summary->mean_sigma_relative_m);
 }
 
 // Positions on the map differ by the 1e-9 m to which PROJ's way there and back is exact, heights by that times the

@@ -31,9 +31,11 @@ constexpr double kContourSigmas = 4;     // lines closer than that would cross b
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// A strip of the surface model.
+// A strip of the surface model. What the orientation adds to the errors of neighbours is the same for all: it does not
+// take part in what is ground.
 struct Strip {
-  FloatImage height_m, sigma_m;
+  FloatImage height_m, sigma_m;  // relative
+  FloatImage added_variance;     // by the orientation
   Raster<std::uint8_t> state;
 };
 
@@ -45,8 +47,9 @@ class Terrain {
   Result<Dtm> make() {
     COLLINEA_TRY(auto height, GeoTiffReader::open(dsm_.height));
     COLLINEA_TRY(auto sigma, GeoTiffReader::open(dsm_.sigma));
+    COLLINEA_TRY(auto sigma_relative, GeoTiffReader::open(dsm_.sigma_relative));
     COLLINEA_TRY(auto state, GeoTiffReader::open(dsm_.state));
-    height_ = &height, sigma_ = &sigma, state_ = &state;
+    height_ = &height, sigma_ = &sigma, sigma_relative_ = &sigma_relative, state_ = &state;
     summary_.grid = height.grid();
     choose_grid();
     auto made = find_low().and_then([&] { return find_ground(); }).and_then([&] { return average(); });
@@ -79,8 +82,14 @@ class Terrain {
     const int width = summary_.grid.width;
     Strip strip;
     COLLINEA_TRY(strip.height_m, height_->read_float(0, row, width, rows));
-    COLLINEA_TRY(strip.sigma_m, sigma_->read_float(0, row, width, rows));
+    COLLINEA_TRY(strip.sigma_m, sigma_relative_->read_float(0, row, width, rows));
+    COLLINEA_TRY(strip.added_variance, sigma_->read_float(0, row, width, rows));
     COLLINEA_TRY(strip.state, state_->read_byte(0, row, width, rows));
+    for (std::size_t i = 0; i < strip.state.data.size(); ++i) {
+      float& added = strip.added_variance.data[i];
+      const float relative_m = strip.sigma_m.data[i];
+      added = std::max(0.0f, added * added - relative_m * relative_m);
+    }
     return strip;
   }
 
@@ -208,8 +217,19 @@ class Terrain {
         continue;
       }
       ++summary_.ground_cells;
-      summary_.mean_sigma_m += std::pow(double(strip.sigma_m.data[i]), 2);
+      const double squared = std::pow(double(strip.sigma_m.data[i]), 2);
+      summary_.mean_sigma_relative_m += squared;
+      summary_.mean_sigma_m += squared + double(strip.added_variance.data[i]);
     }
+  }
+
+  // The standard deviations with what the orientation adds.
+  [[nodiscard]] static FloatImage whole_sigmas(const Strip& strip) {
+    FloatImage sigma_m = strip.sigma_m;
+    for (std::size_t i = 0; i < sigma_m.data.size(); ++i)
+      if (strip.state.data[i] != std::uint8_t(CellState::kEmpty))
+        sigma_m.data[i] = std::sqrt(sigma_m.data[i] * sigma_m.data[i] + strip.added_variance.data[i]);
+    return sigma_m;
   }
 
   Result<> write() {
@@ -218,10 +238,13 @@ class Terrain {
     of_height.nodata = of_sigma.nodata = double(kNoHeight);
     of_height.description = "digital terrain model: height of the ground [m]";
     of_sigma.description = "standard deviation of the height [m]";
+    GeoTiffWriter<float>::Options of_relative = of_sigma;
+    of_relative.description = "standard deviation of the height against those around it [m]";
     GeoTiffWriter<std::uint8_t>::Options of_state;
     of_state.description = "0 nothing, 1 ground as measured, 2 interpolated";
     COLLINEA_TRY(auto height, GeoTiffWriter<float>::create(files_.height, grid, 1, of_height));
     COLLINEA_TRY(auto sigma, GeoTiffWriter<float>::create(files_.sigma, grid, 1, of_sigma));
+    COLLINEA_TRY(auto relative, GeoTiffWriter<float>::create(files_.sigma_relative, grid, 1, of_relative));
     COLLINEA_TRY(auto state, GeoTiffWriter<std::uint8_t>::create(files_.state, grid, 1, of_state));
     for (int row = 0; row < grid.height; row += kStripRows) {
       COLLINEA_TRY(Strip strip, read_strip(row, std::min(kStripRows, grid.height - row)));
@@ -229,16 +252,21 @@ class Terrain {
       if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
       tally(strip);
       auto written = height.write(0, row, strip.height_m)
-                         .and_then([&] { return sigma.write(0, row, strip.sigma_m); })
+                         .and_then([&] { return relative.write(0, row, strip.sigma_m); })
+                         .and_then([&] { return sigma.write(0, row, whole_sigmas(strip)); })
                          .and_then([&] { return state.write(0, row, strip.state); });
       if (!written) return written;
       run_.report("terrain", 0.6 + 0.4 * double(row + strip.state.height) / grid.height);
     }
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
     if (summary_.ground_cells > 0)
-      summary_.mean_sigma_m = std::sqrt(summary_.mean_sigma_m / double(summary_.ground_cells));
+      for (double* mean : {&summary_.mean_sigma_m, &summary_.mean_sigma_relative_m})
+        *mean = std::sqrt(*mean / double(summary_.ground_cells));
     // The height comes last: where it is, all rasters are.
-    return sigma.finish().and_then([&] { return state.finish(); }).and_then([&] { return height.finish(); });
+    return sigma.finish()
+        .and_then([&] { return relative.finish(); })
+        .and_then([&] { return state.finish(); })
+        .and_then([&] { return height.finish(); });
   }
 
   [[nodiscard]] double contour_interval_m() const {
@@ -249,7 +277,7 @@ class Terrain {
     if (heights.empty()) return 0;
     const double highest_m = double(quantile(heights, 1 - kStrayShare)),
                  relief_m = highest_m - double(quantile(heights, kStrayShare));
-    const double least_m = std::max(relief_m / kContoursOverRelief, kContourSigmas * summary_.mean_sigma_m);
+    const double least_m = std::max(relief_m / kContoursOverRelief, kContourSigmas * summary_.mean_sigma_relative_m);
     if (!(least_m > 0)) return 0;
     const double unit_m = std::pow(10.0, std::floor(std::log10(least_m)));
     for (const double times : {1, 2, 5})
@@ -304,7 +332,7 @@ class Terrain {
   const DtmFiles& files_;
   const DtmOptions& options_;
   const Run& run_;
-  const GeoTiffReader *height_ = nullptr, *sigma_ = nullptr, *state_ = nullptr;
+  const GeoTiffReader *height_ = nullptr, *sigma_ = nullptr, *sigma_relative_ = nullptr, *state_ = nullptr;
   DtmSummary summary_;
   int each_ = 1;  // cells of the surface model along a coarse one
   int coarse_width_ = 0, coarse_height_ = 0;

@@ -29,6 +29,7 @@ struct DtmFiles {
   std::filesystem::path sigma;     ///< float, m; no data -9999
   std::filesystem::path state;     ///< byte: 0 nothing, 1 ground as measured, 2 interpolated under an object or a gap
   std::filesystem::path contours;  ///< GeoPackage and, beside it with the ending .dxf, DXF
+  std::filesystem::path sigma_relative;  ///< float, m: sigma without what the orientation adds; no data -9999
 };
 
 struct DtmSummary {
@@ -36,9 +37,9 @@ struct DtmSummary {
   std::uint64_t ground_cells = 0, interpolated_cells = 0, empty_cells = 0;
   double coarse_cell_m = 0;  ///< of the grid on which objects are told from the ground
   double lowest_m = 0, highest_m = 0;
-  double mean_sigma_m = 0;     ///< quadratic mean over ground cells
-  double contour_m = 0;        ///< interval taken; 0: none
-  std::uint64_t contours = 0;  ///< lines
+  double mean_sigma_m = 0, mean_sigma_relative_m = 0;  ///< quadratic means over ground cells
+  double contour_m = 0;                                ///< interval taken; 0: none
+  std::uint64_t contours = 0;                          ///< lines
 };
 
 /// Where the ground is, to about half a cell of a coarse grid: tells what shows the ground from what stands on it.

@@ -40,8 +40,13 @@ class DtmOfAHouse : public testing::Test {
         sigma.at(x, y) = kSigma;
         state.at(x, y) = std::uint8_t(is_hole(x, y) ? CellState::kInterpolated : CellState::kMeasured);
       }
-    dsm_ = {folder_ / "dsm.tif", folder_ / "dsm_sigma.tif", folder_ / "dsm_state.tif", {}};
+    dsm_ = {folder_ / "dsm.tif",
+            folder_ / "dsm_sigma.tif",
+            folder_ / "dsm_state.tif",
+            {},
+            folder_ / "dsm_sigma_relative.tif"};
     write<float>(dsm_.height, grid, height);
+    write<float>(dsm_.sigma_relative, grid, sigma);
     write<float>(dsm_.sigma, grid, sigma);
     write<std::uint8_t>(dsm_.state, grid, state);
   }
@@ -52,7 +57,7 @@ class DtmOfAHouse : public testing::Test {
   }
   [[nodiscard]] DtmFiles files(const std::string& name) const {
     return {folder_ / (name + ".tif"), folder_ / (name + "_sigma.tif"), folder_ / (name + "_state.tif"),
-            folder_ / (name + ".gpkg")};
+            folder_ / (name + ".gpkg"), folder_ / (name + "_sigma_relative.tif")};
   }
   static FloatImage heights_of(const std::filesystem::path& path) {
     return *GeoTiffReader::open(path)->read_float(0, 0, kWidth, kHeight);
@@ -106,12 +111,40 @@ TEST_F(DtmOfAHouse, TheGroundStaysAndGoesOnUnderTheHouse) {
   EXPECT_FALSE(made->ground.shows_ground({900, 2000, 250}, kSigma));  // off the map
 }
 
+// What lifts a survey as a whole, as receivers do by metres, says nothing of a house against the ground beside it.
+TEST_F(DtmOfAHouse, AnErrorOfTheWholeSurveyMakesNoGround) {
+  constexpr float kCommon = 2;
+  FloatImage sigma = heights_of(dsm_.sigma);
+  for (float& one : sigma.data)
+    if (one != kNoHeight) one = std::hypot(one, kCommon);
+  write<float>(dsm_.sigma, GeoTiffReader::open(dsm_.height)->grid(), sigma);
+  const DtmFiles dtm = files("dtm");
+  const auto made = build_dtm(dsm_, dtm, {}, {});
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(made->summary.interpolated_cells, 120u * 100 + 40 * 40);
+  EXPECT_EQ(made->summary.contour_m, 0.5);
+  EXPECT_NEAR(made->summary.mean_sigma_relative_m, kSigma, 1e-6);
+  EXPECT_NEAR(made->summary.mean_sigma_m, std::hypot(kSigma, kCommon), 1e-6);
+  sigma = heights_of(dtm.sigma);
+  const FloatImage relative = heights_of(dtm.sigma_relative);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (x < 50 && y < 50) {
+        EXPECT_EQ(sigma.at(x, y), kNoHeight);
+        EXPECT_EQ(relative.at(x, y), kNoHeight);
+      } else {
+        EXPECT_NEAR(sigma.at(x, y), std::hypot(relative.at(x, y), kCommon), 1e-6);
+        EXPECT_TRUE(is_house(x, y) || is_hole(x, y) ? relative.at(x, y) > 0 : relative.at(x, y) == kSigma);
+      }
+    }
+}
+
 TEST_F(DtmOfAHouse, ThreadsDoNotMatter) {
   collinea::Run three;
   three.threads = 3;
   ASSERT_TRUE(build_dtm(dsm_, files("one"), {}, {}));
   ASSERT_TRUE(build_dtm(dsm_, files("three"), {}, three));
-  for (const char* ending : {".tif", "_sigma.tif", "_state.tif", ".gpkg", ".dxf"})
+  for (const char* ending : {".tif", "_sigma.tif", "_sigma_relative.tif", "_state.tif", ".gpkg", ".dxf"})
     EXPECT_EQ(*read_file(folder_ / (std::string("one") + ending)),
               *read_file(folder_ / (std::string("three") + ending)))
         << ending;

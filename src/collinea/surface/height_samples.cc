@@ -49,6 +49,12 @@ double between(const FloatImage& rows, int x, int y, int next_x, int next_y, dou
   return mixed(along(y), along(next_y), v);
 }
 
+std::optional<std::filesystem::path> beside(const std::filesystem::path& height, const char* ending) {
+  const std::filesystem::path file =
+      height.parent_path() / (height.stem().string() + ending + height.extension().string());
+  return is_there(file) ? std::optional(file) : std::nullopt;
+}
+
 }  // namespace
 
 Result<HeightSamples> HeightSamples::open(const std::filesystem::path& height,
@@ -95,9 +101,11 @@ Result<HeightSample> HeightSamples::at(const Eigen::Vector2d& on_map) {
 }
 
 std::optional<std::filesystem::path> sigmas_beside(const std::filesystem::path& height) {
-  const std::filesystem::path beside =
-      height.parent_path() / (height.stem().string() + "_sigma" + height.extension().string());
-  return is_there(beside) ? std::optional(beside) : std::nullopt;
+  return beside(height, "_sigma");
+}
+
+std::optional<std::filesystem::path> relative_sigmas_beside(const std::filesystem::path& height) {
+  return beside(height, "_sigma_relative");
 }
 
 }  // namespace collinea

@@ -43,7 +43,9 @@ class HeightSamples {
   FloatImage rows_, sigma_rows_;  // from first_row_ on
 };
 
-/// The raster of standard deviations that lies beside one of heights, if there is one: dsm.tif and dsm_sigma.tif.
+/// The rasters of standard deviations that lie beside one of heights, if they are there: dsm.tif and dsm_sigma.tif,
+/// dsm_sigma_relative.tif.
 [[nodiscard]] std::optional<std::filesystem::path> sigmas_beside(const std::filesystem::path& height);
+[[nodiscard]] std::optional<std::filesystem::path> relative_sigmas_beside(const std::filesystem::path& height);
 
 }  // namespace collinea

@@ -9,9 +9,10 @@ namespace collinea {
 
 enum class CellState : std::uint8_t { kEmpty = 0, kMeasured = 1, kInterpolated = 2 };
 
-/// A piece of a surface model: four rasters of one size. Cells without height hold kNoHeight in height_m and sigma_m.
+/// A piece of a surface model: rasters of one size. Cells without height hold kNoHeight in height_m and sigma_m.
 struct SurfaceTile {
   FloatImage height_m, sigma_m;
+  FloatImage sigma_relative_m;  ///< sigma_m without what the orientation adds; empty until that is added
   Raster<std::uint8_t> state;   ///< CellState
   Raster<std::uint16_t> count;  ///< points that made the cell
 

@@ -25,7 +25,18 @@ struct Window {
   MapGrid grid;
   int column = 0, row = 0;
   FloatImage inside, height_m, sigma_m;
+  FloatImage common_m;  // standard deviation of what neighbours have in common, beside sigma_m
 };
+
+// What heights are measured from.
+struct Base {
+  FloatImage height_m, sigma_m, common_m;
+};
+
+// Of a standard deviation what is beyond the relative one.
+float common_part(float sigma_m, float relative_m) {
+  return std::sqrt(std::max(0.0f, sigma_m * sigma_m - relative_m * relative_m));
+}
 
 // Of every cell the part inside, by lines through it.
 FloatImage parts_inside(const MapGrid& grid, const MapArea& area) {
@@ -77,6 +88,13 @@ Result<Window> window_of(const SurfaceFiles& surface, const std::optional<MapAre
   window.inside = area ? parts_inside(window.grid, *area) : FloatImage(window.grid.width, window.grid.height, 1, 1.0f);
   COLLINEA_TRY(window.height_m, heights.heights(window.column, window.row, window.grid.width, window.grid.height));
   COLLINEA_TRY(window.sigma_m, heights.sigmas(window.column, window.row, window.grid.width, window.grid.height));
+  window.common_m = FloatImage(window.grid.width, window.grid.height);
+  if (!surface.sigma_relative) return window;
+  COLLINEA_TRY(const HeightSamples relative, HeightSamples::open(surface.height, surface.sigma_relative, 0));
+  COLLINEA_TRY(FloatImage sigma_m, relative.sigmas(window.column, window.row, window.grid.width, window.grid.height));
+  for (std::size_t i = 0; i < sigma_m.data.size(); ++i)
+    window.common_m.data[i] = common_part(window.sigma_m.data[i], sigma_m.data[i]);
+  window.sigma_m = std::move(sigma_m);
   return window;
 }
 
@@ -106,24 +124,39 @@ FloatImage blurred(const FloatImage& values, double length_cells, const Run& run
   return along(along(values, 1, 0), 0, 1);
 }
 
+// A surface and the terrain under it have what their orientation adds to the last per cent in common; two surveys,
+// never.
+bool of_one_orientation(const Window& window, const Base& base) {
+  double apart = 0, together = 0;
+  for (std::size_t i = 0; i < window.common_m.data.size(); ++i) {
+    const double a = std::pow(double(window.common_m.data[i]), 2), b = std::pow(double(base.common_m.data[i]), 2);
+    if (!std::isfinite(a + b)) continue;
+    apart += std::abs(a - b);
+    together += a + b;
+  }
+  return apart <= 0.01 * together;
+}
+
 // Sums of differences and their standard deviation; what is not known has no part in either.
-Result<Volume> summed(const Window& window, const FloatImage& base_m, const FloatImage& base_sigma_m,
-                      const VolumeOptions& options, const Run& run) {
+Result<Volume> summed(const Window& window, const Base& base, const VolumeOptions& options, const Run& run) {
   const double cell_m2 = window.grid.cell_m * window.grid.cell_m;
   Volume volume;
   FloatImage errors(window.grid.width, window.grid.height);
+  double common_m3 = 0, base_common_m3 = 0;
   for (std::size_t i = 0; i < errors.data.size(); ++i) {
     const double part_m2 = double(window.inside.data[i]) * cell_m2;
     if (!(part_m2 > 0)) continue;
-    const double difference = double(window.height_m.data[i]) - double(base_m.data[i]);
+    const double difference = double(window.height_m.data[i]) - double(base.height_m.data[i]);
     if (!std::isfinite(difference)) {
       volume.missing_m2 += part_m2;
       continue;
     }
     volume.area_m2 += part_m2;
     (difference > 0 ? volume.above_m3 : volume.below_m3) += std::abs(difference) * part_m2;
-    const double sigma_m = std::hypot(double(window.sigma_m.data[i]), double(base_sigma_m.data[i]));
+    const double sigma_m = std::hypot(double(window.sigma_m.data[i]), double(base.sigma_m.data[i]));
     errors.data[i] = float((std::isfinite(sigma_m) ? sigma_m : options.sigma_m) * part_m2);
+    if (const auto one = double(window.common_m.data[i]); std::isfinite(one)) common_m3 += one * part_m2;
+    if (const auto one = double(base.common_m.data[i]); std::isfinite(one)) base_common_m3 += one * part_m2;
   }
   const double length_cells = options.correlation_m ? *options.correlation_m / window.grid.cell_m : kCorrelatedCells;
   const FloatImage alike = blurred(errors, length_cells, run);
@@ -131,7 +164,7 @@ Result<Volume> summed(const Window& window, const FloatImage& base_m, const Floa
   double variance = 0;
   for (std::size_t i = 0; i < errors.data.size(); ++i) variance += double(errors.data[i]) * double(alike.data[i]);
   volume.sigma_heights_m3 = std::sqrt(variance);
-  volume.sigma_shift_m3 = options.shift_sigma_m * volume.area_m2;
+  volume.sigma_shift_m3 = std::hypot(options.shift_sigma_m * volume.area_m2, common_m3, base_common_m3);
   return volume;
 }
 
@@ -185,21 +218,22 @@ Result<Volume> volume_over_level(const SurfaceFiles& surface, double base_m, con
                                  const VolumeOptions& options, const Run& run) {
   if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
   COLLINEA_TRY(const Window window, window_of(surface, area, options));
-  const FloatImage base(window.grid.width, window.grid.height, 1, float(base_m)),
-      exact(window.grid.width, window.grid.height);
-  return summed(window, base, exact, options, run);
+  const FloatImage exact(window.grid.width, window.grid.height);
+  return summed(window, {FloatImage(window.grid.width, window.grid.height, 1, float(base_m)), exact, exact}, options,
+                run);
 }
 
 Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area, const VolumeOptions& options,
                                const Run& run) {
   if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
-  COLLINEA_TRY(const Window window, window_of(surface, area, options));
-  FloatImage base(window.grid.width, window.grid.height);
+  COLLINEA_TRY(Window window, window_of(surface, area, options));
   const FloatImage exact(window.grid.width, window.grid.height);
+  window.common_m = exact;
+  Base base{exact, exact, exact};
   Volume plane;
   Eigen::Matrix3d covariance;
-  if (auto fitted = fit_rim(window, base, plane, covariance); !fitted) return tl::unexpected(fitted.error());
-  COLLINEA_TRY(Volume volume, summed(window, base, exact, options, run));
+  if (auto fitted = fit_rim(window, base.height_m, plane, covariance); !fitted) return tl::unexpected(fitted.error());
+  COLLINEA_TRY(Volume volume, summed(window, base, options, run));
   volume.plane = plane.plane;
   volume.middle = plane.middle;
   volume.rim_rms_m = plane.rim_rms_m;
@@ -218,21 +252,29 @@ Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area,
 Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFiles& base,
                                    const std::optional<MapArea>& area, const VolumeOptions& options, const Run& run) {
   if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
-  COLLINEA_TRY(const Window window, window_of(surface, area, options));
+  COLLINEA_TRY(Window window, window_of(surface, area, options));
   COLLINEA_TRY(HeightSamples below, HeightSamples::open(base.height, base.sigma, options.sigma_m));
   if (!below.grid().wkt.empty() && !window.grid.wkt.empty() && below.grid().wkt != window.grid.wkt)
     return fail(Errc::kBadInput, base.height.string() + " lies in another CRS than " + surface.height.string());
-  FloatImage base_m(window.grid.width, window.grid.height), base_sigma_m = base_m;
+  COLLINEA_TRY(
+      HeightSamples relative,
+      HeightSamples::open(base.height, base.sigma_relative ? base.sigma_relative : base.sigma, options.sigma_m));
+  const FloatImage none(window.grid.width, window.grid.height);
+  Base read{none, none, none};
   for (int y = 0; y < window.grid.height; ++y) {
     if (run.stopped()) return fail(Errc::kCancelled, "stopped");
     for (int x = 0; x < window.grid.width; ++x) {
       if (!(window.inside.at(x, y) > 0)) continue;
       COLLINEA_TRY(const HeightSample one, below.at({window.grid.east_of(x + 0.5), window.grid.north_of(y + 0.5)}));
-      base_m.at(x, y) = float(one.height_m);
-      base_sigma_m.at(x, y) = float(one.sigma_m);
+      COLLINEA_TRY(const HeightSample beside,
+                   relative.at({window.grid.east_of(x + 0.5), window.grid.north_of(y + 0.5)}));
+      read.height_m.at(x, y) = float(one.height_m);
+      read.sigma_m.at(x, y) = float(beside.sigma_m);
+      read.common_m.at(x, y) = common_part(float(one.sigma_m), float(beside.sigma_m));
     }
   }
-  return summed(window, base_m, base_sigma_m, options, run);
+  if (of_one_orientation(window, read)) window.common_m = read.common_m = none;
+  return summed(window, read, options, run);
 }
 
 }  // namespace collinea

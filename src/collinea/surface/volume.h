@@ -16,6 +16,8 @@ namespace collinea {
 struct SurfaceFiles {
   std::filesystem::path height;
   std::optional<std::filesystem::path> sigma;  ///< nothing: sigma_m of the options
+  /// Of sigma what neighbours do not have in common; nothing: all of it. What is beyond lifts an area as a whole.
+  std::optional<std::filesystem::path> sigma_relative = {};
 };
 
 struct VolumeOptions {
@@ -42,7 +44,8 @@ struct Volume {
   double above_m3 = 0, below_m3 = 0;  ///< of the surface over and under the base, both positive
   double area_m2 = 0;                 ///< with heights of both
   double missing_m2 = 0;              ///< of the area without
-  /// Standard deviations of above - below: by the errors of heights, by their common shift, and by the plane.
+  /// Standard deviations of above - below: by the errors of heights, by what these have in common (the orientation, and
+  /// shift_sigma_m), and by the plane.
   double sigma_heights_m3 = 0, sigma_shift_m3 = 0, sigma_base_m3 = 0;
   /// The plane: height = c0 + c1 (east - middle) + c2 (north - middle).
   std::optional<Eigen::Vector3d> plane;
@@ -59,10 +62,11 @@ struct Volume {
                                                const std::optional<MapArea>& area, const VolumeOptions& options,
                                                const Run& run);
 /// Over the plane that fits the surface best along the border of the area: what a heap stands on. Also an error: fewer
-/// than three cells along the border.
+/// than three cells along the border. The plane shares what the heights have in common.
 [[nodiscard]] Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area,
                                              const VolumeOptions& options, const Run& run);
-/// Over another surface, read between its cells; errors of the two are independent but for the shift.
+/// Over another surface, read between its cells; errors of the two are independent but for the shift, and for what
+/// those of one orientation (a surface, and the terrain under it) have in common.
 [[nodiscard]] Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFiles& base,
                                                  const std::optional<MapArea>& area, const VolumeOptions& options,
                                                  const Run& run);

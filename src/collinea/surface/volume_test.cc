@@ -159,6 +159,36 @@ TEST_F(VolumeOf, IndependentErrorsAddUpInSquares) {
   EXPECT_GT(volume_over_level(level, 102, rectangle(10, 10, 12, 12), options, run_).value().sigma_heights_m3, 0.159);
 }
 
+// What the orientation adds lifts the area as a whole; what is measured from the surface itself does not see it.
+TEST_F(VolumeOf, WhatHeightsHaveInCommonIsNoNoise) {
+  constexpr double kRelative = 0.03, kCommon = 0.4;
+  const auto with_common = [&](const std::string& name, double height_m, double common_m) {
+    SurfaceFiles files = surface(
+        name, [=](double, double) { return height_m; }, std::hypot(kRelative, common_m));
+    files.sigma_relative = surface(
+                               name + "_of", [](double, double) { return 0.0; }, kRelative)
+                               .sigma;
+    return files;
+  };
+  const MapArea area = rectangle(10, 10, 30, 25);
+  const SurfaceFiles level = with_common("level", 105, kCommon);
+  const auto plain = surface(
+      "plain", [](double, double) { return 105.0; }, kRelative);
+  const double by_heights = volume_over_level(plain, 102, area, {}, run_).value().sigma_heights_m3;
+  VolumeOptions options;
+  options.shift_sigma_m = 0.3;
+  const Volume over_level = volume_over_level(level, 102, area, options, run_).value();
+  EXPECT_NEAR(over_level.sigma_heights_m3, by_heights, 1e-4 * by_heights);
+  EXPECT_NEAR(over_level.sigma_shift_m3, 0.5 * 300, 1e-3);
+  EXPECT_EQ(volume_over_rim(level, area, {}, run_).value().sigma_shift_m3, 0);
+  // The same orientation, and another one.
+  const Volume over_own = volume_over_surface(level, with_common("own", 101, kCommon), area, {}, run_).value();
+  EXPECT_EQ(over_own.sigma_shift_m3, 0);
+  EXPECT_NEAR(over_own.sigma_heights_m3, std::sqrt(2.0) * by_heights, 1e-4 * by_heights);
+  const Volume over_other = volume_over_surface(level, with_common("other", 101, 0.3), area, {}, run_).value();
+  EXPECT_NEAR(over_other.sigma_shift_m3, 0.5 * 300, 1e-3);
+}
+
 TEST_F(VolumeOf, MistakesAreNamed) {
   const auto level = surface("level", [](double, double) { return 105.0; });
   const auto message = [](const auto& result) { return result ? std::string() : result.error().message; };
