@@ -258,6 +258,22 @@ HWY_INLINE int FirstEqual(D d, D16 d16, const std::uint16_t* sums, std::uint16_t
   }
 }
 
+// The sums of all eight paths: tolls of those downwards and upwards, and eight times the cost.
+template <class V16>
+struct Halves {
+  V16 low, high;
+};
+template <class D, class D16 = hn::Repartition<std::uint16_t, D> >
+HWY_INLINE Halves<hn::Vec<D16> > EightfoldSums(D /*d*/, hn::Vec<D> cost, hn::Vec<D> tolls, hn::Vec<D> tolls_below) {
+  const hn::Half<D> half;
+  const D16 d16;
+  const auto sum = [&](auto part) {
+    const auto both = hn::Add(hn::PromoteTo(d16, part(tolls)), hn::PromoteTo(d16, part(tolls_below)));
+    return hn::Add(both, hn::ShiftLeft<3>(hn::PromoteTo(d16, part(cost))));
+  };
+  return {sum([&](auto v) { return hn::LowerHalf(half, v); }), sum([&](auto v) { return hn::UpperHalf(half, v); })};
+}
+
 template <class D16>
 HWY_INLINE void SeeFromTheRight(D16 d, hn::Vec<D16> sum, int k, std::uint16_t* HWY_RESTRICT sums,
                                 std::uint16_t* HWY_RESTRICT labels) {
@@ -274,10 +290,9 @@ HWY_INLINE void SweepColumns(RowOfSweep& of_row, int from, int to) {
   const RowOfSweep row = of_row;  // a copy: writing bytes might change the other for all that the compiler knows
   const hn::CappedTag<std::uint8_t, kLanes> d;
   using D = decltype(d);
-  const hn::Half<D> half;
   const hn::Repartition<std::uint16_t, D> d16;
   const hn::Repartition<std::uint32_t, D> d32;
-  const int lanes = int(hn::Lanes(d)), lanes16 = lanes / 2, stride = kWhole ? lanes : row.stride;
+  const int lanes = int(hn::Lanes(d)), stride = kWhole ? lanes : row.stride;
   const int behind = kUp ? 1 : -1, ahead = -behind;
   const auto side_buffer = [&](int i) { return row.side + (i & 1 ? stride + 2 * kPathGuard : 0) + kPathGuard; };
   auto along = hn::LoadU(d, side_buffer(from));
@@ -327,18 +342,12 @@ HWY_INLINE void SweepColumns(RowOfSweep& of_row, int from, int to) {
       hn::StoreU(v3, d, to_other + k);
       const auto sum_of_tolls = hn::Add(hn::Add(t0, t1), hn::Add(t2, t3));
       if constexpr (kUp) {
-        const auto below = hn::LoadU(d, tolls + k);
-        const auto eightfold = [&](auto part) {
-          const auto both = hn::Add(hn::PromoteTo(d16, part(sum_of_tolls)), hn::PromoteTo(d16, part(below)));
-          return hn::Add(both, hn::ShiftLeft<3>(hn::PromoteTo(d16, part(cost))));
-        };
-        const auto low = eightfold([&](auto v) { return hn::LowerHalf(half, v); });
-        const auto high = eightfold([&](auto v) { return hn::UpperHalf(half, v); });
+        const auto [low, high] = EightfoldSums(d, cost, sum_of_tolls, hn::LoadU(d, tolls + k));
         least_sum = hn::Min(least_sum, hn::Min(low, high));
         SeeFromTheRight(d16, low, k, right_sum, right_label);
-        SeeFromTheRight(d16, high, k + lanes16, right_sum, right_label);
+        SeeFromTheRight(d16, high, k + lanes / 2, right_sum, right_label);
         hn::StoreU(low, d16, row.sums + k);
-        hn::StoreU(high, d16, row.sums + k + lanes16);
+        hn::StoreU(high, d16, row.sums + k + lanes / 2);
       } else {
         hn::StoreU(sum_of_tolls, d, tolls + k);
       }

@@ -157,16 +157,18 @@ void AcceptRow(const float* found, const Acceptance& a, int width, const Measure
   }
 }
 
+HWY_INLINE void Order(hn::Vec<F>& a, hn::Vec<F>& b) {
+  const auto low = hn::Min(a, b);
+  b = hn::Max(a, b);
+  a = low;
+}
+
 void MedianRow(const std::array<const float*, 3>& rows, int width, float* out) {
   for (int x = 0; x < width; x += int(hn::Lanes(f))) {
     hn::Vec<F> v[9];
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 3; ++i) v[3 * j + i] = hn::LoadU(f, rows[std::size_t(j)] + x + i - 1);
-    const auto sort = [&](int a, int b) {
-      const auto low = hn::Min(v[a], v[b]);
-      v[b] = hn::Max(v[a], v[b]);
-      v[a] = low;
-    };
+    const auto sort = [&](int a, int b) { Order(v[a], v[b]); };
     // the network of Devillard (1998)
     sort(1, 2), sort(4, 5), sort(7, 8), sort(0, 1), sort(3, 4), sort(6, 7), sort(1, 2), sort(4, 5), sort(7, 8);
     sort(0, 3), sort(5, 8), sort(4, 7), sort(3, 6), sort(1, 4), sort(2, 5), sort(4, 7), sort(4, 2), sort(6, 4);
@@ -186,11 +188,7 @@ void MedianOfKnownRow(const std::array<const float*, 3>& rows, int width, float*
         v[3 * j + i] = hn::IfThenElse(is_known, value, hn::Inf(f));  // to the end
         known = hn::Add(known, hn::BitCast(i32, hn::VecFromMask(f, is_known)));
       }
-    const auto sort = [&](int a, int b) {
-      const auto low = hn::Min(v[a], v[b]);
-      v[b] = hn::Max(v[a], v[b]);
-      v[a] = low;
-    };
+    const auto sort = [&](int a, int b) { Order(v[a], v[b]); };
     // a network that sorts nine (Floyd, in Knuth 1973)
     sort(0, 3), sort(1, 7), sort(2, 5), sort(4, 8), sort(0, 7), sort(2, 4), sort(3, 8), sort(5, 6), sort(0, 2);
     sort(1, 3), sort(4, 5), sort(7, 8), sort(1, 4), sort(3, 6), sort(5, 7), sort(0, 1), sort(2, 4), sort(3, 5);

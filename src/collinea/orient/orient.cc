@@ -14,13 +14,13 @@
 #include "collinea/adjust/intersect.h"
 #include "collinea/adjust/robust_similarity.h"
 #include "collinea/base/median.h"
-#include "collinea/block/ground_words.h"
 #include "collinea/block/picture_axes.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/orient/additional.h"
 #include "collinea/orient/control_doubt.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
+#include "collinea/orient/ground_findings.h"
 #include "collinea/orient/ground_scale.h"
 #include "collinea/orient/incremental.h"
 #include "collinea/orient/instrument_findings.h"
@@ -539,27 +539,10 @@ class Orienter {
     return alone;
   }
 
-  // What was measured on the ground and differs by more than chance explains, worst first.
-  void doubt_ground() {
-    constexpr double kBeyond = 4;  // standard deviations of the difference: one of 16,000
-    std::vector<const GroundDifference*> beyond;
-    const auto by_sigma = [](const GroundDifference& one) { return std::abs(one.difference) / one.difference_sigma; };
-    for (const GroundDifference& one : result_.adjusted.ground)
-      if (by_sigma(one) > kBeyond && !result_.excluded_ground.contains(one.observation)) beyond.push_back(&one);
-    std::sort(beyond.begin(), beyond.end(), [&](auto* a, auto* b) { return by_sigma(*a) > by_sigma(*b); });
-    for (const GroundDifference* one : beyond) {
-      const GroundObservation& measured = setup_.ground[one->observation];
-      result_.findings.push_back(
-          fmt::format("{}{} differs from the adjusted block by {:.3g} {}, {:.0f} times what is expected",
-                      measured.is_of_shape() ? "point " : "the ", words_of(measured, setup_),
-                      measured.is_angle() ? one->difference * kDegrees : one->difference,
-                      measured.is_angle() ? "degrees" : "m", by_sigma(*one)));
-    }
-  }
-
   void finish(Reconstruction& part) {
     result_.metric |= result_.georeferenced;
-    doubt_ground();
+    for (std::string& finding : ground_findings(setup_, result_.adjusted, result_.excluded_ground))
+      result_.findings.push_back(std::move(finding));
     result_.block = part.block();
     for (std::string& finding : instrument_findings(result_.block, result_.adjusted))
       result_.findings.push_back(std::move(finding));

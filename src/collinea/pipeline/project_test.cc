@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/project.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -12,9 +10,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "collinea/base/random.h"
 #include "collinea/block/world_frame.h"
-#include "collinea/geometry/plane.h"
 #include "collinea/image/geopackage.h"
 #include "collinea/image/geotiff.h"
 #include "collinea/image/photo.h"
@@ -24,29 +20,12 @@
 #include "collinea/ortho/ortho_tile.h"
 #include "collinea/pipeline/export.h"
 #include "collinea/pipeline/info.h"
-#include "collinea/pipeline/rectify_plane.h"
-#include "collinea/synthetic/write.h"
+#include "collinea/pipeline/small_project.h"
 
 namespace collinea {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The lines of a run that start with the name of a step.
-struct Log {
-  std::vector<std::string> lines;
-
-  [[nodiscard]] Run run(int threads = 1) {
-    return {.log = [this](std::string_view line) { lines.emplace_back(line); }, .threads = threads};
-  }
-  [[nodiscard]] std::vector<std::string> steps_done() const {
-    std::vector<std::string> done;
-    for (const std::string& step : step_names())
-      for (const std::string& line : lines)
-        if (line.starts_with(step + " ") && line.find("up to date") == std::string::npos) done.push_back(step);
-    return done;
-  }
-};
 
 std::string bytes_of(const fs::path& path) {
   std::ostringstream bytes;
@@ -60,59 +39,9 @@ const std::vector<std::string> kProducts = {
     "ortho.tif",         "ortho_source.tif", "seamlines.gpkg", "dsm_sigma_relative.tif", "dtm_sigma_relative.tif",
     "dsm_hillshade.tif", "dtm_hillshade.tif"};
 
-// Six small photographs of a made-up village, mapped once. Tests are run one by one, each in a process of its own: what
-// follows on the mapping is therefore one test, made of many small ones.
-class SmallProject : public ::testing::Test {
+class WholeProject : public SmallProject {
  public:
-  void SetUp() override {
-    root_ = fs::path(::testing::TempDir()) / ("collinea_SmallProject_" + std::to_string(::getpid()));
-    fs::remove_all(root_);
-    SurveyOptions options;
-    options.strips = 2;
-    options.images_per_strip = 3;
-    options.cross_strips = 0;
-    options.width_px = 400;
-    options.height_px = 300;
-    options.gsd_m = 0.2;
-    options.principal_x_px = options.principal_y_px = 1;
-    options.control_points = 4;
-    options.check_points = 2;
-    options.gps_sigma_plan_m = 0.5;
-    const auto truth = make_survey(options);
-    ASSERT_TRUE(truth) << truth.error().message;
-    fs::create_directories(root_ / "images");
-    const auto photographs = write_photographs(*truth, root_ / "images", {.threads = 2});
-    ASSERT_TRUE(photographs) << photographs.error().message;
-    ASSERT_TRUE(write_tables(*truth, root_));
-    Log log;
-    const auto done = bring(root_ / "mapped", settings(), log, "report");
-    ASSERT_TRUE(done) << done.error().message;
-    EXPECT_EQ(log.steps_done(), step_names());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(root_, ignored);
-  }
-
-  static Settings settings() {
-    Settings settings;
-    settings.photos = (root_ / "images").string();
-    settings.import.control = (root_ / "control.csv").string();
-    settings.pairs.exhaustive_below = 0;  // partners are chosen as in a large block
-    return settings;
-  }
-
-  static Result<> bring(const fs::path& folder, const Settings& settings, Log& log, const std::string& last,
-                        int threads = 1) {
-    COLLINEA_TRY(Project project, create_project(folder, settings, log.run(threads)));
-    return bring_up_to(project, last);
-  }
-
-  // A copy of the mapped project that a test may change.
-  static fs::path copy(const std::string& name) {
-    fs::copy(root_ / "mapped", root_ / name, fs::copy_options::recursive);
-    return root_ / name;
-  }
+  void SetUp() override { map("report"); }
 
   void every_image_is_oriented_and_every_product_there();
   void projection_centres_are_where_they_were();
@@ -127,22 +56,15 @@ class SmallProject : public ::testing::Test {
   void what_stands_in_the_way_of_a_product_is_named();
   void a_changed_control_file_leaves_matching_alone();
   void a_missing_product_is_made_again();
-  void a_plane_through_control_shows_what_the_photographs_show_there();
-  void a_plane_through_places_of_the_map_is_that_through_control();
-  void the_plane_of_a_region_is_the_one_that_most_points_of_the_cloud_lie_on();
-  void planes_that_cannot_be_drawn_are_refused_in_words();
-  void a_plane_of_a_block_without_scale_says_so();
   void given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change();
   void a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   void stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   void files_left_half_written_are_swept_and_others_are_not();
   void a_second_program_is_kept_out_but_may_look();
   void a_photograph_that_breaks_off_is_named_and_the_rest_goes_on();
-
-  static inline fs::path root_;
 };
 
-void SmallProject::every_image_is_oriented_and_every_product_there() {
+void WholeProject::every_image_is_oriented_and_every_product_there() {
   const auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project) << project.error().message;
   const auto block = project->store.read_block();
@@ -163,7 +85,7 @@ void SmallProject::every_image_is_oriented_and_every_product_there() {
   EXPECT_GT(of_class(2), of_class(1));  // more ground than houses and trees
 }
 
-void SmallProject::projection_centres_are_where_they_were() {
+void WholeProject::projection_centres_are_where_they_were() {
   const auto project = open_project(root_ / "mapped", {});
   const auto truth = read_truth(root_);
   ASSERT_TRUE(project && truth);
@@ -177,7 +99,7 @@ void SmallProject::projection_centres_are_where_they_were() {
   }
 }
 
-void SmallProject::info_tells_what_machines_read() {
+void WholeProject::info_tells_what_machines_read() {
   const auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
   const auto text = info_json(project->store);
@@ -204,7 +126,7 @@ void SmallProject::info_tells_what_machines_read() {
   EXPECT_NE(info_text(project->store).value().find("6 (6 oriented)"), std::string::npos);
 }
 
-void SmallProject::export_writes_every_format_and_refuses_others() {
+void WholeProject::export_writes_every_format_and_refuses_others() {
   auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
   for (const char* format : {"colmap", "opk", "ply", "las", "laz", "copc"})
@@ -236,7 +158,7 @@ void SmallProject::export_writes_every_format_and_refuses_others() {
   EXPECT_EQ(refused.error().code, Errc::kBadInput);
 }
 
-void SmallProject::a_compressed_cloud_gives_the_same_surface() {
+void WholeProject::a_compressed_cloud_gives_the_same_surface() {
   fs::copy(root_ / "mapped", root_ / "compressed", fs::copy_options::recursive);
   const fs::path products = root_ / "compressed/products";
   for (const auto& [form, name, earlier] :
@@ -253,13 +175,13 @@ void SmallProject::a_compressed_cloud_gives_the_same_surface() {
   fs::remove_all(root_ / "compressed");
 }
 
-void SmallProject::what_is_up_to_date_is_not_done_again() {
+void WholeProject::what_is_up_to_date_is_not_done_again() {
   Log log;
   ASSERT_TRUE(bring(root_ / "mapped", settings(), log, "report"));
   EXPECT_TRUE(log.steps_done().empty());
 }
 
-void SmallProject::a_lost_cloud_comes_back_with_its_classes() {
+void WholeProject::a_lost_cloud_comes_back_with_its_classes() {
   const fs::path project = copy("lost");
   fs::remove(project / "products/cloud.las");
   Log log;
@@ -268,7 +190,7 @@ void SmallProject::a_lost_cloud_comes_back_with_its_classes() {
   EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
 }
 
-void SmallProject::a_changed_option_redoes_its_step_and_what_follows() {
+void WholeProject::a_changed_option_redoes_its_step_and_what_follows() {
   Settings changed = settings();
   changed.surface.cell_m = 1;
   Log log;
@@ -283,7 +205,7 @@ std::map<fs::path, fs::file_time_type> times_of_depth_maps(const fs::path& proje
   return times;
 }
 
-void SmallProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() {
+void WholeProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() {
   Settings changed = settings();
   changed.densify.max_sigmas = 3;
   changed.densify.min_images = 2;
@@ -304,7 +226,7 @@ void SmallProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() 
   for (const auto& [path, time] : times) EXPECT_TRUE(!later.contains(path) || later.at(path) > time) << path;
 }
 
-void SmallProject::photographs_that_were_moved_are_only_read_again() {
+void WholeProject::photographs_that_were_moved_are_only_read_again() {
   Settings changed = settings();
   changed.photos = (root_ / "moved").string();
   fs::copy(root_ / "images", root_ / "moved");
@@ -313,7 +235,7 @@ void SmallProject::photographs_that_were_moved_are_only_read_again() {
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "report"}));
 }
 
-void SmallProject::what_stands_in_the_way_of_a_product_is_named() {
+void WholeProject::what_stands_in_the_way_of_a_product_is_named() {
   const fs::path project = copy("in_the_way");
   fs::remove(project / "products/cloud.ply");
   fs::create_directories(project / "products/cloud.laz/folder");
@@ -324,7 +246,7 @@ void SmallProject::what_stands_in_the_way_of_a_product_is_named() {
   EXPECT_NE(done.error().message.find("cloud.laz"), std::string::npos) << done.error().message;
 }
 
-void SmallProject::a_changed_control_file_leaves_matching_alone() {
+void WholeProject::a_changed_control_file_leaves_matching_alone() {
   Settings changed = settings();
   changed.import.control = (root_ / "other_control.csv").string();
   ASSERT_TRUE(write_file(*changed.import.control, bytes_of(root_ / "control.csv") + "# looked over\n"));
@@ -343,7 +265,7 @@ void SmallProject::a_changed_control_file_leaves_matching_alone() {
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "orient"}));
 }
 
-void SmallProject::a_missing_product_is_made_again() {
+void WholeProject::a_missing_product_is_made_again() {
   const fs::path project = copy("missing");
   const std::string before = bytes_of(project / "products/ortho.tif");
   fs::remove(project / "products/ortho.tif");
@@ -353,188 +275,7 @@ void SmallProject::a_missing_product_is_made_again() {
   EXPECT_EQ(bytes_of(project / "products/ortho.tif"), before);
 }
 
-// A plane that was drawn, and what is told of it.
-struct DrawnPlane {
-  nlohmann::json told;
-  FramedPlane frame;
-  MapGrid grid;
-  Raster<std::uint8_t> rgba;
-
-  [[nodiscard]] Eigen::Vector3d normal() const { return frame.world_from_plane.col(2); }
-  [[nodiscard]] double off_m(const Eigen::Vector3d& point_in_world) const {
-    return std::abs(frame.in_plane(point_in_world).z());
-  }
-  [[nodiscard]] Eigen::Vector3d world_at(double x, double y) const {
-    return frame.origin_in_world + frame.world_from_plane * Eigen::Vector3d(x, y, 0);
-  }
-};
-
-DrawnPlane drawn_plane(const fs::path& picture) {
-  DrawnPlane drawn;
-  drawn.told = nlohmann::json::parse(read_file(fs::path(picture).replace_extension(".json")).value());
-  const auto vector_of = [&](const char* name) {
-    const nlohmann::json& list = drawn.told.at("plane").at(name);
-    return Eigen::Vector3d(list[0].get<double>(), list[1].get<double>(), list[2].get<double>());
-  };
-  drawn.frame.origin_in_world = vector_of("origin_in_world");
-  drawn.frame.world_from_plane << vector_of("x_axis_in_world"), vector_of("y_axis_in_world"),
-      vector_of("normal_in_world");
-  const auto reader = GeoTiffReader::open(picture).value();
-  drawn.grid = reader.grid();
-  drawn.rgba = reader.read_byte(0, 0, drawn.grid.width, drawn.grid.height).value();
-  return drawn;
-}
-
-// The RMS difference of a drawn plane to what the first of its photographs that shows a place has `aside` cells beside.
-double difference_to_photographs(const DrawnPlane& plane, const Block& block, const fs::path& photos, double aside) {
-  double squares = 0, count = 0;
-  std::map<std::string, ColourImage> pictures;
-  for (int row = 2; row < plane.grid.height; row += 5) {
-    for (int column = 2; column < plane.grid.width; column += 5) {
-      if (plane.rgba.at(column, row, 3) == 0) continue;
-      const Eigen::Vector3d place =
-          plane.world_at(plane.grid.east_of(column + 0.5 + aside), plane.grid.north_of(row + 0.5));
-      for (const auto& photograph : plane.told.at("photographs")) {
-        const std::string file = photograph.at("file");
-        const auto image = std::find_if(block.images.begin(), block.images.end(),
-                                        [&](const auto& entry) { return entry.second.file == file; });
-        const Camera& camera = block.camera_of(image->first);
-        const auto pixel = project(camera, block.cam_from_world.at(image->first) * place);
-        if (!pixel || !inside(camera, *pixel)) continue;
-        if (!pictures.contains(file)) pictures[file] = read_colour(photos / file).value();
-        float colour[3];
-        bicubic(pictures[file], pixel->x(), pixel->y(), colour);
-        for (int c = 0; c < 3; ++c) squares += std::pow(double(colour[c]) - plane.rgba.at(column, row, c), 2), ++count;
-        break;
-      }
-    }
-  }
-  EXPECT_GT(count, 3000);
-  return std::sqrt(squares / count);
-}
-
-// The names of three surveyed points.
-std::string three_points(const Block& block) {
-  std::string names;
-  for (auto it = block.control.begin(); it != std::next(block.control.begin(), 3); ++it)
-    names += (names.empty() ? "" : ",") + it->second.name;
-  return names;
-}
-
-void SmallProject::a_plane_through_control_shows_what_the_photographs_show_there() {
-  const Block block = open_project(root_ / "mapped", {})->store.read_block().value();
-  const auto done = rectify_plane(root_ / "mapped", root_ / "plane.tif", {.control = three_points(block)}, {});
-  ASSERT_TRUE(done) << done.error().message;
-  EXPECT_EQ(done->find("no scale"), std::string::npos) << *done;
-  const DrawnPlane plane = drawn_plane(root_ / "plane.tif");
-  EXPECT_EQ(plane.told.at("plane").at("points"), 3);
-  EXPECT_GT(plane.normal().z(), 0.9);
-  for (auto it = block.control.begin(); it != std::next(block.control.begin(), 3); ++it)
-    EXPECT_LT(plane.off_m(it->second.position_in_world), 1e-6) << it->second.name;
-  // Rounded to whole levels: 1 / sqrt(12). Half a cell beside it is ten times that.
-  EXPECT_LT(difference_to_photographs(plane, block, root_ / "images", 0), 0.35);
-  EXPECT_GT(difference_to_photographs(plane, block, root_ / "images", 0.5), 2);
-}
-
-void SmallProject::a_plane_through_places_of_the_map_is_that_through_control() {
-  const Block block = open_project(root_ / "mapped", {})->store.read_block().value();
-  const auto frame = world_frame(block.georeference.value());
-  ASSERT_TRUE(frame);
-  std::string places;
-  for (auto it = block.control.begin(); it != std::next(block.control.begin(), 3); ++it) {
-    const Eigen::Vector3d on_map = frame->map_from_local(it->second.position_in_world);
-    places += fmt::format("{:.6f} {:.6f} {:.6f}\n", on_map.x(), on_map.y(), on_map.z());
-  }
-  ASSERT_TRUE(write_file(root_ / "places.txt", places));
-  ASSERT_TRUE(rectify_plane(root_ / "mapped", root_ / "plane.tif", {.control = three_points(block)}, {}));
-  ASSERT_TRUE(rectify_plane(root_ / "mapped", root_ / "same.tif", {.places = root_ / "places.txt"}, {}));
-  const DrawnPlane plane = drawn_plane(root_ / "plane.tif"), same = drawn_plane(root_ / "same.tif");
-  // The file has micrometres.
-  EXPECT_LT((same.frame.origin_in_world - plane.frame.origin_in_world).norm(), 1e-5);
-  EXPECT_LT((same.frame.world_from_plane - plane.frame.world_from_plane).norm(), 1e-6);
-  EXPECT_EQ(same.grid.width, plane.grid.width);
-  EXPECT_EQ(same.grid.height, plane.grid.height);
-}
-
-void SmallProject::the_plane_of_a_region_is_the_one_that_most_points_of_the_cloud_lie_on() {
-  constexpr double kTolerance_m = 0.5;
-  const Block block = open_project(root_ / "mapped", {})->store.read_block().value();
-  const auto frame = world_frame(block.georeference.value());
-  auto reader = LasReader::open(root_ / "mapped/products/cloud.las");
-  ASSERT_TRUE(frame && reader);
-  const LasHeader header = reader->header();
-  const auto points = reader->read(10'000'000);
-  ASSERT_TRUE(points);
-  std::vector<Eigen::Vector3d> cloud;
-  for (const CloudPoint& point : *points) cloud.push_back(point.position);
-  frame->local_from_map(cloud);
-  const auto region = fmt::format("{},{},{},{}", header.lowest[0] - 1, header.lowest[1] - 1, header.highest[0] + 1,
-                                  header.highest[1] + 1);
-  const auto done =
-      rectify_plane(root_ / "mapped", root_ / "plane.tif", {.region = region, .tolerance_m = kTolerance_m}, {});
-  ASSERT_TRUE(done) << done.error().message;
-  const DrawnPlane plane = drawn_plane(root_ / "plane.tif");
-  const auto on_it = [&](const Eigen::Vector3d& middle, const Eigen::Vector3d& normal) {
-    return std::count_if(cloud.begin(), cloud.end(), [&](const Eigen::Vector3d& point) {
-      return std::abs(normal.dot(point - middle)) < kTolerance_m;
-    });
-  };
-  const auto told = plane.told.at("plane");
-  const auto count = on_it(plane.frame.origin_in_world, plane.normal());
-  double squares = 0;
-  for (const Eigen::Vector3d& point : cloud)
-    if (plane.off_m(point) < kTolerance_m) squares += plane.off_m(point) * plane.off_m(point);
-  // What is told is of the points that the last fit was made of, which then moved the plane a little.
-  EXPECT_NEAR(told.at("points").get<double>(), double(count), 0.01 * double(count));
-  EXPECT_NEAR(told.at("rms_m").get<double>(), std::sqrt(squares / double(count)), 0.01 * kTolerance_m);
-  // No other that three of its points make holds more.
-  Random random(1);
-  long most = 0;
-  for (int trial = 0; trial < 100; ++trial) {
-    const auto any = [&] { return cloud[random.below(std::uint32_t(cloud.size()))]; };
-    const Eigen::Vector3d a = any(), b = any(), c = any();
-    const Eigen::Vector3d normal = (b - a).cross(c - a);
-    if (normal.norm() > 1) most = std::max(most, long(on_it(a, normal.normalized())));
-  }
-  EXPECT_GE(count, most);
-  EXPECT_GT(most, 0);
-}
-
-void SmallProject::planes_that_cannot_be_drawn_are_refused_in_words() {
-  const std::string names = three_points(open_project(root_ / "mapped", {})->store.read_block().value());
-  const auto why = [&](const RectifyOptions& options) {
-    const auto done = rectify_plane(root_ / "mapped", root_ / "refused.tif", options, {});
-    return done ? std::string("done") : done.error().message;
-  };
-  EXPECT_NE(why({}).find("which plane"), std::string::npos);
-  EXPECT_NE(why({.control = names, .region = "0,0,1,1"}).find("which plane"), std::string::npos);
-  EXPECT_NE(why({.control = names, .sigma_px = 1.0}).find("--sigma-px"), std::string::npos);
-  EXPECT_NE(why({.control = names, .sigma_m = 0.0}).find("--sigma-m"), std::string::npos);
-  EXPECT_NE(why({.focal_px = 100.0, .control = names}).find("for a photograph"), std::string::npos);
-  EXPECT_NE(why({.control = "nobody," + names}).find("no point \"nobody\""), std::string::npos);
-  EXPECT_NE(why({.region = "0,0,1,1"}).find("0 points"), std::string::npos);
-  EXPECT_FALSE(fs::exists(root_ / "refused.tif"));
-}
-
-// Whether lengths are metres is what the orientation says, not whether the block has a place on the map.
-void SmallProject::a_plane_of_a_block_without_scale_says_so() {
-  const fs::path local = copy("local");
-  const std::string names = three_points(open_project(local, {})->store.read_block().value());
-  for (const bool metric : {true, false}) {
-    auto store = ProjectStore::open(local);
-    ASSERT_TRUE(store);
-    auto step = store->read_step("orient").value().value();
-    auto report = nlohmann::json::parse(step.report_json);
-    report["georeferenced"] = false, report["metric"] = metric;
-    step.report_json = report.dump();
-    ASSERT_TRUE(store->write_step(step));
-    const auto done = rectify_plane(local, root_ / "plane.tif", {.control = names}, {});
-    ASSERT_TRUE(done) << done.error().message;
-    EXPECT_EQ(done->find("no scale") == std::string::npos, metric) << *done;
-  }
-}
-
-void SmallProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change() {
+void WholeProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change() {
   const fs::path project = copy("seamlines"), mine = project / "mine.gpkg";
   const std::string picture = bytes_of(project / "products/ortho.tif");
   fs::copy_file(project / "products/seamlines.gpkg", mine);
@@ -562,7 +303,7 @@ void SmallProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_the
   EXPECT_NE(missing.error().message.find("mine.gpkg does not exist"), std::string::npos) << missing.error().message;
 }
 
-void SmallProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same() {
+void WholeProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same() {
   const fs::path project = copy("full_disk");
   fs::remove(project / "products/cloud.ply");
   const auto overviews = [&] {
@@ -592,7 +333,7 @@ void SmallProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_ru
   EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
 }
 
-void SmallProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte() {
+void WholeProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte() {
   const fs::path folder = root_ / "stopped";
   for (const std::string& step : step_names()) {
     std::stop_source stop;
@@ -617,7 +358,7 @@ void SmallProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_
     EXPECT_TRUE(bytes_of(folder / "products" / product) == bytes_of(root_ / "mapped/products" / product)) << product;
 }
 
-void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
+void WholeProject::files_left_half_written_are_swept_and_others_are_not() {
   const fs::path project = copy("swept");
   for (const char* file :
        {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
@@ -636,7 +377,7 @@ void SmallProject::files_left_half_written_are_swept_and_others_are_not() {
   EXPECT_TRUE(fs::exists(project / "download.part"));
 }
 
-void SmallProject::a_second_program_is_kept_out_but_may_look() {
+void WholeProject::a_second_program_is_kept_out_but_may_look() {
   Log log;
   const auto first = create_project(root_ / "mapped", settings(), log.run());
   ASSERT_TRUE(first);
@@ -647,7 +388,7 @@ void SmallProject::a_second_program_is_kept_out_but_may_look() {
   EXPECT_TRUE(open_project(root_ / "mapped", {}));
 }
 
-void SmallProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() {
+void WholeProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() {
   const fs::path photos = root_ / "with_broken";
   fs::copy(root_ / "images", photos);
   const fs::path broken = photos / "IMG_0002.jpg";
@@ -663,7 +404,7 @@ void SmallProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() 
   }));
 }
 
-TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
+TEST_F(WholeProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   every_image_is_oriented_and_every_product_there();
   projection_centres_are_where_they_were();
   info_tells_what_machines_read();
@@ -677,11 +418,6 @@ TEST_F(SmallProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   what_stands_in_the_way_of_a_product_is_named();
   a_changed_control_file_leaves_matching_alone();
   a_missing_product_is_made_again();
-  a_plane_through_control_shows_what_the_photographs_show_there();
-  a_plane_through_places_of_the_map_is_that_through_control();
-  the_plane_of_a_region_is_the_one_that_most_points_of_the_cloud_lie_on();
-  planes_that_cannot_be_drawn_are_refused_in_words();
-  a_plane_of_a_block_without_scale_says_so();
   given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change();
   a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
   stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
