@@ -63,15 +63,15 @@ void gather(const SortedPoints& sorted, int x, int y, std::vector<CellPoint>& ne
   }
 }
 
-SurfaceTile measure(const SortedPoints& sorted, double cell_m) {
+SurfaceTile measure(const SortedPoints& sorted, const Gridding& gridding) {
   const int width = sorted.window.width - 2 * kReachCells, height = sorted.window.height - 2 * kReachCells;
   SurfaceTile tile(width, height);
-  CellFit fit;
+  CellFit fit(share_alike(gridding.alike_cells));
   std::vector<CellPoint> near;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       gather(sorted, x + kReachCells, y + kReachCells, near);
-      const auto estimate = fit.estimate(near, cell_m);
+      const auto estimate = fit.estimate(near, gridding.cell_m);
       if (!estimate) continue;
       tile.height_m.at(x, y) = float(estimate->height_m);
       tile.sigma_m.at(x, y) = float(estimate->sigma_m);
@@ -86,12 +86,12 @@ SurfaceTile measure(const SortedPoints& sorted, double cell_m) {
 
 int margin_cells() { return kReachCells + kSmallestPatch; }
 
-SurfaceTile measure_window(std::vector<GridPoint> points, const CellWindow& window, double cell_m) {
+SurfaceTile measure_window(std::vector<GridPoint> points, const CellWindow& window, const Gridding& gridding) {
   const int margin = margin_cells();
   const CellWindow wide{window.column - margin, window.row - margin, window.width + 2 * margin,
                         window.height + 2 * margin};
-  SurfaceTile tile = measure(SortedPoints(std::move(points), wide), cell_m);
-  remove_specks(tile, cell_m);
+  SurfaceTile tile = measure(SortedPoints(std::move(points), wide), gridding);
+  remove_specks(tile, gridding.cell_m);
   return cropped(tile, {kSmallestPatch, kSmallestPatch, window.width, window.height});
 }
 

@@ -26,12 +26,19 @@ struct CellWindow {
 /// Rounds down, also below zero.
 [[nodiscard]] constexpr std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0); }
 
+/// How points make heights.
+struct Gridding {
+  double cell_m;
+  double alike_cells = 0;  ///< over which their errors are alike (share_alike)
+};
+
 /// How far outside a window points still matter to it [cells].
 [[nodiscard]] int margin_cells();
 
 /// The measured surface in a window: CellFit for every cell, then specks removed. `points` are all of the window and
 /// its margin, in any order. The result is the same, bit for bit, for every order of the points and for every way to
 /// cut the raster into windows.
-[[nodiscard]] SurfaceTile measure_window(std::vector<GridPoint> points, const CellWindow& window, double cell_m);
+[[nodiscard]] SurfaceTile measure_window(std::vector<GridPoint> points, const CellWindow& window,
+                                         const Gridding& gridding);
 
 }  // namespace collinea
