@@ -256,9 +256,11 @@ class Fusion {
   }
 
   // Depths of one point come from the same pictures: beside what each errs by itself there is what it shares with each
-  // other one. Overviews' depths are all of one vote.
+  // other one, also when that looks too much aside to be averaged. Overviews' depths are all of one vote.
   static double fused_sigma(const Votes& votes, int averaged, double weights, double sigma) {
-    return votes.measured > 1 ? std::sqrt((1 + kSharedSource / averaged) / weights) : sigma;
+    if (votes.measured < 2) return sigma;
+    const double n = std::max(averaged, 2), mean_variance = averaged / weights;
+    return std::sqrt((1 + kSharedSource / n) / n * mean_variance);
   }
 
   // Between the two rays to the point at depth z.
