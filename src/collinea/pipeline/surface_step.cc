@@ -13,7 +13,7 @@
 namespace collinea {
 namespace {
 
-constexpr std::size_t kBatch = 200'000;
+constexpr std::size_t kBatch = 65'536;
 
 PointSource points_of(LasReader& reader) {
   return [&reader](std::vector<SurfacePoint>& batch) -> Result<> {

@@ -16,7 +16,7 @@ namespace collinea {
 namespace {
 
 constexpr std::uint8_t kUnclassified = 1, kGround = 2;  // of ASPRS
-constexpr std::size_t kBatch = 200'000;
+constexpr std::size_t kBatch = 65'536;
 
 // Writes the cloud anew: all stays as it is but the classes. Returns how many points show the ground.
 Result<std::uint64_t> classify(const Project& project, const GroundSurface& ground) {

@@ -155,10 +155,13 @@ Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const Islands& is
                                   double cell_m, HoleFilling& holes) {
   constexpr int kRim = HoleFilling::kRim;
   const CellWindow wide = widened(square, kRim);
-  COLLINEA_TRY(auto points, buckets.points_in(widened(wide, margin_cells())));
-  std::erase_if(points, [&](const GridPoint& point) { return islands.holds(point); });
-  if (points.empty()) return SurfaceTile();
-  const SurfaceTile tile = measure_window(std::move(points), wide, cell_m);
+  const auto points_of = [&](const CellWindow& band) -> Result<std::vector<GridPoint>> {
+    COLLINEA_TRY(auto points, buckets.points_in(band));
+    std::erase_if(points, [&](const GridPoint& point) { return islands.holds(point); });
+    return points;
+  };
+  COLLINEA_TRY(const SurfaceTile tile, measure_window(points_of, wide, cell_m));
+  if (tile.state.empty()) return tile;
   holes.add(tile, square);
   return cropped(tile, {kRim, kRim, square.width, square.height});
 }
