@@ -9,6 +9,7 @@
 #include <span>
 
 #include "collinea/base/hash.h"
+#include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
@@ -177,6 +178,7 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const std::vector<ImageId> images,
                match_all(project, block, ties, pictures, overviews, folder, report["skipped"]));
   pictures.clear();
+  give_back_freed_memory();
 
   COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project, of_ties, places));
   COLLINEA_TRY(const FuseReport fused, fuse(

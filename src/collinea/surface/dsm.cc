@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/surface/hole_filling.h"
 #include "collinea/surface/islands.h"
@@ -216,6 +217,7 @@ Result<> make_model(const PointBuckets& buckets, const Islands& islands, const E
   HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
   if (auto measured = measure_all(buckets, islands, extent, cell_m, tiles, holes, run); !measured) return measured;
   holes.prepare();
+  give_back_freed_memory();
   const OrientationSigma orientation(places, {extent.west, extent.north, int(extent.width), int(extent.height)},
                                      cell_m);
   return fill_windows(tiles, extent, holes, orientation, sink, summary, run);
@@ -243,6 +245,8 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
     return tl::unexpected(std::move(collected).error());
   drop_strays(buckets, islands, summary);
   summary.points_dropped += islands.find(cell_m);
+  if (auto finished = buckets.finish(); !finished) return tl::unexpected(std::move(finished).error());
+  give_back_freed_memory();
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");
   COLLINEA_TRY(const Extent extent, extent_of(islands));
   summary.grid.cell_m = cell_m;

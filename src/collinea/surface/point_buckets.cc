@@ -87,6 +87,12 @@ Result<> PointBuckets::spill() {
   return {};
 }
 
+Result<> PointBuckets::finish() {
+  const bool any =
+      std::any_of(buckets_.begin(), buckets_.end(), [](const auto& b) { return !b.second.in_file.empty(); });
+  return any ? spill() : Result<>{};
+}
+
 void PointBuckets::drop(const Place& place) {
   const auto found = buckets_.find(place);
   if (found == buckets_.end()) return;

@@ -40,6 +40,8 @@ class PointBuckets {
   PointBuckets& operator=(const PointBuckets&) = delete;
 
   Result<> add(std::span<const GridPoint> points);
+  /// Once all points are there: what is in memory goes to the files, too, when there are any.
+  Result<> finish();
   [[nodiscard]] const std::map<Place, Bucket>& buckets() const { return buckets_; }
   void drop(const Place& place);
   /// Of points in memory, with the room that was made for more.
