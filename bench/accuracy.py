@@ -4,7 +4,8 @@
 
 usage: bench/accuracy.py [--data DIR] [--out DIR] [--only NAME,...] [--collinea PROGRAM] [--killed]
   --data  folder of the real blocks (default ../shared/data); blocks that are not there are skipped, saying so
-  --out   where the projects go (default build/bench-accuracy); projects found there are continued
+  --out   where the projects go (default build/bench-accuracy); rendered photographs found there are used again,
+          projects are not: a step that another build of the same version has done counts as up to date
   --killed  also runs each block again with bad files added, killed three times and resumed, and on one thread
             (bench/resume.py; depth maps at a quarter of the resolution): the products must be the same, bit for bit
 Needs python3-numpy.
@@ -12,6 +13,7 @@ Needs python3-numpy.
 import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -49,6 +51,12 @@ def collinea(*words):
     return done.stdout, time.time() - start
 
 
+def fresh(project):
+    """Nothing of what an earlier build did is left in it."""
+    shutil.rmtree(project, ignore_errors=True)
+    return project
+
+
 def info(project):
     out, _ = collinea("info", project, "--json")
     return json.loads(out) if out else {}
@@ -82,7 +90,7 @@ def demo(out):
     block, project = os.path.join(out, "block"), os.path.join(out, "project")
     if not os.path.exists(os.path.join(block, "truth", "dtm.tif")):
         collinea("simulate", block)
-    collinea("run", os.path.join(block, "images"), "-o", project, "--control", os.path.join(block, "control.csv"))
+    collinea("run", os.path.join(block, "images"), "-o", fresh(project), "--control", os.path.join(block, "control.csv"))
     i = info(project)
     assessed, _ = collinea("assess", project, os.path.join(block, "truth"))
     row("demo", oriented(i), f"check RMSE {axes(i.get('check_rmse_m'))} m, GSD {i.get('gsd_m', 0):.3f} m", cost(i))
@@ -95,7 +103,7 @@ def strecha(name):
         truth = strecha_centres(data)
         for kind, extra in (("known camera", ["--camera-params", STRECHA[name]]), ("self-calibrated", [])):
             project = os.path.join(out, kind.split()[0])
-            collinea("run", os.path.join(data, "images"), "-o", project, "--until", "orient", *extra)
+            collinea("run", os.path.join(data, "images"), "-o", fresh(project), "--until", "orient", *extra)
             i, e = info(project), oriented_centre_errors(project, truth)
             text = "none" if e is None else f"centres mean {1000 * e.mean():.2f} mm, max {1000 * e.max():.2f} mm"
             row(name + ", " + kind, oriented(i), text, cost(i))
@@ -105,7 +113,7 @@ def strecha(name):
 def park_gate(out):
     data = os.path.join(args.data, "park_gate")
     truth = park_gate_centres(os.path.join(data, "P_reference_halfres.txt"))
-    collinea("run", os.path.join(data, "images"), "-o", out, "--until", "orient")
+    collinea("run", os.path.join(data, "images"), "-o", fresh(out), "--until", "orient")
     i, e = info(out), oriented_centre_errors(out, truth)
     spread = np.linalg.norm(np.std(list(truth.values()), axis=0))
     text = "none" if e is None else f"centres mean {100 * e.mean() / spread:.2f} %, max {100 * e.max() / spread:.2f} % of their spread"
@@ -116,7 +124,7 @@ def real(folder, until, extra, text):
     def bench(out):
         data = os.path.join(args.data, folder)
         words = [w.replace("DATA", data) for w in extra]
-        collinea("run", os.path.join(data, "images"), "-o", out, "--until", until, *words)
+        collinea("run", os.path.join(data, "images"), "-o", fresh(out), "--until", until, *words)
         i = info(out)
         row(folder, oriented(i), text(i), cost(i))
         for finding in i.get("findings", []):

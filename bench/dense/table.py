@@ -142,6 +142,7 @@ def beach():
 
 # Rows of `collinea assess`: how they begin, what is wanted, where the figures are, and whether these are good enough.
 DEMO = [
+    ("cloud, sigma", "90-98 % within 95 % bounds", r"bounds ([\d.]+) %", lambda part: 90 <= part <= 98),
     ("surface model, smooth ground", "RMSE <= 0.7 GSD", r"RMSE .*?= ([\d.]+) GSD", lambda gsd: gsd <= 0.7),
     ("surface model, roofs", "RMSE <= 1.0 GSD", r"RMSE .*?= ([\d.]+) GSD", lambda gsd: gsd <= 1.0),
     ("surface model, walls", "RMS <= 2 GSD", r"RMS .*?= ([\d.]+) GSD", lambda gsd: gsd <= 2),
@@ -181,6 +182,7 @@ VILLAGES = [("smooth ground", "RMSE", 0.7), ("roofs", "RMSE", 1.0), ("walls", "m
 
 def villages():
     within, relative, rows = [], [], {of: [] for of in VILLAGES}
+    by_images = {}  # squares of errors of points in sigmas
     for seed in range(1, 7):
         out = os.path.join(args.out, f"village-{seed}")
         block, project = os.path.join(out, "block"), os.path.join(out, "project")
@@ -192,6 +194,9 @@ def villages():
         line_of = lambda what: next(l for l in lines if l.startswith("surface model, " + what))
         for bounds, what in ((within, "sigma"), (relative, "relative sigma")):
             bounds.append(float(re.search(r"bounds ([\d.]+) %", line_of(what))[1]))
+        points = next(l for l in lines if l.startswith("cloud, sigma"))
+        for images, rms in re.findall(r" (\d+): ([\d.]+)", points[points.index("by images:"):]):
+            by_images.setdefault(int(images), []).append(float(rms) ** 2)
         for of, errors in rows.items():
             errors.append(float(re.search(of[1] + r" (?:\S+ m = )?([\d.]+) GSD", line_of(of[0]))[1]))
     mean = sum(within) / len(within)
@@ -199,6 +204,9 @@ def villages():
         f"{mean:.1f} % ({', '.join(f'{w:.1f}' for w in within)})", 90 <= mean <= 98)
     row("six villages: 95 % bounds of relative sigmas, less the plane of all errors", "90-98 % in the mean of blocks",
         ", ".join(f"{r:.1f}" for r in relative) + " %", 90 <= sum(relative) / len(relative) <= 98)
+    rms = {images: math.sqrt(sum(squares) / len(squares)) for images, squares in sorted(by_images.items())}
+    row("six villages: errors of points in their sigmas, by the number of images", "RMS 0.8-1.25 for each number",
+        ", ".join(f"{images}: {r:.2f}" for images, r in rms.items()), all(0.8 <= r <= 1.25 for r in rms.values()))
     for (what, figure, limit), errors in rows.items():
         row(f"six villages: {what}", f"{figure} <= {limit} GSD in each" if limit else "-",
             f"{figure} {', '.join(f'{e:.2f}' for e in errors)} GSD", max(errors) <= limit if limit else None)

@@ -115,6 +115,17 @@ std::string line(const char* what, const HeightErrors& e, double unit_m) {
       what, e.cells, e.rmse_m, e.rmse_m / unit_m, e.nmad_m, e.nmad_m / unit_m, e.mean_m, 100 * e.share_gross);
 }
 
+std::string line(const CloudErrors& e) {
+  constexpr std::size_t kEnough = 300;  // points
+  std::string text = fmt::format(
+      "cloud, sigma                       {} points   within 95 % bounds {:.1f} %   beyond 5 sigmas {:.2f} %   RMS of "
+      "others in sigmas, by images:",
+      e.points, 100 * e.within_bounds, 100 * e.share_gross);
+  for (const auto& [images, points, rms] : e.by_images)
+    if (points >= kEnough) text += fmt::format(" {}: {:.2f}", images, rms);
+  return text + "\n";
+}
+
 }  // namespace
 
 Result<Assessment> assess(const Block& block, const ProductFiles& products, const TruthFolder& truth, const Run& run) {
@@ -132,6 +143,10 @@ Result<Assessment> assess(const Block& block, const ProductFiles& products, cons
   if (there(truth.dsm)) {
     COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(truth.dsm));
     result.gsd_m = reader.grid().cell_m;
+  }
+  if (there(products.cloud) && there(truth.dsm)) {
+    COLLINEA_TRY(const HeightField expected, open_height_field(truth.dsm));
+    COLLINEA_TRY(result.cloud, cloud_errors(products.cloud, expected, run));
   }
   if (there(products.dsm) && there(truth.dsm)) {
     COLLINEA_TRY(result.surface, assess_surface(products, truth, run));
@@ -157,6 +172,7 @@ std::string table(const Assessment& a) {
   }
   if (a.check_points) text += line("check points", *a.check_points);
   if (a.control_points) text += line("control points", *a.control_points);
+  if (a.cloud && a.cloud->points) text += line(*a.cloud);
   if (a.surface) {
     const double unit_m = a.gsd_m.value_or(a.surface->cell_m);
     text += line("surface model, all", a.surface->overall, unit_m);

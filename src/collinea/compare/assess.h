@@ -6,6 +6,7 @@
 #include <string>
 
 #include "collinea/base/run.h"
+#include "collinea/compare/cloud_errors.h"
 #include "collinea/compare/colour_errors.h"
 #include "collinea/compare/ortho_errors.h"
 #include "collinea/compare/pose_errors.h"
@@ -17,13 +18,14 @@ namespace collinea {
 
 /// The products to be assessed; paths that are empty or do not exist are left out.
 struct ProductFiles {
-  std::filesystem::path dsm, dsm_state, dsm_sigma, dsm_sigma_relative, dtm, dtm_state, ortho, ortho_source;
+  std::filesystem::path cloud, dsm, dsm_state, dsm_sigma, dsm_sigma_relative, dtm, dtm_state, ortho, ortho_source;
 };
 
 /// How far the results of a simulated block are from the truth.
 struct Assessment {
   PoseErrors poses;
   std::optional<PointErrors> check_points, control_points;  ///< nothing without such marks or without georeference
+  std::optional<CloudErrors> cloud;
   std::optional<SurfaceErrors> surface;
   std::optional<WallErrors> walls;
   std::optional<TerrainErrors> terrain;

@@ -7,6 +7,8 @@
 
 #include "collinea/base/random.h"
 #include "collinea/compare/assess.h"
+#include "collinea/image/test_folder.h"
+#include "collinea/io/las.h"
 #include "collinea/surface/surface_filter.h"
 
 namespace collinea {
@@ -213,6 +215,33 @@ TEST(SurfaceErrors, RoofsAreJudgedByThemselvesAndSigmasByTheErrors) {
   EXPECT_NEAR(proud->within_bounds, 0.673, 0.01);  // 0.98 sigma of a normal error
   EXPECT_NEAR(proud->roofs_within_bounds, 0.673, 0.02);
   EXPECT_GT(honest->bounds, 140'000u);
+}
+
+// Points of a tilted plane, whose sigmas are right for two images and half for three; some lie on something else.
+TEST(CloudErrors, AreToldInSigmasByTheNumberOfImages) {
+  const TestFolder folder;
+  Random random(7);
+  std::vector<CloudPoint> points;
+  for (int i = 0; i < 20'000; ++i) {
+    CloudPoint point;
+    const double x = random.uniform(1, 39), y = random.uniform(1, 39);
+    point.images = std::uint8_t(2 + i % 2);
+    point.sigma_m = 0.1f / float(1 + i % 2);
+    point.position = {x, y, 5 + 0.01 * x + 0.1 * random.normal() + (i % 100 == 0 ? 3 : 0)};
+    points.push_back(point);
+  }
+  auto writer = LasWriter::create(folder / "cloud.las", {.lowest = {0, 0, 0}, .highest = {40, 40, 10}});
+  ASSERT_TRUE(writer && writer->write(points) && writer->finish());
+  const HeightField truth = field_of(0.1, 400, [](double, double) { return 5.0f; });
+  const auto errors = cloud_errors(folder / "cloud.las", truth, collinea::Run{});
+  ASSERT_TRUE(errors) << errors.error().message;
+  EXPECT_EQ(errors->points, points.size());
+  ASSERT_EQ(errors->by_images.size(), 2u);
+  EXPECT_EQ(errors->by_images[0].images, 2);
+  EXPECT_NEAR(errors->by_images[0].rms, 1, 0.05);
+  EXPECT_NEAR(errors->by_images[1].rms, 2 * 0.955, 0.1);  // cut off at 2.5 of their real sigmas
+  EXPECT_NEAR(errors->share_gross, 0.01 + 0.0124 / 2, 0.005);
+  EXPECT_NEAR(errors->within_bounds, (0.95 + 0.673) / 2 - 0.01, 0.015);
 }
 
 // What a block's orientation does to all heights is not what their relative sigmas tell of.

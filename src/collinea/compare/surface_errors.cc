@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/compare/surface_errors.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,8 @@
 
 #include "collinea/base/median.h"
 #include "collinea/base/parallel.h"
+#include "collinea/compare/levelled.h"
+#include "collinea/compare/rough_cells.h"
 #include "collinea/ortho/world_lattice.h"
 #include "collinea/surface/surface_filter.h"
 
@@ -17,8 +18,7 @@ namespace {
 
 constexpr int kStripRows = 256;
 constexpr int kFarthest = 512;         // what may hide a place, and the margin of steps [cells of the truth]
-constexpr double kSteepest = 0.3;      // rise per run of smooth ground
-constexpr double kSteepestRoof = 1.5;  // the same; what is steeper is a wall
+constexpr double kSteepestRoof = 1.5;  // rise per run; what is steeper is a wall
 constexpr double kRoof_m = 1;          // above the ground
 constexpr int kStepMargin = 3;         // [cells of the model]
 constexpr double kBound = 1.96;        // sigmas that hold 95 % of normal errors
@@ -34,55 +34,6 @@ struct TrueStrip {
   Raster<std::uint8_t> rough;   // steep, or near a step
   Raster<std::uint8_t> broken;  // a wall, or near one
 };
-
-// Steep cells, and all within `margin` of them (square neighbourhood, one direction after the other).
-Raster<std::uint8_t> rough_cells(const FloatImage& heights_m, double cell_m, int margin, double steepest) {
-  Raster<std::uint8_t> steep(heights_m.width, heights_m.height), rows = steep, result = steep;
-  const float most = float(steepest * cell_m);
-  const auto mark = [&](int x, int y, int u, int v) {
-    if (!(std::abs(heights_m.at(x, y) - heights_m.at(u, v)) <= most)) steep.at(x, y) = steep.at(u, v) = 1;
-  };
-  for (int y = 0; y < steep.height; ++y) {
-    for (int x = 0; x < steep.width; ++x) {
-      if (x + 1 < steep.width) mark(x, y, x + 1, y);
-      if (y + 1 < steep.height) mark(x, y, x, y + 1);
-    }
-  }
-  for (int y = 0; y < steep.height; ++y)
-    for (int x = 0; x < steep.width; ++x)
-      if (steep.at(x, y))
-        std::fill(rows.row(y) + std::max(0, x - margin), rows.row(y) + std::min(steep.width, x + margin + 1),
-                  std::uint8_t{1});
-  for (int y = 0; y < steep.height; ++y)
-    for (int v = std::max(0, y - margin); v <= std::min(steep.height - 1, y + margin); ++v)
-      for (int x = 0; x < steep.width; ++x) result.at(x, y) |= rows.at(x, v);
-  return result;
-}
-
-// An error that a bound was looked at for, and where in the model.
-struct BoundedError {
-  float column, row, error_m, sigma_m;
-};
-
-// Of errors less the plane that fits them best the share within bounds.
-double levelled_within(const std::vector<BoundedError>& errors, const MapGrid& grid) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  const auto row_of = [&](const BoundedError& one) {
-    return Eigen::Vector3d(1, double(one.column) / grid.width - 0.5, double(one.row) / grid.height - 0.5);
-  };
-  for (const BoundedError& one : errors) {
-    normal += row_of(one) * row_of(one).transpose();
-    right += row_of(one) * double(one.error_m);
-  }
-  const Eigen::LDLT<Eigen::Matrix3d> solved(normal);
-  if (errors.size() < 4 || !(solved.vectorD().minCoeff() > 1e-9 * solved.vectorD().maxCoeff())) return 0;
-  const Eigen::Vector3d plane = solved.solve(right);
-  std::size_t within = 0;
-  for (const BoundedError& one : errors)
-    within += std::abs(double(one.error_m) - row_of(one).dot(plane)) <= kBound * double(one.sigma_m);
-  return double(within) / double(errors.size());
-}
 
 class Assessor {
  public:
@@ -112,7 +63,7 @@ class Assessor {
   std::vector<float> overall_, smooth_measured_, smooth_interpolated_, roofs_;
   std::size_t bounds_ = 0, within_ = 0, roof_bounds_ = 0, roofs_within_ = 0, found_ = 0, measured_ = 0, seen_ = 0,
               seen_found_ = 0;
-  std::vector<BoundedError> some_bounded_;
+  std::vector<PlacedError> some_bounded_;
 };
 
 // Heights that are no more than the nearest on a step, and exact on smooth ground.
@@ -147,7 +98,9 @@ void Assessor::add_cell(const FloatImage& heights, const FloatImage& sigmas, con
   }
   if (!counts || sigmas.empty() || !(sigmas.at(x, y) > 0)) return;
   const bool within = std::abs(z - expected) <= kBound * double(sigmas.at(x, y));
-  if (bounds_++ % kSome == 0) some_bounded_.push_back({float(x), float(row + y), z - expected, sigmas.at(x, y)});
+  if (bounds_++ % kSome == 0)
+    some_bounded_.push_back(
+        {model_.grid.east_of(x + 0.5), model_.grid.north_of(row + y + 0.5), z - expected, sigmas.at(x, y)});
   within_ += within;
   roof_bounds_ += roof;
   roofs_within_ += roof && within;
@@ -193,7 +146,7 @@ Result<> Assessor::add_strip(int row, int rows) {
   strip.first_row = top;
   COLLINEA_TRY(strip.heights_m, truth_.read(0, top, truth_.grid.width, bottom - top));
   const int margin = int(std::ceil(kStepMargin * model_.grid.cell_m / truth_.grid.cell_m));
-  strip.rough = rough_cells(strip.heights_m, truth_.grid.cell_m, margin, kSteepest);
+  strip.rough = rough_cells(strip.heights_m, truth_.grid.cell_m, margin, kSteepestSmooth);
   if (terrain_) {
     COLLINEA_TRY(strip.terrain_m, terrain_->read(0, top, truth_.grid.width, bottom - top));
     strip.broken = rough_cells(strip.heights_m, truth_.grid.cell_m, margin, kSteepestRoof);
@@ -240,7 +193,12 @@ Result<SurfaceErrors> Assessor::all() {
   errors.bounds = bounds_;
   errors.within_bounds = bounds_ > 0 ? double(within_) / double(bounds_) : 0;
   errors.roofs_within_bounds = roof_bounds_ > 0 ? double(roofs_within_) / double(roof_bounds_) : 0;
-  errors.levelled_within_bounds = levelled_within(some_bounded_, model_.grid);
+  if (take_off_plane(some_bounded_)) {
+    const auto within = std::count_if(some_bounded_.begin(), some_bounded_.end(), [](const PlacedError& one) {
+      return std::abs(one.error_m) <= kBound * double(one.sigma_m);
+    });
+    errors.levelled_within_bounds = double(within) / double(some_bounded_.size());
+  }
   const double cells = double(true_cells) * std::pow(truth_.grid.cell_m / model_.grid.cell_m, 2);
   errors.completeness = std::min(1.0, double(found_) / cells);
   errors.completeness_measured = std::min(1.0, double(measured_) / cells);

@@ -23,7 +23,7 @@ constexpr int kStripRows = 32;
 constexpr std::size_t kStripsAtOnce = 4;  // for each thread: their points and marks are in memory together
 constexpr int kMostNeighbours = 20;
 constexpr double kFramePx = 6;           // at the border of a picture little is measured
-constexpr double kSharedSource = 4;      // depths of one surface point come from the same pictures: not independent
+constexpr double kSharedSource = 8;      // in so many maps depths of one point have as much in common as of their own
 constexpr double kSamePlacePx = 0.63;    // smaller: places are written twice; larger: gaps where one image takes over
 constexpr double kRoughReach = 2;        // sigmas, where these are larger than max_reprojection_px: rough surfaces
 constexpr double kSmallestCosine = 0.1;  // between ray and normal, to move a depth along the surface
@@ -238,6 +238,7 @@ class Fusion {
     const Vector3 ray = pinhole.ray(x + 0.5, y + 0.5);
     const auto normal = normal_at(*reference_, pinhole, x, y);
     double weights = 1 / (sigma * sigma), sum = z * weights;
+    int averaged = 1;
     Votes votes;
     votes.agreed = weights;
     const std::size_t first_mark = marks.size();
@@ -274,6 +275,7 @@ class Fusion {
       if (const double moved = depth_on_ray(back, ray, normal); std::abs(moved - z) <= tolerance) {
         weights += weight;
         sum += weight * moved;
+        ++averaged;
       }
       mark_around(i, u, v, there.z(), 2 * tolerance, marks);
     }
@@ -284,9 +286,17 @@ class Fusion {
     FusedPoint point;
     point.position_in_world = world_from_cam * (ray * (sum / weights));
     point.normal_in_world = (world_from_cam.rotation * normal.value_or(-ray.normalized())).cast<float>();
-    point.sigma = float(std::min(std::sqrt(kSharedSource / weights), sigma) * ray.norm());
+    point.sigma = float(fused_sigma(votes, averaged, weights, sigma) * ray.norm());
     point.images = std::uint8_t(std::min(votes.agreeing, 255));
     return point;
+  }
+
+  // Depths of one point come from the same pictures: beside what each errs by itself there is what it shares with each
+  // other one, also when that looks too much aside to be averaged. Overviews' depths are all of one vote.
+  static double fused_sigma(const Votes& votes, int averaged, double weights, double sigma) {
+    if (votes.measured < 2) return sigma;
+    const double n = std::max(averaged, 2), mean_variance = averaged / weights;
+    return std::sqrt((1 + kSharedSource / n) / n * mean_variance);
   }
 
   // Between the two rays to the point at depth z.

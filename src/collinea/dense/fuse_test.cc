@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -112,6 +113,21 @@ TEST(Fuse, AgreeingMapsAreMoreAccurateThanOne) {
   double sum = 0;
   for (const FusedPoint& p : cloud.points) sum += std::pow(height_above_ground(scene, p), 2);
   EXPECT_LT(std::sqrt(sum / double(cloud.points.size())), 0.8 * 0.05);
+}
+
+// The same pictures tell all of them: n maps err less than one, but more than n independent ones would.
+TEST(Fuse, SigmasKnowThatMapsShareTheirPictures) {
+  constexpr float kSigma = 0.01f;
+  const Scene scene = Scene::of_four({.slope = 0});
+  MemoryStore store = true_maps(scene, kSigma, 0);
+  std::set<int> seen;
+  for (const FusedPoint& p : fused(scene, store).points) {
+    const double n = p.images, expected = kSigma * std::sqrt(1 / n + 8 / (n * n));  // of a ray of length 1
+    ASSERT_GT(p.sigma, 0.999 * expected) << n;
+    ASSERT_LT(p.sigma, 1.3 * expected) << n;
+    seen.insert(p.images);
+  }
+  EXPECT_EQ(seen, (std::set<int>{2, 3, 4}));
 }
 
 TEST(Fuse, WhatOneMapAloneSaysIsDropped) {

@@ -12,7 +12,8 @@ Result<std::string> assess_project(const Project& project, const std::filesystem
   if (block.cam_from_world.empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   const auto products = project.folder / "products";
-  const ProductFiles files{.dsm = products / "dsm.tif",
+  const ProductFiles files{.cloud = products / "cloud.las",
+                           .dsm = products / "dsm.tif",
                            .dsm_state = products / "dsm_state.tif",
                            .dsm_sigma = products / "dsm_sigma.tif",
                            .dsm_sigma_relative = products / "dsm_sigma_relative.tif",

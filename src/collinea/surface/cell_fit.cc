@@ -33,10 +33,8 @@ double nearness(double d2, double reach) {
   return t * t * t;
 }
 
-double variance_of(const CellPoint& p, double cell_m) {
-  // A point stands for its surroundings only so well, however precise it is.
-  return double(p.sigma_m) * p.sigma_m + 0.01 * cell_m * cell_m;
-}
+// A point stands for its surroundings only so well, however precise it is.
+double variance_of(const CellPoint& p, double cell_m) { return double(p.sigma_m) * p.sigma_m + 0.01 * cell_m * cell_m; }
 
 // The harmonic mean: a few points of large sigma do not matter.
 double typical_sigma_m(std::span<const CellPoint> near) {
@@ -46,6 +44,13 @@ double typical_sigma_m(std::span<const CellPoint> near) {
 }
 
 }  // namespace
+
+double share_alike(double length_cells) {
+  constexpr double kOwn = 0.07;          // of the variance, that even the nearest points do not share
+  constexpr double kBetween = 4 * 0.27;  // of distances of two points in the weights of a fit, mean square [cells^2]
+  const double length2 = length_cells * length_cells;
+  return (1 - kOwn) * length2 / (length2 + kBetween / 2);
+}
 
 std::optional<CellEstimate> CellFit::estimate(std::span<const CellPoint> near, double cell_m) {
   if (near.empty()) return std::nullopt;
@@ -172,21 +177,23 @@ CellFit::Plane CellFit::fit_robustly(double floor_m, double most_leverage) {
 }
 
 double CellFit::sigma_of(const Plane& plane, double cell_m) const {
-  double w = 0, w2v = 0, misfit = 0, expected = 0;
+  double w = 0, ws = 0, w2v = 0, misfit = 0, expected = 0;
   int points = 0;
   for (const Weighted& u : used_) {
     const double variance = variance_of(*u.point, cell_m);
     w += u.weight;
+    ws += u.weight * double(u.point->sigma_m);
     w2v += u.weight * u.weight * variance;
     misfit += u.weight * u.residual * u.residual;
     expected += u.weight * variance;
     points += u.weight > 0;
   }
+  // Points that share their errors scatter less than these are large.
   double factor = 1;
-  if (points > 4) factor = std::max(1.0, misfit / expected * points / (points - 3));
+  if (points > 4) factor = std::max(1 - alike_, misfit / expected * points / (points - 3));
   // All points of a window are aside together.
   const double aside2 = kAside * kAside * (plane.slope_x * plane.slope_x + plane.slope_y * plane.slope_y);
-  return std::sqrt(w2v / (w * w) * (1 + plane.leverage) * factor + aside2);
+  return std::sqrt(alike_ * ws * ws / (w * w) + w2v / (w * w) * (1 + plane.leverage) * factor + aside2);
 }
 
 }  // namespace collinea

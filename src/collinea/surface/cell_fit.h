@@ -17,17 +17,24 @@ struct CellPoint {
 
 struct CellEstimate {
   double height_m = 0;  ///< at the centre of the cell
-  double sigma_m = 0;   ///< from the points' sigmas and scatter, as if independent, and from their place on a slope
+  double sigma_m = 0;   ///< from the points' sigmas and scatter, and from their place on a slope
   int points = 0;       ///< that took part
 };
 
 /// How far from the centre of a cell points may have a say [cells]: pass all of them to CellFit.
 constexpr double kCellReach = 2.0;
 
+/// The share of the variance of points' errors that those which make one cell have in common, when errors at a distance
+/// d are alike by exp(-d^2 / 2 L^2), L = `length_cells`; 0: none.
+[[nodiscard]] double share_alike(double length_cells);
+
 /// Finds the height of single cells. It only holds memory that is used again from cell to cell; the answer depends on
 /// the arguments alone.
 class CellFit {
  public:
+  /// `alike`: the share of the variance of points' errors that those which make one cell have in common.
+  explicit CellFit(double alike = 0) : alike_(alike) {}
+
   /// The surface seen from above at one cell: the uppermost level in the cell that has support around (roofs win over
   /// the walls and the ground below them, single high points lose), or, in a cell without points, the level of the
   /// nearest point; then a robust plane through the points of that level up to 1.5 cells away, weighted by their
@@ -53,6 +60,7 @@ class CellFit {
   Plane fit_robustly(double floor_m, double most_leverage);
   double sigma_of(const Plane& plane, double cell_m) const;
 
+  double alike_;
   std::vector<double> numbers_;
   std::vector<Weighted> used_;
 };

@@ -25,6 +25,7 @@ constexpr int kTileCells = 512;
 constexpr std::size_t kPointMemory = std::size_t{64} << 20;
 constexpr std::size_t kTileMemory = std::size_t{16} << 20;
 constexpr double kMostCells = 2e10;
+constexpr double kAlikePixels = 3.1;  // over which windows of 7 x 7 pixels make errors alike (docs/theory/surface.md)
 
 int widest_hole_cells(const DsmOptions& options, double cell_m) {
   const double widest = options.fill_holes_m ? *options.fill_holes_m / cell_m : kWidestHoleCells;
@@ -153,7 +154,7 @@ CellWindow widened(const CellWindow& window, int margin) {
 
 // Measures a square of the model and shows it to `holes`. Without points: no rasters.
 Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const Islands& islands, const CellWindow& square,
-                                  double cell_m, HoleFilling& holes) {
+                                  const Gridding& gridding, HoleFilling& holes) {
   constexpr int kRim = HoleFilling::kRim;
   const CellWindow wide = widened(square, kRim);
   const auto points_of = [&](const CellWindow& band) -> Result<std::vector<GridPoint>> {
@@ -161,14 +162,14 @@ Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const Islands& is
     std::erase_if(points, [&](const GridPoint& point) { return islands.holds(point); });
     return points;
   };
-  COLLINEA_TRY(const SurfaceTile tile, measure_window(points_of, wide, cell_m));
+  COLLINEA_TRY(const SurfaceTile tile, measure_window(points_of, wide, gridding));
   if (tile.state.empty()) return tile;
   holes.add(tile, square);
   return cropped(tile, {kRim, kRim, square.width, square.height});
 }
 
-Result<> measure_all(const PointBuckets& buckets, const Islands& islands, const Extent& extent, double cell_m,
-                     MeasuredTiles& tiles, HoleFilling& holes, const Run& run) {
+Result<> measure_all(const PointBuckets& buckets, const Islands& islands, const Extent& extent,
+                     const Gridding& gridding, MeasuredTiles& tiles, HoleFilling& holes, const Run& run) {
   constexpr int kCells = MeasuredTiles::kCells;
   static_assert(kCells % HoleFilling::kBlock == 0);
   std::vector<MeasuredTiles::Place> places;
@@ -179,7 +180,7 @@ Result<> measure_all(const PointBuckets& buckets, const Islands& islands, const 
       places.size(), run, 0, 0.8,
       [&](std::size_t i) {
         const CellWindow square{places[i].first * kCells, places[i].second * kCells, kCells, kCells};
-        return measured_tile(buckets, islands, square, cell_m, holes);
+        return measured_tile(buckets, islands, square, gridding, holes);
       },
       [&](std::size_t i, SurfaceTile tile) -> Result<> {
         return tile.state.empty() ? Result<>{} : tiles.add(places[i], std::move(tile));
@@ -209,16 +210,19 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
       });
 }
 
-Result<> make_model(const PointBuckets& buckets, const Islands& islands, const Extent& extent, int widest_hole,
-                    const std::vector<PlaceSigma>& places, const SurfaceSink& sink,
+Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets, const Islands& islands,
+                    const Extent& extent, int widest_hole, const SurfaceSink& sink,
                     const std::filesystem::path& scratch, DsmSummary& summary, const Run& run) {
   const double cell_m = summary.grid.cell_m;
   MeasuredTiles tiles(scratch, kTileMemory);
   HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
-  if (auto measured = measure_all(buckets, islands, extent, cell_m, tiles, holes, run); !measured) return measured;
+  if (auto measured = measure_all(buckets, islands, extent,
+                                  {cell_m, kAlikePixels * std::max(0.0, cloud.gsd_m) / cell_m}, tiles, holes, run);
+      !measured)
+    return measured;
   holes.prepare();
   give_back_freed_memory();
-  const OrientationSigma orientation(places, {extent.west, extent.north, int(extent.width), int(extent.height)},
+  const OrientationSigma orientation(cloud.places, {extent.west, extent.north, int(extent.width), int(extent.height)},
                                      cell_m);
   return fill_windows(tiles, extent, holes, orientation, sink, summary, run);
 }
@@ -255,8 +259,8 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
   summary.grid.width = int(extent.width), summary.grid.height = int(extent.height);
   if (cloud.frame) summary.grid.wkt = cloud.frame->wkt1();
   if (auto begun = sink.begin(summary.grid); !begun) return tl::unexpected(std::move(begun).error());
-  if (auto made = make_model(buckets, islands, extent, widest_hole_cells(options, cell_m), cloud.places, sink, scratch,
-                             summary, run);
+  if (auto made =
+          make_model(cloud, buckets, islands, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run);
       !made)
     return tl::unexpected(std::move(made).error());
   if (summary.measured_cells > 0)

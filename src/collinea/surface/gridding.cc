@@ -64,13 +64,13 @@ void gather(const SortedPoints& sorted, int x, int y, std::vector<CellPoint>& ne
 }
 
 // The rows of `tile` from `first_row` on of which `sorted` has all points.
-void measure(const SortedPoints& sorted, double cell_m, int first_row, SurfaceTile& tile) {
-  CellFit fit;
+void measure(const SortedPoints& sorted, const Gridding& gridding, int first_row, SurfaceTile& tile) {
+  CellFit fit(share_alike(gridding.alike_cells));
   std::vector<CellPoint> near;
   for (int y = 0; y < sorted.window.height - 2 * kReachCells; ++y) {
     for (int x = 0; x < sorted.window.width - 2 * kReachCells; ++x) {
       gather(sorted, x + kReachCells, y + kReachCells, near);
-      const auto estimate = fit.estimate(near, cell_m);
+      const auto estimate = fit.estimate(near, gridding.cell_m);
       if (!estimate) continue;
       tile.height_m.at(x, first_row + y) = float(estimate->height_m);
       tile.sigma_m.at(x, first_row + y) = float(estimate->sigma_m);
@@ -84,7 +84,7 @@ void measure(const SortedPoints& sorted, double cell_m, int first_row, SurfaceTi
 
 int margin_cells() { return kReachCells + kSmallestPatch; }
 
-Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& window, double cell_m) {
+Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& window, const Gridding& gridding) {
   SurfaceTile tile;
   const int width = window.width + 2 * kSmallestPatch, height = window.height + 2 * kSmallestPatch;
   for (int row = 0; row < height; row += kBandRows) {
@@ -94,10 +94,10 @@ Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& 
     COLLINEA_TRY(auto points, points_of(band));
     if (points.empty()) continue;
     if (tile.state.empty()) tile = SurfaceTile(width, height);
-    measure(SortedPoints(std::move(points), band), cell_m, row, tile);
+    measure(SortedPoints(std::move(points), band), gridding, row, tile);
   }
   if (tile.state.empty()) return tile;
-  remove_specks(tile, cell_m);
+  remove_specks(tile, gridding.cell_m);
   return cropped(tile, {kSmallestPatch, kSmallestPatch, window.width, window.height});
 }
 

@@ -28,6 +28,12 @@ struct CellWindow {
 /// Rounds down, also below zero.
 [[nodiscard]] constexpr std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0); }
 
+/// How points make heights.
+struct Gridding {
+  double cell_m;
+  double alike_cells = 0;  ///< over which their errors are alike (share_alike)
+};
+
 /// How far outside a window points still matter to it [cells].
 [[nodiscard]] int margin_cells();
 
@@ -38,7 +44,8 @@ using PointsOf = std::function<Result<std::vector<GridPoint>>(const CellWindow& 
 /// its margin: no rasters. Points are asked for in bands of kBandRows rows and a few more, which are all that is in
 /// memory of them. The result is the same, bit for bit, for every order of the points and for every way to cut the
 /// raster into windows. Errors: those of `points_of`.
-[[nodiscard]] Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& window, double cell_m);
+[[nodiscard]] Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& window,
+                                                 const Gridding& gridding);
 constexpr int kBandRows = 64;
 
 }  // namespace collinea

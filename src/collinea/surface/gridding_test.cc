@@ -7,9 +7,11 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <numbers>
 #include <vector>
 
 #include "collinea/base/random.h"
+#include "collinea/surface/cell_fit.h"
 
 namespace collinea {
 namespace {
@@ -53,8 +55,8 @@ PointsOf those_of(const std::vector<GridPoint>& points) {
   };
 }
 
-SurfaceTile measure_window(const std::vector<GridPoint>& points, const CellWindow& window, double cell_m) {
-  return measure_window(those_of(points), window, cell_m).value();
+SurfaceTile measure_window(const std::vector<GridPoint>& points, const CellWindow& window, const Gridding& gridding) {
+  return measure_window(those_of(points), window, gridding).value();
 }
 
 bool is(const SurfaceTile& tile, CellState state, int x, int y) { return tile.state.at(x, y) == std::uint8_t(state); }
@@ -71,7 +73,7 @@ constexpr double kCell = 0.1;
 // left.
 TEST(Gridding, MeetsAnInclinedPlane) {
   const auto plane = [](double x, double y) { return 1.0 + 0.03 * x - 0.02 * y; };
-  const SurfaceTile tile = measure_window(spread(plane), kWindow, kCell);
+  const SurfaceTile tile = measure_window(spread(plane), kWindow, {kCell});
   EXPECT_EQ(share(tile, CellState::kMeasured), 1);
   double worst = 0;
   for (int y = 0; y < 40; ++y)
@@ -84,7 +86,7 @@ TEST(Gridding, MeetsAnInclinedPlane) {
 TEST(Gridding, NoiseDoesNotLiftFlatGround) {
   const SurfaceTile tile = measure_window(sprinkle(
                                               -20, 60, 4, [](double, double) { return 5; }, kSigma),
-                                          kWindow, kCell);
+                                          kWindow, {kCell});
   double sum = 0, squares = 0, claimed = 0;
   for (std::size_t i = 0; i < tile.height_m.data.size(); ++i) {
     const double error = tile.height_m.data[i] - 5.0;
@@ -95,12 +97,50 @@ TEST(Gridding, NoiseDoesNotLiftFlatGround) {
   EXPECT_GT(squares / 1600, claimed / 1600 * 0.4);
 }
 
+// White noise under a Gaussian of the width w is alike by exp(-d^2 / 4 w^2). What all points of a cell share, no number
+// of them makes smaller.
+TEST(Gridding, SigmaCoversErrorsThatAreAlike) {
+  constexpr double kAlike = 3.1, kWidth = 2 * kAlike / std::numbers::sqrt2;  // of cells, of half cells
+  constexpr int kBlocks = 60, kSide = 64, kReach = 12;                       // half cells
+  double chi2 = 0;
+  int cells = 0;
+  for (int block = 0; block < kBlocks; ++block) {
+    Random random(8, std::uint64_t(block));
+    constexpr int kAll = kSide + 2 * kReach;
+    std::vector<double> white(kAll * kAll), rows(white.size());
+    for (double& value : white) value = random.normal();
+    double weight[2 * kReach + 1], squares = 0;
+    for (int i = -kReach; i <= kReach; ++i)
+      squares += std::pow(weight[i + kReach] = std::exp(-0.5 * i * i / (kWidth * kWidth)), 2);
+    for (int y = 0; y < kAll; ++y)
+      for (int x = kReach; x < kSide + kReach; ++x)
+        for (int i = -kReach; i <= kReach; ++i)
+          rows[std::size_t(y * kAll + x)] += weight[i + kReach] * white[std::size_t(y * kAll + x + i)];
+    std::vector<GridPoint> points;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        double sum = 0;
+        for (int i = -kReach; i <= kReach; ++i)
+          sum += weight[i + kReach] * rows[std::size_t((y + kReach + i) * kAll + x + kReach)];
+        const double error = std::sqrt(0.93) * sum / squares + std::sqrt(0.07) * random.normal();
+        points.push_back({x / 2.0 + 0.25, y / 2.0 + 0.25, 5 + kSigma * error, kSigma, 0});
+      }
+    const SurfaceTile tile = measure_window(std::move(points), {0, 0, kSide / 2, kSide / 2}, {kCell, kAlike});
+    for (int y = 4; y < kSide / 2; y += 12)
+      for (int x = 4; x < kSide / 2; x += 12, ++cells)
+        chi2 += std::pow((tile.height_m.at(x, y) - 5) / tile.sigma_m.at(x, y), 2);
+  }
+  EXPECT_NEAR(chi2 / cells, 1, 4 * std::sqrt(2.0 / cells));
+  EXPECT_NEAR(share_alike(kAlike), 0.88, 0.01);
+  EXPECT_EQ(share_alike(0), 0);
+}
+
 // On a slope a pixel's breadth of doubt where a point lies is doubt of the height, however many points there are.
 TEST(Gridding, SigmaOnASlopeKnowsThatPlacesAreKnownToAPixel) {
   const double slope = 0.9;
   const auto plane = [&](double x, double y) { return slope * kCell * (0.6 * x + 0.8 * y); };
-  const SurfaceTile level = measure_window(spread([](double, double) { return 0; }), kWindow, kCell);
-  const SurfaceTile tilted = measure_window(spread(plane), kWindow, kCell);
+  const SurfaceTile level = measure_window(spread([](double, double) { return 0; }), kWindow, {kCell});
+  const SurfaceTile tilted = measure_window(spread(plane), kWindow, {kCell});
   for (std::size_t i = 0; i < level.sigma_m.data.size(); ++i) {
     const double own = double(level.sigma_m.data[i]), all = double(tilted.sigma_m.data[i]);
     ASSERT_NEAR(all * all - own * own, std::pow(slope * kCell, 2) / 12, 2e-5) << i;
@@ -109,7 +149,7 @@ TEST(Gridding, SigmaOnASlopeKnowsThatPlacesAreKnownToAPixel) {
 
 TEST(Gridding, AStepKeepsBothLevels) {
   const auto step = [](double x, double) { return x < 20 ? 0.0 : 3.0; };
-  const SurfaceTile tile = measure_window(spread(step), kWindow, kCell);
+  const SurfaceTile tile = measure_window(spread(step), kWindow, {kCell});
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 40; ++x) ASSERT_NEAR(tile.height_m.at(x, y), x < 20 ? 0.0 : 3.0, 1e-6) << x << ' ' << y;
 }
@@ -118,7 +158,7 @@ TEST(Gridding, PointsOnAWallGiveTheRoof) {
   auto points = sprinkle(-20, 60, 3, [](double x, double) { return x < 20 ? 0.0 : 3.0; });
   Random random(9);
   for (int i = 0; i < 80 * 40; ++i) points.push_back({20.3, random.uniform(-20, 60), random.uniform(0, 3), kSigma, 0});
-  const SurfaceTile tile = measure_window(std::move(points), kWindow, kCell);
+  const SurfaceTile tile = measure_window(std::move(points), kWindow, {kCell});
   for (int y = 0; y < 40; ++y) {
     EXPECT_NEAR(tile.height_m.at(20, y), 3, 0.1) << y;  // one cell: the rim of the roof may bend a little
     EXPECT_NEAR(tile.height_m.at(18, y), 0, 0.02) << y;
@@ -129,7 +169,7 @@ TEST(Gridding, PointsOnAWallGiveTheRoof) {
 TEST(Gridding, SinglePointsAboveAndBelowAreIgnored) {
   auto points = sprinkle(-20, 60, 3, [](double, double) { return 0; });
   for (int i = 2; i < 40; i += 6) points.push_back({i + 0.5, i + 0.4, i % 4 ? 2.0 : -2.0, kSigma, 0});
-  const SurfaceTile tile = measure_window(std::move(points), kWindow, kCell);
+  const SurfaceTile tile = measure_window(std::move(points), kWindow, {kCell});
   for (const float z : tile.height_m.data) ASSERT_NEAR(z, 0, 1e-6);
 }
 
@@ -137,7 +177,7 @@ TEST(Gridding, ASmallClumpOfWrongPointsIsRemoved) {
   auto points = sprinkle(-20, 60, 3, [](double, double) { return 0; });
   Random random(5);
   for (int i = 0; i < 12; ++i) points.push_back({10 + random.uniform(0, 2), 10 + random.uniform(0, 2), 4.0, kSigma, 0});
-  const SurfaceTile tile = measure_window(std::move(points), kWindow, kCell);
+  const SurfaceTile tile = measure_window(std::move(points), kWindow, {kCell});
   for (std::size_t i = 0; i < tile.state.data.size(); ++i) {
     const bool measured = tile.state.data[i] == std::uint8_t(CellState::kMeasured);
     ASSERT_NEAR(measured ? tile.height_m.data[i] : 0, 0, 1e-6);
@@ -147,14 +187,14 @@ TEST(Gridding, ASmallClumpOfWrongPointsIsRemoved) {
 
 TEST(Gridding, AChimneyOfFourCellsStays) {
   const auto chimney = [](double x, double y) { return x >= 18 && x < 22 && y >= 18 && y < 22 ? 2.0 : 0.0; };
-  const SurfaceTile tile = measure_window(sprinkle(-20, 60, 3, chimney), kWindow, kCell);
+  const SurfaceTile tile = measure_window(sprinkle(-20, 60, 3, chimney), kWindow, {kCell});
   EXPECT_NEAR(tile.height_m.at(19, 19), 2, 1e-6);
   EXPECT_NEAR(tile.height_m.at(20, 20), 2, 1e-6);
   EXPECT_NEAR(tile.height_m.at(15, 20), 0, 1e-6);
 }
 
 TEST(Gridding, ASparseCloudStillGivesASurface) {
-  const SurfaceTile tile = measure_window(sprinkle(-20, 60, 0.6, [](double, double) { return 1; }), kWindow, kCell);
+  const SurfaceTile tile = measure_window(sprinkle(-20, 60, 0.6, [](double, double) { return 1; }), kWindow, {kCell});
   EXPECT_GT(share(tile, CellState::kMeasured), 0.85);
 }
 
@@ -166,7 +206,7 @@ std::vector<GridPoint> with_hole(double from, double to) {
 }
 
 TEST(Gridding, HolesHaveNoHeight) {
-  const SurfaceTile tile = measure_window(with_hole(15, 25), kWindow, kCell);
+  const SurfaceTile tile = measure_window(with_hole(15, 25), kWindow, {kCell});
   EXPECT_TRUE(is(tile, CellState::kEmpty, 20, 20));
   EXPECT_EQ(tile.height_m.at(20, 20), kNoHeight);
   EXPECT_EQ(tile.count.at(20, 20), 0);
@@ -176,11 +216,11 @@ TEST(Gridding, HolesHaveNoHeight) {
 TEST(Gridding, NeitherTheOrderOfPointsNorTheCutIntoWindowsMatters) {
   const auto hills = [](double x, double y) { return std::sin(0.3 * x) + (y > 17 ? 2 : 0); };
   auto points = sprinkle(-30, 70, 1.2, hills, 0.05);
-  const SurfaceTile whole = measure_window(points, kWindow, kCell);
+  const SurfaceTile whole = measure_window(points, kWindow, {kCell});
   std::reverse(points.begin(), points.end());
   for (int y = 0; y < 40; y += 10) {
     for (int x = 0; x < 40; x += 20) {
-      const SurfaceTile part = measure_window(points, {x, y, 20, 10}, kCell);
+      const SurfaceTile part = measure_window(points, {x, y, 20, 10}, {kCell});
       for (int j = 0; j < 10; ++j) {
         for (int i = 0; i < 20; ++i) {
           ASSERT_EQ(part.height_m.at(i, j), whole.height_m.at(x + i, y + j)) << x + i << ' ' << y + j;
@@ -204,11 +244,11 @@ TEST(Gridding, BandsAreNarrowAndLeaveNoTrace) {
         tallest = std::max(tallest, asked.height);
         return those_of(points)(asked);
       },
-      window, kCell);
+      window, {kCell});
   ASSERT_TRUE(whole);
   EXPECT_LE(tallest, kBandRows + 2 * (margin_cells() - kSmallestPatch));
   for (int y = 0; y < window.height; y += 11) {
-    const SurfaceTile row = measure_window(points, {window.column, window.row + y, window.width, 1}, kCell);
+    const SurfaceTile row = measure_window(points, {window.column, window.row + y, window.width, 1}, {kCell});
     for (int x = 0; x < window.width; ++x) {
       EXPECT_EQ(row.height_m.at(x, 0), whole->height_m.at(x, y));
       EXPECT_EQ(row.sigma_m.at(x, 0), whole->sigma_m.at(x, y));
@@ -221,11 +261,11 @@ TEST(Gridding, WhatPointsCannotBeReadForIsAnError) {
   const auto broken = [](const CellWindow&) -> Result<std::vector<GridPoint>> {
     return fail(Errc::kBadFormat, "disk");
   };
-  EXPECT_FALSE(measure_window(broken, kWindow, kCell));
+  EXPECT_FALSE(measure_window(broken, kWindow, {kCell}));
 }
 
 TEST(Gridding, WithoutPointsThereAreNoRasters) {
-  EXPECT_TRUE(measure_window(std::vector<GridPoint>(), kWindow, kCell).state.empty());
+  EXPECT_TRUE(measure_window(std::vector<GridPoint>(), kWindow, {kCell}).state.empty());
 }
 
 }  // namespace
