@@ -202,6 +202,14 @@ Smoothness uniform_smoothness(int width, int height, int small, int large) {
   return s;
 }
 
+std::size_t bytes_to_match(const Labels& labels, const CellRange& range) {
+  std::size_t elements = 0;
+  for (int row = range.row0; row < range.row1; ++row)
+    for (int column = range.column0; column < range.column1; ++column)
+      elements += std::size_t(kCellPixels) * std::size_t(labels.cell(column, row).stride);
+  return elements * (sizeof(std::uint8_t) + sizeof(std::uint16_t));
+}
+
 Volume volume_for(const Labels& labels, const CellRange& range) {
   Volume volume{range, {}, {}};
   std::size_t total = 0;

@@ -38,6 +38,9 @@ struct Volume {
   }
 };
 
+/// What matching these cells takes: their volume and the sums of it.
+[[nodiscard]] std::size_t bytes_to_match(const Labels& labels, const CellRange& range);
+
 /// Room for the costs of the cells in `range`, all 255 (guards stay so).
 [[nodiscard]] Volume volume_for(const Labels& labels, const CellRange& range);
 

@@ -8,6 +8,8 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "collinea/base/parallel.h"
 #include "collinea/dense/depth_cache.h"
@@ -18,6 +20,7 @@ namespace collinea {
 namespace {
 
 constexpr int kStripRows = 32;
+constexpr std::size_t kStripsAtOnce = 4;  // for each thread: their points and marks are in memory together
 constexpr int kMostNeighbours = 20;
 constexpr double kFramePx = 6;           // at the border of a picture little is measured
 constexpr double kSharedSource = 8;      // in so many maps depths of one point have as much in common as of their own
@@ -61,6 +64,13 @@ struct Votes {
 struct Strip {
   std::vector<FusedPoint> points;
   std::vector<Mark> marks;
+  std::int64_t measured = 0, confirmed = 0;
+};
+
+// The image whose points are being written, strip by strip.
+struct Written {
+  ImageId image;
+  ColourImage picture;  // read when the first of its points is there
   std::int64_t measured = 0, confirmed = 0;
 };
 
@@ -137,23 +147,37 @@ class Fusion {
   Result<> one(ImageId image) {
     COLLINEA_TRY(reference_, cache_.map(image));
     if (auto ready = read_others(image); !ready) return ready;
-    std::vector<bool>& used = used_of(image, *reference_);
+    const std::vector<bool>& used = used_of(image, *reference_);
     const int rows = reference_->depth.height;
-    std::vector<Strip> strips(std::size_t((rows + kStripRows - 1) / kStripRows));
+    const auto strips = std::size_t((rows + kStripRows - 1) / kStripRows);
+    const std::size_t at_once = kStripsAtOnce * std::size_t(std::max(1, run_.threads));
     const Rigid3 world_from_cam = inverse(block_.cam_from_world.at(image));
-    parallel_for(run_, strips.size(), [&](std::size_t i) {
-      const int begin = int(i) * kStripRows;
-      for (int y = begin; y < std::min(begin + kStripRows, rows); ++y) row(y, used, world_from_cam, strips[i]);
-    });
-    if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
-    for (const Strip& strip : strips)
+    Written written{image, {}};
+    for (std::size_t first = 0; first < strips; first += at_once) {
+      std::vector<Strip> made(std::min(at_once, strips - first));
+      parallel_for(run_, made.size(), [&](std::size_t i) {
+        const int begin = int(first + i) * kStripRows;
+        for (int y = begin; y < std::min(begin + kStripRows, rows); ++y) row(y, used, world_from_cam, made[i]);
+      });
+      if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
+      mark(made);
+      if (auto coloured = colour(made, written); !coloured) return coloured;
+      if (auto taken = hand_over(made, written); !taken) return taken;
+    }
+    used_.erase(image);
+    done_.insert(image);
+    report_.confirmed[image] = written.measured ? double(written.confirmed) / double(written.measured) : 0;
+    return {};
+  }
+
+  // What other images need not write again.
+  void mark(std::vector<Strip>& strips) {
+    for (Strip& strip : strips) {
       for (const Mark& mark : strip.marks)
         if (!done_.count(others_[mark.other].image))
           used_of(others_[mark.other].image, *others_[mark.other].map)[mark.pixel] = true;
-    used_.erase(image);
-    done_.insert(image);
-    if (auto coloured = colour(image, strips); !coloured) return coloured;
-    return hand_over(image, strips);
+      std::vector<Mark>().swap(strip.marks);
+    }
   }
 
   Result<> read_others(ImageId image) {
@@ -161,7 +185,11 @@ class Fusion {
     const std::size_t bytes = 2 * sizeof(float) * reference_->depth.data.size();
     const int room = std::max(2, int(options_.memory_mb * 1e6 / double(bytes + 1)) - 1);
     const Rigid3 reference_from_world = block_.cam_from_world.at(image);
-    COLLINEA_TRY(const auto overlapping, ties_.overlapping(image, std::min(room, kMostNeighbours)));
+    COLLINEA_TRY(auto overlapping, ties_.overlapping(image, kMostNeighbours));
+    if (int(overlapping.size()) > room) {
+      tell_room(room, bytes);
+      overlapping.resize(std::size_t(room));
+    }
     for (const ImageId other : overlapping) {
       if (!images_.count(other)) continue;
       if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
@@ -171,6 +199,14 @@ class Fusion {
                          other_from_reference.translation});
     }
     return {};
+  }
+
+  void tell_room(int maps, std::size_t bytes_of_map) {
+    if (std::exchange(told_room_, true)) return;
+    run_.say("fuse: memory_mb = " + std::to_string(std::lround(options_.memory_mb)) + " has room for " +
+             std::to_string(maps) + " of the " + std::to_string(kMostNeighbours) +
+             " depth maps that are compared with each; all of them take " +
+             std::to_string(std::lround(std::ceil(double(kMostNeighbours + 1) * double(bytes_of_map + 1) / 1e6))));
   }
 
   std::vector<bool>& used_of(ImageId image, const DepthMap& map) {
@@ -287,17 +323,21 @@ class Fusion {
           marks.push_back({std::uint32_t(other), std::uint32_t(j * map.depth.width + i)});
   }
 
-  Result<> colour(ImageId image, std::vector<Strip>& strips) {
+  Result<> colour(std::vector<Strip>& strips, Written& written) const {
     if (!colours_) return {};
     const bool any = std::any_of(strips.begin(), strips.end(), [](const Strip& s) { return !s.points.empty(); });
     if (!any) return {};
-    const Camera& original = block_.camera_of(image);
+    const Camera& original = block_.camera_of(written.image);
     COLLINEA_TRY(const int shrink, working_shrink(original, options_));
-    COLLINEA_TRY(const ColourImage picture, colours_(image, shrink));
     const Camera camera = shrunk(original, shrink);
+    ColourImage& picture = written.picture;
+    if (picture.empty()) {
+      COLLINEA_TRY(picture, colours_(written.image, shrink));
+    }
     if (picture.channels < 3 || picture.width != camera.width_px || picture.height != camera.height_px)
-      return fail(Errc::kBadInput, block_.images.at(image).file + ": the colour picture does not fit its camera");
-    const Rigid3& cam_from_world = block_.cam_from_world.at(image);
+      return fail(Errc::kBadInput,
+                  block_.images.at(written.image).file + ": the colour picture does not fit its camera");
+    const Rigid3& cam_from_world = block_.cam_from_world.at(written.image);
     parallel_for(run_, strips.size(), [&](std::size_t i) {
       for (FusedPoint& point : strips[i].points) {
         const auto pixel = project(camera, cam_from_world * point.position_in_world);
@@ -309,16 +349,14 @@ class Fusion {
     return {};
   }
 
-  Result<> hand_over(ImageId image, const std::vector<Strip>& strips) {
-    std::int64_t measured = 0, confirmed = 0;
+  Result<> hand_over(const std::vector<Strip>& strips, Written& written) {
     for (const Strip& strip : strips) {
-      measured += strip.measured;
-      confirmed += strip.confirmed;
+      written.measured += strip.measured;
+      written.confirmed += strip.confirmed;
       report_.points += std::int64_t(strip.points.size());
       if (strip.points.empty()) continue;
       if (auto taken = sink_(strip.points); !taken) return taken;
     }
-    report_.confirmed[image] = measured ? double(confirmed) / double(measured) : 0;
     return {};
   }
 
@@ -335,6 +373,7 @@ class Fusion {
   std::shared_ptr<const DepthMap> reference_;
   std::vector<Other> others_;
   FuseReport report_;
+  bool told_room_ = false;
 };
 
 }  // namespace

@@ -6,7 +6,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "collinea/dense/test_scene.h"
 
@@ -48,6 +52,7 @@ MemoryStore true_maps(const Scene& scene, float sigma, double noise_in_sigmas) {
 struct Cloud {
   std::vector<FusedPoint> points;
   FuseReport report;
+  std::vector<std::string> log;
 };
 
 Cloud fused(const Scene& scene, MemoryStore& store, const DenseOptions& options = {}, int threads = 1,
@@ -57,6 +62,7 @@ Cloud fused(const Scene& scene, MemoryStore& store, const DenseOptions& options 
   Cloud cloud;
   collinea::Run run;
   run.threads = threads;
+  run.log = [&](std::string_view line) { cloud.log.emplace_back(line); };
   const TieView ties(scene.block);
   auto report = fuse(
       scene.block, ties, images, store, colours,
@@ -234,7 +240,9 @@ TEST(Fuse, HolesStayHoles) {
 TEST(Fuse, ColourIsThatOfThePicture) {
   const Scene scene = Scene::of_four({.slope = 0});
   MemoryStore store = true_maps(scene, 0.01f, 0);
+  std::map<ImageId, int> reads;
   const ColourSource colours = [&](ImageId id, int) -> Result<ColourImage> {
+    ++reads[id];
     const Camera& camera = scene.block.camera_of(id);
     ColourImage picture(camera.width_px, camera.height_px, 3);
     for (std::size_t i = 0; i < picture.data.size(); i += 3) picture.data[i] = 200, picture.data[i + 1] = 100;
@@ -243,6 +251,7 @@ TEST(Fuse, ColourIsThatOfThePicture) {
   const Cloud cloud = fused(scene, store, {}, 1, colours);
   ASSERT_FALSE(cloud.points.empty());
   for (const FusedPoint& p : cloud.points) EXPECT_EQ(p.colour, (std::array<std::uint8_t, 3>{200, 100, 0}));
+  for (const auto& [id, times] : reads) EXPECT_EQ(times, 1);
 }
 
 TEST(Fuse, SameBitsWhateverTheNumberOfThreads) {
@@ -264,6 +273,21 @@ TEST(Fuse, SmallMemoryChangesNothingWhenFewMapsOverlap) {
   const std::size_t much = fused(scene, store).points.size(),
                     little = fused(scene, store, {.memory_mb = 50}).points.size();
   EXPECT_EQ(much, little);
+}
+
+// Seven depth maps of 1.6 MB each that all overlap.
+TEST(Fuse, TellsWhenMemoryLeavesOverlappingMapsOut) {
+  Scene scene = {.slope = 0};
+  const Camera camera = ideal_camera(500, 500, 400);
+  for (int i = 0; i < 7; ++i) scene.add_camera(0.2 * i, 0, 0, camera);
+  scene.add_ties();
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  const Cloud little = fused(scene, store, {.memory_mb = 10}), enough = fused(scene, store, {.memory_mb = 34});
+  ASSERT_EQ(little.log.size(), 1u);
+  EXPECT_EQ(
+      little.log.front(),
+      "fuse: memory_mb = 10 has room for 5 of the 20 depth maps that are compared with each; all of them take 34");
+  EXPECT_TRUE(enough.log.empty());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -291,7 +292,8 @@ FloatImage surface_by(const std::vector<View>& views) {
   const GreyImage picture = random_picture(64, 64, 11);
   Level level = level_of(picture);
   level.views = views;
-  return match_level(level, labels_around_plane(64, 64, level.step, 0.1f, 0, 0, -8, 8), {});
+  SharedRoom volumes(usual_volume());
+  return match_level(level, labels_around_plane(64, 64, level.step, 0.1f, 0, 0, -8, 8), volumes, {});
 }
 
 // Rays meet at 0.1 rad, twice, and at 0.7 rad.
@@ -299,6 +301,23 @@ TEST(MatchLevel, ViewsAtWideAnglesHaveNoSayWhereTwoOthersSee) {
   const View near = view_of_chance(1, 12), other = view_of_chance(-1, 13), wide = view_of_chance(8, 14);
   EXPECT_EQ(surface_by({near, other, wide}).data, surface_by({near, other}).data);
   EXPECT_NE(surface_by({near, wide}).data, surface_by({near}).data);
+}
+
+// A strip of five tiles, matched in three threads.
+TEST(MatchLevel, TilesThatDoNotFitIntoTheRoomWaitAndComeOutTheSame) {
+  constexpr int kWidth = 3200, kHeight = 40;
+  const GreyImage picture = random_picture(kWidth, kHeight, 11);
+  Level level = level_of(picture);
+  level.views = {view_of_chance(1, 12), view_of_chance(-1, 13)};
+  const Labels labels = labels_around_plane(kWidth, kHeight, level.step, 0.1f, 0, 0, -8, 8);
+  const std::size_t all = bytes_to_match(labels, {0, 0, labels.columns, labels.rows});
+  collinea::Run run;
+  run.threads = 3;
+  SharedRoom one(1), many(all * 2);
+  const FloatImage waited = match_level(level, labels, one, run), free = match_level(level, labels, many, run);
+  EXPECT_LT(one.most_held(), all / 3);
+  EXPECT_GT(one.most_held(), all / 6);
+  EXPECT_EQ(0, std::memcmp(waited.data.data(), free.data.data(), free.data.size() * sizeof(float)));
 }
 
 // A patch of nine pixels, 0.5 above the rest.

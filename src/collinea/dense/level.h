@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collinea/base/run.h"
+#include "collinea/base/shared_room.h"
 #include "collinea/dense/labels.h"
 #include "collinea/dense/match_kernels.h"
 
@@ -41,8 +42,12 @@ void place_views(const Level& level, float low, float high, CellScene& scene);
 /// Multi-view matching of the whole picture: census costs (Zabih and Woodfill 1994, opposite pixels compared), the
 /// better half of the views (Kang et al. 2001), semi-global aggregation in tiles, best label. Inverse depth per pixel;
 /// NaN where the picture is empty; everything else gets a value, right or wrong. Result is not to be used when
-/// run.stopped().
-[[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, const Run& run);
+/// run.stopped(). Costs of all labels of a tile are in memory together: these volumes are taken from `volumes`.
+[[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, SharedRoom& volumes, const Run& run);
+
+/// The bytes a tile takes where the coarser level is smooth, as it is of most ground: 39 MB. At most it is twelve times
+/// that.
+[[nodiscard]] std::size_t usual_volume();
 
 /// The surface measured again, pixel by pixel, by correlation of windows that follow it (7 x 7).
 struct Refined {

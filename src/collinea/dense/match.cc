@@ -107,6 +107,10 @@ struct Neighbour {
   std::shared_ptr<const WorkingPicture> picture;
   Rigid3 from_reference;  // neighbour_cam_from_reference_cam
   int level_offset = 0;   // so much coarser its pyramid is used, that pixels on the ground are alike
+
+  [[nodiscard]] int level_for(int reference_level) const {
+    return std::clamp(reference_level + level_offset, 0, int(picture->levels.size()) - 1);
+  }
 };
 
 int level_offset(const Camera& reference, const Camera& camera, const Rigid3& from_reference,
@@ -122,7 +126,8 @@ int level_offset(const Camera& reference, const Camera& camera, const Rigid3& fr
 
 class Matching {
  public:
-  Matching(const DenseOptions& options, const Run& run) : options_(options), run_(run) {}
+  Matching(const DenseOptions& options, SharedRoom& volumes, const Run& run)
+      : options_(options), volumes_(volumes), run_(run) {}
 
   Result<> prepare(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures) {
     const std::string& file = block.images.at(image).file;
@@ -151,7 +156,7 @@ class Matching {
     if (auto matched = match(coarsest_level(), last, surface, nullptr); !matched)
       return tl::unexpected(std::move(matched).error());
     DepthMap map{camera_of_level(reference_->camera, last), surface, surface};
-    const float step = level_at(last).step;
+    const float step = outline_of(last).step;
     for (std::size_t i = 0; i < surface.data.size(); ++i) {
       map.depth.data[i] = 1 / surface.data[i];
       map.sigma.data[i] = step / (surface.data[i] * surface.data[i]);
@@ -186,7 +191,7 @@ class Matching {
       other.reference_from_cam = pose * inverse(block.cam_from_world.at(id));
       others.push_back(std::move(other));
     }
-    return dense::agreed_surface(own, others, kOverviewReach * level_at(overview_level()).step);
+    return dense::agreed_surface(own, others, kOverviewReach * outline_of(overview_level()).step);
   }
 
  private:
@@ -194,7 +199,8 @@ class Matching {
   Result<> match(int from, int to, FloatImage& surface, std::array<FloatImage, kMeasuredLevels>* surfaces) const {
     for (int l = from; l >= to; --l) {
       const Level level = level_at(l);
-      surface = dense::match_level(level, surface.empty() ? start_labels(level, l) : next_labels(surface, level), run_);
+      const Labels labels = surface.empty() ? start_labels(level, l) : next_labels(surface, level);
+      surface = dense::match_level(level, labels, volumes_, run_);
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       if (surfaces && l < kMeasuredLevels) (*surfaces)[std::size_t(l)] = surface;
     }
@@ -202,6 +208,14 @@ class Matching {
   }
 
   Level level_at(int l) const {
+    Level level = outline_of(l);
+    for (std::size_t i = 0; i < neighbours_.size(); ++i)
+      level.views[i].quads = dense::quads_of(neighbours_[i].picture->levels[std::size_t(neighbours_[i].level_for(l))]);
+    return level;
+  }
+
+  // A level whose views have no pictures yet: these take most of its memory.
+  Level outline_of(int l) const {
     Level level;
     level.picture = &reference_->levels[std::size_t(l)];
     const Eigen::Matrix3d own = calibration(camera_of_level(reference_->camera, l)), back = own.inverse();
@@ -211,11 +225,10 @@ class Matching {
     for (Sounding& s : here) s.x *= scale, s.y *= scale;
     std::vector<double> px_per_w;
     for (const Neighbour& n : neighbours_) {
-      const int nl = std::clamp(l + n.level_offset, 0, int(n.picture->levels.size()) - 1);
-      const Eigen::Matrix3d k = calibration(camera_of_level(n.picture->camera, nl));
+      const Eigen::Matrix3d k = calibration(camera_of_level(n.picture->camera, n.level_for(l)));
       const Eigen::Matrix3d h = k * n.from_reference.rotation.toRotationMatrix() * back;
       const Eigen::Vector3d b = k * n.from_reference.translation;
-      dense::View view{dense::quads_of(n.picture->levels[std::size_t(nl)]), {}, {}};
+      dense::View view;
       view.centre_in_cam = centre_of(n.from_reference).cast<float>();
       for (int i = 0; i < 9; ++i) view.transfer.h[std::size_t(i)] = float(h(i / 3, i % 3));
       for (int i = 0; i < 3; ++i) view.transfer.b[std::size_t(i)] = float(b[i]);
@@ -237,7 +250,7 @@ class Matching {
   }
 
   int coarsest_level() const {
-    const Level finest = level_at(0);
+    const Level finest = outline_of(0);
     double labels = (start_.high - start_.low) / std::max(1e-30, double(finest.step));
     int l = 0;
     const int last = int(reference_->levels.size()) - 1;
@@ -266,22 +279,22 @@ class Matching {
   // Correlation at full resolution and, for what is too rough or has too little texture for small windows, at lower
   // ones, where the same windows reach farther and the noise of the pixels averages out.
   Result<DepthMap> measured(std::array<FloatImage, kMeasuredLevels>& surfaces, const FloatImage& agreed) const {
-    const Level finest = level_at(0);
+    Level finest = level_at(0);
     dense::Refined result;
     FloatImage finer, finest_surface;
     dense::TexturePlace finest_place;
     for (int l = 0; l < kMeasuredLevels && !surfaces[std::size_t(l)].empty(); ++l) {
-      const Level level = l == 0 ? finest : level_at(l);
+      Level coarse = l == 0 ? Level() : level_at(l);
+      Level& level = l == 0 ? finest : coarse;
       FloatImage surface = std::move(surfaces[std::size_t(l)]);
       dense::fill_holes(surface);
       surface = dense::smoothed_within(dense::median3(surface), level.step);
       FloatImage certainty(surface.width, surface.height, 1, dense::kSmoothSigmaPx / finest.parallax_px * finest.step);
       if (l > 0) prefer(cut(dense::halved(finer), *level.picture), level.step, surface, certainty);
-      dense::Refined refined = dense::refine(level, surface, false, run_);
-      for (std::size_t i = 0; i < surface.data.size(); ++i)
-        if (!std::isnan(refined.inverse_depth.data[i])) surface.data[i] = refined.inverse_depth.data[i];
+      follow(dense::refine(level, surface, false, run_).inverse_depth, surface);
       surface = dense::smoothed_within(surface, level.step);
-      refined = dense::refine(level, surface, true, run_);
+      dense::Refined refined = dense::refine(level, surface, true, run_);
+      level.views.clear();  // what follows looks at no other picture
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       keep_good(level, surface, certainty, refined);
       dense::TexturePlace place = dense::texture_place(*level.picture);
@@ -299,6 +312,11 @@ class Matching {
     dense::empty_false_rims(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth, run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
     return finished(finest, result);
+  }
+
+  static void follow(const FloatImage& measured, FloatImage& surface) {
+    for (std::size_t i = 0; i < surface.data.size(); ++i)
+      if (!std::isnan(measured.data[i])) surface.data[i] = measured.data[i];
   }
 
   // Where the surface found at a finer level is a smooth one, both agree and it is the better one.
@@ -370,6 +388,7 @@ class Matching {
   static constexpr float kMuchBetter = 0.6f;
   static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;
+  SharedRoom& volumes_;
   const Run& run_;
   std::shared_ptr<const WorkingPicture> reference_;
   std::vector<Sounding> soundings_;
@@ -382,7 +401,7 @@ Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties
   if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
   if (!block.cam_from_world.count(image))
     return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
-  Matching matching(options, run);
+  Matching matching(options, pictures.volumes(), run);
   if (auto ready = matching.prepare(block, image, ties, pictures); !ready)
     return tl::unexpected(std::move(ready).error());
   return matching;

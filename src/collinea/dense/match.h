@@ -20,10 +20,10 @@ namespace collinea {
 /// measured well (options.min_correlation, max_sigma_px) is left empty. sigma is that of matching, poses taken as
 /// exact. On pictures of known truth it is right to a tenth where noise makes 0.12 px of parallax; where it makes less,
 /// sigma is too large (by 1.6 at 0.05 px, by its floor of 0.05 px), where it makes more, too small (by 1.5 at
-/// 0.25 px). Memory: about 120 bytes per pixel of the working picture, besides `pictures`. Images do not depend on each
-/// other: the caller may run several at once (pictures and ties are shared and thread-safe) or leave the threads to
-/// this function, with the same result. Errors: kIllPosed when the image has no neighbours or too few tie points,
-/// kCancelled, what the pictures say.
+/// 0.25 px). Memory: about 50 bytes per pixel of the working picture, besides `pictures` and its volumes(). Images do
+/// not depend on each other: the caller may run several at once (pictures and ties are shared and thread-safe) or leave
+/// the threads to this function, with the same result. Errors: kIllPosed when the image has no neighbours or too few
+/// tie points, kCancelled, what the pictures say.
 [[nodiscard]] Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties,
                                          WorkingPictures& pictures, DepthStore* overviews, const DenseOptions& options,
                                          const Run& run);

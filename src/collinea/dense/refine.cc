@@ -134,8 +134,8 @@ void refine_cell(const Level& level, const FloatImage& surface, int left, int to
 }  // namespace
 
 Refined refine(const Level& level, const FloatImage& surface, bool near, const Run& run) {
-  const FloatImage empty(surface.width, surface.height, 1, kNaN);
-  Refined result{empty, empty, empty};
+  const auto empty = [&] { return FloatImage(surface.width, surface.height, 1, kNaN); };
+  Refined result{empty(), empty(), empty()};
   const int columns = (surface.width + kCell - 1) / kCell, rows = (surface.height + kCell - 1) / kCell;
   const float trial_step = level.step * (near ? 0.25f : 0.5f);
   parallel_for(run, std::size_t(rows), [&](std::size_t row) {

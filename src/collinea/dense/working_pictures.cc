@@ -4,12 +4,15 @@
 #include <algorithm>
 
 #include "collinea/dense/epipolar_pair.h"
+#include "collinea/dense/level.h"
 
 namespace collinea {
 namespace {
 
 constexpr double kDefaultPixels = 3.2e6;
 constexpr int kSmallestSide = 40;  // of the coarsest level kept
+
+std::size_t half_of_memory(const DenseOptions& options) { return std::size_t(options.memory_mb * 1e6 / 2); }
 
 bool is_ideal(const Camera& camera) {
   return !is_fisheye(camera.model) &&
@@ -94,8 +97,11 @@ GreyImage halved(const GreyImage& picture) {
   return half;
 }
 
-WorkingPictures::WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options)
-    : block_(block), pixels_(std::move(pixels)), options_(options) {}
+WorkingPictures::WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options, int at_once)
+    : block_(block),
+      pixels_(std::move(pixels)),
+      options_(options),
+      volumes_(std::max(half_of_memory(options), std::size_t(std::max(1, at_once)) * dense::usual_volume())) {}
 
 Result<Camera> WorkingPictures::camera(ImageId image) const {
   const Camera& original = block_.camera_of(image);
@@ -142,13 +148,20 @@ Result<std::shared_ptr<const WorkingPicture>> WorkingPictures::picture(ImageId i
   return entry->picture;
 }
 
+void WorkingPictures::clear() {
+  const std::lock_guard lock(mutex_);
+  entries_.clear();
+  by_use_.clear();
+  bytes_ = 0;
+}
+
 void WorkingPictures::keep(ImageId image, const std::shared_ptr<Entry>& entry) {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(image);
   if (found == entries_.end() || found->second != entry) return;  // pushed out while it was being made
   for (const GreyImage& level : entry->picture->levels) entry->bytes += level.data.size();
   bytes_ += entry->bytes;
-  const auto limit = std::size_t(options_.memory_mb * 1e6 / 2);
+  const std::size_t limit = half_of_memory(options_);
   while (bytes_ > limit && by_use_.back() != image) {
     const auto oldest = entries_.find(by_use_.back());
     bytes_ -= oldest->second->bytes;

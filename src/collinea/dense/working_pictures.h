@@ -8,6 +8,7 @@
 #include <mutex>
 #include <vector>
 
+#include "collinea/base/shared_room.h"
 #include "collinea/dense/depth_map.h"
 
 namespace collinea {
@@ -38,10 +39,18 @@ struct WorkingPicture {
 /// Thread-safe. The block must outlive it.
 class WorkingPictures {
  public:
-  WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options);
+  /// `at_once`: how many images are matched side by side.
+  WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options, int at_once = 1);
 
   /// Errors: whatever the source says; a picture whose size does not fit its camera.
   [[nodiscard]] Result<std::shared_ptr<const WorkingPicture>> picture(ImageId image);
+
+  /// Room for the costs of the images that are being matched: the other half of `memory_mb`, or what they take where
+  /// the ground is smooth, if that is more. Those of rough ground wait for one another.
+  [[nodiscard]] SharedRoom& volumes() { return volumes_; }
+
+  /// Forgets all pictures: they will not be asked for again soon.
+  void clear();
 
   /// The camera its working picture has, without making it.
   [[nodiscard]] Result<Camera> camera(ImageId image) const;
@@ -59,6 +68,7 @@ class WorkingPictures {
   const Block& block_;
   PixelSource pixels_;
   DenseOptions options_;
+  SharedRoom volumes_;
   std::mutex mutex_;
   std::map<ImageId, std::shared_ptr<Entry>> entries_;
   std::list<ImageId> by_use_;  ///< latest first

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/image/contours.h"
 
+#include <cpl_conv.h>
 #include <cpl_string.h>
 #include <gdal_alg.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -31,22 +33,22 @@ Result<OGRLayerH> line_layer(const VectorFile& file, const std::string& wkt, boo
   return layer;
 }
 
-Result<GdalDataset> in_memory(const FloatImage& heights_m, const MapGrid& grid) {
+// The heights, which must outlive it, as a raster.
+Result<GdalDataset> raster_over(FloatImage& heights_m, const MapGrid& grid) {
   const GdalErrors errors;
-  GdalDataset raster(GDALCreate(GDALGetDriverByName("MEM"), "", grid.width, grid.height, 1, GDT_Float32, nullptr));
+  GdalDataset raster(GDALCreate(GDALGetDriverByName("MEM"), "", grid.width, grid.height, 0, GDT_Float32, nullptr));
   if (!raster) return errors.error(Errc::kBadInput, "contours");
   double corner[] = {grid.west_m, grid.cell_m, 0, grid.north_m, 0, -grid.cell_m};
   GDALSetGeoTransform(raster.get(), corner);
-  std::vector<float> line(std::size_t(grid.width));
-  for (int y = 0; y < grid.height; ++y) {
-    for (int x = 0; x < grid.width; ++x) {
-      const float height_m = heights_m.at(x, y);
-      line[std::size_t(x)] = std::isnan(height_m) ? float(kNothing) : height_m;
-    }
-    if (GDALRasterIO(GDALGetRasterBand(raster.get(), 1), GF_Write, 0, y, grid.width, 1, line.data(), grid.width, 1,
-                     GDT_Float32, 0, 0) != CE_None)
-      return errors.error(Errc::kBadInput, "contours");
-  }
+  std::replace_if(
+      heights_m.data.begin(), heights_m.data.end(), [](float height_m) { return std::isnan(height_m); },
+      float(kNothing));
+  char text[64] = {};
+  CPLPrintPointer(text, heights_m.data.data(), sizeof text);
+  char** options = CSLSetNameValue(nullptr, "DATAPOINTER", text);
+  const CPLErr verdict = GDALAddBand(raster.get(), GDT_Float32, options);
+  CSLDestroy(options);
+  if (verdict != CE_None) return errors.error(Errc::kBadInput, "contours");
   return raster;
 }
 
@@ -104,13 +106,12 @@ Result<std::uint64_t> copy_lines(OGRLayerH from, double shortest_m, OGRLayerH pa
 
 }  // namespace
 
-Result<std::uint64_t> write_contours(const FloatImage& heights_m, const MapGrid& grid, double interval_m,
-                                     double shortest_m, const std::filesystem::path& geopackage,
-                                     const std::filesystem::path& dxf) {
+Result<std::uint64_t> write_contours(FloatImage heights_m, const MapGrid& grid, double interval_m, double shortest_m,
+                                     const std::filesystem::path& geopackage, const std::filesystem::path& dxf) {
   COLLINEA_CHECK(interval_m > 0 && heights_m.width == grid.width && heights_m.height == grid.height);
   set_up_gdal();
   const FixedDate date;
-  COLLINEA_TRY(const GdalDataset raster, in_memory(heights_m, grid));
+  COLLINEA_TRY(const GdalDataset raster, raster_over(heights_m, grid));
   VectorFile package, drawing;
   if (auto made = package.create("GPKG", geopackage); !made) return tl::unexpected(made.error());
   if (auto made = drawing.create("DXF", dxf); !made) return tl::unexpected(made.error());

@@ -13,7 +13,7 @@ namespace collinea {
 /// the grid, and a DXF drawing of the same lines. Lines shorter than `shortest_m` are left out: rings around a bush.
 /// Returns the number of lines. By GDAL. The same heights give the same bytes. Errors: not writable, GDAL without these
 /// formats.
-[[nodiscard]] Result<std::uint64_t> write_contours(const FloatImage& heights_m, const MapGrid& grid, double interval_m,
+[[nodiscard]] Result<std::uint64_t> write_contours(FloatImage heights_m, const MapGrid& grid, double interval_m,
                                                    double shortest_m, const std::filesystem::path& geopackage,
                                                    const std::filesystem::path& dxf);
 

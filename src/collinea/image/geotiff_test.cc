@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/image/geotiff.h"
 
+#include <gdal.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +9,7 @@
 
 #include "collinea/base/random.h"
 #include "collinea/geodesy/local_frame.h"
+#include "collinea/image/block_cache.h"
 #include "collinea/image/codec.h"
 #include "collinea/image/test_folder.h"
 
@@ -180,6 +182,24 @@ TEST(GeoTiff, ACutFileIsAnErrorNotAHole) {
     EXPECT_FALSE(reader->read_byte(0, 0, 900, 900));
   }
   EXPECT_FALSE(GeoTiffReader::open(folder / "a.tif")->read_byte(899, 0, 2, 1));
+}
+
+// A raster of 4.7 MB, of which a smaller cache keeps no more than it may.
+TEST(BlockCacheLimit, BoundsWhatIsKeptOfRasters) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_in_windows<float>(folder / "dsm.tif", map_grid(1300, 900), terrain(1300, 900), 512, {}));
+  const GIntBig usual = GDALGetCacheMax64();
+  const auto kept_of_it = [&] {
+    const GeoTiffReader reader = GeoTiffReader::open(folder / "dsm.tif").value();
+    EXPECT_TRUE(reader.read_float(0, 0, 1300, 900));
+    return GDALGetCacheUsed64();
+  };
+  EXPECT_GT(kept_of_it(), 4'000'000);
+  {
+    const BlockCacheLimit limit(1'000'000);
+    EXPECT_LE(kept_of_it(), 1'000'000);
+  }
+  EXPECT_EQ(GDALGetCacheMax64(), usual);
 }
 
 TEST(FloatTiff, DepthMapsAreBitForBit) {

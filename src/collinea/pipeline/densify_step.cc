@@ -9,6 +9,7 @@
 #include <span>
 
 #include "collinea/base/hash.h"
+#include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
@@ -165,7 +166,8 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
   WorkingPictures pictures(
-      block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
+      block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify,
+      project.run.threads);
   COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
   COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
   COLLINEA_TRY(DepthFolder overviews,
@@ -175,6 +177,8 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   json report = {{"skipped", json::array()}};
   COLLINEA_TRY(const std::vector<ImageId> images,
                match_all(project, block, ties, pictures, overviews, folder, report["skipped"]));
+  pictures.clear();
+  give_back_freed_memory();
 
   COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project, of_ties, places));
   COLLINEA_TRY(const FuseReport fused, fuse(

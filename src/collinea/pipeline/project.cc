@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "collinea/base/hash.h"
+#include "collinea/base/memory.h"
 #include "collinea/image/geotiff.h"
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
@@ -145,6 +146,7 @@ Result<> do_step(Project& project, const Step& step) {
   }
   if (before)
     if (auto erased = project.store.erase_step(step.name); !erased) return erased;
+  give_back_freed_memory();  // of the steps before
   const CostMeter cost;
   project.run.report(step.name, 0);
   COLLINEA_TRY(const StepOutput output, step.work(project, inputs_hash).map_error([&](Error error) {

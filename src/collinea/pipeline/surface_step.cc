@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/base/memory.h"
+#include "collinea/image/block_cache.h"
 #include "collinea/image/hillshade.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
@@ -13,7 +15,7 @@
 namespace collinea {
 namespace {
 
-constexpr std::size_t kBatch = 200'000;
+constexpr std::size_t kBatch = 65'536;
 
 PointSource points_of(LasReader& reader) {
   return [&reader](std::vector<SurfacePoint>& batch) -> Result<> {
@@ -49,12 +51,14 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const Places places, places_of(project, block));
   COLLINEA_TRY(const std::vector<PlaceSigma> sigmas, orientation_sigmas(project, places.frame_or_null()));
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
+  const BlockCacheLimit cache(kCacheOfPieces);
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
                        products / "dsm_count.tif", products / "dsm_sigma_relative.tif"};
   COLLINEA_TRY(const DsmSummary summary,
                build_dsm({points_of(reader), places.frame_or_null(), PointFrame::kMap, places.matched_pixel_m, sigmas},
                          files, project.folder / "scratch", project.settings.surface, project.run));
+  give_back_freed_memory();
   if (auto drawn = write_hillshade(files.height, products / "dsm_hillshade.tif", project.run); !drawn)
     return tl::unexpected(std::move(drawn).error());
   const double seen = double(summary.measured_cells + summary.interpolated_cells);

@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/base/memory.h"
+#include "collinea/image/block_cache.h"
 #include "collinea/image/hillshade.h"
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
@@ -16,7 +18,7 @@ namespace collinea {
 namespace {
 
 constexpr std::uint8_t kUnclassified = 1, kGround = 2;  // of ASPRS
-constexpr std::size_t kBatch = 200'000;
+constexpr std::size_t kBatch = 65'536;
 
 // Writes the cloud anew: all stays as it is but the classes. Returns how many points show the ground.
 Result<std::uint64_t> classify(const Project& project, const GroundSurface& ground) {
@@ -66,12 +68,15 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
                      products / "dsm_sigma_relative.tif"};
   const DtmFiles files{products / "dtm.tif", products / "dtm_sigma.tif", products / "dtm_state.tif",
                        products / "contours.gpkg", products / "dtm_sigma_relative.tif"};
+  const BlockCacheLimit cache(kCacheOfPieces);
   const auto made = build_dtm(dsm, files, project.settings.terrain, project.run);
   if (!made && made.error().code == Errc::kIllPosed) return without(made.error().message);
   if (!made) return tl::unexpected(made.error());
   const DtmSummary& summary = made->summary;
+  give_back_freed_memory();
   if (auto drawn = write_hillshade(files.height, products / "dtm_hillshade.tif", project.run); !drawn)
     return tl::unexpected(std::move(drawn).error());
+  give_back_freed_memory();
   COLLINEA_TRY(const std::uint64_t ground_points, classify(project, made->ground));
   const double cells = double(summary.ground_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/surface/hole_filling.h"
 #include "collinea/surface/islands.h"
@@ -156,10 +157,13 @@ Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const Islands& is
                                   const Gridding& gridding, HoleFilling& holes) {
   constexpr int kRim = HoleFilling::kRim;
   const CellWindow wide = widened(square, kRim);
-  COLLINEA_TRY(auto points, buckets.points_in(widened(wide, margin_cells())));
-  std::erase_if(points, [&](const GridPoint& point) { return islands.holds(point); });
-  if (points.empty()) return SurfaceTile();
-  const SurfaceTile tile = measure_window(std::move(points), wide, gridding);
+  const auto points_of = [&](const CellWindow& band) -> Result<std::vector<GridPoint>> {
+    COLLINEA_TRY(auto points, buckets.points_in(band));
+    std::erase_if(points, [&](const GridPoint& point) { return islands.holds(point); });
+    return points;
+  };
+  COLLINEA_TRY(const SurfaceTile tile, measure_window(points_of, wide, gridding));
+  if (tile.state.empty()) return tile;
   holes.add(tile, square);
   return cropped(tile, {kRim, kRim, square.width, square.height});
 }
@@ -217,6 +221,7 @@ Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets, cons
       !measured)
     return measured;
   holes.prepare();
+  give_back_freed_memory();
   const OrientationSigma orientation(cloud.places, {extent.west, extent.north, int(extent.width), int(extent.height)},
                                      cell_m);
   return fill_windows(tiles, extent, holes, orientation, sink, summary, run);
@@ -244,6 +249,8 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
     return tl::unexpected(std::move(collected).error());
   drop_strays(buckets, islands, summary);
   summary.points_dropped += islands.find(cell_m);
+  if (auto finished = buckets.finish(); !finished) return tl::unexpected(std::move(finished).error());
+  give_back_freed_memory();
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");
   COLLINEA_TRY(const Extent extent, extent_of(islands));
   summary.grid.cell_m = cell_m;

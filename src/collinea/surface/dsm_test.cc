@@ -260,6 +260,8 @@ TEST(PointBuckets, HoldNoMoreOfManyPointsThanOfFew) {
     ASSERT_EQ(buckets.bytes_held(), room * sizeof(GridPoint));
     most = std::max(most, buckets.bytes_held());
   }
+  ASSERT_TRUE(buckets.finish());
+  EXPECT_EQ(buckets.bytes_held(), 0u);
   EXPECT_LE(most, kLimit);
   EXPECT_GT(most, kLimit / 2);
 }

@@ -5,9 +5,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "collinea/base/median.h"
+#include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/image/contours.h"
 #include "collinea/io/file.h"
@@ -17,24 +20,32 @@
 namespace collinea {
 namespace {
 
-constexpr double kCoarseCells = 80;      // over the largest object
-constexpr double kMostCoarse = 64e6;     // cells: 256 MB a raster
-constexpr int kStripRows = 512;          // of the surface model at a time
+constexpr double kCoarseCells = 80;   // over the largest object
+constexpr double kMostCoarse = 64e6;  // cells: 256 MB a raster
+// Of the surface model at a time: a few megabytes, the same for any width. Rasters are compressed in squares of 512
+// cells, of which whole ones are written.
+constexpr int kSquare = 512;
+constexpr int kPieceColumns = 4096, kPieceRows = 256;  // read; about
+constexpr int kWrittenColumns = 2048, kWrittenRows = kSquare;
+static_assert(kWrittenColumns % kSquare == 0);
 constexpr double kLowQuantile = 0.1;     // of the heights in a coarse cell: below leaves, above wrong matches
 constexpr double kLeastMeasured = 0.1;   // of a coarse cell, for it to count
 constexpr double kToleranceCells = 0.5;  // of heights over the ground, in coarse cells
 constexpr double kContoursOverRelief = 20;
 constexpr double kContourBlurCells = 2;  // coarse: contours are to show the land, not the grass
+constexpr int kBlurRows = 64;            // blurred together
 constexpr double kShortestContour = 20;  // coarse cells around
 constexpr double kStrayShare = 0.01;     // of the ground, at either end, says nothing of the relief
 constexpr double kContourSigmas = 4;     // lines closer than that would cross by chance
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// A strip of the surface model. What the orientation adds to the errors of neighbours is the same for all: it does not
+// A piece of the surface model. What the orientation adds to the errors of neighbours is the same for all: it does not
 // take part in what is ground.
-struct Strip {
-  FloatImage height_m, sigma_m;  // relative
+struct Piece {
+  int column = 0, row = 0;  // of its upper-left cell
+  FloatImage height_m;
+  FloatImage sigma_m;  // relative; not read for low heights
   Raster<std::uint8_t> state;
 };
 
@@ -77,114 +88,155 @@ class Terrain {
     return grid;
   }
 
-  Result<Strip> read_strip(int row, int rows) const {
-    const int width = summary_.grid.width;
-    Strip strip;
-    COLLINEA_TRY(strip.height_m, height_->read_float(0, row, width, rows));
-    COLLINEA_TRY(strip.sigma_m, sigma_relative_->read_float(0, row, width, rows));
-    COLLINEA_TRY(strip.state, state_->read_byte(0, row, width, rows));
-    return strip;
+  Result<Piece> read_heights(int column, int row, int width, int rows) const {
+    Piece piece{column, row, {}, {}, {}};
+    COLLINEA_TRY(piece.height_m, height_->read_float(column, row, width, rows));
+    COLLINEA_TRY(piece.state, state_->read_byte(column, row, width, rows));
+    return piece;
   }
 
-  // What the orientation adds to the sigmas of a strip as it was read.
-  Result<FloatImage> read_added_variance(const Strip& strip, int row) const {
-    COLLINEA_TRY(FloatImage added, sigma_->read_float(0, row, strip.state.width, strip.state.height));
+  Result<> read_sigmas(Piece& piece) const {
+    COLLINEA_TRY(piece.sigma_m,
+                 sigma_relative_->read_float(piece.column, piece.row, piece.state.width, piece.state.height));
+    return {};
+  }
+
+  // What the orientation adds to the sigmas of a piece as it was read.
+  Result<FloatImage> read_added_variance(const Piece& piece) const {
+    COLLINEA_TRY(FloatImage added, sigma_->read_float(piece.column, piece.row, piece.state.width, piece.state.height));
     for (std::size_t i = 0; i < added.data.size(); ++i) {
-      const float sigma_m = added.data[i], relative_m = strip.sigma_m.data[i];
+      const float sigma_m = added.data[i], relative_m = piece.sigma_m.data[i];
       added.data[i] = std::max(0.0f, sigma_m * sigma_m - relative_m * relative_m);
     }
     return added;
   }
 
-  // Calls work(row of coarse cells, strip, first row of the strip) for every row of coarse cells, several at once.
+  // Columns of pieces of whole coarse cells: of whole squares, too, where that is possible, so that none is unpacked
+  // for two of them.
+  [[nodiscard]] int piece_columns() const {
+    const int both = std::lcm(each_, kSquare), unit = both <= kPieceColumns ? both : each_;
+    return std::max(1, kPieceColumns / unit) * unit;
+  }
+
+  // Calls work(row of coarse cells, piece) for every row of coarse cells in every piece, several at once. Pieces come
+  // column by column: the squares in which one ends and the next begins are still in the cache.
   template <class Work>
-  Result<> over_coarse_rows(double done_before, double done_after, Work&& work) {
-    const int lines = std::max(1, kStripRows / each_), height = summary_.grid.height;
-    for (int line = 0; line < coarse_height_; line += lines) {
-      const int row = line * each_, rows = std::min(lines * each_, height - row);
-      COLLINEA_TRY(const Strip strip, read_strip(row, rows));
-      parallel_for(run_, std::size_t((rows + each_ - 1) / each_),
-                   [&](std::size_t i) { work(line + int(i), strip, row); });
-      if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
-      run_.report("terrain", done_before + (done_after - done_before) * double(row + rows) / height);
-    }
+  Result<> over_coarse_rows(bool sigmas, double done_before, double done_after, Work&& work) {
+    const int rows = std::max(1, kPieceRows / each_) * each_, columns = piece_columns();
+    const auto [width, height] = std::pair(summary_.grid.width, summary_.grid.height);
+    for (int column = 0; column < width; column += columns)
+      for (int row = 0; row < height; row += rows) {
+        COLLINEA_TRY(Piece piece,
+                     read_heights(column, row, std::min(columns, width - column), std::min(rows, height - row)));
+        if (sigmas)
+          if (auto read = read_sigmas(piece); !read) return read;
+        parallel_for(run_, std::size_t((piece.state.height + each_ - 1) / each_),
+                     [&](std::size_t i) { work(row / each_ + int(i), std::as_const(piece)); });
+        if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
+        const double done = (column + double(piece.state.width) * double(row + piece.state.height) / height) / width;
+        run_.report("terrain", done_before + (done_after - done_before) * done);
+      }
     return {};
   }
 
-  // Calls visit(x, y in the strip) for every measured cell of a coarse cell.
+  // Calls visit(column of coarse cells) for all of a piece.
   template <class Visit>
-  void for_measured(const Strip& strip, int first_row, int u, int v, Visit&& visit) const {
-    const int top = v * each_ - first_row, bottom = std::min(top + each_, strip.state.height);
-    const int left = u * each_, right = std::min(left + each_, strip.state.width);
-    for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x)
-        if (strip.state.at(x, y) == std::uint8_t(CellState::kMeasured)) visit(x, y);
+  void for_coarse_columns(const Piece& piece, Visit&& visit) const {
+    const int end = (piece.column + piece.state.width + each_ - 1) / each_;
+    for (int u = piece.column / each_; u < end; ++u) visit(u);
+  }
+
+  // The cells of a coarse cell in a piece.
+  struct Cells {
+    int left, top, right, bottom;
+  };
+  [[nodiscard]] Cells cells_of(const Piece& piece, int u, int v) const {
+    const int left = u * each_ - piece.column, top = v * each_ - piece.row;
+    return {left, top, std::min(left + each_, piece.state.width), std::min(top + each_, piece.state.height)};
+  }
+
+  // Calls visit(x, y in the piece) for every measured cell of a coarse cell.
+  template <class Visit>
+  void for_measured(const Piece& piece, int u, int v, Visit&& visit) const {
+    const Cells cells = cells_of(piece, u, v);
+    for (int y = cells.top; y < cells.bottom; ++y)
+      for (int x = cells.left; x < cells.right; ++x)
+        if (piece.state.at(x, y) == std::uint8_t(CellState::kMeasured)) visit(x, y);
   }
 
   [[nodiscard]] bool enough(std::size_t cells) const { return double(cells) >= kLeastMeasured * each_ * each_; }
 
   Result<> find_low() {
     low_m_ = FloatImage(coarse_width_, coarse_height_, 1, kNaN);
-    return over_coarse_rows(0, 0.25, [&](int v, const Strip& strip, int first_row) {
+    return over_coarse_rows(false, 0, 0.25, [&](int v, const Piece& piece) {
       std::vector<float> heights;
-      for (int u = 0; u < coarse_width_; ++u) {
+      for_coarse_columns(piece, [&](int u) {
         heights.clear();
-        for_measured(strip, first_row, u, v, [&](int x, int y) { heights.push_back(strip.height_m.at(x, y)); });
-        if (heights.empty() || !enough(heights.size())) continue;
+        for_measured(piece, u, v, [&](int x, int y) { heights.push_back(piece.height_m.at(x, y)); });
+        if (heights.empty() || !enough(heights.size())) return;
         const auto low = heights.begin() + std::ptrdiff_t(kLowQuantile * double(heights.size() - 1));
         std::nth_element(heights.begin(), low, heights.end());
         low_m_.at(u, v) = *low;
-      }
+      });
     });
   }
 
-  // The ground as far as coarse cells tell it, and how much higher what belongs to it may be.
-  Result<> find_ground() {
+  // Empties low heights that are not those of ground.
+  Result<> keep_ground() {
     const Raster<std::uint8_t> ground = ground_cells(low_m_, cell_m_, options_.largest_object_m, run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
     if (std::none_of(ground.data.begin(), ground.data.end(), [](std::uint8_t g) { return g != 0; }))
       return fail(Errc::kIllPosed, "nothing in the surface model is ground");
     for (std::size_t i = 0; i < ground.data.size(); ++i)
       if (!ground.data[i]) low_m_.data[i] = kNaN;
-    HeightLevel level = level_of(low_m_, cell_m_);
-    fill_all(level);
-    ground_ = GroundSurface(coarse_grid(), std::move(level.height_m));
-    low_m_ = FloatImage();
     return {};
   }
 
-  [[nodiscard]] bool is_ground(const Strip& strip, int first_row, int x, int y) const {
-    return ground_.shows_ground((x + 0.5) / each_, (first_row + y + 0.5) / each_, double(strip.height_m.at(x, y)),
-                                double(strip.sigma_m.at(x, y)));
+  // The ground as far as coarse cells tell it, and how much higher what belongs to it may be.
+  Result<> find_ground() {
+    if (auto kept = keep_ground(); !kept) return kept;
+    HeightLevel level = level_of(std::exchange(low_m_, {}), cell_m_);
+    fill_all(level);
+    FloatImage ground_m = std::move(level.height_m);
+    level = HeightLevel();
+    ground_ = GroundSurface(coarse_grid(), std::move(ground_m));
+    return {};
+  }
+
+  [[nodiscard]] bool is_ground(const Piece& piece, int x, int y) const {
+    return ground_.shows_ground((piece.column + x + 0.5) / each_, (piece.row + y + 0.5) / each_,
+                                double(piece.height_m.at(x, y)), double(piece.sigma_m.at(x, y)));
   }
 
   // Means of the ground in coarse cells, continued where there is none.
   Result<> average() {
     mean_ = HeightLevel(0, 0, coarse_width_, coarse_height_, cell_m_, 0);
     covered_ = Raster<std::uint8_t>(coarse_width_, coarse_height_);
-    auto done = over_coarse_rows(0.3, 0.6, [&](int v, const Strip& strip, int first_row) {
-      for (int u = 0; u < coarse_width_; ++u) average_cell(strip, first_row, u, v);
+    auto done = over_coarse_rows(true, 0.3, 0.6, [&](int v, const Piece& piece) {
+      for_coarse_columns(piece, [&](int u) { average_cell(piece, u, v); });
     });
     if (!done) return done;
     if (std::none_of(mean_.weight.data.begin(), mean_.weight.data.end(), [](float w) { return w > 0; }))
       return fail(Errc::kIllPosed, "nothing in the surface model is ground");
     fill_all(mean_);
+    mean_.weight = FloatImage();
+    give_back_freed_memory();
     return {};
   }
 
-  void average_cell(const Strip& strip, int first_row, int u, int v) {
+  void average_cell(const Piece& piece, int u, int v) {
     double sum = 0, squares = 0;
     std::size_t count = 0;
-    for_measured(strip, first_row, u, v, [&](int x, int y) {
-      if (!is_ground(strip, first_row, x, y)) return;
-      sum += double(strip.height_m.at(x, y));
-      squares += std::pow(double(strip.sigma_m.at(x, y)), 2);
+    for_measured(piece, u, v, [&](int x, int y) {
+      if (!is_ground(piece, x, y)) return;
+      sum += double(piece.height_m.at(x, y));
+      squares += std::pow(double(piece.sigma_m.at(x, y)), 2);
       ++count;
     });
-    const int top = v * each_ - first_row, bottom = std::min(top + each_, strip.state.height);
-    const int left = u * each_, right = std::min(left + each_, strip.state.width);
-    for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x) covered_.at(u, v) |= strip.state.at(x, y) != std::uint8_t(CellState::kEmpty);
+    const Cells cells = cells_of(piece, u, v);
+    for (int y = cells.top; y < cells.bottom; ++y)
+      for (int x = cells.left; x < cells.right; ++x)
+        covered_.at(u, v) |= piece.state.at(x, y) != std::uint8_t(CellState::kEmpty);
     if (count == 0 || !enough(count)) return;
     mean_.height_m.at(u, v) = float(sum / double(count));
     mean_.sigma_m.at(u, v) = float(std::sqrt(squares / double(count)));
@@ -192,22 +244,22 @@ class Terrain {
   }
 
   // Ground stays as measured; all else takes the means around.
-  void make_terrain(Strip& strip, int first_row, int y) const {
-    for (int x = 0; x < strip.state.width; ++x) {
-      std::uint8_t& state = strip.state.at(x, y);
+  void make_terrain(Piece& piece, int y) const {
+    for (int x = 0; x < piece.state.width; ++x) {
+      std::uint8_t& state = piece.state.at(x, y);
       if (state == std::uint8_t(CellState::kEmpty)) continue;
-      if (state == std::uint8_t(CellState::kMeasured) && is_ground(strip, first_row, x, y)) continue;
+      if (state == std::uint8_t(CellState::kMeasured) && is_ground(piece, x, y)) continue;
       state = std::uint8_t(CellState::kInterpolated);
-      const double u = (x + 0.5) / each_, v = (first_row + y + 0.5) / each_;
-      strip.height_m.at(x, y) = bilinear(mean_.height_m, u, v);
-      strip.sigma_m.at(x, y) = bilinear(mean_.sigma_m, u, v);
+      const double u = (piece.column + x + 0.5) / each_, v = (piece.row + y + 0.5) / each_;
+      piece.height_m.at(x, y) = bilinear(mean_.height_m, u, v);
+      piece.sigma_m.at(x, y) = bilinear(mean_.sigma_m, u, v);
     }
   }
 
-  void tally(const Strip& strip, const FloatImage& added_variance) {
-    for (std::size_t i = 0; i < strip.state.data.size(); ++i) {
-      const auto state = CellState(strip.state.data[i]);
-      const double height_m = strip.height_m.data[i];
+  void tally(const Piece& piece, const FloatImage& added_variance) {
+    for (std::size_t i = 0; i < piece.state.data.size(); ++i) {
+      const auto state = CellState(piece.state.data[i]);
+      const double height_m = piece.height_m.data[i];
       if (state == CellState::kEmpty) {
         ++summary_.empty_cells;
         continue;
@@ -220,17 +272,17 @@ class Terrain {
         continue;
       }
       ++summary_.ground_cells;
-      const double squared = std::pow(double(strip.sigma_m.data[i]), 2);
+      const double squared = std::pow(double(piece.sigma_m.data[i]), 2);
       summary_.mean_sigma_relative_m += squared;
       summary_.mean_sigma_m += squared + double(added_variance.data[i]);
     }
   }
 
   // The standard deviations with what the orientation adds.
-  [[nodiscard]] static FloatImage whole_sigmas(const Strip& strip, const FloatImage& added_variance) {
-    FloatImage sigma_m = strip.sigma_m;
+  [[nodiscard]] static FloatImage whole_sigmas(const Piece& piece, const FloatImage& added_variance) {
+    FloatImage sigma_m = piece.sigma_m;
     for (std::size_t i = 0; i < sigma_m.data.size(); ++i)
-      if (strip.state.data[i] != std::uint8_t(CellState::kEmpty))
+      if (piece.state.data[i] != std::uint8_t(CellState::kEmpty))
         sigma_m.data[i] = std::sqrt(sigma_m.data[i] * sigma_m.data[i] + added_variance.data[i]);
     return sigma_m;
   }
@@ -249,19 +301,23 @@ class Terrain {
     COLLINEA_TRY(auto sigma, GeoTiffWriter<float>::create(files_.sigma, grid, 1, of_sigma));
     COLLINEA_TRY(auto relative, GeoTiffWriter<float>::create(files_.sigma_relative, grid, 1, of_relative));
     COLLINEA_TRY(auto state, GeoTiffWriter<std::uint8_t>::create(files_.state, grid, 1, of_state));
-    for (int row = 0; row < grid.height; row += kStripRows) {
-      COLLINEA_TRY(Strip strip, read_strip(row, std::min(kStripRows, grid.height - row)));
-      COLLINEA_TRY(const FloatImage added_variance, read_added_variance(strip, row));
-      parallel_for(run_, std::size_t(strip.state.height), [&](std::size_t y) { make_terrain(strip, row, int(y)); });
-      if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
-      tally(strip, added_variance);
-      auto written = height.write(0, row, strip.height_m)
-                         .and_then([&] { return relative.write(0, row, strip.sigma_m); })
-                         .and_then([&] { return sigma.write(0, row, whole_sigmas(strip, added_variance)); })
-                         .and_then([&] { return state.write(0, row, strip.state); });
-      if (!written) return written;
-      run_.report("terrain", 0.6 + 0.4 * double(row + strip.state.height) / grid.height);
-    }
+    for (int row = 0; row < grid.height; row += kWrittenRows)
+      for (int column = 0; column < grid.width; column += kWrittenColumns) {
+        COLLINEA_TRY(Piece piece, read_heights(column, row, std::min(kWrittenColumns, grid.width - column),
+                                               std::min(kWrittenRows, grid.height - row)));
+        if (auto read = read_sigmas(piece); !read) return read;
+        COLLINEA_TRY(const FloatImage added_variance, read_added_variance(piece));
+        parallel_for(run_, std::size_t(piece.state.height), [&](std::size_t y) { make_terrain(piece, int(y)); });
+        if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
+        tally(piece, added_variance);
+        auto written = height.write(column, row, piece.height_m)
+                           .and_then([&] { return relative.write(column, row, piece.sigma_m); })
+                           .and_then([&] { return sigma.write(column, row, whole_sigmas(piece, added_variance)); })
+                           .and_then([&] { return state.write(column, row, piece.state); });
+        if (!written) return written;
+        const double done = row + piece.state.height * double(column + piece.state.width) / grid.width;
+        run_.report("terrain", 0.6 + 0.4 * done / grid.height);
+      }
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
     if (summary_.ground_cells > 0)
       for (double* mean : {&summary_.mean_sigma_m, &summary_.mean_sigma_relative_m})
@@ -276,6 +332,7 @@ class Terrain {
   [[nodiscard]] double contour_interval_m() const {
     if (options_.contour_m) return *options_.contour_m;
     std::vector<float> heights;
+    heights.reserve(std::size_t(std::count(covered_.data.begin(), covered_.data.end(), 1)));
     for (std::size_t i = 0; i < covered_.data.size(); ++i)
       if (covered_.data[i]) heights.push_back(mean_.height_m.data[i]);
     if (heights.empty()) return 0;
@@ -291,44 +348,59 @@ class Terrain {
 
   // The means where the surface model has anything, NaN elsewhere, blurred by a Gaussian over their like.
   [[nodiscard]] FloatImage blurred_means() const {
+    FloatImage blurred(coarse_width_, coarse_height_);
+    parallel_for(run_, std::size_t((coarse_height_ + kBlurRows - 1) / kBlurRows), [&](std::size_t band) {
+      const int first = int(band) * kBlurRows, end = std::min(first + kBlurRows, coarse_height_);
+      blur_rows(first, end, blurred);
+    });
+    return blurred;
+  }
+
+  // Rows [first, end): sums of heights and of cells along rows, then along columns.
+  void blur_rows(int first, int end, FloatImage& blurred) const {
     constexpr int kRadius = int(3 * kContourBlurCells);
     std::array<float, 2 * kRadius + 1> weights;
     for (int i = -kRadius; i <= kRadius; ++i)
       weights[std::size_t(i + kRadius)] = float(std::exp(-0.5 * i * i / (kContourBlurCells * kContourBlurCells)));
-    const auto sums_along = [&](const FloatImage& from, int dx, int dy) {
-      FloatImage to(from.width, from.height);
-      parallel_for(run_, std::size_t(from.height), [&](std::size_t line) {
-        const int y = int(line);
-        for (int x = 0; x < from.width; ++x)
-          for (int i = -kRadius; i <= kRadius; ++i)
-            to.at(x, y) += weights[std::size_t(i + kRadius)] * from.at(std::clamp(x + i * dx, 0, from.width - 1),
-                                                                       std::clamp(y + i * dy, 0, from.height - 1));
-      });
-      return to;
-    };
-    FloatImage sums(coarse_width_, coarse_height_), counts = sums;
-    for (std::size_t i = 0; i < covered_.data.size(); ++i)
-      if (covered_.data[i]) sums.data[i] = mean_.height_m.data[i], counts.data[i] = 1;
-    sums = sums_along(sums_along(sums, 1, 0), 0, 1);
-    counts = sums_along(sums_along(counts, 1, 0), 0, 1);
-    for (std::size_t i = 0; i < covered_.data.size(); ++i)
-      sums.data[i] = covered_.data[i] ? sums.data[i] / counts.data[i] : kNaN;
-    return sums;
+    const int top = std::max(0, first - kRadius), bottom = std::min(coarse_height_, end + kRadius),
+              width = coarse_width_;
+    FloatImage sums(width, bottom - top), counts(width, bottom - top);
+    for (int y = top; y < bottom; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int i = -kRadius; i <= kRadius; ++i) {
+          const int from = std::clamp(x + i, 0, width - 1);
+          const bool there = covered_.at(from, y) != 0;
+          sums.at(x, y - top) += weights[std::size_t(i + kRadius)] * (there ? mean_.height_m.at(from, y) : 0);
+          counts.at(x, y - top) += weights[std::size_t(i + kRadius)] * (there ? 1 : 0);
+        }
+    for (int y = first; y < end; ++y)
+      for (int x = 0; x < width; ++x) {
+        float sum = 0, count = 0;
+        for (int i = -kRadius; i <= kRadius; ++i) {
+          const int from = std::clamp(y + i, 0, coarse_height_ - 1) - top;
+          sum += weights[std::size_t(i + kRadius)] * sums.at(x, from);
+          count += weights[std::size_t(i + kRadius)] * counts.at(x, from);
+        }
+        blurred.at(x, y) = covered_.at(x, y) ? sum / count : kNaN;
+      }
   }
 
   Result<> draw_contours() {
     std::filesystem::path drawing = files_.contours;
     drawing.replace_extension(".dxf");
+    mean_.sigma_m = FloatImage();
     summary_.contour_m = contour_interval_m();
     if (summary_.contour_m == 0) {
       for (const auto& file : {files_.contours, drawing})
         if (auto removed = remove_file(file); !removed) return removed;
       return {};
     }
-    const FloatImage means = blurred_means();
+    FloatImage means = blurred_means();
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
-    COLLINEA_TRY(summary_.contours, write_contours(means, coarse_grid(), summary_.contour_m, kShortestContour * cell_m_,
-                                                   files_.contours, drawing));
+    mean_ = HeightLevel();
+    covered_ = Raster<std::uint8_t>();
+    COLLINEA_TRY(summary_.contours, write_contours(std::move(means), coarse_grid(), summary_.contour_m,
+                                                   kShortestContour * cell_m_, files_.contours, drawing));
     return {};
   }
 

@@ -63,34 +63,40 @@ void gather(const SortedPoints& sorted, int x, int y, std::vector<CellPoint>& ne
   }
 }
 
-SurfaceTile measure(const SortedPoints& sorted, const Gridding& gridding) {
-  const int width = sorted.window.width - 2 * kReachCells, height = sorted.window.height - 2 * kReachCells;
-  SurfaceTile tile(width, height);
+// The rows of `tile` from `first_row` on of which `sorted` has all points.
+void measure(const SortedPoints& sorted, const Gridding& gridding, int first_row, SurfaceTile& tile) {
   CellFit fit(share_alike(gridding.alike_cells));
   std::vector<CellPoint> near;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
+  for (int y = 0; y < sorted.window.height - 2 * kReachCells; ++y) {
+    for (int x = 0; x < sorted.window.width - 2 * kReachCells; ++x) {
       gather(sorted, x + kReachCells, y + kReachCells, near);
       const auto estimate = fit.estimate(near, gridding.cell_m);
       if (!estimate) continue;
-      tile.height_m.at(x, y) = float(estimate->height_m);
-      tile.sigma_m.at(x, y) = float(estimate->sigma_m);
-      tile.state.at(x, y) = std::uint8_t(CellState::kMeasured);
-      tile.count.at(x, y) = std::uint16_t(std::min(estimate->points, 65535));
+      tile.height_m.at(x, first_row + y) = float(estimate->height_m);
+      tile.sigma_m.at(x, first_row + y) = float(estimate->sigma_m);
+      tile.state.at(x, first_row + y) = std::uint8_t(CellState::kMeasured);
+      tile.count.at(x, first_row + y) = std::uint16_t(std::min(estimate->points, 65535));
     }
   }
-  return tile;
 }
 
 }  // namespace
 
 int margin_cells() { return kReachCells + kSmallestPatch; }
 
-SurfaceTile measure_window(std::vector<GridPoint> points, const CellWindow& window, const Gridding& gridding) {
-  const int margin = margin_cells();
-  const CellWindow wide{window.column - margin, window.row - margin, window.width + 2 * margin,
-                        window.height + 2 * margin};
-  SurfaceTile tile = measure(SortedPoints(std::move(points), wide), gridding);
+Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& window, const Gridding& gridding) {
+  SurfaceTile tile;
+  const int width = window.width + 2 * kSmallestPatch, height = window.height + 2 * kSmallestPatch;
+  for (int row = 0; row < height; row += kBandRows) {
+    const int rows = std::min(kBandRows, height - row);
+    const CellWindow band{window.column - margin_cells(), window.row - margin_cells() + row, width + 2 * kReachCells,
+                          rows + 2 * kReachCells};
+    COLLINEA_TRY(auto points, points_of(band));
+    if (points.empty()) continue;
+    if (tile.state.empty()) tile = SurfaceTile(width, height);
+    measure(SortedPoints(std::move(points), band), gridding, row, tile);
+  }
+  if (tile.state.empty()) return tile;
   remove_specks(tile, gridding.cell_m);
   return cropped(tile, {kSmallestPatch, kSmallestPatch, window.width, window.height});
 }

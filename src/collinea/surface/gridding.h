@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "collinea/base/result.h"
 #include "collinea/surface/surface_filter.h"
 
 namespace collinea {
@@ -35,10 +37,15 @@ struct Gridding {
 /// How far outside a window points still matter to it [cells].
 [[nodiscard]] int margin_cells();
 
-/// The measured surface in a window: CellFit for every cell, then specks removed. `points` are all of the window and
-/// its margin, in any order. The result is the same, bit for bit, for every order of the points and for every way to
-/// cut the raster into windows.
-[[nodiscard]] SurfaceTile measure_window(std::vector<GridPoint> points, const CellWindow& window,
-                                         const Gridding& gridding);
+/// All points of a window, in any order.
+using PointsOf = std::function<Result<std::vector<GridPoint>>(const CellWindow& window)>;
+
+/// The measured surface in a window: CellFit for every cell, then specks removed. Without any point in the window and
+/// its margin: no rasters. Points are asked for in bands of kBandRows rows and a few more, which are all that is in
+/// memory of them. The result is the same, bit for bit, for every order of the points and for every way to cut the
+/// raster into windows. Errors: those of `points_of`.
+[[nodiscard]] Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& window,
+                                                 const Gridding& gridding);
+constexpr int kBandRows = 64;
 
 }  // namespace collinea

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <numbers>
+#include <vector>
 
 #include "collinea/base/random.h"
 #include "collinea/surface/cell_fit.h"
@@ -40,6 +42,21 @@ std::vector<GridPoint> spread(const std::function<double(double, double)>& heigh
     }
   }
   return points;
+}
+
+PointsOf those_of(const std::vector<GridPoint>& points) {
+  return [&points](const CellWindow& window) -> Result<std::vector<GridPoint>> {
+    std::vector<GridPoint> found;
+    std::copy_if(points.begin(), points.end(), std::back_inserter(found), [&](const GridPoint& p) {
+      return p.column >= double(window.column) && p.column < double(window.column + window.width) &&
+             p.row >= double(window.row) && p.row < double(window.row + window.height);
+    });
+    return found;
+  };
+}
+
+SurfaceTile measure_window(const std::vector<GridPoint>& points, const CellWindow& window, const Gridding& gridding) {
+  return measure_window(those_of(points), window, gridding).value();
 }
 
 bool is(const SurfaceTile& tile, CellState state, int x, int y) { return tile.state.at(x, y) == std::uint8_t(state); }
@@ -214,6 +231,41 @@ TEST(Gridding, NeitherTheOrderOfPointsNorTheCutIntoWindowsMatters) {
       }
     }
   }
+}
+
+// Two bands and a half, against single rows of a band each.
+TEST(Gridding, BandsAreNarrowAndLeaveNoTrace) {
+  const auto points = sprinkle(
+      -20, 5 * kBandRows / 2 + 20, 3, [](double x, double y) { return std::sin(x * y); }, 0.1);
+  const CellWindow window{3, -7, 30, 5 * kBandRows / 2};
+  int tallest = 0;
+  const auto whole = measure_window(
+      [&](const CellWindow& asked) {
+        tallest = std::max(tallest, asked.height);
+        return those_of(points)(asked);
+      },
+      window, {kCell});
+  ASSERT_TRUE(whole);
+  EXPECT_LE(tallest, kBandRows + 2 * (margin_cells() - kSmallestPatch));
+  for (int y = 0; y < window.height; y += 11) {
+    const SurfaceTile row = measure_window(points, {window.column, window.row + y, window.width, 1}, {kCell});
+    for (int x = 0; x < window.width; ++x) {
+      EXPECT_EQ(row.height_m.at(x, 0), whole->height_m.at(x, y));
+      EXPECT_EQ(row.sigma_m.at(x, 0), whole->sigma_m.at(x, y));
+      EXPECT_EQ(row.count.at(x, 0), whole->count.at(x, y));
+    }
+  }
+}
+
+TEST(Gridding, WhatPointsCannotBeReadForIsAnError) {
+  const auto broken = [](const CellWindow&) -> Result<std::vector<GridPoint>> {
+    return fail(Errc::kBadFormat, "disk");
+  };
+  EXPECT_FALSE(measure_window(broken, kWindow, {kCell}));
+}
+
+TEST(Gridding, WithoutPointsThereAreNoRasters) {
+  EXPECT_TRUE(measure_window(std::vector<GridPoint>(), kWindow, {kCell}).state.empty());
 }
 
 }  // namespace

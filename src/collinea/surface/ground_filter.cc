@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "collinea/base/parallel.h"
@@ -32,7 +33,7 @@ struct Largest {
 
 // Along a line of `count` places, `step` values apart, with `lanes` values side by side at each: the best of the 2 r +
 // 1 places around each (van Herk 1992: every window is the end of one block and the beginning of the next, and both are
-// known from running along the blocks once each way).
+// known from running along the blocks once each way). `out` may be `in`.
 template <class Best>
 void best_along(const float* in, std::size_t step, int count, int lanes, int r, float* out,
                 std::vector<float>& buffer) {
@@ -59,27 +60,26 @@ void best_along(const float* in, std::size_t step, int count, int lanes, int r, 
 }
 
 template <class Best>
-FloatImage best_around(const FloatImage& heights, int r, const Run& run) {
-  FloatImage result(heights.width, heights.height);
+FloatImage best_around(FloatImage heights, int r, const Run& run) {
   parallel_for(run, std::size_t(heights.height), [&](std::size_t y) {
     std::vector<float> buffer;
-    best_along<Best>(heights.row(int(y)), 1, heights.width, 1, r, result.row(int(y)), buffer);
+    best_along<Best>(heights.row(int(y)), 1, heights.width, 1, r, heights.row(int(y)), buffer);
   });
   const int chunks = (heights.width + kLanes - 1) / kLanes;
   parallel_for(run, std::size_t(chunks), [&](std::size_t chunk) {
     std::vector<float> buffer;
     const int column = int(chunk) * kLanes, lanes = std::min(kLanes, heights.width - column);
-    float* const first = result.row(0) + column;
+    float* const first = heights.row(0) + column;
     best_along<Best>(first, std::size_t(heights.width), heights.height, lanes, r, first, buffer);
   });
-  return result;
+  return heights;
 }
 
 // Places where nothing is known continue the lowest surface around them.
 FloatImage without_gaps(const FloatImage& low_m, double cell_m) {
   HeightLevel level = level_of(low_m, cell_m);
   fill_all(level);
-  return level.height_m;
+  return std::move(level.height_m);
 }
 
 // Heights far below all around them are raised to the lowest of these, and marked.
@@ -155,17 +155,17 @@ class GivingBack {
 
 }  // namespace
 
-FloatImage smallest_around(const FloatImage& heights, int radius, const Run& run) {
-  return best_around<Smallest>(heights, radius, run);
+FloatImage smallest_around(FloatImage heights, int radius, const Run& run) {
+  return best_around<Smallest>(std::move(heights), radius, run);
 }
 
-FloatImage largest_around(const FloatImage& heights, int radius, const Run& run) {
-  return best_around<Largest>(heights, radius, run);
+FloatImage largest_around(FloatImage heights, int radius, const Run& run) {
+  return best_around<Largest>(std::move(heights), radius, run);
 }
 
 Mask ground_cells(const FloatImage& low_m, double cell_m, double largest_object_m, const Run& run) {
-  Mask pits(low_m.width, low_m.height), taken = pits;
   FloatImage surface = without_gaps(low_m, cell_m);
+  Mask pits(low_m.width, low_m.height), taken = pits;
   raise_pits(surface, cell_m, pits, run);
   take_objects(std::move(surface), cell_m, largest_object_m, taken, run);
   GivingBack(low_m, cell_m, taken).all();

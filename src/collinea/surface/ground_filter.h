@@ -21,7 +21,7 @@ namespace collinea {
 
 /// Every value becomes the smallest (largest) of the square of 2 * radius + 1 cells around it, as far as it lies in the
 /// raster.
-[[nodiscard]] FloatImage smallest_around(const FloatImage& heights, int radius, const Run& run);
-[[nodiscard]] FloatImage largest_around(const FloatImage& heights, int radius, const Run& run);
+[[nodiscard]] FloatImage smallest_around(FloatImage heights, int radius, const Run& run);
+[[nodiscard]] FloatImage largest_around(FloatImage heights, int radius, const Run& run);
 
 }  // namespace collinea

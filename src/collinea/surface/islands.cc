@@ -90,15 +90,13 @@ bool Islands::is_sunken(const Part& part, const std::vector<Part>& parts, double
   return deep_m > std::max(kShallowestCells, double(nearest) * kBlock) * cell_m;
 }
 
-std::uint64_t Islands::find(double cell_m) {
-  const std::vector<Part> all = parts();
+void Islands::mark_islands(const std::vector<Part>& all, double cell_m) {
   std::vector<const Part*> by_size;
   for (const Part& part : all) by_size.push_back(&part);
   // the largest first: what has gone says nothing of smaller ones
   std::stable_sort(by_size.begin(), by_size.end(), [](const Part* a, const Part* b) { return a->points > b->points; });
-  if (all.empty()) return 0;
+  if (all.empty()) return;
   const Part& largest = *by_size.front();
-  std::uint64_t points = 0;
   for (const Part* candidate : by_size) {
     const Part& part = *candidate;
     if (part.points * kShare >= largest.points) continue;
@@ -108,38 +106,44 @@ std::uint64_t Islands::find(double cell_m) {
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
           const auto found = blocks_.find({place.first + dy, place.second + dx});
-          if (found == blocks_.end() || found->second.gone) continue;
-          if ((dx || dy) && found->second.part >= 0) continue;
+          if (found == blocks_.end() || ((dx || dy) && found->second.part >= 0)) continue;
           found->second.gone = true;
-          points += found->second.points;
         }
   }
+}
+
+std::uint64_t Islands::keep_gone() {
+  constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
+  bounds_ = {kFar, kFar, -kFar, -kFar};
+  std::uint64_t points = 0;
+  for (const auto& [place, block] : blocks_) {
+    if (block.gone) {
+      gone_.insert(place);
+      points += block.points;
+      continue;
+    }
+    const std::int64_t row = place.first * kBlock, column = place.second * kBlock;
+    bounds_.west = std::min(bounds_.west, column + block.west);
+    bounds_.east = std::max(bounds_.east, column + block.east);
+    bounds_.north = std::min(bounds_.north, row + block.north);
+    bounds_.south = std::max(bounds_.south, row + block.south);
+  }
+  blocks_.clear();
   return points;
 }
 
-bool Islands::holds(const GridPoint& point) const {
-  const auto found = blocks_.find(place_of(point));
-  return found != blocks_.end() && found->second.gone;
+std::uint64_t Islands::find(double cell_m) {
+  mark_islands(parts(), cell_m);
+  return keep_gone();
 }
+
+bool Islands::holds(const GridPoint& point) const { return !gone_.empty() && gone_.contains(place_of(point)); }
 
 void Islands::forget(const CellWindow& window) {
   for (std::int64_t row = floor_div(window.row, kBlock); row * kBlock < window.row + window.height; ++row) {
     const auto begin = blocks_.lower_bound({row, floor_div(window.column, kBlock)});
     blocks_.erase(begin, blocks_.lower_bound({row, floor_div(window.column + window.width - 1, kBlock) + 1}));
   }
-}
-
-Islands::Bounds Islands::bounds() const {
-  constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
-  Bounds bounds{kFar, kFar, -kFar, -kFar};
-  for (const auto& [place, block] : blocks_) {
-    if (block.gone) continue;
-    const std::int64_t row = place.first * kBlock, column = place.second * kBlock;
-    bounds.west = std::min(bounds.west, column + block.west), bounds.east = std::max(bounds.east, column + block.east);
-    bounds.north = std::min(bounds.north, row + block.north);
-    bounds.south = std::max(bounds.south, row + block.south);
-  }
-  return bounds;
 }
 
 }  // namespace collinea

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -28,16 +29,17 @@ class Islands {
   static constexpr int kFewest = 16;
 
   void add(std::span<const GridPoint> points);
-  /// To be called once all points are there. Returns how many points lie on islands.
+  /// To be called once all points are there; keeps of them only which blocks are islands. Returns how many points lie
+  /// on these.
   std::uint64_t find(double cell_m);
   [[nodiscard]] bool holds(const GridPoint& point) const;
   /// The points of a window, whole blocks of it, are not there any more.
   void forget(const CellWindow& window);
-  /// The cells with points that lie on no island: the outermost, all included. There must be some.
+  /// Once islands are found: the outermost cells with points that lie on none, all included. There must be some.
   struct Bounds {
     std::int64_t west, north, east, south;
   };
-  [[nodiscard]] Bounds bounds() const;
+  [[nodiscard]] const Bounds& bounds() const { return bounds_; }
 
  private:
   using Place = std::pair<std::int64_t, std::int64_t>;  // row and column of a block
@@ -58,7 +60,12 @@ class Islands {
   [[nodiscard]] std::vector<Part> parts();
   [[nodiscard]] bool is_sunken(const Part& part, const std::vector<Part>& parts, double cell_m) const;
 
+  void mark_islands(const std::vector<Part>& parts, double cell_m);
+  std::uint64_t keep_gone();
+
   std::map<Place, Block> blocks_;
+  std::set<Place> gone_;
+  Bounds bounds_{};
 };
 
 }  // namespace collinea

@@ -10,6 +10,7 @@
 namespace collinea {
 namespace {
 
+constexpr std::size_t kReadAtOnce = 65536;   // points
 constexpr double kMoreThanExpected = 1.125;  // points do not lie evenly in their squares
 
 bool within(const GridPoint& p, const CellWindow& window) {
@@ -25,7 +26,7 @@ PointBuckets::PointBuckets(std::filesystem::path scratch, int cells, std::size_t
 PointBuckets::~PointBuckets() {
   std::error_code ignored;
   for (const auto& [place, bucket] : buckets_)
-    if (bucket.in_file > 0) std::filesystem::remove(file_of(place), ignored);
+    if (!bucket.in_file.empty()) std::filesystem::remove(file_of(place), ignored);
   if (made_scratch_) std::filesystem::remove(scratch_, ignored);  // stays when others use it too
 }
 
@@ -51,27 +52,52 @@ Result<> PointBuckets::add(std::span<const GridPoint> points) {
   return bytes_held() > memory_bytes_ ? spill() : Result<>{};
 }
 
+// Rows outside the bucket belong to its first or last band.
+int PointBuckets::band_of(const Place& place, double row) const {
+  const double within = std::floor(row) - double(place.row * cells_);
+  return int(std::clamp(within * kBands / cells_, 0.0, double(kBands - 1)));
+}
+
+PointBuckets::Piece PointBuckets::sort_into_bands(const Place& place, std::vector<GridPoint>& points) const {
+  Piece piece;
+  for (const GridPoint& p : points) ++piece.begin[std::size_t(band_of(place, p.row)) + 1];
+  for (std::size_t band = 0; band < kBands; ++band) piece.begin[band + 1] += piece.begin[band];
+  std::vector<GridPoint> sorted(points.size());
+  std::array<std::uint32_t, kBands + 1> next = piece.begin;
+  for (const GridPoint& p : points) sorted[next[std::size_t(band_of(place, p.row))]++] = p;
+  points.swap(sorted);
+  return piece;
+}
+
 Result<> PointBuckets::spill() {
   std::error_code error;
   made_scratch_ |= std::filesystem::create_directories(scratch_, error);
   for (auto& [place, bucket] : buckets_) {
     if (bucket.in_memory.empty()) continue;
-    std::ofstream file(file_of(place), bucket.in_file > 0 ? std::ios::binary | std::ios::app : std::ios::binary);
+    std::ofstream file(file_of(place), bucket.in_file.empty() ? std::ios::binary : std::ios::binary | std::ios::app);
+    Piece piece = sort_into_bands(place, bucket.in_memory);
+    if (!bucket.in_file.empty()) piece.first = bucket.in_file.back().first + bucket.in_file.back().begin.back();
     file.write(reinterpret_cast<const char*>(bucket.in_memory.data()),
                std::streamsize(bucket.in_memory.size() * sizeof(GridPoint)));
     if (!file.flush()) return fail(Errc::kBadInput, "cannot write " + file_of(place).string() + ": is the disk full?");
-    bucket.in_file += bucket.in_memory.size();
+    bucket.in_file.push_back(piece);
     std::vector<GridPoint>().swap(bucket.in_memory);  // "= {}" would keep the memory
   }
   held_ = 0;
   return {};
 }
 
+Result<> PointBuckets::finish() {
+  const bool any =
+      std::any_of(buckets_.begin(), buckets_.end(), [](const auto& b) { return !b.second.in_file.empty(); });
+  return any ? spill() : Result<>{};
+}
+
 void PointBuckets::drop(const Place& place) {
   const auto found = buckets_.find(place);
   if (found == buckets_.end()) return;
   std::error_code ignored;
-  if (found->second.in_file > 0) std::filesystem::remove(file_of(place), ignored);
+  if (!found->second.in_file.empty()) std::filesystem::remove(file_of(place), ignored);
   held_ -= found->second.in_memory.capacity();
   buckets_.erase(found);
 }
@@ -92,14 +118,19 @@ Result<> PointBuckets::read_bucket(const Place& place, const Bucket& bucket, con
     std::copy_if(points.begin(), points.end(), std::back_inserter(to),
                  [&](const GridPoint& p) { return within(p, window); });
   };
-  if (bucket.in_file > 0) {
+  if (!bucket.in_file.empty()) {
+    const auto from = std::size_t(band_of(place, double(window.row))),
+               end = std::size_t(band_of(place, double(window.row + window.height - 1))) + 1;
     std::ifstream file(file_of(place), std::ios::binary);
-    std::vector<GridPoint> piece(std::min<std::uint64_t>(bucket.in_file, 65536));
-    for (std::uint64_t done = 0; done < bucket.in_file; done += piece.size()) {
-      piece.resize(std::min<std::uint64_t>(piece.size(), bucket.in_file - done));
-      if (!file.read(reinterpret_cast<char*>(piece.data()), std::streamsize(piece.size() * sizeof(GridPoint))))
-        return fail(Errc::kBadFormat, "cannot read back " + file_of(place).string());
-      keep(piece);
+    std::vector<GridPoint> points;
+    for (const Piece& piece : bucket.in_file) {
+      file.seekg(std::streamoff((piece.first + piece.begin[from]) * sizeof(GridPoint)));
+      for (std::size_t left = piece.begin[end] - piece.begin[from]; left > 0; left -= points.size()) {
+        points.resize(std::min(left, kReadAtOnce));
+        if (!file.read(reinterpret_cast<char*>(points.data()), std::streamsize(points.size() * sizeof(GridPoint))))
+          return fail(Errc::kBadFormat, "cannot read back " + file_of(place).string());
+        keep(points);
+      }
     }
   }
   keep(bucket.in_memory);

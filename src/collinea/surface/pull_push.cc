@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "collinea/surface/surface_filter.h"
 
@@ -60,24 +62,27 @@ int clamped(std::int64_t i, int size) { return int(std::clamp<std::int64_t>(i, 0
 void smooth(HeightLevel& level) {
   const int width = level.height_m.width, height = level.height_m.height;
   const auto most_m = float(tolerance_m(0, level));
-  FloatImage before;
+  std::vector<float> above, here;  // rows as they were before the round
   for (int round = 0; round < kSmoothings; ++round) {
-    before = level.height_m;
     for (int y = 0; y < height; ++y) {
+      float* const heights = level.height_m.row(y);
+      const float* const below = heights + width;  // as it was, too
+      const float* const weights = level.weight.row(y);
+      std::swap(above, here);
+      here.assign(heights, heights + width);
       for (int x = 0; x < width; ++x) {
-        if (level.weight.at(x, y) > 0 || before.at(x, y) == kNoHeight) continue;
-        const float own = before.at(x, y);
+        if (weights[x] > 0 || here[std::size_t(x)] == kNoHeight) continue;
+        const float own = here[std::size_t(x)];
         float sum = 0;
         int count = 0;
-        const auto add = [&](int u, int v) {
-          const float z = before.at(u, v);
-          if (level.weight.at(u, v) == 0 || std::abs(z - own) <= most_m) sum += z - own, ++count;
+        const auto add = [&](float z, float weight) {
+          if (weight == 0 || std::abs(z - own) <= most_m) sum += z - own, ++count;
         };
-        if (x > 0) add(x - 1, y);
-        if (x + 1 < width) add(x + 1, y);
-        if (y > 0) add(x, y - 1);
-        if (y + 1 < height) add(x, y + 1);
-        if (count > 0) level.height_m.at(x, y) = own + sum / float(count);
+        if (x > 0) add(here[std::size_t(x - 1)], weights[x - 1]);
+        if (x + 1 < width) add(here[std::size_t(x + 1)], weights[x + 1]);
+        if (y > 0) add(above[std::size_t(x)], weights[x - width]);
+        if (y + 1 < height) add(below[x], weights[x + width]);
+        if (count > 0) heights[x] = own + sum / float(count);
       }
     }
   }
@@ -109,11 +114,17 @@ HeightLevel::HeightLevel(std::int64_t first_column, std::int64_t first_row, int 
       sigma_m(width, height, 1, kNoHeight),
       weight(width, height) {}
 
-HeightLevel level_of(const FloatImage& heights_m, double cell) {
-  HeightLevel level(0, 0, heights_m.width, heights_m.height, cell, 0);
-  for (std::size_t i = 0; i < heights_m.data.size(); ++i) {
-    if (std::isnan(heights_m.data[i])) continue;
-    level.height_m.data[i] = heights_m.data[i];
+HeightLevel level_of(FloatImage heights_m, double cell) {
+  HeightLevel level;
+  level.cell_m = cell;
+  level.height_m = std::move(heights_m);
+  level.sigma_m = FloatImage(level.height_m.width, level.height_m.height, 1, kNoHeight);
+  level.weight = FloatImage(level.height_m.width, level.height_m.height);
+  for (std::size_t i = 0; i < level.height_m.data.size(); ++i) {
+    if (std::isnan(level.height_m.data[i])) {
+      level.height_m.data[i] = kNoHeight;
+      continue;
+    }
     level.sigma_m.data[i] = 0;
     level.weight.data[i] = 1;
   }

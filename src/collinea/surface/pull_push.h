@@ -22,7 +22,7 @@ struct HeightLevel {
 };
 
 /// The level of a whole raster of heights that count as exact; NaN: nothing there.
-[[nodiscard]] HeightLevel level_of(const FloatImage& heights_m, double cell);
+[[nodiscard]] HeightLevel level_of(FloatImage heights_m, double cell);
 
 /// The next coarser level. Of four cells the lowest counts, together with those that a slope joins to it: where roof
 /// and ground meet it is the ground. Levels that hold less than a tenth of the weight are taken for wrong.
@@ -35,7 +35,8 @@ void fill_from(const HeightLevel& coarse, HeightLevel& fine);
 constexpr int kSmoothings = 3;
 
 /// Fills a whole pyramid that starts with this level (Gortler et al. 1996, pull-push; the choice of the lowest surface
-/// is not theirs). Nothing happens when no cell has weight.
+/// is not theirs). Nothing happens when no cell has weight. Beside the level its coarser ones take a third of its
+/// memory.
 void fill_all(HeightLevel& finest);
 
 }  // namespace collinea

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/base/memory.h"
+
+#include <cstdlib>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+namespace collinea {
+
+void give_back_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+}  // namespace collinea
