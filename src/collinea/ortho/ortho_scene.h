@@ -26,11 +26,6 @@ struct OrthoScene {
   const SeamPlan* seams = nullptr;       ///< null: every cell takes the cheapest view
 };
 
-/// Cells of a grid; may reach beyond it.
-struct CellArea {
-  int column, row, width, height;
-};
-
 /// For each view the largest reduction of its picture at which a pixel still is no larger than a cell.
 [[nodiscard]] std::vector<int> shrinks(const OrthoScene& scene, double cell_m);
 

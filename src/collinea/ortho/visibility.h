@@ -7,7 +7,7 @@
 
 #include "collinea/image/geotiff.h"
 #include "collinea/image/raster.h"
-#include "collinea/ortho/height_field.h"
+#include "collinea/ortho/occluders.h"
 #include "collinea/ortho/view.h"
 #include "collinea/ortho/world_lattice.h"
 
@@ -22,14 +22,14 @@ struct OrthoPatch {
   int column = 0, row = 0;  ///< of the patch in the grid; may be negative
   FloatImage heights_m;     ///< NaN: no height
   WorldLattice lattice;
-  HeightWindow surface;
+  Occluders occluders;
   MapGrid surface_grid;
 
   [[nodiscard]] int blocks_across() const { return heights_m.width / kBlock; }
   [[nodiscard]] int blocks_down() const { return heights_m.height / kBlock; }
-  /// Continuous cells of the surface window, of a map position.
-  [[nodiscard]] double surface_x(double east_m) const { return surface_grid.column_of(east_m) - surface.column(); }
-  [[nodiscard]] double surface_y(double north_m) const { return surface_grid.row_of(north_m) - surface.row(); }
+  /// Continuous cells of the window of the occluders, of a map position.
+  [[nodiscard]] double surface_x(double east_m) const { return surface_grid.column_of(east_m) - occluders.column(); }
+  [[nodiscard]] double surface_y(double north_m) const { return surface_grid.row_of(north_m) - occluders.row(); }
   [[nodiscard]] Eigen::Vector3d world_at(int x, int y) const {
     return lattice.at(x + 0.5, y + 0.5, double(heights_m.at(x, y)));
   }
@@ -53,7 +53,7 @@ class Visibility {
   /// are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden place it is no
   /// help.
   [[nodiscard]] bool sees_barely(int view, int x, int y);
-  /// True when only small things stand between the view and a cell (HeightWindow::hides_by_wide_things), and its line
+  /// True when only small things stand between the view and a cell (Occluders::wide_ones_hide), and its line
   /// of sight passes wide ones at two cells or more. Places beside walls are not seen by this rule either.
   [[nodiscard]] bool sees_past_small_things(int view, int x, int y) const;
   /// True when the view sees all cells of a block that have a height.
