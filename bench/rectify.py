@@ -5,13 +5,15 @@
 usage: bench/rectify.py [--out DIR] [--collinea PROGRAM]
   --out   where the survey and the project go (default build/bench-rectify); its photographs are used again, the project is not
 A board is symmetric about its centre: it is found where the picture is most like itself turned by 180 degrees.
-Needs python3-numpy and python3-pil; a minute of processor time.
+Judged by pixels of the photograph on the wall: half of one (RMS, each way) where the camera is known, a whole one where the lens is not; of the
+boards that a picture shows half must be found. Exit code 1: something is SHORT. Needs python3-numpy and python3-pil; a minute of processor time.
 """
 import argparse
 import json
 import os
 import shutil
 import subprocess
+import sys
 
 import numpy as np
 from PIL import Image
@@ -20,6 +22,8 @@ CELL_M = 0.004  # a third of a pixel on the wall
 BOARD_CELLS, SEARCH_CELLS = 14, 6  # half a board; how far it is looked for: farther off a window may be as symmetric
 ALIKE = 0.8  # correlation
 ON_PLANE_M = 0.01
+PIXEL_M = 0.013  # of the photographs on the wall
+LEAST_FOUND = 0.5
 
 root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 parser = argparse.ArgumentParser()
@@ -48,12 +52,19 @@ def rectified(name, source, *words):
         return rgba[..., :3].mean(2) * (rgba[..., 3] > 0), json.load(file)
 
 
+def around(picture, column, row):
+    """The picture around a place, or None where it does not show all of it."""
+    half = BOARD_CELLS + 2 * SEARCH_CELLS
+    first_x, first_y = int(column) - half, int(row) - half
+    part = picture[max(0, first_y):first_y + 2 * half, max(0, first_x):first_x + 2 * half]
+    return None if part.shape != (2 * half, 2 * half) or (part == 0).any() else part
+
+
 def board_near(picture, column, row):
-    """The centre of the board [cells] near a place, or None where the picture does not show all around it."""
+    """The centre of the board [cells] near a place, or None where there is none."""
     n, r = BOARD_CELLS, 2 * SEARCH_CELLS  # r: in half cells
-    first_x, first_y = int(column) - n - r, int(row) - n - r
-    part = picture[max(0, first_y):first_y + 2 * (n + r), max(0, first_x):first_x + 2 * (n + r)]
-    if part.shape != (2 * (n + r), 2 * (n + r)) or (part == 0).any():
+    part = around(picture, column, row)
+    if part is None:
         return None
     turned = part[::-1, ::-1]
     likeness = np.empty((2 * r + 1, 2 * r + 1))  # at centres half a cell apart
@@ -71,22 +82,30 @@ def board_near(picture, column, row):
 
     x = i - r + vertex(*likeness[j, i - 1:i + 2])
     y = j - r + vertex(*likeness[j - 1:j + 2, i])
-    return first_x + n + r + x / 2, first_y + n + r + y / 2
+    return int(column) + x / 2, int(row) + y / 2
 
 
 def errors_of(picture, told, places):
-    """of boards by name, found less expected [m]; places: on the plane"""
-    errors = {}
+    """of boards by name, found less expected [m], and how many are shown; places: on the plane"""
+    errors, shown = {}, 0
     for name, (x, y) in places.items():
         expected = (x - told["left_m"]) / CELL_M, (told["top_m"] - y) / CELL_M
+        shown += around(picture, *expected) is not None
         if found := board_near(picture, *expected):
             errors[name] = np.array([found[0] - expected[0], expected[1] - found[1]]) * CELL_M
-    return errors
+    return errors, shown
 
 
-def row(what, errors, more=""):
-    rms = 1000 * np.sqrt(np.mean(np.square(list(errors.values())), 0))
-    print(f"| {what} | {len(errors)} | {rms[0]:.1f}, {rms[1]:.1f} mm{more} |", flush=True)
+short = []
+
+
+def row(what, errors, shown, limit_px, more=""):
+    rms = np.sqrt(np.mean(np.square(list(errors.values())), 0)) if errors else np.full(2, np.nan)
+    ok = len(errors) >= LEAST_FOUND * shown > 0 and (rms <= limit_px * PIXEL_M).all()
+    if not ok:
+        short.append(what)
+    print(f"| {what} | {len(errors)} of {shown} | {1000 * rms[0]:.1f}, {1000 * rms[1]:.1f} mm{more} | {1000 * limit_px * PIXEL_M:.1f} mm "
+          f"| {'ok' if ok else 'SHORT'} |", flush=True)
 
 
 if not os.path.exists(os.path.join(block, "truth", "marks.csv")):
@@ -98,7 +117,7 @@ marks = rows_of(os.path.join(block, "truth", "marks.csv"))[1:]
 names = [fields[0] for fields in marks]
 world, on_map = np.array([f[2:5] for f in marks], float), np.array([f[5:8] for f in marks], float)
 on_wall = {name: place[[0, 2]] for name, place in zip(names, world) if abs(place[1]) < ON_PLANE_M}  # which is the plane y = 0
-print("| plane from | marks on the plane | RMS x, y |\n| --- | --- | --- |")
+print("| plane from | marks found | RMS x, y | wanted | verdict |\n| --- | --- | --- | --- | --- |")
 
 low, high = on_map.min(0) - 1, on_map.max(0) + 1
 picture, told = rectified("region", project, "--region", ",".join(f"{v:.3f}" for v in (*low[:2], *high[:2], low[2], high[2])))
@@ -115,7 +134,7 @@ origin = np.array([a * de - b * dn + x0, b * de + a * dn + y0, dh + world[:, 2].
 axes = np.array([plane["x_axis_in_world"], plane["y_axis_in_world"]])
 places = dict(zip(names, (world - origin) @ axes.T))
 row(f"region of the cloud ({plane['points']} points, {1000 * plane['rms_m']:.1f} mm off it)",
-    errors_of(picture, told, {name: places[name] for name in on_wall}))
+    *errors_of(picture, told, {name: places[name] for name in on_wall}), 0.5)
 
 seen = {}
 for fields in rows_of(control):
@@ -127,14 +146,16 @@ with open(points, "w") as file:
     for name in sorted(seen[photo].keys() & on_wall.keys()):
         print(name, *seen[photo][name], *on_wall[name], 0.25, 0.001, sep=", ", file=file)
 source = os.path.join(block, "images", photo)
-for what, words in (("camera of the project", ["--project", project]), ("lens not known", [])):
+for what, limit_px, words in (("camera of the project", 0.5, ["--project", project]), ("lens not known", 1, [])):
     picture, told = rectified("points", source, "--points", points, *words)
-    row(f"{len(told['points'])} points measured in one photograph, {what}", errors_of(picture, told, on_wall),
+    row(f"{len(told['points'])} points measured in one photograph, {what}", *errors_of(picture, told, on_wall), limit_px,
         f"; sigma0 {told['sigma0']:.1f}" if "sigma0" in told else "")
     if centre := told["photographs"][0].get("centre_over_plane_m"):
         for name, place in zip(names, world):
             depth, at = -place[1], place[[0, 2]]
             shift = depth * (at - centre[:2]) / centre[2]
-            if name not in on_wall and (error := errors_of(picture, told, {name: at + shift})):
+            if name not in on_wall and (error := errors_of(picture, told, {name: at + shift})[0]):
                 print(f"    {name}, {1000 * depth:.0f} mm before the wall: shifted by {1000 * np.hypot(*shift):.0f} mm, as it must, but for "
                       f"{1000 * np.hypot(*error[name]):.0f} mm")
+if short:
+    sys.exit("SHORT: " + "; ".join(short))

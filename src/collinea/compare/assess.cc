@@ -54,8 +54,14 @@ Result<SurfaceErrors> assess_surface(const ProductFiles& products, const TruthFo
   if (there(truth.dtm)) {
     COLLINEA_TRY(terrain, open_height_field(truth.dtm));
   }
-  return surface_errors(model, state, expected, views_of(true_block(truth), &frame), &frame, run,
-                        terrain.read ? &terrain : nullptr);
+  const HeightField* ground = terrain.read ? &terrain : nullptr;
+  COLLINEA_TRY(SurfaceErrors errors,
+               surface_errors(model, state, expected, views_of(true_block(truth), &frame), &frame, run, ground));
+  if (!there(products.dsm_sigma_relative)) return errors;
+  COLLINEA_TRY(const HeightField relative, open_height_field(products.dsm, products.dsm_sigma_relative));
+  COLLINEA_TRY(const SurfaceErrors by_relative, surface_errors(relative, state, expected, {}, &frame, run, ground));
+  errors.relative_within_bounds = by_relative.levelled_within_bounds;
+  return errors;
 }
 
 Result<WallErrors> assess_walls(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
@@ -164,6 +170,10 @@ std::string table(const Assessment& a) {
           "surface model, sigma               {} cells   within 95 % bounds {:.1f} %{}\n", a.surface->bounds,
           100 * a.surface->within_bounds,
           a.surface->roofs.cells ? fmt::format("   on roofs {:.1f} %", 100 * a.surface->roofs_within_bounds) : "");
+    if (a.surface->relative_within_bounds > 0)
+      text +=
+          fmt::format("surface model, relative sigma      less the plane of all errors, within 95 % bounds {:.1f} %\n",
+                      100 * a.surface->relative_within_bounds);
     text += fmt::format(
         "surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell "
         "{:.4g} m\n",

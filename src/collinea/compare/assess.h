@@ -17,7 +17,7 @@ namespace collinea {
 
 /// The products to be assessed; paths that are empty or do not exist are left out.
 struct ProductFiles {
-  std::filesystem::path dsm, dsm_state, dtm, dtm_state, ortho, dsm_sigma = {}, ortho_source = {};
+  std::filesystem::path dsm, dsm_state, dsm_sigma, dsm_sigma_relative, dtm, dtm_state, ortho, ortho_source;
 };
 
 /// How far the results of a simulated block are from the truth.

@@ -215,6 +215,21 @@ TEST(SurfaceErrors, RoofsAreJudgedByThemselvesAndSigmasByTheErrors) {
   EXPECT_GT(honest->bounds, 140'000u);
 }
 
+// What a block's orientation does to all heights is not what their relative sigmas tell of.
+TEST(SurfaceErrors, RelativeSigmasAreJudgedLessThePlaneThatAllErrorsShare) {
+  Random random(6);
+  HeightField model = field_of(0.1, 400, [&](double x, double y) {
+    return height_at(x, y) + float(0.1 * random.normal() + 0.5 + 0.02 * x - 0.03 * y);
+  });
+  model.read_sigma = [](int, int, int width, int height) -> Result<FloatImage> {
+    return FloatImage(width, height, 1, 0.1f);
+  };
+  const auto errors = surface_errors(model, nullptr, field_of(0.1, 400, height_at), {}, nullptr, collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_LT(errors->within_bounds, 0.5);
+  EXPECT_NEAR(errors->levelled_within_bounds, 0.95, 0.01);
+}
+
 TEST(SurfaceErrors, OnlyWhatThreeCamerasSeeMustBeThere) {
   Survey survey;
   const std::vector<View> views = views_of(survey.block, nullptr);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/compare/surface_errors.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,6 +25,7 @@ constexpr int kStepMargin = 3;         // [cells of the model]
 constexpr double kBound = 1.96;        // sigmas that hold 95 % of normal errors
 constexpr int kSeenStride = 4;         // every so many cells, both ways, it is looked at who sees them
 constexpr std::size_t kEnough = 3;     // images
+constexpr std::size_t kSome = 16;      // errors of so many one makes the plane that they have in common
 
 // The rows of the truth under some rows of the model, with a margin.
 struct TrueStrip {
@@ -58,6 +60,31 @@ Raster<std::uint8_t> rough_cells(const FloatImage& heights_m, double cell_m, int
   return result;
 }
 
+// An error that a bound was looked at for, and where in the model.
+struct BoundedError {
+  float column, row, error_m, sigma_m;
+};
+
+// Of errors less the plane that fits them best the share within bounds.
+double levelled_within(const std::vector<BoundedError>& errors, const MapGrid& grid) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  const auto row_of = [&](const BoundedError& one) {
+    return Eigen::Vector3d(1, double(one.column) / grid.width - 0.5, double(one.row) / grid.height - 0.5);
+  };
+  for (const BoundedError& one : errors) {
+    normal += row_of(one) * row_of(one).transpose();
+    right += row_of(one) * double(one.error_m);
+  }
+  const Eigen::LDLT<Eigen::Matrix3d> solved(normal);
+  if (errors.size() < 4 || !(solved.vectorD().minCoeff() > 1e-9 * solved.vectorD().maxCoeff())) return 0;
+  const Eigen::Vector3d plane = solved.solve(right);
+  std::size_t within = 0;
+  for (const BoundedError& one : errors)
+    within += std::abs(double(one.error_m) - row_of(one).dot(plane)) <= kBound * double(one.sigma_m);
+  return double(within) / double(errors.size());
+}
+
 class Assessor {
  public:
   Assessor(const HeightField& model, const StateReader& state, const HeightField& truth, std::span<const View> views,
@@ -86,6 +113,7 @@ class Assessor {
   std::vector<float> overall_, smooth_measured_, smooth_interpolated_, roofs_;
   std::size_t bounds_ = 0, within_ = 0, roof_bounds_ = 0, roofs_within_ = 0, found_ = 0, measured_ = 0, seen_ = 0,
               seen_found_ = 0;
+  std::vector<BoundedError> some_bounded_;
 };
 
 // Heights that are no more than the nearest on a step, and exact on smooth ground.
@@ -120,7 +148,7 @@ void Assessor::add_cell(const FloatImage& heights, const FloatImage& sigmas, con
   }
   if (!counts || sigmas.empty() || !(sigmas.at(x, y) > 0)) return;
   const bool within = std::abs(z - expected) <= kBound * double(sigmas.at(x, y));
-  ++bounds_;
+  if (bounds_++ % kSome == 0) some_bounded_.push_back({float(x), float(row + y), z - expected, sigmas.at(x, y)});
   within_ += within;
   roof_bounds_ += roof;
   roofs_within_ += roof && within;
@@ -213,6 +241,7 @@ Result<SurfaceErrors> Assessor::all() {
   errors.bounds = bounds_;
   errors.within_bounds = bounds_ > 0 ? double(within_) / double(bounds_) : 0;
   errors.roofs_within_bounds = roof_bounds_ > 0 ? double(roofs_within_) / double(roof_bounds_) : 0;
+  errors.levelled_within_bounds = levelled_within(some_bounded_, model_.grid);
   const double cells = double(true_cells) * std::pow(truth_.grid.cell_m / model_.grid.cell_m, 2);
   errors.completeness = std::min(1.0, double(found_) / cells);
   errors.completeness_measured = std::min(1.0, double(measured_) / cells);

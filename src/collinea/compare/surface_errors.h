@@ -33,6 +33,10 @@ struct SurfaceErrors {
   std::size_t bounds = 0;          ///< measured cells of smooth ground and roofs whose sigma was looked at
   double within_bounds = 0;        ///< of these, the share whose error is below 1.96 sigma
   double roofs_within_bounds = 0;  ///< the same of those of roofs
+  /// The same of all when the plane that fits their errors best is taken off: what an orientation adds to a block is
+  /// nearly one. 0 where it is not known.
+  double levelled_within_bounds = 0;
+  double relative_within_bounds = 0;  ///< the same again, by the relative sigmas; surface_errors does not tell
 };
 
 /// Bytes of a raster by windows, as HeightField::read.

@@ -26,6 +26,10 @@ struct MapGrid {
   [[nodiscard]] double row_of(double at_north_m) const { return (north_m - at_north_m) / cell_m; }
 };
 
+/// Whether cells of two rasters are the same places, but for what decimal numbers in files do: a thousandth of a cell.
+/// The CRS is not looked at.
+[[nodiscard]] bool same_cells(const MapGrid& a, const MapGrid& b);
+
 /// Writes a raster on disk block by block (tiled GeoTIFF, DEFLATE, floating-point or byte samples); the file appears
 /// under its name only after finish(). By GDAL.
 template <class T>
@@ -71,6 +75,9 @@ class GeoTiffReader {
   /// Reads a window of all channels, converted to T, optionally resampled (average, nodata left out) to out_width x
   /// out_height. Errors: a window outside the raster, damaged data.
   Result<Raster<float>> read_float(int column, int row, int width, int height, int out_width = 0,
+                                   int out_height = 0) const;
+  /// As read_float, with NaN in place of nodata.
+  Result<Raster<float>> read_known(int column, int row, int width, int height, int out_width = 0,
                                    int out_height = 0) const;
   Result<Raster<std::uint8_t>> read_byte(int column, int row, int width, int height, int out_width = 0,
                                          int out_height = 0) const;

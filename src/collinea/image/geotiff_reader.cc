@@ -1,11 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 
 #include "collinea/image/gdal_access.h"
 #include "collinea/image/geotiff.h"
 
 namespace collinea {
+
+bool same_cells(const MapGrid& a, const MapGrid& b) {
+  constexpr double kRounding = 1e-3;  // [cells], all over the raster
+  const auto apart = [&](double x, double y) { return std::abs(x - y) / a.cell_m; };
+  return a.width == b.width && a.height == b.height && apart(a.west_m, b.west_m) < kRounding &&
+         apart(a.north_m, b.north_m) < kRounding && apart(a.east_of(a.width), b.east_of(b.width)) < kRounding &&
+         apart(a.north_of(a.height), b.north_of(b.height)) < kRounding;
+}
 
 struct GeoTiffReader::State {
   std::filesystem::path path;
@@ -90,6 +100,15 @@ std::optional<double> GeoTiffReader::nodata() const { return state_->nodata; }
 Result<Raster<float>> GeoTiffReader::read_float(int column, int row, int width, int height, int out_width,
                                                 int out_height) const {
   return state_->read<float>(column, row, width, height, out_width, out_height);
+}
+
+Result<Raster<float>> GeoTiffReader::read_known(int column, int row, int width, int height, int out_width,
+                                                int out_height) const {
+  COLLINEA_TRY(FloatImage values, read_float(column, row, width, height, out_width, out_height));
+  if (state_->nodata)
+    std::replace(values.data.begin(), values.data.end(), float(*state_->nodata),
+                 std::numeric_limits<float>::quiet_NaN());
+  return values;
 }
 
 Result<Raster<std::uint8_t>> GeoTiffReader::read_byte(int column, int row, int width, int height, int out_width,

@@ -57,10 +57,9 @@ Result<> write_hillshade(const std::filesystem::path& heights, const std::filesy
       if (run.stopped()) return fail(Errc::kCancelled, "stopped");
       const int left = std::max(0, column - 1), top = std::max(0, row - 1);
       const int width = std::min(kTile, grid.width - column), height = std::min(kTile, grid.height - row);
-      COLLINEA_TRY(FloatImage around, reader.read_float(left, top, std::min(grid.width, column + width + 1) - left,
-                                                        std::min(grid.height, row + height + 1) - top));
-      if (const auto nodata = reader.nodata())
-        std::replace(around.data.begin(), around.data.end(), float(*nodata), std::numeric_limits<float>::quiet_NaN());
+      COLLINEA_TRY(const FloatImage around,
+                   reader.read_known(left, top, std::min(grid.width, column + width + 1) - left,
+                                     std::min(grid.height, row + height + 1) - top));
       const auto picture = shaded(around, grid.cell_m, column - left, row - top, width, height);
       if (auto written = writer.write(column, row, picture); !written) return written;
     }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/adjustment_line.h"
 
-#include <cmath>
 #include <limits>
 
 #include "collinea/io/text.h"
@@ -15,9 +14,8 @@ tl::unexpected<Error> bad_line(std::size_t line, const std::string& what) {
 std::string shown(std::string_view word) { return "\"" + std::string(word.substr(0, 60)) + "\""; }
 
 Result<double> finite(const AdjustmentLine& line, std::size_t i, const char* what) {
-  const auto value = number(line.words[i]);
-  if (!value || !std::isfinite(*value))
-    return bad_line(line.number, shown(line.words[i]) + " is not " + what + ": a number is expected");
+  const auto value = finite_number(line.words[i]);
+  if (!value) return bad_line(line.number, shown(line.words[i]) + " is not " + what + ": a number is expected");
   return *value;
 }
 

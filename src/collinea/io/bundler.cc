@@ -96,8 +96,8 @@ class Numbers {
         ++line_;
       }
       if (word_ == words_.size()) return fail(Errc::kBadFormat, file_ + " ends before " + what);
-      const auto number_here = number(words_[word_++]);
-      if (!number_here || !std::isfinite(*number_here)) return error(std::string(what) + " is not a number");
+      const auto number_here = finite_number(words_[word_++]);
+      if (!number_here) return error(std::string(what) + " is not a number");
       value = *number_here;
     }
     return {};

@@ -25,11 +25,6 @@ tl::unexpected<Error> bad_line(int line, const std::string& what) {
   return fail(Errc::kBadFormat, "line " + std::to_string(line) + ": " + what);
 }
 
-bool is_finite_number(std::string_view text) {
-  const auto value = number(text);
-  return value && std::isfinite(*value);
-}
-
 std::string utm_code(std::string_view zone_text, bool south) {
   const auto zone = integer(zone_text);
   if (!zone || *zone < 1 || *zone > 60) return {};
@@ -98,7 +93,7 @@ class Collector {
     for (int row = 0; row < 3; ++row)
       for (int column = row; column < 3; ++column, ++next) {
         if (f[next].empty()) continue;
-        if (!is_finite_number(f[next])) return bad_line(line, "\"" + std::string(f[next]) + "\" is not a covariance");
+        if (!finite_number(f[next])) return bad_line(line, "\"" + std::string(f[next]) + "\" is not a covariance");
         covariance(row, column) = covariance(column, row) = *number(f[next]);
       }
     for (int axis = 0; axis < 3; ++axis) {
@@ -297,11 +292,11 @@ Result<ControlFileObservation> csv_observation(int line, const Fields& f, const 
   if (f.size() < 5) return bad_line(line, "an image row needs: image, id, file, x_px, y_px");
   if (f.size() > 6) return bad_line(line, "too many fields (decimal commas?)");
   if (f[1].empty() || f[2].empty()) return bad_line(line, "an image row needs the id of a point and a file");
-  if (!is_finite_number(f[3]) || !is_finite_number(f[4])) return bad_line(line, "x_px and y_px must be numbers");
+  if (!finite_number(f[3]) || !finite_number(f[4])) return bad_line(line, "x_px and y_px must be numbers");
   ControlFileObservation seen{
       std::string(f[1]), std::string(f[2]), {*number(f[3]), *number(f[4])}, defaults.sigma_px, line};
   if (f.size() > 5 && !f[5].empty()) {
-    if (!is_finite_number(f[5]) || !(*number(f[5]) > 0)) return bad_line(line, "sigma_px must be a number above 0");
+    if (!finite_number(f[5]) || !(*number(f[5]) > 0)) return bad_line(line, "sigma_px must be a number above 0");
     seen.sigma_px = *number(f[5]);
   }
   return seen;

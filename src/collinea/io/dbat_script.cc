@@ -2,7 +2,6 @@
 #include "collinea/io/dbat_script.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <map>
@@ -183,9 +182,8 @@ class Reader {
   static Result<std::vector<double>> numbers(const Element& e, std::size_t count, const std::filesystem::path& path) {
     std::vector<double> values;
     for (const std::string_view field : fields_of(e.text, ',')) {
-      const auto value = number(field);
-      if (!value || !std::isfinite(*value))
-        return bad(path, e.line, e.name + ": \"" + std::string(field) + "\" is no number");
+      const auto value = finite_number(field);
+      if (!value) return bad(path, e.line, e.name + ": \"" + std::string(field) + "\" is no number");
       values.push_back(*value);
     }
     if (values.size() != count)
@@ -289,8 +287,7 @@ class Reader {
 
   static std::optional<double> value(const Row& row, const char* column) {
     const auto its = row.text.find(column);
-    const auto found = its == row.text.end() ? std::nullopt : number(its->second);
-    return found && std::isfinite(*found) ? found : std::nullopt;
+    return its == row.text.end() ? std::nullopt : finite_number(its->second);
   }
 
   static std::optional<std::uint32_t> id(const Row& row, const char* column) {

@@ -4,25 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
+#include <utility>
 
 #include "collinea/io/text.h"
 
 namespace collinea {
-namespace {
-
-std::optional<double> finite_number(std::string_view field) {
-  const auto value = number(field);
-  return value && std::isfinite(*value) ? value : std::nullopt;
-}
-
-}  // namespace
 
 Result<std::vector<NumberRow>> parse_number_rows(std::string_view text, bool named, std::size_t least,
                                                  std::size_t most) {
   std::vector<NumberRow> rows;
   int line_number = 0;
+  bool may_be_title = true;
   for (std::string_view line : lines_of(text)) {
     ++line_number;
     line = trimmed(line.substr(0, line.find('#')));
@@ -31,7 +23,7 @@ Result<std::vector<NumberRow>> parse_number_rows(std::string_view text, bool nam
     NumberRow row{named ? std::string(fields[0]) : std::to_string(rows.size() + 1), {}};
     if (named) fields.erase(fields.begin());
     const bool title = std::none_of(fields.begin(), fields.end(), [](auto field) { return number(field).has_value(); });
-    if (title && rows.empty()) continue;
+    if (std::exchange(may_be_title, false) && title) continue;
     for (const std::string_view field : fields)
       if (const auto value = finite_number(field)) row.numbers.push_back(*value);
     if (row.numbers.size() != fields.size() || row.numbers.size() < least || row.numbers.size() > most)

@@ -35,6 +35,14 @@ TEST(NumberRows, ErrorsNameTheLine) {
   }
 }
 
+TEST(NumberRows, OneTitleAndNoRowsThatAreNone) {
+  for (const char* wrong : {"A;1;2\nB;3;4\n", "name x y\nmm mm mm\nA 1 2\n"}) {
+    const auto rows = parse_number_rows(wrong, true, 2, 3);
+    ASSERT_FALSE(rows) << wrong;
+    EXPECT_EQ(rows.error().message, "line 2: 2 to 3 numbers behind a name are wanted");
+  }
+}
+
 TEST(Numbers, BetweenCommas) {
   EXPECT_EQ(parse_numbers("1, -2,3e1").value(), (std::vector<double>{1, -2, 30}));
   for (const char* wrong : {"", "1,", "1,x", "1 2", "nan", "1,inf"}) EXPECT_FALSE(parse_numbers(wrong)) << wrong;

@@ -2,7 +2,6 @@
 #include "collinea/io/opk.h"
 
 #include <array>
-#include <cmath>
 #include <map>
 #include <optional>
 
@@ -18,8 +17,8 @@ std::optional<ExteriorOrientation> row_of(const std::vector<std::string_view>& w
   if (words.size() < 7) return std::nullopt;
   std::array<double, 6> v{};
   for (std::size_t i = 0; i < 6; ++i) {
-    const auto value = number(words[words.size() - 6 + i]);
-    if (!value || !std::isfinite(*value)) return std::nullopt;
+    const auto value = finite_number(words[words.size() - 6 + i]);
+    if (!value) return std::nullopt;
     v[i] = *value;
   }
   const std::string_view last = words[words.size() - 7];

@@ -19,8 +19,8 @@ namespace {
 std::optional<std::vector<double>> numbers_of(std::string_view line) {
   std::vector<double> values;
   for (const std::string_view word : words_of(line)) {
-    const auto value = number(word);
-    if (!value || !std::isfinite(*value)) return std::nullopt;
+    const auto value = finite_number(word);
+    if (!value) return std::nullopt;
     values.push_back(*value);
   }
   return values;

@@ -246,8 +246,8 @@ Result<PositionFileRow> timestamp_row(int line, std::string_view text) {
   for (std::size_t i = 0; good && i < std::size(kLetters); ++i) good = words[kLetters[i]] == kNames[i];
   std::array<double, 18> value{};
   for (const std::size_t i : {0, 1, 2, 3, 5, 7, 9, 11, 13, 15, 16, 17}) {
-    const auto read = good ? number(words[i]) : std::nullopt;
-    good = read && std::isfinite(*read);
+    const auto read = good ? finite_number(words[i]) : std::nullopt;
+    good = read.has_value();
     if (good) value[i] = *read;
   }
   if (!good || value[0] < 0 || value[0] > 1e9 || !(value[1] >= 0 && value[1] < 7 * 86400) ||

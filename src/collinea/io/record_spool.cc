@@ -24,19 +24,24 @@ Result<RecordSpool> RecordSpool::create(const std::filesystem::path& file) {
 }
 
 void RecordSpool::append(std::string_view bytes) {
-  failed_ |= std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size();
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() && failure_ == 0) failure_ = errno;
   size_ += bytes.size();
 }
 
 Result<std::string> RecordSpool::read(std::uint64_t at, std::uint64_t bytes) const {
+  const auto failed = [&](const std::string& what) {
+    return fail(Errc::kBadInput, name_ + ": what lies beside it for a while cannot be " + what);
+  };
+  if (failure_ != 0 || std::fflush(file_.get()) != 0)
+    return failed(std::string("written: ") + std::strerror(failure_ != 0 ? failure_ : errno));
+  if (at > size_ || bytes > size_ - at) return failed("read: there is less of it");
   std::string read(bytes, '\0');
-  bool fine = !failed_ && std::fflush(file_.get()) == 0;
-  for (std::uint64_t done = 0; fine && done < bytes;) {
+  for (std::uint64_t done = 0; done < bytes;) {
     const ::ssize_t piece = ::pread(::fileno(file_.get()), read.data() + done, bytes - done, ::off_t(at + done));
-    fine = piece > 0 || (piece < 0 && errno == EINTR);
+    if (piece == 0) return failed("read: there is less of it");
+    if (piece < 0 && errno != EINTR) return failed(std::string("read: ") + std::strerror(errno));
     if (piece > 0) done += std::uint64_t(piece);
   }
-  if (!fine) return fail(Errc::kBadInput, name_ + ": no room on the disk for what lies beside it for a while");
   return read;
 }
 

@@ -20,8 +20,8 @@ class RecordSpool {
   static Result<RecordSpool> create(const std::filesystem::path& file);
   void append(std::string_view bytes);
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  /// `bytes` from `at`; from several threads at once, but not while some are appended. Errors: they could not be
-  /// written (full disk) or cannot be read.
+  /// `bytes` from `at`; from several threads at once, but not while some are appended. Errors: something could not be
+  /// written (full disk), or not all of it is there.
   [[nodiscard]] Result<std::string> read(std::uint64_t at, std::uint64_t bytes) const;
 
  private:
@@ -31,7 +31,7 @@ class RecordSpool {
   std::unique_ptr<std::FILE, Close> file_;
   std::string name_;
   std::uint64_t size_ = 0;
-  bool failed_ = false;
+  int failure_ = 0;  // errno of the first append that failed
 };
 
 }  // namespace collinea

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace collinea {
 namespace {
@@ -69,6 +72,11 @@ std::vector<std::string_view> fields_of(std::string_view line, char separator) {
 
 std::optional<double> number(std::string_view text) { return parsed<double>(text); }
 
+std::optional<double> finite_number(std::string_view text) {
+  const auto value = number(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
 std::optional<std::int64_t> integer(std::string_view text) { return parsed<std::int64_t>(text); }
 
 std::string exact(double value) {
@@ -81,5 +89,7 @@ std::string fixed(double value, int decimals) {
   const auto [end, error] = std::to_chars(digits, digits + sizeof(digits), value, std::chars_format::fixed, decimals);
   return error == std::errc{} ? std::string(digits, end) : exact(value);
 }
+
+std::string metres_text(double m) { return m < 0.1 ? fmt::format("{:.3g} mm", 1000 * m) : fmt::format("{:.3g} m", m); }
 
 }  // namespace collinea

@@ -23,11 +23,14 @@ namespace collinea {
 
 /// The number that the whole text is; "nan" and "inf" count, a leading plus sign is allowed.
 [[nodiscard]] std::optional<double> number(std::string_view text);
+[[nodiscard]] std::optional<double> finite_number(std::string_view text);  ///< without these two
 [[nodiscard]] std::optional<std::int64_t> integer(std::string_view text);
 
 /// The shortest digits that read back as the same double.
 [[nodiscard]] std::string exact(double value);
 /// With a fixed number of digits behind the point.
 [[nodiscard]] std::string fixed(double value, int decimals);
+/// "2.5 mm", "0.31 m".
+[[nodiscard]] std::string metres_text(double m);
 
 }  // namespace collinea

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/titled_table.h"
 
-#include <cmath>
 #include <limits>
 
 #include "collinea/io/text.h"
@@ -33,9 +32,8 @@ std::string_view TitledTable::field(std::string_view column) const {
 Result<double> TitledTable::number_in(std::string_view column) const {
   const std::string_view text = field(column);
   if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto value = number(text);
-  if (!value || !std::isfinite(*value))
-    return bad_row(std::string(column) + " \"" + std::string(text) + "\" is not a number");
+  const auto value = finite_number(text);
+  if (!value) return bad_row(std::string(column) + " \"" + std::string(text) + "\" is not a number");
   return *value;
 }
 

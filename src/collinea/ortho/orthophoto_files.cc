@@ -26,20 +26,8 @@ Result<ReadFloats> open_floats(const std::filesystem::path& path, MapGrid& grid)
   grid = shared->reader.grid();
   return [shared](int column, int row, int width, int height) -> Result<FloatImage> {
     const std::lock_guard lock(shared->mutex);
-    COLLINEA_TRY(FloatImage heights, shared->reader.read_float(column, row, width, height));
-    if (const auto nodata = shared->reader.nodata())
-      for (float& z : heights.data)
-        if (z == float(*nodata)) z = std::numeric_limits<float>::quiet_NaN();
-    return heights;
+    return shared->reader.read_known(column, row, width, height);
   };
-}
-
-// Cell by cell the same places; rounding in files is far below a thousandth of a cell.
-bool same_cells(const MapGrid& a, const MapGrid& b) {
-  const double rounding_m = 1e-3 * a.cell_m;
-  return a.width == b.width && a.height == b.height && std::abs(a.west_m - b.west_m) < rounding_m &&
-         std::abs(a.north_m - b.north_m) < rounding_m &&
-         std::abs(a.cell_m - b.cell_m) * std::max(a.width, a.height) < rounding_m;
 }
 
 std::string cells_text(const MapGrid& grid) {

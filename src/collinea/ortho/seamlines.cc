@@ -7,6 +7,7 @@
 #include <map>
 
 #include "collinea/geometry/polygon.h"
+
 namespace collinea {
 namespace {
 

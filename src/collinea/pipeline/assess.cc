@@ -12,9 +12,14 @@ Result<std::string> assess_project(const Project& project, const std::filesystem
   if (block.cam_from_world.empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   const auto products = project.folder / "products";
-  const ProductFiles files{products / "dsm.tif",         products / "dsm_state.tif", products / "dtm.tif",
-                           products / "dtm_state.tif",   products / "ortho.tif",     products / "dsm_sigma.tif",
-                           products / "ortho_source.tif"};
+  const ProductFiles files{.dsm = products / "dsm.tif",
+                           .dsm_state = products / "dsm_state.tif",
+                           .dsm_sigma = products / "dsm_sigma.tif",
+                           .dsm_sigma_relative = products / "dsm_sigma_relative.tif",
+                           .dtm = products / "dtm.tif",
+                           .dtm_state = products / "dtm_state.tif",
+                           .ortho = products / "ortho.tif",
+                           .ortho_source = products / "ortho_source.tif"};
   COLLINEA_TRY(const Assessment assessment, assess(block, files, known, project.run));
   return table(assessment);
 }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/pipeline/export.h"
-#include "collinea/pipeline/cloud_pieces.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 
 #include "collinea/io/bundler.h"
@@ -16,6 +14,7 @@
 #include "collinea/io/opk.h"
 #include "collinea/io/ply.h"
 #include "collinea/io/text.h"
+#include "collinea/pipeline/cloud_pieces.h"
 #include "collinea/pipeline/colours.h"
 
 namespace collinea {

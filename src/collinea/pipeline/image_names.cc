@@ -2,7 +2,8 @@
 #include "collinea/pipeline/image_names.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "collinea/io/text.h"
 
 namespace collinea {
 namespace {
@@ -11,11 +12,6 @@ namespace {
 std::string path_of(std::string text) {
   std::replace(text.begin(), text.end(), '\\', '/');
   return std::filesystem::path(text).lexically_normal().generic_string();
-}
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 std::string name_of(const std::string& path) { return std::filesystem::path(path).filename().string(); }
@@ -44,13 +40,20 @@ std::optional<ImageId> ImageNames::find(const std::string& name) const {
   return std::nullopt;
 }
 
-std::optional<ImageId> ImageNames::find_photo(const std::filesystem::path& path) const {
-  const std::string whole = path_of(path.string());
+Result<ImageId> ImageNames::find_photo(const std::filesystem::path& path) const {
+  std::error_code ignored;
+  const std::string whole =
+      path_of(std::filesystem::exists(path, ignored) ? std::filesystem::absolute(path).string() : path.string());
   for (std::size_t at = 0; at != std::string::npos; at = whole.find('/', at)) {
     if (at > 0 || whole.starts_with('/')) ++at;
-    if (const auto found = known_[0].find(whole.substr(at)); found != known_[0].end()) return found->second;
+    if (const auto found = known_[0].find(whole.substr(at)); found != known_[0].end() && found->second)
+      return *found->second;
   }
-  return find(whole);
+  if (const auto found = find(whole)) return *found;
+  const bool several = known_[3].contains(lower(name_of(whole)));
+  return fail(Errc::kNotFound, (several ? "several photographs of the orientation are called "
+                                        : "no photograph of the orientation is called ") +
+                                   name_of(whole) + (several ? ": give its path below the photo folder" : ""));
 }
 
 }  // namespace collinea

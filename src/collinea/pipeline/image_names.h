@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "collinea/base/result.h"
 #include "collinea/block/block.h"
 
 namespace collinea {
@@ -17,8 +18,9 @@ class ImageNames {
  public:
   explicit ImageNames(const Block& block);
   [[nodiscard]] std::optional<ImageId> find(const std::string& name) const;
-  /// The image whose path below the photo folder is the end of `path`, the longest of them; else as find() does.
-  [[nodiscard]] std::optional<ImageId> find_photo(const std::filesystem::path& path) const;
+  /// The image whose path below the photo folder is the end of `path` (the whole one, where a file is there), the
+  /// longest of them; else as find() does. Errors: none, or several.
+  [[nodiscard]] Result<ImageId> find_photo(const std::filesystem::path& path) const;
 
  private:
   /// By path, path in lower case, name, name in lower case; nothing: several have it.

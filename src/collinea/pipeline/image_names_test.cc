@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "collinea/image/test_folder.h"
+
 namespace collinea {
 namespace {
 
@@ -25,14 +30,29 @@ TEST(ImageNames, TheExactNameWinsAndAnyOtherLetterCaseMustBeUnique) {
 }
 
 TEST(ImageNames, APhotographIsFoundByTheEndOfItsPath) {
-  const ImageNames names(block_of({"A.jpg", "b/A.jpg", "b/C.jpg"}));
+  const ImageNames names(block_of({"A.jpg", "b/A.jpg", "b/C.jpg", "d/E.jpg", "f/e.jpg"}));
   EXPECT_EQ(names.find_photo("/photos/A.jpg"), ImageId{0});
   EXPECT_EQ(names.find_photo("/photos/b/A.jpg"), ImageId{1});
   EXPECT_EQ(names.find_photo("b/./A.jpg"), ImageId{1});
   EXPECT_EQ(names.find_photo("A.jpg"), ImageId{0});
   EXPECT_EQ(names.find_photo("/A.jpg"), ImageId{0});
   EXPECT_EQ(names.find_photo("copies/c.JPG"), ImageId{2});
-  EXPECT_EQ(names.find_photo("/photos/xA.jpg"), std::nullopt);
+  const auto message = [&](const char* path) { return names.find_photo(path).error().message; };
+  EXPECT_EQ(message("/photos/xA.jpg"), "no photograph of the orientation is called xA.jpg");
+  EXPECT_EQ(message("g/E.JPG"),
+            "several photographs of the orientation are called E.JPG: give its path below the photo folder");
+}
+
+TEST(ImageNames, TheFileMeantIsThatOfTheWorkingFolder) {
+  const TestFolder folder;
+  std::filesystem::create_directory(folder / "b");
+  std::ofstream(folder / "b" / "A.jpg") << "photo";
+  const ImageNames names(block_of({"A.jpg", "b/A.jpg"}));
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder / "b");
+  const auto found = names.find_photo("A.jpg");
+  std::filesystem::current_path(before);
+  EXPECT_EQ(found, ImageId{1});
 }
 
 }  // namespace

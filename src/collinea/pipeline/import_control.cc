@@ -89,6 +89,15 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
   return {};
 }
 
+// With one ray a control point still holds its image, but nobody would notice a mistake in it.
+std::string hardly_seen(const ControlPoint& point, int images) {
+  if (images == 0) return fmt::format("control {} is seen in no image: it cannot be used", point.name);
+  if (point.role == ControlRole::kCheck)
+    return fmt::format("check point {} is seen in 1 image: it cannot be compared", point.name);
+  return fmt::format("control {} is seen in 1 image: a mistake in it would not show, measure it in another",
+                     point.name);
+}
+
 void name_unseen_control(Imported& imported) {
   const Block& block = imported.block;
   std::map<ControlId, int> seen;
@@ -96,9 +105,7 @@ void name_unseen_control(Imported& imported) {
   std::set<ControlId> on_ground;  // there it may be placed without any image
   for (const GroundObservation& one : block.ground) on_ground.insert({one.from, one.to});
   for (const auto& [id, point] : block.control)
-    if (seen[id] < 2 && !on_ground.contains(id))
-      imported.findings.push_back(fmt::format("control {} is seen in {} image{}: it cannot be used", point.name,
-                                              seen[id], seen[id] == 1 ? "" : "s"));
+    if (seen[id] < 2 && !on_ground.contains(id)) imported.findings.push_back(hardly_seen(point, seen[id]));
 }
 
 namespace {

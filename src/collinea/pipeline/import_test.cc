@@ -369,8 +369,11 @@ image, B, IMG_9.jpg, 11, 20
   EXPECT_TRUE(
       mentions(imported->findings, "control A in IMG_2.jpg (line 6): pixel 500.0, 20.0 lies outside the picture"));
   EXPECT_TRUE(mentions(imported->findings, "no photograph is called IMG_9.jpg (2 measurements left out)"));
-  EXPECT_TRUE(mentions(imported->findings, "control A is seen in 1 image: it cannot be used"));
-  EXPECT_TRUE(mentions(imported->findings, "control C is seen in 0 images: it cannot be used"));
+  EXPECT_TRUE(mentions(imported->findings, "control A is seen in 1 image: a mistake in it would not show"));
+  EXPECT_TRUE(mentions(imported->findings, "control C is seen in no image: it cannot be used"));
+  const auto check = import_with_control(kControl + "image, C, IMG_1.jpg, 10, 20\n");
+  ASSERT_TRUE(check) << check.error().message;
+  EXPECT_TRUE(mentions(check->findings, "check point C is seen in 1 image: it cannot be compared"));
 }
 
 TEST(ImportControl, PointsOfAnotherZoneComeToTheMapAskedFor) {

@@ -23,10 +23,6 @@ Result<std::optional<MapArea>> area_of(const std::optional<std::string>& file) {
   });
 }
 
-SurfaceFiles files_of(const std::filesystem::path& height) {
-  return {height, sigmas_beside(height), relative_sigmas_beside(height)};
-}
-
 Result<Volume> volume_of(const SurfaceFiles& surface, const std::string& base, const std::optional<MapArea>& area,
                          const VolumeOptions& options, const Run& run) {
   if (base == "rim") {
@@ -36,9 +32,8 @@ Result<Volume> volume_of(const SurfaceFiles& surface, const std::string& base, c
                   "another surface");
     return volume_over_rim(surface, *area, options, run);
   }
-  if (const auto level_m = number(base); level_m && std::isfinite(*level_m))
-    return volume_over_level(surface, *level_m, area, options, run);
-  return volume_over_surface(surface, files_of(base), area, options, run);
+  if (const auto level_m = finite_number(base)) return volume_over_level(surface, *level_m, area, options, run);
+  return volume_over_surface(surface, with_sigmas_beside(base), area, options, run);
 }
 
 std::string text_of(const Volume& volume, bool with_sigmas_of_rasters) {
@@ -82,8 +77,8 @@ Result<std::vector<Eigen::Vector2d>> line_of(const std::string& line) {
   if (line.empty()) return fail(Errc::kBadInput, "a profile along what? Give --line east,north,east,north or a file");
   std::vector<double> numbers;
   for (const std::string_view field : fields_of(line, ',')) {
-    const auto value = number(field);
-    if (!value || !std::isfinite(*value)) {
+    const auto value = finite_number(field);
+    if (!value) {
       COLLINEA_TRY(const std::string text, read_file(line));
       return parse_places(text).map_error([&](Error e) { return std::move(e).within(line); });
     }
@@ -114,7 +109,7 @@ std::string profile_csv(const Profile& profile, const std::vector<std::string>& 
 Result<std::string> measure_volume(const std::filesystem::path& surface, const MeasureVolumeOptions& asked,
                                    const VolumeOptions& options, const Run& run) {
   COLLINEA_TRY(const std::optional<MapArea> area, area_of(asked.area));
-  const SurfaceFiles files = files_of(surface);
+  const SurfaceFiles files = with_sigmas_beside(surface);
   COLLINEA_TRY(const Volume volume, volume_of(files, asked.base, area, options, run));
   if (asked.output)
     if (auto written = write_file(*asked.output, json_of(volume).dump(2) + "\n"); !written)
@@ -132,7 +127,7 @@ Result<std::string> draw_profile(const std::filesystem::path& surface, const Pro
   std::vector<HeightSamples> surfaces;
   std::vector<std::string> names;
   for (const auto& file : files) {
-    COLLINEA_TRY(HeightSamples samples, HeightSamples::open(file, sigmas_beside(file), options.sigma_m));
+    COLLINEA_TRY(HeightSamples samples, HeightSamples::open(with_sigmas_beside(file), options.sigma_m));
     surfaces.push_back(std::move(samples));
     names.push_back(file.stem().string());
   }

@@ -105,7 +105,7 @@ Result<FoundPlane> plane_of_region(const Project& project, const Places& places,
   const auto fit = find_plane(points, tolerance_m, project.run.seed);
   if (!fit)
     return fail(Errc::kIllPosed,
-                fmt::format("no plane holds a tenth of the region's points within {}", length_text(tolerance_m)));
+                fmt::format("no plane holds a tenth of the region's points within {}", metres_text(tolerance_m)));
   std::vector<Vector3d> on_it;
   for (const std::size_t i : fit->points) on_it.push_back(points[i]);
   return FoundPlane{*fit, std::move(on_it), points.size()};
@@ -175,7 +175,5 @@ Result<ProjectPlane> plane_of_project(const Project& project, const Block& block
   plane.extent = high - low;
   return plane;
 }
-
-std::string length_text(double m) { return m < 0.1 ? fmt::format("{:.3g} mm", 1000 * m) : fmt::format("{:.3g} m", m); }
 
 }  // namespace collinea

@@ -33,7 +33,4 @@ struct ProjectPlane {
 [[nodiscard]] Result<ProjectPlane> plane_of_project(const Project& project, const Block& block, const Places& places,
                                                     const AskedPlane& asked);
 
-/// "2.5 mm", "0.31 m".
-[[nodiscard]] std::string length_text(double m);
-
 }  // namespace collinea

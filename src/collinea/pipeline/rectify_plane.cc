@@ -90,7 +90,7 @@ Result<Told> paint(const fs::path& out, const PlaneExtent& extent, const std::ve
   Told told;
   const double share = double(summary.painted_cells) / double(summary.painted_cells + summary.empty_cells);
   told.text = fmt::format("{}: {} x {} cells of {}, {:.1f} % painted\n", out.string(), grid.width, grid.height,
-                          length_text(cell_m), 100 * share);
+                          metres_text(cell_m), 100 * share);
   told.json = {{"cell_m", cell_m},
                {"width", grid.width},
                {"height", grid.height},
@@ -108,7 +108,7 @@ Result<Told> paint(const fs::path& out, const PlaneExtent& extent, const std::ve
     const Spread shift = spread_of(extent, [&](const Vector2d& p) { return shift_per_depth(views[0], p).value_or(0); });
     told.text +=
         fmt::format("off the plane: 10 cm of depth shift a place by {} in the middle, {} in the worst corner\n",
-                    length_text(0.1 * shift.middle), length_text(0.1 * shift.worst));
+                    metres_text(0.1 * shift.middle), metres_text(0.1 * shift.worst));
     told.json["shift_per_depth"] = {{"middle", shift.middle}, {"worst_corner", shift.worst}};
   } else {
     told.text += "off the plane: not known, the view is too frontal to say where the camera stood (--focal-px)\n";
@@ -145,9 +145,8 @@ Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& optio
   } else {
     COLLINEA_TRY(block, read_colmap(*options.orientation));
   }
-  const auto image = ImageNames(block).find_photo(photo);
-  if (!image) return fail(Errc::kNotFound, "no photograph of the orientation is called " + photo.filename().string());
-  COLLINEA_TRY(Camera camera, fitted_to(block.camera_of(*image), header.width_px, header.height_px, photo.string()));
+  COLLINEA_TRY(const ImageId image, ImageNames(block).find_photo(photo));
+  COLLINEA_TRY(Camera camera, fitted_to(block.camera_of(image), header.width_px, header.height_px, photo.string()));
   return PhotoCamera{std::move(camera), true};
 }
 
@@ -206,7 +205,7 @@ void tell(const PlaneHomography& homography, const std::vector<PlanePoint>& poin
     told.json["sigma0"] = homography.sigma0();
     const auto& r = homography.residuals()[worst];
     told.text += fmt::format("{} points, sigma0 {:.2f}; largest residual {:.2f} px, {} at point {}\n", points.size(),
-                             homography.sigma0(), r.px.norm(), length_text(r.m.norm()), points[worst].name);
+                             homography.sigma0(), r.px.norm(), metres_text(r.m.norm()), points[worst].name);
     if (homography.residuals_too_large())
       told.text +=
           "the residuals are larger than the sigmas stated allow: a point is wrong, does not lie on the plane, "
@@ -215,7 +214,7 @@ void tell(const PlaneHomography& homography, const std::vector<PlanePoint>& poin
     told.text += "four points: nothing checks them\n";
   }
   told.text += fmt::format("standard deviation of a place by them: {} in the middle, {} in the worst corner\n",
-                           length_text(sigma.middle), length_text(sigma.worst));
+                           metres_text(sigma.middle), metres_text(sigma.worst));
 }
 
 Result<std::string> rectify_photo(const fs::path& photo, const fs::path& out, const RectifyOptions& options,
@@ -291,10 +290,10 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
   };
   COLLINEA_TRY(Told told, paint(out, extent, views, names, pixels, options, run));
   told.text +=
-      fmt::format("plane of {} points of {}, {} off it (RMS)\n", plane.points, plane.of, length_text(plane.rms_m));
+      fmt::format("plane of {} points of {}, {} off it (RMS)\n", plane.points, plane.of, metres_text(plane.rms_m));
   const Spread shift = spread_of(extent, [&](const Vector2d& p) { return *shift_per_depth(views[0], p); });
   told.text += fmt::format("so places are shifted by {} in the middle, {} in the worst corner (RMS)\n",
-                           length_text(plane.rms_m * shift.middle), length_text(plane.rms_m * shift.worst));
+                           metres_text(plane.rms_m * shift.middle), metres_text(plane.rms_m * shift.worst));
   if (!places.metric) told.text += "the block has no scale: lengths are in its own unit, not in metres\n";
   const auto on_map = [&](const Vector3d& p) { return places.frame ? places.frame->map_from_local(p) : p; };
   told.json["plane"] = {{"points", plane.points},

@@ -134,9 +134,8 @@ Result<Prepared> prepared(const std::string& left, const std::string& right, con
   }
   const ImageNames names(block);
   const auto side = [&](const std::string& asked) -> Result<Side> {
-    const auto image = names.find_photo(asked);
-    if (!image) return fail(Errc::kNotFound, "no photograph of the orientation is called " + asked);
-    return side_of(block, *image, pair.project ? folder / block.images.at(*image).file : fs::path(asked), pair);
+    COLLINEA_TRY(const ImageId image, names.find_photo(asked));
+    return side_of(block, image, pair.project ? folder / block.images.at(image).file : fs::path(asked), pair);
   };
   COLLINEA_TRY(const Side left_side, side(left));
   COLLINEA_TRY(const Side right_side, side(right));

@@ -79,10 +79,7 @@ Result<Preview> preview_of_heights(const std::filesystem::path& geotiff, int lon
   COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(geotiff));
   const MapGrid& grid = reader.grid();
   const Size size = reduced(grid, longest_side_px);
-  COLLINEA_TRY(FloatImage heights, reader.read_float(0, 0, grid.width, grid.height, size.width, size.height));
-  if (const auto nodata = reader.nodata())
-    for (float& v : heights.data)
-      if (v == float(*nodata)) v = std::nanf("");
+  COLLINEA_TRY(const FloatImage heights, reader.read_known(0, 0, grid.width, grid.height, size.width, size.height));
   const auto [low, high] = percentiles(heights, 0.01, 0.99);
   return encoded(shaded(heights, grid.cell_m * grid.width / size.width, low, high), low, high);
 }

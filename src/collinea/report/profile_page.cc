@@ -34,7 +34,7 @@ void draw_surface(Svg& svg, const Profile& profile, const std::vector<HeightSamp
     lower.clear();
   };
   for (std::size_t i = 0; i < heights.size(); ++i) {
-    const auto& [height_m, sigma_m] = heights[i];
+    const double height_m = heights[i].height_m, sigma_m = heights[i].sigma_m;
     if (!std::isfinite(height_m)) {
       flush();
       continue;

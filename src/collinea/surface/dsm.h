@@ -79,8 +79,8 @@ struct SurfaceCloud {
 
 /// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit). Cell edges lie on
 /// multiples of the cell size. Sigmas are those of the points and, beside them, of `places`. Points and
-/// measured cells are kept in `scratch` beyond 256 MB of each. The same cloud gives the same bits in any order and with
-/// any number of threads. Errors: no points, raster too large, disk, cancelled.
+/// measured cells are kept in `scratch` beyond 64 MB and 16 MB. The same cloud gives the same bits in any order and
+/// with any number of threads. Errors: no points, raster too large, disk, cancelled.
 Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink, const std::filesystem::path& scratch,
                              const DsmOptions& options, const Run& run);
 

@@ -35,7 +35,6 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 // take part in what is ground.
 struct Strip {
   FloatImage height_m, sigma_m;  // relative
-  FloatImage added_variance;     // by the orientation
   Raster<std::uint8_t> state;
 };
 
@@ -83,14 +82,18 @@ class Terrain {
     Strip strip;
     COLLINEA_TRY(strip.height_m, height_->read_float(0, row, width, rows));
     COLLINEA_TRY(strip.sigma_m, sigma_relative_->read_float(0, row, width, rows));
-    COLLINEA_TRY(strip.added_variance, sigma_->read_float(0, row, width, rows));
     COLLINEA_TRY(strip.state, state_->read_byte(0, row, width, rows));
-    for (std::size_t i = 0; i < strip.state.data.size(); ++i) {
-      float& added = strip.added_variance.data[i];
-      const float relative_m = strip.sigma_m.data[i];
-      added = std::max(0.0f, added * added - relative_m * relative_m);
-    }
     return strip;
+  }
+
+  // What the orientation adds to the sigmas of a strip as it was read.
+  Result<FloatImage> read_added_variance(const Strip& strip, int row) const {
+    COLLINEA_TRY(FloatImage added, sigma_->read_float(0, row, strip.state.width, strip.state.height));
+    for (std::size_t i = 0; i < added.data.size(); ++i) {
+      const float sigma_m = added.data[i], relative_m = strip.sigma_m.data[i];
+      added.data[i] = std::max(0.0f, sigma_m * sigma_m - relative_m * relative_m);
+    }
+    return added;
   }
 
   // Calls work(row of coarse cells, strip, first row of the strip) for every row of coarse cells, several at once.
@@ -201,7 +204,7 @@ class Terrain {
     }
   }
 
-  void tally(const Strip& strip) {
+  void tally(const Strip& strip, const FloatImage& added_variance) {
     for (std::size_t i = 0; i < strip.state.data.size(); ++i) {
       const auto state = CellState(strip.state.data[i]);
       const double height_m = strip.height_m.data[i];
@@ -219,16 +222,16 @@ class Terrain {
       ++summary_.ground_cells;
       const double squared = std::pow(double(strip.sigma_m.data[i]), 2);
       summary_.mean_sigma_relative_m += squared;
-      summary_.mean_sigma_m += squared + double(strip.added_variance.data[i]);
+      summary_.mean_sigma_m += squared + double(added_variance.data[i]);
     }
   }
 
   // The standard deviations with what the orientation adds.
-  [[nodiscard]] static FloatImage whole_sigmas(const Strip& strip) {
+  [[nodiscard]] static FloatImage whole_sigmas(const Strip& strip, const FloatImage& added_variance) {
     FloatImage sigma_m = strip.sigma_m;
     for (std::size_t i = 0; i < sigma_m.data.size(); ++i)
       if (strip.state.data[i] != std::uint8_t(CellState::kEmpty))
-        sigma_m.data[i] = std::sqrt(sigma_m.data[i] * sigma_m.data[i] + strip.added_variance.data[i]);
+        sigma_m.data[i] = std::sqrt(sigma_m.data[i] * sigma_m.data[i] + added_variance.data[i]);
     return sigma_m;
   }
 
@@ -248,12 +251,13 @@ class Terrain {
     COLLINEA_TRY(auto state, GeoTiffWriter<std::uint8_t>::create(files_.state, grid, 1, of_state));
     for (int row = 0; row < grid.height; row += kStripRows) {
       COLLINEA_TRY(Strip strip, read_strip(row, std::min(kStripRows, grid.height - row)));
+      COLLINEA_TRY(const FloatImage added_variance, read_added_variance(strip, row));
       parallel_for(run_, std::size_t(strip.state.height), [&](std::size_t y) { make_terrain(strip, row, int(y)); });
       if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
-      tally(strip);
+      tally(strip, added_variance);
       auto written = height.write(0, row, strip.height_m)
                          .and_then([&] { return relative.write(0, row, strip.sigma_m); })
-                         .and_then([&] { return sigma.write(0, row, whole_sigmas(strip)); })
+                         .and_then([&] { return sigma.write(0, row, whole_sigmas(strip, added_variance)); })
                          .and_then([&] { return state.write(0, row, strip.state); });
       if (!written) return written;
       run_.report("terrain", 0.6 + 0.4 * double(row + strip.state.height) / grid.height);

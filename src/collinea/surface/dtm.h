@@ -67,10 +67,10 @@ struct Dtm {
 };
 
 /// The terrain model of a surface model: heights of the ground, as measured where the ground is seen (see
-/// GroundSurface), and interpolated from around under buildings, trees and
-/// whatever else stands on it (see ground_cells). It covers what the surface model covers. Contours are those of the
-/// coarse grid's means. Memory: the coarse grid, at most 64 million cells, and strips of the rasters. The same bits
-/// with any number of threads. Errors: no ground at all; reading; disk; cancelled.
+/// GroundSurface), and interpolated from around under buildings, trees and whatever else stands on it (ground_cells).
+/// It covers what the surface model covers. Contours are those of the coarse grid's means. Memory: the coarse grid, at
+/// most 64 million cells, and strips of the rasters. The same bits with any number of threads. Errors: no ground at
+/// all; reading; disk; cancelled.
 Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run);
 
 }  // namespace collinea

@@ -12,29 +12,12 @@ namespace {
 
 constexpr int kRows = 64;  // read at a time
 
-Result<FloatImage> window(const GeoTiffReader& reader, int column, int row, int width, int height) {
-  COLLINEA_TRY(FloatImage values, reader.read_float(column, row, width, height));
-  if (const auto nothing = reader.nodata())
-    for (float& value : values.data)
-      if (value == float(*nothing)) value = std::numeric_limits<float>::quiet_NaN();
-  return values;
-}
-
 Result<GeoTiffReader> opened(const std::filesystem::path& path) {
   COLLINEA_TRY(GeoTiffReader reader, GeoTiffReader::open(path));
   if (reader.channels() != 1)
     return fail(Errc::kBadInput,
                 path.string() + " has " + std::to_string(reader.channels()) + " bands; a raster of heights has one");
   return reader;
-}
-
-// Corners and cells may differ by what decimal numbers in files do.
-bool lie_over_each_other(const MapGrid& a, const MapGrid& b) {
-  constexpr double kRounding = 1e-3;  // [cells], all over the raster
-  const auto apart = [&](double x, double y) { return std::abs(x - y) / a.cell_m; };
-  return a.width == b.width && a.height == b.height && apart(a.west_m, b.west_m) < kRounding &&
-         apart(a.north_m, b.north_m) < kRounding && apart(a.east_of(a.width), b.east_of(b.width)) < kRounding &&
-         apart(a.north_of(a.height), b.north_of(b.height)) < kRounding;
 }
 
 // Of the four cells around a place, by how much of it is nearest to each. A place on a cell's centre, but for rounding,
@@ -57,23 +40,40 @@ std::optional<std::filesystem::path> beside(const std::filesystem::path& height,
 
 }  // namespace
 
-Result<HeightSamples> HeightSamples::open(const std::filesystem::path& height,
-                                          const std::optional<std::filesystem::path>& sigma, double sigma_m) {
-  COLLINEA_TRY(GeoTiffReader heights, opened(height));
-  if (!sigma) return HeightSamples(std::move(heights), std::nullopt, sigma_m);
-  COLLINEA_TRY(GeoTiffReader sigmas, opened(*sigma));
-  if (!lie_over_each_other(heights.grid(), sigmas.grid()))
-    return fail(Errc::kBadInput, sigma->string() + " does not lie over " + height.string());
-  return HeightSamples(std::move(heights), std::move(sigmas), sigma_m);
+SurfaceFiles with_sigmas_beside(const std::filesystem::path& height) {
+  SurfaceFiles files{height, beside(height, "_sigma")};
+  if (files.sigma) files.sigma_relative = beside(height, "_sigma_relative");
+  return files;
+}
+
+Result<HeightSamples> HeightSamples::open(const SurfaceFiles& files, double sigma_m) {
+  if (files.sigma_relative && !files.sigma)
+    return fail(Errc::kBadInput, files.sigma_relative->string() + " says nothing without the whole sigmas");
+  COLLINEA_TRY(GeoTiffReader heights, opened(files.height));
+  HeightSamples samples(std::move(heights), sigma_m);
+  for (const auto& [path, reader] :
+       {std::pair(&files.sigma, &samples.sigma_), std::pair(&files.sigma_relative, &samples.sigma_relative_)}) {
+    if (!*path) continue;
+    COLLINEA_TRY(GeoTiffReader sigmas, opened(**path));
+    if (!same_cells(samples.grid(), sigmas.grid()))
+      return fail(Errc::kBadInput, (*path)->string() + " does not lie over " + files.height.string());
+    *reader = std::move(sigmas);
+  }
+  return samples;
 }
 
 Result<FloatImage> HeightSamples::heights(int column, int row, int width, int height) const {
-  return window(height_, column, row, width, height);
+  return height_.read_known(column, row, width, height);
 }
 
 Result<FloatImage> HeightSamples::sigmas(int column, int row, int width, int height) const {
   if (!sigma_) return FloatImage(width, height, 1, float(sigma_m_));
-  return window(*sigma_, column, row, width, height);
+  return sigma_->read_known(column, row, width, height);
+}
+
+Result<FloatImage> HeightSamples::relative_sigmas(int column, int row, int width, int height) const {
+  if (!sigma_relative_) return sigmas(column, row, width, height);
+  return sigma_relative_->read_known(column, row, width, height);
 }
 
 Result<> HeightSamples::load(int row) {
@@ -81,6 +81,7 @@ Result<> HeightSamples::load(int row) {
   const int count = std::min(kRows, grid().height - first_row_);
   COLLINEA_TRY(rows_, heights(0, first_row_, grid().width, count));
   COLLINEA_TRY(sigma_rows_, sigmas(0, first_row_, grid().width, count));
+  COLLINEA_TRY(relative_rows_, relative_sigmas(0, first_row_, grid().width, count));
   return {};
 }
 
@@ -93,19 +94,11 @@ Result<HeightSample> HeightSamples::at(const Eigen::Vector2d& on_map) {
   const int right = std::min(left + 1, grid().width - 1), bottom = std::min(top + 1, grid().height - 1);
   if (top < first_row_ || bottom >= first_row_ + rows_.height)
     if (auto loaded = load(top); !loaded) return tl::unexpected(loaded.error());
-  HeightSample sample;
-  sample.height_m = between(rows_, left, top - first_row_, right, bottom - first_row_, x - left, y - top);
-  // Neighbours err alike: no gain from averaging them.
-  sample.sigma_m = between(sigma_rows_, left, top - first_row_, right, bottom - first_row_, x - left, y - top);
-  return sample;
-}
-
-std::optional<std::filesystem::path> sigmas_beside(const std::filesystem::path& height) {
-  return beside(height, "_sigma");
-}
-
-std::optional<std::filesystem::path> relative_sigmas_beside(const std::filesystem::path& height) {
-  return beside(height, "_sigma_relative");
+  const auto here = [&](const FloatImage& rows) {
+    return between(rows, left, top - first_row_, right, bottom - first_row_, x - left, y - top);
+  };
+  // Neighbours err alike: sigmas gain nothing from averaging.
+  return HeightSample{here(rows_), here(sigma_rows_), here(relative_rows_)};
 }
 
 }  // namespace collinea

@@ -143,6 +143,20 @@ TEST(HoleFilling, BesideAHighWallAWideHoleIsNoRamp) {
   }
 }
 
+// What is left of it: no more than in half of the places.
+TEST(HoleFilling, BesideAWallAsHighAsTheHoleIsWideRampsAreTheSmallerPart) {
+  constexpr int kWidth = 20;
+  int ramps = 0;
+  for (int from = 64; from < 128; from += 2) {
+    const auto hole = [=](int x, int y) { return x >= from && x < from + kWidth && y >= 60 && y < 200; };
+    const auto wall = [=](int x, int) { return x >= from + kWidth ? kWidth * kCell : 0.0; };
+    const SurfaceTile tile = filled(with_hole(wall, hole), 100);
+    ramps += height(tile, from + kWidth / 2, 130) > 0.1 * kWidth * kCell;
+  }
+  EXPECT_GT(ramps, 0);  // none any more: tell so
+  EXPECT_LE(ramps, 16);
+}
+
 TEST(HoleFilling, AHoleInTheMiddleOfARoofStaysOnTheRoof) {
   const auto hole = [](int x, int y) { return x >= 100 && x < 116 && y >= 100 && y < 112; };
   const auto roof = [](int x, int y) { return x >= 60 && x < 160 && y >= 60 && y < 160 ? 4.0 : 0.0; };

@@ -28,8 +28,7 @@ class ProfileOfAPlane : public ::testing::Test {
       auto writer = GeoTiffWriter<float>::create(folder_ / name, grid, 1, {.nodata = -9999});
       EXPECT_TRUE(writer && writer->write(0, 0, *raster) && writer->finish());
     }
-    const auto file = folder_ / "dem.tif";
-    surfaces_.push_back(HeightSamples::open(file, sigmas_beside(file), 1).value());
+    surfaces_.push_back(HeightSamples::open(with_sigmas_beside(folder_ / "dem.tif"), 1).value());
   }
   static double height_m(const Eigen::Vector2d& place) {
     return 50 + 0.25 * (place.x() - 100) - 0.5 * (place.y() - 200);
@@ -76,7 +75,7 @@ TEST_F(ProfileOfAPlane, APictureIsNoSurface) {
   grid.width = grid.height = 4;
   auto writer = GeoTiffWriter<float>::create(folder_ / "rgb.tif", grid, 3, {});
   ASSERT_TRUE(writer && writer->write(0, 0, FloatImage(4, 4, 3)) && writer->finish());
-  const auto opened = HeightSamples::open(folder_ / "rgb.tif", std::nullopt, 0.1);
+  const auto opened = HeightSamples::open({folder_ / "rgb.tif"}, 0.1);
   ASSERT_FALSE(opened);
   EXPECT_NE(opened.error().message.find("3 bands"), std::string::npos);
 }
@@ -91,7 +90,7 @@ TEST_F(ProfileOfAPlane, SigmasOfAnotherRasterAreRefused) {
     const auto file = folder_ / "other_sigma.tif";
     auto writer = GeoTiffWriter<float>::create(file, grid, 1, {});
     EXPECT_TRUE(writer && writer->write(0, 0, FloatImage(grid.width, grid.height)) && writer->finish());
-    return HeightSamples::open(folder_ / "dem.tif", file, 1);
+    return HeightSamples::open({folder_ / "dem.tif", file}, 1);
   };
   EXPECT_TRUE(opened_with(right));
   for (const MapGrid& grid : wrong) {
@@ -103,10 +102,10 @@ TEST_F(ProfileOfAPlane, SigmasOfAnotherRasterAreRefused) {
 
 TEST_F(ProfileOfAPlane, SigmasAreThoseStatedWhereNoRasterSaysThem) {
   std::vector<HeightSamples> plain;
-  plain.push_back(HeightSamples::open(folder_ / "dem.tif", std::nullopt, 0.07).value());
+  plain.push_back(HeightSamples::open({folder_ / "dem.tif"}, 0.07).value());
   const Profile profile = profile_along({{102, 202}, {105, 206}}, 1, plain).value();
   EXPECT_NEAR(profile.of[0][2].sigma_m, 0.07, 1e-7);
-  EXPECT_FALSE(HeightSamples::open(folder_ / "nowhere.tif", std::nullopt, 0.07));
+  EXPECT_FALSE(HeightSamples::open({folder_ / "nowhere.tif"}, 0.07));
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include "collinea/base/parallel.h"
 #include "collinea/geometry/polygon.h"
 #include "collinea/image/geotiff.h"
-#include "collinea/surface/height_samples.h"
 
 namespace collinea {
 namespace {
@@ -24,8 +23,8 @@ constexpr double kReach = 3;  // correlation lengths beyond which nothing is ali
 struct Window {
   MapGrid grid;
   int column = 0, row = 0;
-  FloatImage inside, height_m, sigma_m;
-  FloatImage common_m;  // standard deviation of what neighbours have in common, beside sigma_m
+  FloatImage inside, height_m, sigma_m;  // relative
+  FloatImage common_m;                   // standard deviation of what neighbours have in common, beside sigma_m
 };
 
 // What heights are measured from.
@@ -33,9 +32,10 @@ struct Base {
   FloatImage height_m, sigma_m, common_m;
 };
 
-// Of a standard deviation what is beyond the relative one.
+// Of a standard deviation what is beyond the relative one; NaN where one is not known.
 float common_part(float sigma_m, float relative_m) {
-  return std::sqrt(std::max(0.0f, sigma_m * sigma_m - relative_m * relative_m));
+  const float variance = sigma_m * sigma_m - relative_m * relative_m;
+  return variance < 0 ? 0 : std::sqrt(variance);
 }
 
 // Of every cell the part inside, by lines through it.
@@ -63,7 +63,7 @@ FloatImage parts_inside(const MapGrid& grid, const MapArea& area) {
 
 Result<Window> window_of(const SurfaceFiles& surface, const std::optional<MapArea>& area,
                          const VolumeOptions& options) {
-  COLLINEA_TRY(const HeightSamples heights, HeightSamples::open(surface.height, surface.sigma, options.sigma_m));
+  COLLINEA_TRY(const HeightSamples heights, HeightSamples::open(surface, options.sigma_m));
   Window window;
   window.grid = heights.grid();
   if (area) {
@@ -87,14 +87,11 @@ Result<Window> window_of(const SurfaceFiles& surface, const std::optional<MapAre
     return fail(Errc::kUnsupported, "more than 100 million cells: give a smaller area");
   window.inside = area ? parts_inside(window.grid, *area) : FloatImage(window.grid.width, window.grid.height, 1, 1.0f);
   COLLINEA_TRY(window.height_m, heights.heights(window.column, window.row, window.grid.width, window.grid.height));
-  COLLINEA_TRY(window.sigma_m, heights.sigmas(window.column, window.row, window.grid.width, window.grid.height));
-  window.common_m = FloatImage(window.grid.width, window.grid.height);
-  if (!surface.sigma_relative) return window;
-  COLLINEA_TRY(const HeightSamples relative, HeightSamples::open(surface.height, surface.sigma_relative, 0));
-  COLLINEA_TRY(FloatImage sigma_m, relative.sigmas(window.column, window.row, window.grid.width, window.grid.height));
-  for (std::size_t i = 0; i < sigma_m.data.size(); ++i)
-    window.common_m.data[i] = common_part(window.sigma_m.data[i], sigma_m.data[i]);
-  window.sigma_m = std::move(sigma_m);
+  COLLINEA_TRY(window.common_m, heights.sigmas(window.column, window.row, window.grid.width, window.grid.height));
+  COLLINEA_TRY(window.sigma_m,
+               heights.relative_sigmas(window.column, window.row, window.grid.width, window.grid.height));
+  for (std::size_t i = 0; i < window.sigma_m.data.size(); ++i)
+    window.common_m.data[i] = common_part(window.common_m.data[i], window.sigma_m.data[i]);
   return window;
 }
 
@@ -124,17 +121,17 @@ FloatImage blurred(const FloatImage& values, double length_cells, const Run& run
   return along(along(values, 1, 0), 0, 1);
 }
 
-// A surface and the terrain under it have what their orientation adds to the last per cent in common; two surveys,
-// never.
+// Whether two surfaces have in common what their orientation adds, over the area that both know.
 bool of_one_orientation(const Window& window, const Base& base) {
   double apart = 0, together = 0;
   for (std::size_t i = 0; i < window.common_m.data.size(); ++i) {
+    if (!(window.inside.data[i] > 0)) continue;
     const double a = std::pow(double(window.common_m.data[i]), 2), b = std::pow(double(base.common_m.data[i]), 2);
     if (!std::isfinite(a + b)) continue;
     apart += std::abs(a - b);
     together += a + b;
   }
-  return apart <= 0.01 * together;
+  return apart <= kSameOrientation * together;
 }
 
 // Sums of differences and their standard deviation; what is not known has no part in either.
@@ -253,12 +250,9 @@ Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFil
                                    const std::optional<MapArea>& area, const VolumeOptions& options, const Run& run) {
   if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
   COLLINEA_TRY(Window window, window_of(surface, area, options));
-  COLLINEA_TRY(HeightSamples below, HeightSamples::open(base.height, base.sigma, options.sigma_m));
+  COLLINEA_TRY(HeightSamples below, HeightSamples::open(base, options.sigma_m));
   if (!below.grid().wkt.empty() && !window.grid.wkt.empty() && below.grid().wkt != window.grid.wkt)
     return fail(Errc::kBadInput, base.height.string() + " lies in another CRS than " + surface.height.string());
-  COLLINEA_TRY(
-      HeightSamples relative,
-      HeightSamples::open(base.height, base.sigma_relative ? base.sigma_relative : base.sigma, options.sigma_m));
   const FloatImage none(window.grid.width, window.grid.height);
   Base read{none, none, none};
   for (int y = 0; y < window.grid.height; ++y) {
@@ -266,14 +260,13 @@ Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFil
     for (int x = 0; x < window.grid.width; ++x) {
       if (!(window.inside.at(x, y) > 0)) continue;
       COLLINEA_TRY(const HeightSample one, below.at({window.grid.east_of(x + 0.5), window.grid.north_of(y + 0.5)}));
-      COLLINEA_TRY(const HeightSample beside,
-                   relative.at({window.grid.east_of(x + 0.5), window.grid.north_of(y + 0.5)}));
       read.height_m.at(x, y) = float(one.height_m);
-      read.sigma_m.at(x, y) = float(beside.sigma_m);
-      read.common_m.at(x, y) = common_part(float(one.sigma_m), float(beside.sigma_m));
+      read.sigma_m.at(x, y) = float(one.sigma_relative_m);
+      read.common_m.at(x, y) = common_part(float(one.sigma_m), float(one.sigma_relative_m));
     }
   }
-  if (of_one_orientation(window, read)) window.common_m = read.common_m = none;
+  const auto folder = [](const SurfaceFiles& files) { return std::filesystem::absolute(files.height).parent_path(); };
+  if (folder(surface) == folder(base) && of_one_orientation(window, read)) window.common_m = read.common_m = none;
   return summed(window, read, options, run);
 }
 

@@ -2,23 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <optional>
-#include <vector>
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/io/map_area.h"
+#include "collinea/surface/height_samples.h"
 
 namespace collinea {
-
-/// Heights on disk with their standard deviations.
-struct SurfaceFiles {
-  std::filesystem::path height;
-  std::optional<std::filesystem::path> sigma;  ///< nothing: sigma_m of the options
-  /// Of sigma what neighbours do not have in common; nothing: all of it. What is beyond lifts an area as a whole.
-  std::optional<std::filesystem::path> sigma_relative = {};
-};
 
 struct VolumeOptions {
   double sigma_m = 0.03;
@@ -62,11 +53,13 @@ struct Volume {
                                                const std::optional<MapArea>& area, const VolumeOptions& options,
                                                const Run& run);
 /// Over the plane that fits the surface best along the border of the area: what a heap stands on. Also an error: fewer
-/// than three cells along the border. The plane shares what the heights have in common.
+/// than four cells along the border. The plane shares what the heights have in common.
 [[nodiscard]] Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area,
                                              const VolumeOptions& options, const Run& run);
 /// Over another surface, read between its cells; errors of the two are independent but for the shift, and for what
-/// those of one orientation (a surface, and the terrain under it) have in common.
+/// those of one orientation have in common: a surface and the terrain under it, known by lying in one folder and having
+/// the same part in common within kSameOrientation of its variance.
+constexpr double kSameOrientation = 0.01;
 [[nodiscard]] Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFiles& base,
                                                  const std::optional<MapArea>& area, const VolumeOptions& options,
                                                  const Run& run);

@@ -14,6 +14,8 @@
 namespace collinea {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kCell = 0.25, kWest = 5000, kNorth = 7000;
 constexpr int kWidth = 240, kHeight = 200;  // 60 x 50 m
 constexpr float kNothing = -9999;
@@ -162,12 +164,13 @@ TEST_F(VolumeOf, IndependentErrorsAddUpInSquares) {
 // What the orientation adds lifts the area as a whole; what is measured from the surface itself does not see it.
 TEST_F(VolumeOf, WhatHeightsHaveInCommonIsNoNoise) {
   constexpr double kRelative = 0.03, kCommon = 0.4;
-  const auto with_common = [&](const std::string& name, double height_m, double common_m) {
-    SurfaceFiles files = surface(
-        name, [=](double, double) { return height_m; }, std::hypot(kRelative, common_m));
-    files.sigma_relative = surface(
-                               name + "_of", [](double, double) { return 0.0; }, kRelative)
-                               .sigma;
+  const auto with_common = [&](const std::string& name, double height_m, double common_m, bool hole = false) {
+    FloatImage heights(kWidth, kHeight, 1, float(height_m)), sigmas(kWidth, kHeight, 1, float(kRelative)),
+        all(kWidth, kHeight, 1, float(std::hypot(kRelative, common_m)));
+    for (int y = kHeight / 2; hole && y < kHeight; ++y)
+      for (int x = 0; x < kWidth / 4; ++x) heights.at(x, y) = sigmas.at(x, y) = all.at(x, y) = kNothing;
+    SurfaceFiles files = written(name, heights, all, kCell);
+    files.sigma_relative = written(name + "_of", heights, sigmas, kCell).sigma;
     return files;
   };
   const MapArea area = rectangle(10, 10, 30, 25);
@@ -181,12 +184,22 @@ TEST_F(VolumeOf, WhatHeightsHaveInCommonIsNoNoise) {
   EXPECT_NEAR(over_level.sigma_heights_m3, by_heights, 1e-4 * by_heights);
   EXPECT_NEAR(over_level.sigma_shift_m3, 0.5 * 300, 1e-3);
   EXPECT_EQ(volume_over_rim(level, area, {}, run_).value().sigma_shift_m3, 0);
-  // The same orientation, and another one.
+  // The same orientation, whatever the form of the area and also beside a hole; and another one.
   const Volume over_own = volume_over_surface(level, with_common("own", 101, kCommon), area, {}, run_).value();
   EXPECT_EQ(over_own.sigma_shift_m3, 0);
   EXPECT_NEAR(over_own.sigma_heights_m3, std::sqrt(2.0) * by_heights, 1e-4 * by_heights);
+  const MapArea triangle = {area[0], area[1], area[2]};
+  EXPECT_EQ(volume_over_surface(level, with_common("own", 101, kCommon), triangle, {}, run_)->sigma_shift_m3, 0);
+  const Volume beside_hole = volume_over_surface(level, with_common("own", 101, kCommon, true), area, {}, run_).value();
+  EXPECT_GT(beside_hole.missing_m2, 50);
+  EXPECT_EQ(beside_hole.sigma_shift_m3, 0);
   const Volume over_other = volume_over_surface(level, with_common("other", 101, 0.3), area, {}, run_).value();
   EXPECT_NEAR(over_other.sigma_shift_m3, 0.5 * 300, 1e-3);
+  // Two surveys may be of one precision.
+  fs::create_directory(folder_ / "later");
+  const Volume over_later =
+      volume_over_surface(level, with_common("later/level", 101, kCommon), area, {}, run_).value();
+  EXPECT_NEAR(over_later.sigma_shift_m3, std::sqrt(2.0) * kCommon * 300, 1e-3);
 }
 
 TEST_F(VolumeOf, MistakesAreNamed) {
@@ -201,6 +214,17 @@ TEST_F(VolumeOf, MistakesAreNamed) {
   VolumeOptions options;
   options.sigma_m = -1;
   EXPECT_FALSE(volume_over_level(level, 0, std::nullopt, options, run_));
+  SurfaceFiles files = level;
+  files.sigma_relative = folder_ / "gone.tif";
+  EXPECT_NE(message(volume_over_level(files, 0, std::nullopt, {}, run_)).find("gone"), std::string::npos);
+  files.sigma_relative = surface(
+                             "coarse", [](double, double) { return 105.0; }, 0.02, 0.5)
+                             .sigma;
+  EXPECT_NE(message(volume_over_level(files, 0, std::nullopt, {}, run_)).find("coarse_sigma.tif does not lie over"),
+            std::string::npos);
+  files.sigma.reset();
+  EXPECT_NE(message(volume_over_surface(level, files, std::nullopt, {}, run_)).find("without the whole"),
+            std::string::npos);
 }
 
 }  // namespace
