@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <memory>
 
 namespace collinea {
 namespace {
@@ -56,7 +58,58 @@ ReadHeights read_thinned(const ReadHeights& read, const MapGrid& grid, int times
   };
 }
 
+// Rasters of floats one after the other, row by row.
+struct ScratchFile {
+  std::filesystem::path path;
+  int width = 0, height = 0;
+
+  ~ScratchFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+  // From several threads at once.
+  [[nodiscard]] Result<FloatImage> read(int raster, int column, int row, int columns, int rows) const {
+    FloatImage window(columns, rows);
+    std::ifstream file(path, std::ios::binary);
+    for (int y = 0; y < rows; ++y) {
+      const std::int64_t cell = (std::int64_t(raster) * height + row + y) * width + column;
+      file.seekg(std::streamoff(cell) * std::streamoff(sizeof(float)));
+      file.read(reinterpret_cast<char*>(window.row(y)), std::streamsize(sizeof(float)) * columns);
+    }
+    if (!file) return fail(Errc::kBadInput, "cannot read " + path.string());
+    return window;
+  }
+};
+
+Result<> append(const ReadHeights& read, const MapGrid& grid, std::ofstream& file, const Run& run) {
+  constexpr int kStrip = 64;
+  for (int row = 0; row < grid.height; row += kStrip) {
+    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    COLLINEA_TRY(const FloatImage strip, read(0, row, grid.width, std::min(kStrip, grid.height - row)));
+    file.write(reinterpret_cast<const char*>(strip.data.data()), std::streamsize(strip.data.size() * sizeof(float)));
+  }
+  return {};
+}
+
 }  // namespace
+
+Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& scratch, const Run& run) {
+  const std::shared_ptr<const ScratchFile> kept(new ScratchFile{scratch, field.grid.width, field.grid.height});
+  std::ofstream file(scratch, std::ios::binary);
+  auto written = append(field.read, field.grid, file, run);
+  if (written && field.read_sigma) written = append(field.read_sigma, field.grid, file, run);
+  if (!written) return tl::unexpected(std::move(written).error());
+  file.close();
+  if (!file) return fail(Errc::kBadInput, "cannot write " + scratch.string() + ": is the disk full?");
+  const auto reader = [kept](int raster) {
+    return [kept, raster](int column, int row, int width, int height) {
+      return kept->read(raster, column, row, width, height);
+    };
+  };
+  HeightField result{field.grid, reader(0), {}};
+  if (field.read_sigma) result.read_sigma = reader(1);
+  return result;
+}
 
 HeightField thinned(const HeightField& field, int times) {
   HeightField result;

@@ -29,6 +29,11 @@ struct HeightField {
 /// Reads `field`, which must outlive it, in strips.
 [[nodiscard]] HeightField thinned(const HeightField& field, int times);
 
+/// The same surface held unpacked in a file of its own, for a field that is read again and again. The file is removed
+/// with the last copy of the answer. Errors: `field` cannot be read, the file not be written; cancelled.
+[[nodiscard]] Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& scratch,
+                                           const Run& run);
+
 /// Cells of a grid; may reach beyond it.
 struct CellArea {
   int column, row, width, height;

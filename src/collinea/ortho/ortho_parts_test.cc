@@ -74,6 +74,44 @@ TEST(HeightField, ThinnedKeepsEveryFourthHeightAndTheCorner) {
   EXPECT_EQ(part->at(14, 74), 69 + 1000 * 300);
 }
 
+TEST(HeightField, UnpackedIsTheSameAndLeavesNoFile) {
+  const TestFolder folder;
+  HeightField field;
+  field.grid = {500, 900, 0.5, 70, 301, ""};
+  const auto reader = [](float more) {
+    return [more](int column, int row, int width, int height) -> Result<FloatImage> {
+      FloatImage heights(width, height);
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+          heights.at(x, y) = column + x == 7 ? kNone : more + float(column + x + 1000 * (row + y));
+      return heights;
+    };
+  };
+  field.read = reader(0);
+  {
+    const auto exact = unpacked(field, folder / "scratch", collinea::Run{});
+    ASSERT_TRUE(exact);
+    EXPECT_FALSE(exact->read_sigma);
+  }
+  field.read_sigma = reader(0.25f);
+  {
+    const auto kept = unpacked(field, folder / "scratch", collinea::Run{});
+    ASSERT_TRUE(kept && kept->read_sigma);
+    EXPECT_EQ(kept->grid.width, 70);
+    EXPECT_EQ(kept->grid.cell_m, 0.5);
+    for (const auto& [column, row] : {std::pair(8, 0), std::pair(30, 226)}) {
+      const auto heights = kept->read(column, row, 40, 75), sigmas = kept->read_sigma(column, row, 40, 75);
+      ASSERT_TRUE(heights && sigmas);
+      EXPECT_EQ(heights->data, field.read(column, row, 40, 75)->data);
+      EXPECT_EQ(sigmas->data, field.read_sigma(column, row, 40, 75)->data);
+    }
+    EXPECT_TRUE(std::isnan(kept->read(7, 300, 1, 1)->at(0, 0)));
+    EXPECT_TRUE(std::filesystem::exists(folder / "scratch"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "scratch"));
+  EXPECT_FALSE(unpacked(field, folder / "none" / "scratch", collinea::Run{}));
+}
+
 TEST(HeightField, SigmasOfAnotherModelAreRefusedInWords) {
   const TestFolder folder;
   const auto write = [&](const std::string& name, const MapGrid& grid) {
