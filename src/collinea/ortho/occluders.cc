@@ -13,15 +13,11 @@ constexpr int kBlock = HeightOverview::kBlock;
 constexpr int kPerSide = kBlock / Occluders::kCoarse;  // coarse cells of a block
 static_assert(kBlock % kSide == 0 && kBlock % Occluders::kCoarse == 0);
 
-// Lines of sight are looked at every 0.75 cells, always at the same distances from the place: what is skipped makes no
-// difference.
-constexpr double kStep = 0.75;                // [cells]
-constexpr int kFirst = 2;                     // [steps]
-constexpr int kSkip = 20;                     // [steps] within the reach of a ceiling
-constexpr int kFarStep = 4, kFarFirst = 344;  // [steps]
-static_assert(kSkip * kStep <= kSide && kSkip % kFarStep == 0 && kFarFirst % kFarStep == 0);
-static_assert(kFarStep * kStep <= Occluders::kCoarse && kFarFirst * kStep > Occluders::kNear &&
-              (kFarFirst - kFarStep) * kStep <= Occluders::kNear);
+// Lines of sight are looked at always at the same distances from the place [cells], multiples of the steps: what is
+// skipped makes no difference.
+constexpr double kFirst = 1.5, kStep = 0.75, kFarFirst = 258, kFarStep = 3;
+constexpr double kSkip = 15;  // within the reach of a ceiling
+static_assert(kSkip <= kSide && kFarStep <= Occluders::kCoarse && kFarFirst - kFarStep <= Occluders::kNear);
 
 // A surface of which next to nothing is known still hides: else what stands behind an unseen roof would be painted with
 // its walls.
@@ -213,29 +209,36 @@ bool Occluders::hide(const FloatImage& near_m, const std::vector<float>& far_m, 
   if (run < 1) return false;
   const double step_x = across / run, step_y = down / run, rise_per_cell = rise / run;
   const int near_x = column_ - all_.column, near_y = row_ - all_.row;
-  const int far_first = far_block_.empty() ? std::numeric_limits<int>::max() : kFarFirst;
-  for (int step = kFirst;;) {
-    const double s = kStep * step;
-    if (s >= run) return false;
-    const double line_m = height_m + cell_m_ + rise_per_cell * s;
-    if (line_m >= highest_m_) return false;
-    const double u = x + near_x + s * step_x, v = y + near_y + s * step_y;
-    if (!(u >= 0 && v >= 0 && u < all_.width && v < all_.height)) return false;
-    const int column = int(u), row = int(v);
-    const bool far = step >= far_first;
-    if (ceiling_m_.at(column / kSide, row / kSide) <= line_m) {
-      step += kSkip;
-    } else if (!far) {
-      if (near_m.at(column - near_x, row - near_y) > line_m) return true;
-      ++step;
-    } else {
-      const std::int32_t block = far_block_.at(column / kBlock, row / kBlock);
-      const int cell = row % kBlock / kCoarse * kPerSide + column % kBlock / kCoarse;
-      if (block >= 0 && far_m[std::size_t(block * kPerSide * kPerSide + cell)] > line_m) return true;
-      step += kFarStep;
-    }
-    if (step > far_first) step = (step + kFarStep - 1) / kFarStep * kFarStep;
+  const double first_x = x + near_x, first_y = y + near_y, first_m = height_m + cell_m_;
+  enum Meets { kPassesAll, kPassesSkipping, kPasses, kHidden };
+  const auto look = [&](double s, const auto& height_of) {
+    const double line_m = first_m + rise_per_cell * s;
+    const double u = first_x + s * step_x, v = first_y + s * step_y;
+    if (line_m >= highest_m_ || !(u >= 0 && v >= 0 && u < all_.width && v < all_.height)) return kPassesAll;
+    const auto column = unsigned(u), row = unsigned(v);
+    if (ceiling_m_.at(int(column / kSide), int(row / kSide)) <= line_m) return kPassesSkipping;
+    return height_of(int(column), int(row)) > line_m ? kHidden : kPasses;
+  };
+  const double near_run = far_block_.empty() ? run : std::min(run, kFarFirst);
+  double s = kFirst;
+  while (s < near_run) {
+    const Meets met = look(s, [&](int column, int row) { return near_m.at(column - near_x, row - near_y); });
+    if (met == kPassesAll || met == kHidden) return met == kHidden;
+    s += met == kPasses ? kStep : kSkip;
   }
+  s = std::ceil(s / kFarStep) * kFarStep;
+  while (s < run) {
+    const Meets met = look(s, [&](int column, int row) { return far_at(far_m, unsigned(column), unsigned(row)); });
+    if (met == kPassesAll || met == kHidden) return met == kHidden;
+    s += met == kPasses ? kFarStep : kSkip;
+  }
+  return false;
+}
+
+float Occluders::far_at(const std::vector<float>& far_m, unsigned column, unsigned row) const {
+  const std::int32_t block = far_block_.at(int(column / kBlock), int(row / kBlock));
+  const unsigned cell = row % kBlock / kCoarse * kPerSide + column % kBlock / kCoarse;
+  return block < 0 ? kNothing : far_m[std::size_t(block) * kPerSide * kPerSide + cell];
 }
 
 }  // namespace collinea

@@ -65,6 +65,7 @@ class Occluders {
   Result<> add_far_blocks(const HeightField& field, const CellArea& blocks, const SurfaceBlocks& far);
   void add_ceilings(const FloatImage& occluders_m, int column, int row);
   void finish_ceilings();
+  [[nodiscard]] float far_at(const std::vector<float>& far_m, unsigned column, unsigned row) const;
   [[nodiscard]] bool hide(const FloatImage& near_m, const std::vector<float>& far_m, double x, double y,
                           double height_m, double camera_x, double camera_y, double camera_height_m) const;
 

@@ -63,28 +63,36 @@ class Visibility {
 
  private:
   enum class State : std::uint8_t { kUnknown, kAll, kMask };
-  /// A bit for each cell of a patch, block by block: dozens of views may need some.
+  /// A bit for each cell of a patch, in those of its blocks in which any was set: dozens of views may need some.
   class Mask {
    public:
     Mask() = default;
     Mask(int blocks_across, int blocks_down)
-        : across_(blocks_across), rows_(std::size_t(blocks_across * blocks_down * OrthoPatch::kBlock)) {}
-    [[nodiscard]] bool empty() const { return rows_.empty(); }
-    [[nodiscard]] bool at(int x, int y) const { return rows_[row_of(x, y)] >> (x % OrthoPatch::kBlock) & 1; }
+        : across_(blocks_across), first_row_(std::size_t(blocks_across * blocks_down), kNone) {}
+    [[nodiscard]] bool empty() const { return first_row_.empty(); }
+    /// Of a block in which a cell was set.
+    [[nodiscard]] bool at(int x, int y) const {
+      return rows_[first_row_[block_of(x, y)] + std::uint32_t(y % OrthoPatch::kBlock)] >> (x % OrthoPatch::kBlock) & 1;
+    }
     void set(int x, int y, bool value) {
+      std::uint32_t& first = first_row_[block_of(x, y)];
+      if (first == kNone) {
+        first = std::uint32_t(rows_.size());
+        rows_.resize(rows_.size() + OrthoPatch::kBlock);
+      }
+      std::uint16_t& row = rows_[first + std::uint32_t(y % OrthoPatch::kBlock)];
       const auto bit = std::uint16_t(1 << (x % OrthoPatch::kBlock));
-      std::uint16_t& row = rows_[row_of(x, y)];
       row = std::uint16_t(value ? row | bit : row & ~bit);
     }
 
    private:
-    static_assert(OrthoPatch::kBlock == 16);
-    [[nodiscard]] std::size_t row_of(int x, int y) const {
-      constexpr int kBlock = OrthoPatch::kBlock;
-      return std::size_t((y / kBlock * across_ + x / kBlock) * kBlock + y % kBlock);
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    [[nodiscard]] std::size_t block_of(int x, int y) const {
+      return std::size_t(y / OrthoPatch::kBlock * across_ + x / OrthoPatch::kBlock);
     }
     int across_ = 0;
-    std::vector<std::uint16_t> rows_;
+    std::vector<std::uint32_t> first_row_;
+    std::vector<std::uint16_t> rows_;  // 16 bits each
   };
   struct Layer {
     std::vector<State> raw, final;  // per block
