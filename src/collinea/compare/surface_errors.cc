@@ -10,6 +10,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/compare/levelled.h"
 #include "collinea/compare/rough_cells.h"
+#include "collinea/ortho/occluders.h"
 #include "collinea/ortho/world_lattice.h"
 #include "collinea/surface/surface_filter.h"
 
@@ -48,7 +49,7 @@ class Assessor {
   void add_cell(const FloatImage& heights, const FloatImage& sigmas, const Raster<std::uint8_t>& states,
                 const TrueStrip& strip, int x, int y, int row);
   void count_seen(const FloatImage& heights, const TrueStrip& strip, int row);
-  [[nodiscard]] bool seen_by_enough(const HeightWindow& window, double x, double y, float z,
+  [[nodiscard]] bool seen_by_enough(const Occluders& around, double x, double y, float z,
                                     const Eigen::Vector3d& world) const;
   [[nodiscard]] double truth_x(double column) const { return truth_.grid.column_of(model_.grid.east_of(column)); }
   [[nodiscard]] double truth_y(double row) const { return truth_.grid.row_of(model_.grid.north_of(row)); }
@@ -106,22 +107,22 @@ void Assessor::add_cell(const FloatImage& heights, const FloatImage& sigmas, con
   roofs_within_ += roof && within;
 }
 
-bool Assessor::seen_by_enough(const HeightWindow& window, double x, double y, float z,
+bool Assessor::seen_by_enough(const Occluders& around, double x, double y, float z,
                               const Eigen::Vector3d& world) const {
   std::size_t count = 0;
   for (const View& view : views_) {
     const auto pixel = pixel_of(view, world);
     if (!pixel || !inside(view.camera, *pixel)) continue;
     const double camera_x = truth_.grid.column_of(view.centre_in_map.x());
-    const double camera_y = truth_.grid.row_of(view.centre_in_map.y()) - window.row();
-    count += !window.hides(x, y, double(z), camera_x, camera_y, view.centre_in_map.z());
+    const double camera_y = truth_.grid.row_of(view.centre_in_map.y()) - around.row();
+    count += !around.hide(x, y, double(z), camera_x, camera_y, view.centre_in_map.z());
     if (count >= kEnough) return true;
   }
   return false;
 }
 
 void Assessor::count_seen(const FloatImage& heights, const TrueStrip& strip, int row) {
-  const HeightWindow window(strip.heights_m, 0, strip.first_row, truth_.grid.cell_m);
+  const Occluders around(strip.heights_m, 0, strip.first_row, truth_.grid.cell_m);
   const WorldLattice lattice(frame_, model_.grid, 0, row, heights.width, heights.height, 0, 1000);
   const int lines = (heights.height + kSeenStride - 1) / kSeenStride;
   std::vector<std::size_t> seen(std::size_t(lines), 0), found = seen;
@@ -130,7 +131,7 @@ void Assessor::count_seen(const FloatImage& heights, const TrueStrip& strip, int
     for (int x = 0; x < heights.width; x += kSeenStride) {
       const double u = truth_x(x + 0.5), v = truth_y(row + y + 0.5) - strip.first_row;
       const float z = true_height(strip.heights_m, u, v, true);
-      if (std::isnan(z) || !seen_by_enough(window, u, v, z, lattice.at(x + 0.5, y + 0.5, double(z)))) continue;
+      if (std::isnan(z) || !seen_by_enough(around, u, v, z, lattice.at(x + 0.5, y + 0.5, double(z)))) continue;
       ++seen[line];
       found[line] += !std::isnan(heights.at(x, y));
     }

@@ -3,55 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <memory>
 
 namespace collinea {
 namespace {
 
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
-constexpr double kMostUncertainCells = 10;
-constexpr int kSide = HeightWindow::kCeilingReach;
-
-FloatImage block_maxima(const FloatImage& heights_m) {
-  FloatImage blocks((heights_m.width + kSide - 1) / kSide, (heights_m.height + kSide - 1) / kSide, 1, kNothing);
-  for (int y = 0; y < heights_m.height; ++y) {
-    const float* row = heights_m.row(y);
-    float* block = blocks.row(y / kSide);
-    for (int x = 0; x < heights_m.width; ++x)
-      if (row[x] > block[x / kSide]) block[x / kSide] = row[x];  // false for NaN
-  }
-  return blocks;
-}
-
-// The lowest of the cells up to r rows and columns away.
-FloatImage lowest_around(const FloatImage& heights_m, int r) {
-  FloatImage rows = heights_m, result = heights_m;
-  for (int y = 0; y < heights_m.height; ++y) {
-    const float* from = heights_m.row(y);
-    float* to = rows.row(y);
-    for (int d = -r; d <= r; ++d)
-      for (int x = std::max(0, -d); x < std::min(heights_m.width, heights_m.width - d); ++x)
-        to[x] = std::min(to[x], from[x + d]);
-  }
-  for (int y = 0; y < heights_m.height; ++y) {
-    float* to = result.row(y);
-    for (int v = std::max(0, y - r); v <= std::min(heights_m.height - 1, y + r); ++v) {
-      const float* from = rows.row(v);
-      for (int x = 0; x < heights_m.width; ++x) to[x] = std::min(to[x], from[x]);
-    }
-  }
-  return result;
-}
-
-FloatImage dilated(const FloatImage& blocks) {
-  FloatImage result(blocks.width, blocks.height, 1, kNothing);
-  for (int y = 0; y < blocks.height; ++y)
-    for (int x = 0; x < blocks.width; ++x)
-      for (int v = std::max(0, y - 1); v <= std::min(blocks.height - 1, y + 1); ++v)
-        for (int u = std::max(0, x - 1); u <= std::min(blocks.width - 1, x + 1); ++u)
-          result.at(x, y) = std::max(result.at(x, y), blocks.at(u, v));
-  return result;
-}
 
 void add_strip(const FloatImage& strip, int first_row, HeightOverview& result) {
   constexpr int kBlock = HeightOverview::kBlock;
@@ -99,7 +58,58 @@ ReadHeights read_thinned(const ReadHeights& read, const MapGrid& grid, int times
   };
 }
 
+// Rasters of floats one after the other, row by row.
+struct ScratchFile {
+  std::filesystem::path path;
+  int width = 0, height = 0;
+
+  ~ScratchFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+  // From several threads at once.
+  [[nodiscard]] Result<FloatImage> read(int raster, int column, int row, int columns, int rows) const {
+    FloatImage window(columns, rows);
+    std::ifstream file(path, std::ios::binary);
+    for (int y = 0; y < rows; ++y) {
+      const std::int64_t cell = (std::int64_t(raster) * height + row + y) * width + column;
+      file.seekg(std::streamoff(cell) * std::streamoff(sizeof(float)));
+      file.read(reinterpret_cast<char*>(window.row(y)), std::streamsize(sizeof(float)) * columns);
+    }
+    if (!file) return fail(Errc::kBadInput, "cannot read " + path.string());
+    return window;
+  }
+};
+
+Result<> append(const ReadHeights& read, const MapGrid& grid, std::ofstream& file, const Run& run) {
+  constexpr int kStrip = 64;
+  for (int row = 0; row < grid.height; row += kStrip) {
+    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    COLLINEA_TRY(const FloatImage strip, read(0, row, grid.width, std::min(kStrip, grid.height - row)));
+    file.write(reinterpret_cast<const char*>(strip.data.data()), std::streamsize(strip.data.size() * sizeof(float)));
+  }
+  return {};
+}
+
 }  // namespace
+
+Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& scratch, const Run& run) {
+  const std::shared_ptr<const ScratchFile> kept(new ScratchFile{scratch, field.grid.width, field.grid.height});
+  std::ofstream file(scratch, std::ios::binary);
+  auto written = append(field.read, field.grid, file, run);
+  if (written && field.read_sigma) written = append(field.read_sigma, field.grid, file, run);
+  if (!written) return tl::unexpected(std::move(written).error());
+  file.close();
+  if (!file) return fail(Errc::kBadInput, "cannot write " + scratch.string() + ": is the disk full?");
+  const auto reader = [kept](int raster) {
+    return [kept, raster](int column, int row, int width, int height) {
+      return kept->read(raster, column, row, width, height);
+    };
+  };
+  HeightField result{field.grid, reader(0), {}};
+  if (field.read_sigma) result.read_sigma = reader(1);
+  return result;
+}
 
 HeightField thinned(const HeightField& field, int times) {
   HeightField result;
@@ -136,68 +146,20 @@ Result<HeightOverview> overview(const HeightField& field, const Run& run) {
   return result;
 }
 
-HeightWindow::HeightWindow(FloatImage heights_m, int column, int row, double cell_m, const FloatImage& sigma_m)
-    : heights_m_(std::move(heights_m)), column_(column), row_(row), cell_m_(cell_m) {
-  // A surface of which next to nothing is known still hides: else what stands behind an unseen roof would be painted
-  // with its walls.
-  constexpr float kSigmas = 3;
-  const auto most_m = float(kMostUncertainCells * cell_m);
-  occluders_m_ = heights_m_;
-  for (std::size_t i = 0; i < occluders_m_.data.size(); ++i) {
-    float& z = occluders_m_.data[i];
-    if (!sigma_m.empty()) z -= std::min(kSigmas * sigma_m.data[i], most_m);
-    if (std::isnan(z)) z = kNothing;
-  }
-  wide_m_ = lowest_around(occluders_m_, kThin);
-  const FloatImage blocks = block_maxima(occluders_m_);
-  ceiling_m_ = dilated(blocks);
-  highest_m_ = kNothing;
-  for (const float z : blocks.data) highest_m_ = std::max(highest_m_, z);
-}
-
-float HeightWindow::at(double x, double y) const {
+float height_at(const FloatImage& heights_m, double x, double y, double cell_m) {
   const int column = int(std::floor(x)), row = int(std::floor(y));
-  if (column < 0 || row < 0 || column >= heights_m_.width || row >= heights_m_.height)
+  if (column < 0 || row < 0 || column >= heights_m.width || row >= heights_m.height)
     return std::numeric_limits<float>::quiet_NaN();
-  const float nearest = heights_m_.at(column, row);
+  const float nearest = heights_m.at(column, row);
   const int x0 = int(std::floor(x - 0.5)), y0 = int(std::floor(y - 0.5));
-  if (std::isnan(nearest) || x0 < 0 || y0 < 0 || x0 + 1 >= heights_m_.width || y0 + 1 >= heights_m_.height)
+  if (std::isnan(nearest) || x0 < 0 || y0 < 0 || x0 + 1 >= heights_m.width || y0 + 1 >= heights_m.height)
     return nearest;
-  const float *upper = heights_m_.row(y0) + x0, *lower = heights_m_.row(y0 + 1) + x0;
+  const float *upper = heights_m.row(y0) + x0, *lower = heights_m.row(y0 + 1) + x0;
   const float high = std::max(std::max(upper[0], upper[1]), std::max(lower[0], lower[1]));
   const float low = std::min(std::min(upper[0], upper[1]), std::min(lower[0], lower[1]));
-  if (!(high - low <= 2 * cell_m_) || std::isnan(upper[0] + upper[1] + lower[0] + lower[1])) return nearest;
+  if (!(high - low <= 2 * cell_m) || std::isnan(upper[0] + upper[1] + lower[0] + lower[1])) return nearest;
   const float a = float(x - 0.5 - x0), b = float(y - 0.5 - y0);
   return (1 - b) * ((1 - a) * upper[0] + a * upper[1]) + b * ((1 - a) * lower[0] + a * lower[1]);
-}
-
-float HeightWindow::ceiling_m(double x, double y) const {
-  const int column = int(std::floor(x)) / kSide, row = int(std::floor(y)) / kSide;
-  if (!(x >= 0) || !(y >= 0) || column >= ceiling_m_.width || row >= ceiling_m_.height) return highest_m_;
-  return ceiling_m_.at(column, row);
-}
-
-bool HeightWindow::hides(const FloatImage& occluders_m, double x, double y, double height_m, double camera_x,
-                         double camera_y, double camera_height_m) const {
-  const double across = camera_x - x, down = camera_y - y, rise = camera_height_m - height_m;
-  const double run = std::sqrt(across * across + down * down);
-  if (!(rise > 0)) return true;
-  if (run < 1) return false;
-  const double step_x = across / run, step_y = down / run, rise_per_cell = rise / run;
-  for (double s = 1.5; s < run;) {
-    const double line_m = height_m + cell_m_ + rise_per_cell * s;
-    if (line_m >= highest_m_) return false;
-    const double u = x + s * step_x, v = y + s * step_y;
-    if (!(u >= 0 && v >= 0 && u < heights_m_.width && v < heights_m_.height)) return false;
-    const int column = int(u), row = int(v);
-    if (ceiling_m_.at(column / kSide, row / kSide) <= line_m) {
-      s += kCeilingReach;
-      continue;
-    }
-    if (occluders_m.at(column, row) > line_m) return true;
-    s += 0.75;
-  }
-  return false;
 }
 
 }  // namespace collinea

@@ -29,6 +29,16 @@ struct HeightField {
 /// Reads `field`, which must outlive it, in strips.
 [[nodiscard]] HeightField thinned(const HeightField& field, int times);
 
+/// The same surface held unpacked in a file of its own, for a field that is read again and again. The file is removed
+/// with the last copy of the answer. Errors: `field` cannot be read, the file not be written; cancelled.
+[[nodiscard]] Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& scratch,
+                                           const Run& run);
+
+/// Cells of a grid; may reach beyond it.
+struct CellArea {
+  int column, row, width, height;
+};
+
 /// A place of the surface, in continuous cells of its raster.
 struct SurfacePlace {
   double column = 0, row = 0;
@@ -44,53 +54,9 @@ struct HeightOverview {
 };
 [[nodiscard]] Result<HeightOverview> overview(const HeightField& field, const Run& run);
 
-/// A window of the surface in memory. Positions are continuous cells of the window: the centre of its upper-left cell
-/// is (0.5, 0.5).
-class HeightWindow {
- public:
-  HeightWindow() = default;
-  /// `column`, `row`: of the upper-left cell of `heights_m` in the field. `sigma_m`: of the heights, or empty.
-  HeightWindow(FloatImage heights_m, int column, int row, double cell_m, const FloatImage& sigma_m = {});
-
-  [[nodiscard]] int column() const { return column_; }
-  [[nodiscard]] int row() const { return row_; }
-  [[nodiscard]] bool empty() const { return heights_m_.empty(); }
-
-  /// The height at a place: bilinear on a smooth surface, of the nearest cell beside steps and holes (a slope between
-  /// roof and ground would be painted with colours that belong to neither). NaN where the place has no height.
-  [[nodiscard]] float at(double x, double y) const;
-
-  /// True when the surface rises above the straight line from the place at height_m (on it or above) towards a camera
-  /// at (camera_x, camera_y, camera_height_m), also when it is three of its sigmas lower (but no more than ten cells).
-  /// One cell of height is granted to roughness. Cells without height hide nothing.
-  [[nodiscard]] bool hides(double x, double y, double height_m, double camera_x, double camera_y,
-                           double camera_height_m) const {
-    return hides(occluders_m_, x, y, height_m, camera_x, camera_y, camera_height_m);
-  }
-
-  /// The same, but only what is more than 2 kThin cells wide both ways hides: not the twigs of a tree, nor single
-  /// high cells.
-  [[nodiscard]] bool hides_by_wide_things(double x, double y, double height_m, double camera_x, double camera_y,
-                                          double camera_height_m) const {
-    return hides(wide_m_, x, y, height_m, camera_x, camera_y, camera_height_m);
-  }
-  static constexpr int kThin = 2;
-
-  /// The greatest height at which any cell no further than kCeilingReach cells from the place hides something, or more.
-  [[nodiscard]] float ceiling_m(double x, double y) const;
-  static constexpr int kCeilingReach = 16;
-
- private:
-  [[nodiscard]] bool hides(const FloatImage& occluders_m, double x, double y, double height_m, double camera_x,
-                           double camera_y, double camera_height_m) const;
-
-  FloatImage heights_m_;
-  FloatImage occluders_m_;  // no higher than the surface certainly is; minus infinity where nothing is
-  FloatImage wide_m_;       // the lowest of these around
-  FloatImage ceiling_m_;
-  int column_ = 0, row_ = 0;
-  double cell_m_ = 1;
-  float highest_m_ = 0;
-};
+/// The height at a place of a window of the surface (continuous cells: the centre of its upper-left cell is (0.5,
+/// 0.5)): bilinear on a smooth surface, of the nearest cell beside steps and holes (a slope between roof and ground
+/// would be painted with colours that belong to neither). NaN where the place has no height.
+[[nodiscard]] float height_at(const FloatImage& heights_m, double x, double y, double cell_m);
 
 }  // namespace collinea

@@ -14,64 +14,18 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-FloatImage flat_with_tower() {
-  FloatImage heights(100, 100, 1, 5);
-  for (int y = 40; y < 60; ++y)
-    for (int x = 40; x < 60; ++x) heights.at(x, y) = 25;
-  return heights;
-}
-
-// A tower of 20 m at 1 m cells, the camera 45 degrees above the horizon far in the west: its shadow is 20 m long.
-TEST(HeightWindow, ATowerHidesWhatLiesBehindIt) {
-  const HeightWindow window(flat_with_tower(), 0, 0, 1);
-  const auto hidden = [&](double x, double y) {
-    return window.hides(x, y, double(window.at(x, y)), x - 1000, y, 1005);
-  };
-  EXPECT_TRUE(hidden(62.5, 50.5));
-  EXPECT_TRUE(hidden(77.5, 50.5));
-  EXPECT_FALSE(hidden(81.5, 50.5));
-  EXPECT_FALSE(hidden(38.5, 50.5));
-  EXPECT_FALSE(hidden(50.5, 50.5));
-  EXPECT_FALSE(hidden(65.5, 30.5));
-  EXPECT_TRUE(window.hides(38.5, 50.5, 5, 1000, 50.5, 900));  // from the other side
-}
-
-// What may be lower than it seems hides less, down to ten cells: of the shadow of 20 m, 14 m with a sigma of 2 m, and
-// half with a sigma beyond all use.
-TEST(HeightWindow, AnUncertainTowerHidesLess) {
-  const auto hidden = [&](float sigma_m, double x) {
-    const HeightWindow window(flat_with_tower(), 0, 0, 1, FloatImage(100, 100, 1, sigma_m));
-    return window.hides(x, 50.5, 5, x - 1000, 50.5, 1005);
-  };
-  EXPECT_TRUE(hidden(2, 71.5));
-  EXPECT_FALSE(hidden(2, 75.5));
-  EXPECT_TRUE(hidden(50, 67.5));
-  EXPECT_FALSE(hidden(50, 71.5));
-}
-
-TEST(HeightWindow, ThinThingsAreToldFromWideOnes) {
-  FloatImage heights = flat_with_tower();
-  for (int y = 40; y < 60; ++y)
-    for (int x = 84; x < 88; ++x) heights.at(x, y) = 25;  // a wall of four cells
-  const HeightWindow window(heights, 0, 0, 1);
-  const auto wide = [&](double x) { return window.hides_by_wide_things(x, 50.5, 5, x - 1000, 50.5, 1005); };
-  EXPECT_TRUE(window.hides(90.5, 50.5, 5, 90.5 - 1000, 50.5, 1005));
-  EXPECT_FALSE(wide(90.5));
-  EXPECT_TRUE(wide(65.5));
-}
-
-TEST(HeightWindow, HeightsAreBilinearOnSlopesAndSharpAtSteps) {
+TEST(HeightField, HeightsAreBilinearOnSlopesAndSharpAtSteps) {
   FloatImage heights(20, 20);
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 20; ++x) heights.at(x, y) = 0.5f * float(x) + (x >= 10 ? 8.0f : 0.0f);
   heights.at(3, 3) = kNone;
-  const HeightWindow window(heights, 0, 0, 1);
-  EXPECT_FLOAT_EQ(window.at(6.25, 7.0), 0.5f * 5.75f);
-  EXPECT_FLOAT_EQ(window.at(9.9, 7.5), 4.5f);
-  EXPECT_FLOAT_EQ(window.at(10.1, 7.5), 13.0f);
-  EXPECT_TRUE(std::isnan(window.at(3.5, 3.5)));
-  EXPECT_FLOAT_EQ(window.at(4.1, 3.5), 2.0f);
-  EXPECT_TRUE(std::isnan(window.at(-1, 3)));
+  const auto at = [&](double x, double y) { return height_at(heights, x, y, 1); };
+  EXPECT_FLOAT_EQ(at(6.25, 7.0), 0.5f * 5.75f);
+  EXPECT_FLOAT_EQ(at(9.9, 7.5), 4.5f);
+  EXPECT_FLOAT_EQ(at(10.1, 7.5), 13.0f);
+  EXPECT_TRUE(std::isnan(at(3.5, 3.5)));
+  EXPECT_FLOAT_EQ(at(4.1, 3.5), 2.0f);
+  EXPECT_TRUE(std::isnan(at(-1, 3)));
 }
 
 TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
@@ -118,6 +72,44 @@ TEST(HeightField, ThinnedKeepsEveryFourthHeightAndTheCorner) {
   EXPECT_EQ(part->at(0, 0), 14 + 1000 * 6);
   EXPECT_EQ(part->at(1, 70), 18 + 1000 * (4 * 71 + 2));
   EXPECT_EQ(part->at(14, 74), 69 + 1000 * 300);
+}
+
+TEST(HeightField, UnpackedIsTheSameAndLeavesNoFile) {
+  const TestFolder folder;
+  HeightField field;
+  field.grid = {500, 900, 0.5, 70, 301, ""};
+  const auto reader = [](float more) {
+    return [more](int column, int row, int width, int height) -> Result<FloatImage> {
+      FloatImage heights(width, height);
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+          heights.at(x, y) = column + x == 7 ? kNone : more + float(column + x + 1000 * (row + y));
+      return heights;
+    };
+  };
+  field.read = reader(0);
+  {
+    const auto exact = unpacked(field, folder / "scratch", collinea::Run{});
+    ASSERT_TRUE(exact);
+    EXPECT_FALSE(exact->read_sigma);
+  }
+  field.read_sigma = reader(0.25f);
+  {
+    const auto kept = unpacked(field, folder / "scratch", collinea::Run{});
+    ASSERT_TRUE(kept && kept->read_sigma);
+    EXPECT_EQ(kept->grid.width, 70);
+    EXPECT_EQ(kept->grid.cell_m, 0.5);
+    for (const auto& [column, row] : {std::pair(8, 0), std::pair(30, 226)}) {
+      const auto heights = kept->read(column, row, 40, 75), sigmas = kept->read_sigma(column, row, 40, 75);
+      ASSERT_TRUE(heights && sigmas);
+      EXPECT_EQ(heights->data, field.read(column, row, 40, 75)->data);
+      EXPECT_EQ(sigmas->data, field.read_sigma(column, row, 40, 75)->data);
+    }
+    EXPECT_TRUE(std::isnan(kept->read(7, 300, 1, 1)->at(0, 0)));
+    EXPECT_TRUE(std::filesystem::exists(folder / "scratch"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "scratch"));
+  EXPECT_FALSE(unpacked(field, folder / "none" / "scratch", collinea::Run{}));
 }
 
 TEST(HeightField, SigmasOfAnotherModelAreRefusedInWords) {

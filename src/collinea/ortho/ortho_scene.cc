@@ -8,7 +8,8 @@
 namespace collinea {
 namespace {
 
-constexpr int kFarthestOccluder = 2048;  // [surface cells]
+constexpr int kFarthestOccluder = 4096;  // [surface cells]
+constexpr int kBlock = HeightOverview::kBlock;
 
 struct HeightRange {
   float low_m = std::numeric_limits<float>::infinity(), high_m = -std::numeric_limits<float>::infinity();
@@ -29,7 +30,6 @@ CellArea surface_area(const OrthoScene& scene, const CellArea& area, int margin)
 
 template <class Visit>
 void each_block(const HeightOverview& overview, const CellArea& surface, Visit&& visit) {
-  constexpr int kBlock = HeightOverview::kBlock;
   if (surface.width <= 0 || surface.height <= 0) return;
   for (int y = surface.row / kBlock; y <= (surface.row + surface.height - 1) / kBlock; ++y)
     for (int x = surface.column / kBlock; x <= (surface.column + surface.width - 1) / kBlock; ++x)
@@ -68,40 +68,129 @@ std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice&
   return found;
 }
 
-// How far away something could stand that hides a cell of the area from one of the views [surface cells].
-int occluder_reach(const OrthoScene& scene, const std::vector<std::size_t>& views, const WorldLattice& lattice,
-                   const CellArea& area, const HeightRange& range) {
-  double flattest = 0;  // largest run per rise
+// How far the flattest line of sight runs per rise from a place of the area to a view that shows it, and how far any
+// runs at all, in cells of the surface.
+struct LinesOfSight {
+  double cells_per_m = 0, cells = 0;
+};
+
+LinesOfSight lines_of_sight(const OrthoScene& scene, const std::vector<std::size_t>& views, const WorldLattice& lattice,
+                            const CellArea& area, const HeightRange& range) {
+  constexpr double kFlattest = 10;
+  double flattest = 0, longest_m = 0;
   for (const std::size_t v : views) {
+    const View& view = scene.views[v];
+    double to_corner = 0, rise_m = 0;
     for (int corner = 0; corner < 4; ++corner) {
       const Eigen::Vector3d at =
           lattice.at(corner & 1 ? area.width : 0, corner & 2 ? area.height : 0, double(range.low_m));
-      const Eigen::Vector3d up = scene.views[v].centre_in_world - at;
-      flattest = std::max(flattest, up.z() > 0 ? std::min(std::hypot(up.x(), up.y()) / up.z(), 10.0) : 0.0);
+      const Eigen::Vector3d up = view.centre_in_world - at;
+      if (!(up.z() > 0)) continue;
+      to_corner = std::max(to_corner, std::hypot(up.x(), up.y()) / up.z());
+      rise_m = std::max(rise_m, up.z());
     }
+    const double run_per_rise = std::min({to_corner, view.flattest, kFlattest});
+    flattest = std::max(flattest, run_per_rise);
+    longest_m = std::max(longest_m, run_per_rise * rise_m);
   }
   const double cell_m = scene.surface->grid.cell_m;
-  const CellArea near = surface_area(scene, area, 0), far = surface_area(scene, area, kFarthestOccluder);
-  constexpr int kBlock = HeightOverview::kBlock;
-  int reach = 0;
-  each_block(*scene.surface_overview, far, [&](int x, int y) {
-    const int dx = std::max({0, near.column - (x + 1) * kBlock, x * kBlock - near.column - near.width});
-    const int dy = std::max({0, near.row - (y + 1) * kBlock, y * kBlock - near.row - near.height});
-    const int distance = std::max(dx, dy);
-    const double casts = double(scene.surface_overview->highest_m.at(x, y) - range.low_m) * flattest / cell_m;
-    if (distance < casts) reach = std::max(reach, std::min(distance + kBlock, int(casts) + 1));
-  });
-  return reach + 2;
+  return {flattest / cell_m, longest_m / cell_m};
 }
 
-FloatImage heights_of(const OrthoPatch& patch, const CellArea& area) {
+int gap(int first, int cells, int other_first, int other_cells) {
+  return std::max({0, other_first - first - cells, first - other_first - other_cells});
+}
+
+// What could hide places of an area, by the highest and lowest of blocks of the surface.
+struct Reach {
+  int cells = 0;           // from the area on: how far away something could stand that does
+  SurfaceBlocks far = {};  // empty: nothing that does is further than Occluders::kNear from what it hides
+};
+
+// The lowest of the surface under parts of an area.
+struct LowPart {
+  CellArea cells;
+  float low_m;
+};
+
+std::vector<LowPart> low_parts(const HeightOverview& overview, const CellArea& under) {
+  constexpr int kPart = 4 * kBlock;
+  std::vector<LowPart> parts;
+  for (int row = under.row / kPart * kPart; row < under.row + under.height; row += kPart) {
+    for (int column = under.column / kPart * kPart; column < under.column + under.width; column += kPart) {
+      const int left = std::max(column, under.column), top = std::max(row, under.row);
+      const CellArea part{left, top, std::min(column + kPart, under.column + under.width) - left,
+                          std::min(row + kPart, under.row + under.height) - top};
+      if (const HeightRange range = heights_under(overview, part); !range.empty()) parts.push_back({part, range.low_m});
+    }
+  }
+  return parts;
+}
+
+Reach reach_of(const OrthoScene& scene, const LinesOfSight& lines, const CellArea& area, const HeightRange& range) {
+  const HeightOverview& overview = *scene.surface_overview;
+  const int most = int(std::min(lines.cells, double(kFarthestOccluder))) + 1;
+  const CellArea under = surface_area(scene, area, 0), around = surface_area(scene, area, most);
+  Reach reach;
+  float highest_m = range.low_m;
+  each_block(overview, around, [&](int x, int y) {
+    const int distance =
+        std::max(gap(under.column, under.width, x * kBlock, kBlock), gap(under.row, under.height, y * kBlock, kBlock));
+    const double casts = double(overview.highest_m.at(x, y) - range.low_m) * lines.cells_per_m;
+    if (distance >= casts) return;
+    reach.cells = std::max(reach.cells, std::min(distance + kBlock, int(casts) + 1));
+    highest_m = std::max(highest_m, overview.highest_m.at(x, y));
+  });
+  if (double(highest_m - range.low_m) * lines.cells_per_m < Occluders::kNear) return reach;
+  const std::vector<LowPart> parts = low_parts(overview, under);
+  const int left = around.column / kBlock, top = around.row / kBlock;
+  SurfaceBlocks far{left, top,
+                    Raster<std::uint8_t>((around.column + around.width - 1) / kBlock - left + 1,
+                                         (around.row + around.height - 1) / kBlock - top + 1)};
+  bool any = false;
+  each_block(overview, around, [&](int x, int y) {
+    for (const LowPart& part : parts) {
+      const double casts = double(overview.highest_m.at(x, y) - part.low_m) * lines.cells_per_m;
+      if (casts < Occluders::kNear) continue;
+      const CellArea& from = part.cells;
+      const double across = gap(from.column, from.width, x * kBlock, kBlock),
+                   down = gap(from.row, from.height, y * kBlock, kBlock);
+      if (std::hypot(across, down) > casts + kBesides) continue;
+      // Whether the farthest corners are further apart than what is looked at in full.
+      if (std::hypot(across + from.width + kBlock, down + from.height + kBlock) < Occluders::kNear) continue;
+      far.wanted.at(x - left, y - top) = 1;
+      any = true;
+      return;
+    }
+  });
+  if (any) reach.far = std::move(far);
+  return reach;
+}
+
+FloatImage heights_of(const OrthoScene& scene, const CellArea& area, const FloatImage& surface_m,
+                      const CellArea& window) {
+  const MapGrid &grid = scene.grid, &from = scene.surface->grid;
   FloatImage heights_m(area.width, area.height);
   for (int y = 0; y < area.height; ++y) {
-    const double v = patch.surface_y(patch.grid.north_of(area.row + y + 0.5));
+    const double v = from.row_of(grid.north_of(area.row + y + 0.5)) - window.row;
     for (int x = 0; x < area.width; ++x)
-      heights_m.at(x, y) = patch.surface.at(patch.surface_x(patch.grid.east_of(area.column + x + 0.5)), v);
+      heights_m.at(x, y) =
+          height_at(surface_m, from.column_of(grid.east_of(area.column + x + 0.5)) - window.column, v, from.cell_m);
   }
   return heights_m;
+}
+
+// The window in full: to whole ceilings.
+CellArea near_window(const OrthoScene& scene, const CellArea& area, const Reach& reach) {
+  constexpr int kWhole = Occluders::kCeilingReach;
+  const int margin = reach.far.wanted.empty() ? std::min(reach.cells, Occluders::kNear) : Occluders::kNear;
+  const CellArea asked = surface_area(scene, area, margin + kBesides);
+  const auto end = [](int first, int cells, int most) {
+    return std::min((first + cells + kWhole - 1) / kWhole * kWhole, most);
+  };
+  const int left = asked.column / kWhole * kWhole, top = asked.row / kWhole * kWhole;
+  return {left, top, end(asked.column, asked.width, scene.surface->grid.width) - left,
+          end(asked.row, asked.height, scene.surface->grid.height) - top};
 }
 
 }  // namespace
@@ -131,15 +220,12 @@ Result<std::optional<OrthoPatch>> make_patch(const OrthoScene& scene, const Cell
                    scene.surface->grid};
   views = views_over(scene, patch.lattice, area, range);
   if (views.empty()) return std::nullopt;
-  const CellArea window = surface_area(scene, area, occluder_reach(scene, views, patch.lattice, area, range));
+  const Reach reach = reach_of(scene, lines_of_sight(scene, views, patch.lattice, area, range), area, range);
+  const CellArea window = near_window(scene, area, reach);
   if (window.width <= 0 || window.height <= 0) return std::nullopt;
   COLLINEA_TRY(FloatImage heights, scene.surface->read(window.column, window.row, window.width, window.height));
-  FloatImage sigmas;
-  if (scene.surface->read_sigma) {
-    COLLINEA_TRY(sigmas, scene.surface->read_sigma(window.column, window.row, window.width, window.height));
-  }
-  patch.surface = HeightWindow(std::move(heights), window.column, window.row, scene.surface->grid.cell_m, sigmas);
-  patch.heights_m = heights_of(patch, area);
+  patch.heights_m = heights_of(scene, area, heights, window);
+  COLLINEA_TRY(patch.occluders, occluders_of(*scene.surface, std::move(heights), window, reach.far));
   return patch;
 }
 

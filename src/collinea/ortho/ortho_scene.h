@@ -24,11 +24,7 @@ struct OrthoScene {
   int feather_cells = 12;
   const HeightField* terrain = nullptr;  ///< null: not known; tells what is raised, where seams should not run
   const SeamPlan* seams = nullptr;       ///< null: every cell takes the cheapest view
-};
-
-/// Cells of a grid; may reach beyond it.
-struct CellArea {
-  int column, row, width, height;
+  std::filesystem::path scratch = {};    ///< for files of the time being, with endings of their own; empty: none
 };
 
 /// For each view the largest reduction of its picture at which a pixel still is no larger than a cell.

@@ -34,7 +34,9 @@ WantedViews wanted_views(const OrthoScene& scene, const CellArea& area, const st
   return wanted;
 }
 
+// Of the cells of the tile.
 struct Mixture {
+  CellArea cells;     // in the patch
   FloatImage colour;  // 3 channels, times weight
   FloatImage weight;
 };
@@ -60,9 +62,10 @@ bool colour_at(const OrthoPatch& patch, const Source& source, int x, int y, floa
 void add_cell(const OrthoPatch& patch, const Source& source, int x, int y, float weight, Mixture& mixture) {
   float colour[3];
   if (!colour_at(patch, source, x, y, colour)) return;
-  float* sum = mixture.colour.row(y) + 3 * x;
+  const int u = x - mixture.cells.column, v = y - mixture.cells.row;
+  float* sum = mixture.colour.row(v) + 3 * u;
   for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * colour[c];
-  mixture.weight.at(x, y) += weight;
+  mixture.weight.at(u, v) += weight;
 }
 
 // A side between two cells of different views, and what each of the views shows in the two, summed.
@@ -123,8 +126,8 @@ SeamAgreement agreement_of(const std::vector<SeamSide>& sides, const std::vector
   return agreement;
 }
 
-void add_view(const OrthoPatch& patch, const Source& source, const ViewWeights& weights, const CellArea& wanted,
-              Mixture& mixture) {
+void add_view(const OrthoPatch& patch, const Source& source, const ViewWeights& weights, Mixture& mixture) {
+  const CellArea& wanted = mixture.cells;
   const int left = std::max(weights.column, wanted.column), top = std::max(weights.row, wanted.row);
   const int right = std::min(weights.column + weights.weight.width, wanted.column + wanted.width);
   const int bottom = std::min(weights.row + weights.weight.height, wanted.row + wanted.height);
@@ -163,19 +166,19 @@ std::map<std::size_t, std::uint64_t> not_followed(const OrthoScene& scene, const
   return cells;
 }
 
-OrthoTile finished(const Mixture& mixture, const Labels& labels, const std::vector<std::size_t>& views,
-                   const CellArea& wanted) {
+OrthoTile finished(const Mixture& mixture, const Labels& labels, const std::vector<std::size_t>& views) {
+  const CellArea& wanted = mixture.cells;
   OrthoTile tile{
       Raster<std::uint8_t>(wanted.width, wanted.height, 4), Raster<std::uint16_t>(wanted.width, wanted.height), {}};
   for (int y = 0; y < wanted.height; ++y) {
     for (int x = 0; x < wanted.width; ++x) {
       const int u = wanted.column + x, v = wanted.row + y;
-      const float weight = mixture.weight.at(u, v);
+      const float weight = mixture.weight.at(x, y);
       const std::int16_t label = labels.at(u, v);
       if (label == kNoView || !(weight > 0)) continue;
       for (int c = 0; c < 3; ++c)
         tile.rgba.at(x, y, c) =
-            std::uint8_t(std::lround(std::clamp(mixture.colour.at(u, v, c) / weight, 0.0f, 255.0f)));
+            std::uint8_t(std::lround(std::clamp(mixture.colour.at(x, y, c) / weight, 0.0f, 255.0f)));
       tile.rgba.at(x, y, 3) = 255;
       tile.source.at(x, y) = std::uint16_t(views[std::size_t(label)] + 1);
     }
@@ -230,17 +233,17 @@ Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, 
   Visibility visibility(*patch, views, int(std::lround(rim_m(*scene.surface, scene.grid.cell_m) / scene.grid.cell_m)));
   const Labels labels = choose_views(*patch, views, wanted_views(scene, area, over), visibility);
   std::vector<SeamSide> sides = seam_sides(labels, wanted, visibility);
-  Mixture mixture{FloatImage(area.width, area.height, 3), FloatImage(area.width, area.height)};
+  Mixture mixture{wanted, FloatImage(width, height, 3), FloatImage(width, height)};
   for (const std::int16_t label : used_labels(labels, wanted, scene.feather_cells)) {
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     const std::size_t v = over[std::size_t(label)];
     const ViewWeights weights = weights_of(labels, label, scene.feather_cells, visibility);
     COLLINEA_TRY(const auto picture, scene.pictures->picture(scene.views[v].image, scene.shrink[v]));
     const Source source{scene.balance, v, scene.views[v], *picture};
-    add_view(*patch, source, weights, wanted, mixture);
+    add_view(*patch, source, weights, mixture);
     look_along_seams(*patch, source, label, sides);
   }
-  OrthoTile tile = finished(mixture, labels, over, wanted);
+  OrthoTile tile = finished(mixture, labels, over);
   tile.seams = agreement_of(sides, over);
   tile.not_followed = not_followed(scene, {column, row, width, height}, tile.source);
   return tile;

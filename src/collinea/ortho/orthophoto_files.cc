@@ -70,7 +70,7 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
     return picture->write(column, row, tile.rgba).and_then([&] { return source->write(column, row, tile.source); });
   };
   COLLINEA_TRY(OrthoSummary summary,
-               make_orthophoto(block, frame, surface, guides, pixels, gsd_m, OrthoSink{begin, take}, options, run));
+               make_orthophoto(block, frame, surface, guides, pixels, gsd_m, OrthoSink{begin, take, files.picture}, options, run));
   auto finished = source->finish().and_then([&] { return picture->finish(); });
   if (!finished) return tl::unexpected(std::move(finished).error());
   return summary;

@@ -354,6 +354,50 @@ TEST(Orthophoto, TheCutIntoTilesDoesNotMatter) {
   }
 }
 
+// A ridge of 120 m from x = 199 m to 201 m, a thousand cells of the surface away from some of the ground that it hides:
+// from a camera 300 m above x = 400 m its shadow reaches to x = 400 - 300 (400 - 199) / (300 - 120) = 65 m.
+TEST(Orthophoto, AMountainFarAwayHidesTheGround) {
+  HeightField surface;
+  surface.grid = {0, 16, 0.125, 1760, 128, ""};
+  surface.read = [&](int column, int, int width, int height) -> Result<FloatImage> {
+    FloatImage heights(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        heights.at(x, y) =
+            float(std::clamp(150 - 30 * std::abs(surface.grid.east_of(column + x + 0.5) - 200), 0.0, 120.0));
+    return heights;
+  };
+  Block block;
+  block.cameras[CameraId{1}] = ideal_camera(250, 500, 200);
+  const ImageId id{1};
+  block.images[id] = Image{.file = {}, .camera = CameraId{1}, .taken = {}, .position = {}, .attitude = {}};
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond west(Eigen::AngleAxisd(0.78, Eigen::Vector3d::UnitY()));
+  const Eigen::Quaterniond rotation = west * down;
+  block.cam_from_world[id] = {rotation, -(rotation * Eigen::Vector3d(400, 8, 300))};
+  const PixelSource pixels = [](ImageId, int shrink) -> Result<ColourImage> {
+    return ColourImage((500 + shrink - 1) / shrink, (200 + shrink - 1) / shrink, 3, 100);
+  };
+  for (const double cell_m : {0.125, 0.5}) {
+    Raster<std::uint8_t> alpha;
+    const OrthoSink sink{[&](const MapGrid& grid) -> Result<> {
+                           alpha = Raster<std::uint8_t>(grid.width, grid.height);
+                           return {};
+                         },
+                         [&](int column, int row, const OrthoTile& tile) -> Result<> {
+                           for (int y = 0; y < tile.rgba.height; ++y)
+                             for (int x = 0; x < tile.rgba.width; ++x)
+                               alpha.at(column + x, row + y) = tile.rgba.at(x, y, 3);
+                           return {};
+                         }};
+    const auto made = make_orthophoto(block, nullptr, surface, {}, pixels, cell_m, sink, {}, collinea::Run{});
+    ASSERT_TRUE(made);
+    const auto painted = [&](double x) { return alpha.at(int(x / cell_m), alpha.height / 2) != 0; };
+    for (const double x : {10.0, 30.0, 50.0, 62.0, 203.0}) EXPECT_TRUE(painted(x)) << x;
+    for (const double x : {69.0, 75.0, 90.0, 120.0, 150.0, 170.0, 190.0}) EXPECT_FALSE(painted(x)) << x;
+  }
+}
+
 TEST(Orthophoto, WithoutOrientedImagesThereIsNone) {
   const Product product = make({}, Block{}, {});
   ASSERT_FALSE(product.summary);

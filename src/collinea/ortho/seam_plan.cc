@@ -173,16 +173,32 @@ Result<> plan_from_nothing(const OrthoScene& scene, const SeamLook& look, Raster
   return done;
 }
 
+// A surface in the cells of a draft, which looks at it four times and more.
+Result<HeightField> draft_surface(const HeightField& surface, int times, const std::filesystem::path& scratch,
+                                  const char* ending, const Run& run) {
+  HeightField coarse = thinned(surface, times);
+  if (scratch.empty()) return coarse;
+  std::filesystem::path path = scratch;
+  path += ending;
+  return unpacked(coarse, path, run);
+}
+
 }  // namespace
 
 Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run) {
   constexpr int kOverview = 4;    // cells of the plan along one of the first draft
   constexpr double kRaised = 10;  // [surface cells]
   OrthoScene plan_scene = on_grid(scene, plan_grid(scene.grid));
-  const HeightField surface = thinned(*scene.surface, kOverview);
+  COLLINEA_TRY(const HeightField surface,
+               draft_surface(*scene.surface, kOverview, scene.scratch, ".surface.part", run));
+  HeightField terrain;
+  if (scene.terrain) {
+    COLLINEA_TRY(terrain, draft_surface(*scene.terrain, kOverview, scene.scratch, ".terrain.part", run));
+  }
   COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
   OrthoScene draft_scene = on_grid(scene, coarser(plan_scene.grid, kOverview));
   draft_scene.surface = &surface, draft_scene.surface_overview = &heights;
+  if (scene.terrain) draft_scene.terrain = &terrain;
   SeamLook look{scene.grid.cell_m, kRaised * scene.surface->grid.cell_m};
   Raster<std::uint16_t> draft(draft_scene.grid.width, draft_scene.grid.height);
   if (auto drafted = plan_from_nothing(draft_scene, look, draft, run); !drafted)

@@ -45,11 +45,11 @@ Raster<std::int32_t> areas_of(const Raster<std::uint16_t>& source, std::vector<s
 // Walks along the sides of cells, the area on the right hand.
 class Tracer {
  public:
-  explicit Tracer(const Raster<std::int32_t>& area) : area_(area), walked_(area.width, area.height) {}
+  explicit Tracer(const Raster<std::int32_t>& area) : area_(area), walked_(area.data.size()) {}
 
   // True where the upper side of a cell is a border that no ring has passed yet.
   [[nodiscard]] bool starts_at(int x, int y) const {
-    return at(x, y) != 0 && at(x, y - 1) != at(x, y) && !walked_.at(x, y);
+    return at(x, y) != 0 && at(x, y - 1) != at(x, y) && !walked_[cell(x, y)];
   }
 
   // Corners in cells, only where the direction changes.
@@ -60,7 +60,7 @@ class Tracer {
     Eigen::Vector2i corner = start;
     int heading = kEast;
     do {
-      if (heading == kEast) walked_.at(corner.x(), corner.y()) = 1;
+      if (heading == kEast) walked_[cell(corner.x(), corner.y())] = true;
       corner += kStep[std::size_t(heading)];
       // Where two cells of the area meet in a corner only, the walk crosses over to the other: left first.
       int next = (heading + 3) % 4;
@@ -73,6 +73,9 @@ class Tracer {
 
  private:
   static constexpr int kEast = 0;  // then south, west, north
+  [[nodiscard]] std::size_t cell(int x, int y) const {
+    return std::size_t(y) * std::size_t(area_.width) + std::size_t(x);
+  }
   [[nodiscard]] std::int32_t at(int x, int y) const {
     return x < 0 || y < 0 || x >= area_.width || y >= area_.height ? 0 : area_.at(x, y);
   }
@@ -84,7 +87,7 @@ class Tracer {
   }
 
   const Raster<std::int32_t>& area_;
-  Raster<std::uint8_t> walked_;
+  std::vector<bool> walked_;  // per cell
 };
 
 // Answers whether anything changed.

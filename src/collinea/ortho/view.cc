@@ -3,8 +3,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace collinea {
+namespace {
+
+// Of the lines of sight through the border of the picture: within a convex picture none is flatter than all of these.
+// Infinite where one does not rise, or where the lens folds back.
+double flattest_of(const View& view) {
+  constexpr int kPerSide = 16;
+  constexpr double kSlack = 1.05;  // for the map, which is not quite the world, and what lies between the lines
+  double flattest = 0;
+  for (int i = 0; i < 4 * kPerSide; ++i) {
+    const double along = double(i % kPerSide) / kPerSide;
+    const double x[] = {along, 1, 1 - along, 0}, y[] = {0, along, 1, 1 - along};
+    const Eigen::Vector2d pixel(x[i / kPerSide] * view.camera.width_px, y[i / kPerSide] * view.camera.height_px);
+    const Eigen::Vector3d ray_in_cam = collinea::ray_in_cam(view.camera, pixel);
+    const auto seen_at = project(view.camera, ray_in_cam);
+    const Eigen::Vector3d ray = view.rotation.transpose() * ray_in_cam;
+    if (!seen_at || (*seen_at - pixel).norm() > 1 || !(ray.z() < 0)) return std::numeric_limits<double>::infinity();
+    flattest = std::max(flattest, std::hypot(ray.x(), ray.y()) / -ray.z());
+  }
+  return kSlack * flattest;
+}
+
+}  // namespace
 
 std::vector<View> views_of(const Block& block, const LocalFrame* frame) {
   std::vector<View> views;
@@ -16,6 +39,7 @@ std::vector<View> views_of(const Block& block, const LocalFrame* frame) {
     view.cam_from_world = cam_from_world;
     view.rotation = cam_from_world.rotation.toRotationMatrix();
     view.centre_in_world = centre_of(cam_from_world);
+    view.flattest = flattest_of(view);
     view.centre_in_map = frame ? frame->map_from_local(view.centre_in_world) : view.centre_in_world;
     views.push_back(std::move(view));
   }

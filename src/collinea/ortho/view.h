@@ -18,6 +18,7 @@ struct View {
   Rigid3 cam_from_world;
   Eigen::Matrix3d rotation;  ///< of cam_from_world: millions of points are turned by it
   Eigen::Vector3d centre_in_world, centre_in_map;
+  double flattest = 0;  ///< how far the flattest line of sight of the picture runs per rise, at most
 };
 
 /// The oriented images in the order of their ids. `frame`: null when the map is the plane x, y of the world.

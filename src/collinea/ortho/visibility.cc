@@ -53,12 +53,12 @@ bool Visibility::sees_past_small_things(int view, int x, int y) const {
   const double v = patch_.surface_y(patch_.grid.north_of(patch_.row + y + 0.5));
   const double camera_x = patch_.surface_x(from.centre_in_map.x()), camera_y = patch_.surface_y(from.centre_in_map.y());
   const auto hides = [&](int dx, int dy) {
-    return patch_.surface.hides_by_wide_things(u + dx, v + dy, double(height_m), camera_x + dx, camera_y + dy,
-                                               from.centre_in_map.z());
+    return patch_.occluders.wide_ones_hide(u + dx, v + dy, double(height_m), camera_x + dx, camera_y + dy,
+                                           from.centre_in_map.z());
   };
   if (hides(0, 0)) return false;
   // Wide things have lost so much at their edges: it is made up for here, and two cells more are kept away from them.
-  for (const int r : {HeightWindow::kThin, HeightWindow::kThin + 2})
+  for (const int r : {Occluders::kThin, Occluders::kThin + 2})
     if (hides(-r, -r) || hides(r, -r) || hides(-r, r) || hides(r, r)) return false;
   return true;
 }
@@ -83,9 +83,9 @@ bool Visibility::on_picture(std::size_t view, int x, int y) const {
 bool Visibility::hidden(const View& view, int x, int y) const {
   const double east_m = patch_.grid.east_of(patch_.column + x + 0.5),
                north_m = patch_.grid.north_of(patch_.row + y + 0.5);
-  return patch_.surface.hides(patch_.surface_x(east_m), patch_.surface_y(north_m), double(patch_.heights_m.at(x, y)),
-                              patch_.surface_x(view.centre_in_map.x()), patch_.surface_y(view.centre_in_map.y()),
-                              view.centre_in_map.z());
+  return patch_.occluders.hide(patch_.surface_x(east_m), patch_.surface_y(north_m), double(patch_.heights_m.at(x, y)),
+                               patch_.surface_x(view.centre_in_map.x()), patch_.surface_y(view.centre_in_map.y()),
+                               view.centre_in_map.z());
 }
 
 bool Visibility::whole_block_on_picture(const View& view, int block_x, int block_y) const {
@@ -107,7 +107,7 @@ bool Visibility::clear_towards(const View& view, int block_x, int block_y, float
   const double y = patch_.surface_y(grid.north_of(patch_.row + block_y * kBlock + half));
   const double camera_x = patch_.surface_x(view.centre_in_map.x()), camera_y = patch_.surface_y(view.centre_in_map.y());
   const double radius = kBlock * grid.cell_m / surface_cell_m * std::sqrt(0.5);
-  const double step = HeightWindow::kCeilingReach - radius;
+  const double step = Occluders::kCeilingReach - radius;
   if (step < 1) return false;  // surface cells much smaller than ours: look cell by cell
   const double run = std::hypot(camera_x - x, camera_y - y), rise = view.centre_in_map.z() - high_m;
   if (!(rise > 0)) return false;
@@ -115,8 +115,8 @@ bool Visibility::clear_towards(const View& view, int block_x, int block_y, float
   for (double s = 0; s <= run; s += step) {
     const double u = x + (run > 0 ? s / run : 0) * (camera_x - x), v = y + (run > 0 ? s / run : 0) * (camera_y - y);
     const double line_m = low_m + surface_cell_m + rise_per_cell * std::max(0.0, s - step);
-    if (patch_.surface.ceiling_m(u, v) > line_m) return false;
-    if (line_m > patch_.surface.ceiling_m(-1, -1)) return true;
+    if (patch_.occluders.ceiling_m(u, v) > line_m) return false;
+    if (line_m > patch_.occluders.highest_m()) return true;
   }
   return true;
 }

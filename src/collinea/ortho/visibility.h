@@ -7,7 +7,7 @@
 
 #include "collinea/image/geotiff.h"
 #include "collinea/image/raster.h"
-#include "collinea/ortho/height_field.h"
+#include "collinea/ortho/occluders.h"
 #include "collinea/ortho/view.h"
 #include "collinea/ortho/world_lattice.h"
 
@@ -22,14 +22,14 @@ struct OrthoPatch {
   int column = 0, row = 0;  ///< of the patch in the grid; may be negative
   FloatImage heights_m;     ///< NaN: no height
   WorldLattice lattice;
-  HeightWindow surface;
+  Occluders occluders;
   MapGrid surface_grid;
 
   [[nodiscard]] int blocks_across() const { return heights_m.width / kBlock; }
   [[nodiscard]] int blocks_down() const { return heights_m.height / kBlock; }
-  /// Continuous cells of the surface window, of a map position.
-  [[nodiscard]] double surface_x(double east_m) const { return surface_grid.column_of(east_m) - surface.column(); }
-  [[nodiscard]] double surface_y(double north_m) const { return surface_grid.row_of(north_m) - surface.row(); }
+  /// Continuous cells of the window of the occluders, of a map position.
+  [[nodiscard]] double surface_x(double east_m) const { return surface_grid.column_of(east_m) - occluders.column(); }
+  [[nodiscard]] double surface_y(double north_m) const { return surface_grid.row_of(north_m) - occluders.row(); }
   [[nodiscard]] Eigen::Vector3d world_at(int x, int y) const {
     return lattice.at(x + 0.5, y + 0.5, double(heights_m.at(x, y)));
   }
@@ -53,7 +53,7 @@ class Visibility {
   /// are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden place it is no
   /// help.
   [[nodiscard]] bool sees_barely(int view, int x, int y);
-  /// True when only small things stand between the view and a cell (HeightWindow::hides_by_wide_things), and its line
+  /// True when only small things stand between the view and a cell (Occluders::wide_ones_hide), and its line
   /// of sight passes wide ones at two cells or more. Places beside walls are not seen by this rule either.
   [[nodiscard]] bool sees_past_small_things(int view, int x, int y) const;
   /// True when the view sees all cells of a block that have a height.
@@ -63,28 +63,36 @@ class Visibility {
 
  private:
   enum class State : std::uint8_t { kUnknown, kAll, kMask };
-  /// A bit for each cell of a patch, block by block: dozens of views may need some.
+  /// A bit for each cell of a patch, in those of its blocks in which any was set: dozens of views may need some.
   class Mask {
    public:
     Mask() = default;
     Mask(int blocks_across, int blocks_down)
-        : across_(blocks_across), rows_(std::size_t(blocks_across * blocks_down * OrthoPatch::kBlock)) {}
-    [[nodiscard]] bool empty() const { return rows_.empty(); }
-    [[nodiscard]] bool at(int x, int y) const { return rows_[row_of(x, y)] >> (x % OrthoPatch::kBlock) & 1; }
+        : across_(blocks_across), first_row_(std::size_t(blocks_across * blocks_down), kNone) {}
+    [[nodiscard]] bool empty() const { return first_row_.empty(); }
+    /// Of a block in which a cell was set.
+    [[nodiscard]] bool at(int x, int y) const {
+      return rows_[first_row_[block_of(x, y)] + std::uint32_t(y % OrthoPatch::kBlock)] >> (x % OrthoPatch::kBlock) & 1;
+    }
     void set(int x, int y, bool value) {
+      std::uint32_t& first = first_row_[block_of(x, y)];
+      if (first == kNone) {
+        first = std::uint32_t(rows_.size());
+        rows_.resize(rows_.size() + OrthoPatch::kBlock);
+      }
+      std::uint16_t& row = rows_[first + std::uint32_t(y % OrthoPatch::kBlock)];
       const auto bit = std::uint16_t(1 << (x % OrthoPatch::kBlock));
-      std::uint16_t& row = rows_[row_of(x, y)];
       row = std::uint16_t(value ? row | bit : row & ~bit);
     }
 
    private:
-    static_assert(OrthoPatch::kBlock == 16);
-    [[nodiscard]] std::size_t row_of(int x, int y) const {
-      constexpr int kBlock = OrthoPatch::kBlock;
-      return std::size_t((y / kBlock * across_ + x / kBlock) * kBlock + y % kBlock);
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    [[nodiscard]] std::size_t block_of(int x, int y) const {
+      return std::size_t(y / OrthoPatch::kBlock * across_ + x / OrthoPatch::kBlock);
     }
     int across_ = 0;
-    std::vector<std::uint16_t> rows_;
+    std::vector<std::uint32_t> first_row_;
+    std::vector<std::uint16_t> rows_;  // 16 bits each
   };
   struct Layer {
     std::vector<State> raw, final;  // per block
