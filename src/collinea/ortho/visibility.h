@@ -86,6 +86,7 @@ class Visibility {
     }
 
    private:
+    static_assert(OrthoPatch::kBlock == 16);
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
     [[nodiscard]] std::size_t block_of(int x, int y) const {
       return std::size_t(y / OrthoPatch::kBlock * across_ + x / OrthoPatch::kBlock);
