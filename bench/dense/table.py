@@ -3,7 +3,7 @@
 """What dense matching, surface and orthophoto must show, and what they do, as one table.
 
 usage: bench/dense/table.py [--only stereo,beach,demo,villages,redrawn,exposures,mvs,laz,run,memory] [--data DIR] [--out DIR] [--bin DIR]
-  --only  rows; default: all but redrawn (25 minutes of processor time) and memory (renders 450 images, 12 minutes)
+  --only  rows; default: all but redrawn (25 minutes of processor time) and memory (renders 450 images, an hour)
   --data  folder of the real blocks (default ../shared/data); what is not there is skipped, saying so
   --out   where the projects go (default build/bench-dense); photographs rendered there by an earlier run are used again,
           projects are not: a step that another build of the same version has done counts as up to date
