@@ -36,7 +36,7 @@ constexpr double kContourBlurCells = 2;  // coarse: contours are to show the lan
 constexpr int kBlurRows = 64;            // blurred together
 constexpr double kShortestContour = 20;  // coarse cells around
 constexpr double kStrayShare = 0.01;     // of the ground, at either end, says nothing of the relief
-constexpr double kContourSigmas = 4;     // lines closer than that would cross by chance
+constexpr double kContourSigmas = 3;     // of a cell; blurred heights err less: closer lines would cross by chance
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -435,7 +435,8 @@ GroundSurface::GroundSurface(MapGrid grid, FloatImage low_m)
 
 bool GroundSurface::shows_ground(double column, double row, double height_m, double sigma_m) const {
   const int u = std::clamp(int(column), 0, low_m_.width - 1), v = std::clamp(int(row), 0, low_m_.height - 1);
-  return std::abs(height_m - double(bilinear(low_m_, column, row))) <= double(tolerance_m_.at(u, v)) + 3 * sigma_m;
+  return std::abs(height_m - double(bilinear(low_m_, column, row))) <=
+         double(tolerance_m_.at(u, v)) + std::min(3 * sigma_m, grid_.cell_m);
 }
 
 bool GroundSurface::shows_ground(const Eigen::Vector3d& on_map, double sigma_m) const {

@@ -50,7 +50,7 @@ class GroundSurface {
   GroundSurface(MapGrid grid, FloatImage low_m);
 
   /// Whether a measured height shows the ground: no farther from it than half a cell, the slope's part and three
-  /// sigmas. `column` and `row` are continuous, in coarse cells.
+  /// sigmas, of which a cell counts at most. `column` and `row` are continuous, in coarse cells.
   [[nodiscard]] bool shows_ground(double column, double row, double height_m, double sigma_m) const;
   /// The same of a point on the map; false outside the grid.
   [[nodiscard]] bool shows_ground(const Eigen::Vector3d& on_map, double sigma_m) const;
