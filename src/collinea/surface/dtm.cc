@@ -211,7 +211,6 @@ class Terrain {
   // Means of the ground in coarse cells, continued where there is none.
   Result<> average() {
     mean_ = HeightLevel(0, 0, coarse_width_, coarse_height_, cell_m_, 0);
-    covered_ = Raster<std::uint8_t>(coarse_width_, coarse_height_);
     auto done = over_coarse_rows(true, 0.3, 0.6, [&](int v, const Piece& piece) {
       for_coarse_columns(piece, [&](int u) { average_cell(piece, u, v); });
     });
@@ -220,6 +219,7 @@ class Terrain {
       return fail(Errc::kIllPosed, "nothing in the surface model is ground");
     fill_all(mean_);
     mean_.weight = FloatImage();
+    covered_ = Raster<std::uint8_t>(coarse_width_, coarse_height_);
     give_back_freed_memory();
     return {};
   }
@@ -233,10 +233,6 @@ class Terrain {
       squares += std::pow(double(piece.sigma_m.at(x, y)), 2);
       ++count;
     });
-    const Cells cells = cells_of(piece, u, v);
-    for (int y = cells.top; y < cells.bottom; ++y)
-      for (int x = cells.left; x < cells.right; ++x)
-        covered_.at(u, v) |= piece.state.at(x, y) != std::uint8_t(CellState::kEmpty);
     if (count == 0 || !enough(count)) return;
     mean_.height_m.at(u, v) = float(sum / double(count));
     mean_.sigma_m.at(u, v) = float(std::sqrt(squares / double(count)));
@@ -257,25 +253,29 @@ class Terrain {
   }
 
   void tally(const Piece& piece, const FloatImage& added_variance) {
-    for (std::size_t i = 0; i < piece.state.data.size(); ++i) {
-      const auto state = CellState(piece.state.data[i]);
-      const double height_m = piece.height_m.data[i];
-      if (state == CellState::kEmpty) {
-        ++summary_.empty_cells;
-        continue;
-      }
-      const bool first = summary_.ground_cells + summary_.interpolated_cells == 0;
-      summary_.lowest_m = first ? height_m : std::min(summary_.lowest_m, height_m);
-      summary_.highest_m = first ? height_m : std::max(summary_.highest_m, height_m);
-      if (state == CellState::kInterpolated) {
-        ++summary_.interpolated_cells;
-        continue;
-      }
-      ++summary_.ground_cells;
-      const double squared = std::pow(double(piece.sigma_m.data[i]), 2);
-      summary_.mean_sigma_relative_m += squared;
-      summary_.mean_sigma_m += squared + double(added_variance.data[i]);
+    for (int y = 0; y < piece.state.height; ++y)
+      for (int x = 0; x < piece.state.width; ++x) tally_cell(piece, x, y, double(added_variance.at(x, y)));
+  }
+
+  void tally_cell(const Piece& piece, int x, int y, double added_variance) {
+    const auto state = CellState(piece.state.at(x, y));
+    if (state == CellState::kEmpty) {
+      ++summary_.empty_cells;
+      return;
     }
+    covered_.at((piece.column + x) / each_, (piece.row + y) / each_) = 1;
+    const double height_m = piece.height_m.at(x, y);
+    const bool first = summary_.ground_cells + summary_.interpolated_cells == 0;
+    summary_.lowest_m = first ? height_m : std::min(summary_.lowest_m, height_m);
+    summary_.highest_m = first ? height_m : std::max(summary_.highest_m, height_m);
+    if (state == CellState::kInterpolated) {
+      ++summary_.interpolated_cells;
+      return;
+    }
+    ++summary_.ground_cells;
+    const double squared = std::pow(double(piece.sigma_m.at(x, y)), 2);
+    summary_.mean_sigma_relative_m += squared;
+    summary_.mean_sigma_m += squared + added_variance;
   }
 
   // The standard deviations with what the orientation adds.
@@ -421,22 +421,18 @@ class Terrain {
 
 }  // namespace
 
-GroundSurface::GroundSurface(MapGrid grid, FloatImage low_m)
-    : grid_(std::move(grid)), low_m_(std::move(low_m)), tolerance_m_(low_m_.width, low_m_.height) {
+double GroundSurface::tolerance_m(int u, int v) const {
   const auto at = [&](int x, int y) {
     return double(low_m_.at(std::clamp(x, 0, low_m_.width - 1), std::clamp(y, 0, low_m_.height - 1)));
   };
-  for (int v = 0; v < low_m_.height; ++v)
-    for (int u = 0; u < low_m_.width; ++u) {
-      const double rise_m = std::hypot(at(u + 1, v) - at(u - 1, v), at(u, v + 1) - at(u, v - 1)) / 2;
-      tolerance_m_.at(u, v) = float(kToleranceCells * grid_.cell_m + rise_m);
-    }
+  const double east_m = at(u + 1, v) - at(u - 1, v), north_m = at(u, v + 1) - at(u, v - 1);
+  return kToleranceCells * grid_.cell_m + std::sqrt(east_m * east_m + north_m * north_m) / 2;
 }
 
 bool GroundSurface::shows_ground(double column, double row, double height_m, double sigma_m) const {
   const int u = std::clamp(int(column), 0, low_m_.width - 1), v = std::clamp(int(row), 0, low_m_.height - 1);
   return std::abs(height_m - double(bilinear(low_m_, column, row))) <=
-         double(tolerance_m_.at(u, v)) + std::min(3 * sigma_m, grid_.cell_m);
+         tolerance_m(u, v) + std::min(3 * sigma_m, grid_.cell_m);
 }
 
 bool GroundSurface::shows_ground(const Eigen::Vector3d& on_map, double sigma_m) const {

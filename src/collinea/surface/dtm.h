@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
@@ -47,7 +48,7 @@ class GroundSurface {
  public:
   GroundSurface() = default;
   /// `low_m`: low heights of the ground, one for every cell of `grid`.
-  GroundSurface(MapGrid grid, FloatImage low_m);
+  GroundSurface(MapGrid grid, FloatImage low_m) : grid_(std::move(grid)), low_m_(std::move(low_m)) {}
 
   /// Whether a measured height shows the ground: no farther from it than half a cell, the slope's part and three
   /// sigmas, of which a cell counts at most. `column` and `row` are continuous, in coarse cells.
@@ -56,8 +57,10 @@ class GroundSurface {
   [[nodiscard]] bool shows_ground(const Eigen::Vector3d& on_map, double sigma_m) const;
 
  private:
+  [[nodiscard]] double tolerance_m(int u, int v) const;  // in a cell, without sigmas
+
   MapGrid grid_;
-  FloatImage low_m_, tolerance_m_;
+  FloatImage low_m_;
 };
 
 /// A terrain model that was written, and what points of the cloud can be classified with.
@@ -68,7 +71,7 @@ struct Dtm {
 
 /// The terrain model of a surface model: heights of the ground, as measured where the ground is seen (see
 /// GroundSurface), and interpolated from around under buildings, trees and whatever else stands on it (ground_cells).
-/// It covers what the surface model covers. Contours are those of the coarse grid's means. Memory: 25 bytes
+/// It covers what the surface model covers. Contours are those of the coarse grid's means. Memory: 20 bytes
 /// for each cell of the coarse grid, at most 64 million, and pieces of the rasters. The same bits with any number of
 /// threads. Errors: no ground at all; reading; disk; cancelled.
 Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run);
