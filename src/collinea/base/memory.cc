@@ -11,7 +11,7 @@ namespace collinea {
 
 void give_large_memory_back() {
 #ifdef __GLIBC__
-  constexpr int kLarge = 1 << 20;  // [bytes]
+  constexpr int kLarge = 1 << 18;  // [bytes]
   mallopt(M_MMAP_THRESHOLD, kLarge);
   mallopt(M_TRIM_THRESHOLD, 4 * kLarge);
 #endif
