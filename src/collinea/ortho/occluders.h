@@ -19,10 +19,10 @@ struct SurfaceBlocks {
 /// continuous cells of the window that is held in full: the centre of its upper-left cell is (0.5, 0.5).
 ///
 /// Around a place (kNear cells) lines of sight are followed in cells of the surface, beyond in cells kCoarse times as
-/// large, fixed to its raster, that are as high as the highest within. There only what rises by kNear cells over the
-/// length of level way per rise of a line of sight can hide: mountains and towers, which get wider by less than kCoarse
-/// cells, a hundredth of their distance. So memory stays small however far one must look. The answers depend on the
-/// place and the surface only, not on the window, as long as this reaches far enough (occluders_of).
+/// large, fixed to its raster, that are as high as the highest within. What hides from there rises by more than a line
+/// of sight does on kNear cells: mountains and towers, which get wider by less than kCoarse cells, a hundredth of their
+/// distance. So memory stays small however far one must look. The answers depend on the place and the surface only, not
+/// on the window, as long as this reaches far enough (occluders_of).
 class Occluders {
  public:
   Occluders() = default;
@@ -58,6 +58,7 @@ class Occluders {
   static constexpr int kNear = 256, kCoarse = 4;  ///< [surface cells]
 
  private:
+  // Made in this order: the window is held, what is further away looked up, ceilings over both finished.
   friend Result<Occluders> occluders_of(const HeightField& field, FloatImage near_heights_m, const CellArea& near,
                                         const SurfaceBlocks& far);
   void hold(FloatImage near_m, const CellArea& near, double cell_m);
