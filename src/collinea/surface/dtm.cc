@@ -317,7 +317,6 @@ class Terrain {
         if (auto read = read_sigmas(piece); !read) return read;
         COLLINEA_TRY(const FloatImage added_variance, read_added_variance(piece));
         parallel_for(run_, std::size_t(piece.state.height), [&](std::size_t y) { make_terrain(piece, int(y)); });
-        if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
         tally(piece, added_variance);
         auto written = height.write(column, row, piece.height_m)
                            .and_then([&] { return relative.write(column, row, piece.sigma_m); })
@@ -326,8 +325,8 @@ class Terrain {
         if (!written) return written;
         const double done = row + piece.state.height * double(column + piece.state.width) / grid.width;
         run_.report("terrain", 0.6 + 0.4 * done / grid.height);
+        if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");  // the piece may be made in part
       }
-    if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
     if (summary_.ground_cells > 0)
       for (double* mean : {&summary_.mean_sigma_m, &summary_.mean_sigma_relative_m})
         *mean = std::sqrt(*mean / double(summary_.ground_cells));
