@@ -197,12 +197,10 @@ Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets, cons
                     const Extent& extent, int widest_hole, const SurfaceSink& sink,
                     const std::filesystem::path& scratch, DsmSummary& summary, const Run& run) {
   const double cell_m = summary.grid.cell_m;
+  const Gridding gridding{.cell_m = cell_m, .alike_cells = kAlikePixels * std::max(0.0, cloud.gsd_m) / cell_m};
   MeasuredTiles tiles(scratch, kTileMemory);
   HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
-  if (auto measured = measure_all(buckets, islands, extent,
-                                  {cell_m, kAlikePixels * std::max(0.0, cloud.gsd_m) / cell_m}, tiles, holes, run);
-      !measured)
-    return measured;
+  if (auto measured = measure_all(buckets, islands, extent, gridding, tiles, holes, run); !measured) return measured;
   holes.prepare();
   give_back_freed_memory();
   const OrientationSigma orientation(cloud.places, {extent.west, extent.north, int(extent.width), int(extent.height)},
