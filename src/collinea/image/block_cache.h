@@ -8,8 +8,8 @@ namespace collinea {
 
 /// While it lives, at most so many bytes of rasters that were read or are to be written stay in memory, unpacked, in
 /// GDAL's cache; before and after it is as much as set_up_gdal says. For work that looks at everything once, in order:
-/// that needs no more than the squares where one window ends and the next begins. One at a time in a process. The
-/// environment variable GDAL_CACHEMAX goes before it.
+/// that needs no more than the squares where one window ends and the next begins. One at a time in a process, or one
+/// within another. The environment variable GDAL_CACHEMAX goes before it.
 class BlockCacheLimit {
  public:
   explicit BlockCacheLimit(std::size_t bytes);

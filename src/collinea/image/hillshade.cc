@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/image/block_cache.h"
 #include "collinea/image/geotiff.h"
 
 namespace collinea {
@@ -62,6 +63,8 @@ Result<> write_hillshade(const std::filesystem::path& heights, const std::filesy
       if (auto written = writer.write(column, row, picture); !written) return written;
     }
   }
+  // Overviews are made of rows of the whole width, beside what is in the cache: each block is looked at once.
+  const BlockCacheLimit cache(kCacheOfPieces / 4);
   return writer.finish();
 }
 

@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
-#include <string>
 #include <utility>
 
-#include "collinea/io/record_spool.h"
+#include "collinea/io/raster_spool.h"
 
 namespace collinea {
 namespace {
@@ -62,31 +60,12 @@ ReadHeights read_thinned(const ReadHeights& read, const MapGrid& grid, int times
   };
 }
 
-// Rasters of floats one after the other, row by row.
-struct UnpackedRasters {
-  RecordSpool floats;
-  int width = 0, height = 0;
-
-  // From several threads at once.
-  [[nodiscard]] Result<FloatImage> read(int raster, int column, int row, int columns, int rows) const {
-    FloatImage window(columns, rows);
-    for (int y = 0; y < rows; ++y) {
-      const std::uint64_t cell =
-          (std::uint64_t(raster) * std::uint64_t(height) + std::uint64_t(row + y)) * std::uint64_t(width) +
-          std::uint64_t(column);
-      COLLINEA_TRY(const std::string bytes, floats.read(cell * sizeof(float), std::uint64_t(columns) * sizeof(float)));
-      std::memcpy(window.row(y), bytes.data(), bytes.size());
-    }
-    return window;
-  }
-};
-
-Result<> append(const ReadHeights& read, const MapGrid& grid, RecordSpool& floats, const Run& run) {
+Result<> append(const ReadHeights& read, const MapGrid& grid, RasterSpool& rasters, const Run& run) {
   constexpr int kStrip = 64;
   for (int row = 0; row < grid.height; row += kStrip) {
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     COLLINEA_TRY(const FloatImage strip, read(0, row, grid.width, std::min(kStrip, grid.height - row)));
-    floats.append({reinterpret_cast<const char*>(strip.data.data()), strip.data.size() * sizeof(float)});
+    rasters.append(strip);
   }
   return {};
 }
@@ -94,12 +73,11 @@ Result<> append(const ReadHeights& read, const MapGrid& grid, RecordSpool& float
 }  // namespace
 
 Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& beside, const Run& run) {
-  COLLINEA_TRY(RecordSpool floats, RecordSpool::create(beside));
-  auto written = append(field.read, field.grid, floats, run);
-  if (written && field.read_sigma) written = append(field.read_sigma, field.grid, floats, run);
+  COLLINEA_TRY(RasterSpool spool, RasterSpool::create(beside, field.grid.width, field.grid.height));
+  const auto rasters = std::make_shared<RasterSpool>(std::move(spool));
+  auto written = append(field.read, field.grid, *rasters, run);
+  if (written && field.read_sigma) written = append(field.read_sigma, field.grid, *rasters, run);
   if (!written) return tl::unexpected(std::move(written).error());
-  const auto rasters =
-      std::make_shared<const UnpackedRasters>(UnpackedRasters{std::move(floats), field.grid.width, field.grid.height});
   const auto reader = [rasters](int raster) {
     return [rasters, raster](int column, int row, int width, int height) {
       return rasters->read(raster, column, row, width, height);

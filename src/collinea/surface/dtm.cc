@@ -15,6 +15,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/image/contours.h"
 #include "collinea/io/file.h"
+#include "collinea/io/raster_spool.h"
 #include "collinea/surface/ground_filter.h"
 #include "collinea/surface/pull_push.h"
 
@@ -26,8 +27,9 @@ constexpr double kMostCoarse = 64e6;  // cells: 256 MB a raster
 // Of the surface model at a time: a few megabytes, the same for any width. Rasters are compressed in squares of 512
 // cells, of which whole ones are written.
 constexpr int kSquare = 512;
-constexpr int kPieceColumns = 4096, kPieceRows = 256;  // read; about
-constexpr int kWrittenColumns = 2048, kWrittenRows = kSquare;
+constexpr int kPieceColumns = 4096, kPieceRows = 128;  // read; about
+constexpr int kLeastCoarseRows = 4;                    // of a piece: threads share them
+constexpr int kWrittenColumns = 1024, kWrittenRows = kSquare;
 static_assert(kWrittenColumns % kSquare == 0);
 constexpr double kLowQuantile = 0.1;     // of the heights in a coarse cell: below leaves, above wrong matches
 constexpr double kLeastMeasured = 0.1;   // of a coarse cell, for it to count
@@ -123,7 +125,7 @@ class Terrain {
   // column by column: the squares in which one ends and the next begins are still in the cache.
   template <class Work>
   Result<> over_coarse_rows(bool sigmas, double done_before, double done_after, Work&& work) {
-    const int rows = std::max(1, kPieceRows / each_) * each_, columns = piece_columns();
+    const int rows = std::max(kLeastCoarseRows, kPieceRows / each_) * each_, columns = piece_columns();
     const auto [width, height] = std::pair(summary_.grid.width, summary_.grid.height);
     for (int column = 0; column < width; column += columns)
       for (int row = 0; row < height; row += rows) {
@@ -217,10 +219,28 @@ class Terrain {
     if (!usual) return no_ground();
     usual_sigma_m_ = *usual;
     fill_all(mean_);
-    mean_.weight = FloatImage();
     covered_ = Raster<std::uint8_t>(coarse_width_, coarse_height_);
+    COLLINEA_TRY(means_, RasterSpool::create(files_.height, coarse_width_, coarse_height_));
+    means_->append(mean_.height_m);
+    means_->append(mean_.sigma_m);
+    mean_ = HeightLevel();
     give_back_freed_memory();
     return {};
+  }
+
+  // The means under a piece and one cell around, within the raster.
+  struct Means {
+    int column = 0, row = 0;  // of the upper-left coarse cell
+    FloatImage height_m, sigma_m;
+  };
+  Result<Means> read_means(const Piece& piece) const {
+    const int left = std::max(0, piece.column / each_ - 1), top = std::max(0, piece.row / each_ - 1);
+    const int right = std::min(coarse_width_, (piece.column + piece.state.width - 1) / each_ + 2);
+    const int bottom = std::min(coarse_height_, (piece.row + piece.state.height - 1) / each_ + 2);
+    Means means{left, top, {}, {}};
+    COLLINEA_TRY(means.height_m, means_->read(0, left, top, right - left, bottom - top));
+    COLLINEA_TRY(means.sigma_m, means_->read(1, left, top, right - left, bottom - top));
+    return means;
   }
 
   // Of the means before they are continued, the median: some that are known badly do not change it.
@@ -249,15 +269,15 @@ class Terrain {
   }
 
   // Ground stays as measured; all else takes the means around.
-  void make_terrain(Piece& piece, int y) const {
+  void make_terrain(const Means& means, Piece& piece, int y) const {
     for (int x = 0; x < piece.state.width; ++x) {
       std::uint8_t& state = piece.state.at(x, y);
       if (state == std::uint8_t(CellState::kEmpty)) continue;
       if (state == std::uint8_t(CellState::kMeasured) && is_ground(piece, x, y)) continue;
       state = std::uint8_t(CellState::kInterpolated);
-      const double u = (piece.column + x + 0.5) / each_, v = (piece.row + y + 0.5) / each_;
-      piece.height_m.at(x, y) = bilinear(mean_.height_m, u, v);
-      piece.sigma_m.at(x, y) = bilinear(mean_.sigma_m, u, v);
+      const double u = (piece.column + x + 0.5) / each_ - means.column, v = (piece.row + y + 0.5) / each_ - means.row;
+      piece.height_m.at(x, y) = bilinear(means.height_m, u, v);
+      piece.sigma_m.at(x, y) = bilinear(means.sigma_m, u, v);
     }
   }
 
@@ -316,7 +336,8 @@ class Terrain {
                                                std::min(kWrittenRows, grid.height - row)));
         if (auto read = read_sigmas(piece); !read) return read;
         COLLINEA_TRY(const FloatImage added_variance, read_added_variance(piece));
-        parallel_for(run_, std::size_t(piece.state.height), [&](std::size_t y) { make_terrain(piece, int(y)); });
+        COLLINEA_TRY(const Means means, read_means(piece));
+        parallel_for(run_, std::size_t(piece.state.height), [&](std::size_t y) { make_terrain(means, piece, int(y)); });
         tally(piece, added_variance);
         auto written = height.write(column, row, piece.height_m)
                            .and_then([&] { return relative.write(column, row, piece.sigma_m); })
@@ -396,7 +417,8 @@ class Terrain {
   Result<> draw_contours() {
     std::filesystem::path drawing = files_.contours;
     drawing.replace_extension(".dxf");
-    mean_.sigma_m = FloatImage();
+    COLLINEA_TRY(mean_.height_m, means_->read(0, 0, 0, coarse_width_, coarse_height_));
+    means_.reset();
     summary_.contour_m = contour_interval_m();
     if (summary_.contour_m == 0) {
       for (const auto& file : {files_.contours, drawing})
@@ -420,12 +442,13 @@ class Terrain {
   DtmSummary summary_;
   int each_ = 1;  // cells of the surface model along a coarse one
   int coarse_width_ = 0, coarse_height_ = 0;
-  double cell_m_ = 0;             // of the coarse grid
-  FloatImage low_m_;              // low heights of coarse cells
-  GroundSurface ground_;          // that they tell, everywhere
-  HeightLevel mean_;              // of the ground
-  double usual_sigma_m_ = 0;      // of these, relative
-  Raster<std::uint8_t> covered_;  // by the surface model
+  double cell_m_ = 0;                 // of the coarse grid
+  FloatImage low_m_;                  // low heights of coarse cells
+  GroundSurface ground_;              // that they tell, everywhere
+  HeightLevel mean_;                  // of the ground
+  std::optional<RasterSpool> means_;  // its heights and sigmas, once they are continued
+  double usual_sigma_m_ = 0;          // of these, relative
+  Raster<std::uint8_t> covered_;      // by the surface model
 };
 
 }  // namespace

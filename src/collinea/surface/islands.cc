@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "collinea/base/median.h"
 
@@ -26,9 +27,36 @@ Islands::Place Islands::place_of(const GridPoint& point) {
           floor_div(std::int64_t(std::floor(point.column)), kBlock)};
 }
 
+std::size_t Islands::place_in_square(const Place& place) {
+  return std::size_t((place.first & (kSquare - 1)) * kSquare + (place.second & (kSquare - 1)));
+}
+
+const Islands::Block* Islands::block_at(const Place& place) const {
+  const auto square = squares_.find({floor_div(place.first, kSquare), floor_div(place.second, kSquare)});
+  if (square == squares_.end()) return nullptr;
+  const Block& block = square->second[place_in_square(place)];
+  return block.points == 0 ? nullptr : &block;
+}
+
+Islands::Block* Islands::block_at(const Place& place) {
+  return const_cast<Block*>(std::as_const(*this).block_at(place));
+}
+
+template <class Visit>
+void Islands::each_block(Visit&& visit) {
+  for (auto& [corner, square] : squares_)
+    for (std::size_t i = 0; i < square.size(); ++i)
+      if (square[i].points > 0)
+        visit(Place{corner.first * kSquare + std::int64_t(i) / kSquare,
+                    corner.second * kSquare + std::int64_t(i) % kSquare},
+              square[i]);
+}
+
 void Islands::add(std::span<const GridPoint> points) {
   for (const GridPoint& point : points) {
-    Block& block = blocks_[place_of(point)];
+    const Place place = place_of(point);
+    Block& block =
+        squares_[{floor_div(place.first, kSquare), floor_div(place.second, kSquare)}][place_in_square(place)];
     ++block.points;
     block.of_two += point.images == 2;
     block.sum_m += point.height_m;
@@ -41,23 +69,23 @@ void Islands::add(std::span<const GridPoint> points) {
 
 std::vector<Islands::Part> Islands::parts() {
   std::vector<Part> parts;
-  for (auto& [start, first] : blocks_) {
-    if (first.part >= 0 || first.points < kFewest) continue;
+  each_block([&](const Place& start, Block& first) {
+    if (first.part >= 0 || first.points < kFewest) return;
     Part part{{start}, first.points, first.of_two};
     first.part = int(parts.size());
     for (std::size_t next = 0; next < part.blocks.size(); ++next)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
           const Place place{part.blocks[next].first + dy, part.blocks[next].second + dx};
-          const auto found = blocks_.find(place);
-          if (found == blocks_.end() || found->second.part >= 0 || found->second.points < kFewest) continue;
-          found->second.part = int(parts.size());
+          Block* const block = block_at(place);
+          if (!block || block->part >= 0 || block->points < kFewest) continue;
+          block->part = int(parts.size());
           part.blocks.push_back(place);
-          part.points += found->second.points;
-          part.of_two += found->second.of_two;
+          part.points += block->points;
+          part.of_two += block->of_two;
         }
     parts.push_back(std::move(part));
-  }
+  });
   return parts;
 }
 
@@ -67,20 +95,18 @@ bool Islands::is_sunken(const Part& part, const std::vector<Part>& parts, double
   for (const Place& place : part.blocks) {
     top = std::min(top, place.first), bottom = std::max(bottom, place.first);
     left = std::min(left, place.second), right = std::max(right, place.second);
-    own.push_back(blocks_.at(place).mean_m());
+    own.push_back(block_at(place)->mean_m());
   }
   // blocks of larger parts by their distance from the island's rectangle
   std::vector<std::pair<std::int64_t, double>> around;
   std::int64_t nearest = kFarthestBlocks;
   for (std::int64_t row = top - kFarthestBlocks; row <= bottom + kFarthestBlocks; ++row)
-    for (auto it = blocks_.lower_bound({row, left - kFarthestBlocks});
-         it != blocks_.end() && it->first.first == row && it->first.second <= right + kFarthestBlocks; ++it) {
-      const Block& block = it->second;
-      if (block.part < 0 || block.gone || parts[std::size_t(block.part)].points <= part.points) continue;
-      const std::int64_t away =
-          std::max({left - it->first.second, it->first.second - right, top - row, row - bottom, std::int64_t{1}});
+    for (std::int64_t column = left - kFarthestBlocks; column <= right + kFarthestBlocks; ++column) {
+      const Block* const block = block_at({row, column});
+      if (!block || block->part < 0 || block->gone || parts[std::size_t(block->part)].points <= part.points) continue;
+      const std::int64_t away = std::max({left - column, column - right, top - row, row - bottom, std::int64_t{1}});
       nearest = std::min(nearest, away);
-      around.emplace_back(away, block.mean_m());
+      around.emplace_back(away, block->mean_m());
     }
   std::vector<double> heights;
   for (const auto& [away, height_m] : around)
@@ -105,9 +131,8 @@ void Islands::mark_islands(const std::vector<Part>& all, double cell_m) {
     for (const Place& place : part.blocks)  // with the thin rim around them
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
-          const auto found = blocks_.find({place.first + dy, place.second + dx});
-          if (found == blocks_.end() || ((dx || dy) && found->second.part >= 0)) continue;
-          found->second.gone = true;
+          Block* const block = block_at({place.first + dy, place.second + dx});
+          if (block && (block->part < 0 || (dx == 0 && dy == 0))) block->gone = 1;
         }
   }
 }
@@ -116,19 +141,19 @@ std::uint64_t Islands::keep_gone() {
   constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
   bounds_ = {kFar, kFar, -kFar, -kFar};
   std::uint64_t points = 0;
-  for (const auto& [place, block] : blocks_) {
+  each_block([&](const Place& place, const Block& block) {
     if (block.gone) {
       gone_.insert(place);
       points += block.points;
-      continue;
+      return;
     }
     const std::int64_t row = place.first * kBlock, column = place.second * kBlock;
     bounds_.west = std::min(bounds_.west, column + block.west);
     bounds_.east = std::max(bounds_.east, column + block.east);
     bounds_.north = std::min(bounds_.north, row + block.north);
     bounds_.south = std::max(bounds_.south, row + block.south);
-  }
-  blocks_.clear();
+  });
+  squares_.clear();
   return points;
 }
 
@@ -140,10 +165,10 @@ std::uint64_t Islands::find(double cell_m) {
 bool Islands::holds(const GridPoint& point) const { return !gone_.empty() && gone_.contains(place_of(point)); }
 
 void Islands::forget(const CellWindow& window) {
-  for (std::int64_t row = floor_div(window.row, kBlock); row * kBlock < window.row + window.height; ++row) {
-    const auto begin = blocks_.lower_bound({row, floor_div(window.column, kBlock)});
-    blocks_.erase(begin, blocks_.lower_bound({row, floor_div(window.column + window.width - 1, kBlock) + 1}));
-  }
+  for (std::int64_t row = floor_div(window.row, kBlock); row * kBlock < window.row + window.height; ++row)
+    for (std::int64_t column = floor_div(window.column, kBlock); column * kBlock < window.column + window.width;
+         ++column)
+      if (Block* const block = block_at({row, column})) *block = Block{};
 }
 
 }  // namespace collinea

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -44,26 +45,35 @@ class Islands {
  private:
   using Place = std::pair<std::int64_t, std::int64_t>;  // row and column of a block
   struct Block {
-    std::uint64_t points = 0, of_two = 0;                             // the second: told by two images alone
     double sum_m = 0;                                                 // of heights
+    std::uint32_t points = 0, of_two = 0;                             // the second: told by two images alone
     std::uint8_t west = kBlock, north = kBlock, east = 0, south = 0;  // cells with points, within the block
-    int part = -1;
-    bool gone = false;
+    std::int32_t part : 31 = -1;
+    std::uint32_t gone : 1 = 0;
     [[nodiscard]] double mean_m() const { return sum_m / double(points); }
   };
+  static_assert(sizeof(Block) == 24);
+  // There are many blocks: they are kept in squares of kSquare x kSquare, those without points beside the others.
+  static constexpr int kSquare = 16;
+  using Square = std::array<Block, std::size_t(kSquare) * kSquare>;
   struct Part {
     std::vector<Place> blocks;
     std::uint64_t points = 0, of_two = 0;
     [[nodiscard]] double share_of_two() const { return double(of_two) / double(points); }
   };
   [[nodiscard]] static Place place_of(const GridPoint& point);
+  [[nodiscard]] static std::size_t place_in_square(const Place& place);
+  [[nodiscard]] const Block* block_at(const Place& place) const;  // null: no points there
+  [[nodiscard]] Block* block_at(const Place& place);
+  template <class Visit>
+  void each_block(Visit&& visit);  // that has points: visit(place, block)
   [[nodiscard]] std::vector<Part> parts();
   [[nodiscard]] bool is_sunken(const Part& part, const std::vector<Part>& parts, double cell_m) const;
 
   void mark_islands(const std::vector<Part>& parts, double cell_m);
   std::uint64_t keep_gone();
 
-  std::map<Place, Block> blocks_;
+  std::map<Place, Square> squares_;  // by row and column of a square
   std::set<Place> gone_;
   Bounds bounds_{};
 };

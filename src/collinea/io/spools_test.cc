@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/io/record_spool.h"
+#include "collinea/io/raster_spool.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 
 #include "collinea/image/test_folder.h"
@@ -37,6 +38,21 @@ TEST(RecordSpool, WhatIsNotThereIsAnError) {
   const auto nowhere = RecordSpool::create(folder / "nowhere" / "ties");
   ASSERT_FALSE(nowhere);
   EXPECT_NE(nowhere.error().message.find("No such file"), std::string::npos);
+}
+
+TEST(RasterSpool, GivesBackWindowsOfRasters) {
+  const TestFolder folder;
+  RasterSpool spool = RasterSpool::create(folder / "heights", 7, 5).value();
+  FloatImage first(7, 5), second(7, 5);
+  for (int i = 0; i < 35; ++i) first.data[std::size_t(i)] = float(i), second.data[std::size_t(i)] = float(100 + i);
+  FloatImage upper(7, 2), lower(7, 3);
+  std::copy_n(first.row(0), 14, upper.row(0));
+  std::copy_n(first.row(2), 21, lower.row(0));
+  for (const FloatImage* rows : {&upper, &lower, &second}) spool.append(*rows);
+  EXPECT_EQ(spool.read(0, 0, 0, 7, 5)->data, first.data);
+  EXPECT_EQ(spool.read(1, 0, 0, 7, 5)->data, second.data);
+  EXPECT_EQ(spool.read(0, 4, 1, 2, 3)->data, (std::vector<float>{11, 12, 18, 19, 25, 26}));
+  EXPECT_FALSE(spool.read(2, 0, 0, 1, 1));
 }
 
 // A limit on the size of files stands for a full disk.
