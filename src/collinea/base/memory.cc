@@ -9,6 +9,14 @@
 
 namespace collinea {
 
+void give_large_memory_back() {
+#ifdef __GLIBC__
+  constexpr int kLarge = 1 << 18;  // [bytes]
+  mallopt(M_MMAP_THRESHOLD, kLarge);
+  mallopt(M_TRIM_THRESHOLD, 4 * kLarge);
+#endif
+}
+
 void give_back_freed_memory() {
 #ifdef __GLIBC__
   malloc_trim(0);

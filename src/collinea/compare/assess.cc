@@ -42,26 +42,21 @@ Result<std::function<Result<Raster<std::uint8_t>>(int, int, int, int)>> byte_rea
   return [reader](int column, int row, int width, int height) { return reader->read_byte(column, row, width, height); };
 }
 
-Result<SurfaceErrors> assess_surface(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
-  COLLINEA_TRY(const HeightField model, open_height_field(products.dsm, products.dsm_sigma));
+// By one of the rasters of sigmas; who sees what is only looked at where `views` are given.
+Result<SurfaceErrors> assess_surface(const ProductFiles& products, const std::filesystem::path& sigma,
+                                     const TruthFolder& truth, const LocalFrame& frame, std::span<const View> views,
+                                     const Run& run) {
+  COLLINEA_TRY(const HeightField model, open_height_field(products.dsm, sigma));
   COLLINEA_TRY(const HeightField expected, open_height_field(truth.dsm));
   StateReader state;
   if (there(products.dsm_state)) {
     COLLINEA_TRY(state, byte_reader(products.dsm_state, nullptr));
   }
-  COLLINEA_TRY(const LocalFrame frame, world_frame(truth.georeference));
   HeightField terrain;
   if (there(truth.dtm)) {
     COLLINEA_TRY(terrain, open_height_field(truth.dtm));
   }
-  const HeightField* ground = terrain.read ? &terrain : nullptr;
-  COLLINEA_TRY(SurfaceErrors errors,
-               surface_errors(model, state, expected, views_of(true_block(truth), &frame), &frame, run, ground));
-  if (!there(products.dsm_sigma_relative)) return errors;
-  COLLINEA_TRY(const HeightField relative, open_height_field(products.dsm, products.dsm_sigma_relative));
-  COLLINEA_TRY(const SurfaceErrors by_relative, surface_errors(relative, state, expected, {}, &frame, run, ground));
-  errors.relative_within_bounds = by_relative.levelled_within_bounds;
-  return errors;
+  return surface_errors(model, state, expected, views, &frame, run, terrain.read ? &terrain : nullptr);
 }
 
 Result<WallErrors> assess_walls(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
@@ -149,7 +144,14 @@ Result<Assessment> assess(const Block& block, const ProductFiles& products, cons
     COLLINEA_TRY(result.cloud, cloud_errors(products.cloud, expected, run));
   }
   if (there(products.dsm) && there(truth.dsm)) {
-    COLLINEA_TRY(result.surface, assess_surface(products, truth, run));
+    COLLINEA_TRY(const LocalFrame frame, world_frame(truth.georeference));
+    COLLINEA_TRY(result.surface,
+                 assess_surface(products, products.dsm_sigma, truth, frame, views_of(true_block(truth), &frame), run));
+    if (there(products.dsm_sigma_relative)) {
+      COLLINEA_TRY(const SurfaceErrors by_relative,
+                   assess_surface(products, products.dsm_sigma_relative, truth, frame, {}, run));
+      result.relative_within_bounds = by_relative.levelled_within_bounds;
+    }
     COLLINEA_TRY(result.walls, assess_walls(products, truth, run));
   }
   if (there(products.dtm) && there(products.dtm_state) && there(truth.dtm) && there(truth.dsm)) {
@@ -186,10 +188,10 @@ std::string table(const Assessment& a) {
           "surface model, sigma               {} cells   within 95 % bounds {:.1f} %{}\n", a.surface->bounds,
           100 * a.surface->within_bounds,
           a.surface->roofs.cells ? fmt::format("   on roofs {:.1f} %", 100 * a.surface->roofs_within_bounds) : "");
-    if (a.surface->relative_within_bounds > 0)
+    if (a.relative_within_bounds)
       text +=
           fmt::format("surface model, relative sigma      less the plane of all errors, within 95 % bounds {:.1f} %\n",
-                      100 * a.surface->relative_within_bounds);
+                      100 * *a.relative_within_bounds);
     text += fmt::format(
         "surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell "
         "{:.4g} m\n",

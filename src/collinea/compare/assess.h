@@ -27,6 +27,7 @@ struct Assessment {
   std::optional<PointErrors> check_points, control_points;  ///< nothing without such marks or without georeference
   std::optional<CloudErrors> cloud;
   std::optional<SurfaceErrors> surface;
+  std::optional<double> relative_within_bounds;  ///< as SurfaceErrors::levelled_within_bounds, by the relative sigmas
   std::optional<WallErrors> walls;
   std::optional<TerrainErrors> terrain;
   std::optional<OrthoErrors> ortho;

@@ -17,7 +17,6 @@ constexpr std::uint64_t kLookedAt = 1'000'000;  // points, about
 constexpr std::size_t kPiece = 100'000;
 constexpr int kStripRows = 256;
 constexpr int kStepMargin = 6;  // [cells of the truth]
-constexpr double kBound = 1.96;
 
 // A point and where in the truth.
 struct Place {
@@ -66,14 +65,13 @@ CloudErrors judged(const std::vector<PlacedError>& errors) {
   std::size_t within = 0, gross = 0;
   for (const PlacedError& one : errors) {
     const double sigmas = std::abs(double(one.error_m)) / double(one.sigma_m);
-    within += sigmas <= kBound;
+    within += sigmas <= kBoundSigmas;
     gross += sigmas > kGrossSigmas;
     if (sigmas > kGrossSigmas) continue;
     auto& [points, squares] = by_images[one.images];
     ++points;
     squares += sigmas * sigmas;
   }
-  if (errors.empty()) return judged;
   judged.within_bounds = double(within) / double(errors.size());
   judged.share_gross = double(gross) / double(errors.size());
   for (const auto& [images, sum] : by_images)
@@ -95,8 +93,7 @@ Result<CloudErrors> cloud_errors(const std::filesystem::path& cloud, const Heigh
       return tl::unexpected(std::move(added).error());
     begin = end;
   }
-  take_off_plane(errors);
-  return judged(errors);
+  return take_off_plane(errors) ? judged(errors) : CloudErrors();
 }
 
 }  // namespace collinea

@@ -217,6 +217,50 @@ TEST(SurfaceErrors, RoofsAreJudgedByThemselvesAndSigmasByTheErrors) {
   EXPECT_GT(honest->bounds, 140'000u);
 }
 
+// Errors of a tilted plane, and some that are of another surface, on one side.
+TEST(TakeOffPlane, WhatIsGrossDoesNotTiltIt) {
+  struct Gross {
+    double share, error_m;
+    float sigma_m;
+  };
+  for (const Gross gross : {Gross{0.02, 10, 0.02f}, {0.2, 3, 0.02f}, {0.02, 10, 5}, {0.02, 10, 1e-6f}}) {
+    Random random(9);
+    std::vector<PlacedError> errors;
+    std::vector<bool> good;
+    for (int i = 0; i < 10'000; ++i) {
+      const double east = random.uniform(0, 100), north = random.uniform(0, 200);
+      good.push_back(!(east > 50 && random.uniform() < 2 * gross.share));
+      const double plane = 400 + 0.03 * east - 0.02 * north;
+      errors.push_back({east, north, float(plane + 0.02 * random.normal() + (good.back() ? 0 : gross.error_m)),
+                        good.back() ? 0.02f : gross.sigma_m});
+    }
+    ASSERT_TRUE(take_off_plane(errors));
+    int within = 0, all = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      if (!good[i]) continue;
+      ++all;
+      within += std::abs(errors[i].error_m) <= kBoundSigmas * double(errors[i].sigma_m);
+    }
+    EXPECT_NEAR(double(within) / all, 0.95, 0.01) << gross.share << ' ' << gross.sigma_m;
+  }
+}
+
+// Whether sigmas tell errors is not known where no plane can be taken off.
+TEST(CloudErrors, OfPointsOnALineNothingIsTold) {
+  const TestFolder folder;
+  std::vector<CloudPoint> points(100);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].position = {2 + 0.3 * double(i), 20, 500};
+    points[i].sigma_m = 0.1f;
+  }
+  auto writer = LasWriter::create(folder / "cloud.las", {.lowest = {0, 0, 0}, .highest = {40, 40, 600}});
+  ASSERT_TRUE(writer && writer->write(points) && writer->finish());
+  const HeightField truth = field_of(0.1, 400, [](double, double) { return 5.0f; });
+  const auto errors = cloud_errors(folder / "cloud.las", truth, collinea::Run{});
+  ASSERT_TRUE(errors);
+  EXPECT_EQ(errors->points, 0u);
+}
+
 // Points of a tilted plane, whose sigmas are right for two images and half for three; some lie on something else.
 TEST(CloudErrors, AreToldInSigmasByTheNumberOfImages) {
   const TestFolder folder;
@@ -256,7 +300,7 @@ TEST(SurfaceErrors, RelativeSigmasAreJudgedLessThePlaneThatAllErrorsShare) {
   const auto errors = surface_errors(model, nullptr, field_of(0.1, 400, height_at), {}, nullptr, collinea::Run{});
   ASSERT_TRUE(errors);
   EXPECT_LT(errors->within_bounds, 0.5);
-  EXPECT_NEAR(errors->levelled_within_bounds, 0.95, 0.01);
+  EXPECT_NEAR(errors->levelled_within_bounds.value(), 0.95, 0.01);
 }
 
 TEST(SurfaceErrors, OnlyWhatThreeCamerasSeeMustBeThere) {
@@ -356,6 +400,9 @@ TEST(Assess, TheTableNamesWhatIsThere) {
   EXPECT_EQ(table(assessment).find("surface"), std::string::npos);
   assessment.surface = SurfaceErrors{};
   assessment.surface->cell_m = 0.1;
+  EXPECT_EQ(table(assessment).find("relative sigma"), std::string::npos);
+  assessment.relative_within_bounds = 0.0;
+  EXPECT_NE(table(assessment).find("less the plane of all errors, within 95 % bounds 0.0 %"), std::string::npos);
   assessment.ortho = OrthoErrors{};
   EXPECT_NE(table(assessment).find("surface model, smooth ground"), std::string::npos);
   EXPECT_NE(table(assessment).find("orthophoto"), std::string::npos);

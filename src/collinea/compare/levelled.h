@@ -5,7 +5,8 @@
 
 namespace collinea {
 
-constexpr double kGrossSigmas = 5;  ///< larger errors are of another surface
+constexpr double kGrossSigmas = 5;     ///< larger errors are of another surface
+constexpr double kBoundSigmas = 1.96;  ///< hold 95 % of normal errors
 
 /// Of a height with its standard deviation, at a place of the map.
 struct PlacedError {
@@ -15,8 +16,9 @@ struct PlacedError {
 };
 
 /// Takes off the plane that fits the errors best: what an orientation adds to the errors of a block is nearly one, and
-/// standard deviations of matching do not tell of it. Fitted again without those that are gross for a first one. False
-/// where too few of them, or all on a line, make no plane.
-bool take_off_plane(std::vector<PlacedError>& errors);
+/// standard deviations of matching do not tell of it. Gross errors do not move it, a fifth of them on one side neither;
+/// and sigmas below their median weigh no more than that, since they are what is judged. False, and nothing is taken
+/// off, where too few errors, or all on a line, make no plane.
+[[nodiscard]] bool take_off_plane(std::vector<PlacedError>& errors);
 
 }  // namespace collinea

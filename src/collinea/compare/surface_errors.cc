@@ -22,10 +22,9 @@ constexpr int kFarthest = 512;         // what may hide a place, and the margin 
 constexpr double kSteepestRoof = 1.5;  // rise per run; what is steeper is a wall
 constexpr double kRoof_m = 1;          // above the ground
 constexpr int kStepMargin = 3;         // [cells of the model]
-constexpr double kBound = 1.96;        // sigmas that hold 95 % of normal errors
 constexpr int kSeenStride = 4;         // every so many cells, both ways, it is looked at who sees them
 constexpr std::size_t kEnough = 3;     // images
-constexpr std::size_t kSome = 16;      // errors of so many one makes the plane that they have in common
+constexpr std::size_t kSome = 16;      // every so many errors, one is kept to be judged less the plane of all kept
 
 // The rows of the truth under some rows of the model, with a margin.
 struct TrueStrip {
@@ -98,7 +97,7 @@ void Assessor::add_cell(const FloatImage& heights, const FloatImage& sigmas, con
     }
   }
   if (!counts || sigmas.empty() || !(sigmas.at(x, y) > 0)) return;
-  const bool within = std::abs(z - expected) <= kBound * double(sigmas.at(x, y));
+  const bool within = std::abs(z - expected) <= kBoundSigmas * double(sigmas.at(x, y));
   if (bounds_++ % kSome == 0)
     some_bounded_.push_back(
         {model_.grid.east_of(x + 0.5), model_.grid.north_of(row + y + 0.5), z - expected, sigmas.at(x, y)});
@@ -196,7 +195,7 @@ Result<SurfaceErrors> Assessor::all() {
   errors.roofs_within_bounds = roof_bounds_ > 0 ? double(roofs_within_) / double(roof_bounds_) : 0;
   if (take_off_plane(some_bounded_)) {
     const auto within = std::count_if(some_bounded_.begin(), some_bounded_.end(), [](const PlacedError& one) {
-      return std::abs(one.error_m) <= kBound * double(one.sigma_m);
+      return std::abs(one.error_m) <= kBoundSigmas * double(one.sigma_m);
     });
     errors.levelled_within_bounds = double(within) / double(some_bounded_.size());
   }

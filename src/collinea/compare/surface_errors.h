@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "collinea/base/run.h"
@@ -31,12 +32,11 @@ struct SurfaceErrors {
   HeightErrors
       roofs;  ///< measured cells on objects more than a metre high, no step within 3 cells; none without terrain
   std::size_t bounds = 0;          ///< measured cells of smooth ground and roofs whose sigma was looked at
-  double within_bounds = 0;        ///< of these, the share whose error is below 1.96 sigma
+  double within_bounds = 0;        ///< of these, the share whose error is below kBoundSigmas
   double roofs_within_bounds = 0;  ///< the same of those of roofs
-  /// The same of all when the plane that fits their errors best is taken off: what an orientation adds to a block is
-  /// nearly one. 0 where it is not known.
-  double levelled_within_bounds = 0;
-  double relative_within_bounds = 0;  ///< the same again, by the relative sigmas; surface_errors does not tell
+  /// The same of every 16th of all when the plane that fits their errors best is taken off (take_off_plane); nothing
+  /// where there is none.
+  std::optional<double> levelled_within_bounds;
 };
 
 /// Bytes of a raster by windows, as HeightField::read.

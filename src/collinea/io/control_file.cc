@@ -93,8 +93,9 @@ class Collector {
     for (int row = 0; row < 3; ++row)
       for (int column = row; column < 3; ++column, ++next) {
         if (f[next].empty()) continue;
-        if (!finite_number(f[next])) return bad_line(line, "\"" + std::string(f[next]) + "\" is not a covariance");
-        covariance(row, column) = covariance(column, row) = *number(f[next]);
+        const auto value = finite_number(f[next]);
+        if (!value) return bad_line(line, "\"" + std::string(f[next]) + "\" is not a covariance");
+        covariance(row, column) = covariance(column, row) = *value;
       }
     for (int axis = 0; axis < 3; ++axis) {
       const bool surveyed = std::isfinite(point.position_in_map[axis]) && covariance(axis, axis) > 0;
@@ -292,12 +293,13 @@ Result<ControlFileObservation> csv_observation(int line, const Fields& f, const 
   if (f.size() < 5) return bad_line(line, "an image row needs: image, id, file, x_px, y_px");
   if (f.size() > 6) return bad_line(line, "too many fields (decimal commas?)");
   if (f[1].empty() || f[2].empty()) return bad_line(line, "an image row needs the id of a point and a file");
-  if (!finite_number(f[3]) || !finite_number(f[4])) return bad_line(line, "x_px and y_px must be numbers");
-  ControlFileObservation seen{
-      std::string(f[1]), std::string(f[2]), {*number(f[3]), *number(f[4])}, defaults.sigma_px, line};
+  const auto x_px = finite_number(f[3]), y_px = finite_number(f[4]);
+  if (!x_px || !y_px) return bad_line(line, "x_px and y_px must be numbers");
+  ControlFileObservation seen{std::string(f[1]), std::string(f[2]), {*x_px, *y_px}, defaults.sigma_px, line};
   if (f.size() > 5 && !f[5].empty()) {
-    if (!finite_number(f[5]) || !(*number(f[5]) > 0)) return bad_line(line, "sigma_px must be a number above 0");
-    seen.sigma_px = *number(f[5]);
+    const auto sigma_px = finite_number(f[5]);
+    if (!sigma_px || !(*sigma_px > 0)) return bad_line(line, "sigma_px must be a number above 0");
+    seen.sigma_px = *sigma_px;
   }
   return seen;
 }

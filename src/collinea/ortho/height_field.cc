@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <cstring>
 #include <limits>
 #include <memory>
+#include <string>
+#include <utility>
+
+#include "collinea/io/record_spool.h"
 
 namespace collinea {
 namespace {
@@ -59,51 +63,46 @@ ReadHeights read_thinned(const ReadHeights& read, const MapGrid& grid, int times
 }
 
 // Rasters of floats one after the other, row by row.
-struct ScratchFile {
-  std::filesystem::path path;
+struct UnpackedRasters {
+  RecordSpool floats;
   int width = 0, height = 0;
 
-  ~ScratchFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-  }
   // From several threads at once.
   [[nodiscard]] Result<FloatImage> read(int raster, int column, int row, int columns, int rows) const {
     FloatImage window(columns, rows);
-    std::ifstream file(path, std::ios::binary);
     for (int y = 0; y < rows; ++y) {
-      const std::int64_t cell = (std::int64_t(raster) * height + row + y) * width + column;
-      file.seekg(std::streamoff(cell) * std::streamoff(sizeof(float)));
-      file.read(reinterpret_cast<char*>(window.row(y)), std::streamsize(sizeof(float)) * columns);
+      const std::uint64_t cell =
+          (std::uint64_t(raster) * std::uint64_t(height) + std::uint64_t(row + y)) * std::uint64_t(width) +
+          std::uint64_t(column);
+      COLLINEA_TRY(const std::string bytes, floats.read(cell * sizeof(float), std::uint64_t(columns) * sizeof(float)));
+      std::memcpy(window.row(y), bytes.data(), bytes.size());
     }
-    if (!file) return fail(Errc::kBadInput, "cannot read " + path.string());
     return window;
   }
 };
 
-Result<> append(const ReadHeights& read, const MapGrid& grid, std::ofstream& file, const Run& run) {
+Result<> append(const ReadHeights& read, const MapGrid& grid, RecordSpool& floats, const Run& run) {
   constexpr int kStrip = 64;
   for (int row = 0; row < grid.height; row += kStrip) {
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     COLLINEA_TRY(const FloatImage strip, read(0, row, grid.width, std::min(kStrip, grid.height - row)));
-    file.write(reinterpret_cast<const char*>(strip.data.data()), std::streamsize(strip.data.size() * sizeof(float)));
+    floats.append({reinterpret_cast<const char*>(strip.data.data()), strip.data.size() * sizeof(float)});
   }
   return {};
 }
 
 }  // namespace
 
-Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& scratch, const Run& run) {
-  const std::shared_ptr<const ScratchFile> kept(new ScratchFile{scratch, field.grid.width, field.grid.height});
-  std::ofstream file(scratch, std::ios::binary);
-  auto written = append(field.read, field.grid, file, run);
-  if (written && field.read_sigma) written = append(field.read_sigma, field.grid, file, run);
+Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& beside, const Run& run) {
+  COLLINEA_TRY(RecordSpool floats, RecordSpool::create(beside));
+  auto written = append(field.read, field.grid, floats, run);
+  if (written && field.read_sigma) written = append(field.read_sigma, field.grid, floats, run);
   if (!written) return tl::unexpected(std::move(written).error());
-  file.close();
-  if (!file) return fail(Errc::kBadInput, "cannot write " + scratch.string() + ": is the disk full?");
-  const auto reader = [kept](int raster) {
-    return [kept, raster](int column, int row, int width, int height) {
-      return kept->read(raster, column, row, width, height);
+  const auto rasters =
+      std::make_shared<const UnpackedRasters>(UnpackedRasters{std::move(floats), field.grid.width, field.grid.height});
+  const auto reader = [rasters](int raster) {
+    return [rasters, raster](int column, int row, int width, int height) {
+      return rasters->read(raster, column, row, width, height);
     };
   };
   HeightField result{field.grid, reader(0), {}};

@@ -29,9 +29,9 @@ struct HeightField {
 /// Reads `field`, which must outlive it, in strips.
 [[nodiscard]] HeightField thinned(const HeightField& field, int times);
 
-/// The same surface held unpacked in a file of its own, for a field that is read again and again. The file is removed
-/// with the last copy of the answer. Errors: `field` cannot be read, the file not be written; cancelled.
-[[nodiscard]] Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& scratch,
+/// The same surface held unpacked on disk (RecordSpool) beside a file, for a field that is read again and again.
+/// Errors: `field` cannot be read, nothing be written there; cancelled. A full disk is told by the first read.
+[[nodiscard]] Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& beside,
                                            const Run& run);
 
 /// Cells of a grid; may reach beyond it.

@@ -103,7 +103,6 @@ void Occluders::hold(FloatImage near_m, const CellArea& near, double cell_m) {
   all_ = near;
   near_m_ = std::move(near_m);
   clear_unknown(near_m_);
-  near_wide_m_ = lowest_around(near_m_, kThin);
   ceiling_m_ = FloatImage((near.width + kSide - 1) / kSide, (near.height + kSide - 1) / kSide, 1, kNothing);
   add_ceilings(near_m_, column_, row_);
 }
@@ -201,8 +200,17 @@ float Occluders::ceiling_m(double x, double y) const {
   return ceiling_m_.at(int(u) / kSide, int(v) / kSide);
 }
 
-bool Occluders::hide(const FloatImage& near_m, const std::vector<float>& far_m, double x, double y, double height_m,
-                     double camera_x, double camera_y, double camera_height_m) const {
+bool Occluders::all_around_above(int column, int row, double line_m) const {
+  const int left = std::max(0, column - kThin), right = std::min(near_m_.width - 1, column + kThin);
+  for (int v = std::max(0, row - kThin); v <= std::min(near_m_.height - 1, row + kThin); ++v)
+    for (int u = left; u <= right; ++u)
+      if (!(near_m_.at(u, v) > line_m)) return false;
+  return true;
+}
+
+template <bool wide_ones>
+bool Occluders::hide(double x, double y, double height_m, double camera_x, double camera_y,
+                     double camera_height_m) const {
   const double across = camera_x - x, down = camera_y - y, rise = camera_height_m - height_m;
   const double run = std::sqrt(across * across + down * down);
   if (!(rise > 0)) return true;
@@ -211,29 +219,37 @@ bool Occluders::hide(const FloatImage& near_m, const std::vector<float>& far_m, 
   const int near_x = column_ - all_.column, near_y = row_ - all_.row;
   const double first_x = x + near_x, first_y = y + near_y, first_m = height_m + cell_m_;
   enum Meets { kPassesAll, kPassesSkipping, kPasses, kHidden };
-  const auto look = [&](double s, const auto& height_of) {
+  const auto look = [&](double s, const auto& reaches) {
     const double line_m = first_m + rise_per_cell * s;
     const double u = first_x + s * step_x, v = first_y + s * step_y;
     if (line_m >= highest_m_ || !(u >= 0 && v >= 0 && u < all_.width && v < all_.height)) return kPassesAll;
     const auto column = unsigned(u), row = unsigned(v);
     if (ceiling_m_.at(int(column / kSide), int(row / kSide)) <= line_m) return kPassesSkipping;
-    return height_of(int(column), int(row)) > line_m ? kHidden : kPasses;
+    return reaches(int(column), int(row), line_m) ? kHidden : kPasses;
   };
   const double near_run = far_block_.empty() ? run : std::min(run, kFarFirst);
   double s = kFirst;
   while (s < near_run) {
-    const Meets met = look(s, [&](int column, int row) { return near_m.at(column - near_x, row - near_y); });
+    const Meets met = look(s, [&](int column, int row, double line_m) {
+      return near_m_.at(column - near_x, row - near_y) > line_m &&
+             (!wide_ones || all_around_above(column - near_x, row - near_y, line_m));
+    });
     if (met == kPassesAll || met == kHidden) return met == kHidden;
     s += met == kPasses ? kStep : kSkip;
   }
   s = std::ceil(s / kFarStep) * kFarStep;
   while (s < run) {
-    const Meets met = look(s, [&](int column, int row) { return far_at(far_m, unsigned(column), unsigned(row)); });
+    const Meets met = look(s, [&](int column, int row, double line_m) {
+      return far_at(wide_ones ? far_wide_m_ : far_m_, unsigned(column), unsigned(row)) > line_m;
+    });
     if (met == kPassesAll || met == kHidden) return met == kHidden;
     s += met == kPasses ? kFarStep : kSkip;
   }
   return false;
 }
+
+template bool Occluders::hide<false>(double, double, double, double, double, double) const;
+template bool Occluders::hide<true>(double, double, double, double, double, double) const;
 
 float Occluders::far_at(const std::vector<float>& far_m, unsigned column, unsigned row) const {
   const std::int32_t block = far_block_.at(int(column / kBlock), int(row / kBlock));

@@ -19,10 +19,10 @@ struct SurfaceBlocks {
 /// continuous cells of the window that is held in full: the centre of its upper-left cell is (0.5, 0.5).
 ///
 /// Around a place (kNear cells) lines of sight are followed in cells of the surface, beyond in cells kCoarse times as
-/// large, fixed to its raster, that are as high as the highest within. There only what rises by kNear cells over the
-/// length of level way per rise of a line of sight can hide: mountains and towers, which get wider by less than kCoarse
-/// cells, a hundredth of their distance. So memory stays small however far one must look. The answers depend on the
-/// place and the surface only, not on the window, as long as this reaches far enough (occluders_of).
+/// large, fixed to its raster, that are as high as the highest within. What hides from there rises by more than a line
+/// of sight does on kNear cells: mountains and towers, which get wider by less than kCoarse cells, a hundredth of their
+/// distance. So memory stays small however far one must look. The answers depend on the place and the surface only, not
+/// on the window, as long as this reaches far enough (occluders_of).
 class Occluders {
  public:
   Occluders() = default;
@@ -38,14 +38,14 @@ class Occluders {
   /// One cell of height is granted to roughness. Cells without height hide nothing.
   [[nodiscard]] bool hide(double x, double y, double height_m, double camera_x, double camera_y,
                           double camera_height_m) const {
-    return hide(near_m_, far_m_, x, y, height_m, camera_x, camera_y, camera_height_m);
+    return hide<false>(x, y, height_m, camera_x, camera_y, camera_height_m);
   }
 
   /// The same, but only what is more than 2 kThin cells wide both ways hides: not the twigs of a tree, nor single
   /// high cells.
   [[nodiscard]] bool wide_ones_hide(double x, double y, double height_m, double camera_x, double camera_y,
                                     double camera_height_m) const {
-    return hide(near_wide_m_, far_wide_m_, x, y, height_m, camera_x, camera_y, camera_height_m);
+    return hide<true>(x, y, height_m, camera_x, camera_y, camera_height_m);
   }
   static constexpr int kThin = 2;
 
@@ -58,6 +58,7 @@ class Occluders {
   static constexpr int kNear = 256, kCoarse = 4;  ///< [surface cells]
 
  private:
+  // Made in this order: the window is held, what is further away looked up, ceilings over both finished.
   friend Result<Occluders> occluders_of(const HeightField& field, FloatImage near_heights_m, const CellArea& near,
                                         const SurfaceBlocks& far);
   void hold(FloatImage near_m, const CellArea& near, double cell_m);
@@ -66,12 +67,14 @@ class Occluders {
   void add_ceilings(const FloatImage& occluders_m, int column, int row);
   void finish_ceilings();
   [[nodiscard]] float far_at(const std::vector<float>& far_m, unsigned column, unsigned row) const;
-  [[nodiscard]] bool hide(const FloatImage& near_m, const std::vector<float>& far_m, double x, double y,
-                          double height_m, double camera_x, double camera_y, double camera_height_m) const;
+  // Whether all up to kThin rows and columns from a cell of the window is higher than that.
+  [[nodiscard]] bool all_around_above(int column, int row, double line_m) const;
+  template <bool wide_ones>
+  [[nodiscard]] bool hide(double x, double y, double height_m, double camera_x, double camera_y,
+                          double camera_height_m) const;
 
-  FloatImage near_m_;       // no higher than the surface certainly is; minus infinity where nothing is
-  FloatImage near_wide_m_;  // the lowest of these around
-  CellArea all_{};          // all that is known of, in the field; begins with whole blocks
+  FloatImage near_m_;  // no higher than the surface certainly is; minus infinity where nothing is
+  CellArea all_{};     // all that is known of, in the field; begins with whole blocks
   // Of the blocks in it the number of those that are known in coarse cells, or -1, and their cells block by block.
   Raster<std::int32_t> far_block_;
   std::vector<float> far_m_, far_wide_m_;

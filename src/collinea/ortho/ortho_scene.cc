@@ -68,16 +68,23 @@ std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice&
   return found;
 }
 
-// How far the flattest line of sight runs per rise from a place of the area to a view that shows it, and how far any
-// runs at all, in cells of the surface.
+// From the lowest places of an area to the views that show it, in cells of the surface.
 struct LinesOfSight {
-  double cells_per_m = 0, cells = 0;
+  double cells_per_m = 0;  // the flattest: how far it runs per rise
+  double cells = 0;        // the longest
+  double least_rise_m = std::numeric_limits<double>::infinity();
+
+  // The flattest from places so much higher.
+  [[nodiscard]] double cells_per_m_from(double lifted_m) const {
+    return cells_per_m * least_rise_m / std::max(least_rise_m - lifted_m, 1e-3 * least_rise_m);
+  }
 };
 
 LinesOfSight lines_of_sight(const OrthoScene& scene, const std::vector<std::size_t>& views, const WorldLattice& lattice,
                             const CellArea& area, const HeightRange& range) {
   constexpr double kFlattest = 10;
-  double flattest = 0, longest_m = 0;
+  const double cell_m = scene.surface->grid.cell_m;
+  LinesOfSight lines;
   for (const std::size_t v : views) {
     const View& view = scene.views[v];
     double to_corner = 0, rise_m = 0;
@@ -88,13 +95,13 @@ LinesOfSight lines_of_sight(const OrthoScene& scene, const std::vector<std::size
       if (!(up.z() > 0)) continue;
       to_corner = std::max(to_corner, std::hypot(up.x(), up.y()) / up.z());
       rise_m = std::max(rise_m, up.z());
+      lines.least_rise_m = std::min(lines.least_rise_m, up.z());
     }
-    const double run_per_rise = std::min({to_corner, view.flattest, kFlattest});
-    flattest = std::max(flattest, run_per_rise);
-    longest_m = std::max(longest_m, run_per_rise * rise_m);
+    const double run_per_rise = std::min({to_corner, view.most_run_per_rise, kFlattest});
+    lines.cells_per_m = std::max(lines.cells_per_m, run_per_rise / cell_m);
+    lines.cells = std::max(lines.cells, run_per_rise * rise_m / cell_m);
   }
-  const double cell_m = scene.surface->grid.cell_m;
-  return {flattest / cell_m, longest_m / cell_m};
+  return lines;
 }
 
 int gap(int first, int cells, int other_first, int other_cells) {
@@ -127,6 +134,35 @@ std::vector<LowPart> low_parts(const HeightOverview& overview, const CellArea& u
   return parts;
 }
 
+// The blocks around that may hide a place of the area from farther than what is looked at in full.
+SurfaceBlocks far_blocks(const HeightOverview& overview, const LinesOfSight& lines, const CellArea& under,
+                         const CellArea& around, float low_m) {
+  const std::vector<LowPart> parts = low_parts(overview, under);
+  const int left = around.column / kBlock, top = around.row / kBlock;
+  SurfaceBlocks far{left, top,
+                    Raster<std::uint8_t>((around.column + around.width - 1) / kBlock - left + 1,
+                                         (around.row + around.height - 1) / kBlock - top + 1)};
+  bool any = false;
+  each_block(overview, around, [&](int x, int y) {
+    const float high_m = overview.highest_m.at(x, y);
+    for (const LowPart& part : parts) {
+      const double casts = std::min(double(high_m - low_m) * lines.cells_per_m,
+                                    double(high_m - part.low_m) * lines.cells_per_m_from(double(part.low_m - low_m)));
+      if (casts < Occluders::kNear) continue;
+      const CellArea& from = part.cells;
+      const double across = gap(from.column, from.width, x * kBlock, kBlock),
+                   down = gap(from.row, from.height, y * kBlock, kBlock);
+      if (std::hypot(across, down) > casts + kBesides) continue;
+      // Whether the farthest corners are further apart than what is looked at in full.
+      if (std::hypot(across + from.width + kBlock, down + from.height + kBlock) < Occluders::kNear) continue;
+      far.wanted.at(x - left, y - top) = 1;
+      any = true;
+      return;
+    }
+  });
+  return any ? far : SurfaceBlocks{};
+}
+
 Reach reach_of(const OrthoScene& scene, const LinesOfSight& lines, const CellArea& area, const HeightRange& range) {
   const HeightOverview& overview = *scene.surface_overview;
   const int most = int(std::min(lines.cells, double(kFarthestOccluder))) + 1;
@@ -141,29 +177,8 @@ Reach reach_of(const OrthoScene& scene, const LinesOfSight& lines, const CellAre
     reach.cells = std::max(reach.cells, std::min(distance + kBlock, int(casts) + 1));
     highest_m = std::max(highest_m, overview.highest_m.at(x, y));
   });
-  if (double(highest_m - range.low_m) * lines.cells_per_m < Occluders::kNear) return reach;
-  const std::vector<LowPart> parts = low_parts(overview, under);
-  const int left = around.column / kBlock, top = around.row / kBlock;
-  SurfaceBlocks far{left, top,
-                    Raster<std::uint8_t>((around.column + around.width - 1) / kBlock - left + 1,
-                                         (around.row + around.height - 1) / kBlock - top + 1)};
-  bool any = false;
-  each_block(overview, around, [&](int x, int y) {
-    for (const LowPart& part : parts) {
-      const double casts = double(overview.highest_m.at(x, y) - part.low_m) * lines.cells_per_m;
-      if (casts < Occluders::kNear) continue;
-      const CellArea& from = part.cells;
-      const double across = gap(from.column, from.width, x * kBlock, kBlock),
-                   down = gap(from.row, from.height, y * kBlock, kBlock);
-      if (std::hypot(across, down) > casts + kBesides) continue;
-      // Whether the farthest corners are further apart than what is looked at in full.
-      if (std::hypot(across + from.width + kBlock, down + from.height + kBlock) < Occluders::kNear) continue;
-      far.wanted.at(x - left, y - top) = 1;
-      any = true;
-      return;
-    }
-  });
-  if (any) reach.far = std::move(far);
+  if (double(highest_m - range.low_m) * lines.cells_per_m >= Occluders::kNear)
+    reach.far = far_blocks(overview, lines, under, around, range.low_m);
   return reach;
 }
 

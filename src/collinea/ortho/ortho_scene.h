@@ -24,7 +24,7 @@ struct OrthoScene {
   int feather_cells = 12;
   const HeightField* terrain = nullptr;  ///< null: not known; tells what is raised, where seams should not run
   const SeamPlan* seams = nullptr;       ///< null: every cell takes the cheapest view
-  std::filesystem::path scratch = {};    ///< for files of the time being, with endings of their own; empty: none
+  std::filesystem::path scratch = {};    ///< beside it what is unpacked lies for a while; empty: nothing is
 };
 
 /// For each view the largest reduction of its picture at which a pixel still is no larger than a cell.

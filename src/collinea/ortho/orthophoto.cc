@@ -6,7 +6,8 @@
 #include <set>
 #include <string>
 
-#include "collinea/base/parallel.h"
+#include "collinea/base/memory.h"
+#include "collinea/base/parallel_in_order.h"
 #include "collinea/ortho/seam_plan.h"
 #include "collinea/surface/dsm.h"
 
@@ -81,28 +82,23 @@ void sum_up(const SeamAgreement& seams, OrthoSummary& summary) {
   summary.seam_step_grey = std::sqrt(squares / double(seams.sides));
 }
 
-// Tiles are made side by side, a few at a time, and handed on in their order.
+// Tiles are made side by side, and handed on in their order.
 Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary& summary, const Run& run) {
   const std::vector<Piece> pieces = pieces_of(scene.grid);
-  const std::size_t at_once = std::size_t(2 * std::max(1, run.threads));
   std::set<std::uint16_t> used;
   SeamAgreement seams;
-  for (std::size_t begin = 0; begin < pieces.size(); begin += at_once) {
-    const std::size_t end = std::min(begin + at_once, pieces.size());
-    std::vector<Result<OrthoTile>> tiles(end - begin);
-    parallel_for(run, end - begin, [&](std::size_t i) {
-      const Piece& piece = pieces[begin + i];
-      tiles[i] = make_ortho_tile(scene, piece.column, piece.row, piece.width, piece.height, run);
-    });
-    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-    for (std::size_t i = begin; i < end; ++i) {
-      auto& tile = tiles[i - begin];
-      if (!tile) return tl::unexpected(std::move(tile).error());
-      tally(*tile, summary, used, seams);
-      if (auto taken = sink.take(pieces[i].column, pieces[i].row, *tile); !taken) return taken;
-    }
-    run.report("ortho", double(end) / double(pieces.size()));
-  }
+  const auto make = [&](std::size_t i) {
+    const Piece& piece = pieces[i];
+    return make_ortho_tile(scene, piece.column, piece.row, piece.width, piece.height, run);
+  };
+  const auto take = [&](std::size_t i, const OrthoTile& tile) {
+    tally(tile, summary, used, seams);
+    auto taken = sink.take(pieces[i].column, pieces[i].row, tile);
+    give_back_freed_memory();
+    run.report("ortho", double(i + 1) / double(pieces.size()));
+    return taken;
+  };
+  if (auto made = parallel_in_order(run, pieces.size(), make, take); !made) return made;
   summary.photographs_used = used.size();
   sum_up(seams, summary);
   return {};

@@ -67,7 +67,7 @@ struct OrthoSummary {
 struct OrthoSink {
   std::function<Result<>(const MapGrid& grid)> begin;
   std::function<Result<>(int column, int row, const OrthoTile& tile)> take;
-  std::filesystem::path scratch = {};  ///< for files of the time being, with endings of their own; empty: slower
+  std::filesystem::path scratch = {};  ///< beside it what is unpacked lies for a while; empty: slower
 };
 
 /// The true orthophoto: each cell of the map takes the colour of its place on the surface, from the photograph that

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -69,8 +66,8 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   const auto take = [&](int column, int row, const OrthoTile& tile) {
     return picture->write(column, row, tile.rgba).and_then([&] { return source->write(column, row, tile.source); });
   };
-  COLLINEA_TRY(OrthoSummary summary,
-               make_orthophoto(block, frame, surface, guides, pixels, gsd_m, OrthoSink{begin, take, files.picture}, options, run));
+  COLLINEA_TRY(OrthoSummary summary, make_orthophoto(block, frame, surface, guides, pixels, gsd_m,
+                                                     OrthoSink{begin, take, files.picture}, options, run));
   auto finished = source->finish().and_then([&] { return picture->finish(); });
   if (!finished) return tl::unexpected(std::move(finished).error());
   return summary;

@@ -175,12 +175,9 @@ Result<> plan_from_nothing(const OrthoScene& scene, const SeamLook& look, Raster
 
 // A surface in the cells of a draft, which looks at it four times and more.
 Result<HeightField> draft_surface(const HeightField& surface, int times, const std::filesystem::path& scratch,
-                                  const char* ending, const Run& run) {
+                                  const Run& run) {
   HeightField coarse = thinned(surface, times);
-  if (scratch.empty()) return coarse;
-  std::filesystem::path path = scratch;
-  path += ending;
-  return unpacked(coarse, path, run);
+  return scratch.empty() ? coarse : unpacked(coarse, scratch, run);
 }
 
 }  // namespace
@@ -189,11 +186,10 @@ Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run) {
   constexpr int kOverview = 4;    // cells of the plan along one of the first draft
   constexpr double kRaised = 10;  // [surface cells]
   OrthoScene plan_scene = on_grid(scene, plan_grid(scene.grid));
-  COLLINEA_TRY(const HeightField surface,
-               draft_surface(*scene.surface, kOverview, scene.scratch, ".surface.part", run));
+  COLLINEA_TRY(const HeightField surface, draft_surface(*scene.surface, kOverview, scene.scratch, run));
   HeightField terrain;
   if (scene.terrain) {
-    COLLINEA_TRY(terrain, draft_surface(*scene.terrain, kOverview, scene.scratch, ".terrain.part", run));
+    COLLINEA_TRY(terrain, draft_surface(*scene.terrain, kOverview, scene.scratch, run));
   }
   COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
   OrthoScene draft_scene = on_grid(scene, coarser(plan_scene.grid, kOverview));

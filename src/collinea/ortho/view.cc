@@ -10,10 +10,10 @@ namespace {
 
 // Of the lines of sight through the border of the picture: within a convex picture none is flatter than all of these.
 // Infinite where one does not rise, or where the lens folds back.
-double flattest_of(const View& view) {
+double most_run_per_rise_of(const View& view) {
   constexpr int kPerSide = 16;
   constexpr double kSlack = 1.05;  // for the map, which is not quite the world, and what lies between the lines
-  double flattest = 0;
+  double most = 0;
   for (int i = 0; i < 4 * kPerSide; ++i) {
     const double along = double(i % kPerSide) / kPerSide;
     const double x[] = {along, 1, 1 - along, 0}, y[] = {0, along, 1, 1 - along};
@@ -22,9 +22,9 @@ double flattest_of(const View& view) {
     const auto seen_at = project(view.camera, ray_in_cam);
     const Eigen::Vector3d ray = view.rotation.transpose() * ray_in_cam;
     if (!seen_at || (*seen_at - pixel).norm() > 1 || !(ray.z() < 0)) return std::numeric_limits<double>::infinity();
-    flattest = std::max(flattest, std::hypot(ray.x(), ray.y()) / -ray.z());
+    most = std::max(most, std::hypot(ray.x(), ray.y()) / -ray.z());
   }
-  return kSlack * flattest;
+  return kSlack * most;
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ std::vector<View> views_of(const Block& block, const LocalFrame* frame) {
     view.cam_from_world = cam_from_world;
     view.rotation = cam_from_world.rotation.toRotationMatrix();
     view.centre_in_world = centre_of(cam_from_world);
-    view.flattest = flattest_of(view);
+    view.most_run_per_rise = most_run_per_rise_of(view);
     view.centre_in_map = frame ? frame->map_from_local(view.centre_in_world) : view.centre_in_world;
     views.push_back(std::move(view));
   }

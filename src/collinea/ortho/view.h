@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct View {
   Rigid3 cam_from_world;
   Eigen::Matrix3d rotation;  ///< of cam_from_world: millions of points are turned by it
   Eigen::Vector3d centre_in_world, centre_in_map;
-  double flattest = 0;  ///< how far the flattest line of sight of the picture runs per rise, at most
+  /// How far the flattest line of sight of the picture runs per rise, or more; infinite where one does not rise.
+  double most_run_per_rise = std::numeric_limits<double>::infinity();
 };
 
 /// The oriented images in the order of their ids. `frame`: null when the map is the plane x, y of the world.

@@ -12,7 +12,7 @@ Result<std::string> assess_project(const Project& project, const std::filesystem
   if (block.cam_from_world.empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   const auto products = project.folder / "products";
-  const ProductFiles files{.cloud = products / "cloud.las",
+  const ProductFiles files{.cloud = project.cloud(),
                            .dsm = products / "dsm.tif",
                            .dsm_state = products / "dsm_state.tif",
                            .dsm_sigma = products / "dsm_sigma.tif",

@@ -50,10 +50,11 @@ Result<ImageId> ImageNames::find_photo(const std::filesystem::path& path) const 
       return *found->second;
   }
   if (const auto found = find(whole)) return *found;
-  const bool several = known_[3].contains(lower(name_of(whole)));
-  return fail(Errc::kNotFound, (several ? "several photographs of the orientation are called "
-                                        : "no photograph of the orientation is called ") +
-                                   name_of(whole) + (several ? ": give its path below the photo folder" : ""));
+  const std::string name = name_of(whole);
+  if (known_[3].contains(lower(name)))
+    return fail(Errc::kNotFound,
+                "several photographs of the orientation are called " + name + ": give its path below the photo folder");
+  return fail(Errc::kNotFound, "no photograph of the orientation is called " + name);
 }
 
 }  // namespace collinea

@@ -15,7 +15,7 @@
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/pipeline/rectify_plane.h"
-#include "collinea/pipeline/small_project.h"
+#include "collinea/pipeline/test_small_project.h"
 
 namespace collinea {
 namespace {

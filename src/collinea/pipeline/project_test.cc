@@ -18,9 +18,10 @@
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/ortho_tile.h"
+#include "collinea/pipeline/assess.h"
 #include "collinea/pipeline/export.h"
 #include "collinea/pipeline/info.h"
-#include "collinea/pipeline/small_project.h"
+#include "collinea/pipeline/test_small_project.h"
 
 namespace collinea {
 namespace {
@@ -161,6 +162,10 @@ void WholeProject::export_writes_every_format_and_refuses_others() {
 void WholeProject::a_compressed_cloud_gives_the_same_surface() {
   fs::copy(root_ / "mapped", root_ / "compressed", fs::copy_options::recursive);
   const fs::path products = root_ / "compressed/products";
+  fs::copy(products / "dsm.tif", root_ / "truth/dsm.tif");  // a truth like any other, for `assessed`
+  const auto assessed = [](const fs::path& project) {
+    return open_project(project, {}).and_then([](const Project& p) { return assess_project(p, root_); }).value();
+  };
   for (const auto& [form, name, earlier] :
        {std::tuple("laz", "cloud.laz", "cloud.las"), std::tuple("copc", "cloud.copc.laz", "cloud.laz")}) {
     Settings changed = settings();
@@ -171,7 +176,10 @@ void WholeProject::a_compressed_cloud_gives_the_same_surface() {
     EXPECT_LT(5 * fs::file_size(products / name), fs::file_size(root_ / "mapped/products/cloud.las")) << form;
     for (const char* product : {"dsm.tif", "dtm.tif"})
       EXPECT_TRUE(bytes_of(products / product) == bytes_of(root_ / "mapped/products" / product)) << form;
+    EXPECT_EQ(assessed(root_ / "compressed"), assessed(root_ / "mapped")) << form;
   }
+  EXPECT_NE(assessed(root_ / "mapped").find("cloud, sigma"), std::string::npos);
+  fs::remove(root_ / "truth/dsm.tif");
   fs::remove_all(root_ / "compressed");
 }
 

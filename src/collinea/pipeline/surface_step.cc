@@ -8,6 +8,7 @@
 #include "collinea/image/hillshade.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
+#include "collinea/pipeline/cloud_pieces.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
@@ -15,11 +16,9 @@
 namespace collinea {
 namespace {
 
-constexpr std::size_t kBatch = 65'536;
-
 PointSource points_of(LasReader& reader) {
   return [&reader](std::vector<SurfacePoint>& batch) -> Result<> {
-    COLLINEA_TRY(const std::vector<CloudPoint> cloud, reader.read(kBatch));
+    COLLINEA_TRY(const std::vector<CloudPoint> cloud, reader.read(kPiecePoints));
     batch.clear();
     for (const CloudPoint& point : cloud) batch.push_back({point.position, point.sigma_m, point.images});
     return {};

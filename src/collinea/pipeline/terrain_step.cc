@@ -9,6 +9,7 @@
 #include "collinea/io/file.h"
 #include "collinea/io/las.h"
 #include "collinea/ortho/view.h"
+#include "collinea/pipeline/cloud_pieces.h"
 #include "collinea/pipeline/json_text.h"
 #include "collinea/pipeline/places.h"
 #include "collinea/pipeline/step.h"
@@ -18,7 +19,6 @@ namespace collinea {
 namespace {
 
 constexpr std::uint8_t kUnclassified = 1, kGround = 2;  // of ASPRS
-constexpr std::size_t kBatch = 65'536;
 
 // Writes the cloud anew: all stays as it is but the classes. Returns how many points show the ground.
 Result<std::uint64_t> classify(const Project& project, const GroundSurface& ground) {
@@ -31,7 +31,7 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
   COLLINEA_TRY(LasWriter writer, LasWriter::create(project.cloud(), options));
   std::uint64_t count = 0, done = 0;
   for (;;) {
-    COLLINEA_TRY(std::vector<CloudPoint> points, reader.read(kBatch));
+    COLLINEA_TRY(std::vector<CloudPoint> points, reader.read(kPiecePoints));
     if (points.empty()) break;
     for (CloudPoint& point : points) {
       const bool shows = ground.shows_ground(point.position, double(point.sigma_m));

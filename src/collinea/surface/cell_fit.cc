@@ -188,9 +188,9 @@ double CellFit::sigma_of(const Plane& plane, double cell_m) const {
     expected += u.weight * variance;
     points += u.weight > 0;
   }
-  // Points that share their errors scatter less than these are large.
-  double factor = 1;
-  if (points > 4) factor = std::max(1 - alike_, misfit / expected * points / (points - 3));
+  // Points scatter by what they do not share; how much a few of them do is chance.
+  double factor = 1 - alike_;
+  if (points > 4) factor = std::max(factor, misfit / expected * points / (points - 3));
   // All points of a window are aside together.
   const double aside2 = kAside * kAside * (plane.slope_x * plane.slope_x + plane.slope_y * plane.slope_y);
   return std::sqrt(alike_ * ws * ws / (w * w) + w2v / (w * w) * (1 + plane.leverage) * factor + aside2);

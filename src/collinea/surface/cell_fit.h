@@ -32,7 +32,7 @@ constexpr double kCellReach = 2.0;
 /// the arguments alone.
 class CellFit {
  public:
-  /// `alike`: the share of the variance of points' errors that those which make one cell have in common.
+  /// `alike`: see share_alike().
   explicit CellFit(double alike = 0) : alike_(alike) {}
 
   /// The surface seen from above at one cell: the uppermost level in the cell that has support around (roofs win over

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "collinea/base/memory.h"
-#include "collinea/base/parallel.h"
+#include "collinea/base/parallel_in_order.h"
 #include "collinea/surface/hole_filling.h"
 #include "collinea/surface/islands.h"
 #include "collinea/surface/measured_tiles.h"
@@ -129,25 +129,6 @@ void tally(const SurfaceTile& tile, DsmSummary& summary) {
   }
 }
 
-// Makes items side by side, a few at a time, and hands them on in their order.
-template <class Make, class Take>
-Result<> in_order(std::size_t count, const Run& run, double done_before, double done_after, Make&& make, Take&& take) {
-  const std::size_t at_once = std::size_t(4 * std::max(1, run.threads));
-  std::vector<Result<SurfaceTile>> made(at_once);
-  for (std::size_t begin = 0; begin < count; begin += at_once) {
-    const std::size_t end = std::min(begin + at_once, count);
-    parallel_for(run, end - begin, [&](std::size_t i) { made[i] = make(begin + i); });
-    if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-    for (std::size_t i = begin; i < end; ++i) {
-      auto& tile = made[i - begin];
-      if (!tile) return tl::unexpected(std::move(tile).error());
-      if (auto taken = take(i, std::move(*tile)); !taken) return taken;
-    }
-    run.report("surface", done_before + (done_after - done_before) * double(end) / double(count));
-  }
-  return {};
-}
-
 CellWindow widened(const CellWindow& window, int margin) {
   return {window.column - margin, window.row - margin, window.width + 2 * margin, window.height + 2 * margin};
 }
@@ -176,13 +157,14 @@ Result<> measure_all(const PointBuckets& buckets, const Islands& islands, const 
   for (std::int64_t row = floor_div(extent.north, kCells); row * kCells < extent.north + extent.height; ++row)
     for (std::int64_t column = floor_div(extent.west, kCells); column * kCells < extent.west + extent.width; ++column)
       places.emplace_back(column, row);
-  return in_order(
-      places.size(), run, 0, 0.8,
+  return parallel_in_order(
+      run, places.size(),
       [&](std::size_t i) {
         const CellWindow square{places[i].first * kCells, places[i].second * kCells, kCells, kCells};
         return measured_tile(buckets, islands, square, gridding, holes);
       },
       [&](std::size_t i, SurfaceTile tile) -> Result<> {
+        run.report("surface", 0.8 * double(i + 1) / double(places.size()));
         return tile.state.empty() ? Result<>{} : tiles.add(places[i], std::move(tile));
       });
 }
@@ -195,8 +177,8 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
     for (std::int64_t x = 0; x < extent.width; x += kTileCells)
       windows.push_back({extent.west + x, extent.north + y, int(std::min<std::int64_t>(kTileCells, extent.width - x)),
                          int(std::min<std::int64_t>(kTileCells, extent.height - y))});
-  return in_order(
-      windows.size(), run, 0.8, 1,
+  return parallel_in_order(
+      run, windows.size(),
       [&](std::size_t i) -> Result<SurfaceTile> {
         COLLINEA_TRY(const SurfaceTile measured, tiles.window(HoleFilling::with_margin(windows[i])));
         SurfaceTile tile = holes.filled(measured, windows[i]);
@@ -206,6 +188,7 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
       },
       [&](std::size_t i, const SurfaceTile& tile) {
         tally(tile, summary);
+        run.report("surface", 0.8 + 0.2 * double(i + 1) / double(windows.size()));
         return sink.take(int(windows[i].column - extent.west), int(windows[i].row - extent.north), tile);
       });
 }
@@ -214,12 +197,10 @@ Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets, cons
                     const Extent& extent, int widest_hole, const SurfaceSink& sink,
                     const std::filesystem::path& scratch, DsmSummary& summary, const Run& run) {
   const double cell_m = summary.grid.cell_m;
+  const Gridding gridding{.cell_m = cell_m, .alike_cells = kAlikePixels * std::max(0.0, cloud.gsd_m) / cell_m};
   MeasuredTiles tiles(scratch, kTileMemory);
   HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
-  if (auto measured = measure_all(buckets, islands, extent,
-                                  {cell_m, kAlikePixels * std::max(0.0, cloud.gsd_m) / cell_m}, tiles, holes, run);
-      !measured)
-    return measured;
+  if (auto measured = measure_all(buckets, islands, extent, gridding, tiles, holes, run); !measured) return measured;
   holes.prepare();
   give_back_freed_memory();
   const OrientationSigma orientation(cloud.places, {extent.west, extent.north, int(extent.width), int(extent.height)},

@@ -73,7 +73,10 @@ struct SurfaceCloud {
   PointSource points;
   const LocalFrame* frame = nullptr;  ///< of the world on the map; null: the map is the plane x, y of the world
   PointFrame point_frame = PointFrame::kWorld;  ///< does not matter without `frame`
-  double gsd_m = 0;                             ///< ground size of a pixel of the matched pictures
+  /// Ground size of a pixel of the matched pictures: says over what distance errors of points are alike, and so how
+  /// little of them many points in a cell average out; the cell, where none is asked for. 0: not known; errors are
+  /// taken as independent, and the cell has to be given.
+  double gsd_m = 0;
   std::vector<PlaceSigma> places;  ///< what images and cameras add to the sigmas of heights; none: nothing is known
 };
 

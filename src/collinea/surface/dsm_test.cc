@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 
 #include "collinea/base/random.h"
+#include "collinea/image/test_folder.h"
 #include "collinea/surface/point_buckets.h"
 
 namespace collinea {
@@ -244,6 +246,27 @@ TEST(PointBuckets, WhatWentToFilesComesBack) {
     EXPECT_EQ(heights, expected);
   }
   EXPECT_FALSE(std::filesystem::exists(scratch));
+}
+
+// A disk that is full (a link to what behaves like one), and a folder that cannot be made.
+TEST(PointBuckets, WhatCannotBeWrittenIsToldAndLeavesNothing) {
+  const TestFolder folder;
+  const std::vector<GridPoint> points(100, {1, 1, 5, 0.1f, 0});
+  std::filesystem::create_directory(folder / "full");
+  std::filesystem::create_symlink("/dev/full", folder / "full" / "points_0_0.bin");
+  {
+    PointBuckets buckets(folder / "full", 32, sizeof(GridPoint));
+    const auto added = buckets.add(points);
+    ASSERT_FALSE(added);
+    EXPECT_NE(added.error().message.find("No space left"), std::string::npos) << added.error().message;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "full"));
+  std::ofstream(folder / "file") << "no folder";
+  PointBuckets buckets(folder / "file" / "scratch", 32, sizeof(GridPoint));
+  const auto added = buckets.add(points);
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().message.find("cannot make " + (folder / "file").string()), std::string::npos)
+      << added.error().message;
 }
 
 TEST(PointBuckets, HoldNoMoreOfManyPointsThanOfFew) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -185,8 +186,7 @@ class Terrain {
   Result<> keep_ground() {
     const Raster<std::uint8_t> ground = ground_cells(low_m_, cell_m_, options_.largest_object_m, run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
-    if (std::none_of(ground.data.begin(), ground.data.end(), [](std::uint8_t g) { return g != 0; }))
-      return fail(Errc::kIllPosed, "nothing in the surface model is ground");
+    if (std::none_of(ground.data.begin(), ground.data.end(), [](std::uint8_t g) { return g != 0; })) return no_ground();
     for (std::size_t i = 0; i < ground.data.size(); ++i)
       if (!ground.data[i]) low_m_.data[i] = kNaN;
     return {};
@@ -195,11 +195,7 @@ class Terrain {
   // The ground as far as coarse cells tell it, and how much higher what belongs to it may be.
   Result<> find_ground() {
     if (auto kept = keep_ground(); !kept) return kept;
-    HeightLevel level = level_of(std::exchange(low_m_, {}), cell_m_);
-    fill_all(level);
-    FloatImage ground_m = std::move(level.height_m);
-    level = HeightLevel();
-    ground_ = GroundSurface(coarse_grid(), std::move(ground_m));
+    ground_ = GroundSurface(coarse_grid(), filled(std::exchange(low_m_, {}), cell_m_));
     return {};
   }
 
@@ -208,6 +204,8 @@ class Terrain {
                                 double(piece.height_m.at(x, y)), double(piece.sigma_m.at(x, y)));
   }
 
+  static tl::unexpected<Error> no_ground() { return fail(Errc::kIllPosed, "nothing in the surface model is ground"); }
+
   // Means of the ground in coarse cells, continued where there is none.
   Result<> average() {
     mean_ = HeightLevel(0, 0, coarse_width_, coarse_height_, cell_m_, 0);
@@ -215,13 +213,24 @@ class Terrain {
       for_coarse_columns(piece, [&](int u) { average_cell(piece, u, v); });
     });
     if (!done) return done;
-    if (std::none_of(mean_.weight.data.begin(), mean_.weight.data.end(), [](float w) { return w > 0; }))
-      return fail(Errc::kIllPosed, "nothing in the surface model is ground");
+    const auto usual = usual_sigma_m();
+    if (!usual) return no_ground();
+    usual_sigma_m_ = *usual;
     fill_all(mean_);
     mean_.weight = FloatImage();
     covered_ = Raster<std::uint8_t>(coarse_width_, coarse_height_);
     give_back_freed_memory();
     return {};
+  }
+
+  // Of the means before they are continued, the median: some that are known badly do not change it.
+  [[nodiscard]] std::optional<double> usual_sigma_m() const {
+    std::vector<float> sigmas;
+    sigmas.reserve(mean_.weight.data.size());
+    for (std::size_t i = 0; i < mean_.weight.data.size(); ++i)
+      if (mean_.weight.data[i] > 0) sigmas.push_back(mean_.sigma_m.data[i]);
+    if (sigmas.empty()) return std::nullopt;
+    return double(median(sigmas));
   }
 
   void average_cell(const Piece& piece, int u, int v) {
@@ -308,7 +317,6 @@ class Terrain {
         if (auto read = read_sigmas(piece); !read) return read;
         COLLINEA_TRY(const FloatImage added_variance, read_added_variance(piece));
         parallel_for(run_, std::size_t(piece.state.height), [&](std::size_t y) { make_terrain(piece, int(y)); });
-        if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
         tally(piece, added_variance);
         auto written = height.write(column, row, piece.height_m)
                            .and_then([&] { return relative.write(column, row, piece.sigma_m); })
@@ -317,8 +325,8 @@ class Terrain {
         if (!written) return written;
         const double done = row + piece.state.height * double(column + piece.state.width) / grid.width;
         run_.report("terrain", 0.6 + 0.4 * done / grid.height);
+        if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");  // the piece may be made in part
       }
-    if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
     if (summary_.ground_cells > 0)
       for (double* mean : {&summary_.mean_sigma_m, &summary_.mean_sigma_relative_m})
         *mean = std::sqrt(*mean / double(summary_.ground_cells));
@@ -338,7 +346,7 @@ class Terrain {
     if (heights.empty()) return 0;
     const double highest_m = double(quantile(heights, 1 - kStrayShare)),
                  relief_m = highest_m - double(quantile(heights, kStrayShare));
-    const double least_m = std::max(relief_m / kContoursOverRelief, kContourSigmas * summary_.mean_sigma_relative_m);
+    const double least_m = std::max(relief_m / kContoursOverRelief, kContourSigmas * usual_sigma_m_);
     if (!(least_m > 0)) return 0;
     const double unit_m = std::pow(10.0, std::floor(std::log10(least_m)));
     for (const double times : {1, 2, 5})
@@ -416,6 +424,7 @@ class Terrain {
   FloatImage low_m_;              // low heights of coarse cells
   GroundSurface ground_;          // that they tell, everywhere
   HeightLevel mean_;              // of the ground
+  double usual_sigma_m_ = 0;      // of these, relative
   Raster<std::uint8_t> covered_;  // by the surface model
 };
 

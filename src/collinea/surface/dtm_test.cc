@@ -139,6 +139,19 @@ TEST_F(DtmOfAHouse, AnErrorOfTheWholeSurveyMakesNoGround) {
     }
 }
 
+// Contours keep three sigmas of a usual cell apart, whatever those of a hundredth are.
+TEST_F(DtmOfAHouse, AFewBadlyKnownCellsDoNotSpreadTheContours) {
+  const auto interval_m = [&](float sigma_m, int from_row, int from_column) {
+    FloatImage sigma = heights_of(dsm_.sigma_relative);
+    for (int y = from_row; y < kHeight; ++y)
+      for (int x = from_column; x < kWidth; ++x) sigma.at(x, y) = sigma_m;
+    write<float>(dsm_.sigma_relative, GeoTiffReader::open(dsm_.height)->grid(), sigma);
+    return build_dtm(dsm_, files("dtm"), {}, {}).value().summary.contour_m;
+  };
+  EXPECT_EQ(interval_m(5, 500, 660), 0.5);
+  EXPECT_EQ(interval_m(0.5f, 60, 0), 2);
+}
+
 TEST_F(DtmOfAHouse, ThreadsDoNotMatter) {
   collinea::Run three;
   three.threads = 3;

@@ -15,6 +15,7 @@ static_assert(sizeof(GridPoint) == 32);
 
 constexpr int kReachCells = 2;
 static_assert(kReachCells >= kCellReach);
+constexpr int kBandRows = 64;
 
 // Points sorted by cell, and within a cell by height, so that sums do not depend on the order in which they came.
 struct SortedPoints {

@@ -41,11 +41,10 @@ struct Gridding {
 using PointsOf = std::function<Result<std::vector<GridPoint>>(const CellWindow& window)>;
 
 /// The measured surface in a window: CellFit for every cell, then specks removed. Without any point in the window and
-/// its margin: no rasters. Points are asked for in bands of kBandRows rows and a few more, which are all that is in
-/// memory of them. The result is the same, bit for bit, for every order of the points and for every way to cut the
+/// its margin: no rasters. Points are asked for in bands of 64 rows and a few more, which are all that is in memory of
+/// them. The result is the same, bit for bit, for every order of the points and for every way to cut the
 /// raster into windows. Errors: those of `points_of`.
 [[nodiscard]] Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& window,
                                                  const Gridding& gridding);
-constexpr int kBandRows = 64;
 
 }  // namespace collinea

@@ -75,13 +75,6 @@ FloatImage best_around(FloatImage heights, int r, const Run& run) {
   return heights;
 }
 
-// Places where nothing is known continue the lowest surface around them.
-FloatImage without_gaps(const FloatImage& low_m, double cell_m) {
-  HeightLevel level = level_of(low_m, cell_m);
-  fill_all(level);
-  return std::move(level.height_m);
-}
-
 // Heights far below all around them are raised to the lowest of these, and marked.
 void raise_pits(FloatImage& surface, double cell_m, Mask& taken, const Run& run) {
   const FloatImage closed = smallest_around(largest_around(surface, 1, run), 1, run);
@@ -164,7 +157,7 @@ FloatImage largest_around(FloatImage heights, int radius, const Run& run) {
 }
 
 Mask ground_cells(const FloatImage& low_m, double cell_m, double largest_object_m, const Run& run) {
-  FloatImage surface = without_gaps(low_m, cell_m);
+  FloatImage surface = filled(low_m, cell_m);
   Mask pits(low_m.width, low_m.height), taken = pits;
   raise_pits(surface, cell_m, pits, run);
   take_objects(std::move(surface), cell_m, largest_object_m, taken, run);

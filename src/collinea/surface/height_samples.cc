@@ -2,7 +2,6 @@
 #include "collinea/surface/height_samples.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "collinea/io/file.h"

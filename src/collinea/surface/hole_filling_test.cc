@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 
 #include "collinea/base/random.h"
+#include "collinea/image/test_folder.h"
 #include "collinea/surface/measured_tiles.h"
 
 namespace collinea {
@@ -252,6 +254,16 @@ TEST(MeasuredTiles, WhatWentToFilesComesBack) {
     EXPECT_EQ(found->count.data, expected.count.data);
   }
   EXPECT_FALSE(std::filesystem::exists(scratch));
+}
+
+TEST(MeasuredTiles, AFolderThatCannotBeMadeIsNamed) {
+  const TestFolder folder;
+  std::ofstream(folder / "file") << "no folder";
+  MeasuredTiles tiles(folder / "file" / "scratch", 0);
+  const auto added = tiles.add({0, 0}, SurfaceTile(MeasuredTiles::kCells, MeasuredTiles::kCells));
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().message.find("cannot make " + (folder / "file").string()), std::string::npos)
+      << added.error().message;
 }
 
 }  // namespace

@@ -75,7 +75,6 @@ MeasuredTiles::~MeasuredTiles() {
   std::error_code ignored;
   for (const auto& [place, tile] : tiles_)
     if (tile.state.empty()) std::filesystem::remove(file_of(place), ignored);
-  if (made_scratch_) std::filesystem::remove(scratch_, ignored);  // stays when others use it too
 }
 
 std::filesystem::path MeasuredTiles::file_of(const Place& place) const {
@@ -89,12 +88,11 @@ Result<> MeasuredTiles::add(const Place& place, SurfaceTile tile) {
     tiles_.emplace(place, std::move(tile));
     return {};
   }
-  std::error_code error;
-  made_scratch_ |= std::filesystem::create_directories(scratch_, error);
+  if (auto made = scratch_.make(); !made) return made;
   tiles_.emplace(place, SurfaceTile());
   std::ofstream file(file_of(place), std::ios::binary);
   each_raster(tile, [&](const auto& raster) { write(file, raster); });
-  if (!file.flush()) return fail(Errc::kBadInput, "cannot write " + file_of(place).string() + ": is the disk full?");
+  if (!file.flush()) return cannot_write(file_of(place));
   return {};
 }
 

@@ -8,6 +8,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/surface/gridding.h"
+#include "collinea/surface/scratch_folder.h"
 
 namespace collinea {
 
@@ -33,9 +34,8 @@ class MeasuredTiles {
  private:
   [[nodiscard]] std::filesystem::path file_of(const Place& place) const;
 
-  std::filesystem::path scratch_;
+  ScratchFolder scratch_;
   std::size_t memory_bytes_, held_ = 0;
-  bool made_scratch_ = false;
   std::map<Place, SurfaceTile> tiles_;  // without rasters: in a file
 };
 

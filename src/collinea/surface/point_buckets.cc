@@ -27,7 +27,6 @@ PointBuckets::~PointBuckets() {
   std::error_code ignored;
   for (const auto& [place, bucket] : buckets_)
     if (!bucket.in_file.empty()) std::filesystem::remove(file_of(place), ignored);
-  if (made_scratch_) std::filesystem::remove(scratch_, ignored);  // stays when others use it too
 }
 
 std::filesystem::path PointBuckets::file_of(const Place& place) const {
@@ -70,17 +69,16 @@ PointBuckets::Piece PointBuckets::sort_into_bands(const Place& place, std::vecto
 }
 
 Result<> PointBuckets::spill() {
-  std::error_code error;
-  made_scratch_ |= std::filesystem::create_directories(scratch_, error);
+  if (auto made = scratch_.make(); !made) return made;
   for (auto& [place, bucket] : buckets_) {
     if (bucket.in_memory.empty()) continue;
     std::ofstream file(file_of(place), bucket.in_file.empty() ? std::ios::binary : std::ios::binary | std::ios::app);
     Piece piece = sort_into_bands(place, bucket.in_memory);
     if (!bucket.in_file.empty()) piece.first = bucket.in_file.back().first + bucket.in_file.back().begin.back();
+    bucket.in_file.push_back(piece);  // a file that breaks off is removed, too
     file.write(reinterpret_cast<const char*>(bucket.in_memory.data()),
                std::streamsize(bucket.in_memory.size() * sizeof(GridPoint)));
-    if (!file.flush()) return fail(Errc::kBadInput, "cannot write " + file_of(place).string() + ": is the disk full?");
-    bucket.in_file.push_back(piece);
+    if (!file.flush()) return cannot_write(file_of(place));
     std::vector<GridPoint>().swap(bucket.in_memory);  // "= {}" would keep the memory
   }
   held_ = 0;

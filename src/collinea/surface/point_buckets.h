@@ -11,6 +11,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/surface/gridding.h"
+#include "collinea/surface/scratch_folder.h"
 
 namespace collinea {
 
@@ -59,10 +60,9 @@ class PointBuckets {
   Result<> read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window,
                        std::vector<GridPoint>& to) const;
 
-  std::filesystem::path scratch_;
+  ScratchFolder scratch_;
   int cells_;
   std::size_t memory_bytes_, held_ = 0;  // the second: points there is room for
-  bool made_scratch_ = false;
   std::map<Place, Bucket> buckets_;
 };
 

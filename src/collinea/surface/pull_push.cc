@@ -189,4 +189,10 @@ void fill_all(HeightLevel& finest) {
   fill_from(next, finest);
 }
 
+FloatImage filled(FloatImage heights_m, double cell_m) {
+  HeightLevel level = level_of(std::move(heights_m), cell_m);
+  fill_all(level);
+  return std::move(level.height_m);
+}
+
 }  // namespace collinea

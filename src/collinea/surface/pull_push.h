@@ -39,4 +39,8 @@ constexpr int kSmoothings = 3;
 /// memory.
 void fill_all(HeightLevel& finest);
 
+/// A whole raster of heights that count as exact, with heights in place of NaN: the lowest surface around goes on.
+/// kNoHeight when there is none at all. Memory: 16 bytes for each cell, the heights themselves with them.
+[[nodiscard]] FloatImage filled(FloatImage heights_m, double cell_m);
+
 }  // namespace collinea

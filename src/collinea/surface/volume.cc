@@ -4,12 +4,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
+#include <string>
+#include <system_error>
 
 #include "collinea/base/parallel.h"
 #include "collinea/geometry/polygon.h"
 #include "collinea/image/geotiff.h"
+#include "collinea/io/text.h"
 
 namespace collinea {
 namespace {
@@ -18,13 +20,16 @@ constexpr double kMostCells = 1e8;
 constexpr double kCorrelatedCells = 3;
 constexpr int kLines = 16;    // across a cell, along each of which the border is met exactly
 constexpr double kReach = 3;  // correlation lengths beyond which nothing is alike
+// Of the whole variance: a smaller common part is rounding by more than a twentieth, since standard deviations are
+// rounded to floats, in files and where they are made.
+constexpr double kLeastCommon = 80 * std::numeric_limits<float>::epsilon();
 
 /// The part of a raster that an area touches, with the part of every cell that is inside.
 struct Window {
   MapGrid grid;
   int column = 0, row = 0;
   FloatImage inside, height_m, sigma_m;  // relative
-  FloatImage common_m;                   // standard deviation of what neighbours have in common, beside sigma_m
+  FloatImage common_m;  // standard deviation of what neighbours have in common, beside sigma_m; NaN: not known
 };
 
 // What heights are measured from.
@@ -32,10 +37,11 @@ struct Base {
   FloatImage height_m, sigma_m, common_m;
 };
 
-// Of a standard deviation what is beyond the relative one; NaN where one is not known.
-float common_part(float sigma_m, float relative_m) {
-  const float variance = sigma_m * sigma_m - relative_m * relative_m;
-  return variance < 0 ? 0 : std::sqrt(variance);
+// Of a standard deviation what is beyond the relative one; NaN where one is not known, or drowns it.
+float common_part(double sigma_m, double relative_m) {
+  const double variance = sigma_m * sigma_m - relative_m * relative_m;
+  return variance > kLeastCommon * sigma_m * sigma_m ? float(std::sqrt(variance))
+                                                     : std::numeric_limits<float>::quiet_NaN();
 }
 
 // Of every cell the part inside, by lines through it.
@@ -91,7 +97,7 @@ Result<Window> window_of(const SurfaceFiles& surface, const std::optional<MapAre
   COLLINEA_TRY(window.sigma_m,
                heights.relative_sigmas(window.column, window.row, window.grid.width, window.grid.height));
   for (std::size_t i = 0; i < window.sigma_m.data.size(); ++i)
-    window.common_m.data[i] = common_part(window.common_m.data[i], window.sigma_m.data[i]);
+    window.common_m.data[i] = common_part(double(window.common_m.data[i]), double(window.sigma_m.data[i]));
   return window;
 }
 
@@ -121,7 +127,23 @@ FloatImage blurred(const FloatImage& values, double length_cells, const Run& run
   return along(along(values, 1, 0), 0, 1);
 }
 
-// Whether two surfaces have in common what their orientation adds, over the area that both know.
+// The names of a surface model and of the terrain model under it, or one and the same.
+bool of_one_survey(const std::filesystem::path& surface, const std::filesystem::path& base) {
+  const auto folder_of = [](const std::filesystem::path& file) {
+    std::error_code error;
+    const auto whole = std::filesystem::absolute(file, error).parent_path();
+    const auto folder = std::filesystem::weakly_canonical(whole, error);
+    return error ? whole : folder;
+  };
+  const auto name_of = [](const std::filesystem::path& file) {
+    std::string name = lower(file.filename().string());
+    if (const auto at = name.find("dtm"); at != std::string::npos) name.replace(at, 3, "dsm");
+    return name;
+  };
+  return name_of(surface) == name_of(base) && folder_of(surface) == folder_of(base);
+}
+
+// Whether two surfaces have in common what their orientation adds, over the area of which both tell it.
 bool of_one_orientation(const Window& window, const Base& base) {
   double apart = 0, together = 0;
   for (std::size_t i = 0; i < window.common_m.data.size(); ++i) {
@@ -134,12 +156,26 @@ bool of_one_orientation(const Window& window, const Base& base) {
   return apart <= kSameOrientation * together;
 }
 
+// The sum of standard deviations that are in common; where one is not known it is the mean of the others.
+class CommonSum {
+ public:
+  void add(float sigma_m, double part_m2) {
+    if (!std::isfinite(sigma_m)) return;
+    sum_m3_ += double(sigma_m) * part_m2;
+    known_m2_ += part_m2;
+  }
+  [[nodiscard]] double over(double area_m2) const { return known_m2_ > 0 ? sum_m3_ / known_m2_ * area_m2 : 0; }
+
+ private:
+  double sum_m3_ = 0, known_m2_ = 0;
+};
+
 // Sums of differences and their standard deviation; what is not known has no part in either.
 Result<Volume> summed(const Window& window, const Base& base, const VolumeOptions& options, const Run& run) {
   const double cell_m2 = window.grid.cell_m * window.grid.cell_m;
   Volume volume;
   FloatImage errors(window.grid.width, window.grid.height);
-  double common_m3 = 0, base_common_m3 = 0;
+  CommonSum common, base_common;
   for (std::size_t i = 0; i < errors.data.size(); ++i) {
     const double part_m2 = double(window.inside.data[i]) * cell_m2;
     if (!(part_m2 > 0)) continue;
@@ -152,8 +188,8 @@ Result<Volume> summed(const Window& window, const Base& base, const VolumeOption
     (difference > 0 ? volume.above_m3 : volume.below_m3) += std::abs(difference) * part_m2;
     const double sigma_m = std::hypot(double(window.sigma_m.data[i]), double(base.sigma_m.data[i]));
     errors.data[i] = float((std::isfinite(sigma_m) ? sigma_m : options.sigma_m) * part_m2);
-    if (const auto one = double(window.common_m.data[i]); std::isfinite(one)) common_m3 += one * part_m2;
-    if (const auto one = double(base.common_m.data[i]); std::isfinite(one)) base_common_m3 += one * part_m2;
+    common.add(window.common_m.data[i], part_m2);
+    base_common.add(base.common_m.data[i], part_m2);
   }
   const double length_cells = options.correlation_m ? *options.correlation_m / window.grid.cell_m : kCorrelatedCells;
   const FloatImage alike = blurred(errors, length_cells, run);
@@ -161,7 +197,8 @@ Result<Volume> summed(const Window& window, const Base& base, const VolumeOption
   double variance = 0;
   for (std::size_t i = 0; i < errors.data.size(); ++i) variance += double(errors.data[i]) * double(alike.data[i]);
   volume.sigma_heights_m3 = std::sqrt(variance);
-  volume.sigma_shift_m3 = std::hypot(options.shift_sigma_m * volume.area_m2, common_m3, base_common_m3);
+  volume.sigma_shift_m3 =
+      std::hypot(options.shift_sigma_m * volume.area_m2, common.over(volume.area_m2), base_common.over(volume.area_m2));
   return volume;
 }
 
@@ -226,11 +263,13 @@ Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area,
   COLLINEA_TRY(Window window, window_of(surface, area, options));
   const FloatImage exact(window.grid.width, window.grid.height);
   window.common_m = exact;
+  VolumeOptions without_shift = options;
+  without_shift.shift_sigma_m = 0;
   Base base{exact, exact, exact};
   Volume plane;
   Eigen::Matrix3d covariance;
   if (auto fitted = fit_rim(window, base.height_m, plane, covariance); !fitted) return tl::unexpected(fitted.error());
-  COLLINEA_TRY(Volume volume, summed(window, base, options, run));
+  COLLINEA_TRY(Volume volume, summed(window, base, without_shift, run));
   volume.plane = plane.plane;
   volume.middle = plane.middle;
   volume.rim_rms_m = plane.rim_rms_m;
@@ -262,12 +301,15 @@ Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFil
       COLLINEA_TRY(const HeightSample one, below.at({window.grid.east_of(x + 0.5), window.grid.north_of(y + 0.5)}));
       read.height_m.at(x, y) = float(one.height_m);
       read.sigma_m.at(x, y) = float(one.sigma_relative_m);
-      read.common_m.at(x, y) = common_part(float(one.sigma_m), float(one.sigma_relative_m));
+      read.common_m.at(x, y) = common_part(one.sigma_m, one.sigma_relative_m);
     }
   }
-  const auto folder = [](const SurfaceFiles& files) { return std::filesystem::absolute(files.height).parent_path(); };
-  if (folder(surface) == folder(base) && of_one_orientation(window, read)) window.common_m = read.common_m = none;
-  return summed(window, read, options, run);
+  VolumeOptions of_both = options;
+  if (of_one_survey(surface.height, base.height) && of_one_orientation(window, read)) {
+    window.common_m = read.common_m = none;
+    of_both.shift_sigma_m = 0;
+  }
+  return summed(window, read, of_both, run);
 }
 
 }  // namespace collinea

@@ -53,13 +53,15 @@ struct Volume {
                                                const std::optional<MapArea>& area, const VolumeOptions& options,
                                                const Run& run);
 /// Over the plane that fits the surface best along the border of the area: what a heap stands on. Also an error: fewer
-/// than four cells along the border. The plane shares what the heights have in common.
+/// than four cells along the border. The plane shares what the heights have in common, shift_sigma_m too: it goes out.
 [[nodiscard]] Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area,
                                              const VolumeOptions& options, const Run& run);
-/// Over another surface, read between its cells; errors of the two are independent but for the shift, and for what
-/// those of one orientation have in common: a surface and the terrain under it, known by lying in one folder and having
-/// the same part in common within kSameOrientation of its variance.
+/// A surface and the terrain under it are of one orientation when they have the same part in common within this share
+/// of its variance.
 constexpr double kSameOrientation = 0.01;
+/// Over another surface, read between its cells. Errors of the two are independent but for the shift. Only of the
+/// surface and the terrain of one survey it goes out, with all that they have in common: two files of one folder whose
+/// names differ in nothing but dsm and dtm, and of one orientation (kSameOrientation).
 [[nodiscard]] Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFiles& base,
                                                  const std::optional<MapArea>& area, const VolumeOptions& options,
                                                  const Run& run);

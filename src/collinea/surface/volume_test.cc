@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr double kCell = 0.25, kWest = 5000, kNorth = 7000;
 constexpr int kWidth = 240, kHeight = 200;  // 60 x 50 m
 constexpr float kNothing = -9999;
+constexpr double kRelative = 0.03, kCommon = 0.4;  // standard deviations [m]
 
 using Shape = std::function<double(double east, double north)>;  // from the south-western corner [m]
 
@@ -45,6 +46,20 @@ class VolumeOf : public ::testing::Test {
       EXPECT_TRUE(writer && writer->write(0, 0, *raster) && writer->finish());
     }
     return files;
+  }
+  SurfaceFiles with_relative(const std::string& name, const FloatImage& heights, const FloatImage& all,
+                             const FloatImage& relative) {
+    SurfaceFiles files = written(name, heights, all, kCell);
+    files.sigma_relative = written(name + "_of", heights, relative, kCell).sigma;
+    return files;
+  }
+  // A level one whose heights err by kRelative, and in common.
+  SurfaceFiles with_common(const std::string& name, double height_m, double common_m = kCommon, bool hole = false) {
+    FloatImage heights(kWidth, kHeight, 1, float(height_m)), sigmas(kWidth, kHeight, 1, float(kRelative)),
+        all(kWidth, kHeight, 1, float(std::hypot(kRelative, common_m)));
+    for (int y = kHeight / 2; hole && y < kHeight; ++y)
+      for (int x = 0; x < kWidth / 4; ++x) heights.at(x, y) = sigmas.at(x, y) = all.at(x, y) = kNothing;
+    return with_relative(name, heights, all, sigmas);
   }
   // In metres from the south-western corner.
   static MapArea rectangle(double west, double south, double east, double north) {
@@ -163,18 +178,8 @@ TEST_F(VolumeOf, IndependentErrorsAddUpInSquares) {
 
 // What the orientation adds lifts the area as a whole; what is measured from the surface itself does not see it.
 TEST_F(VolumeOf, WhatHeightsHaveInCommonIsNoNoise) {
-  constexpr double kRelative = 0.03, kCommon = 0.4;
-  const auto with_common = [&](const std::string& name, double height_m, double common_m, bool hole = false) {
-    FloatImage heights(kWidth, kHeight, 1, float(height_m)), sigmas(kWidth, kHeight, 1, float(kRelative)),
-        all(kWidth, kHeight, 1, float(std::hypot(kRelative, common_m)));
-    for (int y = kHeight / 2; hole && y < kHeight; ++y)
-      for (int x = 0; x < kWidth / 4; ++x) heights.at(x, y) = sigmas.at(x, y) = all.at(x, y) = kNothing;
-    SurfaceFiles files = written(name, heights, all, kCell);
-    files.sigma_relative = written(name + "_of", heights, sigmas, kCell).sigma;
-    return files;
-  };
   const MapArea area = rectangle(10, 10, 30, 25);
-  const SurfaceFiles level = with_common("level", 105, kCommon);
+  const SurfaceFiles level = with_common("dsm", 105);
   const auto plain = surface(
       "plain", [](double, double) { return 105.0; }, kRelative);
   const double by_heights = volume_over_level(plain, 102, area, {}, run_).value().sigma_heights_m3;
@@ -183,23 +188,68 @@ TEST_F(VolumeOf, WhatHeightsHaveInCommonIsNoNoise) {
   const Volume over_level = volume_over_level(level, 102, area, options, run_).value();
   EXPECT_NEAR(over_level.sigma_heights_m3, by_heights, 1e-4 * by_heights);
   EXPECT_NEAR(over_level.sigma_shift_m3, 0.5 * 300, 1e-3);
-  EXPECT_EQ(volume_over_rim(level, area, {}, run_).value().sigma_shift_m3, 0);
+  EXPECT_EQ(volume_over_rim(level, area, options, run_).value().sigma_shift_m3, 0);
   // The same orientation, whatever the form of the area and also beside a hole; and another one.
-  const Volume over_own = volume_over_surface(level, with_common("own", 101, kCommon), area, {}, run_).value();
+  const Volume over_own = volume_over_surface(level, with_common("dtm", 101), area, options, run_).value();
   EXPECT_EQ(over_own.sigma_shift_m3, 0);
   EXPECT_NEAR(over_own.sigma_heights_m3, std::sqrt(2.0) * by_heights, 1e-4 * by_heights);
   const MapArea triangle = {area[0], area[1], area[2]};
-  EXPECT_EQ(volume_over_surface(level, with_common("own", 101, kCommon), triangle, {}, run_)->sigma_shift_m3, 0);
-  const Volume beside_hole = volume_over_surface(level, with_common("own", 101, kCommon, true), area, {}, run_).value();
+  EXPECT_EQ(volume_over_surface(level, with_common("dtm", 101), triangle, {}, run_)->sigma_shift_m3, 0);
+  const Volume beside_hole = volume_over_surface(level, with_common("dtm", 101, kCommon, true), area, {}, run_).value();
   EXPECT_GT(beside_hole.missing_m2, 50);
   EXPECT_EQ(beside_hole.sigma_shift_m3, 0);
-  const Volume over_other = volume_over_surface(level, with_common("other", 101, 0.3), area, {}, run_).value();
+  const Volume over_other = volume_over_surface(level, with_common("dtm", 101, 0.3), area, {}, run_).value();
   EXPECT_NEAR(over_other.sigma_shift_m3, 0.5 * 300, 1e-3);
-  // Two surveys may be of one precision.
+}
+
+TEST_F(VolumeOf, TwoSurveysOfOnePrecisionAreTwoAlsoInOneFolder) {
+  const MapArea area = rectangle(10, 10, 30, 25);
   fs::create_directory(folder_ / "later");
-  const Volume over_later =
-      volume_over_surface(level, with_common("later/level", 101, kCommon), area, {}, run_).value();
-  EXPECT_NEAR(over_later.sigma_shift_m3, std::sqrt(2.0) * kCommon * 300, 1e-3);
+  const auto shift_m3 = [&](const std::string& name, const std::string& base) {
+    return volume_over_surface(with_common(name, 105), with_common(base, 101), area, {}, run_)->sigma_shift_m3;
+  };
+  for (const auto& [name, base] :
+       {std::pair("dsm", "later/dtm"), {"dsm", "epoch2"}, {"dsm_may", "dtm_june"}, {"may", "june"}})
+    EXPECT_NEAR(shift_m3(name, base), std::sqrt(2.0) * kCommon * 300, 1e-3) << base;
+  for (const auto& [name, base] : {std::pair("dsm", "dtm"), {"dsm_may", "dtm_may"}, {"may_DTM", "may_DSM"}})
+    EXPECT_EQ(shift_m3(name, base), 0) << base;
+}
+
+TEST_F(VolumeOf, AFolderIsTheSameHoweverItIsNamed) {
+  const MapArea area = rectangle(10, 10, 30, 25);
+  const SurfaceFiles level = with_common("dsm", 105);
+  SurfaceFiles below = with_common("dtm", 101);
+  fs::create_directory(folder_ / "other");
+  fs::create_directory_symlink(folder_ / "", folder_ / "link");
+  for (const char* folder : {"./", "other/../", "link/"}) {
+    below.height = folder_ / (folder + std::string("dtm.tif"));
+    EXPECT_EQ(volume_over_surface(level, below, area, {}, run_).value().sigma_shift_m3, 0) << below.height;
+  }
+}
+
+// Terrain far from any ground that was seen is known to metres: of the squares of two floats like that nothing is left
+// that tells a common part of millimetres.
+TEST_F(VolumeOf, ACommonPartThatRoundingDrownsIsThatOfTheOthers) {
+  constexpr double kSmall = 0.005;
+  const MapArea area = rectangle(10, 10, 26, 26);
+  const auto known_to = [&](const std::string& name, double height_m, double west_m, double east_m) {
+    FloatImage heights(kWidth, kHeight, 1, float(height_m)), sigmas = heights, all = heights;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const double relative_m = x * kCell < 18 ? west_m : east_m * (1 + 0.001 * x);
+        sigmas.at(x, y) = float(relative_m);
+        all.at(x, y) = std::sqrt(float(relative_m) * float(relative_m) + float(kSmall * kSmall));
+      }
+    return with_relative(name, heights, all, sigmas);
+  };
+  fs::create_directory(folder_ / "later");
+  const SurfaceFiles level = known_to("dsm", 105, 0.02, 0.02);
+  for (const auto& [west_m, east_m] : {std::pair(0.02, 10.3), {10.3, 10.3}}) {
+    const Volume own = volume_over_surface(level, known_to("dtm", 101, west_m, east_m), area, {}, run_).value();
+    EXPECT_EQ(own.sigma_shift_m3, 0) << west_m;
+  }
+  const Volume later = volume_over_surface(level, known_to("later/dtm", 101, 0.02, 10.3), area, {}, run_).value();
+  EXPECT_NEAR(later.sigma_shift_m3, std::sqrt(2.0) * kSmall * 256, 1e-3 * 256 * kSmall);
 }
 
 TEST_F(VolumeOf, MistakesAreNamed) {

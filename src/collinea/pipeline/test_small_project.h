@@ -14,7 +14,7 @@
 
 namespace collinea {
 
-/// The lines of a run that start with the name of a step.
+/// What a run says, and so which steps it has done.
 struct Log {
   std::vector<std::string> lines;
 
