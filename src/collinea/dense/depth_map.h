@@ -66,8 +66,11 @@ struct DenseOptions {
     visit(Field{"max_reprojection_px", &O::max_reprojection_px, "px",
                 "largest disagreement of two depth maps, as parallax", 0.01, 20});
     visit(Field{"max_sigmas", &O::max_sigmas, "1", "the same, in standard deviations of the two depths", 1, 100});
-    visit(Field{"memory_mb", &O::memory_mb, "MB",
-                "for pictures or depth maps kept at hand, and as much as half of it for matching costs", 10, 1e6});
+    visit(Field{
+        "memory_mb", &O::memory_mb, "MB",
+        "half of it for pictures kept at hand and half for matching costs (39 MB a thread, if that is more); then all "
+        "of it for depth maps",
+        10, 1e6});
     visit(Field{"cloud", &O::cloud, "",
                 "form of the cloud in the map: las; laz (a sixth of the size, no loss); or copc (laz sorted into an "
                 "octree, of which viewers load what they show)"});

@@ -292,8 +292,8 @@ FloatImage surface_by(const std::vector<View>& views) {
   const GreyImage picture = random_picture(64, 64, 11);
   Level level = level_of(picture);
   level.views = views;
-  SharedRoom volumes(usual_volume());
-  return match_level(level, labels_around_plane(64, 64, level.step, 0.1f, 0, 0, -8, 8), volumes, {});
+  SharedRoom costs(usual_bytes_to_match());
+  return match_level(level, labels_around_plane(64, 64, level.step, 0.1f, 0, 0, -8, 8), costs, {});
 }
 
 // Rays meet at 0.1 rad, twice, and at 0.7 rad.

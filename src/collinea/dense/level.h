@@ -19,7 +19,10 @@ struct View {
   Eigen::Vector3f centre_in_cam = Eigen::Vector3f::Zero();  ///< of projection, in the reference camera
 };
 
-/// A picture and its neighbours at one level of the pyramid.
+/// A picture and its neighbours at one level of the pyramid. Its views are in one of three states:
+/// all have quads: for match_level() and refine();
+/// all have empty ones: an outline, for what asks for geometry and step alone (quads take most of a level's memory);
+/// there are none any more: a level that has been measured, for what looks at its picture and step.
 struct Level {
   const GreyImage* picture = nullptr;
   std::vector<View> views;
@@ -42,12 +45,12 @@ void place_views(const Level& level, float low, float high, CellScene& scene);
 /// Multi-view matching of the whole picture: census costs (Zabih and Woodfill 1994, opposite pixels compared), the
 /// better half of the views (Kang et al. 2001), semi-global aggregation in tiles, best label. Inverse depth per pixel;
 /// NaN where the picture is empty; everything else gets a value, right or wrong. Result is not to be used when
-/// run.stopped(). Costs of all labels of a tile are in memory together: these volumes are taken from `volumes`.
-[[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, SharedRoom& volumes, const Run& run);
+/// run.stopped(). Costs of all labels of a tile are in memory together: what they take is taken from `costs`.
+[[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, SharedRoom& costs, const Run& run);
 
 /// The bytes a tile takes where the coarser level is smooth, as it is of most ground: 39 MB. At most it is twelve times
 /// that.
-[[nodiscard]] std::size_t usual_volume();
+[[nodiscard]] std::size_t usual_bytes_to_match();
 
 /// The surface measured again, pixel by pixel, by correlation of windows that follow it (7 x 7).
 struct Refined {

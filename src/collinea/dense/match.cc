@@ -126,8 +126,8 @@ int level_offset(const Camera& reference, const Camera& camera, const Rigid3& fr
 
 class Matching {
  public:
-  Matching(const DenseOptions& options, SharedRoom& volumes, const Run& run)
-      : options_(options), volumes_(volumes), run_(run) {}
+  Matching(const DenseOptions& options, SharedRoom& costs, const Run& run)
+      : options_(options), costs_(costs), run_(run) {}
 
   Result<> prepare(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures) {
     const std::string& file = block.images.at(image).file;
@@ -200,7 +200,7 @@ class Matching {
     for (int l = from; l >= to; --l) {
       const Level level = level_at(l);
       const Labels labels = surface.empty() ? start_labels(level, l) : next_labels(surface, level);
-      surface = dense::match_level(level, labels, volumes_, run_);
+      surface = dense::match_level(level, labels, costs_, run_);
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       if (surfaces && l < kMeasuredLevels) (*surfaces)[std::size_t(l)] = surface;
     }
@@ -388,7 +388,7 @@ class Matching {
   static constexpr float kMuchBetter = 0.6f;
   static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;
-  SharedRoom& volumes_;
+  SharedRoom& costs_;
   const Run& run_;
   std::shared_ptr<const WorkingPicture> reference_;
   std::vector<Sounding> soundings_;
@@ -397,11 +397,11 @@ class Matching {
 };
 
 Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
-                          const DenseOptions& options, const Run& run) {
+                          SharedRoom& costs, const DenseOptions& options, const Run& run) {
   if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
   if (!block.cam_from_world.count(image))
     return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
-  Matching matching(options, pictures.volumes(), run);
+  Matching matching(options, costs, run);
   if (auto ready = matching.prepare(block, image, ties, pictures); !ready)
     return tl::unexpected(std::move(ready).error());
   return matching;
@@ -409,15 +409,20 @@ Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties
 
 }  // namespace
 
+SharedRoom room_for_costs(const DenseOptions& options, int at_once) {
+  return SharedRoom(std::max(std::size_t(options.memory_mb * 1e6 / 2),
+                             std::size_t(std::max(1, at_once)) * dense::usual_bytes_to_match()));
+}
+
 Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
-                          const DenseOptions& options, const Run& run) {
-  COLLINEA_TRY(const Matching matching, prepared(block, image, ties, pictures, options, run));
+                          SharedRoom& costs, const DenseOptions& options, const Run& run) {
+  COLLINEA_TRY(const Matching matching, prepared(block, image, ties, pictures, costs, options, run));
   return matching.overview();
 }
 
 Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
-                           DepthStore* overviews, const DenseOptions& options, const Run& run) {
-  COLLINEA_TRY(Matching matching, prepared(block, image, ties, pictures, options, run));
+                           SharedRoom& costs, DepthStore* overviews, const DenseOptions& options, const Run& run) {
+  COLLINEA_TRY(Matching matching, prepared(block, image, ties, pictures, costs, options, run));
   FloatImage agreed;
   if (overviews && overviews->has(image)) {
     COLLINEA_TRY(agreed, matching.agreed_overview(block, image, ties, *overviews));
@@ -429,7 +434,8 @@ Result<DepthMap> depth_map(const Block& block, ImageId image, const PixelSource&
                            const Run& run) {
   const TieView ties(block);
   WorkingPictures pictures(block, pixels, options);
-  return depth_map(block, image, ties, pictures, nullptr, options, run);
+  SharedRoom costs = room_for_costs(options, 1);
+  return depth_map(block, image, ties, pictures, costs, nullptr, options, run);
 }
 
 }  // namespace collinea

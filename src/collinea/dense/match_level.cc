@@ -123,9 +123,9 @@ void take_winners(const Level& level, const Labels& labels, const Volume& volume
 }
 
 void match_tile(const Level& level, const Labels& labels, const Smoothness& smoothness, const CellRange& tile,
-                SharedRoom& volumes, const Run& run, FloatImage& result) {
+                SharedRoom& costs, const Run& run, FloatImage& result) {
   const CellRange range = widened(tile, labels);
-  const SharedRoom::Part part = volumes.take(bytes_to_match(labels, range));
+  const SharedRoom::Part part = costs.take(bytes_to_match(labels, range));
   if (run.stopped()) return;
   Volume volume = volume_for(labels, range);
   const auto scratch = std::make_unique<CostScratch>();
@@ -162,13 +162,13 @@ void place_views(const Level& level, float low, float high, CellScene& scene) {
   }
 }
 
-std::size_t usual_volume() {
+std::size_t usual_bytes_to_match() {
   constexpr std::size_t kCells = kTileCells + 2 * kTileOverlap;
   constexpr std::size_t kStride = kStrideUnit;  // 14 labels, or fewer
   return kCells * kCells * kCellPixels * kStride * (sizeof(std::uint8_t) + sizeof(std::uint16_t));
 }
 
-FloatImage match_level(const Level& level, const Labels& labels, SharedRoom& volumes, const Run& run) {
+FloatImage match_level(const Level& level, const Labels& labels, SharedRoom& costs, const Run& run) {
   FloatImage result(labels.width, labels.height, 1, std::numeric_limits<float>::quiet_NaN());
   const Smoothness smoothness = smoothness_for(*level.picture);
   const int across = (labels.columns + kTileCells - 1) / kTileCells, down = (labels.rows + kTileCells - 1) / kTileCells;
@@ -176,7 +176,7 @@ FloatImage match_level(const Level& level, const Labels& labels, SharedRoom& vol
     const int column = int(i) % across, row = int(i) / across;
     const CellRange tile{labels.columns * column / across, labels.rows * row / down,
                          labels.columns * (column + 1) / across, labels.rows * (row + 1) / down};
-    match_tile(level, labels, smoothness, tile, volumes, run, result);
+    match_tile(level, labels, smoothness, tile, costs, run, result);
   });
   return result;
 }

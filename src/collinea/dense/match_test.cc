@@ -154,7 +154,8 @@ TEST(Overview, OfALongStripIsTheSmallestPictureThereIs) {
   const TieView ties(scene.block);
   const PixelSource pixels = scene.pixels();
   WorkingPictures pictures(scene.block, pixels, {});
-  const auto map = overview(scene.block, kFirst, ties, pictures, {}, {});
+  SharedRoom costs = room_for_costs({}, 1);
+  const auto map = overview(scene.block, kFirst, ties, pictures, costs, {}, {});
   ASSERT_TRUE(map) << map.error().message;
   EXPECT_EQ(map->depth.width, 750);
   EXPECT_EQ(map->depth.height, 50);

@@ -4,15 +4,12 @@
 #include <algorithm>
 
 #include "collinea/dense/epipolar_pair.h"
-#include "collinea/dense/level.h"
 
 namespace collinea {
 namespace {
 
 constexpr double kDefaultPixels = 3.2e6;
 constexpr int kSmallestSide = 40;  // of the coarsest level kept
-
-std::size_t half_of_memory(const DenseOptions& options) { return std::size_t(options.memory_mb * 1e6 / 2); }
 
 bool is_ideal(const Camera& camera) {
   return !is_fisheye(camera.model) &&
@@ -97,11 +94,8 @@ GreyImage halved(const GreyImage& picture) {
   return half;
 }
 
-WorkingPictures::WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options, int at_once)
-    : block_(block),
-      pixels_(std::move(pixels)),
-      options_(options),
-      volumes_(std::max(half_of_memory(options), std::size_t(std::max(1, at_once)) * dense::usual_volume())) {}
+WorkingPictures::WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options)
+    : block_(block), pixels_(std::move(pixels)), options_(options) {}
 
 Result<Camera> WorkingPictures::camera(ImageId image) const {
   const Camera& original = block_.camera_of(image);
@@ -161,7 +155,7 @@ void WorkingPictures::keep(ImageId image, const std::shared_ptr<Entry>& entry) {
   if (found == entries_.end() || found->second != entry) return;  // pushed out while it was being made
   for (const GreyImage& level : entry->picture->levels) entry->bytes += level.data.size();
   bytes_ += entry->bytes;
-  const std::size_t limit = half_of_memory(options_);
+  const auto limit = std::size_t(options_.memory_mb * 1e6 / 2);
   while (bytes_ > limit && by_use_.back() != image) {
     const auto oldest = entries_.find(by_use_.back());
     bytes_ -= oldest->second->bytes;

@@ -8,7 +8,6 @@
 #include <mutex>
 #include <vector>
 
-#include "collinea/base/shared_room.h"
 #include "collinea/dense/depth_map.h"
 
 namespace collinea {
@@ -35,19 +34,14 @@ struct WorkingPicture {
 /// Half the size, by the mean of 2 x 2 pixels; 0 where one of them is 0.
 [[nodiscard]] GreyImage halved(const GreyImage& picture);
 
-/// The pictures for matching, made on demand and kept until half of `memory_mb` is full (least recently used go first).
-/// Thread-safe. The block must outlive it.
+/// The pictures for matching, made on demand and kept until half of `memory_mb` is full (least recently used go first;
+/// the other half is for matching costs). Thread-safe. The block must outlive it.
 class WorkingPictures {
  public:
-  /// `at_once`: how many images are matched side by side.
-  WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options, int at_once = 1);
+  WorkingPictures(const Block& block, PixelSource pixels, const DenseOptions& options);
 
   /// Errors: whatever the source says; a picture whose size does not fit its camera.
   [[nodiscard]] Result<std::shared_ptr<const WorkingPicture>> picture(ImageId image);
-
-  /// Room for the costs of the images that are being matched: the other half of `memory_mb`, or what they take where
-  /// the ground is smooth, if that is more. Those of rough ground wait for one another.
-  [[nodiscard]] SharedRoom& volumes() { return volumes_; }
 
   /// Forgets all pictures: they will not be asked for again soon.
   void clear();
@@ -68,7 +62,6 @@ class WorkingPictures {
   const Block& block_;
   PixelSource pixels_;
   DenseOptions options_;
-  SharedRoom volumes_;
   std::mutex mutex_;
   std::map<ImageId, std::shared_ptr<Entry>> entries_;
   std::list<ImageId> by_use_;  ///< latest first

@@ -65,13 +65,14 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   std::vector<ImageId> images;
   for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
-  const auto overviewed =
-      make_maps(project, images, overviews, "densify: overviews",
-                [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, options, run); });
+  SharedRoom costs = room_for_costs(options, project.run.threads);
+  const auto overviewed = make_maps(
+      project, images, overviews, "densify: overviews",
+      [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, costs, options, run); });
   if (!overviewed) return tl::unexpected(overviewed.error());
   COLLINEA_TRY(const auto without,
                make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
-                 return depth_map(block, image, ties, pictures, &overviews, options, run);
+                 return depth_map(block, image, ties, pictures, costs, &overviews, options, run);
                }));
   for (const auto& [image, why] : without)
     left_out.push_back({{"file", block.images.at(image).file}, {"reason", "no depth map: " + why}});
@@ -166,8 +167,7 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
   WorkingPictures pictures(
-      block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify,
-      project.run.threads);
+      block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
   COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
   COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
   COLLINEA_TRY(DepthFolder overviews,
