@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kStripRows = 32;
 constexpr std::size_t kStripsAtOnce = 4;  // for each thread: their points and marks are in memory together
-constexpr int kMostNeighbours = 20;
+constexpr std::size_t kMostNeighbours = 20;
 constexpr double kFramePx = 6;           // at the border of a picture little is measured
 constexpr double kSharedSource = 8;      // in so many maps depths of one point have as much in common as of their own
 constexpr double kSamePlacePx = 0.63;    // smaller: places are written twice; larger: gaps where one image takes over
@@ -120,6 +120,11 @@ std::optional<Vector3> normal_at(const DepthMap& map, const Pinhole& pinhole, in
   return -plane.normalized();
 }
 
+// Where memory was shortest: of so many maps that overlap one there was room for some; all, with it, take `bytes`.
+struct Lacking {
+  std::size_t room = 0, maps = 0, bytes = 0;
+};
+
 class Fusion {
  public:
   Fusion(const Block& block, const TieView& ties, std::span<const ImageId> images, DepthStore& store,
@@ -140,6 +145,7 @@ class Fusion {
       if (auto fused = one(image); !fused) return tl::unexpected(std::move(fused).error());
       run_.report("fuse", double(++done) / double(images_.size()));
     }
+    if (lacking_.maps > 0) tell_room();
     return std::move(report_);
   }
 
@@ -183,15 +189,17 @@ class Fusion {
   Result<> read_others(ImageId image) {
     others_.clear();
     const std::size_t bytes = 2 * sizeof(float) * reference_->depth.data.size();
-    const int room = std::max(2, int(options_.memory_mb * 1e6 / double(bytes + 1)) - 1);
+    const std::size_t room = std::max(3, int(options_.memory_mb * 1e6 / double(bytes + 1))) - 1;
     const Rigid3 reference_from_world = block_.cam_from_world.at(image);
-    COLLINEA_TRY(auto overlapping, ties_.overlapping(image, kMostNeighbours));
-    if (int(overlapping.size()) > room) {
-      tell_room(room, bytes);
-      overlapping.resize(std::size_t(room));
+    COLLINEA_TRY(auto overlapping, ties_.overlapping(image, int(block_.images.size())));
+    std::erase_if(overlapping, [&](ImageId other) { return !images_.count(other); });
+    if (overlapping.size() > kMostNeighbours) overlapping.resize(kMostNeighbours);
+    if (overlapping.size() > room) {
+      const std::size_t all = (overlapping.size() + 1) * (bytes + 1);
+      if (all > lacking_.bytes) lacking_ = {room, overlapping.size(), all};
+      overlapping.resize(room);
     }
     for (const ImageId other : overlapping) {
-      if (!images_.count(other)) continue;
       if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
       COLLINEA_TRY(const auto map, cache_.map(other));
       const Rigid3 other_from_reference = block_.cam_from_world.at(other) * inverse(reference_from_world);
@@ -201,12 +209,11 @@ class Fusion {
     return {};
   }
 
-  void tell_room(int maps, std::size_t bytes_of_map) {
-    if (std::exchange(told_room_, true)) return;
+  void tell_room() const {
     run_.say("fuse: memory_mb = " + std::to_string(std::lround(options_.memory_mb)) + " has room for " +
-             std::to_string(maps) + " of the " + std::to_string(kMostNeighbours) +
-             " depth maps that are compared with each; all of them take " +
-             std::to_string(std::lround(std::ceil(double(kMostNeighbours + 1) * double(bytes_of_map + 1) / 1e6))));
+             std::to_string(lacking_.room) + " of the " + std::to_string(lacking_.maps) +
+             " depth maps that overlap one; all of them take " +
+             std::to_string(std::lround(std::ceil(double(lacking_.bytes) / 1e6))) + " MB");
   }
 
   std::vector<bool>& used_of(ImageId image, const DepthMap& map) {
@@ -373,7 +380,7 @@ class Fusion {
   std::shared_ptr<const DepthMap> reference_;
   std::vector<Other> others_;
   FuseReport report_;
-  bool told_room_ = false;
+  Lacking lacking_{};
 };
 
 }  // namespace

@@ -275,18 +275,31 @@ TEST(Fuse, SmallMemoryChangesNothingWhenFewMapsOverlap) {
   EXPECT_EQ(much, little);
 }
 
-// Seven depth maps of 1.6 MB each that all overlap.
+// Of six images that overlap the first, three have a map.
+TEST(Fuse, ImagesWithoutAMapTakeNoRoom) {
+  Scene scene = {.slope = 0};
+  const Camera camera = ideal_camera(500, 500, 400);
+  for (int i = 0; i < 7; ++i) scene.add_camera(0.2 * i, 0, 0, camera);
+  scene.add_ties();
+  MemoryStore store = true_maps(scene, 0.01f, 0);
+  for (const std::uint32_t without : {1, 2, 3}) store.maps.erase(ImageId{without});
+  const Cloud little = fused(scene, store, {.memory_mb = 10}), enough = fused(scene, store);
+  EXPECT_TRUE(little.log.empty());
+  ASSERT_EQ(little.points.size(), enough.points.size());
+  for (std::size_t i = 0; i < enough.points.size(); ++i) ASSERT_EQ(little.points[i].images, enough.points[i].images);
+}
+
+// Seven depth maps of 1.6 MB each that all overlap: with six others one has 11.2 MB.
 TEST(Fuse, TellsWhenMemoryLeavesOverlappingMapsOut) {
   Scene scene = {.slope = 0};
   const Camera camera = ideal_camera(500, 500, 400);
   for (int i = 0; i < 7; ++i) scene.add_camera(0.2 * i, 0, 0, camera);
   scene.add_ties();
   MemoryStore store = true_maps(scene, 0.01f, 0);
-  const Cloud little = fused(scene, store, {.memory_mb = 10}), enough = fused(scene, store, {.memory_mb = 34});
+  const Cloud little = fused(scene, store, {.memory_mb = 10}), enough = fused(scene, store, {.memory_mb = 12});
   ASSERT_EQ(little.log.size(), 1u);
-  EXPECT_EQ(
-      little.log.front(),
-      "fuse: memory_mb = 10 has room for 5 of the 20 depth maps that are compared with each; all of them take 34");
+  EXPECT_EQ(little.log.front(),
+            "fuse: memory_mb = 10 has room for 5 of the 6 depth maps that overlap one; all of them take 12 MB");
   EXPECT_TRUE(enough.log.empty());
 }
 
