@@ -189,13 +189,13 @@ class Fusion {
   Result<> read_others(ImageId image) {
     others_.clear();
     const std::size_t bytes = 2 * sizeof(float) * reference_->depth.data.size();
-    const std::size_t room = std::max(3, int(options_.memory_mb * 1e6 / double(bytes + 1))) - 1;
+    const std::size_t room = std::max(3, int(options_.memory_mb * 1e6 / double(bytes))) - 1;
     const Rigid3 reference_from_world = block_.cam_from_world.at(image);
     COLLINEA_TRY(auto overlapping, ties_.overlapping(image, int(block_.images.size())));
     std::erase_if(overlapping, [&](ImageId other) { return !images_.count(other); });
     if (overlapping.size() > kMostNeighbours) overlapping.resize(kMostNeighbours);
     if (overlapping.size() > room) {
-      const std::size_t all = (overlapping.size() + 1) * (bytes + 1);
+      const std::size_t all = (overlapping.size() + 1) * bytes;
       if (all > lacking_.bytes) lacking_ = {room, overlapping.size(), all};
       overlapping.resize(room);
     }

@@ -275,12 +275,18 @@ TEST(Fuse, SmallMemoryChangesNothingWhenFewMapsOverlap) {
   EXPECT_EQ(much, little);
 }
 
-// Of six images that overlap the first, three have a map.
-TEST(Fuse, ImagesWithoutAMapTakeNoRoom) {
+// Their depth maps have 1.6 MB each.
+Scene seven_that_overlap() {
   Scene scene = {.slope = 0};
   const Camera camera = ideal_camera(500, 500, 400);
   for (int i = 0; i < 7; ++i) scene.add_camera(0.2 * i, 0, 0, camera);
   scene.add_ties();
+  return scene;
+}
+
+// Of six images that overlap the first, three have a map.
+TEST(Fuse, ImagesWithoutAMapTakeNoRoom) {
+  const Scene scene = seven_that_overlap();
   MemoryStore store = true_maps(scene, 0.01f, 0);
   for (const std::uint32_t without : {1, 2, 3}) store.maps.erase(ImageId{without});
   const Cloud little = fused(scene, store, {.memory_mb = 10}), enough = fused(scene, store);
@@ -289,12 +295,9 @@ TEST(Fuse, ImagesWithoutAMapTakeNoRoom) {
   for (std::size_t i = 0; i < enough.points.size(); ++i) ASSERT_EQ(little.points[i].images, enough.points[i].images);
 }
 
-// Seven depth maps of 1.6 MB each that all overlap: with six others one has 11.2 MB.
+// With six others one has 11.2 MB.
 TEST(Fuse, TellsWhenMemoryLeavesOverlappingMapsOut) {
-  Scene scene = {.slope = 0};
-  const Camera camera = ideal_camera(500, 500, 400);
-  for (int i = 0; i < 7; ++i) scene.add_camera(0.2 * i, 0, 0, camera);
-  scene.add_ties();
+  const Scene scene = seven_that_overlap();
   MemoryStore store = true_maps(scene, 0.01f, 0);
   const Cloud little = fused(scene, store, {.memory_mb = 10}), enough = fused(scene, store, {.memory_mb = 12});
   ASSERT_EQ(little.log.size(), 1u);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/image/block_cache.h"
 
-#include <cpl_conv.h>
-
 #include "collinea/image/gdal_access.h"
 
 namespace collinea {
@@ -10,11 +8,9 @@ namespace collinea {
 BlockCacheLimit::BlockCacheLimit(std::size_t bytes) {
   set_up_gdal();
   before_ = GDALGetCacheMax64();
-  if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(GIntBig(bytes));
+  limit_block_cache(std::int64_t(bytes));
 }
 
-BlockCacheLimit::~BlockCacheLimit() {
-  if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(before_);
-}
+BlockCacheLimit::~BlockCacheLimit() { limit_block_cache(before_); }
 
 }  // namespace collinea

@@ -37,8 +37,12 @@ void set_up_gdal() {
   static std::once_flag once;
   std::call_once(once, [] {
     GDALAllRegister();
-    if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(kBlockCache);
+    limit_block_cache(kBlockCache);
   });
+}
+
+void limit_block_cache(std::int64_t bytes) {
+  if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(GIntBig(bytes));
 }
 
 }  // namespace collinea

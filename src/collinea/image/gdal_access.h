@@ -36,6 +36,9 @@ using GdalDataset = std::unique_ptr<void, GdalCloser>;
 /// Registers GDAL's drivers, and bounds its cache unless GDAL_CACHEMAX does; cheap to call again.
 void set_up_gdal();
 
+/// Bounds the blocks of rasters that GDAL keeps, unless GDAL_CACHEMAX does.
+void limit_block_cache(std::int64_t bytes);
+
 template <class T>
 constexpr GDALDataType gdal_type() {
   if constexpr (std::is_same_v<T, float>) return GDT_Float32;
