@@ -61,6 +61,24 @@ struct Votes {
   }
 };
 
+// Of depths by 1 / sigma^2. They come from the same pictures: beside what each errs by itself there is what it shares
+// with each other one, also when that looks too much aside to be averaged. As many count as would, equally sure, say as
+// much: those of next to no weight add no certainty.
+struct Mean {
+  double weights = 0, squares = 0, sum = 0;
+
+  void add(double depth, double weight) {
+    weights += weight;
+    squares += weight * weight;
+    sum += weight * depth;
+  }
+  [[nodiscard]] double value() const { return sum / weights; }
+  [[nodiscard]] double sigma() const {
+    const double n = std::max(weights * weights / squares, 2.0), mean_variance = weights / squares;
+    return std::sqrt((1 + kSharedSource / n) / n * mean_variance);
+  }
+};
+
 struct Strip {
   std::vector<FusedPoint> points;
   std::vector<Mark> marks;
@@ -244,10 +262,10 @@ class Fusion {
     const double z = double(reference_->depth.at(x, y)), sigma = double(reference_->sigma.at(x, y));
     const Vector3 ray = pinhole.ray(x + 0.5, y + 0.5);
     const auto normal = normal_at(*reference_, pinhole, x, y);
-    double weights = 1 / (sigma * sigma), sum = z * weights;
-    int averaged = 1;
+    Mean mean;
+    mean.add(z, 1 / (sigma * sigma));
     Votes votes;
-    votes.agreed = weights;
+    votes.agreed = mean.weights;
     const std::size_t first_mark = marks.size();
     for (std::size_t i = 0; i < others_.size(); ++i) {
       const Other& other = others_[i];
@@ -279,11 +297,8 @@ class Fusion {
       votes.measured += sigma_px <= options_.max_sigma_px;
       votes.agreed += weight;
       // A view that grazes the surface, or a wrong normal, says nothing of the depth on this ray.
-      if (const double moved = depth_on_ray(back, ray, normal); std::abs(moved - z) <= tolerance) {
-        weights += weight;
-        sum += weight * moved;
-        ++averaged;
-      }
+      if (const double moved = depth_on_ray(back, ray, normal); std::abs(moved - z) <= tolerance)
+        mean.add(moved, weight);
       mark_around(i, u, v, there.z(), 2 * tolerance, marks);
     }
     if (!votes.confirmed(options_.min_images)) {
@@ -291,19 +306,11 @@ class Fusion {
       return std::nullopt;
     }
     FusedPoint point;
-    point.position_in_world = world_from_cam * (ray * (sum / weights));
+    point.position_in_world = world_from_cam * (ray * mean.value());
     point.normal_in_world = (world_from_cam.rotation * normal.value_or(-ray.normalized())).cast<float>();
-    point.sigma = float(fused_sigma(votes, averaged, weights, sigma) * ray.norm());
+    point.sigma = float((votes.measured < 2 ? sigma : mean.sigma()) * ray.norm());
     point.images = std::uint8_t(std::min(votes.agreeing, 255));
     return point;
-  }
-
-  // Depths of one point come from the same pictures: beside what each errs by itself there is what it shares with each
-  // other one, also when that looks too much aside to be averaged. Overviews' depths are all of one vote.
-  static double fused_sigma(const Votes& votes, int averaged, double weights, double sigma) {
-    if (votes.measured < 2) return sigma;
-    const double n = std::max(averaged, 2), mean_variance = averaged / weights;
-    return std::sqrt((1 + kSharedSource / n) / n * mean_variance);
   }
 
   // Between the two rays to the point at depth z.

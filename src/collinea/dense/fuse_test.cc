@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -128,6 +129,24 @@ TEST(Fuse, SigmasKnowThatMapsShareTheirPictures) {
     seen.insert(p.images);
   }
   EXPECT_EQ(seen, (std::set<int>{2, 3, 4}));
+}
+
+// Two maps know it to 1 cm; the other two, to 1 m, agree with everything and make nothing surer.
+TEST(Fuse, MapsOfNextToNoWeightAddNoCertainty) {
+  constexpr float kSigma = 0.01f;
+  const Scene scene = Scene::of_four({.slope = 0});
+  MemoryStore store = true_maps(scene, kSigma, 0);
+  for (const ImageId image : {std::next(store.maps.begin(), 2)->first, std::next(store.maps.begin(), 3)->first})
+    for (float& sigma : store.maps[image].sigma.data) sigma = 1;
+  const double of_two = kSigma * std::sqrt(1 / 2.0 + 8 / 4.0);  // of a ray of length 1
+  std::size_t by_four = 0;
+  for (const FusedPoint& p : fused(scene, store).points) {
+    if (p.images < 4 || p.sigma > 0.1f) continue;  // larger: what the coarse maps see beside the precise ones
+    ASSERT_GT(p.sigma, 0.999 * of_two);
+    ASSERT_LT(p.sigma, 1.3 * of_two);
+    ++by_four;
+  }
+  EXPECT_GT(by_four, 5000u);
 }
 
 TEST(Fuse, WhatOneMapAloneSaysIsDropped) {
