@@ -19,6 +19,9 @@ constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max() / 4;  /
 // rough ground or leaves need not be followed down to their lowest points.
 constexpr double kStepCells = 10;
 
+// Half of 9 blocks: what is narrower and reaches out from the surface was no hole, but the shadow of something as broad.
+constexpr int kRayReach = 4;
+
 // Rows, columns, diagonals.
 constexpr std::array<std::array<int, 2>, 4> kLines = {{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
 
@@ -75,6 +78,23 @@ Mask majority(const Mask& mask, int r) {
   const Distances around = set_around(mask, r);
   Mask result(mask.width, mask.height);
   for (std::size_t i = 0; i < result.data.size(); ++i) result.data[i] = 2 * around.data[i] > (2 * r + 1) * (2 * r + 1);
+  return result;
+}
+
+// The part of the set cells that squares of 2 r + 1 cells, all of them set, cover: what is narrower goes.
+Mask opened(const Mask& mask, int r) {
+  const Distances around = set_around(mask, r);
+  Mask centres(mask.width, mask.height);
+  for (std::size_t i = 0; i < centres.data.size(); ++i) centres.data[i] = around.data[i] == (2 * r + 1) * (2 * r + 1);
+  const Distances covering = set_around(centres, r);
+  Mask result(mask.width, mask.height);
+  for (std::size_t i = 0; i < result.data.size(); ++i) result.data[i] = covering.data[i] > 0;
+  return result;
+}
+
+Mask either(const Mask& a, const Mask& b) {
+  Mask result = a;
+  for (std::size_t i = 0; i < result.data.size(); ++i) result.data[i] |= b.data[i];
   return result;
 }
 
@@ -203,10 +223,11 @@ void HoleFilling::find_holes() {
   for (std::size_t i = 0; i < lines.data.size(); ++i) shut_in_.data[i] = lines.data[i] >= 3;
   fill_enclosures(solid_, widest, shut_in_);
   shut_in_ = majority(shut_in_, 1);
+  // Teeth and islands before a bay of the outline throw rays into it, as broad as they are.
+  const Mask broad = opened(either(solid_, shut_in_), kRayReach);
+  for (std::size_t i = 0; i < broad.data.size(); ++i) shut_in_.data[i] &= broad.data[i];
   // What is left within areas that are filled goes with them.
-  Mask walls = solid_;
-  for (std::size_t i = 0; i < walls.data.size(); ++i) walls.data[i] |= shut_in_.data[i];
-  fill_enclosures(walls, widest, shut_in_);
+  fill_enclosures(either(solid_, shut_in_), widest, shut_in_);
 }
 
 CellWindow HoleFilling::with_margin(const CellWindow& inside) {

@@ -198,6 +198,21 @@ TEST(HoleFilling, IslandsInAWideHoleMakeNoStars) {
   EXPECT_LT(cells(tile, CellState::kInterpolated), 1000u);  // of 73,000
 }
 
+// A bay of the outline is shut in along one line or two; each island in it shuts in something along two lines more.
+TEST(HoleFilling, IslandsInABayThrowNoRays) {
+  const auto into_bay = [](int x, int y) { return x - 60 - std::abs(y - 110); };
+  const auto bay = [&](int x, int y) {
+    const bool island = (x >= 210 && x < 226 && y >= 96 && y < 112) || (x >= 190 && x < 206 && y >= 132 && y < 148);
+    return into_bay(x, y) > 0 && !island;
+  };
+  const SurfaceTile tile = filled(with_hole([](int, int) { return 1.0; }, bay), 250);
+  std::size_t in_bay = 0;
+  for (int row = kFirst; row < kFirst + kSide; ++row)
+    for (int column = kFirst; column < kFirst + kSide; ++column)
+      in_bay += into_bay(column, row) > 2 * HoleFilling::kBlock && state(tile, column, row) == CellState::kInterpolated;
+  EXPECT_EQ(in_bay, 0u);
+}
+
 TEST(HoleFilling, NarrowGapsAreClosedEverywhere) {
   const auto gap = [](int x, int y) { return x >= 100 && x < 110 && y > 40; };  // open to the outside
   const SurfaceTile tile = filled(with_hole([](int, int) { return 1.0; }, gap), 50);
