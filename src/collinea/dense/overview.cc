@@ -16,6 +16,7 @@ namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr int kConfirming = 3;
 constexpr float kRoughReach = 3;       // of leaves and grass no two images show the same
+constexpr float kStandsOut = 0.5f;     // of the inverse depth of what is around
 constexpr float kRoughSigmaPx = 0.4f;  // of a pixel of the overview
 constexpr float kRoughestPx = 2;
 constexpr float kLeastTexture = 6;  // grey values, well above the noise of a photograph
@@ -37,6 +38,57 @@ FloatImage carried_over(const PlacedMap& other, const Camera& camera) {
       if (!(w >= float(1 / here.z()))) w = float(1 / here.z());
     }
   return result;
+}
+
+// Another image, asked whether it has a place on its picture.
+struct Onlooker {
+  Pinhole pinhole;
+  Eigen::Matrix3d rotation;  // other_from_reference
+  Eigen::Vector3d translation;
+  int width, height;
+
+  explicit Onlooker(const PlacedMap& other)
+      : pinhole(other.map.camera),
+        rotation(other.reference_from_cam.rotation.conjugate().toRotationMatrix()),
+        translation(-(rotation * other.reference_from_cam.translation)),
+        width(other.map.depth.width),
+        height(other.map.depth.height) {}
+
+  bool sees(const Eigen::Vector3d& point_in_reference_cam) const {
+    const Eigen::Vector3d there = rotation * point_in_reference_cam + translation;
+    if (!(there.z() > 0)) return false;
+    const Eigen::Vector2d at = pinhole.project(there);
+    return at.x() >= 0 && at.y() >= 0 && at.x() < width && at.y() < height;
+  }
+};
+
+// The part of the surface that at least three images have on their pictures; NaN elsewhere.
+FloatImage witnessed(const FloatImage& surface, const Camera& camera, const std::vector<PlacedMap>& others) {
+  const std::vector<Onlooker> onlookers(others.begin(), others.end());
+  const Pinhole here(camera);
+  FloatImage result = surface;
+  for (int y = 0; y < surface.height; ++y)
+    for (int x = 0; x < surface.width; ++x) {
+      if (std::isnan(surface.at(x, y))) continue;
+      const Eigen::Vector3d point = here.ray(x + 0.5, y + 0.5) / double(surface.at(x, y));
+      const auto looking = 1 + std::count_if(onlookers.begin(), onlookers.end(),
+                                             [&](const Onlooker& other) { return other.sees(point); });
+      if (looking < kConfirming) result.at(x, y) = kNaN;
+    }
+  return result;
+}
+
+// Two images are no witnesses of each other: their overviews come from the same pair of pictures. What only they have
+// on their pictures goes where it stands out of what three see around it.
+void empty_what_two_invent(const Camera& camera, const std::vector<PlacedMap>& others, FloatImage& surface) {
+  const FloatImage by_three = witnessed(surface, camera, others);
+  FloatImage around = by_three;
+  fill_holes(around);
+  for (std::size_t i = 0; i < surface.data.size(); ++i) {
+    const bool by_two = std::isnan(by_three.data[i]), known = around.data[i] > 0;
+    if (by_two && known && std::abs(surface.data[i] - around.data[i]) > kStandsOut * around.data[i])
+      surface.data[i] = kNaN;
+  }
 }
 
 // What one image says about a pixel: its inverse depths there and beside.
@@ -109,6 +161,7 @@ FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& oth
       result.at(x, y) = agreed(candidates, opinions, reach);
       if (std::isnan(result.at(x, y))) result.at(x, y) = agreed(candidates, opinions, kRoughReach * reach);
     }
+  empty_what_two_invent(own.camera, others, result);
   return result;
 }
 

@@ -19,7 +19,8 @@ struct PlacedMap {
 /// Inverse depths on which the overview `own` and those of the other images agree within `reach`, or, where none are so
 /// close, within three times that: of leaves and grass no two images show the same. Of several surfaces
 /// along a ray the nearest one that at least three images confirm, or two when one of them is `own`: what lies in
-/// front hides the rest. NaN where no images agree.
+/// front hides the rest. What only two images have on their pictures is left out where its inverse depth differs by
+/// more than half from that of what three see around it. NaN where no images agree.
 [[nodiscard]] FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& others, float reach);
 
 /// Leaves and grass look different from everywhere: windows do not correlate, though small pictures agree on the

@@ -62,6 +62,25 @@ TEST(AgreedSurface, IsEmptyWhereNobodyElseLooks) {
   EXPECT_FALSE(std::isnan(agreed.at(50, 20)));
 }
 
+// On the right half of the picture a third image looks, which finds nothing; on the left half two say what they like.
+TEST(AgreedSurface, WhatTwoImagesInventAtTheBorderGoes) {
+  const auto with_a_patch = [](double aside, float depth) {  // before a plane at 10
+    PlacedMap placed = plane_seen_from(aside, 10);
+    for (int y = 10; y < 30; ++y)
+      for (int x = 0; x < 20; ++x) placed.map.depth.at(x, y) = depth;
+    return placed;
+  };
+  const auto on_patch = [&](float depth, const std::vector<PlacedMap>& more) {
+    std::vector<PlacedMap> others(1, with_a_patch(0.001, depth));
+    others.insert(others.end(), more.begin(), more.end());
+    return agreed_surface(with_a_patch(0, depth).map, others, 0.002f).at(8, 20);
+  };
+  const std::vector<PlacedMap> third(1, plane_seen_from(5, 10));
+  EXPECT_TRUE(std::isnan(on_patch(5, third)));
+  EXPECT_NEAR(on_patch(7, third), 1 / 7.0, 1e-3);  // it may be a tree
+  EXPECT_NEAR(on_patch(5, {}), 1 / 5.0, 1e-3);     // there are no more than two
+}
+
 TEST(FillRough, GivesTexturedHolesTheAgreedSurface) {
   GreyImage picture(80, 40);
   for (int y = 0; y < 40; ++y)

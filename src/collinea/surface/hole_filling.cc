@@ -19,7 +19,8 @@ constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max() / 4;  /
 // rough ground or leaves need not be followed down to their lowest points.
 constexpr double kStepCells = 10;
 
-// Half of 9 blocks: what is narrower and reaches out from the surface was no hole, but the shadow of something as broad.
+// Half of 9 blocks: what is narrower and reaches out from the surface was no hole, but the shadow of something as
+// broad.
 constexpr int kRayReach = 4;
 
 // Rows, columns, diagonals.

@@ -16,8 +16,8 @@ namespace collinea {
 /// A hole is what lies inside the block: measured surface on both sides, no farther apart than the widest hole, along
 /// at least three of the lines row, column and the two diagonals (steps along a diagonal count as one cell). An area
 /// shut in on all sides is filled as a whole when that holds for more than half of it. What would reach out from the
-/// surface in strips narrower than nine blocks stays empty. Gaps narrower than kPinhole cells along any of the lines are
-/// filled wherever they are. The outline of what is filled is smoothed.
+/// surface in strips narrower than nine blocks stays empty. Gaps narrower than kPinhole cells along any of the lines
+/// are filled wherever they are. The outline of what is filled is smoothed.
 ///
 /// Heights continue the lowest surface at the rim of a hole (fill_from): beside a building the ground that no image
 /// sees.
