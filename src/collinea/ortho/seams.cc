@@ -198,7 +198,8 @@ ViewWeights weights_of(const Labels& labels, std::int16_t view, int feather_cell
   const Box box = box_of(labels, view, feather_cells);
   ViewWeights result{box.left, box.top, {}};
   if (box.right < 0) return result;
-  FloatImage area(box.right - box.left + 1, box.bottom - box.top + 1), seen(area.width, area.height, 1, 1);
+  FloatImage area(box.right - box.left + 1, box.bottom - box.top + 1);
+  Raster<std::uint8_t> seen(area.width, area.height, 1, 1);
   for (int y = 0; y < area.height; ++y)
     for (int x = 0; x < area.width; ++x) area.at(x, y) = labels.at(box.left + x, box.top + y) == view;
   const int half = std::max(1, feather_cells / 2);
@@ -208,7 +209,8 @@ ViewWeights weights_of(const Labels& labels, std::int16_t view, int feather_cell
       if (labels.at(box.left + x, box.top + y) != kNoView && area.at(x, y) > 1e-4f)
         seen.at(x, y) =
             labels.at(box.left + x, box.top + y) == view || visibility.sees(view, box.left + x, box.top + y);
-  FloatImage far_from_hidden = seen;
+  FloatImage far_from_hidden(area.width, area.height);
+  std::copy(seen.data.begin(), seen.data.end(), far_from_hidden.data.begin());
   for (const bool along_rows : {true, false}) box_blur(far_from_hidden, half, along_rows);
   for (int y = 0; y < area.height; ++y) {
     for (int x = 0; x < area.width; ++x) {
