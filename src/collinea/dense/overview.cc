@@ -42,23 +42,20 @@ FloatImage carried_over(const PlacedMap& other, const Camera& camera) {
 
 // Another image, asked whether it has a place on its picture.
 struct Onlooker {
+  const Camera& camera;
   Pinhole pinhole;
   Eigen::Matrix3d rotation;  // other_from_reference
   Eigen::Vector3d translation;
-  int width, height;
 
   explicit Onlooker(const PlacedMap& other)
-      : pinhole(other.map.camera),
+      : camera(other.map.camera),
+        pinhole(camera),
         rotation(other.reference_from_cam.rotation.conjugate().toRotationMatrix()),
-        translation(-(rotation * other.reference_from_cam.translation)),
-        width(other.map.depth.width),
-        height(other.map.depth.height) {}
+        translation(-(rotation * other.reference_from_cam.translation)) {}
 
   bool sees(const Eigen::Vector3d& point_in_reference_cam) const {
     const Eigen::Vector3d there = rotation * point_in_reference_cam + translation;
-    if (!(there.z() > 0)) return false;
-    const Eigen::Vector2d at = pinhole.project(there);
-    return at.x() >= 0 && at.y() >= 0 && at.x() < width && at.y() < height;
+    return there.z() > 0 && inside(camera, pinhole.project(there));
   }
 };
 
