@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "collinea/adjust/bundle.h"
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea::bench {
 

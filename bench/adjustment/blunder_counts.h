@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "collinea/adjust/quantiles.h"
+#include "collinea/math/quantiles.h"
 #include "rows.h"
 
 namespace collinea::bench {

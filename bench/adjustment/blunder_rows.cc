@@ -8,7 +8,7 @@
 
 #include "blocks.h"
 #include "blunder_counts.h"
-#include "collinea/adjust/snooping.h"
+#include "collinea/quality/snooping.h"
 #include "rows.h"
 
 namespace collinea::bench {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "blocks.h"
-#include "collinea/adjust/variance_components.h"
+#include "collinea/quality/variance_components.h"
 #include "rows.h"
 
 namespace collinea::bench {

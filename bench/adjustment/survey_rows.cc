@@ -9,7 +9,7 @@
 
 #include "blocks.h"
 #include "blunder_counts.h"
-#include "collinea/adjust/snooping.h"
+#include "collinea/quality/snooping.h"
 #include "collinea/adjust/survey_block.h"
 #include "collinea/geometry/rotation.h"
 #include "rows.h"

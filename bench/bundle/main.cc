@@ -16,7 +16,7 @@
 
 #include "ceres_bundle.h"
 #include "collinea/adjust/bundle.h"
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/synthetic/survey.h"
 

@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "collinea/dense/stereo.h"
-#include "collinea/image/photo.h"
+#include "collinea/raster/photo.h"
 #include "collinea/synthetic/render.h"
 #include "collinea/synthetic/survey.h"
 

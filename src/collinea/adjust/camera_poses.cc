@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "collinea/adjust/outcome.h"
-#include "collinea/adjust/tile_cholesky.h"
+#include "collinea/math/tile_cholesky.h"
 
 namespace collinea::bundle {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea::bundle {
 namespace {

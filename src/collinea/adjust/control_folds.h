@@ -5,7 +5,7 @@
 
 #include "collinea/adjust/point_cofactor.h"
 #include "collinea/adjust/problem.h"
-#include "collinea/adjust/tile_cholesky.h"
+#include "collinea/math/tile_cholesky.h"
 
 namespace collinea::bundle {
 

@@ -3,7 +3,7 @@
 
 #include "collinea/adjust/free_network.h"
 #include "collinea/adjust/problem.h"
-#include "collinea/adjust/tile_cholesky.h"
+#include "collinea/math/tile_cholesky.h"
 
 namespace collinea::bundle {
 

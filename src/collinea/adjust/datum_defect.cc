@@ -7,7 +7,7 @@
 
 #include "collinea/adjust/gauge.h"
 #include "collinea/adjust/problem.h"
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 
 namespace collinea::bundle {
 namespace {

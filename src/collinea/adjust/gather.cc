@@ -5,11 +5,11 @@
 #include <numeric>
 
 #include "collinea/adjust/gather_parts.h"
-#include "collinea/adjust/intersect.h"
-#include "collinea/adjust/ordering.h"
 #include "collinea/adjust/problem.h"
-#include "collinea/adjust/tile_kernels.h"
 #include "collinea/block/survey_covariance.h"
+#include "collinea/epipolar/intersect.h"
+#include "collinea/math/ordering.h"
+#include "collinea/math/tile_kernels.h"
 
 namespace collinea {
 namespace bundle {

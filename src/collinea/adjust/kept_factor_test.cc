@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea::bundle {
 namespace {

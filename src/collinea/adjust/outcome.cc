@@ -6,9 +6,9 @@
 #include <limits>
 #include <numeric>
 
-#include "collinea/adjust/intersect.h"
 #include "collinea/adjust/linearise.h"
-#include "collinea/adjust/robust_squares.h"
+#include "collinea/epipolar/intersect.h"
+#include "collinea/math/robust_squares.h"
 
 namespace collinea::bundle {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collinea/adjust/linearise.h"
-#include "collinea/adjust/tile_cholesky.h"
+#include "collinea/math/tile_cholesky.h"
 
 namespace collinea::bundle {
 

@@ -10,7 +10,7 @@
 #include "collinea/adjust/bundle.h"
 #include "collinea/adjust/ground_model.h"
 #include "collinea/adjust/lens.h"
-#include "collinea/adjust/robust.h"
+#include "collinea/math/robust.h"
 
 namespace collinea::bundle {
 

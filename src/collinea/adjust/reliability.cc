@@ -7,10 +7,10 @@
 #include "collinea/adjust/control_folds.h"
 #include "collinea/adjust/outcome.h"
 #include "collinea/adjust/point_cofactor.h"
-#include "collinea/adjust/quantiles.h"
-#include "collinea/adjust/robust_squares.h"
 #include "collinea/base/parallel.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/quantiles.h"
+#include "collinea/math/robust_squares.h"
 
 namespace collinea {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "collinea/adjust/bundle.h"
-#include "collinea/adjust/quantiles.h"
 #include "collinea/adjust/test_block.h"
+#include "collinea/math/quantiles.h"
 
 namespace collinea {
 namespace {

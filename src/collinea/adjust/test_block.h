@@ -10,9 +10,9 @@
 
 #include "collinea/adjust/bundle.h"
 #include "collinea/adjust/ground_model.h"
-#include "collinea/base/random.h"
 #include "collinea/block/block.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 
 namespace collinea::testing {
 

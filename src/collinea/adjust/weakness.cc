@@ -16,9 +16,9 @@
 
 #include "collinea/adjust/gauge.h"
 #include "collinea/adjust/point_cofactor.h"
-#include "collinea/base/median.h"
 #include "collinea/base/parallel.h"
-#include "collinea/base/random.h"
+#include "collinea/math/median.h"
+#include "collinea/math/random.h"
 
 namespace collinea::bundle {
 namespace {

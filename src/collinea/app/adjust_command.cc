@@ -5,7 +5,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/adjust_project.h"
+#include "collinea/jobs/adjust_project.h"
 
 namespace collinea {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/assess.h"
+#include "collinea/jobs/assess.h"
 
 namespace collinea {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/app/exit_code.h"
-#include "collinea/image/test_folder.h"
-#include "collinea/pipeline/project.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/project/project.h"
 
 namespace collinea {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/export.h"
+#include "collinea/jobs/export.h"
 
 namespace collinea {
 

@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/info.h"
+#include "collinea/jobs/info.h"
 
 namespace collinea {
 

@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/plan_survey.h"
+#include "collinea/jobs/plan_survey.h"
 
 namespace collinea {
 

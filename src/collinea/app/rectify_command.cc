@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/rectify_plane.h"
+#include "collinea/jobs/rectify_plane.h"
 
 namespace collinea {
 

@@ -4,7 +4,8 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/project.h"
+#include "collinea/project/project.h"
+#include "collinea/steps/flow.h"
 
 namespace collinea {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/simulated_project.h"
+#include "collinea/steps/simulated_project.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {

@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/stereo_pair.h"
+#include "collinea/jobs/stereo_pair.h"
 
 namespace collinea {
 

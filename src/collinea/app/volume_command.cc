@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/pipeline/measure.h"
+#include "collinea/jobs/measure.h"
 
 namespace collinea {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

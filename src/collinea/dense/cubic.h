@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea::dense {
 

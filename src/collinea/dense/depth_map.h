@@ -10,7 +10,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "collinea/base/random.h"
 #include "collinea/dense/aggregate.h"
 #include "collinea/dense/level.h"
 #include "collinea/dense/match_kernels.h"
 #include "collinea/dense/path_kernels.h"
 #include "collinea/dense/texture.h"
+#include "collinea/math/random.h"
 
 namespace collinea::dense {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/base/median.h"
 #include "collinea/dense/last_rows.h"
 #include "collinea/dense/measure_kernels.h"
+#include "collinea/math/median.h"
 
 namespace collinea::dense {
 namespace {

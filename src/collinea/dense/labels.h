@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collinea/dense/match_kernels.h"
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea::dense {
 

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/base/median.h"
 #include "collinea/dense/level.h"
 #include "collinea/dense/measured_sigma.h"
 #include "collinea/dense/overview.h"
 #include "collinea/dense/pinhole.h"
 #include "collinea/dense/rims.h"
 #include "collinea/dense/texture_place.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 // The inner loops of matching: a cell of kCell x kCell pixels of the reference picture is compared with one other
 // picture at a time. A region is the cell with kRadius pixels around it, rows of kRegionWidth (its last columns are

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "collinea/io/packed.h"
+#include "collinea/base/packed.h"
 
 namespace collinea {
 namespace {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/record_spool.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
-#include "collinea/io/record_spool.h"
 
 namespace collinea {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "collinea/base/run.h"
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea::dense {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea::dense {
 namespace {

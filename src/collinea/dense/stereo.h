@@ -9,7 +9,7 @@
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include "collinea/base/random.h"
 #include "collinea/dense/disparity_kernels.h"
 #include "collinea/dense/semi_global.h"
 #include "collinea/dense/test_scene.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -5,9 +5,9 @@
 #include <functional>
 #include <memory>
 
-#include "collinea/base/random.h"
 #include "collinea/dense/depth_map.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 
 namespace collinea::test {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea::dense {
 

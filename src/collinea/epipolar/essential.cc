@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/epipolar/polynomial.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/polynomial.h"
 
 namespace collinea {
 namespace {

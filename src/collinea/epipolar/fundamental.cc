@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "collinea/epipolar/polynomial.h"
+#include "collinea/math/polynomial.h"
 
 namespace collinea {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "collinea/epipolar/few.h"
 #include "collinea/epipolar/point_pairs.h"
+#include "collinea/math/few.h"
 
 namespace collinea {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <span>
 
-#include "collinea/epipolar/few.h"
 #include "collinea/epipolar/point_pairs.h"
 #include "collinea/geometry/rigid3.h"
+#include "collinea/math/few.h"
 
 namespace collinea {
 

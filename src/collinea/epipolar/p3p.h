@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "collinea/epipolar/few.h"
 #include "collinea/geometry/rigid3.h"
+#include "collinea/math/few.h"
 
 namespace collinea {
 

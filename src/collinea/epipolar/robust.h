@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "collinea/epipolar/few.h"
+#include "collinea/math/few.h"
 
 namespace collinea {
 namespace {

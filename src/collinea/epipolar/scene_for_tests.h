@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "collinea/base/random.h"
 #include "collinea/epipolar/point_pairs.h"
 #include "collinea/geometry/rigid3.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 
 namespace collinea::scene {
 

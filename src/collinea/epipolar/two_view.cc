@@ -9,11 +9,11 @@
 #include <optional>
 #include <vector>
 
-#include "collinea/base/median.h"
 #include "collinea/base/result.h"
 #include "collinea/epipolar/robust.h"
 #include "collinea/epipolar/two_view_criteria.h"
 #include "collinea/epipolar/two_view_problems.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {

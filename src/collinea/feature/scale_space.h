@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collinea/feature/sift_kernels.h"
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

@@ -5,7 +5,7 @@
 
 #include "collinea/base/options.h"
 #include "collinea/block/features.h"
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

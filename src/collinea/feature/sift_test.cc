@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 namespace {

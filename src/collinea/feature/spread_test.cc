@@ -7,7 +7,7 @@
 #include <functional>
 #include <numeric>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <thread>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "collinea/base/random.h"
 #include "collinea/geometry/similarity3.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "collinea/base/file.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/adjustment_words.h"
-#include "collinea/io/file.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/base/random.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/test_damage.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

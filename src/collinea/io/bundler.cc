@@ -7,7 +7,7 @@
 #include <map>
 #include <tuple>
 
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

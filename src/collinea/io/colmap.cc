@@ -5,9 +5,9 @@
 #include <cmath>
 #include <tuple>
 
+#include "collinea/base/file.h"
 #include "collinea/io/colmap_camera.h"
 #include "collinea/io/colmap_model.h"
-#include "collinea/io/file.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

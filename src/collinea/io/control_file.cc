@@ -10,9 +10,9 @@
 #include <set>
 #include <tuple>
 
+#include "collinea/base/file.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/geodesy/local_frame.h"
-#include "collinea/io/file.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "collinea/base/random.h"
 #include "collinea/io/test_damage.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

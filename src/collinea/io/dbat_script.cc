@@ -10,8 +10,8 @@
 #include <set>
 #include <vector>
 
+#include "collinea/base/file.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/io/file.h"
 #include "collinea/io/millimetre_camera.h"
 #include "collinea/io/observation_order.h"
 #include "collinea/io/text.h"

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/base/random.h"
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/image/test_folder.h"
-#include "collinea/io/file.h"
 #include "collinea/io/test_damage.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

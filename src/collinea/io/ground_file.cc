@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
 #include "collinea/io/text.h"
 #include "collinea/io/titled_table.h"
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <optional>
 
+#include "collinea/base/file.h"
 #include "collinea/block/world_frame.h"
-#include "collinea/io/file.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

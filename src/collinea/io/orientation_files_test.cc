@@ -7,13 +7,13 @@
 #include <fstream>
 #include <numbers>
 
-#include "collinea/base/random.h"
+#include "collinea/base/file.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
 #include "collinea/io/colmap_model.h"
-#include "collinea/io/file.h"
 #include "collinea/io/opk.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

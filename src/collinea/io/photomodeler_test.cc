@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "collinea/base/random.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/millimetre_camera.h"
 #include "collinea/io/test_damage.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <set>
 
+#include "collinea/base/file.h"
 #include "collinea/block/picture_axes.h"
-#include "collinea/io/file.h"
 #include "collinea/io/text.h"
 #include "collinea/io/titled_table.h"
 

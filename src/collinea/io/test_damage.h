@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 

@@ -6,8 +6,8 @@
 #include <hwy/targets.h>
 #include <numeric>
 
-#include "collinea/base/random.h"
 #include "collinea/match/descriptors_kernels.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

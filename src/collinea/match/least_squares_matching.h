@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "collinea/image/raster.h"
 #include "collinea/match/least_squares_kernels.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

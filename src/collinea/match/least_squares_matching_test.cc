@@ -9,7 +9,7 @@
 #include <functional>
 #include <numbers>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/base/random.h"
 #include "collinea/match/position_tree.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "collinea/base/random.h"
 #include "collinea/match/retrieval.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

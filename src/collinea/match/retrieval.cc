@@ -7,8 +7,8 @@
 #include <span>
 
 #include "collinea/base/parallel.h"
-#include "collinea/base/random.h"
 #include "collinea/match/descriptors_kernels.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "collinea/adjust/additional_choice.h"
+#include "collinea/quality/additional_choice.h"
 
 namespace collinea {
 

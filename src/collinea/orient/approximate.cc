@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "collinea/adjust/intersect.h"
-#include "collinea/epipolar/resection.h"
+#include "collinea/epipolar/intersect.h"
+#include "collinea/orient/resection.h"
 
 namespace collinea {
 namespace {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {

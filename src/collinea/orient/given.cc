@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "collinea/adjust/intersect.h"
-#include "collinea/base/median.h"
+#include "collinea/epipolar/intersect.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "collinea/base/random.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 #include "collinea/orient/orient.h"
 #include "collinea/orient/position_averaging.h"
 #include "collinea/orient/rotation_averaging.h"

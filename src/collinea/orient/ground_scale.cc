@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/intersect.h"
+#include "collinea/epipolar/intersect.h"
 
 namespace collinea {
 namespace {

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <vector>
 
-#include "collinea/base/median.h"
 #include "collinea/block/picture_axes.h"
+#include "collinea/math/median.h"
 #include "collinea/orient/strip_datum.h"
 
 namespace collinea {

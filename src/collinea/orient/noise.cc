@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {

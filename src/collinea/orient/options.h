@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "collinea/adjust/instrument_options.h"
 #include "collinea/base/options.h"
+#include "collinea/orient/instrument_options.h"
 
 namespace collinea {
 

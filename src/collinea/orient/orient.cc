@@ -9,15 +9,14 @@
 #include <numbers>
 #include <numeric>
 
-#include "collinea/adjust/control_check.h"
-#include "collinea/adjust/datum.h"
-#include "collinea/adjust/intersect.h"
-#include "collinea/adjust/robust_similarity.h"
-#include "collinea/base/median.h"
 #include "collinea/block/picture_axes.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/epipolar/intersect.h"
+#include "collinea/geometry/robust_similarity.h"
+#include "collinea/math/median.h"
 #include "collinea/orient/additional.h"
 #include "collinea/orient/control_doubt.h"
+#include "collinea/orient/datum.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
 #include "collinea/orient/ground_findings.h"
@@ -27,6 +26,7 @@
 #include "collinea/orient/level_datum.h"
 #include "collinea/orient/strip_datum.h"
 #include "collinea/orient/weak_cases.h"
+#include "collinea/quality/control_check.h"
 
 namespace collinea {
 namespace {

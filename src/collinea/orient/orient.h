@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/adjust/variance_components.h"
 #include "collinea/orient/reconstruction.h"
 #include "collinea/orient/remeasure.h"
+#include "collinea/quality/variance_components.h"
 
 namespace collinea {
 

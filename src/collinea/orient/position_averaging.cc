@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/orient/sparse_normals.h"
+#include "collinea/math/sparse_normals.h"
 
 namespace collinea {
 namespace {

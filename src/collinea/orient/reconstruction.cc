@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "collinea/base/parallel.h"
-#include "collinea/epipolar/resection.h"
 #include "collinea/epipolar/triangulate.h"
 #include "collinea/match/tracks.h"
+#include "collinea/orient/resection.h"
 
 namespace collinea {
 namespace {

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "collinea/base/parallel.h"
-#include "collinea/image/pyramid.h"
 #include "collinea/match/least_squares_matching.h"
+#include "collinea/raster/pyramid.h"
 
 namespace collinea {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
-#include "collinea/image/raster.h"
 #include "collinea/orient/reconstruction.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

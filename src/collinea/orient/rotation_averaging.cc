@@ -7,9 +7,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "collinea/base/median.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/orient/sparse_normals.h"
+#include "collinea/math/median.h"
+#include "collinea/math/sparse_normals.h"
 
 namespace collinea {
 namespace {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 #include "collinea/orient/line_motion.h"
 
 namespace collinea {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

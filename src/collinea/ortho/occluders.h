@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "collinea/ortho/height_field.h"
+#include "collinea/surface/height_field.h"
 
 namespace collinea {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <stop_token>
 
-#include "collinea/base/random.h"
-#include "collinea/image/test_folder.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/math/random.h"
 #include "collinea/ortho/ortho_tile.h"
 
 namespace collinea {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "collinea/ortho/exposure.h"
 #include "collinea/ortho/visibility.h"
+#include "collinea/radiometry/exposure.h"
 
 namespace collinea {
 

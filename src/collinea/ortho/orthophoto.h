@@ -11,9 +11,9 @@
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
-#include "collinea/ortho/exposure.h"
 #include "collinea/ortho/ortho_tile.h"
 #include "collinea/ortho/seamlines.h"
+#include "collinea/radiometry/exposure.h"
 
 namespace collinea {
 

@@ -7,7 +7,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 #include "collinea/ortho/rectify.h"
 
 namespace collinea {

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/file.h"
 #include "collinea/base/parallel.h"
-#include "collinea/image/photo.h"
-#include "collinea/io/file.h"
 #include "collinea/io/text.h"
 #include "collinea/ortho/ortho_tile.h"
+#include "collinea/raster/photo.h"
 
 namespace collinea {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
-#include "collinea/image/geotiff.h"
-#include "collinea/ortho/pixel_cache.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/pixel_cache.h"
 
 namespace collinea {
 

@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "collinea/base/random.h"
-#include "collinea/image/photo.h"
-#include "collinea/image/test_folder.h"
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/math/random.h"
+#include "collinea/raster/photo.h"
 
 namespace collinea {
 namespace {

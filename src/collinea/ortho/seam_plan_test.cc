@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 #include "collinea/ortho/seam_window.h"
 #include "collinea/ortho/view_costs.h"
 

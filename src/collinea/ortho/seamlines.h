@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "collinea/image/geotiff.h"
-#include "collinea/image/vector_areas.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/vector/vector_areas.h"
 
 namespace collinea {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "collinea/image/geotiff.h"
-#include "collinea/image/raster.h"
 #include "collinea/ortho/occluders.h"
-#include "collinea/ortho/view.h"
 #include "collinea/ortho/world_lattice.h"
+#include "collinea/radiometry/view.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collinea/geodesy/local_frame.h"
-#include "collinea/image/geotiff.h"
+#include "collinea/raster/geotiff.h"
 
 namespace collinea {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "collinea/base/random.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"

@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "collinea/block/world_frame.h"
-#include "collinea/image/geopackage.h"
 #include "collinea/io/opk.h"
 #include "collinea/report/json_values.h"
+#include "collinea/vector/geopackage.h"
 
 namespace collinea {
 namespace {

@@ -10,9 +10,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
 #include "collinea/block/world_frame.h"
-#include "collinea/image/test_folder.h"
-#include "collinea/io/file.h"
 #include "collinea/io/opk.h"
 
 namespace collinea {

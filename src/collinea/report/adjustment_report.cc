@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/base/file.h"
 #include "collinea/block/ground_words.h"
-#include "collinea/io/file.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"

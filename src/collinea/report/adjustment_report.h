@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "collinea/adjust/additional_choice.h"
-#include "collinea/adjust/snooping.h"
-#include "collinea/adjust/variance_components.h"
 #include "collinea/base/result.h"
+#include "collinea/quality/additional_choice.h"
+#include "collinea/quality/snooping.h"
+#include "collinea/quality/variance_components.h"
 
 namespace collinea {
 

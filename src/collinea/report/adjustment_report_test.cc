@@ -8,8 +8,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "collinea/image/test_folder.h"
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
 #include "collinea/report/adjustment_products.h"
 
 namespace collinea {

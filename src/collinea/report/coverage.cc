@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 #include "collinea/report/svg.h"
 
 namespace collinea {

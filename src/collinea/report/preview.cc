@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/image/geotiff.h"
-#include "collinea/image/hillshade.h"
-#include "collinea/image/photo.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/hillshade.h"
+#include "collinea/raster/photo.h"
 #include "collinea/report/figures.h"
 #include "collinea/report/svg.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/report.h"
 
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
 #include "collinea/report/page.h"
 #include "collinea/report/report_json.h"
 

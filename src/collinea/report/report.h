@@ -12,7 +12,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
-#include "collinea/io/project_store.h"
+#include "collinea/store/project_store.h"
 
 namespace collinea {
 

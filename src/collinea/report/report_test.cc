@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "collinea/base/file.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/image/geotiff.h"
-#include "collinea/io/file.h"
+#include "collinea/raster/geotiff.h"
 #include "collinea/report/coverage.h"
 #include "collinea/report/figures.h"
 #include "collinea/report/statistics.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {

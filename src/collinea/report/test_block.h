@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "collinea/base/random.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 #include "collinea/report/report.h"
 
 namespace collinea {

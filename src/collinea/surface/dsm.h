@@ -11,7 +11,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/geodesy/local_frame.h"
-#include "collinea/image/geotiff.h"
+#include "collinea/raster/geotiff.h"
 #include "collinea/surface/gridding.h"
 #include "collinea/surface/orientation_sigma.h"
 

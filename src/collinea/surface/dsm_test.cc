@@ -8,8 +8,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "collinea/base/random.h"
-#include "collinea/image/test_folder.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/math/random.h"
 #include "collinea/surface/point_buckets.h"
 
 namespace collinea {

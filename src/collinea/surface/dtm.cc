@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "collinea/base/median.h"
+#include "collinea/base/file.h"
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
-#include "collinea/image/contours.h"
-#include "collinea/io/file.h"
-#include "collinea/io/raster_spool.h"
+#include "collinea/math/median.h"
+#include "collinea/raster/raster_spool.h"
 #include "collinea/surface/ground_filter.h"
 #include "collinea/surface/pull_push.h"
+#include "collinea/vector/contours.h"
 
 namespace collinea {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <functional>
 
-#include "collinea/base/random.h"
-#include "collinea/image/test_folder.h"
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <vector>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 #include "collinea/surface/cell_fit.h"
 
 namespace collinea {

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "collinea/base/run.h"
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

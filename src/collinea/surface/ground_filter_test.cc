@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
 
 namespace collinea {
 namespace {

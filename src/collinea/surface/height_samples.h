@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "collinea/image/geotiff.h"
+#include "collinea/raster/geotiff.h"
 
 namespace collinea {
 

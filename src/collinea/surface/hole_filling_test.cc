@@ -8,8 +8,8 @@
 #include <fstream>
 #include <functional>
 
-#include "collinea/base/random.h"
-#include "collinea/image/test_folder.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/math/random.h"
 #include "collinea/surface/measured_tiles.h"
 
 namespace collinea {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "collinea/base/median.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {

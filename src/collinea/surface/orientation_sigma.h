@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 #include "collinea/surface/gridding.h"
 
 namespace collinea {

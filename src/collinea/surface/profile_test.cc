@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "collinea/image/test_folder.h"
+#include "collinea/base/test_folder.h"
 
 namespace collinea {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

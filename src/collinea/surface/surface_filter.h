@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

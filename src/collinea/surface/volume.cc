@@ -10,8 +10,8 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/geometry/polygon.h"
-#include "collinea/image/geotiff.h"
 #include "collinea/io/text.h"
+#include "collinea/raster/geotiff.h"
 
 namespace collinea {
 namespace {

@@ -7,9 +7,9 @@
 #include <functional>
 #include <numbers>
 
-#include "collinea/base/random.h"
-#include "collinea/image/geotiff.h"
-#include "collinea/image/test_folder.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/math/random.h"
+#include "collinea/raster/geotiff.h"
 
 namespace collinea {
 namespace {

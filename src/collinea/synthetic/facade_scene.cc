@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 #include "collinea/synthetic/noise.h"
 #include "collinea/synthetic/village.h"
 

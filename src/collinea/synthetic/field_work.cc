@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "collinea/base/parallel.h"
-#include "collinea/base/random.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

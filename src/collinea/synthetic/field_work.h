@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 #include "collinea/synthetic/truth.h"
 
 namespace collinea {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

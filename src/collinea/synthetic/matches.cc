@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "collinea/base/parallel.h"
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "collinea/base/parallel.h"
-#include "collinea/image/geotiff.h"
+#include "collinea/raster/geotiff.h"
 #include "collinea/synthetic/render.h"
 #include "collinea/synthetic/write.h"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <type_traits>
 
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
 #include "collinea/io/text.h"
 #include "collinea/synthetic/write.h"
 

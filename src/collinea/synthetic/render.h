@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "collinea/image/raster.h"
+#include "collinea/raster/raster.h"
 #include "collinea/synthetic/truth.h"
 
 namespace collinea {

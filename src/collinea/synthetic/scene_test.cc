@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 #include "collinea/synthetic/noise.h"
 #include "collinea/synthetic/village.h"
 

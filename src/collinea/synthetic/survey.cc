@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/base/random.h"
+#include "collinea/math/random.h"
 #include "collinea/synthetic/field_work.h"
 #include "collinea/synthetic/village.h"
 

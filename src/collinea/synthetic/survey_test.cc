@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "collinea/base/random.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {

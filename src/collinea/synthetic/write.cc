@@ -6,10 +6,10 @@
 #include <cmath>
 #include <set>
 
-#include "collinea/base/random.h"
-#include "collinea/image/photo.h"
-#include "collinea/io/file.h"
+#include "collinea/base/file.h"
 #include "collinea/io/text.h"
+#include "collinea/math/random.h"
+#include "collinea/raster/photo.h"
 #include "collinea/synthetic/render.h"
 
 namespace collinea {

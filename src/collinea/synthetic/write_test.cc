@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "collinea/image/geotiff.h"
-#include "collinea/image/photo.h"
-#include "collinea/image/test_folder.h"
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
 #include "collinea/io/control_file.h"
-#include "collinea/io/file.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/photo.h"
 
 namespace collinea {
 namespace {

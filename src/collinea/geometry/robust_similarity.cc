@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/geometry/robust_similarity.h"
+
+#include <Eigen/Eigenvalues>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "collinea/math/median.h"
+#include "collinea/math/random.h"
+
+namespace collinea::bundle {
+namespace {
+
+std::optional<Similarity3> fit(const std::vector<PlacePair>& pairs, const std::vector<double>& weights) {
+  std::vector<Eigen::Vector3d> a, b;
+  for (const PlacePair& pair : pairs) {
+    a.push_back(pair.in_block);
+    b.push_back(pair.in_world);
+  }
+  return align(a, b, weights);
+}
+
+// The similarity of the triple whose median distance is least. All triples when they are few.
+std::optional<Similarity3> least_median(const std::vector<PlacePair>& pairs, std::uint64_t seed) {
+  constexpr std::size_t kMostTrials = 500;
+  const std::size_t n = pairs.size();
+  std::optional<Similarity3> best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto attempt = [&](std::size_t i, std::size_t j, std::size_t k) {
+    const std::array<Eigen::Vector3d, 3> a{pairs[i].in_block, pairs[j].in_block, pairs[k].in_block};
+    const std::array<Eigen::Vector3d, 3> b{pairs[i].in_world, pairs[j].in_world, pairs[k].in_world};
+    const auto candidate = align(a, b);
+    if (!candidate || !(candidate->scale > 0)) return;
+    const double distance = median(distances(pairs, *candidate));
+    if (distance < least) {
+      least = distance;
+      best = candidate;
+    }
+  };
+  if (n * (n - 1) * (n - 2) / 6 <= kMostTrials) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j)
+        for (std::size_t k = j + 1; k < n; ++k) attempt(i, j, k);
+    return best;
+  }
+  Random random(seed);
+  for (std::size_t trial = 0; trial < kMostTrials; ++trial) {
+    const auto i = random.below(static_cast<std::uint32_t>(n)), j = random.below(static_cast<std::uint32_t>(n));
+    const auto k = random.below(static_cast<std::uint32_t>(n));
+    if (i != j && j != k && i != k) attempt(i, j, k);
+  }
+  return best;
+}
+
+// Pairs count fully within 27^1/2 standard deviations, beyond not at all.
+std::optional<Similarity3> refined(const std::vector<PlacePair>& pairs, Similarity3 world_from_block,
+                                   std::vector<double>& weights) {
+  for (int round = 0; round < 10; ++round) {
+    const std::vector<double> distance = distances(pairs, world_from_block);
+    const double scatter = median(std::vector(distance)) / 1.54;  // median of the length of a normal 3-vector
+    weights.clear();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const double variance = pairs[i].sigma_m * pairs[i].sigma_m + scatter * scatter;
+      weights.push_back(distance[i] * distance[i] <= 3 * 9 * variance ? 1 / variance : 0);
+    }
+    const auto next = fit(pairs, weights);
+    if (!next) return std::nullopt;
+    world_from_block = *next;
+  }
+  return world_from_block;
+}
+
+}  // namespace
+
+bool span_a_plane(const std::vector<PlacePair>& pairs) {
+  if (pairs.size() < 3) return false;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const PlacePair& pair : pairs) mean += pair.in_world / double(pairs.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  double variance = 0;
+  for (const PlacePair& pair : pairs) {
+    spread += (pair.in_world - mean) * (pair.in_world - mean).transpose();
+    variance += pair.sigma_m * pair.sigma_m / double(pairs.size());
+  }
+  const Eigen::Vector3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues() / double(pairs.size());
+  return axes[1] > 1e-6 * axes[2] && axes[1] > 4 * variance / double(pairs.size());
+}
+
+std::vector<double> distances(const std::vector<PlacePair>& pairs, const Similarity3& world_from_block) {
+  std::vector<double> result;
+  for (const PlacePair& pair : pairs) result.push_back((world_from_block * pair.in_block - pair.in_world).norm());
+  return result;
+}
+
+std::optional<RobustSimilarity> robust_similarity(const std::vector<PlacePair>& pairs, std::uint64_t seed) {
+  if (pairs.size() < 3) return std::nullopt;
+  const auto start = least_median(pairs, seed);
+  if (!start) return std::nullopt;
+  RobustSimilarity result;
+  const auto best = refined(pairs, *start, result.weights);
+  if (!best) return std::nullopt;
+  result.world_from_block = *best;
+  result.distances_m = distances(pairs, *best);
+  return result;
+}
+
+}  // namespace collinea::bundle

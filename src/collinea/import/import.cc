@@ -1,0 +1,511 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/import/import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <tuple>
+
+#include "collinea/base/hash.h"
+#include "collinea/base/parallel.h"
+#include "collinea/geodesy/heights.h"
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/import/import_control.h"
+#include "collinea/import/import_positions.h"
+#include "collinea/import/reason.h"
+#include "collinea/raster/photo.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kAssumedFocal = 1.2;       // times the longer side: a plain wide-angle lens
+constexpr double kAssumedFocalSigma = 0.3;  // relative
+constexpr double kFullFrameDiagonal_mm = 43.2666;
+
+struct Photo {
+  std::string file;
+  Result<PhotoHeader> header = fail(Errc::kNotFound, "not read");
+  Result<std::uint64_t> hash = fail(Errc::kNotFound, "not read");
+};
+
+bool looks_like_photo(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".tif" ||
+         extension == ".tiff";
+}
+
+// A project below the photo folder, or in it, holds rasters that are no photographs.
+bool belongs_to_project(const fs::path& directory) {
+  std::error_code ignored;
+  if (fs::exists(directory / "block.db", ignored)) return true;
+  const std::string name = directory.filename().string();
+  return fs::exists(directory.parent_path() / "block.db", ignored) &&
+         (name == "products" || name == "depth" || name == "report" || name == "scratch");
+}
+
+struct Listing {
+  std::vector<std::string> files;                // sorted
+  std::vector<SkippedPhoto> unreadable_folders;  // folders that cannot be looked into
+};
+
+std::string path_below(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  const std::string below = fs::relative(path, folder, error).generic_string();
+  return error ? path.generic_string() : below;
+}
+
+// Folder by folder, so that one that cannot be read neither ends the search nor is passed over in silence.
+Listing files_below(const fs::path& folder) {
+  Listing listing;
+  std::vector<fs::path> left = {folder};
+  while (!left.empty()) {
+    const fs::path here = std::move(left.back());
+    left.pop_back();
+    std::error_code error, ignored;
+    for (auto it = fs::directory_iterator(here, error); !error && it != fs::directory_iterator(); it.increment(error))
+      if (it->is_directory(ignored)) {
+        if (!it->is_symlink(ignored) && !belongs_to_project(it->path())) left.push_back(it->path());
+      } else if (it->is_regular_file(ignored) && looks_like_photo(it->path())) {
+        listing.files.push_back(path_below(folder, it->path()));
+      }
+    if (error) listing.unreadable_folders.push_back({path_below(folder, here), "cannot be read: " + error.message()});
+  }
+  std::sort(listing.files.begin(), listing.files.end());
+  return listing;
+}
+
+Result<CameraModel> model_in(const std::string& name) {
+  for (const auto model :
+       {CameraModel::kBrown, CameraModel::kEquidistant, CameraModel::kEquisolid, CameraModel::kKannalaBrandt})
+    if (name == kCameraModelNames[std::size_t(model)]) return model;
+  return fail(Errc::kBadInput, "--camera-model " + name + ": there are brown, equidistant, equisolid, kannala_brandt");
+}
+
+// The distortion that follows fx, fy, cx, cy.
+std::vector<int> given_distortion(CameraModel model) {
+  if (model == CameraModel::kKannalaBrandt) return {Camera::kK1, Camera::kK2, Camera::kK3, Camera::kK4};
+  return {Camera::kK1, Camera::kK2, Camera::kK3, Camera::kP1, Camera::kP2};
+}
+
+Result<std::vector<double>> numbers_in(const std::string& text, CameraModel model) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (at < end) {
+    double value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || (next < end && *next != ','))
+      return fail(Errc::kBadInput, "--camera-params " + text + ": expected numbers separated by commas");
+    numbers.push_back(value);
+    at = next + (next < end ? 1 : 0);
+  }
+  if (const std::size_t most = 4 + given_distortion(model).size(); numbers.size() < 4 || numbers.size() > most)
+    return fail(Errc::kBadInput, fmt::format("--camera-params: expected fx,fy,cx,cy and up to {} distortion values",
+                                             most == 9 ? "five" : "four"));
+  if (!std::all_of(numbers.begin(), numbers.end(), [](double value) { return std::isfinite(value); }))
+    return fail(Errc::kBadInput, "--camera-params " + text + ": every value must be a finite number");
+  if (!(numbers[0] > 0 && numbers[1] > 0))
+    return fail(Errc::kBadInput, "--camera-params " + text + ": fx and fy must be positive");
+  return numbers;
+}
+
+// One camera fits pictures of one size: focal length and principal point are in its pixels.
+Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
+  const Image* first = nullptr;
+  for (const auto& [id, image] : block.images) {
+    const Camera& camera = block.camera_of(id);
+    if (!first) {
+      first = &image;
+      if (!inside(camera, {v[2], v[3]}))
+        return fail(Errc::kBadInput, fmt::format("--camera-params: the principal point {}, {} lies outside the "
+                                                 "pictures ({} x {} px)",
+                                                 v[2], v[3], camera.width_px, camera.height_px));
+    }
+    const Camera& of_first = block.cameras.at(first->camera);
+    if (camera.width_px != of_first.width_px || camera.height_px != of_first.height_px)
+      return fail(Errc::kBadInput,
+                  fmt::format("--camera-params gives one camera, but the pictures differ in size: {} has {} x {} px, "
+                              "{} has {} x {} px; keep those of one size in a folder of their own",
+                              first->file, of_first.width_px, of_first.height_px, image.file, camera.width_px,
+                              camera.height_px));
+  }
+  return {};
+}
+
+Camera given_camera(CameraModel model, const std::vector<double>& v, int width_px, int height_px) {
+  Camera camera = ideal_camera(v[1], width_px, height_px);
+  camera.model = model;
+  camera.params[Camera::kB1] = v[0] - v[1];
+  camera.params[Camera::kCx] = v[2];
+  camera.params[Camera::kCy] = v[3];
+  const std::vector<int> distortion = given_distortion(model);
+  for (std::size_t i = 4; i < v.size(); ++i) camera.params[std::size_t(distortion[i - 4])] = v[i];
+  camera.calibrate = false;
+  camera.source = "given";
+  return camera;
+}
+
+// The shortest focal length that can be true, and the one assumed where none is stated [times the longer side]. A
+// fisheye is taken for one that fills the picture with 180 degrees from corner to corner; one that sees 220 degrees
+// along the shorter of 16:9 sides has an eighth of the longer side.
+struct UsualFocal {
+  double shortest, assumed;
+};
+
+UsualFocal usual_focal(CameraModel model, double diagonal_px, double longer_px) {
+  if (!is_fisheye(model)) return {0.2, kAssumedFocal};
+  const double per_diagonal = model == CameraModel::kEquisolid ? 1 / (2 * std::numbers::sqrt2) : 1 / std::numbers::pi;
+  return {0.12, per_diagonal * diagonal_px / longer_px};
+}
+
+Camera camera_from_header(const PhotoHeader& header, CameraModel model) {
+  const double diagonal_px = std::hypot(header.width_px, header.height_px);
+  double focal_px = 0, relative_sigma = kExifFocalSigma;
+  std::string source;
+  if (header.focal_mm && header.pixel_pitch_mm && *header.focal_mm > 0) {
+    focal_px = *header.focal_mm / *header.pixel_pitch_mm;
+    source = "EXIF focal length and pixel pitch";
+  }
+  // A picture resampled after it was taken keeps its old pixel pitch: then the two sources disagree and the equivalent
+  // wins.
+  if (header.focal_35mm_mm && *header.focal_35mm_mm > 0) {
+    const double equivalent_px = *header.focal_35mm_mm * diagonal_px / kFullFrameDiagonal_mm;
+    if (focal_px == 0 || std::abs(focal_px / equivalent_px - 1) > 0.15) {
+      focal_px = equivalent_px;
+      source = "EXIF 35 mm equivalent";
+    }
+  }
+  const double longer_px = std::max(header.width_px, header.height_px);
+  const UsualFocal usual = usual_focal(model, diagonal_px, longer_px);
+  if (!(focal_px > usual.shortest * longer_px && focal_px < 50 * longer_px)) {
+    focal_px = usual.assumed * longer_px;
+    relative_sigma = kAssumedFocalSigma;
+    source = "assumed";
+  }
+  Camera camera = ideal_camera(focal_px, header.width_px, header.height_px);
+  camera.model = model;
+  camera.sigma_f_px = relative_sigma * focal_px;
+  camera.source = source;
+  return camera;
+}
+
+bool states_focal(const PhotoHeader& header) {
+  return (header.focal_mm && header.pixel_pitch_mm) || header.focal_35mm_mm;
+}
+
+std::string camera_name(const PhotoHeader& header) {
+  std::string name = header.maker;
+  if (!header.model.empty()) name += (name.empty() ? "" : " ") + header.model;
+  if (name.empty()) name = "unknown camera";
+  if (header.focal_mm) name += fmt::format(" {:.3g} mm", *header.focal_mm);
+  if (!header.serial.empty()) name += " #" + header.serial;
+  return name;
+}
+
+std::optional<PositionPrior> position_prior(const PhotoHeader& header, const ImportOptions& options) {
+  if (!header.latitude_deg || !header.longitude_deg) return std::nullopt;
+  const double plan = options.gps_sigma_m, height = options.gps_sigma_height_m;
+  PositionPrior prior{};
+  prior.position_in_world.setZero();  // known once the world frame is
+  prior.latitude_deg = *header.latitude_deg;
+  prior.longitude_deg = *header.longitude_deg;
+  prior.height_m = header.height_m.value_or(0);
+  prior.height_above_start_m = header.relative_height_m;
+  prior.sigma_m = {header.sigma_east_m.value_or(plan), header.sigma_north_m.value_or(plan),
+                   header.height_m ? header.sigma_height_m.value_or(height) : std::numeric_limits<double>::infinity()};
+  prior.sigma_m = prior.sigma_m.cwiseMax(0.005);  // no receiver is better
+  return prior;
+}
+
+std::vector<Photo> read_headers(const fs::path& folder, const std::vector<std::string>& files, const Run& run) {
+  std::vector<Photo> photos(files.size());
+  std::atomic<std::size_t> done = 0;
+  parallel_for(run, files.size(), [&](std::size_t i) {
+    photos[i].file = files[i];
+    photos[i].header = read_photo_header(folder / files[i]);
+    photos[i].hash = hash_of_file(folder / files[i]);
+    run.report("import", double(++done) / double(files.size()));
+  });
+  return photos;
+}
+
+class Importer {
+ public:
+  Importer(const fs::path& folder, const ImportOptions& options, CameraModel model,
+           std::optional<std::vector<double>> camera_params)
+      : folder_(folder), options_(options), model_(model), camera_params_(std::move(camera_params)) {}
+
+  void add(const Photo& photo) {
+    if (!photo.header) return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
+    if (!photo.hash) return skip(photo.file, reason_without_name(photo.hash.error().message, folder_ / photo.file));
+    if (photo.header->width_px < 64 || photo.header->height_px < 64)
+      return skip(photo.file, "smaller than 64 x 64 pixels");
+    const auto [same, is_new] = file_of_hash_.emplace(*photo.hash, photo.file);
+    if (!is_new) return skip(photo.file, "the same bytes as " + same->second);
+    Image image;
+    image.file = photo.file;
+    image.camera = camera_of(*photo.header);
+    image.taken = photo.header->taken;
+    image.orientation = photo.header->orientation;
+    image.position = position_prior(*photo.header, options_);
+    if (photo.header->heading_deg && photo.header->pitch_deg)
+      image.attitude =
+          AttitudePrior{*photo.header->heading_deg, *photo.header->pitch_deg, photo.header->roll_deg.value_or(0)};
+    result.block.images[ImageId{static_cast<std::uint32_t>(result.block.images.size())}] = image;
+    result.file_hash.push_back(Hash().add(*photo.hash).hex());
+  }
+
+  Imported result;
+
+ private:
+  void skip(const std::string& file, const std::string& reason) { result.skipped.push_back({file, reason}); }
+
+  CameraId camera_of(const PhotoHeader& header) {
+    const Key key{header.maker,
+                  header.model,
+                  header.serial,
+                  header.lens,
+                  header.width_px,
+                  header.height_px,
+                  header.focal_mm.value_or(0)};
+    const auto found = cameras_.find(key);
+    if (found != cameras_.end()) return found->second;
+    const CameraId id{static_cast<std::uint32_t>(cameras_.size())};
+    cameras_[key] = id;
+    Camera camera = camera_params_ ? given_camera(model_, *camera_params_, header.width_px, header.height_px)
+                                   : camera_from_header(header, model_);
+    camera.name = camera_name(header);
+    if (camera.source == "assumed")
+      result.findings.push_back(
+          fmt::format("{} ({} x {} px): {} focal length in the files; {:.0f} px assumed, to be found by "
+                      "self-calibration",
+                      camera.name, header.width_px, header.height_px, states_focal(header) ? "an impossible" : "no",
+                      camera.focal_px()));
+    result.block.cameras[id] = camera;
+    return id;
+  }
+
+  using Key = std::tuple<std::string, std::string, std::string, std::string, int, int, double>;
+  const fs::path& folder_;
+  const ImportOptions& options_;
+  CameraModel model_;
+  std::optional<std::vector<double>> camera_params_;
+  std::map<Key, CameraId> cameras_;
+  std::map<std::uint64_t, std::string> file_of_hash_;
+};
+
+std::vector<std::string> names_in(const std::string& list) {
+  std::vector<std::string> names;
+  std::string name;
+  for (const char c : list + ",") {
+    if (c != ',') {
+      name += c;
+    } else {
+      const auto first = name.find_first_not_of(' '), last = name.find_last_not_of(' ');
+      if (first != std::string::npos) names.push_back(name.substr(first, last - first + 1));
+      name.clear();
+    }
+  }
+  return names;
+}
+
+// The middle of the block: where the world frame gets its origin, rounded so that it reads well.
+Eigen::Vector3d middle_of(const Block& block) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0, heights = 0;
+  double first_longitude_deg = 0;
+  for (const auto& [id, image] : block.images)
+    if (const auto& position = image.position) {
+      if (count++ == 0) first_longitude_deg = position->longitude_deg;
+      // From the first one the short way round: the date line may run through the block.
+      const double from_first_deg = std::remainder(position->longitude_deg - first_longitude_deg, 360);
+      sum.head<2>() += Eigen::Vector2d(position->latitude_deg, from_first_deg);
+      if (!std::isfinite(position->sigma_m.z())) continue;
+      sum.z() += position->height_m;
+      ++heights;
+    }
+  return {sum.x() / std::max(1, count), std::remainder(first_longitude_deg + sum.y() / std::max(1, count), 360),
+          sum.z() / std::max(1, heights)};
+}
+
+// Where the map's heights are told beside its CRS, and those of control beside both.
+struct Systems {
+  std::string map, control;
+};
+
+Result<Systems> systems_of(const ImportOptions& options, const std::string& map, const std::string& control) {
+  Systems systems{map, control};
+  if (options.heights) {
+    COLLINEA_TRY(systems.map, with_heights(map, *options.heights).map_error([](Error error) {
+      return std::move(error).within("--heights");
+    }));
+  }
+  if (options.control_heights) {
+    COLLINEA_TRY(systems.control,
+                 with_heights(control.empty() ? map : control, *options.control_heights).map_error([](Error error) {
+                   return std::move(error).within("--control-heights");
+                 }));
+  } else if (options.heights && !control.empty()) {
+    COLLINEA_TRY(const bool said, says_heights(control));
+    if (!said) {
+      COLLINEA_TRY(systems.control, with_heights(control, *options.heights));
+    }
+  }
+  return systems;
+}
+
+bool has_positions(const Block& block) {
+  return std::any_of(block.images.begin(), block.images.end(),
+                     [](const auto& entry) { return entry.second.position.has_value(); });
+}
+
+// How high what the photographs count their heights from lies over the ellipsoid, for all of the block. Not for
+// positions of a file, which says itself what its heights are.
+Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, const ImportOptions& options) {
+  if (options.gps_heights == "ellipsoidal" || !has_positions(imported.block)) return {};
+  const Eigen::Vector3d middle = middle_of(imported.block);
+  const auto framed = [](Error error) { return std::move(error).within("--gps-heights"); };
+  COLLINEA_TRY(const std::string crs,
+               with_heights(utm_crs(middle.x(), middle.y()), options.gps_heights).map_error(framed));
+  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, middle.x(), middle.y(), 0).map_error(framed));
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (auto& [id, image] : imported.block.images) {
+    if (!image.position || of_file.contains(id)) continue;
+    const double raised_m = -frame
+                                 .map_from_local(frame.local_from_geographic(
+                                     {image.position->latitude_deg, image.position->longitude_deg, 0}))
+                                 .z();
+    if (!std::isfinite(raised_m))
+      return fail(Errc::kBadInput, "--gps-heights: the geoid grid does not reach the place of " + image.file);
+    image.position->height_m += raised_m;
+    least = std::min(least, raised_m);
+    most = std::max(most, raised_m);
+  }
+  if (least > most) return {};
+  imported.findings.push_back(
+      fmt::format("heights of the photographs count from {}: {:.2f} to {:.2f} m over the ellipsoid here",
+                  frame.crs_name().substr(frame.crs_name().find(" + ") + 3), least, most));
+  return {};
+}
+
+Result<> place_on_earth(Imported& imported, const ImportOptions& options, ControlFile control) {
+  Block& block = imported.block;
+  const bool has_gps = has_positions(block);
+  std::string crs = options.crs.value_or(control.crs);
+  if (options.crs)
+    if (const auto known = check_crs(crs); !known)
+      return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\" (--crs)"));
+  Eigen::Vector3d origin = middle_of(block);
+  if (has_gps && crs.empty()) crs = utm_crs(origin.x(), origin.y());
+  if (!has_gps) {
+    if (!is_surveyed(control)) return add_control(imported, control, nullptr);
+    if (crs.empty())
+      return fail(Errc::kBadInput,
+                  "the control file names no CRS and the photographs have no GPS: give --crs EPSG:code");
+  }
+  COLLINEA_TRY(const Systems systems, systems_of(options, crs, control.crs));
+  crs = systems.map;
+  control.crs = systems.control;
+  if (!has_gps) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const ControlFilePoint& point : control.points)
+      middle += point.position_in_map / double(control.points.size());
+    COLLINEA_TRY(origin, geographic_from_map(control.crs.empty() ? crs : control.crs, middle));
+  }
+  origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
+  COLLINEA_TRY(const LocalFrame frame,
+               LocalFrame::create(crs, origin.x(), origin.y(), origin.z()).map_error([&](Error error) {
+                 return std::move(error).within("CRS \"" + crs + "\"" + (options.crs ? " (--crs)" : ""));
+               }));
+  block.georeference = Georeference{crs, origin.x(), origin.y(), origin.z()};
+  for (auto& [id, image] : block.images)
+    if (auto& prior = image.position)
+      prior->position_in_world =
+          frame.local_from_geographic({prior->latitude_deg, prior->longitude_deg, prior->height_m});
+  return add_control(imported, control, &frame);
+}
+
+Result<ControlFile> control_of(const ImportOptions& options) {
+  if (!options.control && !options.check.empty())
+    return fail(Errc::kBadInput,
+                "--check " + options.check + ": there is no control file; give it with --control FILE");
+  if (!options.control) return ControlFile{};
+  COLLINEA_TRY(ControlFile control, read_control(*options.control, {.sigma_plan_m = options.control_sigma_m,
+                                                                    .sigma_height_m = options.control_sigma_m,
+                                                                    .sigma_px = options.control_sigma_px}));
+  const std::vector<std::string> checks = names_in(options.check);
+  if (!checks.empty())
+    if (auto set = set_check_points(control, checks); !set) return tl::unexpected(set.error());
+  return control;
+}
+
+}  // namespace
+
+Result<Imported> import_photos(const fs::path& photos, const ImportOptions& options, const Run& run) {
+  COLLINEA_TRY(const CameraModel model, model_in(options.camera_model));
+  std::optional<std::vector<double>> camera_params;
+  if (options.camera_params) {
+    COLLINEA_TRY(camera_params, numbers_in(*options.camera_params, model));
+  }
+  COLLINEA_TRY(const ControlFile control, control_of(options));
+  std::error_code unreadable;
+  if (fs::directory_iterator(photos, unreadable); unreadable)
+    return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
+  Importer importer(photos, options, model, camera_params);
+  const Listing listing = files_below(photos);
+  const std::vector<Photo> read = read_headers(photos, listing.files, run);
+  if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+  for (const Photo& photo : read) importer.add(photo);
+  Imported imported = std::move(importer.result);
+  imported.skipped.insert(imported.skipped.end(), listing.unreadable_folders.begin(), listing.unreadable_folders.end());
+  if (imported.block.images.size() < 2)
+    return fail(Errc::kNotFound, fmt::format("{} usable photographs (JPEG, TIFF, PNG) in {}{}; at least two are needed",
+                                             imported.block.images.size(), photos.string(),
+                                             imported.skipped.empty() ? ""
+                                                                      : "; first skipped: " + imported.skipped[0].file +
+                                                                            ": " + imported.skipped[0].reason));
+  if (camera_params)
+    if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
+  PositionFile positions;
+  std::set<ImageId> of_file;
+  if (options.positions) {
+    COLLINEA_TRY(positions, read_positions(*options.positions));
+    COLLINEA_TRY(of_file, add_positions(imported, positions, *options.positions, options));
+  }
+  if (auto raised = raise_positions(imported, of_file, options); !raised) return tl::unexpected(raised.error());
+  if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
+  if (auto added = add_map_attitudes(imported, positions); !added) return tl::unexpected(added.error());
+  if (options.ground)
+    if (auto added = add_ground(imported, *options.ground); !added) return tl::unexpected(added.error());
+  name_unseen_control(imported);
+  return imported;
+}
+
+std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& options) {
+  Hash hash;
+  const auto add_file = [&](const fs::path& path) {
+    std::error_code missing;
+    hash.add(path.string()).add(std::uint64_t{fs::file_size(path, missing)});
+    hash.add(static_cast<std::uint64_t>(fs::last_write_time(path, missing).time_since_epoch().count()));
+  };
+  for (const std::string& file : files_below(photos).files) add_file(photos / file);
+  if (options.control) add_file(*options.control);
+  if (options.ground) add_file(*options.ground);
+  if (options.positions) add_file(*options.positions);
+  const std::optional<std::string> gps_heights = options.gps_heights;
+  for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})
+    if (std::error_code none; *heights && fs::is_regular_file(**heights, none)) add_file(**heights);  // a geoid grid
+  return hash.hex();
+}
+
+}  // namespace collinea

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/adjust_project.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "collinea/adjust/refraction.h"
+#include "collinea/base/file.h"
+#include "collinea/io/adjustment_file.h"
+#include "collinea/io/dbat_script.h"
+#include "collinea/io/photomodeler.h"
+#include "collinea/io/text.h"
+#include "collinea/jobs/adjusted_report.h"
+#include "collinea/orient/additional.h"
+#include "collinea/orient/approximate.h"
+#include "collinea/quality/control_check.h"
+
+namespace collinea {
+namespace {
+
+using nlohmann::json;
+
+Result<json> orient_report(const Project& project) {
+  COLLINEA_TRY(const std::vector<StepRecord> steps, project.store.read_steps());
+  for (const StepRecord& step : steps)
+    if (step.name == "orient") return json::parse(step.report_json, nullptr, false);
+  return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
+}
+
+// The least set that holds every parameter that had a standard deviation after orientation.
+std::string calibration_of(const json& orientation) {
+  std::string calibration = "none";
+  const auto free = [](const json& sigma, int param) {
+    const json& value = sigma.at(static_cast<std::size_t>(param));
+    return value.is_number() && value.get<double>() > 0;
+  };
+  const std::pair<const char*, int> steps[] = {
+      {"focal", Camera::kF}, {"focal_radial", Camera::kK1}, {"brown", Camera::kCx}, {"brown_affinity", Camera::kB1}};
+  std::size_t most = 0;
+  for (const auto& [camera, sigma] : orientation.at("details").at("camera_sigma").items())
+    for (std::size_t i = 0; i < std::size(steps); ++i)
+      if (i + 1 > most && free(sigma, steps[i].second)) {
+        most = i + 1;
+        calibration = steps[i].first;
+      }
+  return calibration;
+}
+
+// What orientation did without, or shall be done without, is compared all the same.
+void choose_ground(Block& block, const json& orientation, bool use_ground) {
+  std::set<std::size_t> used;
+  for (const json& row : orientation.at("details").value("ground", json::array()))
+    if (row.at("used").get<bool>()) used.insert(row.at("observation").get<std::size_t>());
+  for (std::size_t i = 0; i < block.ground.size(); ++i)
+    if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
+}
+
+// As orientation used them, and what is asked otherwise.
+InstrumentOptions instruments_of(const json& orientation, const AdjustProjectOptions& asked) {
+  InstrumentOptions instruments;
+  if (const auto used = orientation.find("instruments"); used != orientation.end())
+    InstrumentOptions::describe([&](const auto& field) {
+      const auto value = used->find(field.name);
+      if (value == used->end() || value->is_null()) return;
+      auto& own = instruments.*field.member;
+      if constexpr (requires { own.has_value(); })
+        own = value->template get<typename std::decay_t<decltype(own)>::value_type>();
+      else
+        value->get_to(own);
+    });
+  if (asked.instruments) asked.instruments(instruments);
+  return instruments;
+}
+
+AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
+  AdjustOptions options;
+  options.calibration = calibration;
+  options.loss = options.position_loss = asked.loss;
+  options.loss_scale_sigmas = asked.loss_scale_sigmas;
+  options.reliability = options.covariances = options.point_covariances = true;
+  options.false_alarm = asked.false_alarm;
+  options.power = asked.power;
+  options.sigma0_known = asked.sigma0_known;
+  options.folds = asked.folds;
+  // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
+  options.relative_cost_change = 1e-12;
+  options.step_sigmas = 1e-3;
+  return options;
+}
+
+// What orientation found control to be worth, and where it moved the positions.
+void judge_as_orient_did(const json& orientation, bool shift_positions, Block& block, const Run& run) {
+  if (!orientation.contains("sigma_factors")) return;
+  SigmaFactors factors = as_given();
+  const json& given = orientation.at("sigma_factors");
+  for (std::size_t g = 0; g < std::min(factors.size(), given.size()); ++g) factors[g] = given.at(g).get<double>();
+  std::string text;
+  for (std::size_t g = 0; g < factors.size(); ++g)
+    if (factors[g] != 1)
+      text += fmt::format("{}sigmas of \"{}\" times {:.1f}", text.empty() ? "" : ", ", kObservationGroupNames[g],
+                          factors[g]);
+  block = with_sigmas(block, factors);
+  const json& shift = orientation.at("position_shift_m");
+  const Eigen::Vector3d shift_m(shift.at(0).get<double>(), shift.at(1).get<double>(), shift.at(2).get<double>());
+  if (shift_positions && !shift_m.isZero()) {
+    for (auto& [id, image] : block.images)
+      if (image.position) image.position->position_in_world += shift_m;
+    text += fmt::format("{}positions shifted by {:+.2f}, {:+.2f}, {:+.2f} m", text.empty() ? "" : ", ", shift_m.x(),
+                        shift_m.y(), shift_m.z());
+  }
+  if (!text.empty()) run.say("note: as orientation found: " + text + "; --given-sigmas takes what was stated");
+}
+
+/// All that is needed to adjust and to report.
+struct Task {
+  std::string title;
+  Block block;
+  AdjustScope scope;
+  AdjustOptions options;
+};
+
+std::vector<std::string> words_in(const std::string& list) {
+  std::vector<std::string> words;
+  for (const std::string_view field : fields_of(list, ','))
+    if (!trimmed(field).empty()) words.emplace_back(trimmed(field));
+  return words;
+}
+
+// Gives the cameras the additional set that was asked for, free or held. A camera with another set begins at zero.
+Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run& run) {
+  std::optional<AdditionalSet> wanted;
+  if (asked.additional != "auto") {
+    COLLINEA_TRY(wanted, additional_named(asked.additional).map_error([](Error error) {
+      error.message += "; auto keeps those that orient found";
+      return error;
+    }));
+  }
+  const std::vector<std::string> held = words_in(asked.additional_held);
+  std::set<std::string> instead;
+  bool any = false;
+  for (auto& [id, camera] : task.block.cameras) {
+    const auto own = task.scope.camera_sigmas.find(id);
+    Camera& first = task.scope.first_cameras.try_emplace(id, camera).first->second;
+    if (wanted)
+      for (Camera* one : {&camera, &first}) {
+        if (one->additional != *wanted) std::fill(one->params.begin() + Camera::kParams, one->params.end(), 0.0);
+        one->additional = *wanted;
+      }
+    else
+      first.additional = camera.additional;  // found by orient, around zero
+    if (camera.additional == AdditionalSet::kNone) continue;
+    any = true;
+    if (own != task.scope.camera_sigmas.end() && !wanted && held.empty()) continue;
+    CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
+    if (own != task.scope.camera_sigmas.end())
+      sigmas = own->second;
+    else if (camera.calibrate)
+      sigmas = calibration_named(task.options.calibration, first).value_or(CameraSigmas{});
+    const auto both = with_additional(sigmas, first, held);
+    if (!both)
+      return fail(Errc::kBadInput, "additional_held = \"" + asked.additional_held + "\": the " +
+                                       std::to_string(count_of(camera.additional)) + " parameters of " +
+                                       std::string(kAdditionalNames[std::size_t(camera.additional)]) + " are a1 to a" +
+                                       std::to_string(count_of(camera.additional)));
+    for (int k = 0; k < Camera::kParams; ++k)
+      if (sigmas[std::size_t(k)] > 0 && (*both)[std::size_t(k)] == 0) instead.insert(param_name(k));
+    task.scope.camera_sigmas[id] = *both;
+  }
+  if (!held.empty() && !any) return fail(Errc::kBadInput, "additional_held needs additional parameters (--additional)");
+  if (!instead.empty()) {
+    std::string names;
+    for (const std::string& one : instead) names += (names.empty() ? "" : ", ") + one;
+    run.say("note: held, because the additional parameters say the same: " + names);
+  }
+  return {};
+}
+
+Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) {
+  if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
+  COLLINEA_TRY(const json orientation, orient_report(project));
+  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  Task task;
+  COLLINEA_TRY(task.block, project.store.read_block());
+  task.scope = {.first_cameras = setup.cameras,
+                .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
+                .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
+  const InstrumentOptions instruments = instruments_of(orientation, asked);
+  if (task.scope.use_positions && task.scope.use_control) {
+    ControlDiagnosis diagnosis = check_control(task.block, project.settings.seed);
+    if (instruments.position_shift != "none") expect_shift(diagnosis);
+    apply(diagnosis, task.block);
+  }
+  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
+  if (task.scope.use_control && !asked.given_sigmas)
+    judge_as_orient_did(orientation, instruments.position_shift == "none", task.block, project.run);
+  choose_ground(task.block, orientation, asked.use_ground);
+  if (Result<> known = add_instruments(task.block, instruments, task.scope); !known)
+    return tl::unexpected(known.error());
+  task.options = options_of(asked, asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration);
+  if (Result<> added = set_additional(asked, task, project.run); !added) return tl::unexpected(added.error());
+  std::error_code error;
+  task.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
+  return task;
+}
+
+// One line for the user.
+std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
+  const Adjusted& adjusted = report.adjusted;
+  std::string text =
+      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
+  if (const auto& tests = adjusted.reliability; !tests) {
+    text += "; no standard deviations: " + adjusted.undetermined;
+  } else {
+    text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
+    if (tests->unseen > 0)
+      text += fmt::format(", and {} more whose point lies where their image does not see it", tests->unseen);
+  }
+  for (const AdditionalTest& test : report.additional) {
+    const std::string dropped = dropped_names(test);
+    text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
+    if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
+  }
+  for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
+  return text + "; " + (folder / "adjustment.html").string();
+}
+
+Result<> correct_rays(const AdjustProjectOptions& asked, Block& block, const Run& run) {
+  if (!asked.refraction) return {};
+  COLLINEA_TRY(const Refracted done, correct_refraction(block));
+  run.say(fmt::format("refraction: {} measurements corrected by up to {:.3f} px{}", done.corrected, done.largest_px,
+                      done.left == 0 ? "" : fmt::format("; {} left, more than 75 degrees from the nadir", done.left)));
+  return {};
+}
+
+Result<std::string> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
+                                const Run& run) {
+  if (Result<> corrected = correct_rays(asked, task.block, run); !corrected) return tl::unexpected(corrected.error());
+  COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(task.block), task.scope, task.options, asked, run));
+  report.title = task.title;
+  if (auto written = write_adjustment(report, folder); !written) return tl::unexpected(written.error());
+  return outcome_text(report, folder);
+}
+
+// Only what takes part: nothing of an image that orientation left out.
+AdjustmentFile file_of(const Task& task) {
+  AdjustmentFile file;
+  file.block = task.block;
+  Block& block = file.block;
+  std::erase_if(block.images, [&](const auto& image) { return !block.cam_from_world.contains(image.first); });
+  const auto unknown = [&](const auto& seen) { return !block.images.contains(seen.image); };
+  std::erase_if(block.control_observations, unknown);
+  std::erase_if(block.observations,
+                [&](const Observation& seen) { return unknown(seen) || !block.points.contains(seen.point); });
+  if (!task.scope.use_positions)
+    for (auto& [id, image] : block.images) image.position.reset();
+  if (!task.scope.use_control)
+    for (auto& [id, control] : block.control) control.role = ControlRole::kCheck;
+  file.instruments = task.scope;
+  const auto not_there = [&](const auto& one) { return !block.images.contains(one.first); };
+  std::erase_if(file.instruments.attitudes, not_there);
+  std::erase_if(file.instruments.velocity_m_s, not_there);
+  for (PositionTrack& track : file.instruments.position_tracks) std::erase_if(track.time, not_there);
+  for (const auto& [id, camera] : block.cameras) {
+    const auto first = task.scope.first_cameras.find(id);
+    const Camera& given = first == task.scope.first_cameras.end() ? camera : first->second;
+    file.given_cameras[id] = given;
+    const auto own = task.scope.camera_sigmas.find(id);
+    file.camera_sigmas[id] = own != task.scope.camera_sigmas.end() ? own->second
+                             : camera.calibrate
+                                 ? calibration_named(task.options.calibration, given).value_or(CameraSigmas{})
+                                 : CameraSigmas{};
+  }
+  return file;
+}
+
+Result<AdjustmentFile> read_adjustment(const std::filesystem::path& path) {
+  COLLINEA_TRY(const std::string text, read_file(path));
+  if (is_dbat_script(text)) return read_dbat_script(path);
+  const auto parse = !is_adjustment_file(text) && is_photomodeler(text) ? parse_photomodeler : parse_adjustment_file;
+  return parse(text).map_error([&](Error e) { return std::move(e).within(path.string()); });
+}
+
+template <class Id>
+std::string names(const std::vector<Id>& ids, const auto& name_of) {
+  constexpr std::size_t kShown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(ids.size(), kShown); ++i) text += (i > 0 ? ", " : "") + name_of(ids[i]);
+  return ids.size() > kShown ? text + fmt::format(" and {} more", ids.size() - kShown) : text;
+}
+
+Result<> complete(Block& block, const Run& run) {
+  COLLINEA_TRY(const Approximation found, approximate(block, run.seed));
+  if (!found.resected.empty() || found.intersected > 0)
+    run.say(fmt::format("approximate values: {} images resected, {} points intersected", found.resected.size(),
+                        found.intersected));
+  if (!found.without_pose.empty())
+    run.say("note: no approximate pose, and fewer than four known points to find one: " +
+            names(found.without_pose, [&](ImageId id) { return block.images.at(id).file; }) +
+            "; left out. Give a line pose, or measure more points there");
+  if (!found.without_place.empty())
+    run.say("note: seen in fewer than two oriented images, or along nearly the same line: tie points " +
+            names(found.without_place, [](PointId id) { return std::to_string(id.value); }) + "; left out");
+  return {};
+}
+
+// Those of the file, but for what is asked otherwise.
+Result<> add_instruments_of_file(AdjustmentFile& file, const AdjustProjectOptions& asked, AdjustScope& scope) {
+  Instruments& given = file.instruments;
+  const std::string as_given = "as the file says";
+  InstrumentOptions options;
+  options.position_shift = given.position_tracks.empty() ? "none" : as_given;
+  options.time_offset = !given.time_offset_sigma_s.empty();
+  options.use_attitudes = !given.attitudes.empty();
+  if (asked.instruments) asked.instruments(options);
+  if (options.lever_arm) given.lever_arms.clear();
+  if (options.position_shift == as_given)
+    options.position_shift = "none";
+  else
+    given.position_tracks.clear();
+  if (!options.time_offset) given.time_offset_sigma_s.clear();
+  if (!options.use_attitudes) given.attitudes.clear();
+  options.time_offset &= given.time_offset_sigma_s.empty();
+  options.use_attitudes &= given.attitudes.empty();
+  static_cast<Instruments&>(scope) = std::move(given);
+  return add_instruments(file.block, options, scope);
+}
+
+Result<> set_calibration(const std::string& asked, const AdjustmentFile& file, AdjustScope& scope) {
+  scope.camera_sigmas = file.camera_sigmas;
+  if (asked == "auto") return {};
+  for (auto& [id, sigmas] : scope.camera_sigmas) {
+    Camera camera = file.given_cameras.at(id);
+    camera.sigma_f_px = 1;
+    const auto named = calibration_named(asked, camera);
+    if (!named) return fail(Errc::kBadInput, "calibration = \"" + asked + "\": no such set of parameters");
+    for (std::size_t k = 0; k < sigmas.size(); ++k)
+      sigmas[k] = (*named)[k] == 0 ? 0 : sigmas[k] > 0 ? sigmas[k] : std::numeric_limits<double>::infinity();
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
+  COLLINEA_TRY(Task task, task_of(project, asked));
+  return adjust_task(std::move(task), asked, project.folder / "adjustment", project.run);
+}
+
+Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
+                           const std::filesystem::path& file) {
+  COLLINEA_TRY(const Task task, task_of(project, asked));
+  if (!calibration_named(task.options.calibration, Camera{}))
+    return fail(Errc::kBadInput, "calibration = \"" + task.options.calibration + "\": no such set of parameters");
+  return write_adjustment_file(file, file_of(task));
+}
+
+Result<std::string> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
+                                const AdjustProjectOptions& asked, const Run& run) {
+  if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
+  if (asked.given_sigmas)
+    return fail(
+        Errc::kBadInput,
+        "given_sigmas is about what orient found control to be worth: a file tells its sigmas itself, and these "
+        "are taken");
+  COLLINEA_TRY(AdjustmentFile file, read_adjustment(path));
+  if (Result<> completed = complete(file.block, run); !completed)
+    return tl::unexpected(std::move(completed).error().within(path.string()));
+  Task task{.title = path.stem().string(),
+            .block = {},
+            .scope = {.fixed_images = file.held_images,
+                      .first_cameras = file.given_cameras,
+                      .corrected_cameras = file.corrected_cameras,
+                      .use_positions = asked.use_positions,
+                      .use_control = asked.use_control},
+            .options = options_of(asked, "none")};
+  if (Result<> set = set_calibration(asked.calibration, file, task.scope); !set) return tl::unexpected(set.error());
+  if (!asked.use_ground)
+    for (GroundObservation& measured : file.block.ground) measured.role = ControlRole::kCheck;
+  if (Result<> known = add_instruments_of_file(file, asked, task.scope); !known) return tl::unexpected(known.error());
+  task.block = std::move(file.block);
+  if (Result<> added = set_additional(asked, task, run); !added) return tl::unexpected(added.error());
+  return adjust_task(std::move(task), asked, folder, run);
+}
+
+Result<> convert_adjustment(const std::filesystem::path& path, const std::filesystem::path& converted) {
+  COLLINEA_TRY(const AdjustmentFile file, read_adjustment(path));
+  return write_adjustment_file(converted, file);
+}
+
+}  // namespace collinea

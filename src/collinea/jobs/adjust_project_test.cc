@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/adjust_project.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "collinea/base/test_folder.h"
+#include "collinea/steps/flow.h"
+#include "collinea/steps/test_project.h"
+
+namespace collinea {
+namespace {
+
+TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
+  const TestFolder folder;
+  auto project = open_small_survey(folder / "block");
+  ASSERT_TRUE(project) << project.error().message;
+  const auto early = adjust_project(*project, {});
+  ASSERT_FALSE(early);
+  EXPECT_EQ(early.error().code, Errc::kNotFound);
+  ASSERT_TRUE(bring_up_to(*project, "orient"));
+  const Block before = *project->store.read_block();
+
+  for (const bool components : {false, true}) {
+    const auto done = adjust_project(*project, {.variance_components = components});
+    ASSERT_TRUE(done) << done.error().message;
+    const nlohmann::json report = report_in(folder / "block" / "adjustment");
+    // Orientation left sigmas as the residuals show them: sigma0 is 1 within four of its standard deviations
+    // (chi-squared with the redundancy); variance components are repeated until 1 %.
+    const double bound = components ? 0.01 : 4 / std::sqrt(2 * report.at("redundancy").get<double>());
+    EXPECT_NEAR(report.at("sigma0").get<double>(), 1, bound);
+    EXPECT_LT(bound, 0.1);
+    EXPECT_FALSE(report.at("control_points").empty());
+    EXPECT_TRUE(report.at("control_points").at(0).at("sigma_m").at(2).is_number());
+    EXPECT_FALSE(report.at("reliability").at("groups").empty());
+    EXPECT_EQ(report.at("reliability").at("groups").at(0).contains("applied_factor"), components);
+  }
+  for (const char* name :
+       {"poses.csv", "cameras.csv", "points.csv", "control.csv", "observations.csv", "suspects.csv", "adjustment.html"})
+    EXPECT_GT(std::filesystem::file_size(folder / "block" / "adjustment" / name), 20u) << name;
+  const Block after = *project->store.read_block();
+  for (const auto& [id, pose] : before.cam_from_world)
+    EXPECT_EQ(pose.translation, after.cam_from_world.at(id).translation);
+}
+
+// Blunders in the oriented block of a project: they are taken out, told, and do not spoil what is written.
+TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
+  const TestFolder folder;
+  auto project = open_small_survey(folder / "block");
+  ASSERT_TRUE(project && bring_up_to(*project, "orient"));
+  const auto report_of = [&](bool snoop) {
+    const auto done = adjust_project(*project, {.loss = "none", .snoop = snoop});
+    EXPECT_TRUE(done) << done.error().message;
+    return report_in(folder / "block" / "adjustment");
+  };
+  const double sigma0 = report_of(true).at("sigma0").get<double>();
+  Block block = *project->store.read_block();
+  std::map<PointId, int> rays;
+  for (const Observation& seen : block.observations) ++rays[seen.point];
+  std::vector<std::string> wrong;
+  std::set<PointId> points;
+  for (std::size_t i = 50; i < block.observations.size() && wrong.size() < 5; i += 20) {
+    Observation& seen = block.observations[i];
+    // Of two rays neither is known to be wrong, and along its base nothing checks the other of three.
+    if (rays[seen.point] < 4 || !points.insert(seen.point).second) continue;
+    seen.pixel.x() += 40 * seen.sigma_px;
+    wrong.push_back("tie point " + std::to_string(seen.point.value) + " in " + block.images.at(seen.image).file);
+  }
+  ASSERT_EQ(wrong.size(), 5u);
+  ASSERT_TRUE(project->store.write_orientation(block));
+  EXPECT_FALSE(report_of(false).contains("snooping"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "block" / "adjustment" / "taken_out.csv"));
+  const nlohmann::json report = report_of(true);
+  EXPECT_NEAR(report.at("sigma0").get<double>(), sigma0, 0.02 * sigma0);
+  const nlohmann::json& snooping = report.at("snooping");
+  EXPECT_TRUE(snooping.at("finished").get<bool>());
+  EXPECT_GT(snooping.at("sigma0_before").get<double>(), 1.05 * sigma0);
+  std::ifstream file(folder / "block" / "adjustment" / "taken_out.csv");
+  const std::string table{std::istreambuf_iterator<char>(file), {}};
+  for (const std::string& name : wrong) {
+    EXPECT_NE(table.find(name), std::string::npos) << name;
+    bool told = false;
+    for (const auto& gone : snooping.at("taken_out")) told |= gone.at("observation") == name;
+    EXPECT_TRUE(told) << name;
+  }
+}
+
+TEST(AdjustProject, RefusesAnUnknownCalibration) {
+  const TestFolder folder;
+  SurveyOptions survey;
+  survey.images = 6;
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 80});
+  ASSERT_TRUE(project && bring_up_to(*project, "orient"));
+  const auto done = adjust_project(*project, {.calibration = "everything"});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::kBadInput);
+}
+
+}  // namespace
+}  // namespace collinea

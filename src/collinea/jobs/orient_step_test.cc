@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/jobs/adjust_project.h"
+#include "collinea/jobs/info.h"
+#include "collinea/orient/flight_strips.h"
+#include "collinea/orient/orient.h"
+#include "collinea/steps/flow.h"
+#include "collinea/steps/step.h"
+#include "collinea/steps/test_project.h"
+
+namespace collinea {
+namespace {
+
+// A flight that orient can begin with, its setup to be spoilt.
+class OrientStepTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    SurveyOptions survey;
+    survey.images = 12;
+    survey.control_points = 6;
+    survey.check_points = 2;
+    auto project = open_simulated(folder_ / "block", survey, {.points_per_image = 120});
+    ASSERT_TRUE(project) << project.error().message;
+    project_ = *std::move(project);
+    setup_ = *project_->store.read_setup();
+  }
+  void orient() {
+    ASSERT_TRUE(project_->store.write_setup(setup_));
+    const auto done = bring_up_to(*project_, "orient");
+    ASSERT_TRUE(done) << done.error().message;
+  }
+  [[nodiscard]] nlohmann::json info() const { return nlohmann::json::parse(*info_json(project_->store)); }
+  [[nodiscard]] nlohmann::json report() {
+    const auto written = report_step(*project_, "inputs");
+    EXPECT_TRUE(written) << written.error().message;
+    return nlohmann::json::parse(*read_file(folder_ / "block" / "report" / "report.json"));
+  }
+  static nlohmann::json row(const nlohmann::json& rows, const std::string& name) {
+    for (const auto& row : rows)
+      if (row.at("name") == name) return row;
+    ADD_FAILURE() << "no row of " << name;
+    return {};
+  }
+
+  TestFolder folder_;
+  std::optional<Project> project_;
+  Block setup_;
+};
+
+TEST_F(OrientStepTest, ControlThatWasFoundWrongIsInReportAndInfoWithWhatItIsOff) {
+  ControlPoint& wrong = setup_.control.begin()->second;
+  ASSERT_EQ(wrong.role, ControlRole::kControl);
+  wrong.position_in_world.x() += 3;
+  orient();
+  const auto listed = row(info().at("control_points"), wrong.name);
+  EXPECT_EQ(listed.at("role"), "excluded");
+  EXPECT_NEAR(listed.at("difference_m").at(0).get<double>(), -3, 0.2);
+  EXPECT_GE(listed.at("images").get<int>(), 2);
+  const auto told = report();
+  EXPECT_EQ(row(told.at("control_points"), wrong.name).at("role"), "excluded");
+  EXPECT_EQ(told.at("control_rmse_m").at("points"), 5);
+  EXPECT_EQ(told.at("check_rmse_m").at("points"), 2);
+}
+
+TEST_F(OrientStepTest, SigmasOfCentresAndCamerasAreTimesSigma0) {
+  for (ControlObservation& seen : setup_.control_observations) seen.sigma_px *= 4;  // better than stated
+  for (auto& [id, image] : setup_.images) image.position->sigma_m *= 2;
+  orient();
+  const auto pairs = project_->store.read_pairs();
+  const auto keypoints = [&](ImageId image) { return project_->store.read_keypoints(image); };
+  const auto found = collinea::orient(setup_, *pairs, keypoints, project_->settings.orient, project_->run);
+  ASSERT_TRUE(found) << found.error().message;
+  const double sigma0 = found->adjusted.sigma0;
+  ASSERT_GT(std::abs(sigma0 - 1), 0.002);
+  const auto told = report();
+  const auto& [image, pose] = *found->adjusted.pose_covariance.begin();
+  const auto& row = told.at("image_list").at(0);
+  ASSERT_EQ(row.at("file"), setup_.images.at(image).file);
+  EXPECT_NEAR(row.at("centre_sigma_m").at(2).get<double>() / (sigma0 * std::sqrt(pose(5, 5))), 1, 1e-9);
+  const MatrixPd& camera = found->adjusted.camera_covariance.begin()->second;
+  EXPECT_NEAR(told.at("cameras").at(0).at("parameters").at("f").at("sigma").get<double>() /
+                  (sigma0 * std::sqrt(camera(Camera::kF, Camera::kF))),
+              1, 1e-9);
+}
+
+// No place on Earth, and control points that are only marked: what is measured between them tells the scale.
+TEST_F(OrientStepTest, DistancesMakeABlockWithoutPlaceMetric) {
+  std::map<ControlId, Eigen::Vector3d> truth;
+  for (auto& [id, point] : setup_.control) {
+    truth[id] = point.position_in_world;
+    point.role = ControlRole::kControl;
+    point.position_in_world = point.position_in_map = Eigen::Vector3d::Zero();
+    point.sigma_m.setConstant(std::numeric_limits<double>::infinity());
+  }
+  setup_.georeference.reset();
+  for (auto& [id, image] : setup_.images) image.position.reset();
+  const auto measure = [&](std::uint32_t from, std::uint32_t to, double error_m, ControlRole role) {
+    const double length = (truth.at({from}) - truth.at({to})).norm();
+    setup_.ground.push_back({.from = {from}, .to = {to}, .value = length + error_m, .sigma = 0.02, .role = role});
+  };
+  measure(0, 1, 0.01, ControlRole::kControl);
+  measure(1, 2, -0.01, ControlRole::kControl);
+  measure(2, 3, 10, ControlRole::kControl);  // a slip of the pen
+  measure(3, 4, 0, ControlRole::kCheck);
+  orient();
+  const nlohmann::json told = info();
+  EXPECT_FALSE(told.at("georeferenced").get<bool>());
+  EXPECT_TRUE(told.at("metric").get<bool>());
+  EXPECT_TRUE(told.at("gsd_m").is_number());
+  EXPECT_NE(told.at("gauge").get<std::string>().find("scale by 2 distances"), std::string::npos);
+  EXPECT_NE(told.at("findings").dump().find("contradicts the others"), std::string::npos);
+  const nlohmann::json shown = report();
+  EXPECT_EQ(shown.at("length_unit"), "m");
+  ASSERT_EQ(shown.at("ground").size(), 4u);
+  EXPECT_EQ(shown.at("ground").at(2).at("role"), "excluded");
+  const nlohmann::json& check = shown.at("ground").at(3);
+  EXPECT_EQ(check.at("role"), "check");
+  EXPECT_LT(std::abs(check.at("difference").get<double>()), 4 * check.at("sigma").get<double>());
+  EXPECT_LT(check.at("sigma").get<double>(), 0.1);
+
+  ASSERT_TRUE(adjust_project(*project_, {}));
+  const nlohmann::json adjusted =
+      nlohmann::json::parse(*read_file(folder_ / "block" / "adjustment" / "adjustment.json"));
+  ASSERT_EQ(adjusted.at("ground").size(), 4u);
+  EXPECT_EQ(adjusted.at("ground").at(0).at("role"), "control");
+  EXPECT_EQ(adjusted.at("ground").at(2).at("role"), "check");  // what orientation left out stays out
+  EXPECT_NE(read_file(folder_ / "block" / "adjustment" / "ground.csv")->find("\"distance\",m,check"),
+            std::string::npos);
+}
+
+// An antenna, a constant error of the receiver and a clock that is late, on a flight with precise positions.
+class InstrumentsTest : public OrientStepTest {
+ protected:
+  void SetUp() override {
+    SurveyOptions survey;
+    survey.strips = 3;
+    survey.images_per_strip = 5;
+    survey.control_points = 6;
+    survey.gps_sigma_plan_m = survey.gps_sigma_height_m = 0.02;
+    auto project = open_simulated(folder_ / "block", survey, {.points_per_image = 120});
+    ASSERT_TRUE(project) << project.error().message;
+    project_ = *std::move(project);
+    setup_ = *project_->store.read_setup();
+    Block flown = setup_;
+    for (auto& [id, image] : flown.images)
+      flown.cam_from_world[id] = {Eigen::Quaterniond::Identity(), -image.position->position_in_world};
+    const auto velocities = flight_velocities(flown);
+    for (auto& [id, image] : setup_.images) image.position->position_in_world += kShift + kOffset_s * velocities.at(id);
+  }
+  [[nodiscard]] nlohmann::json adjusted() {
+    return nlohmann::json::parse(*read_file(folder_ / "block" / "adjustment" / "adjustment.json"));
+  }
+  static void expect_found(const nlohmann::json& unknowns) {
+    int found = 0;
+    for (const auto& row : unknowns) {
+      const std::string name = row.at("unknown");
+      const double value = row.at("value"), sigma = row.at("sigma");
+      const auto expect = [&](const char* beginning, double truth) {
+        if (!name.starts_with(beginning)) return;
+        EXPECT_LT(std::abs(value - truth), 3 * sigma) << name << " " << value << " " << sigma;
+        ++found;
+      };
+      expect("the shift of positions in east", kShift.x());
+      expect("the shift of positions in north", kShift.y());
+      expect("the shift of positions in height", kShift.z());
+      expect("the time offset", kOffset_s);
+    }
+    EXPECT_EQ(found, 4);
+  }
+
+  static constexpr double kOffset_s = 0.05;
+  static const Eigen::Vector3d kShift;
+};
+const Eigen::Vector3d InstrumentsTest::kShift(0.8, -0.5, 12);
+
+TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
+  project_->settings.orient.instruments.position_shift = "block";
+  project_->settings.orient.instruments.time_offset = true;
+  orient();
+  const std::string findings = info().at("findings").dump();
+  EXPECT_NE(findings.find("the shift of positions of strip 1 is +0."), std::string::npos) << findings;
+  EXPECT_NE(findings.find("the time offset of positions of"), std::string::npos) << findings;
+  EXPECT_EQ(findings.find("GPS heights lie"), std::string::npos) << findings;  // that is the shift
+  const auto done = adjust_project(*project_, {});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_found(adjusted().at("extra_unknowns"));
+  EXPECT_NEAR(adjusted().at("sigma0").get<double>(), 1, 0.1);
+  // Without any of it: what orient found is left out, and the positions contradict.
+  const auto without = adjust_project(*project_, {.instruments = [](InstrumentOptions& instruments) {
+    instruments.position_shift = "none";
+    instruments.time_offset = false;
+  }});
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_FALSE(adjusted().contains("extra_unknowns"));
+}
+
+TEST_F(InstrumentsTest, AShiftNeedsControl) {
+  project_->settings.orient.instruments.position_shift = "strips";
+  project_->settings.orient.use_control = false;
+  orient();
+  EXPECT_NE(info().at("findings").dump().find("no control point parts a shift of the positions"), std::string::npos);
+  ASSERT_TRUE(adjust_project(*project_, {}));
+  EXPECT_FALSE(adjusted().contains("extra_unknowns"));  // adjust takes over what orient did, not what it was asked for
+}
+
+TEST_F(InstrumentsTest, WhatThePhotographsDoNotSayIsRefusedBeforeAnyWork) {
+  for (auto& [id, image] : setup_.images) image.taken.clear();
+  ASSERT_TRUE(project_->store.write_setup(setup_));
+  project_->settings.orient.instruments.time_offset = true;
+  const auto done = bring_up_to(*project_, "orient");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::kBadInput);
+  project_->settings.orient.instruments = {.position_shift = "stripes"};
+  EXPECT_FALSE(validate_settings(project_->settings));
+}
+
+}  // namespace
+}  // namespace collinea

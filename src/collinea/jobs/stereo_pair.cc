@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/stereo_pair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "collinea/base/file.h"
+#include "collinea/cloud/ply.h"
+#include "collinea/dense/epipolar_pair.h"
+#include "collinea/dense/working_pictures.h"
+#include "collinea/import/image_names.h"
+#include "collinea/io/colmap.h"
+#include "collinea/math/median.h"
+#include "collinea/project/fitted_camera.h"
+#include "collinea/project/json_text.h"
+#include "collinea/project/project.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/photo.h"
+#include "collinea/raster/pyramid.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPartOfWidth = 8;  // largest disparity of a rectified pair of which nothing is said: width / kPartOfWidth
+
+// Everything matching needs of a pair.
+struct Prepared {
+  GreyImage left, right;
+  ColourImage colours;  // of the left picture
+  std::optional<EpipolarPair> cameras;
+  std::optional<DisparityRange> from_points;
+  bool resampled = false;
+  std::string frame;  // of the cloud
+};
+
+Result<int> shrink_for(const Camera& camera, const StereoPairOptions& pair) {
+  DenseOptions options;
+  options.resolution = pair.resolution;
+  return working_shrink(camera, options);
+}
+
+GreyImage without_zero(GreyImage picture) {
+  for (auto& grey : picture.data) grey = std::max<std::uint8_t>(grey, 1);
+  return picture;
+}
+
+Result<Prepared> rectified_pair(const fs::path& left, const fs::path& right, const StereoPairOptions& pair) {
+  Prepared ready;
+  int shrink = 1;
+  if (pair.resolution) {
+    const auto asked = shrink_of(*pair.resolution);
+    if (!asked) return fail(Errc::kBadInput, "resolution = " + *pair.resolution + " is none of full, half, quarter");
+    shrink = *asked;
+  }
+  COLLINEA_TRY(GreyImage left_grey, read_grey(left, shrink));
+  COLLINEA_TRY(GreyImage right_grey, read_grey(right, shrink));
+  COLLINEA_TRY(ready.colours, read_colour(left, shrink));
+  if (pair.focal_px.has_value() != pair.base_m.has_value())
+    return fail(Errc::kBadInput, "a cloud needs both --focal-px and --base-m");
+  if (pair.focal_px)
+    ready.cameras =
+        epipolar_pair(*pair.focal_px / shrink, *pair.base_m, left_grey.width, right_grey.width, left_grey.height);
+  ready.left = without_zero(std::move(left_grey));
+  ready.right = without_zero(std::move(right_grey));
+  ready.frame = "frame of the left camera: x right, y down, z forward";
+  return ready;
+}
+
+struct Side {
+  ImageId image;
+  fs::path photo;
+  Camera camera;  // of the photograph, shrunk
+  int shrink = 1;
+};
+
+Result<Side> side_of(const Block& block, ImageId image, const fs::path& photo, const StereoPairOptions& pair) {
+  if (!block.cam_from_world.count(image)) return fail(Errc::kIllPosed, photo.string() + " is not oriented");
+  COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
+  COLLINEA_TRY(const Camera whole,
+               fitted_to(block.camera_of(image), header.width_px, header.height_px, photo.string()));
+  COLLINEA_TRY(const int shrink, shrink_for(whole, pair));
+  return Side{image, photo, shrunk(whole, shrink), shrink};
+}
+
+std::vector<Eigen::Vector3d> points_seen_by_both(const Block& block, ImageId left, ImageId right) {
+  std::set<PointId> seen_left;
+  for (const Observation& seen : block.observations)
+    if (seen.image == left) seen_left.insert(seen.point);
+  std::vector<Eigen::Vector3d> points;
+  for (const Observation& seen : block.observations)
+    if (seen.image == right && seen_left.count(seen.point))
+      points.push_back(block.points.at(seen.point).position_in_world);
+  return points;
+}
+
+Result<Prepared> oriented_pair(const Block& block, const Side& left, const Side& right, const Run& run) {
+  Prepared ready;
+  COLLINEA_TRY(const EpipolarPair cameras, epipolar_pair(left.camera, block.cam_from_world.at(left.image), right.camera,
+                                                         block.cam_from_world.at(right.image)));
+  COLLINEA_TRY(const ColourImage left_photo, read_colour(left.photo, left.shrink));
+  COLLINEA_TRY(const GreyImage left_grey, read_grey(left.photo, left.shrink));
+  COLLINEA_TRY(const GreyImage right_grey, read_grey(right.photo, right.shrink));
+  ready.colours = resampled(left_photo, left.camera, cameras.left_from_photo, cameras.left, run);
+  ready.left = resampled(left_grey, left.camera, cameras.left_from_photo, cameras.left, run);
+  ready.right = resampled(right_grey, right.camera, cameras.right_from_photo, cameras.right, run);
+  const auto points = points_seen_by_both(block, left.image, right.image);
+  ready.from_points = range_of(cameras, points);
+  ready.cameras = cameras;
+  ready.resampled = true;
+  ready.frame = "world frame of the orientation";
+  return ready;
+}
+
+Result<Prepared> prepared(const std::string& left, const std::string& right, const StereoPairOptions& pair,
+                          const Run& run) {
+  if (int(pair.rectified) + int(pair.project.has_value()) + int(pair.orientation.has_value()) != 1)
+    return fail(Errc::kBadInput, "say one of --project, --orientation and --rectified: where the orientation is");
+  if (pair.rectified) return rectified_pair(left, right, pair);
+  if (pair.focal_px || pair.base_m)
+    return fail(Errc::kBadInput, "--focal-px and --base-m are for --rectified; an orientation knows them");
+  Block block;
+  fs::path folder;
+  if (pair.project) {
+    COLLINEA_TRY(const Project project, open_project(*pair.project, run));
+    COLLINEA_TRY(block, project.store.read_block());
+    folder = project.settings.photos;
+  } else {
+    COLLINEA_TRY(block, read_colmap(*pair.orientation));
+  }
+  const ImageNames names(block);
+  const auto side = [&](const std::string& asked) -> Result<Side> {
+    COLLINEA_TRY(const ImageId image, names.find_photo(asked));
+    return side_of(block, image, pair.project ? folder / block.images.at(image).file : fs::path(asked), pair);
+  };
+  COLLINEA_TRY(const Side left_side, side(left));
+  COLLINEA_TRY(const Side right_side, side(right));
+  return oriented_pair(block, left_side, right_side, run);
+}
+
+Result<DisparityRange> range_for(const Prepared& ready, const StereoPairOptions& pair) {
+  DisparityRange range;
+  if (ready.from_points) {
+    range = *ready.from_points;
+  } else if (pair.rectified) {
+    range = {0, std::max(ready.left.width / kPartOfWidth, 15)};
+  } else if (!pair.min_disparity || !pair.max_disparity) {
+    return fail(Errc::kBadInput,
+                "too few tie points that both photographs show: say --min-disparity and --max-disparity");
+  }
+  if (pair.min_disparity) range.low = *pair.min_disparity;
+  if (pair.max_disparity) range.high = *pair.max_disparity;
+  return range;
+}
+
+// Blue is far, red is near.
+std::array<std::uint8_t, 3> rainbow(double part) {
+  const auto ramp = [&](double middle) {
+    return std::uint8_t(255 * std::clamp(1.5 - std::abs(4 * part - middle), 0.0, 1.0));
+  };
+  return {ramp(3), ramp(2), ramp(1)};
+}
+
+ColourImage coloured(const FloatImage& disparity) {
+  std::vector<float> values;
+  for (const float value : disparity.data)
+    if (!std::isnan(value)) values.push_back(value);
+  ColourImage picture(disparity.width, disparity.height, 3);
+  if (values.empty()) return picture;
+  std::sort(values.begin(), values.end());
+  const float low = values[values.size() / 50], high = values[values.size() - 1 - values.size() / 50];
+  for (std::size_t i = 0; i < disparity.data.size(); ++i) {
+    if (std::isnan(disparity.data[i])) continue;
+    const auto colour = rainbow(std::clamp((disparity.data[i] - low) / std::max(high - low, 1e-6f), 0.0f, 1.0f));
+    std::copy(colour.begin(), colour.end(), picture.data.begin() + std::ptrdiff_t(3 * i));
+  }
+  return picture;
+}
+
+Result<std::size_t> write_cloud(const fs::path& path, const Prepared& ready, const DisparityMap& map) {
+  const auto fused = cloud_of(*ready.cameras, map, ready.colours);
+  std::vector<CloudPoint> points;
+  points.reserve(fused.size());
+  for (const FusedPoint& p : fused)
+    points.push_back({p.position_in_world, p.normal_in_world, p.colour, p.sigma, p.images, 0});
+  COLLINEA_TRY(PlyWriter writer, PlyWriter::create(path, "collinea, " + ready.frame));
+  writer.write(points);
+  if (auto done = writer.finish(); !done) return tl::unexpected(std::move(done).error());
+  return points.size();
+}
+
+// The camera as numbers: focal length, principal point, size.
+nlohmann::json told(const Camera& camera) {
+  return {{"f_px", camera.focal_px()},
+          {"cx_px", camera.params[Camera::kCx]},
+          {"cy_px", camera.params[Camera::kCy]},
+          {"width_px", camera.width_px},
+          {"height_px", camera.height_px}};
+}
+
+struct Summary {
+  std::size_t pixels = 0, measured = 0;
+  double median_sigma_px = 0;
+};
+
+Summary summary_of(const GreyImage& left, const DisparityMap& map) {
+  Summary summary;
+  std::vector<float> sigmas;
+  for (std::size_t i = 0; i < map.sigma.data.size(); ++i) {
+    summary.pixels += left.data[i] != 0;
+    if (!std::isnan(map.sigma.data[i])) sigmas.push_back(map.sigma.data[i]);
+  }
+  summary.measured = sigmas.size();
+  if (sigmas.empty()) return summary;
+  summary.median_sigma_px = median(sigmas);
+  return summary;
+}
+
+nlohmann::json report(const Prepared& ready, const DisparityRange& range, const Summary& summary,
+                      const std::optional<std::size_t>& points) {
+  nlohmann::json json = {{"min_disparity_px", range.low},
+                         {"max_disparity_px", range.high},
+                         {"pixels", summary.pixels},
+                         {"measured", summary.measured},
+                         {"median_sigma_px", summary.median_sigma_px}};
+  if (!ready.cameras) return json;
+  const EpipolarPair& pair = *ready.cameras;
+  json["left"] = told(pair.left);
+  json["right"] = told(pair.right);
+  json["base_m"] = pair.base_m;
+  const auto& q = pair.left_from_world.rotation;
+  const Eigen::Vector3d centre = centre_of(pair.left_from_world);
+  json["left_from_world_quaternion_wxyz"] = {q.w(), q.x(), q.y(), q.z()};
+  json["left_centre_m"] = {centre.x(), centre.y(), centre.z()};
+  json["points"] = points.value_or(0);
+  return json;
+}
+
+}  // namespace
+
+Result<std::string> match_stereo(const std::string& left, const std::string& right, const fs::path& folder,
+                                 const StereoPairOptions& pair, const StereoOptions& options, const Run& run) {
+  if (auto fine = validate(pair); !fine) return tl::unexpected(std::move(fine).error());
+  COLLINEA_TRY(const Prepared ready, prepared(left, right, pair, run));
+  COLLINEA_TRY(const DisparityRange range, range_for(ready, pair));
+  run.say(fmt::format("{} x {} px, disparities {} to {}", ready.left.width, ready.left.height, range.low, range.high));
+  COLLINEA_TRY(const DisparityMap map, match_pair(ready.left, ready.right, range, options, run));
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
+  const auto written = [&]() -> Result<> {
+    if (ready.resampled) {
+      if (auto done = write_png(folder / "left.png", ready.colours); !done) return done;
+      if (auto done = write_png(folder / "right.png", ready.right); !done) return done;
+    }
+    if (auto done = write_float_tiff(folder / "disparity.tif", map.disparity); !done) return done;
+    if (auto done = write_float_tiff(folder / "sigma.tif", map.sigma); !done) return done;
+    return write_png(folder / "disparity.png", coloured(map.disparity));
+  }();
+  if (!written) return tl::unexpected(written.error());
+  std::optional<std::size_t> points;
+  if (ready.cameras) {
+    COLLINEA_TRY(points, write_cloud(folder / "cloud.ply", ready, map));
+  }
+  const Summary summary = summary_of(ready.left, map);
+  if (auto done = write_file(folder / "stereo.json", json_text(report(ready, range, summary, points), 2) + "\n"); !done)
+    return tl::unexpected(std::move(done).error());
+  std::string text = fmt::format("measured: {:.1f} % of {} pixels, median sigma {:.2f} px\n",
+                                 summary.pixels ? 100.0 * double(summary.measured) / double(summary.pixels) : 0.0,
+                                 summary.pixels, summary.median_sigma_px);
+  text += points ? fmt::format("cloud: {} points, {}\n", *points, ready.frame)
+                 : "no cloud: the cameras are not known (--focal-px, --base-m)\n";
+  return text + "in " + folder.string() + "\n";
+}
+
+}  // namespace collinea

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/stereo_pair.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/cloud/ply.h"
+#include "collinea/io/colmap.h"
+#include "collinea/math/random.h"
+#include "collinea/project/project.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/photo.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kWidth = 240, kHeight = 160;
+constexpr double kFocal_px = 200, kBase_m = 0.5, kDepth_m = 5;  // disparity 20
+
+// A textured wall parallel to both cameras.
+GreyImage wall(double shift_px) {
+  Random random(12);
+  GreyImage dots(kWidth + 60, kHeight), picture(kWidth, kHeight);
+  for (auto& grey : dots.data) grey = std::uint8_t(40 + random.below(180));
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      picture.at(x, y) = std::uint8_t((dots.at(x + int(shift_px), y) + dots.at(x + int(shift_px) + 1, y)) / 2);
+  return picture;
+}
+
+struct Photos {
+  TestFolder folder;
+  std::string left = (folder / "photos/left.png").string(), right = (folder / "photos/right.png").string();
+
+  Photos() {
+    std::filesystem::create_directories(folder / "photos");
+    EXPECT_TRUE(write_png(left, wall(0)));
+    EXPECT_TRUE(write_png(right, wall(20)));
+  }
+
+  // The pair as a block with a point in every corner of the wall.
+  static Block block() {
+    Block block;
+    block.cameras[CameraId{0}] = ideal_camera(kFocal_px, kWidth, kHeight);
+    block.images[ImageId{0}] = {.file = "left.png", .camera = CameraId{0}};
+    block.images[ImageId{1}] = {.file = "right.png", .camera = CameraId{0}};
+    block.cam_from_world[ImageId{0}] = {};
+    block.cam_from_world[ImageId{1}] = {Eigen::Quaterniond::Identity(), {-kBase_m, 0, 0}};
+    std::uint32_t n = 0;
+    for (const double x : {-1.5, -0.5, 0.5, 1.5})
+      for (const double y : {-1.0, 0.0, 1.0}) {
+        const PointId id{n++};
+        block.points[id].position_in_world = {x, y, kDepth_m};
+        for (std::uint32_t i = 0; i < 2; ++i)
+          block.observations.push_back(
+              {ImageId{i}, id, n,
+               *project(block.cameras.at(CameraId{0}), block.cam_from_world.at(ImageId{i}) * Eigen::Vector3d(x, y, 5)),
+               1});
+      }
+    return block;
+  }
+};
+
+void expect_the_wall(const std::filesystem::path& cloud_file) {
+  const auto cloud = read_ply(cloud_file);
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_GT(cloud->size(), 25'000u);
+  std::size_t near = 0;
+  for (const CloudPoint& point : *cloud) {
+    near += std::abs(point.position.z() - kDepth_m) < 0.025;  // 0.1 px
+    ASSERT_GT(point.sigma_m, 0);
+    ASSERT_EQ(point.images, 2);
+  }
+  EXPECT_GT(near, 0.97 * double(cloud->size()));
+}
+
+TEST(StereoPair, RectifiedPicturesGiveDisparitiesAndACloudWhereTheCamerasAreKnown) {
+  const Photos photos;
+  StereoPairOptions pair;
+  pair.rectified = true;
+  pair.max_disparity = 40;
+  const auto plain = match_stereo(photos.left, photos.right, photos.folder / "plain", pair, {}, {});
+  ASSERT_TRUE(plain) << plain.error().message;
+  const auto disparity = read_float_tiff(photos.folder / "plain/disparity.tif");
+  ASSERT_TRUE(disparity);
+  EXPECT_NEAR(disparity->at(120, 80), 20, 0.1);
+  EXPECT_FALSE(is_there(photos.folder / "plain/cloud.ply"));
+  EXPECT_TRUE(is_there(photos.folder / "plain/disparity.png"));
+  EXPECT_TRUE(is_there(photos.folder / "plain/stereo.json"));
+  pair.focal_px = kFocal_px;
+  pair.base_m = kBase_m;
+  ASSERT_TRUE(match_stereo(photos.left, photos.right, photos.folder / "cloud", pair, {}, {}));
+  expect_the_wall(photos.folder / "cloud/cloud.ply");
+}
+
+TEST(StereoPair, PhotographsOfAProjectAreFoundByName) {
+  const Photos photos;
+  Settings settings;
+  settings.photos = (photos.folder / "photos").string();
+  {
+    auto project = create_project(photos.folder / "project", settings, {});
+    ASSERT_TRUE(project) << project.error().message;
+    ASSERT_TRUE(project->store.write_setup(Photos::block()));
+    ASSERT_TRUE(project->store.write_orientation(Photos::block()));
+  }
+  StereoPairOptions pair;
+  pair.project = (photos.folder / "project").string();
+  const auto done = match_stereo("left.png", "right.png", photos.folder / "out", pair, {}, {});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_the_wall(photos.folder / "out/cloud.ply");
+  EXPECT_TRUE(is_there(photos.folder / "out/right.png"));
+}
+
+TEST(StereoPair, AModelOfAnotherProgramWillDo) {
+  const Photos photos;
+  ASSERT_TRUE(write_colmap(photos.folder / "model", Photos::block(), ColmapEncoding::kText));
+  StereoPairOptions pair;
+  pair.orientation = (photos.folder / "model").string();
+  const auto done = match_stereo(photos.left, photos.right, photos.folder / "out", pair, {}, {});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_the_wall(photos.folder / "out/cloud.ply");
+}
+
+TEST(StereoPair, WhatIsMissingOrTooMuchIsSaid) {
+  const Photos photos;
+  const auto out = photos.folder / "out";
+  StereoPairOptions nothing, both, rectified, half;
+  EXPECT_FALSE(match_stereo(photos.left, photos.right, out, nothing, {}, {}));
+  both.rectified = true;
+  both.project = "somewhere";
+  EXPECT_FALSE(match_stereo(photos.left, photos.right, out, both, {}, {}));
+  rectified.rectified = true;
+  EXPECT_FALSE(match_stereo(photos.left, "nowhere.png", out, rectified, {}, {}));
+  half.rectified = true;
+  half.focal_px = 100;
+  EXPECT_FALSE(match_stereo(photos.left, photos.right, out, half, {}, {}));
+  Block without_points = Photos::block();
+  without_points.points.clear();
+  without_points.observations.clear();
+  ASSERT_TRUE(write_colmap(photos.folder / "bare", without_points, ColmapEncoding::kText));
+  StereoPairOptions bare;
+  bare.orientation = (photos.folder / "bare").string();
+  EXPECT_FALSE(match_stereo(photos.left, photos.right, out, bare, {}, {}));
+  bare.min_disparity = 0;
+  bare.max_disparity = 40;
+  EXPECT_TRUE(match_stereo(photos.left, photos.right, out, bare, {}, {}));
+}
+
+}  // namespace
+}  // namespace collinea

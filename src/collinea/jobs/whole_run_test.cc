@@ -1,0 +1,480 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/project/project.h"
+#include "collinea/steps/flow.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <tuple>
+
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/block/world_frame.h"
+#include "collinea/cloud/las.h"
+#include "collinea/jobs/assess.h"
+#include "collinea/jobs/export.h"
+#include "collinea/jobs/info.h"
+#include "collinea/ortho/ortho_tile.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/photo.h"
+#include "collinea/steps/test_small_project.h"
+#include "collinea/vector/geopackage.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return std::move(bytes).str();
+}
+
+const std::vector<std::string> kProducts = {
+    "cloud.las",         "cloud.ply",        "dsm.tif",        "dsm_sigma.tif",          "dsm_state.tif",
+    "dtm.tif",           "dtm_sigma.tif",    "dtm_state.tif",  "contours.gpkg",          "contours.dxf",
+    "ortho.tif",         "ortho_source.tif", "seamlines.gpkg", "dsm_sigma_relative.tif", "dtm_sigma_relative.tif",
+    "dsm_hillshade.tif", "dtm_hillshade.tif"};
+
+class WholeProject : public SmallProject {
+ public:
+  void SetUp() override { map("report"); }
+
+  void every_image_is_oriented_and_every_product_there();
+  void projection_centres_are_where_they_were();
+  void info_tells_what_machines_read();
+  void export_writes_every_format_and_refuses_others();
+  void a_compressed_cloud_gives_the_same_surface();
+  void what_is_up_to_date_is_not_done_again();
+  void a_lost_cloud_comes_back_with_its_classes();
+  void a_changed_option_redoes_its_step_and_what_follows();
+  void options_of_fusion_leave_depth_maps_alone_and_others_do_not();
+  void photographs_that_were_moved_are_only_read_again();
+  void what_stands_in_the_way_of_a_product_is_named();
+  void a_changed_control_file_leaves_matching_alone();
+  void a_missing_product_is_made_again();
+  void given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change();
+  void a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
+  void stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
+  void files_left_half_written_are_swept_and_others_are_not();
+  void a_second_program_is_kept_out_but_may_look();
+  void a_photograph_that_breaks_off_is_named_and_the_rest_goes_on();
+};
+
+void WholeProject::every_image_is_oriented_and_every_product_there() {
+  const auto project = open_project(root_ / "mapped", {});
+  ASSERT_TRUE(project) << project.error().message;
+  const auto block = project->store.read_block();
+  ASSERT_TRUE(block);
+  EXPECT_EQ(block->cam_from_world.size(), 6u);
+  for (const std::string& product : kProducts)
+    EXPECT_GT(fs::file_size(root_ / "mapped/products" / product), 500u) << product;
+  EXPECT_GT(fs::file_size(root_ / "mapped/report/report.html"), 10'000u);
+  auto cloud = LasReader::open(project->cloud());
+  ASSERT_TRUE(cloud);
+  const auto points = cloud->read(10'000'000);
+  ASSERT_TRUE(points);
+  const auto of_class = [&](int number) {
+    return std::count_if(points->begin(), points->end(),
+                         [&](const CloudPoint& p) { return p.classification == number; });
+  };
+  EXPECT_EQ(of_class(1) + of_class(2), std::ptrdiff_t(points->size()));
+  EXPECT_GT(of_class(2), of_class(1));  // more ground than houses and trees
+}
+
+void WholeProject::projection_centres_are_where_they_were() {
+  const auto project = open_project(root_ / "mapped", {});
+  const auto truth = read_truth(root_);
+  ASSERT_TRUE(project && truth);
+  const Block block = project->store.read_block().value();
+  const auto frame = world_frame(block.georeference.value());
+  ASSERT_TRUE(frame);
+  for (const auto& [id, pose] : block.cam_from_world) {
+    const std::string& file = block.images.at(id).file;
+    EXPECT_LT((frame->map_from_local(centre_of(pose)) - truth->centre_in_map.at(file)).norm(), 2.0)
+        << file;  // ten pixels
+  }
+}
+
+void WholeProject::info_tells_what_machines_read() {
+  const auto project = open_project(root_ / "mapped", {});
+  ASSERT_TRUE(project);
+  const auto text = info_json(project->store);
+  ASSERT_TRUE(text);
+  const auto info = nlohmann::json::parse(*text);
+  EXPECT_EQ(info.at("images"), 6);
+  EXPECT_EQ(info.at("oriented"), 6);
+  EXPECT_GT(info.at("tie_points"), 100);
+  EXPECT_GT(info.at("observations"), info.at("tie_points"));
+  EXPECT_LT(info.at("mean_reprojection_px"), 1.0);
+  EXPECT_NEAR(info.at("gsd_m").get<double>(), 0.2, 0.04);
+  EXPECT_EQ(info.at("control_rmse_m").size(), 3u);
+  EXPECT_EQ(info.at("check_rmse_m").size(), 3u);
+  ASSERT_FALSE(info.at("control_points").empty());
+  for (const auto& point : info.at("control_points")) {
+    ASSERT_EQ(point.at("sigma_m").size(), 3u);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_GT(point.at("sigma_m").at(axis).get<double>(), 0) << point;
+      EXPECT_LT(point.at("sigma_m").at(axis).get<double>(), 1) << point;
+    }
+  }
+  ASSERT_EQ(info.at("steps").size(), 9u);
+  EXPECT_EQ(info.at("steps")[0].at("name"), "import");
+  EXPECT_NE(info_text(project->store).value().find("6 (6 oriented)"), std::string::npos);
+}
+
+void WholeProject::export_writes_every_format_and_refuses_others() {
+  auto project = open_project(root_ / "mapped", {});
+  ASSERT_TRUE(project);
+  for (const char* format : {"colmap", "opk", "ply", "las", "laz", "copc"})
+    ASSERT_TRUE(export_block(*project, root_ / "export", format)) << format;
+  for (const char* file : {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk",
+                           "tie_points.ply", "cloud.laz", "cloud.copc.laz"})
+    EXPECT_TRUE(fs::exists(root_ / "export" / file)) << file;
+  EXPECT_TRUE(bytes_of(root_ / "export/cloud.las").size() == bytes_of(root_ / "mapped/products/cloud.las").size());
+  // In tiles: every point in one of them, and within it.
+  ASSERT_TRUE(export_block(*project, root_ / "tiles", "laz", 40));
+  std::uint64_t in_tiles = 0, files = 0;
+  for (const auto& entry : fs::directory_iterator(root_ / "tiles")) {
+    if (entry.path().extension() != ".laz") continue;
+    const auto tile = LasReader::open(entry.path());
+    ASSERT_TRUE(tile) << entry.path();
+    const LasHeader& header = tile->header();
+    for (int axis = 0; axis < 2; ++axis)
+      EXPECT_EQ(std::floor((header.lowest[axis] + 1e-6) / 40), std::floor((header.highest[axis] + 1e-6) / 40));
+    EXPECT_NE(bytes_of(root_ / "tiles/tiles.csv").find(entry.path().filename().string()), std::string::npos);
+    in_tiles += header.points;
+    ++files;
+  }
+  EXPECT_GT(files, 3u);
+  EXPECT_EQ(in_tiles, LasReader::open(root_ / "export/cloud.las")->header().points);
+  EXPECT_FALSE(export_block(*project, root_ / "tiles", "laz", -1.0));
+  EXPECT_FALSE(export_block(*project, root_ / "tiles", "opk", 40));
+  const auto refused = export_block(*project, root_ / "export", "dwg");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::kBadInput);
+}
+
+void WholeProject::a_compressed_cloud_gives_the_same_surface() {
+  fs::copy(root_ / "mapped", root_ / "compressed", fs::copy_options::recursive);
+  const fs::path products = root_ / "compressed/products";
+  fs::copy(products / "dsm.tif", root_ / "truth/dsm.tif");  // a truth like any other, for `assessed`
+  const auto assessed = [](const fs::path& project) {
+    return open_project(project, {}).and_then([](const Project& p) { return assess_project(p, root_); }).value();
+  };
+  for (const auto& [form, name, earlier] :
+       {std::tuple("laz", "cloud.laz", "cloud.las"), std::tuple("copc", "cloud.copc.laz", "cloud.laz")}) {
+    Settings changed = settings();
+    changed.densify.cloud = form;
+    Log log;
+    ASSERT_TRUE(bring(root_ / "compressed", changed, log, "terrain"));
+    EXPECT_FALSE(fs::exists(products / earlier));  // that of the earlier setting is not left beside
+    EXPECT_LT(5 * fs::file_size(products / name), fs::file_size(root_ / "mapped/products/cloud.las")) << form;
+    for (const char* product : {"dsm.tif", "dtm.tif"})
+      EXPECT_TRUE(bytes_of(products / product) == bytes_of(root_ / "mapped/products" / product)) << form;
+    EXPECT_EQ(assessed(root_ / "compressed"), assessed(root_ / "mapped")) << form;
+  }
+  EXPECT_NE(assessed(root_ / "mapped").find("cloud, sigma"), std::string::npos);
+  fs::remove(root_ / "truth/dsm.tif");
+  fs::remove_all(root_ / "compressed");
+}
+
+void WholeProject::what_is_up_to_date_is_not_done_again() {
+  Log log;
+  ASSERT_TRUE(bring(root_ / "mapped", settings(), log, "report"));
+  EXPECT_TRUE(log.steps_done().empty());
+}
+
+void WholeProject::a_lost_cloud_comes_back_with_its_classes() {
+  const fs::path project = copy("lost");
+  fs::remove(project / "products/cloud.las");
+  Log log;
+  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"densify", "terrain"}));
+  EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
+}
+
+void WholeProject::a_changed_option_redoes_its_step_and_what_follows() {
+  Settings changed = settings();
+  changed.surface.cell_m = 1;
+  Log log;
+  ASSERT_TRUE(bring(copy("option"), changed, log, "report"));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"surface", "terrain", "ortho", "report"}));
+}
+
+std::map<fs::path, fs::file_time_type> times_of_depth_maps(const fs::path& project) {
+  std::map<fs::path, fs::file_time_type> times;
+  for (const auto& entry : fs::recursive_directory_iterator(project / "depth"))
+    if (entry.path().extension() == ".tif") times[entry.path()] = fs::last_write_time(entry.path());
+  return times;
+}
+
+void WholeProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() {
+  Settings changed = settings();
+  changed.densify.max_sigmas = 3;
+  changed.densify.min_images = 2;
+  changed.densify.memory_mb = 700;
+  const fs::path kept = copy("fusion"), anew = copy("fusion_anew");
+  fs::remove_all(anew / "depth");
+  const auto times = times_of_depth_maps(kept);
+  Log log;
+  ASSERT_TRUE(bring(kept, changed, log, "densify"));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"densify"});
+  EXPECT_TRUE(times_of_depth_maps(kept) == times);
+  ASSERT_TRUE(bring(anew, changed, log, "densify"));
+  EXPECT_TRUE(bytes_of(kept / "products/cloud.las") == bytes_of(anew / "products/cloud.las"));
+  EXPECT_FALSE(bytes_of(kept / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
+  changed.densify.min_correlation = 0.6;
+  ASSERT_TRUE(bring(kept, changed, log, "densify"));
+  const auto later = times_of_depth_maps(kept);
+  for (const auto& [path, time] : times) EXPECT_TRUE(!later.contains(path) || later.at(path) > time) << path;
+}
+
+void WholeProject::photographs_that_were_moved_are_only_read_again() {
+  Settings changed = settings();
+  changed.photos = (root_ / "moved").string();
+  fs::copy(root_ / "images", root_ / "moved");
+  Log log;
+  ASSERT_TRUE(bring(copy("with_moved"), changed, log, "report"));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "report"}));
+}
+
+void WholeProject::what_stands_in_the_way_of_a_product_is_named() {
+  const fs::path project = copy("in_the_way");
+  fs::remove(project / "products/cloud.ply");
+  fs::create_directories(project / "products/cloud.laz/folder");
+  Log log;
+  const auto done = bring(project, settings(), log, "densify");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::kBadInput);
+  EXPECT_NE(done.error().message.find("cloud.laz"), std::string::npos) << done.error().message;
+}
+
+void WholeProject::a_changed_control_file_leaves_matching_alone() {
+  Settings changed = settings();
+  changed.import.control = (root_ / "other_control.csv").string();
+  ASSERT_TRUE(write_file(*changed.import.control, bytes_of(root_ / "control.csv") + "# looked over\n"));
+  Log log;
+  const fs::path project = copy("control");
+  ASSERT_TRUE(bring(project, changed, log, "orient"));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"import"});
+  log.lines.clear();
+  changed.import.control_sigma_px = 0.7;
+  std::string without_sigmas;  // of the measurements: the last of seven fields
+  std::istringstream rows(bytes_of(root_ / "control.csv"));
+  for (std::string row; std::getline(rows, row);)
+    without_sigmas += (row.starts_with("image") ? row.substr(0, row.rfind(',')) : row) + "\n";
+  ASSERT_TRUE(write_file(*changed.import.control, without_sigmas));
+  ASSERT_TRUE(bring(project, changed, log, "orient"));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "orient"}));
+}
+
+void WholeProject::a_missing_product_is_made_again() {
+  const fs::path project = copy("missing");
+  const std::string before = bytes_of(project / "products/ortho.tif");
+  fs::remove(project / "products/ortho.tif");
+  Log log;
+  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
+  EXPECT_EQ(bytes_of(project / "products/ortho.tif"), before);
+}
+
+void WholeProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change() {
+  const fs::path project = copy("seamlines"), mine = project / "mine.gpkg";
+  const std::string picture = bytes_of(project / "products/ortho.tif");
+  fs::copy_file(project / "products/seamlines.gpkg", mine);
+  Settings changed = settings();
+  Log log;
+  // A file that holds none is refused at once and does not stay in the project.
+  changed.ortho.seamlines = (project / "project.json").string();
+  ASSERT_FALSE(bring(project, changed, log, "ortho"));
+  ASSERT_TRUE(read_settings(project));
+  EXPECT_FALSE(read_settings(project)->ortho.seamlines);
+  changed.ortho.seamlines = mine.string();
+  ASSERT_TRUE(bring(project, changed, log, "ortho"));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
+  EXPECT_EQ(bytes_of(project / "products/ortho.tif"), picture);
+  // No polygon at all: every cell goes to its cheapest view.
+  ASSERT_TRUE(write_geopackage(mine, {{"seamlines", VectorKind::kPolygon, {{"photo", VectorType::kText}}, {}, true}},
+                               GeoTiffReader::open(project / "products/dsm.tif")->grid().wkt));
+  const auto done = bring(project, changed, log = {}, "ortho");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
+  EXPECT_NE(bytes_of(project / "products/ortho.tif"), picture);
+  fs::remove(mine);
+  const auto missing = bring(project, changed, log, "ortho");
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("mine.gpkg does not exist"), std::string::npos) << missing.error().message;
+}
+
+void WholeProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same() {
+  const fs::path project = copy("full_disk");
+  fs::remove(project / "products/cloud.ply");
+  const auto overviews = [&] {
+    std::vector<fs::path> found;
+    for (const auto& entry : fs::directory_iterator(project / "depth/overview"))
+      if (entry.path().string().ends_with(".depth.tif")) found.push_back(entry.path());
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  const std::vector<fs::path> before = overviews();
+  ASSERT_EQ(before.size(), 6u);
+  for (const fs::path& path : before) fs::remove(path);
+  const fs::path overview = before.front();
+  const std::string name = overview.string();
+  const fs::path in_the_way = name.substr(0, name.size() - std::string(".depth.tif").size()) + ".sigma.tif";
+  fs::remove(in_the_way);
+  fs::create_directories(in_the_way / "folder");
+  Log log;
+  const auto failed = bring(project, settings(), log, "densify");
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, Errc::kBadInput);
+  EXPECT_NE(failed.error().message.find(in_the_way.filename().string()), std::string::npos) << failed.error().message;
+  EXPECT_TRUE(overviews().empty());  // no others were tried
+  fs::remove_all(in_the_way);
+  const auto done = bring(project, settings(), log, "terrain");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
+}
+
+void WholeProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte() {
+  const fs::path folder = root_ / "stopped";
+  for (const std::string& step : step_names()) {
+    std::stop_source stop;
+    Log log;
+    collinea::Run run = log.run(2);  // not the one of the test's base class
+    run.stop = stop.get_token();
+    run.progress = [&](std::string_view stage, double) {
+      if (stage.starts_with(step)) stop.request_stop();
+    };
+    auto project = create_project(folder, settings(), run);
+    ASSERT_TRUE(project) << project.error().message;
+    const auto stopped = bring_up_to(*project, "report");
+    ASSERT_FALSE(stopped) << step;
+    EXPECT_EQ(stopped.error().code, Errc::kCancelled) << step << ": " << stopped.error().message;
+    EXPECT_NE(stopped.error().message.find("goes on from here"), std::string::npos) << stopped.error().message;
+    EXPECT_FALSE(project->store.read_step(step).value()) << step;
+  }
+  Log log;
+  ASSERT_TRUE(bring(folder, settings(), log, "report", 2));
+  EXPECT_EQ(log.steps_done(), std::vector<std::string>{"report"});
+  for (const std::string& product : kProducts)
+    EXPECT_TRUE(bytes_of(folder / "products" / product) == bytes_of(root_ / "mapped/products" / product)) << product;
+}
+
+void WholeProject::files_left_half_written_are_swept_and_others_are_not() {
+  const fs::path project = copy("swept");
+  for (const char* file :
+       {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
+        "depth/a.tif.part", "depth/overview/b.tif.part", "scratch/points_1_1.bin"}) {
+    fs::create_directories((project / file).parent_path());
+    ASSERT_TRUE(write_file(project / file, "half"));
+  }
+  ASSERT_TRUE(write_file(project / "download.part", "the user's own"));
+  Log log;
+  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  EXPECT_TRUE(log.steps_done().empty());
+  for (const char* file :
+       {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
+        "depth/a.tif.part", "depth/overview/b.tif.part", "scratch"})
+    EXPECT_FALSE(fs::exists(project / file)) << file;
+  EXPECT_TRUE(fs::exists(project / "download.part"));
+}
+
+void WholeProject::a_second_program_is_kept_out_but_may_look() {
+  Log log;
+  const auto first = create_project(root_ / "mapped", settings(), log.run());
+  ASSERT_TRUE(first);
+  const auto second = create_project(root_ / "mapped", settings(), log.run());
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, Errc::kBadInput);
+  EXPECT_NE(second.error().message.find("another collinea"), std::string::npos) << second.error().message;
+  EXPECT_TRUE(open_project(root_ / "mapped", {}));
+}
+
+void WholeProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() {
+  const fs::path photos = root_ / "with_broken";
+  fs::copy(root_ / "images", photos);
+  const fs::path broken = photos / "IMG_0002.jpg";
+  fs::resize_file(broken, fs::file_size(broken) * 2 / 3);
+  Settings changed = settings();
+  changed.photos = photos.string();
+  changed.pairs.exhaustive_below = 10;  // all with all
+  Log log;
+  const auto done = bring(root_ / "without_broken", changed, log, "match");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_TRUE(std::any_of(log.lines.begin(), log.lines.end(), [](const std::string& line) {
+    return line.starts_with("skipped IMG_0002.jpg: ") && line.find("incomplete") != std::string::npos;
+  }));
+}
+
+TEST_F(WholeProject, IsMappedChangedStoppedAndContinuedAsPromised) {
+  every_image_is_oriented_and_every_product_there();
+  projection_centres_are_where_they_were();
+  info_tells_what_machines_read();
+  export_writes_every_format_and_refuses_others();
+  a_compressed_cloud_gives_the_same_surface();
+  what_is_up_to_date_is_not_done_again();
+  a_lost_cloud_comes_back_with_its_classes();
+  a_changed_option_redoes_its_step_and_what_follows();
+  options_of_fusion_leave_depth_maps_alone_and_others_do_not();
+  photographs_that_were_moved_are_only_read_again();
+  what_stands_in_the_way_of_a_product_is_named();
+  a_changed_control_file_leaves_matching_alone();
+  a_missing_product_is_made_again();
+  given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change();
+  a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same();
+  stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
+  files_left_half_written_are_swept_and_others_are_not();
+  a_second_program_is_kept_out_but_may_look();
+  a_photograph_that_breaks_off_is_named_and_the_rest_goes_on();
+}
+
+TEST(Project, ADamagedDatabaseIsNamedWithTheWayOut) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "project.json", R"({"photos": "/p"})"));
+  ASSERT_TRUE(write_file(folder / "block.db", std::string(5000, 'x')));
+  const auto project = open_project(folder / "", {});
+  ASSERT_FALSE(project);
+  EXPECT_EQ(project.error().code, Errc::kBadFormat);
+  EXPECT_NE(project.error().message.find("block.db"), std::string::npos);
+  EXPECT_NE(project.error().message.find("remove that file"), std::string::npos) << project.error().message;
+}
+
+TEST(Project, PhotosThatAreNoFolderAreAnErrorBeforeAnythingIsMade) {
+  const TestFolder folder;
+  Settings settings;
+  settings.photos = (folder / "nothing").string();
+  const auto project = create_project(folder / "project", settings, {});
+  ASSERT_FALSE(project);
+  EXPECT_EQ(project.error().code, Errc::kNotFound);
+  EXPECT_FALSE(fs::exists(folder / "project"));
+}
+
+TEST(Project, AnOrientationThatIsNotThereIsAnErrorBeforeAnythingIsMade) {
+  const TestFolder folder;
+  Settings settings;
+  settings.photos = (folder / "").string();
+  for (const std::string& path : {(folder / "nowhere").string(), "/" + std::string(5000, 'x')}) {
+    settings.orient.orientation = path;
+    const auto project = create_project(folder / "project", settings, {});
+    ASSERT_FALSE(project);
+    EXPECT_NE(project.error().message.find(path), std::string::npos) << project.error().message;
+  }
+  EXPECT_FALSE(fs::exists(folder / "project"));
+}
+
+TEST(Project, AStepThatDoesNotExistIsNamedBesideThoseThatDo) {
+  const auto known = check_step_name("orthophoto");
+  ASSERT_FALSE(known);
+  EXPECT_NE(known.error().message.find("surface, terrain, ortho, report"), std::string::npos) << known.error().message;
+  for (const std::string& step : step_names()) EXPECT_TRUE(check_step_name(step)) << step;
+}
+
+}  // namespace
+}  // namespace collinea

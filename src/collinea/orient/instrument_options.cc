@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/instrument_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "collinea/block/picture_axes.h"
+#include "collinea/orient/flight_strips.h"
+
+namespace collinea {
+namespace {
+
+const Eigen::Vector3d kNotKnown = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+constexpr double kRadians = std::numbers::pi / 180;
+
+Result<LeverArm> lever_arm_of(const std::string& text) {
+  if (text == "estimate") return LeverArm{Eigen::Vector3d::Zero(), kNotKnown};
+  LeverArm arm;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    while (at < end && *at == ' ') ++at;
+    const auto [next, error] = std::from_chars(at, end, arm.antenna_in_cam_m[i]);
+    const bool parted = i == 2 ? next == end : next < end && *next == ',';
+    if (error != std::errc() || !parted || !std::isfinite(arm.antenna_in_cam_m[i]))
+      return fail(Errc::kBadInput, "lever_arm = \"" + text +
+                                       "\": give x,y,z in metres (right, down, forward in the camera), estimate or "
+                                       "none");
+    at = next + 1;
+  }
+  return arm;
+}
+
+GivenAttitude attitude_of(const AttitudePrior& prior, const InstrumentOptions& asked) {
+  Eigen::Vector3d sigma_deg(asked.attitude_sigma_deg, asked.attitude_sigma_deg, asked.heading_sigma_deg);
+  sigma_deg = (prior.sigma_deg.array() > 0).select(prior.sigma_deg, sigma_deg);
+  return {cam_from_world(prior), sigma_deg * kRadians};
+}
+
+}  // namespace
+
+bool has_lever_arm(const InstrumentOptions& asked) {
+  return asked.lever_arm && !asked.lever_arm->empty() && *asked.lever_arm != "none";
+}
+
+bool is_of_positions(const InstrumentOptions& asked) {
+  return has_lever_arm(asked) || asked.position_shift != "none" || asked.time_offset;
+}
+
+Result<> check_instruments(const InstrumentOptions& asked) {
+  if (Result<> valid = validate(asked); !valid) return valid;
+  if (has_lever_arm(asked))
+    if (auto arm = lever_arm_of(*asked.lever_arm); !arm) return tl::unexpected(arm.error());
+  const std::string& shift = asked.position_shift;
+  if (shift != "none" && shift != "block" && shift != "strips")
+    return fail(Errc::kBadInput, "position_shift = \"" + shift + "\": choose none, block or strips");
+  if (asked.position_drift && shift == "none")
+    return fail(Errc::kBadInput, "position_drift needs a position_shift: block or strips");
+  return {};
+}
+
+Result<> check_instruments(const InstrumentOptions& asked, const Block& block) {
+  if (Result<> valid = check_instruments(asked); !valid) return valid;
+  const auto& images = block.images;
+  const auto any = [&](auto&& has) {
+    return std::any_of(images.begin(), images.end(), [&](const auto& one) { return has(one.second); });
+  };
+  if (is_of_positions(asked) && !any([](const Image& image) { return image.position.has_value(); }))
+    return fail(
+        Errc::kBadInput,
+        "lever arm, shift and time offset are of positions, and no photograph has one: give them (--positions)");
+  if (asked.time_offset && any([](const Image& image) { return image.position && image.taken.empty(); }))
+    return fail(Errc::kBadInput,
+                "time_offset needs the time at which every photograph with a position was taken, and not all say it");
+  if (asked.use_attitudes && !any([](const Image& image) { return image.attitude.has_value(); }))
+    return fail(Errc::kBadInput, "no photograph says how its camera was turned");
+  return {};
+}
+
+Result<> add_instruments(const Block& block, const InstrumentOptions& asked, AdjustScope& scope) {
+  if (Result<> valid = check_instruments(asked, block); !valid) return valid;
+  if (has_lever_arm(asked)) {
+    COLLINEA_TRY(const LeverArm arm, lever_arm_of(*asked.lever_arm));
+    for (const auto& [id, camera] : block.cameras) scope.lever_arms[id] = arm;
+  }
+  if (asked.position_shift != "none")
+    for (FlightStrip& strip : asked.position_shift == "block" ? one_strip(block) : flight_strips(block))
+      scope.position_tracks.push_back(
+          {std::move(strip), kNotKnown, asked.position_drift ? kNotKnown : Eigen::Vector3d(0, 0, 0)});
+  if (asked.time_offset) {
+    scope.velocity_m_s = flight_velocities(block);
+    if (scope.velocity_m_s.empty())
+      return fail(Errc::kBadInput, "time_offset: the times at which the photographs were taken tell no velocity");
+    for (const auto& [id, camera] : block.cameras)
+      scope.time_offset_sigma_s[id] = std::numeric_limits<double>::infinity();
+  }
+  if (!asked.use_attitudes) return {};
+  for (const auto& [id, image] : block.images) {
+    if (!image.attitude) continue;
+    scope.attitudes[id] = attitude_of(*image.attitude, asked);
+    scope.boresight_sigma_rad[image.camera] = kNotKnown;
+  }
+  return {};
+}
+
+void expect_shift(ControlDiagnosis& diagnosis) {
+  const auto found = [&](const char* code) {
+    return std::any_of(diagnosis.findings.begin(), diagnosis.findings.end(),
+                       [&](const Finding& finding) { return finding.code == code; });
+  };
+  if (found("position_crs")) return;
+  std::erase_if(diagnosis.findings, [](const Finding& finding) {
+    return finding.code == "position_heights" || finding.code == "position_offset";
+  });
+  diagnosis.position_height_shift_m = 0;
+  diagnosis.positions_unusable = false;
+}
+
+}  // namespace collinea

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measurements on the ground: distances, height differences and what a total station measures.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+#include "collinea/adjust/bundle.h"
+#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/test_block.h"
+#include "collinea/geometry/similarity3.h"
+#include "collinea/quality/variance_components.h"
+
+namespace collinea {
+namespace {
+
+using testing::Marked;
+using testing::marked;
+using testing::normal3;
+using testing::test_block;
+using testing::tested;
+
+const Run kRun;
+
+void scale(Block& block, double factor) {
+  for (auto& [id, pose] : block.cam_from_world) pose.translation *= factor;
+  for (auto& [id, point] : block.points) point.position_in_world *= factor;
+}
+
+TEST(GroundModel, DerivativesAreThoseOfDifferences) {
+  Random random(3);
+  for (int i = 0; i < 40; ++i) {
+    const Eigen::Vector3d from = 300 * normal3(random), to = 300 * normal3(random);
+    for (const GroundKind kind :
+         {GroundKind::kDistance, GroundKind::kHeightDifference, GroundKind::kDirection, GroundKind::kZenithAngle})
+      for (const bool curved : {false, true}) {
+        const GroundObservation one{.kind = kind, .instrument_height_m = 1.6, .target_height_m = 0.3};
+        const GroundModel model = ground_model(one, from, to, 0.4, curved);
+        constexpr double kStep_m = 1e-3;
+        for (int c = 0; c < 3; ++c) {
+          const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(c);
+          const auto slope = [&](const Eigen::Vector3d& df, const Eigen::Vector3d& dt) {
+            const double change = ground_model(one, from + df, to + dt, 0.4, curved).computed -
+                                  ground_model(one, from - df, to - dt, 0.4, curved).computed;
+            return (one.is_angle() ? std::remainder(change, 2 * std::numbers::pi) : change) / (2 * kStep_m);
+          };
+          // What the derivatives leave out of a round Earth: 1e-6 times what they are where lines are not steep.
+          const double tolerance = curved ? 2e-6 : 1e-8;
+          EXPECT_NEAR(slope(step, {0, 0, 0}), model.by_from[c], tolerance) << static_cast<int>(kind);
+          EXPECT_NEAR(slope({0, 0, 0}, step), model.by_to[c], tolerance) << static_cast<int>(kind);
+        }
+        const double turned = ground_model(one, from, to, 0.4 + 1e-3, curved).computed - model.computed;
+        EXPECT_NEAR(turned, 1e-3 * model.by_extra[0], 1e-12);
+      }
+  }
+}
+
+TEST(GroundModel, TheEarthIsRound) {
+  const GroundObservation levelled{.kind = GroundKind::kHeightDifference};
+  EXPECT_NEAR(ground_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, true).computed, 1e6 / (2 * 6371000.0), 1e-6);
+  EXPECT_EQ(ground_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, false).computed, 0);
+}
+
+TEST(Ground, OneDistanceGivesAFreeBlockItsScale) {
+  Marked made = marked({.rows = 2, .columns = 3, .points = 80});
+  made.measure(GroundKind::kDistance, 0, 3, 0.001);
+  scale(made.block, 1.3);
+  const auto adjusted = adjust(made.block, {}, tested(), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_EQ(adjusted->rank_defect, 6);
+  EXPECT_TRUE(adjusted->datum.starts_with("partly measurements on the ground")) << adjusted->datum;
+  std::map<ControlId, Eigen::Vector3d> found;
+  for (const ControlDifference& point : adjusted->control) found[point.point] = *point.position_in_world;
+  for (const auto& [a, at_a] : made.truth)
+    for (const auto& [b, at_b] : made.truth)
+      if (found.contains(a) && found.contains(b)) {
+        EXPECT_NEAR((found[a] - found[b]).norm(), (at_a - at_b).norm(), 1e-7);
+      }
+  ASSERT_EQ(adjusted->ground.size(), 1u);
+  EXPECT_NEAR(adjusted->ground[0].difference, 0, 1e-9);
+  EXPECT_NEAR(adjusted->ground[0].sigma, 0.001, 1e-9);  // nothing else knows the scale
+  EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-5);
+}
+
+// The same adjustment with a point eliminated or kept among the reduced unknowns: a distance that weighs nothing.
+TEST(Ground, PointsThatAreJoinedAreAdjustedLikeOthers) {
+  Block block =
+      test_block({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 6});
+  const auto without = adjust(block, {}, tested("focal_radial"), kRun);
+  block.ground.push_back({.from = {0}, .to = {4}, .value = 10, .sigma = 1e6});
+  const auto with = adjust(block, {}, tested("focal_radial"), kRun);
+  ASSERT_TRUE(without && with && without->reliability && with->reliability) << with->undetermined;
+  EXPECT_EQ(with->unknown_count, without->unknown_count);
+  EXPECT_EQ(with->redundancy, without->redundancy + 1);
+  EXPECT_NEAR(with->final_cost, without->final_cost, 1e-6);
+  for (const auto& [id, covariance] : without->pose_covariance)
+    EXPECT_LT((with->pose_covariance.at(id) - covariance).norm(), 1e-6 * covariance.norm());
+  for (std::size_t i = 0; i < without->control.size(); ++i) {
+    const ControlDifference &a = without->control[i], &b = with->control[i];
+    EXPECT_EQ(a.used, b.used);
+    EXPECT_LT((a.difference_m - b.difference_m).norm(), 1e-6);
+    EXPECT_LT((*a.covariance_m2 - *b.covariance_m2).norm(), 1e-6 * a.covariance_m2->norm());
+    EXPECT_LT((a.difference_sigma_m - b.difference_sigma_m).norm(), 5e-3 * a.difference_sigma_m.norm());
+  }
+  const auto& a = without->reliability->others;
+  const auto& b = with->reliability->others;
+  ASSERT_EQ(a.size() + 1, b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i].redundancy, b[i].redundancy, 1e-6);
+  EXPECT_NEAR(b.back().redundancy, 1, 1e-6);
+  EXPECT_NEAR(with->reliability->redundancy_sum, double(with->redundancy), 1e-4);
+}
+
+// A check point that is measured to takes part without its coordinates, which stay independent of it.
+TEST(Ground, CoordinatesOfCheckPointsStayOut) {
+  Block block = test_block({.rows = 2, .columns = 3, .points = 60, .position_sigma_m = 0.05, .control = 6});
+  const double length = (block.control.at({0}).position_in_world - block.control.at({2}).position_in_world).norm();
+  block.ground.push_back({.from = {0}, .to = {2}, .value = length, .sigma = 0.005});
+  ASSERT_EQ(block.control.at({2}).role, ControlRole::kCheck);
+  const auto first = adjust(block, {}, tested(), kRun);
+  block.control.at({2}).position_in_world += Eigen::Vector3d(1, 1, 1);
+  const auto second = adjust(block, {}, tested(), kRun);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->final_cost, second->final_cost);
+  EXPECT_FALSE(second->control[2].used);
+  EXPECT_NEAR((second->control[2].difference_m - first->control[2].difference_m).x(), -1, 1e-12);
+  EXPECT_GT(second->control[2].difference_sigma_m.minCoeff(), 0.01);  // that of the survey and more
+}
+
+// Scale is seen by distances alone: its error over its sigma is a standard normal variable, of 100 blocks.
+TEST(Ground, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
+  double squares = 0, residuals = 0;
+  constexpr int kBlocks = 100;
+  for (int i = 0; i < kBlocks; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i + 1);
+    Marked made = marked({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .seed = seed});
+    Random random(seed, 9);
+    made.measure(GroundKind::kDistance, 0, 3, 0.01, &random);
+    made.measure(GroundKind::kDistance, 1, 4, 0.01, &random);
+    made.measure(GroundKind::kDistance, 2, 5, 1, &random);
+    made.block.ground.back().role = ControlRole::kCheck;
+    AdjustOptions options = tested("focal");
+    options.sigma0_known = true;
+    const auto adjusted = adjust(made.block, {}, options, kRun);
+    ASSERT_TRUE(adjusted && adjusted->ground.size() == 3) << i;
+    EXPECT_FALSE(adjusted->ground[2].used);
+    const GroundDifference& check = adjusted->ground[2];
+    squares +=
+        std::pow(check.adjusted - (made.truth.at({2}) - made.truth.at({5})).norm(), 2) / (check.sigma * check.sigma);
+    for (int k = 0; k < 2; ++k)
+      residuals += std::pow(adjusted->ground[k].difference / adjusted->ground[k].difference_sigma, 2) / 2;
+  }
+  const double tolerance = 4 * std::sqrt(2.0 / kBlocks);
+  EXPECT_NEAR(squares / kBlocks, 1, tolerance);
+  EXPECT_NEAR(residuals / kBlocks, 1, tolerance);
+}
+
+TEST(Ground, ABlunderInADistanceIsFound) {
+  Marked made = marked({.sigma_px = 0.5});
+  Random random(4);
+  for (std::uint32_t i = 1; i < 7; ++i) made.measure(GroundKind::kDistance, 0, i, 0.005, &random);
+  made.block.ground[3].value += 0.1;
+  const auto adjusted = adjust(made.block, {}, tested("focal_radial"), kRun);
+  ASSERT_TRUE(adjusted && adjusted->reliability);
+  ASSERT_FALSE(adjusted->reliability->suspects.empty());
+  const TestedObservation& worst = adjusted->reliability->suspects[0];
+  EXPECT_EQ(worst.group, ObservationGroup::kDistance);
+  EXPECT_EQ(worst.source, 3u);
+  EXPECT_NEAR(worst.blunder, 0.1, 0.03);
+}
+
+TEST(Ground, HeightDifferencesLevelABlock) {
+  Marked made = marked({.rows = 2, .columns = 3, .points = 80});
+  made.measure(GroundKind::kDistance, 0, 3, 0.001);
+  made.measure(GroundKind::kHeightDifference, 0, 3, 0.001);
+  made.measure(GroundKind::kHeightDifference, 1, 4, 0.001);
+  made.measure(GroundKind::kHeightDifference, 2, 6, 0.001);
+  const Eigen::Quaterniond turn = rotation_by({0.03, -0.02, 0.5});
+  for (auto& [id, pose] : made.block.cam_from_world) pose.rotation = pose.rotation * turn.conjugate();
+  for (auto& [id, point] : made.block.points) point.position_in_world = turn * point.position_in_world;
+  const auto adjusted = adjust(made.block, {}, tested(), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_EQ(adjusted->rank_defect, 4);  // place and north
+  std::map<ControlId, double> height;
+  for (const ControlDifference& point : adjusted->control) height[point.point] = point.position_in_world->z();
+  for (const auto& [id, at] : made.truth)
+    EXPECT_NEAR(height.at(id) - height.at({0}), at.z() - made.truth.at({0}).z(), 1e-6);
+}
+
+TEST(Ground, VarianceComponentsFindTheSigmaOfDistances) {
+  Marked made = marked({.points = 120, .sigma_px = 0.5, .position_sigma_m = 0.02});
+  Random random(8);
+  for (std::uint32_t i = 0; i < 9; ++i)
+    for (std::uint32_t k = 0; k < i; ++k) made.measure(GroundKind::kDistance, k, i, 0.03, &random);
+  for (GroundObservation& measured : made.block.ground) measured.sigma /= 3;
+  const auto found = estimate_variance_components(made.block, {}, tested(), kRun);
+  ASSERT_TRUE(found) << found.error().message;
+  const auto group = static_cast<std::size_t>(ObservationGroup::kDistance);
+  EXPECT_NEAR(found->factors[group], 3, 4 * found->sigma[group]);
+  EXPECT_GT(found->sigma[group], 0);
+}
+
+TEST(Ground, ThreadsDoNotChangeABit) {
+  Marked made = marked({.rows = 6, .columns = 8, .points = 900, .sigma_px = 0.5, .position_sigma_m = 0.05});
+  for (std::uint32_t i = 1; i < 7; ++i) made.measure(GroundKind::kDistance, 0, i, 0.005);
+  collinea::Run threads;
+  threads.threads = 3;
+  const auto one = adjust(made.block, {}, tested("focal_radial"), kRun),
+             three = adjust(made.block, {}, tested("focal_radial"), threads);
+  ASSERT_TRUE(one && three);
+  EXPECT_EQ(one->final_cost, three->final_cost);
+  EXPECT_EQ(one->ground[2].sigma, three->ground[2].sigma);
+}
+
+TEST(Ground, WhatCannotBeIsRefusedOrLeftOut) {
+  Marked made = marked({.rows = 2, .columns = 3, .points = 60, .position_sigma_m = 0.05});
+  made.measure(GroundKind::kDistance, 0, 3, 0.001);
+  Block bad = made.block;
+  bad.ground[0].sigma = 0;
+  EXPECT_EQ(adjust(bad, {}, tested(), kRun).error().code, Errc::kBadInput);
+  bad = made.block;
+  bad.ground[0].to = bad.ground[0].from;
+  EXPECT_EQ(adjust(bad, {}, tested(), kRun).error().code, Errc::kBadInput);
+  bad = made.block;  // a point that no image shows
+  std::erase_if(bad.control_observations, [](const ControlObservation& seen) { return seen.point.value == 3; });
+  const auto adjusted = adjust(bad, {}, tested(), kRun);
+  ASSERT_TRUE(adjusted);
+  EXPECT_TRUE(adjusted->ground.empty());
+  const auto unused = adjust(made.block, {.use_ground = false}, tested(), kRun);
+  ASSERT_TRUE(unused);
+  EXPECT_TRUE(unused->ground.empty());
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/quality/variance_components.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collinea {
+namespace {
+
+constexpr int kMostIterations = 20;
+constexpr double kSettled = 0.01;                        // far less than a factor is known by
+constexpr double kSmallestStep = 0.2, kLargestStep = 5;  // one step does not do more: weights must not collapse
+
+double factor_of(const SigmaFactors& factors, ObservationGroup group) {
+  return factors[static_cast<std::size_t>(group)];
+}
+
+}  // namespace
+
+SigmaFactors as_given() {
+  SigmaFactors factors;
+  factors.fill(1);
+  return factors;
+}
+
+Block with_sigmas(const Block& block, const SigmaFactors& factors) {
+  Block scaled = block;
+  for (Observation& seen : scaled.observations) seen.sigma_px *= factor_of(factors, ObservationGroup::kTieImages);
+  for (ControlObservation& seen : scaled.control_observations)
+    seen.sigma_px *= factor_of(factors, ObservationGroup::kControlImages);
+  for (auto& [id, control] : scaled.control) {
+    if (control.role != ControlRole::kControl) continue;  // what is only compared tells nothing, and is told nothing
+    control.sigma_m.head<2>() *= factor_of(factors, ObservationGroup::kControlPlan);
+    control.sigma_m.z() *= factor_of(factors, ObservationGroup::kControlHeight);
+  }
+  for (auto& [id, image] : scaled.images) {
+    if (!image.position) continue;
+    image.position->sigma_m.head<2>() *= factor_of(factors, ObservationGroup::kPositionPlan);
+    image.position->sigma_m.z() *= factor_of(factors, ObservationGroup::kPositionHeight);
+  }
+  for (GroundObservation& measured : scaled.ground)
+    if (measured.role == ControlRole::kControl) measured.sigma *= factor_of(factors, group_of(measured.kind));
+  return scaled;
+}
+
+Result<VarianceComponents> estimate_variance_components(const Block& block, const AdjustScope& scope,
+                                                        const AdjustOptions& options, const Run& run) {
+  AdjustOptions asked = options;
+  asked.reliability = true;
+  AdjustScope around = scope;  // the weak observations stay those of the beginning
+  for (const auto& [id, camera] : block.cameras) around.first_cameras.try_emplace(id, camera);
+  VarianceComponents found;
+  found.factors = as_given();
+  Block scaled = block;
+  for (;; ++found.iterations) {
+    for (auto& [id, attitude] : around.attitudes) {
+      attitude.sigma_rad = scope.attitudes.at(id).sigma_rad;
+      attitude.sigma_rad.head<2>() *= factor_of(found.factors, ObservationGroup::kAttitudeLevel);
+      attitude.sigma_rad.z() *= factor_of(found.factors, ObservationGroup::kAttitudeHeading);
+    }
+    COLLINEA_TRY(found.adjusted, adjust(scaled, around, asked, run));
+    if (!found.adjusted.reliability)
+      return fail(Errc::kIllPosed, "variance components: " + found.adjusted.undetermined);
+    double largest = 0;
+    SigmaFactors next = found.factors;
+    for (std::size_t g = 0; g < kObservationGroups; ++g) {
+      const GroupSums& sums = found.adjusted.reliability->groups[g];
+      const double step = std::clamp(sums.sigma_factor(), kSmallestStep, kLargestStep);
+      largest = std::max(largest, std::abs(std::log(step)));
+      next[g] *= step;
+      const bool moved = found.factors[g] != 1;  // drowned on the way: what remains is uncertain
+      found.sigma[g] =
+          sums.told() || (moved && sums.squared_redundancy > 0) ? found.factors[g] * sums.relative_sigma() : 0;
+    }
+    found.converged = largest < kSettled;
+    if (found.converged || found.iterations == kMostIterations) return found;
+    found.factors = next;
+    scaled = with_sigmas(block, found.factors);
+    apply(found.adjusted, scaled);
+  }
+}
+
+}  // namespace collinea

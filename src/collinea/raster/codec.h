@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What photo.cc needs of the single file formats. Internal to the module.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <string>
+
+#include "collinea/base/result.h"
+#include "collinea/raster/raster.h"
+
+namespace collinea {
+
+struct PhotoHeader;
+
+enum class FileKind { kJpeg, kPng, kTiff };
+
+/// By the first bytes of the file, never by its name. Errors: missing, none of the three.
+[[nodiscard]] Result<FileKind> kind_of_file(const std::filesystem::path& path);
+/// All bytes of a file, or the first `most`.
+[[nodiscard]] Result<std::string> read_bytes(const std::filesystem::path& path,
+                                             std::size_t most = std::numeric_limits<std::size_t>::max());
+/// Writes beside the target and renames: the name never holds half a file.
+[[nodiscard]] Result<> write_bytes(const std::filesystem::path& path, const std::string& bytes);
+
+/// Refuses sizes that this many bytes cannot hold, before memory is taken for them.
+[[nodiscard]] Result<> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t file_bytes);
+
+/// Samples as a file holds them: one of the two rasters is filled, with 1 or 3 channels.
+struct Samples {
+  Raster<std::uint8_t> bytes;
+  Raster<std::uint16_t> words;
+};
+
+using Size = std::array<int, 2>;  ///< width, height [px]
+
+/// `channels` 1 (luma) or 3; `shrink` 1, 2, 4, 8 inside the decoder.
+[[nodiscard]] Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels, int shrink);
+[[nodiscard]] Result<Size> jpeg_size(const std::string& bytes);
+[[nodiscard]] Result<Samples> decode_png(const std::string& bytes);
+[[nodiscard]] Result<Size> png_size(const std::string& bytes);
+[[nodiscard]] Result<std::string> encode_png(const Raster<std::uint8_t>& picture);
+[[nodiscard]] Result<Samples> read_tiff(const std::filesystem::path& path);
+[[nodiscard]] Result<Size> tiff_size(const std::filesystem::path& path);
+
+/// To 8 bits: 16-bit samples between their 0.1 and 99.9 percentiles (over all channels together: colours stay).
+[[nodiscard]] Raster<std::uint8_t> eight_bits(Samples samples);
+/// 3 -> 1 channel by the luma of BT.601 (as JPEG), 1 -> 3 by repetition.
+[[nodiscard]] Raster<std::uint8_t> with_channels(Raster<std::uint8_t> picture, int channels);
+
+/// Adds EXIF and XMP to the bytes of a JPEG file.
+[[nodiscard]] Result<std::string> with_header(const std::string& jpeg, const PhotoHeader& header);
+/// Makes Exiv2 quiet, ready for threads, and acquainted with the namespaces of drones. Cheap to call again.
+void set_up_exiv2();
+
+}  // namespace collinea

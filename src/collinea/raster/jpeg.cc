@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+// jpeglib.h needs <cstdio> before it.
+#include <jerror.h>
+#include <jpeglib.h>
+
+#include "collinea/raster/codec.h"
+#include "collinea/raster/photo.h"
+
+// libjpeg leaves by longjmp. Functions that call setjmp therefore hold no C++ object with a destructor, and say by
+// their bool whether they got through; the message stays in JpegErrors.
+
+namespace collinea {
+namespace {
+
+struct JpegErrors {
+  jpeg_error_mgr base;  // first: libjpeg hands out a pointer to it
+  std::jmp_buf back;
+  char message[JMSG_LENGTH_MAX];
+};
+
+void leave(j_common_ptr info) {
+  auto* errors = reinterpret_cast<JpegErrors*>(info->err);
+  info->err->format_message(info, errors->message);
+  std::longjmp(errors->back, 1);
+}
+
+// Stray bytes before a marker and odd headers leave the picture whole; every other warning means lost content.
+void on_message(j_common_ptr info, int level) {
+  if (level >= 0) return;
+  switch (info->err->msg_code) {
+    case JWRN_EXTRANEOUS_DATA:
+    case JWRN_ADOBE_XFORM:
+    case JWRN_JFIF_MAJOR:
+    case JWRN_NOT_SEQUENTIAL:
+    case JWRN_TOO_MUCH_DATA:
+      break;
+    default:
+      leave(info);
+  }
+}
+
+void set_up(JpegErrors& errors) {
+  jpeg_std_error(&errors.base);
+  errors.base.error_exit = leave;
+  errors.base.emit_message = on_message;
+  errors.base.output_message = [](j_common_ptr) {};
+  errors.message[0] = '\0';
+}
+
+struct JpegDecoder {
+  jpeg_decompress_struct info = {};
+  JpegErrors errors;
+
+  JpegDecoder() {
+    set_up(errors);
+    info.err = &errors.base;
+  }
+  ~JpegDecoder() { jpeg_destroy_decompress(&info); }
+  JpegDecoder(const JpegDecoder&) = delete;
+  JpegDecoder& operator=(const JpegDecoder&) = delete;
+
+  tl::unexpected<Error> error() const {
+    return fail(Errc::kBadFormat, std::string("damaged or incomplete JPEG: ") + errors.message);
+  }
+};
+
+bool read_header(JpegDecoder& decoder, const std::string& bytes) {
+  if (setjmp(decoder.errors.back)) return false;
+  jpeg_create_decompress(&decoder.info);
+  jpeg_mem_src(&decoder.info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  jpeg_read_header(&decoder.info, TRUE);
+  return true;
+}
+
+bool start(JpegDecoder& decoder, int channels, int shrink) {
+  if (setjmp(decoder.errors.back)) return false;
+  jpeg_decompress_struct& info = decoder.info;
+  const bool four_inks = info.jpeg_color_space == JCS_CMYK || info.jpeg_color_space == JCS_YCCK;
+  info.out_color_space = four_inks ? JCS_CMYK : channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  info.scale_num = 1;
+  info.scale_denom = unsigned(shrink);
+  jpeg_start_decompress(&info);
+  return true;
+}
+
+bool read_rows(JpegDecoder& decoder, Raster<std::uint8_t>& picture) {
+  if (setjmp(decoder.errors.back)) return false;
+  while (decoder.info.output_scanline < decoder.info.output_height) {
+    JSAMPROW rows[4];
+    const int first = int(decoder.info.output_scanline);
+    const int count = std::min(4, picture.height - first);
+    for (int i = 0; i < count; ++i) rows[i] = picture.row(first + i);
+    jpeg_read_scanlines(&decoder.info, rows, JDIMENSION(count));
+  }
+  jpeg_finish_decompress(&decoder.info);  // reads on to the end marker: a file cut just before it is noticed too
+  return true;
+}
+
+// Adobe writes its inks inverted: 255 is no ink.
+Raster<std::uint8_t> rgb_from_cmyk(const Raster<std::uint8_t>& inks, bool inverted) {
+  Raster<std::uint8_t> rgb(inks.width, inks.height, 3);
+  const std::size_t count = std::size_t(inks.width) * std::size_t(inks.height);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t* ink = &inks.data[4 * i];
+    const int black = inverted ? ink[3] : 255 - ink[3];
+    for (std::size_t c = 0; c < 3; ++c)
+      rgb.data[3 * i + c] = std::uint8_t(((inverted ? ink[c] : 255 - ink[c]) * black + 127) / 255);
+  }
+  return rgb;
+}
+
+struct JpegEncoder {
+  jpeg_compress_struct info = {};
+  JpegErrors errors;
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+
+  JpegEncoder() {
+    set_up(errors);
+    info.err = &errors.base;
+  }
+  ~JpegEncoder() {
+    jpeg_destroy_compress(&info);
+    std::free(bytes);
+  }
+  JpegEncoder(const JpegEncoder&) = delete;
+  JpegEncoder& operator=(const JpegEncoder&) = delete;
+};
+
+bool encode(JpegEncoder& encoder, const Raster<std::uint8_t>& picture, int quality) {
+  if (setjmp(encoder.errors.back)) return false;
+  jpeg_compress_struct& info = encoder.info;
+  jpeg_create_compress(&info);
+  jpeg_mem_dest(&info, &encoder.bytes, &encoder.size);
+  info.image_width = JDIMENSION(picture.width);
+  info.image_height = JDIMENSION(picture.height);
+  info.input_components = picture.channels;
+  info.in_color_space = picture.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  jpeg_set_defaults(&info);
+  jpeg_set_quality(&info, quality, TRUE);
+  jpeg_start_compress(&info, TRUE);
+  while (info.next_scanline < info.image_height) {
+    JSAMPROW row = const_cast<JSAMPROW>(picture.row(int(info.next_scanline)));
+    jpeg_write_scanlines(&info, &row, 1);
+  }
+  jpeg_finish_compress(&info);
+  return true;
+}
+
+}  // namespace
+
+Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels, int shrink) {
+  COLLINEA_CHECK(channels == 1 || channels == 3);
+  JpegDecoder decoder;
+  if (!read_header(decoder, bytes)) return decoder.error();
+  if (const Result<> verdict = check_size(decoder.info.image_width, decoder.info.image_height, bytes.size()); !verdict)
+    return tl::unexpected(verdict.error());
+  if (!start(decoder, channels, shrink)) return decoder.error();
+  Raster<std::uint8_t> picture(int(decoder.info.output_width), int(decoder.info.output_height),
+                               decoder.info.output_components);
+  if (!read_rows(decoder, picture)) return decoder.error();
+  if (picture.channels == 4) picture = rgb_from_cmyk(picture, decoder.info.saw_Adobe_marker);
+  return with_channels(std::move(picture), channels);
+}
+
+Result<Size> jpeg_size(const std::string& bytes) {
+  JpegDecoder decoder;
+  if (!read_header(decoder, bytes)) return decoder.error();
+  return Size{int(decoder.info.image_width), int(decoder.info.image_height)};
+}
+
+Result<std::string> encode_jpeg(const Raster<std::uint8_t>& picture, int quality) {
+  COLLINEA_CHECK(picture.channels == 1 || picture.channels == 3);
+  if (picture.width < 1 || picture.height < 1 || picture.width > 65500 || picture.height > 65500)
+    return fail(Errc::kUnsupported, "a JPEG picture has 1 to 65500 columns and rows");
+  JpegEncoder encoder;
+  if (!encode(encoder, picture, std::clamp(quality, 1, 100)))
+    return fail(Errc::kBadInput, std::string("JPEG cannot be written: ") + encoder.errors.message);
+  return std::string(reinterpret_cast<const char*>(encoder.bytes), encoder.size);
+}
+
+}  // namespace collinea

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/raster/photo.h"
+
+#include <new>
+
+#include "collinea/raster/codec.h"
+#include "collinea/raster/pyramid.h"
+
+namespace collinea {
+namespace {
+
+Result<Raster<std::uint8_t>> decoded(const std::filesystem::path& path, int channels, int shrink) {
+  COLLINEA_TRY(const FileKind kind, kind_of_file(path));
+  Samples samples;
+  if (kind == FileKind::kTiff) {
+    COLLINEA_TRY(samples, read_tiff(path));
+  } else {
+    COLLINEA_TRY(const std::string bytes, read_bytes(path));
+    if (kind == FileKind::kJpeg) return decode_jpeg(bytes, channels, shrink);
+    COLLINEA_TRY(samples, decode_png(bytes));
+  }
+  Raster<std::uint8_t> picture = with_channels(eight_bits(std::move(samples)), channels);
+  return shrink == 1 ? std::move(picture) : shrunk(picture, shrink);
+}
+
+Result<Raster<std::uint8_t>> read_picture(const std::filesystem::path& path, int channels, int shrink) {
+  COLLINEA_CHECK(shrink == 1 || shrink == 2 || shrink == 4 || shrink == 8);
+  try {
+    Result<Raster<std::uint8_t>> picture = decoded(path, channels, shrink);
+    if (picture || picture.error().code == Errc::kNotFound) return picture;
+    return tl::unexpected(std::move(picture).error().within("reading " + path.string()));
+  } catch (const std::bad_alloc&) {
+    return fail(Errc::kUnsupported, "reading " + path.string() + ": not enough memory for this picture");
+  }
+}
+
+}  // namespace
+
+Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink) { return read_picture(path, 3, shrink); }
+
+Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink) { return read_picture(path, 1, shrink); }
+
+Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& picture, int quality,
+                    const PhotoHeader* header) {
+  COLLINEA_TRY(std::string bytes, encode_jpeg(picture, quality));
+  if (header) {
+    PhotoHeader sized = *header;
+    sized.width_px = picture.width;
+    sized.height_px = picture.height;
+    COLLINEA_TRY(bytes, with_header(bytes, sized));
+  }
+  return write_bytes(path, bytes);
+}
+
+Result<> write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& picture) {
+  COLLINEA_TRY(const std::string bytes, encode_png(picture));
+  return write_bytes(path, bytes);
+}
+
+}  // namespace collinea

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <png.h>
+
+#include <bit>
+#include <csetjmp>
+#include <cstring>
+#include <vector>
+
+#include "collinea/raster/codec.h"
+
+// As in jpeg.cc: libpng leaves by longjmp, so functions with setjmp hold no C++ objects of their own.
+
+namespace collinea {
+namespace {
+
+struct PngState {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  std::jmp_buf back;
+  char message[200] = {};
+  const std::string* input = nullptr;
+  std::size_t position = 0;
+  std::string output;
+  bool writes = false;
+
+  PngState() = default;
+  ~PngState() { writes ? png_destroy_write_struct(&png, &info) : png_destroy_read_struct(&png, &info, nullptr); }
+  PngState(const PngState&) = delete;
+  PngState& operator=(const PngState&) = delete;
+
+  tl::unexpected<Error> error() const {
+    return fail(Errc::kBadFormat, std::string("damaged or incomplete PNG: ") + message);
+  }
+};
+
+void on_error(png_structp png, png_const_charp message) {
+  auto* state = static_cast<PngState*>(png_get_error_ptr(png));
+  std::strncpy(state->message, message, sizeof state->message - 1);
+  std::longjmp(state->back, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void give(png_structp png, png_bytep to, std::size_t count) {
+  auto* state = static_cast<PngState*>(png_get_io_ptr(png));
+  if (count > state->input->size() - state->position) png_error(png, "the file ends too early");
+  std::memcpy(to, state->input->data() + state->position, count);
+  state->position += count;
+}
+
+void take(png_structp png, png_bytep from, std::size_t count) {
+  static_cast<PngState*>(png_get_io_ptr(png))->output.append(reinterpret_cast<const char*>(from), count);
+}
+
+bool read_header(PngState& state) {
+  if (setjmp(state.back)) return false;
+  state.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &state, on_error, on_warning);
+  if (!state.png) return false;
+  state.info = png_create_info_struct(state.png);
+  if (!state.info) return false;
+  png_set_read_fn(state.png, &state, give);
+  png_read_info(state.png, state.info);
+  return true;
+}
+
+// To 8 or 16 bits (in this machine's byte order), 1 or 3 channels.
+bool simplify(PngState& state) {
+  if (setjmp(state.back)) return false;
+  png_set_expand(state.png);
+  png_set_strip_alpha(state.png);
+  if (png_get_bit_depth(state.png, state.info) == 16 && std::endian::native == std::endian::little)
+    png_set_swap(state.png);
+  png_set_interlace_handling(state.png);
+  png_read_update_info(state.png, state.info);
+  return true;
+}
+
+bool read_rows(PngState& state, png_bytepp rows) {
+  if (setjmp(state.back)) return false;
+  png_read_image(state.png, rows);
+  png_read_end(state.png, nullptr);
+  return true;
+}
+
+template <class T>
+bool read_raster(PngState& state, Raster<T>& raster) {
+  const int channels = png_get_channels(state.png, state.info);
+  COLLINEA_CHECK(channels == 1 || channels == 3);
+  raster = Raster<T>(int(png_get_image_width(state.png, state.info)), int(png_get_image_height(state.png, state.info)),
+                     channels);
+  std::vector<png_bytep> rows(std::size_t(raster.height));
+  for (int y = 0; y < raster.height; ++y) rows[std::size_t(y)] = reinterpret_cast<png_bytep>(raster.row(y));
+  return read_rows(state, rows.data());
+}
+
+bool write_all(PngState& state, const Raster<std::uint8_t>& picture, png_bytepp rows) {
+  if (setjmp(state.back)) return false;
+  state.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, on_error, on_warning);
+  if (!state.png) return false;
+  state.info = png_create_info_struct(state.png);
+  if (!state.info) return false;
+  png_set_write_fn(state.png, &state, take, nullptr);
+  const int colour = picture.channels == 1   ? PNG_COLOR_TYPE_GRAY
+                     : picture.channels == 3 ? PNG_COLOR_TYPE_RGB
+                                             : PNG_COLOR_TYPE_RGB_ALPHA;
+  png_set_IHDR(state.png, state.info, png_uint_32(picture.width), png_uint_32(picture.height), 8, colour,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(state.png, state.info);
+  png_write_image(state.png, rows);
+  png_write_end(state.png, nullptr);
+  return true;
+}
+
+}  // namespace
+
+Result<Samples> decode_png(const std::string& bytes) {
+  PngState state;
+  state.input = &bytes;
+  if (!read_header(state)) return state.error();
+  const std::uint64_t width = png_get_image_width(state.png, state.info);
+  const std::uint64_t height = png_get_image_height(state.png, state.info);
+  if (const Result<> verdict = check_size(width, height, bytes.size()); !verdict)
+    return tl::unexpected(verdict.error());
+  if (!simplify(state)) return state.error();
+  Samples samples;
+  const bool read = png_get_bit_depth(state.png, state.info) == 16 ? read_raster(state, samples.words)
+                                                                   : read_raster(state, samples.bytes);
+  if (!read) return state.error();
+  return samples;
+}
+
+Result<Size> png_size(const std::string& bytes) {
+  PngState state;
+  state.input = &bytes;
+  if (!read_header(state)) return state.error();
+  return Size{int(png_get_image_width(state.png, state.info)), int(png_get_image_height(state.png, state.info))};
+}
+
+Result<std::string> encode_png(const Raster<std::uint8_t>& picture) {
+  COLLINEA_CHECK(picture.channels == 1 || picture.channels == 3 || picture.channels == 4);
+  if (picture.width < 1 || picture.height < 1) return fail(Errc::kBadInput, "a picture without pixels");
+  PngState state;
+  state.writes = true;
+  std::vector<png_bytep> rows(std::size_t(picture.height));
+  for (int y = 0; y < picture.height; ++y) rows[std::size_t(y)] = const_cast<png_bytep>(picture.row(y));
+  if (!write_all(state, picture, rows.data()))
+    return fail(Errc::kBadInput, std::string("PNG cannot be written: ") + state.message);
+  return std::move(state.output);
+}
+
+}  // namespace collinea

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/steps/colours.h"
+
+#include <algorithm>
+
+#include "collinea/base/parallel.h"
+#include "collinea/raster/photo.h"
+
+namespace collinea {
+
+Result<> colour_tie_points(const Project& project, Block& block) {
+  constexpr int kShrink = 8;  // a feature covers more than a few pixels, and decoding is what costs
+  std::map<ImageId, std::vector<const Observation*>> by_image;
+  PointId last;
+  for (const Observation& seen : block.observations) {  // sorted by point: the first of each
+    if (seen.point != last) by_image[seen.image].push_back(&seen);
+    last = seen.point;
+  }
+  std::vector<std::pair<ImageId, std::vector<const Observation*>>> work(by_image.begin(), by_image.end());
+  parallel_for(project.run, work.size(), [&](std::size_t i) {
+    const auto picture = read_colour(project.photo(block.images.at(work[i].first)), kShrink);
+    if (!picture) return;
+    for (const Observation* seen : work[i].second) {
+      const int x = std::clamp(static_cast<int>(seen->pixel.x() / kShrink), 0, picture->width - 1);
+      const int y = std::clamp(static_cast<int>(seen->pixel.y() / kShrink), 0, picture->height - 1);
+      auto& colour = block.points.at(seen->point).colour;
+      for (int c = 0; c < 3; ++c)
+        colour[static_cast<std::size_t>(c)] = picture->at(x, y, picture->channels == 3 ? c : 0);
+    }
+  });
+  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
+  return {};
+}
+
+}  // namespace collinea

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <atomic>
+#include <functional>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "collinea/base/file.h"
+#include "collinea/base/hash.h"
+#include "collinea/base/memory.h"
+#include "collinea/base/parallel.h"
+#include "collinea/cloud/las.h"
+#include "collinea/cloud/ply.h"
+#include "collinea/dense/fuse.h"
+#include "collinea/dense/match.h"
+#include "collinea/project/depth_folder.h"
+#include "collinea/project/json_text.h"
+#include "collinea/project/places.h"
+#include "collinea/raster/photo.h"
+#include "collinea/steps/step.h"
+
+namespace collinea {
+namespace {
+
+using nlohmann::json;
+
+using MakeMap = std::function<Result<DepthMap>(ImageId image, const Run& run)>;
+
+// Maps of `images`; those found in the folder are kept. Returns the images that have none, and why. Only geometry may
+// be the reason: what else goes wrong may go right when the command is given again, and would change the products then.
+Result<std::map<ImageId, std::string>> make_maps(const Project& project, const std::vector<ImageId>& images,
+                                                 DepthFolder& folder, const char* what, const MakeMap& make) {
+  std::vector<Result<>> outcomes(images.size());
+  std::atomic<std::size_t> done = 0;
+  std::atomic<bool> hopeless = false;  // a full disk, say: what remains to be done would be lost too
+  Run one_thread = project.run;        // images side by side use the processor better than threads within one
+  one_thread.threads = 1;
+  one_thread.progress = nullptr;
+  parallel_for(project.run, images.size(), [&](std::size_t i) {
+    if (hopeless) return;
+    if (!folder.has(images[i])) {
+      const auto map = make(images[i], one_thread);
+      outcomes[i] = map ? folder.write(images[i], *map) : tl::unexpected(map.error());
+      if (!outcomes[i] && outcomes[i].error().code != Errc::kIllPosed) hopeless = true;
+    }
+    project.run.report(what, double(++done) / double(images.size()));
+  });
+  if (project.run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
+  std::map<ImageId, std::string> without;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (outcomes[i]) continue;
+    if (outcomes[i].error().code != Errc::kIllPosed) return tl::unexpected(outcomes[i].error());
+    without[images[i]] = outcomes[i].error().message;
+  }
+  return without;
+}
+
+// Overviews of all images first, then depth maps. Returns the images that have one.
+Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
+                                       WorkingPictures& pictures, DepthFolder& overviews, DepthFolder& folder,
+                                       json& left_out) {
+  std::vector<ImageId> images;
+  for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
+  const DenseOptions& options = project.settings.densify;
+  SharedRoom costs = room_for_costs(options, project.run.threads);
+  const auto overviewed = make_maps(
+      project, images, overviews, "densify: overviews",
+      [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, costs, options, run); });
+  if (!overviewed) return tl::unexpected(overviewed.error());
+  COLLINEA_TRY(const auto without,
+               make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
+                 return depth_map(block, image, ties, pictures, costs, &overviews, options, run);
+               }));
+  for (const auto& [image, why] : without)
+    left_out.push_back({{"file", block.images.at(image).file}, {"reason", "no depth map: " + why}});
+  std::erase_if(images, [&](ImageId image) { return without.contains(image); });
+  return images;
+}
+
+// What depth maps are made from. Options of fusion leave them alone.
+Result<std::string> inputs_of_depth_maps(const Project& project) {
+  COLLINEA_TRY(const auto oriented, project.store.read_step("orient"));
+  COLLINEA_CHECK(oriented.has_value());
+  Settings settings = project.settings;
+  settings.densify = options_of_matching(settings.densify);
+  return Hash()
+      .add(COLLINEA_VERSION)
+      .add("depth maps")
+      .add(options_text(settings, "densify"))
+      .add(oriented->output_hash)
+      .hex();
+}
+
+// Where on the map the tie points lie.
+struct Extent {
+  Eigen::Vector3d lowest = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), highest = -lowest;
+};
+
+// Leaves the tie points on disk.
+Result<TieView> read_ties(const Project& project, const Block& block, const Places& places, Extent& extent) {
+  COLLINEA_TRY(TieView ties, TieView::on_disk(block, project.folder / "depth" / "ties"));
+  auto read =
+      project.store.read_ties(block, [&](PointId, const TiePoint& point, std::span<const Observation> observations) {
+        const Eigen::Vector3d& position = point.position_in_world;
+        const Eigen::Vector3d on_map = places.frame ? places.frame->map_from_local(position) : position;
+        extent.lowest = extent.lowest.cwiseMin(on_map);
+        extent.highest = extent.highest.cwiseMax(on_map);
+        ties.add(position, observations);
+      });
+  if (!read) return tl::unexpected(std::move(read).error());
+  return ties;
+}
+
+// Both cloud files at once: LAS in the map, PLY in the world frame.
+class CloudFiles {
+ public:
+  static Result<CloudFiles> create(const Project& project, const Extent& of_ties, const Places& places) {
+    const std::filesystem::path products = project.folder / "products";
+    LasWriter::Options las;
+    las.lowest = of_ties.lowest;
+    las.highest = of_ties.highest;
+    if (places.frame) las.wkt = places.frame->wkt1();
+    las.form = *las_form_of(project.settings.densify.cloud);
+    las.run = project.run;
+    // A new cloud has no classes: the step that writes them must not count as done.
+    for (const char* earlier : {"cloud.las", "cloud.laz", "cloud.copc.laz", "dtm.tif"})
+      if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
+    COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
+    COLLINEA_TRY(PlyWriter ply_writer,
+                 PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
+    return CloudFiles(std::move(las_writer), std::move(ply_writer), places);
+  }
+
+  Result<> write(std::span<const FusedPoint> points) {
+    std::vector<Eigen::Vector3d> on_map;
+    std::vector<CloudPoint> cloud;
+    for (const FusedPoint& point : points) {
+      on_map.push_back(point.position_in_world);
+      cloud.push_back({point.position_in_world, point.normal_in_world, point.colour, point.sigma, point.images, 0});
+    }
+    ply_.write(cloud);
+    if (places_.frame) places_.frame->map_from_local(on_map);
+    for (std::size_t i = 0; i < cloud.size(); ++i) cloud[i].position = on_map[i];
+    return las_.write(cloud);
+  }
+
+  Result<> finish() {
+    if (auto finished = ply_.finish(); !finished) return finished;
+    return las_.finish();
+  }
+
+ private:
+  CloudFiles(LasWriter las, PlyWriter ply, const Places& places)
+      : las_(std::move(las)), ply_(std::move(ply)), places_(places) {}
+  LasWriter las_;
+  PlyWriter ply_;
+  const Places& places_;
+};
+
+}  // namespace
+
+Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
+  COLLINEA_TRY(const Block block, project.store.read_orientation());
+  COLLINEA_TRY(const Places places, places_of(project, block));
+  const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
+  WorkingPictures pictures(
+      block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
+  COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
+  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
+  COLLINEA_TRY(DepthFolder overviews,
+               DepthFolder::open(project.folder / "depth" / "overview", made_from, block, pictures));
+  Extent of_ties;
+  COLLINEA_TRY(const TieView ties, read_ties(project, block, places, of_ties));
+  json report = {{"skipped", json::array()}};
+  COLLINEA_TRY(const std::vector<ImageId> images,
+               match_all(project, block, ties, pictures, overviews, folder, report["skipped"]));
+  pictures.clear();
+  give_back_freed_memory();
+
+  COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project, of_ties, places));
+  COLLINEA_TRY(const FuseReport fused, fuse(
+                                           block, ties, images, folder,
+                                           [&](ImageId image, int shrink) { return read_colour(photo(image), shrink); },
+                                           [&](std::span<const FusedPoint> points) { return cloud.write(points); },
+                                           project.settings.densify, project.run));
+  if (auto finished = cloud.finish(); !finished) return tl::unexpected(finished.error());
+  report["depth_maps"] = images.size();
+  report["points"] = fused.points;
+  return StepOutput{inputs_hash, json_text(report),
+                    fmt::format("{} depth maps, {} points", images.size(), fused.points)};
+}
+
+}  // namespace collinea

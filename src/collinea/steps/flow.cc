@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/steps/flow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "collinea/base/file.h"
+#include "collinea/base/hash.h"
+#include "collinea/base/memory.h"
+#include "collinea/project/cost.h"
+#include "collinea/project/given_orientation.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kStopped = "stopped; the same command goes on from here";
+
+struct Step {
+  const char* name;
+  Result<StepOutput> (*work)(Project&, const std::string& inputs_hash);
+  std::vector<const char*> reads;     ///< earlier steps whose output it uses
+  std::vector<const char*> products;  ///< files without which it is not done
+  bool reads_setup = false;           ///< control, map and position sigmas too: all that import left in the store
+  bool reads_sources = false;         ///< what import was given, with the remarks on it
+};
+
+constexpr const char* kCloud = "products/cloud in the form asked for";
+
+// The only place that knows the order of work.
+const std::array<Step, 9>& steps() {
+  static const std::array<Step, 9> all = {{
+      {"import", import_step, {}, {}},
+      {"detect", detect_step, {"import"}, {}},
+      {"match", match_step, {"import", "detect"}, {}},
+      {"orient", orient_step, {"import", "match"}, {}, /*reads_setup=*/true},
+      {"densify", densify_step, {"orient"}, {kCloud, "products/cloud.ply"}},
+      {"surface",
+       surface_step,
+       {"orient", "densify"},
+       {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif",
+        "products/dsm_sigma_relative.tif", "products/dsm_hillshade.tif"}},
+      {"terrain",
+       terrain_step,
+       {"orient", "surface"},
+       {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif", "products/dtm_sigma_relative.tif",
+        "products/dtm_hillshade.tif"}},
+      {"ortho",
+       ortho_step,
+       {"orient", "surface", "terrain"},
+       {"products/ortho.tif", "products/ortho_source.tif", "products/seamlines.gpkg"}},
+      {"report",
+       report_step,
+       {"import", "detect", "match", "orient", "densify", "surface", "terrain", "ortho"},
+       {"report/report.html"},
+       /*reads_setup=*/true,
+       /*reads_sources=*/true},
+  }};
+  return all;
+}
+
+Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
+  Hash hash;
+  hash.add(COLLINEA_VERSION).add(step.name).add(options_text(project.settings, step.name));
+  if (step.reads.empty()) hash.add(fingerprint_of_sources(project.settings.photos, project.settings.import));
+  if (const auto& given = project.settings.orient.orientation; given && step.name == std::string_view("orient"))
+    hash.add(fingerprint_of_orientation(*given));
+  if (const auto& given = project.settings.ortho.seamlines; given && step.name == std::string_view("ortho"))
+    hash.add(std::uint64_t{hash_of_file(*given).value_or(0)});
+  for (const char* earlier : step.reads) {
+    COLLINEA_TRY(const auto record, project.store.read_step(earlier));
+    COLLINEA_CHECK(record.has_value());
+    hash.add(record->output_hash);
+    if (step.reads_sources && earlier == std::string_view("import")) hash.add(record->inputs_hash);
+  }
+  if (step.reads_setup) {
+    COLLINEA_TRY(const std::uint64_t setup, project.store.setup_hash());
+    hash.add(setup);
+  }
+  return hash.hex();
+}
+
+// A step that finds nothing to make says why, and leaves no product.
+bool made_nothing(const std::string& report_json) {
+  return report_json.find("\"skipped_because\"") != std::string::npos;
+}
+
+fs::path product_path(const Project& project, const char* product) {
+  return product == std::string_view(kCloud) ? project.cloud() : project.folder / product;
+}
+
+bool products_exist(const Project& project, const Step& step, const StepRecord& record) {
+  if (made_nothing(record.report_json)) return true;
+  for (const char* product : step.products)
+    if (!is_there(product_path(project, product))) return false;
+  return true;
+}
+
+Result<> do_step(Project& project, const Step& step) {
+  COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
+  COLLINEA_TRY(const auto before, project.store.read_step(step.name));
+  if (before && before->inputs_hash == inputs_hash && products_exist(project, step, *before)) {
+    project.run.say(fmt::format("{:<8} up to date", step.name));
+    return {};
+  }
+  if (before)
+    if (auto erased = project.store.erase_step(step.name); !erased) return erased;
+  give_back_freed_memory();  // of the steps before
+  const CostMeter cost;
+  project.run.report(step.name, 0);
+  COLLINEA_TRY(const StepOutput output, step.work(project, inputs_hash).map_error([&](Error error) {
+    if (error.code == Errc::kCancelled) error.message = kStopped;
+    return with_advice(std::move(error), project.folder).within(step.name);
+  }));
+  if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: {}", step.name, kStopped));
+  project.run.report(step.name, 1);
+  if (made_nothing(output.report_json))
+    for (const char* product : step.products)
+      if (auto removed = remove_file(product_path(project, product)); !removed) return removed;
+  const StepRecord record{step.name,         inputs_hash,        output.output_hash,
+                          cost.seconds(),    cost.cpu_seconds(), cost.peak_memory_bytes(),
+                          output.report_json};
+  if (auto written = project.store.write_step(record); !written) return written;
+  project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name, output.summary, record.seconds,
+                              record.cpu_seconds, record.peak_memory_bytes / 1e6));
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> step_names() {
+  std::vector<std::string> names;
+  for (const Step& step : steps()) names.push_back(step.name);
+  return names;
+}
+
+Result<> check_step_name(const std::string& name) {
+  std::string known;
+  for (const Step& step : steps()) {
+    if (name == step.name) return {};
+    known += (known.empty() ? "" : ", ") + std::string(step.name);
+  }
+  return fail(Errc::kBadInput, "no step is called \"" + name + "\": choose one of " + known);
+}
+
+Result<> record_done(Project& project, const std::string& name, const StepOutput& output) {
+  if (auto known = check_step_name(name); !known) return known;
+  const Step& step = *std::find_if(steps().begin(), steps().end(), [&](const Step& s) { return name == s.name; });
+  COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
+  return project.store.write_step({name, inputs_hash, output.output_hash, 0, 0, 0, output.report_json});
+}
+
+Result<> bring_up_to(Project& project, const std::string& last) {
+  if (auto known = check_step_name(last); !known) return known;
+  for (const Step& step : steps()) {
+    if (auto done = do_step(project, step); !done) return done;
+    if (last == step.name) break;
+  }
+  return {};
+}
+
+}  // namespace collinea

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "collinea/base/hash.h"
+#include "collinea/base/parallel.h"
+#include "collinea/epipolar/guide.h"
+#include "collinea/match/guided.h"
+#include "collinea/match/partners.h"
+#include "collinea/match/retrieval.h"
+#include "collinea/project/json_text.h"
+#include "collinea/steps/image_cache.h"
+#include "collinea/steps/step.h"
+
+namespace collinea {
+namespace {
+
+constexpr std::size_t kCachedImages = 200;    // about 1.3 MB each
+constexpr std::size_t kCachedClosure = 1000;  // keypoints alone: about 0.2 MB each
+constexpr std::size_t kBatch = 32;            // pairs written at once: what a kill can cost
+constexpr std::size_t kBatchPerThread = 8;    // the last of a batch are waited for
+constexpr std::size_t kClosureBatch = 256;
+constexpr std::size_t kClosureMatches = 200;
+constexpr int kJoiningRounds = 3;
+
+constexpr std::size_t kLeastScouts = 1000;  // features from which a guide is sought; fewer are soon matched as they are
+
+using Ids = ImageIdPair;
+
+struct Sight {
+  const Camera& camera;
+  std::span<const Keypoint> keypoints;
+};
+
+struct Picture {
+  const Camera& camera;
+  const Features& features;
+
+  [[nodiscard]] Sight sight() const { return {camera, features.keypoints}; }
+
+  [[nodiscard]] std::span<const Descriptor> strongest(std::size_t count) const {
+    return std::span(features.descriptors).first(std::min(count, features.descriptors.size()));
+  }
+};
+
+ImagePair verify_pictures(const Sight& first, const Sight& second, std::span<const Match> putative,
+                          const VerifyOptions& options, std::uint64_t seed) {
+  ImagePair pair = verify(first.camera, first.keypoints, second.camera, second.keypoints, putative, options, seed);
+  pair.putative = static_cast<int>(putative.size());
+  return pair;
+}
+
+// The strongest features find the epipolar geometry; all are then looked for near their epipolar lines. Nothing where
+// the strongest do not fix the geometry.
+std::optional<ImagePair> match_guided(const Picture& first, const Picture& second, std::size_t scouts,
+                                      const Settings& settings, std::uint64_t seed) {
+  const ImagePair sketch = verify_pictures(
+      first.sight(), second.sight(),
+      match_descriptors(first.strongest(scouts), second.strongest(scouts), settings.match), settings.verify, seed);
+  const auto near =
+      guide(first.camera, first.features.keypoints, second.camera, second.features.keypoints, sketch, settings.verify);
+  if (!near) return std::nullopt;
+  // Near the line a rival is looked for among a hundredth of the features only, and a wrong match is not found out by
+  // the geometry: it must be the more distinct.
+  MatchOptions strict = settings.match;
+  strict.max_ratio *= strict.max_ratio;
+  const auto putative =
+      match_among(first.features.descriptors, second.features.descriptors, near->begin, near->candidates, strict);
+  ImagePair pair = verify_pictures(first.sight(), second.sight(), putative, settings.verify, seed);
+  if (pair.matches.size() < sketch.matches.size()) return std::nullopt;
+  return pair;
+}
+
+// With a guide, found from a quarter of the features or a half, or without.
+ImagePair match_pictures(const Picture& first, const Picture& second, const Settings& settings, std::uint64_t seed) {
+  const std::size_t count = std::min(first.features.keypoints.size(), second.features.keypoints.size());
+  for (const std::size_t part : {4, 2})
+    if (count / part >= kLeastScouts)
+      if (auto pair = match_guided(first, second, count / part, settings, seed)) return *std::move(pair);
+  return verify_pictures(first.sight(), second.sight(),
+                         match_descriptors(first.features.descriptors, second.features.descriptors, settings.match),
+                         settings.verify, seed);
+}
+
+// Searches, verifies and stores pairs, and knows all that are stored.
+class Matcher {
+ public:
+  Matcher(Project& project, const Block& setup, std::string inputs_hash)
+      : project_(project),
+        setup_(setup),
+        inputs_hash_(std::move(inputs_hash)),
+        features_([this](ImageId image) { return project_.store.read_features(image); }, kCachedImages),
+        keypoints_([this](ImageId image) { return project_.store.read_keypoints(image); }, kCachedClosure) {}
+
+  Result<> load() {
+    COLLINEA_TRY(std::vector<ImagePair> stored, project_.store.read_pairs());
+    for (ImagePair& pair : stored) pairs_[{pair.first, pair.second}] = std::move(pair);
+    return {};
+  }
+
+  /// Searches all features of those pairs that are not stored yet. Shows progress from `begin` to `end`.
+  Result<> search(const std::vector<Ids>& wanted, double begin, double end) {
+    searched_.insert(wanted.begin(), wanted.end());
+    return each_missing(wanted, begin, end, [&](std::size_t i) { return searched_pair(wanted[i]); });
+  }
+
+  /// Verifies matches that are known already.
+  Result<> verify_known(const std::vector<SharedTracks>& wanted, double begin, double end) {
+    std::vector<Ids> ids;
+    for (const SharedTracks& pair : wanted) ids.push_back(pair.images);
+    return each_missing(ids, begin, end, [&](std::size_t i) { return verified_pair(ids[i], wanted[i].matches); });
+  }
+
+  [[nodiscard]] const std::set<Ids>& searched() const { return searched_; }
+  /// The pairs searched so far that hold; until the next search.
+  [[nodiscard]] std::vector<const ImagePair*> verified() const {
+    std::vector<const ImagePair*> list;
+    for (const Ids& ids : searched_)
+      if (const ImagePair& pair = pairs_.at(ids); pair.geometry != PairGeometry::kNone) list.push_back(&pair);
+    return list;
+  }
+  [[nodiscard]] const std::map<Ids, ImagePair>& pairs() const { return pairs_; }
+
+ private:
+  Result<ImagePair> searched_pair(Ids ids) {
+    COLLINEA_TRY(const auto first, features_.of(ids.first));
+    COLLINEA_TRY(const auto second, features_.of(ids.second));
+    return with_ids(ids, match_pictures({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
+                                        project_.settings, seed_of(ids)));
+  }
+
+  Result<ImagePair> verified_pair(Ids ids, const std::vector<Match>& putative) {
+    COLLINEA_TRY(const auto first, keypoints_.of(ids.first));
+    COLLINEA_TRY(const auto second, keypoints_.of(ids.second));
+    return with_ids(ids, verify_pictures({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
+                                         putative, project_.settings.verify, seed_of(ids)));
+  }
+
+  [[nodiscard]] std::uint64_t seed_of(Ids ids) const {
+    return Hash().add(project_.run.seed).add(ids.first.value).add(ids.second.value).value();
+  }
+
+  static ImagePair with_ids(Ids ids, ImagePair pair) {
+    pair.first = ids.first;
+    pair.second = ids.second;
+    return pair;
+  }
+
+  // Has work(i) done for every pair that is not stored, and stores what it gives.
+  Result<> each_missing(const std::vector<Ids>& wanted, double begin, double end,
+                        const std::function<Result<ImagePair>(std::size_t)>& work) {
+    std::vector<std::size_t> left;
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      if (!pairs_.contains(wanted[i])) left.push_back(i);
+    const std::size_t size = std::max(kBatch, kBatchPerThread * static_cast<std::size_t>(project_.run.threads));
+    for (std::size_t start = 0; start < left.size(); start += size) {
+      const std::span batch(left.data() + start, std::min(size, left.size() - start));
+      std::vector<Result<ImagePair>> results(batch.size(), fail(Errc::kCancelled, "stopped"));
+      parallel_for(project_.run, batch.size(), [&](std::size_t i) { results[i] = work(batch[i]); });
+      if (auto stored = store(results); !stored) return stored;
+      project_.run.report("match", begin + (end - begin) * double(start + batch.size()) / double(left.size()));
+    }
+    return {};
+  }
+
+  Result<> store(std::vector<Result<ImagePair>>& results) {
+    std::vector<ImagePair> fresh;
+    for (auto& result : results) {
+      if (!result) return tl::unexpected(result.error());
+      fresh.push_back(std::move(*result));
+    }
+    if (auto written = project_.store.write_pairs(fresh, inputs_hash_); !written) return written;
+    for (ImagePair& pair : fresh) pairs_[{pair.first, pair.second}] = std::move(pair);
+    return {};
+  }
+
+  Project& project_;
+  const Block& setup_;
+  const std::string inputs_hash_;
+  ImageCache<Features> features_;
+  ImageCache<std::vector<Keypoint>> keypoints_;
+  std::map<Ids, ImagePair> pairs_;
+  std::set<Ids> searched_;
+};
+
+Result<std::vector<LookedPair>> first_look(const Project& project, const Block& setup) {
+  const PairOptions& options = project.settings.pairs;
+  std::vector<ImageId> images;
+  for (const auto& [id, image] : setup.images) images.push_back(id);
+  const auto features_of = [&](ImageId image) { return project.store.read_features(image); };
+  COLLINEA_TRY(const auto glanced, glances(images, features_of, options, project.run));
+  COLLINEA_TRY(const std::vector<Ids> similar, similar_pairs(glanced, options, project.run));
+  return look(glanced, joined(similar, candidate_pairs(setup, options)), project.run);
+}
+
+// Round after round depends on what the earlier ones found, and on nothing else: a run broken off comes to the same.
+Result<> search_best_partners(const Project& project, const Block& setup, Matcher& matcher) {
+  const PairOptions& options = project.settings.pairs;
+  COLLINEA_TRY(const std::vector<LookedPair> looked, first_look(project, setup));
+  if (auto done = matcher.search(sure_pairs(looked, options), 0.05, 0.45); !done) return done;
+  const auto lacking = lacking_pairs(looked, matcher.searched(), merge_tracks(matcher.verified()), options);
+  if (auto done = matcher.search(lacking, 0.45, 0.8); !done) return done;
+  for (int round = 0; round < kJoiningRounds; ++round) {
+    std::vector<Ids> verified;
+    for (const ImagePair* pair : matcher.verified()) verified.emplace_back(pair->first, pair->second);
+    const auto joining = joining_pairs(looked, matcher.searched(), verified, options);
+    if (joining.empty()) break;
+    if (auto done = matcher.search(joining, 0.8, 0.9); !done) return done;
+  }
+  return {};
+}
+
+// Evenly chosen: so many fix the geometry of a pair, and the tracks hold all of them anyway.
+void thin_out(std::vector<Match>& matches) {
+  if (matches.size() <= kClosureMatches) return;
+  for (std::size_t i = 0; i < kClosureMatches; ++i) matches[i] = matches[i * matches.size() / kClosureMatches];
+  matches.resize(kClosureMatches);
+}
+
+// Neighbours of neighbours: what they have in common is known without a search.
+Result<> close_over_tracks(const Project& project, Matcher& matcher) {
+  const std::vector<Track> tracks = merge_tracks(matcher.verified());
+  const TrackIndex index(tracks);
+  const auto min_matches = static_cast<std::size_t>(project.settings.verify.min_inliers);
+  std::vector<SharedTracks> wanted;
+  const std::vector<ImageId> images = index.images();
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    for (SharedTracks& pair : index.shared_with_later(images[i], min_matches))
+      if (!matcher.searched().contains(pair.images)) {
+        thin_out(pair.matches);
+        wanted.push_back(std::move(pair));
+      }
+    if (wanted.size() < kClosureBatch && i + 1 < images.size()) continue;
+    const double part = 0.9 + 0.1 * double(i) / double(images.size());
+    if (auto done = matcher.verify_known(wanted, part, part); !done) return done;
+    wanted.clear();
+  }
+  return {};
+}
+
+// The block without the images that have no features: a picture that could not be read has no part in any pair.
+Result<Block> readable_part(const ProjectStore& store) {
+  COLLINEA_TRY(Block setup, store.read_setup());
+  COLLINEA_TRY(const auto detected, store.features_done());
+  std::erase_if(setup.images, [&](const auto& image) { return !detected.contains(image.first); });
+  return setup;
+}
+
+std::string word(PairGeometry geometry) {
+  constexpr std::array<const char*, 4> kWords = {"unrelated", "general", "planar", "rotation"};
+  return kWords[static_cast<std::size_t>(geometry)];
+}
+
+}  // namespace
+
+Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) {
+  COLLINEA_TRY(const Block setup, readable_part(project.store));
+  if (auto erased = project.store.erase_pairs_except(inputs_hash); !erased) return tl::unexpected(erased.error());
+  Matcher matcher(project, setup, inputs_hash);
+  if (auto loaded = matcher.load(); !loaded) return tl::unexpected(loaded.error());
+  const PairOptions& options = project.settings.pairs;
+  const bool all = all_pairs_wanted(setup, options);
+  auto done = all ? matcher.search(all_pairs(setup), 0, 1) : search_best_partners(project, setup, matcher);
+  if (done && !all && options.closure) done = close_over_tracks(project, matcher);
+  if (!done) return tl::unexpected(done.error());
+
+  std::map<std::string, int> by_geometry;
+  std::size_t matches = 0;
+  for (const auto& [ids, pair] : matcher.pairs()) {
+    ++by_geometry[word(pair.geometry)];
+    matches += pair.matches.size();
+  }
+  const nlohmann::json report = {{"pairs", matcher.pairs().size()},
+                                 {"pairs_searched", matcher.searched().size()},
+                                 {"matches", matches},
+                                 {"pairs_by_geometry", by_geometry}};
+  const auto verified = matcher.pairs().size() - static_cast<std::size_t>(by_geometry["unrelated"]);
+  return StepOutput{
+      inputs_hash, json_text(report),
+      fmt::format("{} pairs verified, {} searched, {} matches", verified, matcher.searched().size(), matches)};
+}
+
+}  // namespace collinea

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/steps/simulated_project.h"
+
+#include <fmt/format.h>
+
+#include "collinea/base/hash.h"
+#include "collinea/base/parallel.h"
+#include "collinea/epipolar/two_view.h"
+#include "collinea/steps/flow.h"
+#include "collinea/steps/step.h"
+#include "collinea/synthetic/matches.h"
+#include "collinea/synthetic/write.h"
+
+namespace collinea {
+namespace {
+
+constexpr const char* kHash = "simulated";
+constexpr std::size_t kBatch = 1024;  // pairs in work at once
+
+// What import would know: nominal cameras, positions with the errors of a receiver, control; no poses.
+Block setup_of(const Truth& truth) {
+  Block setup = truth.block;
+  setup.cam_from_world.clear();
+  for (auto& [id, camera] : setup.cameras) {
+    const Camera exact = camera;
+    camera = ideal_camera(truth.nominal_focal_px, exact.width_px, exact.height_px);
+    camera.model = exact.model;
+    camera.sigma_f_px = kExifFocalSigma * truth.nominal_focal_px;
+    camera.name = exact.name;
+    camera.source = "simulated";
+  }
+  return setup;
+}
+
+Result<> write_features(Project& project, const SimulatedMatches& matches) {
+  std::size_t features = 0;
+  for (const auto& [image, keypoints] : matches.keypoints) {
+    features += keypoints.size();
+    if (auto done = project.store.write_features(image, {keypoints, std::vector<Descriptor>(keypoints.size())}, kHash);
+        !done)
+      return done;
+  }
+  return record_done(
+      project, "detect",
+      {kHash, fmt::format("{{\"skipped\": [], \"images\": {}, \"features\": {}}}", matches.keypoints.size(), features),
+       ""});
+}
+
+// Each pair is verified with the cameras as import knows them, as the step match does.
+Result<> write_pairs(Project& project, const Block& setup, SimulatedMatches& matches) {
+  std::size_t verified = 0;
+  for (std::size_t begin = 0; begin < matches.pairs.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, matches.pairs.size() - begin);
+    std::vector<ImagePair> pairs(count);
+    parallel_for(project.run, count, [&](std::size_t i) {
+      const ImagePair& putative = matches.pairs[begin + i];
+      pairs[i] = verify(setup.camera_of(putative.first), matches.keypoints.at(putative.first),
+                        setup.camera_of(putative.second), matches.keypoints.at(putative.second), putative.matches,
+                        project.settings.verify, project.run.seed + begin + i);
+      pairs[i].first = putative.first;
+      pairs[i].second = putative.second;
+      pairs[i].putative = putative.putative;
+    });
+    if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
+    for (const ImagePair& pair : pairs) verified += pair.geometry != PairGeometry::kNone;
+    if (auto done = project.store.write_pairs(pairs, kHash); !done) return done;
+    project.run.report("pairs", double(begin + count) / double(matches.pairs.size()));
+  }
+  project.run.say(fmt::format("{} of {} pairs verified", verified, matches.pairs.size()));
+  return record_done(project, "match", {kHash, fmt::format("{{\"pairs\": {}}}", matches.pairs.size()), ""});
+}
+
+}  // namespace
+
+Result<> simulate_project(const SurveyOptions& survey, const ObservationOptions& observations,
+                          const std::filesystem::path& folder, const Run& run) {
+  if (auto valid = validate(observations); !valid) return valid;
+  COLLINEA_TRY(const Truth truth, make_survey(survey, run));
+  std::error_code error;
+  std::filesystem::create_directories(folder / "images", error);
+  std::filesystem::create_directories(folder / "truth", error);
+  if (error) return fail(Errc::kNotFound, folder.string() + ": cannot be made: " + error.message());
+  if (auto done = write_tables(truth, folder); !done) return done;
+  Settings settings;
+  settings.photos = std::filesystem::absolute(folder / "images").string();
+  COLLINEA_TRY(Project project, create_project(folder, settings, run));
+  if (auto erased = project.store.erase_pairs_except(kHash); !erased) return erased;
+
+  const Block setup = setup_of(truth);
+  if (auto done = project.store.write_setup(setup); !done) return done;
+  if (auto done = record_done(project, "import", {kHash, "{\"findings\": [], \"skipped\": []}", ""}); !done)
+    return done;
+  ObservationOptions seeded = observations;
+  seeded.seed = truth.seed;
+  COLLINEA_TRY(const Block seen, observations_only(truth, seeded, run));
+  run.say(fmt::format("{} points, {:.1f} images each, {:.0f} features an image", seen.points.size(),
+                      double(seen.observations.size()) / double(seen.points.size()),
+                      double(seen.observations.size()) / double(seen.images.size())));
+  SimulatedMatches matches = simulated_matches(seen, seeded, std::size_t(settings.verify.min_inliers), run);
+  if (auto done = write_features(project, matches); !done) return done;
+  return write_pairs(project, setup, matches);
+}
+
+}  // namespace collinea

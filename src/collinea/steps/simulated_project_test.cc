@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/steps/simulated_project.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/adjust/bundle.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/steps/flow.h"
+#include "collinea/steps/test_project.h"
+#include "collinea/synthetic/write.h"
+
+namespace collinea {
+namespace {
+
+// Without wrong matches, of which sigmas know nothing.
+TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
+  const TestFolder folder;
+  SurveyOptions survey;
+  survey.images = 20;
+  survey.control_points = 4;
+  std::vector<std::string> lines;
+  collinea::Run run{.log = [&](std::string_view line) { lines.emplace_back(line); }};
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, run);
+  ASSERT_TRUE(project) << project.error().message;
+  const auto done = bring_up_to(*project, "orient");
+  ASSERT_TRUE(done) << done.error().message;
+  for (const char* step : {"import", "detect", "match"}) {
+    const auto up_to_date = [&](const std::string& line) {
+      return line.starts_with(step) && line.find("up to date") != std::string::npos;
+    };
+    EXPECT_EQ(std::count_if(lines.begin(), lines.end(), up_to_date), 1) << step;
+  }
+  const Block block = *project->store.read_block();
+  ASSERT_EQ(block.cam_from_world.size(), 20u);
+  const auto truth = read_truth(folder / "block");
+  const auto adjusted = adjust(block, {}, {.calibration = "brown", .covariances = true}, {});
+  ASSERT_TRUE(truth && adjusted);
+  double squares = 0, variance_m2 = 0;
+  for (const auto& [id, covariance] : adjusted->pose_covariance) {
+    const Eigen::Vector3d error =
+        centre_of(block.cam_from_world.at(id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
+    const Eigen::Array3d variance = std::pow(adjusted->sigma0, 2) * covariance.diagonal().tail<3>().array();
+    squares += (error.array().square() / variance).mean() / 20;
+    variance_m2 += variance.sum() / 20;
+  }
+  // Squares of errors over their variances have the mean 1. Were those of one axis all the same for all images, which
+  // they nearly are where the block sways as a whole, the mean of three would have the variance 2/3: four deviations.
+  EXPECT_LT(squares, 1 + 4 * std::sqrt(2.0 / 3));
+  EXPECT_LT(std::sqrt(variance_m2), 0.5);  // a seventh of what a receiver is good to, 3.3 m
+}
+
+// A fisheye of 122 degrees from corner to corner, known at first as a lens without distortion and a focal length 5 %
+// off: the errors of its camera are as large as its standard deviations say.
+TEST(SimulatedProject, OfAFisheyeIsOriented) {
+  for (const char* model : {"equidistant", "kannala_brandt"}) {
+    const TestFolder folder;
+    SurveyOptions survey;
+    survey.images = 16;
+    survey.camera_model = model;
+    survey.focal_px = 1200;
+    auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0},
+                                  collinea::Run{.threads = 2});
+    ASSERT_TRUE(project) << project.error().message;
+    const auto done = bring_up_to(*project, "orient");
+    ASSERT_TRUE(done) << done.error().message;
+    const Block block = *project->store.read_block();
+    EXPECT_EQ(block.cam_from_world.size(), 16u);
+    const auto truth = read_truth(folder / "block");
+    const auto setup = project->store.read_setup();
+    ASSERT_TRUE(setup);
+    AdjustScope scope;
+    scope.first_cameras = setup->cameras;
+    const auto adjusted = adjust(block, scope, {.calibration = "brown", .covariances = true}, {});
+    ASSERT_TRUE(truth && adjusted);
+    const Camera& found = block.cameras.begin()->second;
+    EXPECT_EQ(kCameraModelNames[std::size_t(found.model)], model);
+    const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
+    for (const int k : params_of(found)) {
+      const double sigma = adjusted->sigma0 * std::sqrt(covariance(k, k));
+      if (!(sigma > 0)) continue;
+      EXPECT_NEAR(found.params[std::size_t(k)], truth->camera.params[std::size_t(k)], 4.5 * sigma)
+          << model << " " << param_name(k);
+    }
+    EXPECT_NEAR(found.focal_px(), 1200, 3);  // 0.25 %; it began 60 px off
+  }
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "collinea/project/project.h"
+
+namespace collinea {
+
+/// What a step leaves for the record.
+struct StepOutput {
+  std::string output_hash;  ///< of what later steps read from it
+  std::string report_json;  ///< an object: figures, "skipped": [{file, reason}], "findings": [text]
+  std::string summary;      ///< one line for people
+};
+
+/// The steps. `inputs_hash` is the fingerprint of all that the step reads; work done under another one is not reused.
+Result<StepOutput> import_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> detect_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> match_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> report_step(Project& project, const std::string& inputs_hash);
+
+}  // namespace collinea

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "collinea/base/file.h"
+#include "collinea/base/memory.h"
+#include "collinea/cloud/las.h"
+#include "collinea/project/json_text.h"
+#include "collinea/project/places.h"
+#include "collinea/radiometry/view.h"
+#include "collinea/raster/block_cache.h"
+#include "collinea/raster/hillshade.h"
+#include "collinea/steps/cloud_pieces.h"
+#include "collinea/steps/step.h"
+#include "collinea/surface/dtm.h"
+
+namespace collinea {
+namespace {
+
+constexpr std::uint8_t kUnclassified = 1, kGround = 2;  // of ASPRS
+
+// Writes the cloud anew: all stays as it is but the classes. Returns how many points show the ground.
+Result<std::uint64_t> classify(const Project& project, const GroundSurface& ground) {
+  COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
+  LasWriter::Options options;
+  options.wkt = reader.header().wkt;
+  options.like = reader.header();
+  options.form = *las_form_of(project.settings.densify.cloud);
+  options.run = project.run;
+  COLLINEA_TRY(LasWriter writer, LasWriter::create(project.cloud(), options));
+  std::uint64_t count = 0, done = 0;
+  for (;;) {
+    COLLINEA_TRY(std::vector<CloudPoint> points, reader.read(kPiecePoints));
+    if (points.empty()) break;
+    for (CloudPoint& point : points) {
+      const bool shows = ground.shows_ground(point.position, double(point.sigma_m));
+      point.classification = shows ? kGround : kUnclassified;
+      count += shows;
+    }
+    if (auto written = writer.write(points); !written) return tl::unexpected(written.error());
+    if (project.run.stopped()) return fail(Errc::kCancelled, "cancelled");
+    done += points.size();
+    project.run.report("terrain: classes", double(done) / double(std::max<std::uint64_t>(1, reader.header().points)));
+  }
+  if (auto finished = writer.finish(); !finished) return tl::unexpected(finished.error());
+  return count;
+}
+
+}  // namespace
+
+Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash) {
+  COLLINEA_TRY(const Block block, project.store.read_orientation());
+  const auto products = project.folder / "products";
+  const auto without = [&](const std::string& why) -> Result<StepOutput> {
+    for (const char* earlier : {"contours.gpkg", "contours.dxf"})
+      if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
+    return StepOutput{inputs_hash, json_text({{"skipped_because", why + ": no terrain model"}}),
+                      why + ": no terrain model"};
+  };
+  if (!looks_down(block)) return without("the images do not look down on the scene");
+  COLLINEA_TRY(const Places places, places_of(project, block));
+  if (!places.metric) return without("the block has no scale, so that the size of objects is not known");
+  const DsmFiles dsm{products / "dsm.tif",
+                     products / "dsm_sigma.tif",
+                     products / "dsm_state.tif",
+                     {},
+                     products / "dsm_sigma_relative.tif"};
+  const DtmFiles files{products / "dtm.tif", products / "dtm_sigma.tif", products / "dtm_state.tif",
+                       products / "contours.gpkg", products / "dtm_sigma_relative.tif"};
+  const BlockCacheLimit cache(kCacheOfPieces);
+  const auto made = build_dtm(dsm, files, project.settings.terrain, project.run);
+  if (!made && made.error().code == Errc::kIllPosed) return without(made.error().message);
+  if (!made) return tl::unexpected(made.error());
+  const DtmSummary& summary = made->summary;
+  give_back_freed_memory();
+  if (auto drawn = write_hillshade(files.height, products / "dtm_hillshade.tif", project.run); !drawn)
+    return tl::unexpected(std::move(drawn).error());
+  give_back_freed_memory();
+  COLLINEA_TRY(const std::uint64_t ground_points, classify(project, made->ground));
+  const double cells = double(summary.ground_cells + summary.interpolated_cells);
+  const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
+                                 {"width", summary.grid.width},
+                                 {"height", summary.grid.height},
+                                 {"ground_cells", summary.ground_cells},
+                                 {"interpolated_cells", summary.interpolated_cells},
+                                 {"ground_points", ground_points},
+                                 {"coarse_cell_m", summary.coarse_cell_m},
+                                 {"lowest_m", summary.lowest_m},
+                                 {"highest_m", summary.highest_m},
+                                 {"mean_sigma_m", summary.mean_sigma_m},
+                                 {"mean_sigma_relative_m", summary.mean_sigma_relative_m},
+                                 {"contour_m", summary.contour_m},
+                                 {"contours", summary.contours}};
+  return StepOutput{
+      inputs_hash, json_text(report),
+      fmt::format("ground seen in {:.1f} % of {} x {} cells{}", 100 * double(summary.ground_cells) / cells,
+                  summary.grid.width, summary.grid.height,
+                  summary.contour_m > 0 ? fmt::format(", contours every {:.4g} m", summary.contour_m) : std::string())};
+}
+
+}  // namespace collinea

@@ -1,0 +1,591 @@
+// SPDX-License-Identifier: Apache-2.0
+// The block of a ProjectStore: what was set up, and what the orientation made of it.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "collinea/base/hash.h"
+#include "collinea/base/packed.h"
+#include "collinea/store/project_store.h"
+#include "collinea/store/project_store_state.h"
+
+namespace collinea {
+namespace {
+
+using sqlite::Database;
+using sqlite::Statement;
+
+void put(Packer& packer, const Eigen::Vector2d& v) {
+  for (int i = 0; i < 2; ++i) packer.put(v[i]);
+}
+void put(Packer& packer, const Eigen::Vector3d& v) {
+  for (int i = 0; i < 3; ++i) packer.put(v[i]);
+}
+void get(Unpacker& unpacker, Eigen::Vector2d& v) {
+  for (int i = 0; i < 2; ++i) unpacker.get(v[i]);
+}
+void get(Unpacker& unpacker, Eigen::Vector3d& v) {
+  for (int i = 0; i < 3; ++i) unpacker.get(v[i]);
+}
+
+// How one record lies in a blob. kBytes is its exact size.
+struct PointRecord {
+  static constexpr std::size_t kBytes = 4 + 24 + 3;
+  using Value = std::pair<PointId, TiePoint>;
+  static void put_one(Packer& packer, const std::pair<const PointId, TiePoint>& point) {
+    packer.put(point.first.value);
+    put(packer, point.second.position_in_world);
+    for (const std::uint8_t channel : point.second.colour) packer.put(channel);
+  }
+  static Value get_one(Unpacker& unpacker) {
+    Value point;
+    unpacker.get(point.first.value);
+    get(unpacker, point.second.position_in_world);
+    for (std::uint8_t& channel : point.second.colour) unpacker.get(channel);
+    return point;
+  }
+};
+
+struct ObservationRecord {
+  static constexpr std::size_t kBytes = 3 * 4 + 3 * 8;
+  using Value = Observation;
+  static void put_one(Packer& packer, const Observation& o) {
+    packer.put(o.image.value);
+    packer.put(o.point.value);
+    packer.put(o.feature);
+    put(packer, o.pixel);
+    packer.put(o.sigma_px);
+  }
+  static Value get_one(Unpacker& unpacker) {
+    Observation o;
+    unpacker.get(o.image.value);
+    unpacker.get(o.point.value);
+    unpacker.get(o.feature);
+    get(unpacker, o.pixel);
+    unpacker.get(o.sigma_px);
+    return o;
+  }
+};
+
+struct ControlObservationRecord {
+  static constexpr std::size_t kBytes = 2 * 4 + 3 * 8;
+  using Value = ControlObservation;
+  static void put_one(Packer& packer, const ControlObservation& o) {
+    packer.put(o.point.value);
+    packer.put(o.image.value);
+    put(packer, o.pixel);
+    packer.put(o.sigma_px);
+  }
+  static Value get_one(Unpacker& unpacker) {
+    ControlObservation o;
+    unpacker.get(o.point.value);
+    unpacker.get(o.image.value);
+    get(unpacker, o.pixel);
+    unpacker.get(o.sigma_px);
+    return o;
+  }
+};
+
+// Many records a row: far fewer and smaller rows than one each, and no blob grows with the block.
+template <class Record, class Values>
+Result<> write_chunks(Database& db, const std::string& table, const Values& values) {
+  constexpr std::size_t kPerChunk = 16384;
+  if (auto cleared = db.execute("DELETE FROM " + table); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?)"));
+  Packer packer;
+  packer.reserve(std::min(kPerChunk, values.size()) * Record::kBytes);
+  std::int64_t chunk = 0;
+  const auto flush = [&] {
+    auto written = insert.bind(chunk++).bind_blob(packer.bytes()).run();
+    packer.clear();
+    return written;
+  };
+  for (const auto& value : values) {
+    Record::put_one(packer, value);
+    if (packer.size() == kPerChunk * Record::kBytes)
+      if (auto written = flush(); !written) return written;
+  }
+  return packer.size() > 0 ? flush() : Result<>{};
+}
+
+// The records of a table, one after the other.
+template <class Record>
+class ChunkReader {
+ public:
+  static Result<ChunkReader> open(Database& db, const std::string& table) {
+    ChunkReader reader;
+    reader.table_ = table;
+    COLLINEA_TRY(reader.select_, db.prepare("SELECT data FROM " + table + " ORDER BY chunk"));
+    if (auto first = reader.advance(); !first) return tl::unexpected(first.error());
+    return reader;
+  }
+  [[nodiscard]] bool at_end() const { return !value_; }
+  [[nodiscard]] const typename Record::Value& value() const { return *value_; }
+  Result<> advance() {
+    while (chunk_.left() == 0) {
+      value_.reset();
+      COLLINEA_TRY(const bool row, select_.next());
+      if (!row) return {};
+      const std::string_view blob = select_.blob(0);
+      if (blob.size() % Record::kBytes != 0) return damaged(table_);
+      chunk_ = Unpacker(blob);
+    }
+    value_ = Record::get_one(chunk_);
+    return {};
+  }
+
+ private:
+  std::string table_;
+  Statement select_;
+  Unpacker chunk_{std::string_view()};  // of the row that the statement is at
+  std::optional<typename Record::Value> value_;
+};
+
+template <class Record, class Take>
+Result<> read_chunks(Database& db, const std::string& table, Take&& take) {
+  COLLINEA_TRY(auto reader, ChunkReader<Record>::open(db, table));
+  while (!reader.at_end()) {
+    take(reader.value());
+    if (auto next = reader.advance(); !next) return next;
+  }
+  return {};
+}
+
+Result<> write_georeference(Database& db, const std::optional<Georeference>& georeference) {
+  if (auto cleared = db.execute("DELETE FROM georeference"); !cleared) return cleared;
+  if (!georeference) return {};
+  Packer origin;
+  origin.put(georeference->origin_latitude_deg);
+  origin.put(georeference->origin_longitude_deg);
+  origin.put(georeference->origin_height_m);
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO georeference VALUES (0, ?, ?)"));
+  return insert.bind_text(georeference->crs).bind_blob(origin.bytes()).run();
+}
+
+Result<> read_georeference(Database& db, std::optional<Georeference>& georeference) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT crs, origin FROM georeference"));
+  COLLINEA_TRY(const bool row, select.next());
+  if (!row) return {};
+  Georeference g{.crs = select.text(0)};
+  Unpacker origin(select.blob(1));
+  origin.get(g.origin_latitude_deg);
+  origin.get(g.origin_longitude_deg);
+  origin.get(g.origin_height_m);
+  if (!origin.done()) return damaged("georeference");
+  georeference = std::move(g);
+  return {};
+}
+
+// A camera is stored as the parameters that the first models had, and behind them what its model has more.
+constexpr std::size_t kStoredFirst = Camera::kK4;
+
+// One of the first `count` values of an enumeration.
+template <class Enum>
+bool read_enum(Unpacker& numbers, std::size_t count, Enum& value) {
+  double number = -1;
+  numbers.get(number);
+  for (std::size_t i = 0; i < count; ++i)
+    if (number == double(i)) {
+      value = Enum(i);
+      return true;
+    }
+  return false;
+}
+
+bool read_model(Unpacker& numbers, Camera& camera) {
+  if (!read_enum(numbers, kCameraModelNames.size(), camera.model)) return false;
+  if (is_fisheye(camera.model)) numbers.get(camera.params[Camera::kK4]);
+  if (numbers.done()) return true;
+  if (!read_enum(numbers, kAdditionalNames.size(), camera.additional)) return false;
+  for (std::size_t k = 0; k < count_of(camera.additional); ++k) numbers.get(camera.params[Camera::kParams + k]);
+  return true;
+}
+
+Result<> write_cameras(Database& db, const std::string& table, const std::map<CameraId, Camera>& cameras) {
+  if (auto cleared = db.execute("DELETE FROM " + table); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?, ?, ?, ?, ?, ?)"));
+  for (const auto& [id, camera] : cameras) {
+    Packer numbers;
+    for (std::size_t k = 0; k < kStoredFirst; ++k) numbers.put(camera.params[k]);
+    numbers.put(camera.sigma_f_px);
+    const bool added = camera.additional != AdditionalSet::kNone;
+    if (camera.model != CameraModel::kBrown || added) numbers.put(double(camera.model));
+    if (is_fisheye(camera.model)) numbers.put(camera.params[Camera::kK4]);
+    if (added) numbers.put(double(camera.additional));
+    for (std::size_t k = 0; k < count_of(camera.additional); ++k) numbers.put(camera.params[Camera::kParams + k]);
+    insert.bind(id.value).bind_text(camera.name).bind_text(camera.source);
+    insert.bind(camera.width_px).bind(camera.height_px).bind(int(camera.calibrate));
+    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+  }
+  return {};
+}
+
+Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId, Camera>& cameras) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT * FROM " + table + " ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    Camera camera;
+    camera.name = select.text(1);
+    camera.source = select.text(2);
+    camera.width_px = int(select.integer(3));
+    camera.height_px = int(select.integer(4));
+    camera.calibrate = select.integer(5) != 0;
+    Unpacker numbers(select.blob(6));
+    for (std::size_t k = 0; k < kStoredFirst; ++k) numbers.get(camera.params[k]);
+    numbers.get(camera.sigma_f_px);
+    if (!numbers.done() && !read_model(numbers, camera)) return damaged(table);
+    if (!numbers.done()) return damaged(table);
+    cameras[{std::uint32_t(select.integer(0))}] = std::move(camera);
+  }
+}
+
+Result<> write_image(Statement& insert, ImageId id, const Image& image) {
+  Packer position, attitude;
+  insert.bind(id.value).bind_text(image.file).bind(image.camera.value).bind_text(image.taken).bind(image.orientation);
+  if (const auto& p = image.position) {
+    put(position, p->position_in_world);
+    put(position, p->sigma_m);
+    for (const double value : {p->latitude_deg, p->longitude_deg, p->height_m}) position.put(value);
+    position.put(p->height_above_start_m.value_or(std::numeric_limits<double>::quiet_NaN()));
+    insert.bind_blob(position.bytes());
+  } else {
+    insert.bind_null();
+  }
+  if (const auto& a = image.attitude) {
+    for (const double value : {a->heading_deg, a->pitch_deg, a->roll_deg}) attitude.put(value);
+    if (!a->sigma_deg.isZero(0))
+      for (const double value : a->sigma_deg) attitude.put(value);
+    insert.bind_blob(attitude.bytes());
+  } else {
+    insert.bind_null();
+  }
+  return insert.run();
+}
+
+Result<> write_images(Database& db, const std::map<ImageId, Image>& images) {
+  if (auto cleared = db.execute("DELETE FROM images"); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO images VALUES (?, ?, ?, ?, ?, ?, ?)"));
+  for (const auto& [id, image] : images)
+    if (auto written = write_image(insert, id, image); !written) return written;
+  return {};
+}
+
+Result<Image> image_of_row(const Statement& row) {
+  Image image;
+  image.file = row.text(1);
+  image.camera = {std::uint32_t(row.integer(2))};
+  image.taken = row.text(3);
+  image.orientation = int(row.integer(4));
+  if (!row.is_null(5)) {
+    Unpacker unpacker(row.blob(5));
+    PositionPrior& p = image.position.emplace();
+    get(unpacker, p.position_in_world);
+    get(unpacker, p.sigma_m);
+    for (double* value : {&p.latitude_deg, &p.longitude_deg, &p.height_m}) unpacker.get(*value);
+    const double height_m = unpacker.left() > 0 ? unpacker.get<double>() : std::nan("");  // older projects have none
+    if (std::isfinite(height_m)) p.height_above_start_m = height_m;
+    if (!unpacker.done()) return damaged("position of " + image.file);
+  }
+  if (!row.is_null(6)) {
+    Unpacker unpacker(row.blob(6));
+    AttitudePrior& a = image.attitude.emplace();
+    for (double* value : {&a.heading_deg, &a.pitch_deg, &a.roll_deg}) unpacker.get(*value);
+    if (unpacker.left() > 0)
+      for (double& value : a.sigma_deg) unpacker.get(value);
+    if (!unpacker.done()) return damaged("attitude of " + image.file);
+  }
+  return image;
+}
+
+Result<> read_images(Database& db, Block& block) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT * FROM images ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    COLLINEA_TRY(Image image, image_of_row(select));
+    if (!block.cameras.contains(image.camera)) return damaged("no camera of " + image.file);
+    block.images[{std::uint32_t(select.integer(0))}] = std::move(image);
+  }
+}
+
+Result<> write_control(Database& db, const std::map<ControlId, ControlPoint>& control) {
+  if (auto cleared = db.execute("DELETE FROM control"); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO control VALUES (?, ?, ?, ?)"));
+  for (const auto& [id, point] : control) {
+    Packer numbers;
+    for (const auto& v : {point.position_in_map, point.position_in_world, point.sigma_m}) put(numbers, v);
+    if (!point.correlation.isZero(0)) put(numbers, point.correlation);
+    insert.bind(id.value).bind_text(point.name).bind_text(point.role == ControlRole::kControl ? "control" : "check");
+    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+  }
+  return {};
+}
+
+Result<> read_control(Database& db, std::map<ControlId, ControlPoint>& control) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT * FROM control ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    ControlPoint point;
+    point.name = select.text(1);
+    const std::string role = select.text(2);
+    if (role != "control" && role != "check") return damaged("role of control point " + point.name);
+    point.role = role == "control" ? ControlRole::kControl : ControlRole::kCheck;
+    Unpacker numbers(select.blob(3));
+    for (auto* v : {&point.position_in_map, &point.position_in_world, &point.sigma_m}) get(numbers, *v);
+    if (!numbers.done()) get(numbers, point.correlation);
+    if (!numbers.done()) return damaged("control point " + point.name);
+    control[{std::uint32_t(select.integer(0))}] = std::move(point);
+  }
+}
+
+Result<> write_ground(Database& db, const std::vector<GroundObservation>& ground) {
+  if (auto cleared = db.execute("DELETE FROM ground"); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO ground VALUES (?, ?, ?)"));
+  for (std::size_t i = 0; i < ground.size(); ++i) {
+    const GroundObservation& one = ground[i];
+    Packer numbers;
+    for (const std::uint32_t value : {static_cast<std::uint32_t>(one.kind), one.from.value, one.to.value,
+                                      static_cast<std::uint32_t>(one.role), one.setup})
+      numbers.put(value);
+    for (const double value : {one.value, one.sigma, one.instrument_height_m, one.target_height_m}) numbers.put(value);
+    if (one.is_of_shape()) numbers.put(static_cast<std::uint32_t>(one.axis));
+    insert.bind(static_cast<std::int64_t>(i)).bind_text(one.name);
+    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+  }
+  return {};
+}
+
+// Projects of older versions that cannot be written have no such table.
+Result<bool> has_ground(Database& db) {
+  return db.integer("SELECT count(*) FROM sqlite_master WHERE name = 'ground'").map([](auto count) {
+    return count > 0;
+  });
+}
+
+Result<> read_ground(Database& db, std::vector<GroundObservation>& ground) {
+  COLLINEA_TRY(const bool there, has_ground(db));
+  if (!there) return {};
+  COLLINEA_TRY(auto select, db.prepare("SELECT name, numbers FROM ground ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    GroundObservation one;
+    one.name = select.text(0);
+    Unpacker numbers(select.blob(1));
+    std::uint32_t kind = 0, role = 0;
+    for (std::uint32_t* value : {&kind, &one.from.value, &one.to.value, &role, &one.setup}) numbers.get(*value);
+    for (double* value : {&one.value, &one.sigma, &one.instrument_height_m, &one.target_height_m}) numbers.get(*value);
+    one.kind = static_cast<GroundKind>(kind);
+    std::uint32_t axis = 0;
+    if (one.is_of_shape()) numbers.get(axis);
+    if (!numbers.done() || kind >= kGroundKinds || role > 1 || axis > 1) return damaged("a measurement on the ground");
+    one.axis = static_cast<int>(axis);
+    one.role = static_cast<ControlRole>(role);
+    ground.push_back(std::move(one));
+  }
+}
+
+Result<> read_control_observations(Database& db, const std::string& table, Block& block) {
+  return read_chunks<ControlObservationRecord>(
+      db, table, [&](const ControlObservation& o) { block.control_observations.push_back(o); });
+}
+
+Result<> read_setup_tables(Database& db, Block& block) {
+  if (auto read = read_georeference(db, block.georeference); !read) return read;
+  if (auto read = read_cameras(db, "cameras", block.cameras); !read) return read;
+  if (auto read = read_images(db, block); !read) return read;
+  if (auto read = read_control(db, block.control); !read) return read;
+  return read_ground(db, block.ground);
+}
+
+Result<> write_poses(Database& db, const std::map<ImageId, Rigid3>& cam_from_world) {
+  if (auto cleared = db.execute("DELETE FROM poses"); !cleared) return cleared;
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO poses VALUES (?, ?)"));
+  for (const auto& [image, pose] : cam_from_world) {
+    Packer packer;
+    for (const double value : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
+      packer.put(value);
+    put(packer, pose.translation);
+    if (auto written = insert.bind(image.value).bind_blob(packer.bytes()).run(); !written) return written;
+  }
+  return {};
+}
+
+Result<> read_poses(Database& db, std::map<ImageId, Rigid3>& cam_from_world) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT image, cam_from_world FROM poses ORDER BY image"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    Unpacker unpacker(select.blob(1));
+    Rigid3 pose;
+    for (double* value : {&pose.rotation.w(), &pose.rotation.x(), &pose.rotation.y(), &pose.rotation.z()})
+      unpacker.get(*value);
+    get(unpacker, pose.translation);
+    if (!unpacker.done()) return damaged("pose of an image");
+    cam_from_world[{std::uint32_t(select.integer(0))}] = pose;
+  }
+}
+
+Result<> read_orientation_tables(Database& db, Block& block) {
+  if (auto read = read_cameras(db, "adjusted_cameras", block.cameras); !read) return read;
+  if (auto read = read_poses(db, block.cam_from_world); !read) return read;
+  return read_control_observations(db, "used_control_observations", block);
+}
+
+Result<> read_tie_tables(Database& db, Block& block) {
+  COLLINEA_TRY(const auto bytes, db.integer("SELECT coalesce(sum(length(data)), 0) FROM observations"));
+  block.observations.reserve(std::size_t(bytes) / ObservationRecord::kBytes);  // growing would take twice as much
+  auto& points = block.points;
+  const auto take_point = [&](const PointRecord::Value& p) {
+    points.insert_or_assign(points.end(), p.first, p.second);
+  };
+  if (auto read = read_chunks<PointRecord>(db, "points", take_point); !read) return read;
+  return read_chunks<ObservationRecord>(db, "observations",
+                                        [&](const Observation& o) { block.observations.push_back(o); });
+}
+
+// Points and observations side by side, both in the order of points.
+Result<> read_ties_in_order(Database& db, const Block& block, const TakeTie& take) {
+  COLLINEA_TRY(auto points, ChunkReader<PointRecord>::open(db, "points"));
+  COLLINEA_TRY(auto observations, ChunkReader<ObservationRecord>::open(db, "observations"));
+  const auto unfit = [] { return damaged("observations of images or points that are not there"); };
+  std::vector<Observation> seen;
+  while (!points.at_end()) {
+    const auto [id, point] = points.value();
+    seen.clear();
+    while (!observations.at_end() && observations.value().point == id) {
+      if (!block.images.contains(observations.value().image)) return unfit();
+      seen.push_back(observations.value());
+      if (auto next = observations.advance(); !next) return next;
+    }
+    take(id, point, seen);
+    if (auto next = points.advance(); !next) return next;
+    if (!points.at_end() && points.value().first <= id) return unfit();
+  }
+  return observations.at_end() ? Result<>{} : unfit();
+}
+
+Result<> erase_orientation(Database& db) {
+  return db.execute(
+      "DELETE FROM oriented; DELETE FROM adjusted_cameras; DELETE FROM poses; DELETE FROM points; "
+      "DELETE FROM observations; DELETE FROM used_control_observations;");
+}
+
+// Every reference from one table to another is kept.
+bool fits_together(const Block& block) {
+  for (const auto& [image, pose] : block.cam_from_world)
+    if (!block.images.contains(image)) return false;
+  PointId known;  // observations of one point follow each other: look each up once
+  for (const Observation& o : block.observations) {
+    if (!block.images.contains(o.image)) return false;
+    if (o.point != known && !block.points.contains(o.point)) return false;
+    known = o.point;
+  }
+  for (const ControlObservation& o : block.control_observations)
+    if (!block.images.contains(o.image) || !block.control.contains(o.point)) return false;
+  for (const GroundObservation& o : block.ground)
+    if (!block.control.contains(o.from) || !block.control.contains(o.to)) return false;
+  return true;
+}
+
+enum class Wanted { kSetup, kOrientation, kAll };
+
+Result<Block> read_tables(Database& db, Wanted wanted) {
+  Block block;
+  if (auto read = read_setup_tables(db, block); !read) return tl::unexpected(read.error());
+  COLLINEA_TRY(const auto oriented, db.integer("SELECT count(*) FROM oriented"));
+  if (oriented == 0) wanted = Wanted::kSetup;
+  const auto read = wanted == Wanted::kSetup ? read_control_observations(db, "control_observations", block)
+                                             : read_orientation_tables(db, block);
+  if (!read) return tl::unexpected(read.error());
+  if (wanted == Wanted::kAll) {
+    if (auto ties = read_tie_tables(db, block); !ties) return tl::unexpected(ties.error());
+  }
+  if (!fits_together(block)) return damaged("observations or poses of images or points that are not there");
+  return block;
+}
+
+Result<Block> read_consistently(Database& db, Wanted wanted) {
+  COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
+  return read_tables(db, wanted);
+}
+
+}  // namespace
+
+Result<std::uint64_t> ProjectStore::setup_hash() const {
+  return state_->read([](Database& db) -> Result<std::uint64_t> {
+    Hash hash;
+    std::vector<const char*> tables = {"georeference", "cameras", "images", "control", "control_observations"};
+    COLLINEA_TRY(const bool may_have_ground, has_ground(db));
+    if (may_have_ground) {
+      COLLINEA_TRY(const auto measured, db.integer("SELECT count(*) FROM ground"));
+      if (measured > 0) tables.push_back("ground");  // without any, the fingerprint is that of older versions
+    }
+    for (const char* table : tables) {
+      hash.add(std::string_view(table));
+      COLLINEA_TRY(auto select, db.prepare(std::string("SELECT * FROM ") + table + " ORDER BY 1"));
+      while (true) {
+        COLLINEA_TRY(const bool row, select.next());
+        if (!row) break;
+        for (int column = 0; column < select.columns(); ++column)
+          hash.add(std::uint64_t{select.is_null(column)}).add(select.blob(column));
+      }
+    }
+    return hash.value();
+  });
+}
+
+Result<> ProjectStore::write_setup(const Block& block) {
+  return state_->write([&](Database& db) -> Result<> {
+    if (auto written = write_georeference(db, block.georeference); !written) return written;
+    if (auto written = write_cameras(db, "cameras", block.cameras); !written) return written;
+    if (auto written = write_images(db, block.images); !written) return written;
+    if (auto written = write_control(db, block.control); !written) return written;
+    if (auto written = write_ground(db, block.ground); !written) return written;
+    if (auto written = write_chunks<ControlObservationRecord>(db, "control_observations", block.control_observations);
+        !written)
+      return written;
+    return read_tables(db, Wanted::kAll) ? Result<>{} : erase_orientation(db);  // it was of another setup
+  });
+}
+
+Result<> ProjectStore::write_orientation(const Block& block) {
+  return state_->write([&](Database& db) -> Result<> {
+    if (auto erased = erase_orientation(db); !erased) return erased;
+    if (auto written = write_cameras(db, "adjusted_cameras", block.cameras); !written) return written;
+    if (auto written = write_poses(db, block.cam_from_world); !written) return written;
+    if (auto written = write_chunks<PointRecord>(db, "points", block.points); !written) return written;
+    if (auto written = write_chunks<ObservationRecord>(db, "observations", block.observations); !written)
+      return written;
+    if (auto written =
+            write_chunks<ControlObservationRecord>(db, "used_control_observations", block.control_observations);
+        !written)
+      return written;
+    return db.execute("INSERT INTO oriented VALUES (0)");
+  });
+}
+
+Result<Block> ProjectStore::read_block() const {
+  return state_->read([](Database& db) { return read_consistently(db, Wanted::kAll); });
+}
+
+Result<Block> ProjectStore::read_orientation() const {
+  return state_->read([](Database& db) { return read_consistently(db, Wanted::kOrientation); });
+}
+
+Result<> ProjectStore::read_ties(const Block& block, const TakeTie& take) const {
+  return state_->read([&](Database& db) -> Result<> {
+    COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
+    return read_ties_in_order(db, block, take);
+  });
+}
+
+Result<Block> ProjectStore::read_setup() const {
+  return state_->read([](Database& db) { return read_consistently(db, Wanted::kSetup); });
+}
+
+}  // namespace collinea

@@ -1,0 +1,494 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/store/project_store.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include "collinea/math/random.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ProjectStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() / ("collinea_store_" + std::string(info->name()));
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  ProjectStore open() {
+    auto store = ProjectStore::open(folder_);
+    EXPECT_TRUE(store) << (store ? "" : store.error().message);
+    return std::move(*store);
+  }
+  fs::path folder_;
+};
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof(double)) == 0; }
+template <class V>
+bool same_vector(const V& a, const V& b) {
+  for (Eigen::Index i = 0; i < a.size(); ++i)
+    if (!same_bits(a[i], b[i])) return false;
+  return true;
+}
+
+Eigen::Vector3d any_vector(Random& random) { return {random.normal(), random.normal() * 1e6, random.normal() * 1e-9}; }
+
+Camera any_camera(Random& random, std::size_t model, std::size_t additional) {
+  Camera camera = ideal_camera(1000 + random.normal(), 4000, 3000);
+  camera.model = CameraModel(model);
+  camera.additional = AdditionalSet(additional);
+  for (const int k : params_of(camera)) camera.params[std::size_t(k)] += random.normal();
+  camera.name = "Maker Model \xc3\xa9";
+  camera.source = "EXIF";
+  camera.sigma_f_px = random.uniform();
+  camera.calibrate = false;
+  return camera;
+}
+
+ImagePair failed_pair(ImageId first, ImageId second) {
+  ImagePair pair;
+  pair.first = first;
+  pair.second = second;
+  return pair;
+}
+
+Block setup_block() {
+  Random random(7);
+  Block block;
+  block.georeference = Georeference{"EPSG:32633", 41.1 + 1e-14, 16.9, -0.0};
+  for (std::uint32_t i = 3; i < 3 + kCameraModelNames.size() * kAdditionalNames.size(); ++i)
+    block.cameras[{i}] = any_camera(random, (i - 3) % kCameraModelNames.size(), (i - 3) / kCameraModelNames.size());
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    Image image;
+    image.file = "photo " + std::to_string(i) + ".jpg";
+    image.camera = {3};
+    image.taken = "2024:01:01 10:00:00.5";
+    if (i % 2 == 0) image.position = PositionPrior{any_vector(random), any_vector(random), 41.123456789012345, 16, 100};
+    if (i == 1) image.attitude = AttitudePrior{180, -90, 0.1};
+    if (i == 2) image.attitude = AttitudePrior{12, -35, 0, {0.01, 0.02, 0.05}};
+    image.orientation = 6;
+    block.images[{i}] = image;
+  }
+  ControlPoint point{"GCP 1", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
+  point.sigma_m.z() = std::numeric_limits<double>::infinity();
+  block.control[{9}] = point;
+  point.correlation = {0.5, -0.25, 1.0 / 3};
+  block.control[{11}] = point;
+  block.control[{2}] = {"S", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
+  block.control_observations.push_back({{9}, {1}, {1.0 / 3, 2.0 / 3}, 0.5});
+  block.ground.push_back(
+      {GroundKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
+  block.ground.push_back(
+      {.kind = GroundKind::kOnLine, .name = "kerb", .from = {9}, .to = {9}, .sigma = 0.01, .setup = 0, .axis = 1});
+  return block;
+}
+
+Block oriented_block(std::uint32_t points) {
+  Random random(8);
+  Block block = setup_block();
+  block.cameras[{3}].params[Camera::kK1] = -0.1234567890123;
+  for (std::uint32_t i = 0; i < 4; ++i)
+    block.cam_from_world[{i}] = {Eigen::Quaterniond::UnitRandom(), any_vector(random)};
+  for (std::uint32_t p = 0; p < points; ++p) {
+    block.points[{2 * p}] = {any_vector(random), {std::uint8_t(p), 2, 255}};
+    for (std::uint32_t i = 0; i < 4; ++i)
+      block.observations.push_back({{i}, {2 * p}, p + i, {random.uniform(), random.uniform()}, random.uniform()});
+  }
+  block.control_observations[0].sigma_px = 0.25;
+  return block;
+}
+
+void expect_same_cameras(const Block& a, const Block& b) {
+  ASSERT_EQ(a.cameras.size(), b.cameras.size());
+  for (const auto& [id, camera] : a.cameras) {
+    const Camera& other = b.cameras.at(id);
+    EXPECT_EQ(camera.model, other.model);
+    EXPECT_EQ(camera.additional, other.additional);
+    for (std::size_t i = 0; i < camera.params.size(); ++i) EXPECT_TRUE(same_bits(camera.params[i], other.params[i]));
+    EXPECT_TRUE(same_bits(camera.sigma_f_px, other.sigma_f_px));
+    EXPECT_EQ(camera.name, other.name);
+    EXPECT_EQ(camera.source, other.source);
+    EXPECT_EQ(camera.width_px, other.width_px);
+    EXPECT_EQ(camera.height_px, other.height_px);
+    EXPECT_EQ(camera.calibrate, other.calibrate);
+  }
+}
+
+void expect_same_images(const Block& a, const Block& b) {
+  ASSERT_EQ(a.images.size(), b.images.size());
+  for (const auto& [id, image] : a.images) {
+    const Image& other = b.images.at(id);
+    EXPECT_EQ(image.file, other.file);
+    EXPECT_EQ(image.camera, other.camera);
+    EXPECT_EQ(image.taken, other.taken);
+    EXPECT_EQ(image.orientation, other.orientation);
+    ASSERT_EQ(image.position.has_value(), other.position.has_value());
+    ASSERT_EQ(image.attitude.has_value(), other.attitude.has_value());
+    if (image.position) {
+      EXPECT_TRUE(same_vector(image.position->position_in_world, other.position->position_in_world));
+      EXPECT_TRUE(same_vector(image.position->sigma_m, other.position->sigma_m));
+      EXPECT_TRUE(same_bits(image.position->latitude_deg, other.position->latitude_deg));
+      EXPECT_EQ(image.position->longitude_deg, other.position->longitude_deg);
+      EXPECT_EQ(image.position->height_m, other.position->height_m);
+    }
+    if (image.attitude) {
+      EXPECT_EQ(image.attitude->heading_deg, other.attitude->heading_deg);
+      EXPECT_EQ(image.attitude->pitch_deg, other.attitude->pitch_deg);
+      EXPECT_TRUE(same_bits(image.attitude->roll_deg, other.attitude->roll_deg));
+      EXPECT_EQ(image.attitude->sigma_deg, other.attitude->sigma_deg);
+    }
+  }
+}
+
+void expect_same_control(const Block& a, const Block& b) {
+  ASSERT_EQ(a.control.size(), b.control.size());
+  for (const auto& [id, point] : a.control) {
+    const ControlPoint& other = b.control.at(id);
+    EXPECT_EQ(point.name, other.name);
+    EXPECT_EQ(point.role, other.role);
+    EXPECT_TRUE(same_vector(point.position_in_map, other.position_in_map));
+    EXPECT_TRUE(same_vector(point.position_in_world, other.position_in_world));
+    EXPECT_TRUE(same_vector(point.sigma_m, other.sigma_m));
+    EXPECT_TRUE(same_vector(point.correlation, other.correlation));
+  }
+  ASSERT_EQ(a.ground.size(), b.ground.size());
+  for (std::size_t i = 0; i < a.ground.size(); ++i) {
+    const GroundObservation &one = a.ground[i], &other = b.ground[i];
+    EXPECT_EQ(std::tie(one.kind, one.name, one.from, one.to, one.role, one.setup, one.axis),
+              std::tie(other.kind, other.name, other.from, other.to, other.role, other.setup, other.axis));
+    EXPECT_EQ(std::tie(one.value, one.sigma, one.instrument_height_m, one.target_height_m),
+              std::tie(other.value, other.sigma, other.instrument_height_m, other.target_height_m));
+  }
+  ASSERT_EQ(a.control_observations.size(), b.control_observations.size());
+  for (std::size_t i = 0; i < a.control_observations.size(); ++i) {
+    EXPECT_EQ(a.control_observations[i].image, b.control_observations[i].image);
+    EXPECT_EQ(a.control_observations[i].point, b.control_observations[i].point);
+    EXPECT_TRUE(same_vector(a.control_observations[i].pixel, b.control_observations[i].pixel));
+    EXPECT_TRUE(same_bits(a.control_observations[i].sigma_px, b.control_observations[i].sigma_px));
+  }
+}
+
+void expect_same_orientation(const Block& a, const Block& b) {
+  ASSERT_EQ(a.cam_from_world.size(), b.cam_from_world.size());
+  for (const auto& [id, pose] : a.cam_from_world) {
+    EXPECT_TRUE(same_vector(pose.rotation.coeffs(), b.cam_from_world.at(id).rotation.coeffs()));
+    EXPECT_TRUE(same_vector(pose.translation, b.cam_from_world.at(id).translation));
+  }
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (const auto& [id, point] : a.points) {
+    EXPECT_TRUE(same_vector(point.position_in_world, b.points.at(id).position_in_world));
+    EXPECT_EQ(point.colour, b.points.at(id).colour);
+  }
+  ASSERT_EQ(a.observations.size(), b.observations.size());
+  for (std::size_t i = 0; i < a.observations.size(); ++i) {
+    const Observation &x = a.observations[i], &y = b.observations[i];
+    ASSERT_TRUE(x.image == y.image && x.point == y.point && x.feature == y.feature);
+    ASSERT_TRUE(same_vector(x.pixel, y.pixel) && same_bits(x.sigma_px, y.sigma_px));
+  }
+}
+
+TEST_F(ProjectStoreTest, ANewProjectIsEmpty) {
+  const ProjectStore store = open();
+  EXPECT_EQ(store.folder(), folder_);
+  EXPECT_TRUE(fs::exists(folder_ / "block.db"));
+  const auto block = store.read_block();
+  ASSERT_TRUE(block);
+  EXPECT_TRUE(block->images.empty() && !block->georeference);
+  EXPECT_TRUE(store.features_done()->empty());
+  EXPECT_TRUE(store.read_pairs()->empty());
+  EXPECT_TRUE(store.read_steps()->empty());
+  EXPECT_FALSE(store.read_step("detect")->has_value());
+}
+
+TEST_F(ProjectStoreTest, TheSetupComesBackBitByBitAfterReopening) {
+  const Block block = setup_block();
+  { ASSERT_TRUE(open().write_setup(block)); }
+  const auto read = open().read_setup();
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_TRUE(read->georeference);
+  EXPECT_EQ(read->georeference->crs, "EPSG:32633");
+  EXPECT_TRUE(same_bits(read->georeference->origin_latitude_deg, block.georeference->origin_latitude_deg));
+  EXPECT_TRUE(same_bits(read->georeference->origin_height_m, -0.0));
+  expect_same_cameras(*read, block);
+  expect_same_images(*read, block);
+  expect_same_control(*read, block);
+}
+
+TEST_F(ProjectStoreTest, TheOrientationComesBackBitByBitAndLeavesTheSetupAlone) {
+  const Block setup = setup_block(), oriented = oriented_block(6000);  // 24,000 observations: more than one chunk
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_setup(setup));
+  ASSERT_TRUE(store.write_orientation(oriented));
+  const auto block = store.read_block();
+  ASSERT_TRUE(block) << block.error().message;
+  expect_same_cameras(*block, oriented);
+  expect_same_images(*block, oriented);
+  expect_same_control(*block, oriented);
+  expect_same_orientation(*block, oriented);
+  const auto again = store.read_setup();
+  ASSERT_TRUE(again);
+  expect_same_cameras(*again, setup);
+  expect_same_control(*again, setup);
+  EXPECT_TRUE(again->cam_from_world.empty() && again->points.empty() && again->observations.empty());
+}
+
+TEST_F(ProjectStoreTest, TiesComeOneByOneAndTheOrientationWithoutThem) {
+  const Block oriented = oriented_block(6000);
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_setup(setup_block()));
+  ASSERT_TRUE(store.write_orientation(oriented));
+  auto block = store.read_orientation();
+  ASSERT_TRUE(block) << block.error().message;
+  EXPECT_TRUE(block->points.empty() && block->observations.empty());
+  expect_same_cameras(*block, oriented);
+  expect_same_control(*block, oriented);
+  std::size_t points = 0;
+  Block with_ties = *block;
+  ASSERT_TRUE(store.read_ties(*block, [&](PointId id, const TiePoint& point, auto observations) {
+    EXPECT_TRUE(with_ties.points.empty() || with_ties.points.rbegin()->first < id);
+    with_ties.points[id] = point;
+    for (const Observation& seen : observations) EXPECT_EQ(seen.point, id);
+    with_ties.observations.insert(with_ties.observations.end(), observations.begin(), observations.end());
+    ++points;
+  }));
+  EXPECT_EQ(points, oriented.points.size());
+  expect_same_orientation(with_ties, oriented);
+  block->images.erase(oriented.observations.back().image);
+  EXPECT_FALSE(store.read_ties(*block, [](auto, const auto&, auto) {}));
+}
+
+TEST_F(ProjectStoreTest, ASmallerOrientationReplacesALargerOne) {
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_setup(setup_block()));
+  ASSERT_TRUE(store.write_orientation(oriented_block(6000)));
+  const Block small = oriented_block(2);
+  ASSERT_TRUE(store.write_orientation(small));
+  expect_same_orientation(*store.read_block(), small);
+}
+
+TEST_F(ProjectStoreTest, AnOrientationOfVanishedImagesIsErasedWithThem) {
+  ProjectStore store = open();
+  Block setup = setup_block();
+  ASSERT_TRUE(store.write_setup(setup));
+  ASSERT_TRUE(store.write_orientation(oriented_block(3)));
+  ASSERT_TRUE(store.write_setup(setup));
+  EXPECT_EQ(store.read_block()->points.size(), 3u);
+  setup.images.erase({2});
+  ASSERT_TRUE(store.write_setup(setup));
+  EXPECT_EQ(store.read_block()->points.size(), 0u);
+}
+
+TEST_F(ProjectStoreTest, FeaturesComeBackBitByBit) {
+  Random random(3);
+  Features features;
+  for (int i = 0; i < 300; ++i) {
+    features.keypoints.push_back({float(random.normal()), float(random.normal()), 1.5f, -0.0f, 1e-30f});
+    for (auto& byte : features.descriptors.emplace_back()) byte = std::uint8_t(random.bits());
+  }
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_features({5}, features, "abc"));
+  ASSERT_TRUE(store.write_features({2}, {}, "def"));
+  const auto read = store.read_features({5});
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->keypoints.size(), 300u);
+  EXPECT_EQ(std::memcmp(read->keypoints.data(), features.keypoints.data(), 300 * sizeof(Keypoint)), 0);
+  EXPECT_EQ(read->descriptors, features.descriptors);
+  const auto keypoints = store.read_keypoints({5});
+  EXPECT_EQ(std::memcmp(keypoints->data(), features.keypoints.data(), 300 * sizeof(Keypoint)), 0);
+  EXPECT_TRUE(store.read_features({2})->keypoints.empty());
+  EXPECT_EQ(*store.features_done(), (std::map<ImageId, std::string>{{{2}, "def"}, {{5}, "abc"}}));
+  ASSERT_TRUE(store.erase_features({5}));
+  const auto gone = store.read_features({5});
+  ASSERT_FALSE(gone);
+  EXPECT_EQ(gone.error().code, Errc::kNotFound);
+}
+
+TEST_F(ProjectStoreTest, FeaturesFollowTheirImagesToNewNumbers) {
+  ProjectStore store = open();
+  for (const std::uint32_t id : {0u, 1u, 2u, 5u})
+    ASSERT_TRUE(store.write_features({id}, {std::vector<Keypoint>(id), std::vector<Descriptor>(id)},
+                                     "of " + std::to_string(id)));
+  EXPECT_EQ(store.count_features({5}), 5u);
+  EXPECT_FALSE(store.count_features({3}));
+  ASSERT_TRUE(store.renumber_features({{{0}, {1}}, {{1}, {2}}, {{5}, {3}}, {{7}, {8}}}));
+  EXPECT_EQ(*store.features_done(), (std::map<ImageId, std::string>{{{1}, "of 0"}, {{2}, "of 1"}, {{3}, "of 5"}}));
+  EXPECT_EQ(store.count_features({3}), 5u);
+  ASSERT_TRUE(store.renumber_features({{{1}, {2}}, {{2}, {1}}}));
+  EXPECT_EQ(*store.features_done(), (std::map<ImageId, std::string>{{{1}, "of 1"}, {{2}, "of 0"}, {{3}, "of 5"}}));
+}
+
+TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
+  ProjectStore store = open();
+  const auto hash_of = [&](const Block& block) {
+    EXPECT_TRUE(store.write_setup(block));
+    return store.setup_hash().value();
+  };
+  const Block setup = setup_block();
+  const std::uint64_t first = hash_of(setup);
+  std::vector<Block> changed(8, setup);
+  changed[0].georeference->origin_height_m += 1e-9;
+  changed[1].cameras.begin()->second.sigma_f_px += 1e-9;
+  changed[2].images.begin()->second.position->sigma_m.z() *= 2;
+  changed[3].control.begin()->second.sigma_m.x() *= 2;
+  changed[4].control.begin()->second.role = ControlRole::kControl;
+  changed[5].control_observations.front().sigma_px *= 2;
+  changed[6].ground.front().sigma *= 2;
+  changed[7].ground.clear();
+  for (const Block& other : changed) EXPECT_NE(hash_of(other), first);
+  EXPECT_EQ(hash_of(setup), first);
+  ASSERT_TRUE(store.write_orientation(oriented_block(3)));
+  EXPECT_EQ(store.setup_hash(), first);
+}
+
+TEST_F(ProjectStoreTest, PairsComeBackSortedAndCanBeErasedByInputs) {
+  ImagePair good = failed_pair({1}, {4});
+  good.geometry = PairGeometry::kPlanar;
+  good.matches = {{1, 2}, {7, 0xfffffffeu}};
+  good.second_from_first = {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {0, 1.0 / 3, 0}};
+  good.median_parallax_rad = 0.1;
+  good.putative = 55;
+  const ImagePair failed = failed_pair({0}, {9});
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_pairs({good, failed}, "v1"));
+  auto read = store.read_pairs();
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->size(), 2u);
+  EXPECT_EQ((*read)[0].first, ImageId{0});
+  EXPECT_EQ((*read)[0].geometry, PairGeometry::kNone);
+  EXPECT_TRUE((*read)[0].matches.empty());
+  const ImagePair& back = (*read)[1];
+  EXPECT_EQ(back.geometry, PairGeometry::kPlanar);
+  EXPECT_EQ(back.matches, good.matches);
+  EXPECT_EQ(back.putative, 55);
+  EXPECT_TRUE(same_bits(back.median_parallax_rad, 0.1));
+  EXPECT_TRUE(same_vector(back.second_from_first.rotation.coeffs(), good.second_from_first.rotation.coeffs()));
+  EXPECT_TRUE(same_vector(back.second_from_first.translation, good.second_from_first.translation));
+  ASSERT_TRUE(store.write_pairs({failed}, "v2"));
+  EXPECT_EQ(store.pairs_done("v1")->size(), 1u);
+  ASSERT_TRUE(store.erase_pairs_except("v2"));
+  EXPECT_EQ(*store.pairs_done("v2"), (std::vector<std::pair<ImageId, ImageId>>{{{0}, {9}}}));
+  EXPECT_TRUE(store.pairs_done("v1")->empty());
+}
+
+TEST_F(ProjectStoreTest, StepsAreKeptInTheOrderTheyWereWritten) {
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_step({"import", "a", "b", 1.5, 2.25, 1e9, "{}"}));
+  ASSERT_TRUE(store.write_step({"detect", "b", "c", 1, 2, 3, R"({"features": 3})"}));
+  ASSERT_TRUE(store.write_step({"import", "x", "y", 1, 2, 3, "{}"}));
+  const auto steps = store.read_steps();
+  ASSERT_EQ(steps->size(), 2u);
+  EXPECT_EQ((*steps)[0].name, "detect");
+  EXPECT_EQ((*steps)[0].report_json, R"({"features": 3})");
+  EXPECT_EQ((*steps)[1].inputs_hash, "x");
+  EXPECT_EQ((*store.read_step("import"))->output_hash, "y");
+  ASSERT_TRUE(store.erase_step("import"));
+  EXPECT_FALSE(store.read_step("import")->has_value());
+}
+
+TEST_F(ProjectStoreTest, CanBeReadWhereNothingCanBeWritten) {
+  const StepRecord step{"orient", "in", "out", 1, 2, 3, "{}"};
+  ASSERT_TRUE(open().write_step(step));
+  fs::rename(folder_, folder_.string() + " 100% #1?");
+  const fs::path folder = folder_.string() + " 100% #1?";
+  const auto files = [&] { return std::distance(fs::directory_iterator(folder), fs::directory_iterator()); };
+  const auto before = files();
+  {
+    auto store = ProjectStore::open_read_only(folder);
+    ASSERT_TRUE(store) << store.error().message;
+    const auto found = store->read_step("orient");
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ((*found)->output_hash, "out");
+    EXPECT_TRUE(store->read_setup());
+    EXPECT_EQ(store->write_step(step).error().code, Errc::kBadInput);
+    EXPECT_EQ(files(), before);
+  }
+  fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);
+  {
+    const auto store = ProjectStore::open_to_read(folder);
+    EXPECT_TRUE(store && store->read_steps());
+  }
+  fs::permissions(folder, fs::perms::owner_all);
+  fs::remove_all(folder);
+  EXPECT_EQ(ProjectStore::open_to_read(folder).error().code, Errc::kNotFound);
+  EXPECT_FALSE(fs::exists(folder));
+}
+
+TEST_F(ProjectStoreTest, ManyThreadsMayWriteAtOnce) {
+  ProjectStore store = open();
+  std::vector<int> failures(4, 0);
+  {
+    std::vector<std::jthread> threads;
+    for (std::uint32_t t = 0; t < 4; ++t)
+      threads.emplace_back([&, t] {
+        Features features;
+        features.keypoints.resize(10 + t);
+        features.descriptors.resize(10 + t);
+        for (std::uint32_t i = 0; i < 10; ++i) failures[t] += !store.write_features({10 * t + i}, features, "h");
+      });
+  }
+  EXPECT_EQ(failures, std::vector<int>(4, 0));
+  EXPECT_EQ(store.features_done()->size(), 40u);
+  EXPECT_EQ(store.read_keypoints({35})->size(), 13u);
+}
+
+TEST_F(ProjectStoreTest, AFileThatIsNoDatabaseIsRefusedAndLeftAlone) {
+  fs::create_directories(folder_);
+  const std::string garbage(5000, 'x');
+  std::ofstream(folder_ / "block.db") << garbage;
+  const auto store = ProjectStore::open(folder_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Errc::kBadFormat);
+  EXPECT_NE(store.error().message.find("block.db"), std::string::npos);
+  EXPECT_EQ(fs::file_size(folder_ / "block.db"), 5000u);
+}
+
+TEST_F(ProjectStoreTest, ADatabaseOfANewerVersionIsRefused) {
+  open();
+  std::fstream file(folder_ / "block.db", std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(60);  // user_version in SQLite's file header
+  file.write("\0\0\0\x63", 4);
+  file.close();
+  const auto store = ProjectStore::open(folder_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Errc::kUnsupported);
+}
+
+TEST_F(ProjectStoreTest, DamagedBytesNeverCrash) {
+  {
+    ProjectStore store = open();
+    ASSERT_TRUE(store.write_setup(setup_block()));
+    ASSERT_TRUE(store.write_orientation(oriented_block(50)));
+    ASSERT_TRUE(store.write_features({1}, {.keypoints = {{}}, .descriptors = {{}}}, "h"));
+    ASSERT_TRUE(store.write_pairs({failed_pair({1}, {2})}, "h"));
+  }
+  std::ifstream input(folder_ / "block.db", std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(input)), {});
+  int refused = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Random random(11, std::uint64_t(trial));
+    std::string bytes = whole;
+    if (trial % 4 == 0) bytes.resize(random.below(std::uint32_t(whole.size())));
+    for (int i = 0; i < 400 && !bytes.empty(); ++i)
+      bytes[random.below(std::uint32_t(bytes.size()))] = char(random.bits());
+    std::ofstream(folder_ / "block.db", std::ios::binary) << bytes;
+    const auto store = ProjectStore::open(folder_);
+    if (!store || !store->read_block()) ++refused;
+    if (!store) continue;
+    (void)store->read_setup();
+    (void)store->read_features({1});
+    (void)store->read_pairs();
+  }
+  EXPECT_GT(refused, 10);
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/vector/geopackage.h"
+
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+
+#include <cmath>
+
+#include "collinea/vector/vector_file.h"
+
+namespace collinea {
+namespace {
+
+struct FeatureDestroyer {
+  void operator()(void* feature) const { OGR_F_Destroy(feature); }
+};
+
+OGRwkbGeometryType geometry_type(const VectorLayer& layer) {
+  const OGRwkbGeometryType type = layer.kind == VectorKind::kPoint  ? wkbPoint
+                                  : layer.kind == VectorKind::kLine ? wkbLineString
+                                                                    : wkbPolygon;
+  return layer.flat ? type : OGR_GT_SetZ(type);
+}
+
+OGRFieldType field_type(VectorType type) {
+  return type == VectorType::kReal ? OFTReal : type == VectorType::kInteger ? OFTInteger64 : OFTString;
+}
+
+OGRLayerH made_layer(void* dataset, const VectorLayer& layer, void* srs) {
+  const OGRLayerH made = GDALDatasetCreateLayer(dataset, layer.name.c_str(), srs, geometry_type(layer), nullptr);
+  for (std::size_t i = 0; made && i < layer.fields.size(); ++i) {
+    const OGRFieldDefnH field = OGR_Fld_Create(layer.fields[i].name.c_str(), field_type(layer.fields[i].type));
+    const OGRErr failed = OGR_L_CreateField(made, field, TRUE);
+    OGR_Fld_Destroy(field);
+    if (failed != OGRERR_NONE) return nullptr;
+  }
+  return made;
+}
+
+void set_value(OGRFeatureH feature, int field, const VectorValue& value) {
+  if (const double* real = std::get_if<double>(&value); real && std::isfinite(*real))
+    OGR_F_SetFieldDouble(feature, field, *real);
+  else if (const std::int64_t* whole = std::get_if<std::int64_t>(&value))
+    OGR_F_SetFieldInteger64(feature, field, *whole);
+  else if (const std::string* text = std::get_if<std::string>(&value))
+    OGR_F_SetFieldString(feature, field, text->c_str());
+  else
+    OGR_F_SetFieldNull(feature, field);
+}
+
+void add_places(OGRGeometryH line, const std::vector<Eigen::Vector3d>& places, bool flat) {
+  for (const Eigen::Vector3d& place : places)
+    flat ? OGR_G_AddPoint_2D(line, place.x(), place.y()) : OGR_G_AddPoint(line, place.x(), place.y(), place.z());
+}
+
+bool add_ring(OGRGeometryH polygon, std::vector<Eigen::Vector3d> places, bool flat) {
+  const OGRGeometryH ring = OGR_G_CreateGeometry(wkbLinearRing);
+  if (!places.empty()) places.push_back(places.front());
+  add_places(ring, places, flat);
+  return OGR_G_AddGeometryDirectly(polygon, ring) == OGRERR_NONE;
+}
+
+// The feature takes what it is given.
+bool set_places(OGRFeatureH feature, const VectorLayer& layer, const VectorRow& row) {
+  const OGRGeometryH geometry = OGR_G_CreateGeometry(geometry_type(layer));
+  bool added = true;
+  if (layer.kind == VectorKind::kPolygon) {
+    added = add_ring(geometry, row.places, layer.flat);
+    for (const auto& hole : row.holes) added = added && add_ring(geometry, hole, layer.flat);
+  } else {
+    add_places(geometry, row.places, layer.flat);
+  }
+  return OGR_F_SetGeometryDirectly(feature, geometry) == OGRERR_NONE && added;
+}
+
+bool add_rows(OGRLayerH made, const VectorLayer& layer) {
+  const bool begun = OGR_L_StartTransaction(made) == OGRERR_NONE;
+  for (const VectorRow& row : layer.rows) {
+    COLLINEA_CHECK(row.values.size() == layer.fields.size());
+    const std::unique_ptr<void, FeatureDestroyer> feature(OGR_F_Create(OGR_L_GetLayerDefn(made)));
+    for (std::size_t i = 0; i < row.values.size(); ++i) set_value(feature.get(), int(i), row.values[i]);
+    if (!set_places(feature.get(), layer, row) || OGR_L_CreateFeature(made, feature.get()) != OGRERR_NONE) return false;
+  }
+  return !begun || OGR_L_CommitTransaction(made) == OGRERR_NONE;
+}
+
+}  // namespace
+
+Result<> write_geopackage(const std::filesystem::path& path, const std::vector<VectorLayer>& layers,
+                          const std::string& wkt) {
+  set_up_gdal();
+  const FixedDate date;
+  VectorFile file;
+  if (auto made = file.create("GPKG", path); !made) return made;
+  const GdalErrors errors;
+  const GdalSrs srs(wkt.empty() ? nullptr : OSRNewSpatialReference(wkt.c_str()));
+  for (const VectorLayer& layer : layers) {
+    const OGRLayerH made = made_layer(file.dataset(), layer, srs.get());
+    if (!made || !add_rows(made, layer) || errors.any()) return errors.error(Errc::kBadInput, file.not_written());
+  }
+  return file.finish();
+}
+
+}  // namespace collinea

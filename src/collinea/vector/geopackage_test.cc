@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/vector/geopackage.h"
+
+#include <cpl_conv.h>
+#include <gtest/gtest.h>
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "collinea/base/test_folder.h"
+#include "collinea/raster/gdal_access.h"
+
+namespace collinea {
+namespace {
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::vector<VectorLayer> two_layers() {
+  VectorLayer points{"points",
+                     VectorKind::kPoint,
+                     {{"name", VectorType::kText}, {"images", VectorType::kInteger}, {"sigma_h_m"}},
+                     {{{{546812.25, 5338101.5, 352.125}}, {std::string("A, \"1\""), std::int64_t{7}, 0.015}},
+                      {{{546812.25, 5338100.5, 352.0}}, {std::monostate(), std::int64_t{3}, std::nan("")}}}};
+  VectorLayer site{"site", VectorKind::kPolygon, {{"area_m2"}}, {{{{0, 0, 1}, {10, 0, 1}, {10, 5, 1}}, {25.0}}}};
+  VectorLayer way{"way", VectorKind::kLine, {}, {{{{0, 0, 1}, {3, 4, 1}}, {}}}};
+  return {points, site, way};
+}
+
+TEST(GeoPackage, IsReadBackByGdalWithPlacesValuesAndCrs) {
+  const TestFolder folder;
+  set_up_gdal();
+  OGRSpatialReferenceH utm = OSRNewSpatialReference(nullptr);
+  ASSERT_EQ(OSRImportFromEPSG(utm, 32633), OGRERR_NONE);
+  char* wkt = nullptr;
+  OSRExportToWkt(utm, &wkt);
+  const auto written = write_geopackage(folder / "p.gpkg", two_layers(), wkt);
+  ASSERT_TRUE(written) << written.error().message;
+  CPLFree(wkt);
+  OSRRelease(utm);
+  const GdalDataset file(
+      GDALOpenEx((folder / "p.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(file);
+  ASSERT_EQ(GDALDatasetGetLayerCount(file.get()), 3);
+  const OGRLayerH points = GDALDatasetGetLayerByName(file.get(), "points");
+  EXPECT_EQ(std::string(OSRGetAuthorityCode(OGR_L_GetSpatialRef(points), nullptr)), "32633");
+  OGRFeatureH feature = OGR_L_GetNextFeature(points);
+  ASSERT_TRUE(feature);
+  EXPECT_EQ(std::string(OGR_F_GetFieldAsString(feature, 0)), "A, \"1\"");
+  EXPECT_EQ(OGR_F_GetFieldAsInteger64(feature, 1), 7);
+  EXPECT_EQ(OGR_F_GetFieldAsDouble(feature, 2), 0.015);
+  const OGRGeometryH place = OGR_F_GetGeometryRef(feature);
+  EXPECT_EQ(OGR_G_GetX(place, 0), 546812.25);
+  EXPECT_EQ(OGR_G_GetY(place, 0), 5338101.5);
+  EXPECT_EQ(OGR_G_GetZ(place, 0), 352.125);
+  OGR_F_Destroy(feature);
+  feature = OGR_L_GetNextFeature(points);
+  ASSERT_TRUE(feature);
+  EXPECT_TRUE(OGR_F_IsFieldNull(feature, 0));
+  EXPECT_TRUE(OGR_F_IsFieldNull(feature, 2));
+  OGR_F_Destroy(feature);
+  feature = OGR_L_GetNextFeature(GDALDatasetGetLayerByName(file.get(), "site"));
+  ASSERT_TRUE(feature);
+  EXPECT_EQ(OGR_G_Area(OGR_F_GetGeometryRef(feature)), 25);
+  OGR_F_Destroy(feature);
+  feature = OGR_L_GetNextFeature(GDALDatasetGetLayerByName(file.get(), "way"));
+  ASSERT_TRUE(feature);
+  EXPECT_EQ(OGR_G_Length(OGR_F_GetGeometryRef(feature)), 5);
+  OGR_F_Destroy(feature);
+}
+
+TEST(GeoPackage, TheSameLayersGiveTheSameBytesAndReplaceWhatWasThere) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_geopackage(folder / "a.gpkg", two_layers(), ""));
+  ASSERT_TRUE(write_geopackage(folder / "b.gpkg", {}, ""));
+  ASSERT_TRUE(write_geopackage(folder / "b.gpkg", two_layers(), ""));
+  EXPECT_TRUE(bytes_of(folder / "a.gpkg") == bytes_of(folder / "b.gpkg"));
+}
+
+// A program that was killed leaves its part with SQLite's journal beside it; these shall not spoil the next file.
+TEST(GeoPackage, HalfWrittenFilesOfAKilledProgramAreReplaced) {
+  const TestFolder folder;
+  std::ofstream(folder / "a.part.gpkg") << "half";
+  std::ofstream(folder / "a.part.gpkg-journal") << "half";
+  ASSERT_TRUE(write_geopackage(folder / "a.gpkg", two_layers(), ""));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.part.gpkg"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.part.gpkg-journal"));
+}
+
+TEST(GeoPackage, AFolderThatIsNotThereIsAnError) {
+  const TestFolder folder;
+  const auto written = write_geopackage(folder / "nowhere" / "a.gpkg", two_layers(), "");
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("cannot be written"), std::string::npos) << written.error().message;
+}
+
+}  // namespace
+}  // namespace collinea
