@@ -31,8 +31,7 @@ Result<std::string> adjust_as(const Asked& asked, const Run& run) {
                                            ": with --import and --export the file is only converted, and nothing of "
                                            "how it will be adjusted is kept in it");
       if (asked.output) return fail(Errc::kBadInput, "--output and --export: adjust the file, or convert it");
-      if (auto done = convert_adjustment(*asked.import_file, *asked.export_file); !done)
-        return tl::unexpected(done.error());
+      COLLINEA_TRY(convert_adjustment(*asked.import_file, *asked.export_file));
       return *asked.export_file;
     }
     if (!asked.output) return fail(Errc::kBadInput, "--import needs --output, the folder for what comes of it");
@@ -41,8 +40,7 @@ Result<std::string> adjust_as(const Asked& asked, const Run& run) {
   if (asked.output) return fail(Errc::kBadInput, "--output belongs to --import; a project has its own folder");
   COLLINEA_TRY(const Project project, open_project(asked.project, run));
   if (!asked.export_file) return adjust_project(project, asked.options);
-  if (auto done = export_adjustment(project, asked.options, *asked.export_file); !done)
-    return tl::unexpected(done.error());
+  COLLINEA_TRY(export_adjustment(project, asked.options, *asked.export_file));
   return *asked.export_file;
 }
 

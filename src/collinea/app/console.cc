@@ -161,7 +161,7 @@ Console::~Console() {
 }
 
 Result<Console> Console::create(const ConsoleOptions& options) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(options));
   Console console;
   State& state = *console.state_;
   if (options.progress == "auto")

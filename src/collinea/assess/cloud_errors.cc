@@ -89,8 +89,7 @@ Result<CloudErrors> cloud_errors(const std::filesystem::path& cloud, const Heigh
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     const int row = int(begin->y) / kStripRows * kStripRows;
     const auto end = std::find_if(begin, places.end(), [&](const Place& one) { return one.y >= row + kStripRows; });
-    if (auto added = add_errors({begin, end}, truth, row, errors); !added)
-      return tl::unexpected(std::move(added).error());
+    COLLINEA_TRY(add_errors({begin, end}, truth, row, errors));
     begin = end;
   }
   return take_off_plane(errors) ? judged(errors) : CloudErrors();

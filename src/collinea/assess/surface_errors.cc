@@ -169,8 +169,7 @@ Result<> Assessor::add_strip(int row, int rows) {
 Result<SurfaceErrors> Assessor::all() {
   for (int row = 0; row < model_.grid.height; row += kStripRows) {
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
-    if (auto added = add_strip(row, std::min(kStripRows, model_.grid.height - row)); !added)
-      return tl::unexpected(std::move(added).error());
+    COLLINEA_TRY(add_strip(row, std::min(kStripRows, model_.grid.height - row)));
   }
   std::size_t true_cells = 0;  // of the true surface, in cells of the truth
   for (int row = 0; row < truth_.grid.height; row += kStripRows) {

@@ -45,7 +45,13 @@ using Result = tl::expected<T, Error>;
 #define COLLINEA_CONCAT(a, b) COLLINEA_CONCAT_(a, b)
 
 /// COLLINEA_TRY(const Block block, read_block(path));  -- takes the value or returns the error to our caller.
-#define COLLINEA_TRY(declaration, expression)                                           \
+/// COLLINEA_TRY(write_block(path, block));              -- goes on, or returns the error to our caller.
+#define COLLINEA_TRY(...) COLLINEA_TRY_OF(__VA_ARGS__, COLLINEA_TRY_VALUE, COLLINEA_TRY_DONE, )(__VA_ARGS__)
+#define COLLINEA_TRY_OF(first, second, form, ...) form
+#define COLLINEA_TRY_DONE(expression)                               \
+  if (auto collinea_try = (expression); !collinea_try) [[unlikely]] \
+  return tl::unexpected(std::move(collinea_try).error())
+#define COLLINEA_TRY_VALUE(declaration, expression)                                     \
   auto COLLINEA_CONCAT(collinea_try_, __LINE__) = (expression);                         \
   if (!COLLINEA_CONCAT(collinea_try_, __LINE__))                                        \
     return tl::unexpected(std::move(COLLINEA_CONCAT(collinea_try_, __LINE__)).error()); \

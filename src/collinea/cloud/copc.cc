@@ -238,8 +238,7 @@ Result<> CopcStream::divide(const CopcKey& key, std::unique_ptr<RecordSpool> rec
   parts_.push_back({key, std::move(kept), nullptr});
   for (std::size_t octant = 0; octant < 8; ++octant) {
     if (children[octant]->size() == 0) continue;
-    if (auto divided = divide(child_of(key, octant), std::move(children[octant]), sieve, file); !divided)
-      return divided;
+    COLLINEA_TRY(divide(child_of(key, octant), std::move(children[octant]), sieve, file));
   }
   return {};
 }
@@ -276,8 +275,8 @@ Result<> CopcStream::finish(OutputFile& file, const Eigen::Vector3d& scale, cons
   const std::uint64_t begin = begin_laz_chunks(file);
   if (points_ > 0) {
     Sieve sieve;
-    if (auto divided = divide({}, std::move(all_), sieve, file); !divided) return divided;
-    if (auto written = write_parts(file); !written) return written;
+    COLLINEA_TRY(divide({}, std::move(all_), sieve, file));
+    COLLINEA_TRY(write_parts(file));
   }
   std::vector<LazChunk> chunks;
   for (const CopcNode& node : nodes_) chunks.push_back(node.chunk);

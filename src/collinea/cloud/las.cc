@@ -168,7 +168,7 @@ Result<> LasWriter::write(std::span<const CloudPoint> points) {
     }
     ++header_.points;
     if (packer.size() > kPiece * 36) {
-      if (auto written = write_records(packer.bytes()); !written) return written;
+      COLLINEA_TRY(write_records(packer.bytes()));
       packer.clear();
     }
   }
@@ -218,10 +218,10 @@ std::string LasWriter::header_bytes() const {
 
 Result<> LasWriter::finish() {
   if (laz_) {
-    if (auto finished = laz_->finish(file_); !finished) return finished;
+    COLLINEA_TRY(laz_->finish(file_));
   }
   if (copc_) {
-    if (auto finished = copc_->finish(file_, header_.scale, header_.offset); !finished) return finished;
+    COLLINEA_TRY(copc_->finish(file_, header_.scale, header_.offset));
   }
   const std::uint64_t end_of_points = file_.size();
   const auto write_long = [&](std::string_view user, std::uint16_t id, const std::string& content,
@@ -315,9 +315,9 @@ Result<> LasReader::read_header() {
   if (points_at_ > file_size_ || (!compressed_ && header_.points > (file_size_ - points_at_) / record_bytes_))
     return fail(Errc::kBadFormat, "truncated: it ends before its last point");
   if (!header_.scale.allFinite() || !header_.offset.allFinite()) return fail(Errc::kBadFormat, "damaged header");
-  if (auto read = read_records(header_bytes, records, false); !read) return read;
+  COLLINEA_TRY(read_records(header_bytes, records, false));
   if (new_header) {
-    if (auto read = read_records(long_at, long_records, true); !read) return read;
+    COLLINEA_TRY(read_records(long_at, long_records, true));
   }
   return compressed_ ? find_chunks() : Result<>{};
 }

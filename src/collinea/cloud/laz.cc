@@ -126,7 +126,7 @@ Result<> LazStream::write_chunks(OutputFile& file, bool all) {
 }
 
 Result<> LazStream::finish(OutputFile& file) {
-  if (auto written = write_chunks(file, true); !written) return written;
+  COLLINEA_TRY(write_chunks(file, true));
   write_laz_chunk_table(file, begin_, chunks_, LazChunks::kOfOneSize);
   return {};
 }

@@ -160,7 +160,7 @@ class Fusion {
     std::size_t done = 0;
     for (const ImageId image : images_) {
       if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
-      if (auto fused = one(image); !fused) return tl::unexpected(std::move(fused).error());
+      COLLINEA_TRY(one(image));
       run_.report("fuse", double(++done) / double(images_.size()));
     }
     if (lacking_.maps > 0) tell_room();
@@ -170,7 +170,7 @@ class Fusion {
  private:
   Result<> one(ImageId image) {
     COLLINEA_TRY(reference_, cache_.map(image));
-    if (auto ready = read_others(image); !ready) return ready;
+    COLLINEA_TRY(read_others(image));
     const std::vector<bool>& used = used_of(image, *reference_);
     const int rows = reference_->depth.height;
     const auto strips = std::size_t((rows + kStripRows - 1) / kStripRows);
@@ -185,8 +185,8 @@ class Fusion {
       });
       if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
       mark(made);
-      if (auto coloured = colour(made, written); !coloured) return coloured;
-      if (auto taken = hand_over(made, written); !taken) return taken;
+      COLLINEA_TRY(colour(made, written));
+      COLLINEA_TRY(hand_over(made, written));
     }
     used_.erase(image);
     done_.insert(image);
@@ -369,7 +369,7 @@ class Fusion {
       written.confirmed += strip.confirmed;
       report_.points += std::int64_t(strip.points.size());
       if (strip.points.empty()) continue;
-      if (auto taken = sink_(strip.points); !taken) return taken;
+      COLLINEA_TRY(sink_(strip.points));
     }
     return {};
   }
@@ -395,7 +395,7 @@ class Fusion {
 Result<FuseReport> fuse(const Block& block, const TieView& ties, std::span<const ImageId> images, DepthStore& store,
                         const ColourSource& colours, const PointSink& sink, const DenseOptions& options,
                         const Run& run) {
-  if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
+  COLLINEA_TRY(validate(options));
   for (const ImageId image : images)
     if (!block.cam_from_world.count(image))
       return fail(Errc::kIllPosed, "image " + std::to_string(image.value) + " has a depth map but no orientation");

@@ -153,8 +153,7 @@ class Matching {
   Result<DepthMap> overview() const {
     const int last = overview_level();
     FloatImage surface;
-    if (auto matched = match(coarsest_level(), last, surface, nullptr); !matched)
-      return tl::unexpected(std::move(matched).error());
+    COLLINEA_TRY(match(coarsest_level(), last, surface, nullptr));
     DepthMap map{camera_of_level(reference_->camera, last), surface, surface};
     const float step = outline_of(last).step;
     for (std::size_t i = 0; i < surface.data.size(); ++i) {
@@ -175,7 +174,7 @@ class Matching {
       if (level < kMeasuredLevels) surfaces[std::size_t(level)] = surface;
       from = level - 1;
     }
-    if (auto matched = match(from, 0, surface, &surfaces); !matched) return tl::unexpected(std::move(matched).error());
+    COLLINEA_TRY(match(from, 0, surface, &surfaces));
     return measured(surfaces, agreed);
   }
 
@@ -398,12 +397,11 @@ class Matching {
 
 Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
                           SharedRoom& costs, const DenseOptions& options, const Run& run) {
-  if (const auto fine = validate(options); !fine) return tl::unexpected(fine.error());
+  COLLINEA_TRY(validate(options));
   if (!block.cam_from_world.count(image))
     return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
   Matching matching(options, costs, run);
-  if (auto ready = matching.prepare(block, image, ties, pictures); !ready)
-    return tl::unexpected(std::move(ready).error());
+  COLLINEA_TRY(matching.prepare(block, image, ties, pictures));
   return matching;
 }
 

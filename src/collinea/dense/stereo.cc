@@ -25,7 +25,7 @@ Result<StereoCost> cost_named(const std::string& name) {
 
 Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
                const StereoOptions& options) {
-  if (auto fine = validate(options); !fine) return fine;
+  COLLINEA_TRY(validate(options));
   if (left.empty() || right.empty()) return fail(Errc::kBadInput, "a picture of the pair is empty");
   if (left.height != right.height)
     return fail(Errc::kBadInput, "the pictures of a rectified pair have the same height; these have " +
@@ -46,7 +46,7 @@ Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRan
 
 Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
                                 const StereoOptions& options, const Run& run) {
-  if (auto fine = check(left, right, range, options); !fine) return tl::unexpected(std::move(fine).error());
+  COLLINEA_TRY(check(left, right, range, options));
   COLLINEA_TRY(const StereoCost kind, cost_named(options.cost));
   const dense::DisparityCosts costs(left, right, kind, run);
   const GreyImage small = dense::small_changes(left);

@@ -445,7 +445,7 @@ Result<ControlFile> control_of(const ImportOptions& options) {
                                                                     .sigma_px = options.control_sigma_px}));
   const std::vector<std::string> checks = names_in(options.check);
   if (!checks.empty())
-    if (auto set = set_check_points(control, checks); !set) return tl::unexpected(set.error());
+    COLLINEA_TRY(set_check_points(control, checks));
   return control;
 }
 
@@ -475,18 +475,18 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
                                                                       : "; first skipped: " + imported.skipped[0].file +
                                                                             ": " + imported.skipped[0].reason));
   if (camera_params)
-    if (auto fits = check_given_camera(*camera_params, imported.block); !fits) return tl::unexpected(fits.error());
+    COLLINEA_TRY(check_given_camera(*camera_params, imported.block));
   PositionFile positions;
   std::set<ImageId> of_file;
   if (options.positions) {
     COLLINEA_TRY(positions, read_positions(*options.positions));
     COLLINEA_TRY(of_file, add_positions(imported, positions, *options.positions, options));
   }
-  if (auto raised = raise_positions(imported, of_file, options); !raised) return tl::unexpected(raised.error());
-  if (auto placed = place_on_earth(imported, options, control); !placed) return tl::unexpected(placed.error());
-  if (auto added = add_map_attitudes(imported, positions); !added) return tl::unexpected(added.error());
+  COLLINEA_TRY(raise_positions(imported, of_file, options));
+  COLLINEA_TRY(place_on_earth(imported, options, control));
+  COLLINEA_TRY(add_map_attitudes(imported, positions));
   if (options.ground)
-    if (auto added = add_ground(imported, *options.ground); !added) return tl::unexpected(added.error());
+    COLLINEA_TRY(add_ground(imported, *options.ground));
   name_unseen_control(imported);
   return imported;
 }

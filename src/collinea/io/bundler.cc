@@ -105,7 +105,7 @@ class Numbers {
   /// A whole number in [0, below).
   Result<std::size_t> count(double below, const char* what) {
     std::array<double, 1> value{};
-    if (auto taken = take(value, what); !taken) return tl::unexpected(taken.error());
+    COLLINEA_TRY(take(value, what));
     if (!(value[0] >= 0 && value[0] < below) || value[0] != std::floor(value[0]))
       return error(std::string(what) + " is out of range");
     return static_cast<std::size_t>(value[0]);
@@ -136,7 +136,7 @@ Result<std::vector<std::string>> names_of(const std::filesystem::path& path) {
 
 Result<> take_camera(Numbers& numbers, const std::string& name, PictureSize size, ImageId id, Block& block) {
   std::array<double, 15> v{};
-  if (auto taken = numbers.take(v, "a camera"); !taken) return taken;
+  COLLINEA_TRY(numbers.take(v, "a camera"));
   Camera camera = ideal_camera(v[0], size.width_px, size.height_px);
   camera.params[Camera::kK1] = v[1];
   camera.params[Camera::kK2] = v[2];
@@ -158,7 +158,7 @@ Result<> take_camera(Numbers& numbers, const std::string& name, PictureSize size
 
 Result<> take_point(Numbers& numbers, PointId id, Block& block) {
   std::array<double, 6> v{};
-  if (auto taken = numbers.take(v, "a point"); !taken) return taken;
+  COLLINEA_TRY(numbers.take(v, "a point"));
   TiePoint& point = block.points[id];
   point.position_in_world = {v[0], v[1], v[2]};
   for (std::size_t i = 0; i < 3; ++i) point.colour[i] = std::uint8_t(std::clamp(v[3 + i], 0.0, 255.0));
@@ -167,7 +167,7 @@ Result<> take_point(Numbers& numbers, PointId id, Block& block) {
     COLLINEA_TRY(const std::size_t image, numbers.count(double(block.images.size()), "the camera of a view"));
     COLLINEA_TRY(const std::size_t feature, numbers.count(0xffffffffu, "the feature of a view"));
     std::array<double, 2> place{};
-    if (auto taken = numbers.take(place, "a view"); !taken) return taken;
+    COLLINEA_TRY(numbers.take(place, "a view"));
     Observation o;
     o.image = {std::uint32_t(image)};
     o.point = id;
@@ -199,9 +199,8 @@ Result<std::vector<std::string>> write_bundler(const std::filesystem::path& fold
   for (const auto& [id, seen] : views) points += point_text(block.points.at(id), seen);
   const std::string head =
       "# Bundle file v0.3\n" + std::to_string(row_of.size()) + " " + std::to_string(views.size()) + "\n";
-  if (auto written = write_file(folder / kListFile, names); !written) return tl::unexpected(written.error());
-  if (auto written = write_file(folder / kBundleFile, head + cameras + points); !written)
-    return tl::unexpected(written.error());
+  COLLINEA_TRY(write_file(folder / kListFile, names));
+  COLLINEA_TRY(write_file(folder / kBundleFile, head + cameras + points));
   std::vector<std::string> remarks;
   if (largest_change_px > 1e-3)
     remarks.push_back(
@@ -225,10 +224,10 @@ Result<Block> read_bundler(const std::filesystem::path& folder,
   Block block;
   for (std::uint32_t i = 0; i < cameras; ++i) {
     COLLINEA_TRY(const PictureSize size, size_of(names[i]));
-    if (auto taken = take_camera(numbers, names[i], size, {i}, block); !taken) return tl::unexpected(taken.error());
+    COLLINEA_TRY(take_camera(numbers, names[i], size, {i}, block));
   }
   for (std::uint32_t i = 0; i < points; ++i)
-    if (auto taken = take_point(numbers, {i}, block); !taken) return tl::unexpected(taken.error());
+    COLLINEA_TRY(take_point(numbers, {i}, block));
   const auto key = [](const Observation& o) { return std::tuple(o.point, o.image, o.feature); };
   std::ranges::sort(block.observations, {}, key);
   return block;

@@ -139,8 +139,8 @@ Result<Block> block_of(const Model& model) {
   for (const CameraRow& row : model.cameras) {
     COLLINEA_TRY(block.cameras[{camera_id(row.id)}], imported(row));
   }
-  if (auto taken = take_images(model.images, image_id, camera_id, block); !taken) return tl::unexpected(taken.error());
-  if (auto taken = take_points(model, image_id, point_id, block); !taken) return tl::unexpected(taken.error());
+  COLLINEA_TRY(take_images(model.images, image_id, camera_id, block));
+  COLLINEA_TRY(take_points(model, image_id, point_id, block));
   return block;
 }
 
@@ -163,7 +163,7 @@ Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folde
        {"images", text ? images_text(model) : images_binary(model)},
        {"points3D", text ? points_text(model) : points_binary(model)}}};
   for (const auto& [name, bytes] : files)
-    if (auto written = write_file(folder / (name + end), bytes); !written) return tl::unexpected(written.error());
+    COLLINEA_TRY(write_file(folder / (name + end), bytes));
   return remarks_on(block, used);
 }
 

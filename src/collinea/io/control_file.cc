@@ -119,7 +119,7 @@ class Collector {
         std::string made;
         do made = "gcp" + std::to_string(++unnamed_);
         while (by_name_.contains(made));
-        if (auto added = add_new(line, key, made); !added) return added;
+        COLLINEA_TRY(add_new(line, key, made));
         known = by_position_.find(key);
       }
       seen.point = file_.points[known->second].name;
@@ -127,7 +127,7 @@ class Collector {
       seen.point = std::string(name);
       const auto known = by_name_.find(seen.point);
       if (known == by_name_.end()) {
-        if (auto added = add_new(line, key, seen.point); !added) return added;
+        COLLINEA_TRY(add_new(line, key, seen.point));
       } else if (keys_[known->second] != key) {
         return bad_line(line, "point " + seen.point + " had other coordinates before");
       }
@@ -233,8 +233,7 @@ Result<ControlFile> parse_odm(const std::vector<std::string_view>& lines, const 
     const auto row = odm_row(text);
     if (row) {
       ControlFileObservation seen{{}, std::string(row->file), row->pixel, defaults.sigma_px, line};
-      if (auto added = collector.add_row(line, row->position, row->name, std::move(seen)); !added)
-        return tl::unexpected(added.error());
+      COLLINEA_TRY(collector.add_row(line, row->position, row->name, std::move(seen)));
     } else if (first) {
       crs = normalised_crs(text);
       if (crs.empty())
@@ -322,10 +321,10 @@ Result<ControlFile> parse_csv(const std::vector<std::string_view>& lines, const 
       return bad_line(line, "a row starts with point, image or covariance");
     if (is_title(fields)) continue;
     if (kind == "covariance") {
-      if (auto added = collector.add_covariance(line, fields); !added) return tl::unexpected(added.error());
+      COLLINEA_TRY(collector.add_covariance(line, fields));
     } else if (kind == "point") {
       COLLINEA_TRY(ControlFilePoint point, csv_point(line, fields, defaults));
-      if (auto added = collector.add_point(line, std::move(point)); !added) return tl::unexpected(added.error());
+      COLLINEA_TRY(collector.add_point(line, std::move(point)));
     } else {
       COLLINEA_TRY(ControlFileObservation seen, csv_observation(line, fields, defaults));
       collector.add_observation(std::move(seen));
@@ -384,7 +383,7 @@ Result<ControlFile> parse_control(std::string_view text, const ControlDefaults& 
   const std::vector<std::string_view> lines = lines_of(text);
   COLLINEA_TRY(ControlFile control, is_csv(lines) ? parse_csv(lines, defaults) : parse_odm(lines, defaults));
   if (is_geographic(control.crs))
-    if (auto projected = project_to_utm(control); !projected) return tl::unexpected(projected.error());
+    COLLINEA_TRY(project_to_utm(control));
   return control;
 }
 

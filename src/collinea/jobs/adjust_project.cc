@@ -242,7 +242,7 @@ Result<std::string> adjust_task(Task task, const AdjustProjectOptions& asked, co
   if (Result<> corrected = correct_rays(asked, task.block, run); !corrected) return tl::unexpected(corrected.error());
   COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(task.block), task.scope, task.options, asked, run));
   report.title = task.title;
-  if (auto written = write_adjustment(report, folder); !written) return tl::unexpected(written.error());
+  COLLINEA_TRY(write_adjustment(report, folder));
   return outcome_text(report, folder);
 }
 

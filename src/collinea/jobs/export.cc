@@ -85,12 +85,12 @@ Result<> write_tiles(const Project& project, const std::filesystem::path& folder
       for (const CloudPoint& point : points)
         if (const Tile tile = tile_of(point, tile_m); writers.contains(tile)) parts[tile].push_back(point);
       for (const auto& [tile, part] : parts)
-        if (auto done = writers.at(tile).write(part); !done) return done;
+        COLLINEA_TRY(writers.at(tile).write(part));
       return {};
     });
     if (!written) return written;
     for (auto& [tile, writer] : writers)
-      if (auto finished = writer.finish(); !finished) return finished;
+      COLLINEA_TRY(writer.finish());
   }
   std::string list = "file,west,south,east,north,points\n";
   for (const auto& [tile, points] : counts) {
@@ -140,7 +140,7 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   if (format == "colmap" || format == "bundler" || format == "ply")  // nothing else looks at the colours
-    if (auto coloured = colour_tie_points(project, block); !coloured) return coloured;
+    COLLINEA_TRY(colour_tie_points(project, block));
   if (format == "colmap") return export_colmap(project, folder, block);
   if (format == "bundler") return export_bundler(project, folder, block);
   if (format == "opk") return write_opk(folder / "orientation.opk", block);

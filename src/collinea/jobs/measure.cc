@@ -112,14 +112,13 @@ Result<std::string> measure_volume(const std::filesystem::path& surface, const M
   const SurfaceFiles files = with_sigmas_beside(surface);
   COLLINEA_TRY(const Volume volume, volume_of(files, asked.base, area, options, run));
   if (asked.output)
-    if (auto written = write_file(*asked.output, json_of(volume).dump(2) + "\n"); !written)
-      return tl::unexpected(written.error());
+    COLLINEA_TRY(write_file(*asked.output, json_of(volume).dump(2) + "\n"));
   return text_of(volume, files.sigma.has_value());
 }
 
 Result<std::string> draw_profile(const std::filesystem::path& surface, const ProfileOptions& options,
                                  const std::filesystem::path& folder, const Run&) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(options));
   COLLINEA_TRY(const std::vector<Eigen::Vector2d> line, line_of(options.line));
   std::vector<std::filesystem::path> files = {surface};
   for (const std::string_view other : fields_of(options.others, ','))
@@ -133,10 +132,8 @@ Result<std::string> draw_profile(const std::filesystem::path& surface, const Pro
   }
   COLLINEA_TRY(const Profile profile,
                profile_along(line, options.step_m.value_or(surfaces[0].grid().cell_m), surfaces));
-  if (auto written = write_file(folder / "profile.csv", profile_csv(profile, names)); !written)
-    return tl::unexpected(written.error());
-  if (auto written = write_file(folder / "profile.html", profile_page(profile, names)); !written)
-    return tl::unexpected(written.error());
+  COLLINEA_TRY(write_file(folder / "profile.csv", profile_csv(profile, names)));
+  COLLINEA_TRY(write_file(folder / "profile.html", profile_page(profile, names)));
   return fmt::format("{} places over {:.2f} m; {}", profile.distance_m.size(), profile.distance_m.back(),
                      (folder / "profile.html").string());
 }

@@ -108,7 +108,7 @@ Result<> write_raster(const Precision& precision, const std::string& wkt, const 
                                             {.nodata = kNoData,
                                              .description = "expected standard deviations east, north, height [m], and "
                                                             "number of images"}));
-  if (auto written = writer.write(0, 0, raster); !written) return written;
+  COLLINEA_TRY(writer.write(0, 0, raster));
   return writer.finish();
 }
 
@@ -174,8 +174,8 @@ Result<> write_plan(const PlanReport& report, const std::optional<std::string>& 
                                                        {"plan.json", plan_json(report)},
                                                        {"plan.html", plan_page(report)}};
   for (const auto& [name, text] : files)
-    if (auto written = write_file(folder / name, text); !written) return written;
-  if (auto written = write_raster(report.precision, wkt, folder / "sigma.tif"); !written) return written;
+    COLLINEA_TRY(write_file(folder / name, text));
+  COLLINEA_TRY(write_raster(report.precision, wkt, folder / "sigma.tif"));
   return write_geopackage(folder / "plan.gpkg", layers_of(report), wkt);
 }
 
@@ -184,7 +184,7 @@ Result<> write_plan(const PlanReport& report, const std::optional<std::string>& 
 Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions& layout,
                                 const MeasurementOptions& measurements, const PlanOptions& options,
                                 const std::filesystem::path& folder, const Run& asked) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(options));
   Run run = asked;
   run.seed = std::uint64_t(options.seed);
   COLLINEA_TRY(const MapArea area, read_area(options));
@@ -218,7 +218,7 @@ Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions
   report.customs = customs(report.plan, flight, report.points, report.precision);
   std::error_code error;
   report.title = std::filesystem::absolute(folder, error).lexically_normal().filename().string();
-  if (auto written = write_plan(report, options.crs, crs.wkt, folder); !written) return tl::unexpected(written.error());
+  COLLINEA_TRY(write_plan(report, options.crs, crs.wkt, folder));
   return plan_text(report) + (folder / "plan.html").string() + "\n";
 }
 

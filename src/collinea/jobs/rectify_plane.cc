@@ -118,8 +118,7 @@ Result<Told> paint(const fs::path& out, const PlaneExtent& extent, const std::ve
 
 Result<std::string> finished(Told told, const fs::path& out) {
   fs::path json = out;
-  if (auto done = write_file(json.replace_extension(".json"), json_text(told.json, 2) + "\n"); !done)
-    return tl::unexpected(std::move(done).error());
+  COLLINEA_TRY(write_file(json.replace_extension(".json"), json_text(told.json, 2) + "\n"));
   return told.text;
 }
 
@@ -311,7 +310,7 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
 
 Result<std::string> rectify_plane(const fs::path& source, const fs::path& out, const RectifyOptions& options,
                                   const Run& run) {
-  if (auto fine = validate(options); !fine) return tl::unexpected(std::move(fine).error());
+  COLLINEA_TRY(validate(options));
   std::string extension = lower(out.extension().string());
   if (extension != ".tif" && extension != ".tiff" && extension != ".png")
     return fail(Errc::kBadInput, out.string() + ": the picture is a .tif or a .png");

@@ -189,7 +189,7 @@ Result<std::size_t> write_cloud(const fs::path& path, const Prepared& ready, con
     points.push_back({p.position_in_world, p.normal_in_world, p.colour, p.sigma, p.images, 0});
   COLLINEA_TRY(PlyWriter writer, PlyWriter::create(path, "collinea, " + ready.frame));
   writer.write(points);
-  if (auto done = writer.finish(); !done) return tl::unexpected(std::move(done).error());
+  COLLINEA_TRY(writer.finish());
   return points.size();
 }
 
@@ -244,7 +244,7 @@ nlohmann::json report(const Prepared& ready, const DisparityRange& range, const 
 
 Result<std::string> match_stereo(const std::string& left, const std::string& right, const fs::path& folder,
                                  const StereoPairOptions& pair, const StereoOptions& options, const Run& run) {
-  if (auto fine = validate(pair); !fine) return tl::unexpected(std::move(fine).error());
+  COLLINEA_TRY(validate(pair));
   COLLINEA_TRY(const Prepared ready, prepared(left, right, pair, run));
   COLLINEA_TRY(const DisparityRange range, range_for(ready, pair));
   run.say(fmt::format("{} x {} px, disparities {} to {}", ready.left.width, ready.left.height, range.low, range.high));
@@ -254,11 +254,11 @@ Result<std::string> match_stereo(const std::string& left, const std::string& rig
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   const auto written = [&]() -> Result<> {
     if (ready.resampled) {
-      if (auto done = write_png(folder / "left.png", ready.colours); !done) return done;
-      if (auto done = write_png(folder / "right.png", ready.right); !done) return done;
+      COLLINEA_TRY(write_png(folder / "left.png", ready.colours));
+      COLLINEA_TRY(write_png(folder / "right.png", ready.right));
     }
-    if (auto done = write_float_tiff(folder / "disparity.tif", map.disparity); !done) return done;
-    if (auto done = write_float_tiff(folder / "sigma.tif", map.sigma); !done) return done;
+    COLLINEA_TRY(write_float_tiff(folder / "disparity.tif", map.disparity));
+    COLLINEA_TRY(write_float_tiff(folder / "sigma.tif", map.sigma));
     return write_png(folder / "disparity.png", coloured(map.disparity));
   }();
   if (!written) return tl::unexpected(written.error());
@@ -267,8 +267,7 @@ Result<std::string> match_stereo(const std::string& left, const std::string& rig
     COLLINEA_TRY(points, write_cloud(folder / "cloud.ply", ready, map));
   }
   const Summary summary = summary_of(ready.left, map);
-  if (auto done = write_file(folder / "stereo.json", json_text(report(ready, range, summary, points), 2) + "\n"); !done)
-    return tl::unexpected(std::move(done).error());
+  COLLINEA_TRY(write_file(folder / "stereo.json", json_text(report(ready, range, summary, points), 2) + "\n"));
   std::string text = fmt::format("measured: {:.1f} % of {} pixels, median sigma {:.2f} px\n",
                                  summary.pixels ? 100.0 * double(summary.measured) / double(summary.pixels) : 0.0,
                                  summary.pixels, summary.median_sigma_px);

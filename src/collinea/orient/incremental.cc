@@ -73,12 +73,12 @@ class Grower {
         run_.report("orient", double(block_.poses().size()) / double(std::max<std::size_t>(1, total())));
         const auto due = static_cast<std::size_t>(std::max(images_at_global_ + 1.0, images_at_global_ * kGlobalGrowth));
         if (block_.poses().size() >= due)
-          if (auto done = global(1); !done) return done;
+          COLLINEA_TRY(global(1));
         continue;
       }
       if (block_.poses().size() == images_at_global_ && stuck_) break;  // nothing new since the last full clean-up
       stuck_ = true;
-      if (auto done = global(2); !done) return done;
+      COLLINEA_TRY(global(2));
     }
     return {};
   }

@@ -53,7 +53,7 @@ bool is_of_positions(const InstrumentOptions& asked) {
 Result<> check_instruments(const InstrumentOptions& asked) {
   if (Result<> valid = validate(asked); !valid) return valid;
   if (has_lever_arm(asked))
-    if (auto arm = lever_arm_of(*asked.lever_arm); !arm) return tl::unexpected(arm.error());
+    COLLINEA_TRY(lever_arm_of(*asked.lever_arm));
   const std::string& shift = asked.position_shift;
   if (shift != "none" && shift != "block" && shift != "strips")
     return fail(Errc::kBadInput, "position_shift = \"" + shift + "\": choose none, block or strips");

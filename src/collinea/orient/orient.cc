@@ -69,7 +69,7 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
                   "the positions of the images do not fix the block (too few, all on one line, or they contradict "
                   "the pairs): orient with --mode incremental");
   }
-  if (auto grown = grow(largest, pairs, {}, options, run); !grown) return tl::unexpected(grown.error());
+  COLLINEA_TRY(grow(largest, pairs, {}, options, run));
   if (largest.poses().size() < 2) return fail(Errc::kIllPosed, why_nothing(pairs));
   std::set<ImageId> taken;
   for (const auto& [image, pose] : largest.poses()) taken.insert(image);
@@ -77,7 +77,7 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
   while (can_start(pairs, taken)) {
     if (!part) part = largest;
     part->forget();
-    if (auto grown = grow(*part, pairs, taken, options, run); !grown) return tl::unexpected(grown.error());
+    COLLINEA_TRY(grow(*part, pairs, taken, options, run));
     if (part->poses().size() < 2) break;
     for (const auto& [image, pose] : part->poses()) taken.insert(image);
     if (part->poses().size() > largest.poses().size()) {
@@ -164,7 +164,7 @@ class Orienter {
     AdjustOptions adjust = settled_options(part, options_);
     if (!given_->cameras.empty()) adjust.calibration = "none";
     for (int round = 0; round < kHeldRounds; ++round) {
-      if (auto adjusted = part.adjust_all(adjust, held, run_); !adjusted) return tl::unexpected(adjusted.error());
+      COLLINEA_TRY(part.adjust_all(adjust, held, run_));
       part.filter(options_.max_error_px, run_);
       part.extend_all(run_);
       if (const auto shown = part.shown_noise()) part.set_noise(*shown);
@@ -357,7 +357,7 @@ class Orienter {
   // their sigma cannot be as good as stated: they are given the sigma they show, and that is said.
   Result<Adjusted> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
     if (scope.use_control) weigh_measurements(part.block());
-    if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
+    COLLINEA_TRY(settle(part, scope, options_, false, run_));
     COLLINEA_TRY(Adjusted tied, adjust_with_covariances(part, scope));
     if (control_misfit(setup_, tied) < kControlMisfit) return tied;
     const bool is_unknown = result_.instruments.position_shift != "none";  // then the adjustment has found it
@@ -380,7 +380,7 @@ class Orienter {
     result_.sigma_factors[std::size_t(ObservationGroup::kControlHeight)] = taken[kHeight];
     say_how_positions_were_shifted(shift_m);
     say_what_control_shows(taken);
-    if (auto settled = settle(part, scope, options_, false, run_); !settled) return settled;
+    COLLINEA_TRY(settle(part, scope, options_, false, run_));
     return adjust_with_covariances(part, scope);
   }
 

@@ -42,7 +42,7 @@ class Remeasurer {
     for (std::size_t begin = 0; begin < count;) {
       std::size_t end = std::min(count, begin + kObservationsAtOnce);
       while (end < count && block_.observations[end].point == block_.observations[end - 1].point) ++end;
-      if (auto done = lot(begin, end); !done) return tl::unexpected(done.error());
+      COLLINEA_TRY(lot(begin, end));
       begin = end;
     }
     return std::move(places_);

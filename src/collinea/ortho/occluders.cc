@@ -136,8 +136,7 @@ Result<> Occluders::look_further(const HeightField& field, const SurfaceBlocks& 
       const int first_x = std::max(x, far.column), first_y = std::max(y, far.row);
       const int end_x = std::min(x + kPiece, far.column + far.wanted.width),
                 end_y = std::min(y + kPiece, far.row + far.wanted.height);
-      if (auto added = add_far_blocks(field, {first_x, first_y, end_x - first_x, end_y - first_y}, far); !added)
-        return added;
+      COLLINEA_TRY(add_far_blocks(field, {first_x, first_y, end_x - first_x, end_y - first_y}, far));
     }
   }
   return {};
@@ -188,7 +187,7 @@ Result<Occluders> occluders_of(const HeightField& field, FloatImage near_heights
   Occluders occluders;
   occluders.hold(std::move(near_heights_m), near, field.grid.cell_m);
   if (!far.wanted.empty())
-    if (auto looked = occluders.look_further(field, far); !looked) return tl::unexpected(std::move(looked).error());
+    COLLINEA_TRY(occluders.look_further(field, far));
   occluders.finish_ceilings();
   return occluders;
 }

@@ -98,7 +98,7 @@ Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary
     run.report("ortho", double(i + 1) / double(pieces.size()));
     return taken;
   };
-  if (auto made = parallel_in_order(run, pieces.size(), make, take); !made) return made;
+  COLLINEA_TRY(parallel_in_order(run, pieces.size(), make, take));
   summary.photographs_used = used.size();
   sum_up(seams, summary);
   return {};
@@ -109,7 +109,7 @@ Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
                                      const SeamGuides& guides, const PixelSource& pixels, double gsd_m,
                                      const OrthoSink& sink, const OrthoOptions& options, const Run& run) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
+  COLLINEA_TRY(validate(options));
   OrthoScene scene;
   scene.views = views_of(block, frame);
   if (scene.views.empty()) return fail(Errc::kIllPosed, "no oriented photographs for an orthophoto");
@@ -139,8 +139,8 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   summary.balance = scene.balance;
   for (const View& view : scene.views) summary.sources.push_back(view.image);
   summary.seamlines = guides.given ? *guides.given : outlines_of(seams.source, plan_grid(scene.grid));
-  if (auto begun = sink.begin(scene.grid); !begun) return tl::unexpected(std::move(begun).error());
-  if (auto made = make_tiles(scene, sink, summary, run); !made) return tl::unexpected(std::move(made).error());
+  COLLINEA_TRY(sink.begin(scene.grid));
+  COLLINEA_TRY(make_tiles(scene, sink, summary, run));
   return summary;
 }
 

@@ -184,15 +184,14 @@ Result<RectifiedSummary> write_rectified(const std::filesystem::path& path, cons
       std::copy(band.data.begin(), band.data.end(), whole.row(top));
       continue;
     }
-    if (auto written = tiff->write(0, top, band); !written) return tl::unexpected(written.error());
+    COLLINEA_TRY(tiff->write(0, top, band));
   }
   for (const std::uint64_t cells : summary.cells_of) summary.painted_cells += cells;
   if (summary.painted_cells == 0) return fail(Errc::kIllPosed, "no photograph shows the area to be rectified");
   if (png) {
-    if (auto written = write_png(path, whole); !written) return tl::unexpected(written.error());
+    COLLINEA_TRY(write_png(path, whole));
     std::filesystem::path world = path;
-    if (auto written = write_file(world.replace_extension(".pgw"), world_file(grid)); !written)
-      return tl::unexpected(written.error());
+    COLLINEA_TRY(write_file(world.replace_extension(".pgw"), world_file(grid)));
   } else if (auto finished = tiff->finish(); !finished) {
     return tl::unexpected(finished.error());
   }

@@ -197,8 +197,7 @@ Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run) {
   if (scene.terrain) draft_scene.terrain = &terrain;
   SeamLook look{scene.grid.cell_m, kRaised * scene.surface->grid.cell_m};
   Raster<std::uint16_t> draft(draft_scene.grid.width, draft_scene.grid.height);
-  if (auto drafted = plan_from_nothing(draft_scene, look, draft, run); !drafted)
-    return tl::unexpected(std::move(drafted).error());
+  COLLINEA_TRY(plan_from_nothing(draft_scene, look, draft, run));
   run.report("ortho: seams", 0.3);
   look.start = &draft, look.start_times = kOverview, look.best_views = 3;
   SeamPlan plan{Raster<std::uint16_t>(plan_scene.grid.width, plan_scene.grid.height), {}};

@@ -275,8 +275,7 @@ Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const SeamLo
   looker.sights.resize(std::size_t(window.blocks_across() * window.blocks_down()));
   for (int j = 0; j < window.blocks_down(); ++j)
     for (int i = 0; i < window.blocks_across(); ++i) looker.look(i, j);
-  if (auto coloured = colour(coarse, *patch, views, window, run); !coloured)
-    return tl::unexpected(std::move(coloured).error());
+  COLLINEA_TRY(colour(coarse, *patch, views, window, run));
   const auto per_cell = float(coarse.grid.cell_m / (SeamPlan::kCoarse * look.cell_m));
   for (int j = 0; j < window.blocks_down(); ++j)
     for (int i = 0; i < window.blocks_across(); ++i)

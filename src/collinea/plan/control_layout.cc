@@ -61,7 +61,7 @@ bool is_layout_word(const std::string& control) {
 }
 
 Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& o, const FlightPlan& plan) {
-  if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(o));
   if (!is_layout_word(o.control))
     return fail(Errc::kBadInput,
                 "control = \"" + o.control + "\": choose none, corners, corners_middle, grid or a file");

@@ -83,7 +83,7 @@ Result<> add_strips(FlightPlan& plan) {
   const StripAxes axes(plan.heading_rad);
   const Range across = extent(plan.area, axes.across), along = extent(plan.area, axes.along);
   const int steps = steps_over(across.size(), plan.spacing_m);
-  if (auto few = check_count((steps + 1.0) * (along.size() / plan.base_m + 1)); !few) return few;
+  COLLINEA_TRY(check_count((steps + 1.0) * (along.size() / plan.base_m + 1)));
   for (int i = 0; i <= steps; ++i) {
     const double v = across.middle() + (i - 0.5 * steps) * plan.spacing_m;
     add_strip(plan, axes, v, extent_between(plan.area, axes, v - plan.spacing_m, v + plan.spacing_m), plan.base_m,
@@ -96,7 +96,7 @@ Result<> add_cross_strips(FlightPlan& plan, const FlightOptions& options) {
   const StripAxes axes(plan.heading_rad + std::numbers::pi / 2);
   const Range across = extent(plan.area, axes.across), along = extent(plan.area, axes.along);
   const double factor = options.cross_height, spacing_m = factor * plan.spacing_m;
-  if (auto few = check_count(options.cross_strips * (along.size() / (factor * plan.base_m) + 1)); !few) return few;
+  COLLINEA_TRY(check_count(options.cross_strips * (along.size() / (factor * plan.base_m) + 1)));
   for (int i = 0; i < options.cross_strips; ++i) {
     const double share = options.cross_strips == 1 ? 0.5 : double(i) / (options.cross_strips - 1);
     const double v = across.low + share * across.size();
@@ -128,7 +128,7 @@ StripAxes::StripAxes(double heading_rad)
     : along(std::sin(heading_rad), std::cos(heading_rad)), across(along.y(), -along.x()) {}
 
 Result<FlightPlan> plan_flight(const FlightOptions& o, const MapArea& area) {
-  if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(o));
   FlightPlan plan;
   COLLINEA_TRY(plan.area, site_of(o, area));
   const double focal_px = o.focal_mm / o.sensor_width_mm * o.width_px;
@@ -150,9 +150,9 @@ Result<FlightPlan> plan_flight(const FlightOptions& o, const MapArea& area) {
   plan.base_m = (1 - o.forward_overlap) * plan.along_m;
   plan.spacing_m = (1 - o.side_overlap) * plan.across_m;
   plan.heading_rad = o.heading_deg ? *o.heading_deg * kRadians : narrowest_heading(plan.area);
-  if (auto added = add_strips(plan); !added) return tl::unexpected(added.error());
-  if (auto added = add_cross_strips(plan, o); !added) return tl::unexpected(added.error());
-  if (auto few = check_count(double(plan.images.size())); !few) return tl::unexpected(few.error());
+  COLLINEA_TRY(add_strips(plan));
+  COLLINEA_TRY(add_cross_strips(plan, o));
+  COLLINEA_TRY(check_count(double(plan.images.size())));
   for (std::size_t i = 1; i < plan.images.size(); ++i)
     plan.path_m += (plan.images[i].centre - plan.images[i - 1].centre).norm();
   return plan;

@@ -196,7 +196,7 @@ PrecisionGrid precision_grid(const MapArea& area, std::optional<double> cell_m) 
 
 Result<PlannedBlock> planned_block(const FlightPlan& plan, const std::vector<PlannedPoint>& points,
                                    const MeasurementOptions& o) {
-  if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(o));
   if (!o.position_sigma_plan_m && (o.position_sigma_height_m || o.position_shift_m > 0))
     return fail(Errc::kBadInput,
                 "position_sigma_height_m and position_shift_m are of measured projection centres: give "

@@ -24,7 +24,7 @@ Result<> remove_maps(const fs::path& folder) {
   std::error_code error;
   for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator(); it.increment(error))
     if (is_map(it->path()))
-      if (auto removed = remove_file(it->path()); !removed) return removed;
+      COLLINEA_TRY(remove_file(it->path()));
   if (error) return fail(Errc::kBadInput, folder.string() + ": cannot be read: " + error.message());
   return {};
 }
@@ -38,8 +38,8 @@ Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string&
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
-    if (auto removed = remove_maps(folder); !removed) return tl::unexpected(removed.error());
-    if (auto written = write_file(made_from, inputs_hash); !written) return tl::unexpected(written.error());
+    COLLINEA_TRY(remove_maps(folder));
+    COLLINEA_TRY(write_file(made_from, inputs_hash));
   }
   return DepthFolder(folder, block, pictures);
 }
@@ -52,7 +52,7 @@ fs::path DepthFolder::path(ImageId image, const char* what) const {
 
 // The depths come last: where they are, the sigmas are too.
 Result<> DepthFolder::write(ImageId image, const DepthMap& map) {
-  if (auto written = write_float_tiff(path(image, "sigma"), map.sigma); !written) return written;
+  COLLINEA_TRY(write_float_tiff(path(image, "sigma"), map.sigma));
   return write_float_tiff(path(image, "depth"), map.depth);
 }
 

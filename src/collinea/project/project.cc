@@ -80,7 +80,7 @@ fs::path Project::cloud() const {
 }
 
 Result<Project> create_project(const fs::path& folder, const Settings& settings, const Run& run) {
-  if (auto valid = validate_settings(settings); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate_settings(settings));
   std::error_code error;
   if (!fs::is_directory(settings.photos, error))
     return fail(Errc::kNotFound, settings.photos + " is not a folder of photographs");
@@ -93,7 +93,7 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
   COLLINEA_TRY(auto lock, ProjectLock::take(folder));
   sweep(folder);
   COLLINEA_TRY(ProjectStore store, open_store(folder));
-  if (auto fine = check_new_seamlines(folder, settings, store); !fine) return tl::unexpected(std::move(fine).error());
+  COLLINEA_TRY(check_new_seamlines(folder, settings, store));
   if (auto written = write_settings(folder, settings); !written)
     return tl::unexpected(with_advice(std::move(written).error(), folder));
   Project project{folder, settings, std::move(store), run, std::move(lock)};

@@ -60,7 +60,7 @@ Result<> write_hillshade(const std::filesystem::path& heights, const std::filesy
                    reader.read_known(left, top, std::min(grid.width, column + width + 1) - left,
                                      std::min(grid.height, row + height + 1) - top));
       const auto picture = shaded(around, grid.cell_m, column - left, row - top, width, height);
-      if (auto written = writer.write(column, row, picture); !written) return written;
+      COLLINEA_TRY(writer.write(column, row, picture));
     }
   }
   // Overviews are made of rows of the whole width, beside what is in the cache: each block is looked at once.

@@ -171,8 +171,8 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"adjustment.json", adjustment_json(report)},
                                                        {"adjustment.html", adjustment_page(report, products)}};
   for (const auto& [name, text] : files)
-    if (auto written = write_file(folder / name, text); !written) return written;
-  if (auto written = write_products(report, products, folder / "adjustment.gpkg"); !written) return written;
+    COLLINEA_TRY(write_file(folder / name, text));
+  COLLINEA_TRY(write_products(report, products, folder / "adjustment.gpkg"));
   if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
   return remove_file(folder / "taken_out.csv");  // of an earlier adjustment
 }

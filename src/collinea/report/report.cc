@@ -29,7 +29,7 @@ Result<> write_report(const ReportInput& input, const std::filesystem::path& fol
   const auto heights = preview(preview_of_heights, input.dsm, shown.findings);
   const auto picture = preview(preview_of_picture, input.ortho, shown.findings);
   const ReportSummary summary = summary_of(shown);
-  if (auto written = write_file(folder / "report.json", report_json(shown, summary)); !written) return written;
+  COLLINEA_TRY(write_file(folder / "report.json", report_json(shown, summary)));
   return write_file(folder / "report.html", report_page(shown, summary, heights, picture));
 }
 

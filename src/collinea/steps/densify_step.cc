@@ -127,7 +127,7 @@ class CloudFiles {
     las.run = project.run;
     // A new cloud has no classes: the step that writes them must not count as done.
     for (const char* earlier : {"cloud.las", "cloud.laz", "cloud.copc.laz", "dtm.tif"})
-      if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
+      COLLINEA_TRY(remove_file(products / earlier));
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     COLLINEA_TRY(PlyWriter ply_writer,
                  PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
@@ -148,7 +148,7 @@ class CloudFiles {
   }
 
   Result<> finish() {
-    if (auto finished = ply_.finish(); !finished) return finished;
+    COLLINEA_TRY(ply_.finish());
     return las_.finish();
   }
 
@@ -186,7 +186,7 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
                                            [&](ImageId image, int shrink) { return read_colour(photo(image), shrink); },
                                            [&](std::span<const FusedPoint> points) { return cloud.write(points); },
                                            project.settings.densify, project.run));
-  if (auto finished = cloud.finish(); !finished) return tl::unexpected(finished.error());
+  COLLINEA_TRY(cloud.finish());
   report["depth_maps"] = images.size();
   report["points"] = fused.points;
   return StepOutput{inputs_hash, json_text(report),

@@ -45,7 +45,7 @@ Result<std::vector<Result<std::string>>> hand_on(Project& project, const Images&
     if (!wanted[i] || (done.contains(id) && done.at(id) == *wanted[i])) continue;
     if (const auto found = owner.find(*wanted[i]); found != owner.end()) new_from_old.emplace(found->second, id);
   }
-  if (auto moved = project.store.renumber_features(new_from_old); !moved) return tl::unexpected(moved.error());
+  COLLINEA_TRY(project.store.renumber_features(new_from_old));
   return wanted;
 }
 

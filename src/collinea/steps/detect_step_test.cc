@@ -23,7 +23,7 @@ Result<Project> detected(const TestFolder& folder) {
   Settings settings;
   settings.photos = (folder / "photos").string();
   COLLINEA_TRY(Project project, create_project(folder / "project", settings, {}));
-  if (auto done = bring_up_to(project, "detect"); !done) return tl::unexpected(done.error());
+  COLLINEA_TRY(bring_up_to(project, "detect"));
   return project;
 }
 

@@ -107,7 +107,7 @@ Result<> do_step(Project& project, const Step& step) {
     return {};
   }
   if (before)
-    if (auto erased = project.store.erase_step(step.name); !erased) return erased;
+    COLLINEA_TRY(project.store.erase_step(step.name));
   give_back_freed_memory();  // of the steps before
   const CostMeter cost;
   project.run.report(step.name, 0);
@@ -119,11 +119,11 @@ Result<> do_step(Project& project, const Step& step) {
   project.run.report(step.name, 1);
   if (made_nothing(output.report_json))
     for (const char* product : step.products)
-      if (auto removed = remove_file(product_path(project, product)); !removed) return removed;
+      COLLINEA_TRY(remove_file(product_path(project, product)));
   const StepRecord record{step.name,         inputs_hash,        output.output_hash,
                           cost.seconds(),    cost.cpu_seconds(), cost.peak_memory_bytes(),
                           output.report_json};
-  if (auto written = project.store.write_step(record); !written) return written;
+  COLLINEA_TRY(project.store.write_step(record));
   project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name, output.summary, record.seconds,
                               record.cpu_seconds, record.peak_memory_bytes / 1e6));
   return {};
@@ -147,16 +147,16 @@ Result<> check_step_name(const std::string& name) {
 }
 
 Result<> record_done(Project& project, const std::string& name, const StepOutput& output) {
-  if (auto known = check_step_name(name); !known) return known;
+  COLLINEA_TRY(check_step_name(name));
   const Step& step = *std::find_if(steps().begin(), steps().end(), [&](const Step& s) { return name == s.name; });
   COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
   return project.store.write_step({name, inputs_hash, output.output_hash, 0, 0, 0, output.report_json});
 }
 
 Result<> bring_up_to(Project& project, const std::string& last) {
-  if (auto known = check_step_name(last); !known) return known;
+  COLLINEA_TRY(check_step_name(last));
   for (const Step& step : steps()) {
-    if (auto done = do_step(project, step); !done) return done;
+    COLLINEA_TRY(do_step(project, step));
     if (last == step.name) break;
   }
   return {};

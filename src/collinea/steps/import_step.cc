@@ -36,7 +36,7 @@ std::string hash_of_pictures(const Imported& imported) {
 
 Result<StepOutput> import_step(Project& project, const std::string&) {
   COLLINEA_TRY(const Imported imported, import_photos(project.settings.photos, project.settings.import, project.run));
-  if (auto written = project.store.write_setup(imported.block); !written) return tl::unexpected(written.error());
+  COLLINEA_TRY(project.store.write_setup(imported.block));
 
   nlohmann::json report = {{"findings", imported.findings}, {"skipped", nlohmann::json::array()}};
   for (const SkippedPhoto& photo : imported.skipped) {

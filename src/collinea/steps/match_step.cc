@@ -163,7 +163,7 @@ class Matcher {
       const std::span batch(left.data() + start, std::min(size, left.size() - start));
       std::vector<Result<ImagePair>> results(batch.size(), fail(Errc::kCancelled, "stopped"));
       parallel_for(project_.run, batch.size(), [&](std::size_t i) { results[i] = work(batch[i]); });
-      if (auto stored = store(results); !stored) return stored;
+      COLLINEA_TRY(store(results));
       project_.run.report("match", begin + (end - begin) * double(start + batch.size()) / double(left.size()));
     }
     return {};
@@ -175,7 +175,7 @@ class Matcher {
       if (!result) return tl::unexpected(result.error());
       fresh.push_back(std::move(*result));
     }
-    if (auto written = project_.store.write_pairs(fresh, inputs_hash_); !written) return written;
+    COLLINEA_TRY(project_.store.write_pairs(fresh, inputs_hash_));
     for (ImagePair& pair : fresh) pairs_[{pair.first, pair.second}] = std::move(pair);
     return {};
   }
@@ -203,15 +203,15 @@ Result<std::vector<LookedPair>> first_look(const Project& project, const Block& 
 Result<> search_best_partners(const Project& project, const Block& setup, Matcher& matcher) {
   const PairOptions& options = project.settings.pairs;
   COLLINEA_TRY(const std::vector<LookedPair> looked, first_look(project, setup));
-  if (auto done = matcher.search(sure_pairs(looked, options), 0.05, 0.45); !done) return done;
+  COLLINEA_TRY(matcher.search(sure_pairs(looked, options), 0.05, 0.45));
   const auto lacking = lacking_pairs(looked, matcher.searched(), merge_tracks(matcher.verified()), options);
-  if (auto done = matcher.search(lacking, 0.45, 0.8); !done) return done;
+  COLLINEA_TRY(matcher.search(lacking, 0.45, 0.8));
   for (int round = 0; round < kJoiningRounds; ++round) {
     std::vector<Ids> verified;
     for (const ImagePair* pair : matcher.verified()) verified.emplace_back(pair->first, pair->second);
     const auto joining = joining_pairs(looked, matcher.searched(), verified, options);
     if (joining.empty()) break;
-    if (auto done = matcher.search(joining, 0.8, 0.9); !done) return done;
+    COLLINEA_TRY(matcher.search(joining, 0.8, 0.9));
   }
   return {};
 }
@@ -238,7 +238,7 @@ Result<> close_over_tracks(const Project& project, Matcher& matcher) {
       }
     if (wanted.size() < kClosureBatch && i + 1 < images.size()) continue;
     const double part = 0.9 + 0.1 * double(i) / double(images.size());
-    if (auto done = matcher.verify_known(wanted, part, part); !done) return done;
+    COLLINEA_TRY(matcher.verify_known(wanted, part, part));
     wanted.clear();
   }
   return {};
@@ -261,9 +261,9 @@ std::string word(PairGeometry geometry) {
 
 Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block setup, readable_part(project.store));
-  if (auto erased = project.store.erase_pairs_except(inputs_hash); !erased) return tl::unexpected(erased.error());
+  COLLINEA_TRY(project.store.erase_pairs_except(inputs_hash));
   Matcher matcher(project, setup, inputs_hash);
-  if (auto loaded = matcher.load(); !loaded) return tl::unexpected(loaded.error());
+  COLLINEA_TRY(matcher.load());
   const PairOptions& options = project.settings.pairs;
   const bool all = all_pairs_wanted(setup, options);
   auto done = all ? matcher.search(all_pairs(setup), 0, 1) : search_best_partners(project, setup, matcher);

@@ -208,8 +208,7 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   COLLINEA_TRY(const std::vector<ImagePair> pairs, project.store.read_pairs());
   COLLINEA_TRY(Orientation orientation, orientation_of(project, setup, pairs));
-  if (auto written = project.store.write_orientation(orientation.block); !written)
-    return tl::unexpected(written.error());
+  COLLINEA_TRY(project.store.write_orientation(orientation.block));
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
   const json report = report_of(orientation, setup);
   return StepOutput{

@@ -55,7 +55,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
   const OrthoFiles files{products / "ortho.tif", products / "ortho_source.tif"};
   COLLINEA_TRY(const OrthoSummary summary, make_orthophoto(block, places.frame_or_null(), surface, guides, pixels,
                                                            places.pixel_m, files, project.settings.ortho, project.run));
-  if (auto kept = keep_seamlines(project, block, summary); !kept) return tl::unexpected(kept.error());
+  COLLINEA_TRY(keep_seamlines(project, block, summary));
   nlohmann::json sources = nlohmann::json::array();
   for (const ImageId image : summary.sources) sources.push_back(block.images.at(image).file);
   nlohmann::json not_followed = nlohmann::json::object();

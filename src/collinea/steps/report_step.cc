@@ -150,7 +150,7 @@ Result<StepOutput> report_step(Project& project, const std::string& inputs_hash)
   input.options = chosen_options(project.settings);
   if (input.options.empty()) input.options.emplace_back("all", "as by default");
   input.versions.emplace_back("collinea", COLLINEA_VERSION);
-  if (auto written = write_report(input, project.folder / "report"); !written) return tl::unexpected(written.error());
+  COLLINEA_TRY(write_report(input, project.folder / "report"));
   return StepOutput{inputs_hash, "{}", "report/report.html"};
 }
 

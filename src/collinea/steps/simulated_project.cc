@@ -63,7 +63,7 @@ Result<> write_pairs(Project& project, const Block& setup, SimulatedMatches& mat
     });
     if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
     for (const ImagePair& pair : pairs) verified += pair.geometry != PairGeometry::kNone;
-    if (auto done = project.store.write_pairs(pairs, kHash); !done) return done;
+    COLLINEA_TRY(project.store.write_pairs(pairs, kHash));
     project.run.report("pairs", double(begin + count) / double(matches.pairs.size()));
   }
   project.run.say(fmt::format("{} of {} pairs verified", verified, matches.pairs.size()));
@@ -74,20 +74,20 @@ Result<> write_pairs(Project& project, const Block& setup, SimulatedMatches& mat
 
 Result<> simulate_project(const SurveyOptions& survey, const ObservationOptions& observations,
                           const std::filesystem::path& folder, const Run& run) {
-  if (auto valid = validate(observations); !valid) return valid;
+  COLLINEA_TRY(validate(observations));
   COLLINEA_TRY(const Truth truth, make_survey(survey, run));
   std::error_code error;
   std::filesystem::create_directories(folder / "images", error);
   std::filesystem::create_directories(folder / "truth", error);
   if (error) return fail(Errc::kNotFound, folder.string() + ": cannot be made: " + error.message());
-  if (auto done = write_tables(truth, folder); !done) return done;
+  COLLINEA_TRY(write_tables(truth, folder));
   Settings settings;
   settings.photos = std::filesystem::absolute(folder / "images").string();
   COLLINEA_TRY(Project project, create_project(folder, settings, run));
-  if (auto erased = project.store.erase_pairs_except(kHash); !erased) return erased;
+  COLLINEA_TRY(project.store.erase_pairs_except(kHash));
 
   const Block setup = setup_of(truth);
-  if (auto done = project.store.write_setup(setup); !done) return done;
+  COLLINEA_TRY(project.store.write_setup(setup));
   if (auto done = record_done(project, "import", {kHash, "{\"findings\": [], \"skipped\": []}", ""}); !done)
     return done;
   ObservationOptions seeded = observations;
@@ -97,7 +97,7 @@ Result<> simulate_project(const SurveyOptions& survey, const ObservationOptions&
                       double(seen.observations.size()) / double(seen.points.size()),
                       double(seen.observations.size()) / double(seen.images.size())));
   SimulatedMatches matches = simulated_matches(seen, seeded, std::size_t(settings.verify.min_inliers), run);
-  if (auto done = write_features(project, matches); !done) return done;
+  COLLINEA_TRY(write_features(project, matches));
   return write_pairs(project, setup, matches);
 }
 

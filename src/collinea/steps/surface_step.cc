@@ -58,8 +58,7 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
                build_dsm({points_of(reader), places.frame_or_null(), PointFrame::kMap, places.matched_pixel_m, sigmas},
                          files, project.folder / "scratch", project.settings.surface, project.run));
   give_back_freed_memory();
-  if (auto drawn = write_hillshade(files.height, products / "dsm_hillshade.tif", project.run); !drawn)
-    return tl::unexpected(std::move(drawn).error());
+  COLLINEA_TRY(write_hillshade(files.height, products / "dsm_hillshade.tif", project.run));
   const double seen = double(summary.measured_cells + summary.interpolated_cells);
   const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
                                  {"width", summary.grid.width},

@@ -38,12 +38,12 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
       point.classification = shows ? kGround : kUnclassified;
       count += shows;
     }
-    if (auto written = writer.write(points); !written) return tl::unexpected(written.error());
+    COLLINEA_TRY(writer.write(points));
     if (project.run.stopped()) return fail(Errc::kCancelled, "cancelled");
     done += points.size();
     project.run.report("terrain: classes", double(done) / double(std::max<std::uint64_t>(1, reader.header().points)));
   }
-  if (auto finished = writer.finish(); !finished) return tl::unexpected(finished.error());
+  COLLINEA_TRY(writer.finish());
   return count;
 }
 
@@ -54,7 +54,7 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   const auto products = project.folder / "products";
   const auto without = [&](const std::string& why) -> Result<StepOutput> {
     for (const char* earlier : {"contours.gpkg", "contours.dxf"})
-      if (auto removed = remove_file(products / earlier); !removed) return tl::unexpected(removed.error());
+      COLLINEA_TRY(remove_file(products / earlier));
     return StepOutput{inputs_hash, json_text({{"skipped_because", why + ": no terrain model"}}),
                       why + ": no terrain model"};
   };
@@ -74,8 +74,7 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   if (!made) return tl::unexpected(made.error());
   const DtmSummary& summary = made->summary;
   give_back_freed_memory();
-  if (auto drawn = write_hillshade(files.height, products / "dtm_hillshade.tif", project.run); !drawn)
-    return tl::unexpected(std::move(drawn).error());
+  COLLINEA_TRY(write_hillshade(files.height, products / "dtm_hillshade.tif", project.run));
   give_back_freed_memory();
   COLLINEA_TRY(const std::uint64_t ground_points, classify(project, made->ground));
   const double cells = double(summary.ground_cells + summary.interpolated_cells);

@@ -12,8 +12,7 @@ namespace collinea {
 /// A project simulated without photographs, opened for `orient`; for tests.
 inline Result<Project> open_simulated(const std::filesystem::path& folder, const SurveyOptions& survey,
                                       const ObservationOptions& observations, const Run& run = {}) {
-  if (auto made = simulate_project(survey, observations, folder, {}); !made)
-    return tl::unexpected(std::move(made).error());
+  COLLINEA_TRY(simulate_project(survey, observations, folder, {}));
   COLLINEA_TRY(const Settings settings, read_settings(folder));
   return create_project(folder, settings, run);
 }

@@ -55,7 +55,7 @@ Result<> make_tables(Database& database) {
   if (tables > 0) return {};  // another program was faster
   const std::string marks = "PRAGMA application_id = " + std::to_string(kApplication) +
                             "; PRAGMA user_version = " + std::to_string(kSchema) + ";";
-  if (auto made = database.execute(kTables + marks); !made) return made;
+  COLLINEA_TRY(database.execute(kTables + marks));
   return transaction.commit();
 }
 
@@ -76,17 +76,17 @@ Result<> add_later_tables(Database& database) {
 }
 
 Result<> prepare(Database& database) {
-  if (auto set = database.execute("PRAGMA page_size = 16384"); !set) return set;
+  COLLINEA_TRY(database.execute("PRAGMA page_size = 16384"));
   COLLINEA_TRY(const auto tables, database.integer("SELECT count(*) FROM sqlite_master"));
   const char* mode = "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;";
   if (tables > 0) {  // a stranger's file must not even be switched to WAL
-    if (auto checked = check_tables(database); !checked) return checked;
-    if (auto set = database.execute(mode); !set) return set;
+    COLLINEA_TRY(check_tables(database));
+    COLLINEA_TRY(database.execute(mode));
     return add_later_tables(database);
   }
-  if (auto set = database.execute(mode); !set) return set;
-  if (auto made = make_tables(database); !made) return made;
-  if (auto checked = check_tables(database); !checked) return checked;
+  COLLINEA_TRY(database.execute(mode));
+  COLLINEA_TRY(make_tables(database));
+  COLLINEA_TRY(check_tables(database));
   return add_later_tables(database);
 }
 
@@ -281,10 +281,10 @@ Result<> ProjectStore::renumber_features(const std::map<ImageId, ImageId>& new_f
     // Negative numbers on the way: the new one of one image may be the old one of another.
     const auto aside = [](ImageId id) { return -1 - std::int64_t{id.value}; };
     for (const auto& [from, to] : new_from_old)
-      if (auto moved = set_aside.bind(aside(to)).bind(from.value).run(); !moved) return moved;
+      COLLINEA_TRY(set_aside.bind(aside(to)).bind(from.value).run());
     for (const auto& [from, to] : new_from_old) {
-      if (auto erased = erase.bind(to.value).run(); !erased) return erased;
-      if (auto moved = set_aside.bind(to.value).bind(aside(to)).run(); !moved) return moved;
+      COLLINEA_TRY(erase.bind(to.value).run());
+      COLLINEA_TRY(set_aside.bind(to.value).bind(aside(to)).run());
     }
     return {};
   });
@@ -294,7 +294,7 @@ Result<> ProjectStore::write_pairs(const std::vector<ImagePair>& pairs, const st
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(auto insert, db.prepare("INSERT OR REPLACE INTO pairs VALUES (?, ?, ?, ?, ?, ?, ?)"));
     for (const ImagePair& pair : pairs)
-      if (auto written = write_pair(insert, pair, inputs_hash); !written) return written;
+      COLLINEA_TRY(write_pair(insert, pair, inputs_hash));
     return {};
   });
 }

@@ -92,7 +92,7 @@ struct ControlObservationRecord {
 template <class Record, class Values>
 Result<> write_chunks(Database& db, const std::string& table, const Values& values) {
   constexpr std::size_t kPerChunk = 16384;
-  if (auto cleared = db.execute("DELETE FROM " + table); !cleared) return cleared;
+  COLLINEA_TRY(db.execute("DELETE FROM " + table));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?)"));
   Packer packer;
   packer.reserve(std::min(kPerChunk, values.size()) * Record::kBytes);
@@ -105,7 +105,7 @@ Result<> write_chunks(Database& db, const std::string& table, const Values& valu
   for (const auto& value : values) {
     Record::put_one(packer, value);
     if (packer.size() == kPerChunk * Record::kBytes)
-      if (auto written = flush(); !written) return written;
+      COLLINEA_TRY(flush());
   }
   return packer.size() > 0 ? flush() : Result<>{};
 }
@@ -118,7 +118,7 @@ class ChunkReader {
     ChunkReader reader;
     reader.table_ = table;
     COLLINEA_TRY(reader.select_, db.prepare("SELECT data FROM " + table + " ORDER BY chunk"));
-    if (auto first = reader.advance(); !first) return tl::unexpected(first.error());
+    COLLINEA_TRY(reader.advance());
     return reader;
   }
   [[nodiscard]] bool at_end() const { return !value_; }
@@ -148,13 +148,13 @@ Result<> read_chunks(Database& db, const std::string& table, Take&& take) {
   COLLINEA_TRY(auto reader, ChunkReader<Record>::open(db, table));
   while (!reader.at_end()) {
     take(reader.value());
-    if (auto next = reader.advance(); !next) return next;
+    COLLINEA_TRY(reader.advance());
   }
   return {};
 }
 
 Result<> write_georeference(Database& db, const std::optional<Georeference>& georeference) {
-  if (auto cleared = db.execute("DELETE FROM georeference"); !cleared) return cleared;
+  COLLINEA_TRY(db.execute("DELETE FROM georeference"));
   if (!georeference) return {};
   Packer origin;
   origin.put(georeference->origin_latitude_deg);
@@ -204,7 +204,7 @@ bool read_model(Unpacker& numbers, Camera& camera) {
 }
 
 Result<> write_cameras(Database& db, const std::string& table, const std::map<CameraId, Camera>& cameras) {
-  if (auto cleared = db.execute("DELETE FROM " + table); !cleared) return cleared;
+  COLLINEA_TRY(db.execute("DELETE FROM " + table));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?, ?, ?, ?, ?, ?)"));
   for (const auto& [id, camera] : cameras) {
     Packer numbers;
@@ -217,7 +217,7 @@ Result<> write_cameras(Database& db, const std::string& table, const std::map<Ca
     for (std::size_t k = 0; k < count_of(camera.additional); ++k) numbers.put(camera.params[Camera::kParams + k]);
     insert.bind(id.value).bind_text(camera.name).bind_text(camera.source);
     insert.bind(camera.width_px).bind(camera.height_px).bind(int(camera.calibrate));
-    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+    COLLINEA_TRY(insert.bind_blob(numbers.bytes()).run());
   }
   return {};
 }
@@ -266,10 +266,10 @@ Result<> write_image(Statement& insert, ImageId id, const Image& image) {
 }
 
 Result<> write_images(Database& db, const std::map<ImageId, Image>& images) {
-  if (auto cleared = db.execute("DELETE FROM images"); !cleared) return cleared;
+  COLLINEA_TRY(db.execute("DELETE FROM images"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO images VALUES (?, ?, ?, ?, ?, ?, ?)"));
   for (const auto& [id, image] : images)
-    if (auto written = write_image(insert, id, image); !written) return written;
+    COLLINEA_TRY(write_image(insert, id, image));
   return {};
 }
 
@@ -312,14 +312,14 @@ Result<> read_images(Database& db, Block& block) {
 }
 
 Result<> write_control(Database& db, const std::map<ControlId, ControlPoint>& control) {
-  if (auto cleared = db.execute("DELETE FROM control"); !cleared) return cleared;
+  COLLINEA_TRY(db.execute("DELETE FROM control"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO control VALUES (?, ?, ?, ?)"));
   for (const auto& [id, point] : control) {
     Packer numbers;
     for (const auto& v : {point.position_in_map, point.position_in_world, point.sigma_m}) put(numbers, v);
     if (!point.correlation.isZero(0)) put(numbers, point.correlation);
     insert.bind(id.value).bind_text(point.name).bind_text(point.role == ControlRole::kControl ? "control" : "check");
-    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+    COLLINEA_TRY(insert.bind_blob(numbers.bytes()).run());
   }
   return {};
 }
@@ -343,7 +343,7 @@ Result<> read_control(Database& db, std::map<ControlId, ControlPoint>& control) 
 }
 
 Result<> write_ground(Database& db, const std::vector<GroundObservation>& ground) {
-  if (auto cleared = db.execute("DELETE FROM ground"); !cleared) return cleared;
+  COLLINEA_TRY(db.execute("DELETE FROM ground"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO ground VALUES (?, ?, ?)"));
   for (std::size_t i = 0; i < ground.size(); ++i) {
     const GroundObservation& one = ground[i];
@@ -354,7 +354,7 @@ Result<> write_ground(Database& db, const std::vector<GroundObservation>& ground
     for (const double value : {one.value, one.sigma, one.instrument_height_m, one.target_height_m}) numbers.put(value);
     if (one.is_of_shape()) numbers.put(static_cast<std::uint32_t>(one.axis));
     insert.bind(static_cast<std::int64_t>(i)).bind_text(one.name);
-    if (auto written = insert.bind_blob(numbers.bytes()).run(); !written) return written;
+    COLLINEA_TRY(insert.bind_blob(numbers.bytes()).run());
   }
   return {};
 }
@@ -395,22 +395,22 @@ Result<> read_control_observations(Database& db, const std::string& table, Block
 }
 
 Result<> read_setup_tables(Database& db, Block& block) {
-  if (auto read = read_georeference(db, block.georeference); !read) return read;
-  if (auto read = read_cameras(db, "cameras", block.cameras); !read) return read;
-  if (auto read = read_images(db, block); !read) return read;
-  if (auto read = read_control(db, block.control); !read) return read;
+  COLLINEA_TRY(read_georeference(db, block.georeference));
+  COLLINEA_TRY(read_cameras(db, "cameras", block.cameras));
+  COLLINEA_TRY(read_images(db, block));
+  COLLINEA_TRY(read_control(db, block.control));
   return read_ground(db, block.ground);
 }
 
 Result<> write_poses(Database& db, const std::map<ImageId, Rigid3>& cam_from_world) {
-  if (auto cleared = db.execute("DELETE FROM poses"); !cleared) return cleared;
+  COLLINEA_TRY(db.execute("DELETE FROM poses"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO poses VALUES (?, ?)"));
   for (const auto& [image, pose] : cam_from_world) {
     Packer packer;
     for (const double value : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
       packer.put(value);
     put(packer, pose.translation);
-    if (auto written = insert.bind(image.value).bind_blob(packer.bytes()).run(); !written) return written;
+    COLLINEA_TRY(insert.bind(image.value).bind_blob(packer.bytes()).run());
   }
   return {};
 }
@@ -431,8 +431,8 @@ Result<> read_poses(Database& db, std::map<ImageId, Rigid3>& cam_from_world) {
 }
 
 Result<> read_orientation_tables(Database& db, Block& block) {
-  if (auto read = read_cameras(db, "adjusted_cameras", block.cameras); !read) return read;
-  if (auto read = read_poses(db, block.cam_from_world); !read) return read;
+  COLLINEA_TRY(read_cameras(db, "adjusted_cameras", block.cameras));
+  COLLINEA_TRY(read_poses(db, block.cam_from_world));
   return read_control_observations(db, "used_control_observations", block);
 }
 
@@ -443,7 +443,7 @@ Result<> read_tie_tables(Database& db, Block& block) {
   const auto take_point = [&](const PointRecord::Value& p) {
     points.insert_or_assign(points.end(), p.first, p.second);
   };
-  if (auto read = read_chunks<PointRecord>(db, "points", take_point); !read) return read;
+  COLLINEA_TRY(read_chunks<PointRecord>(db, "points", take_point));
   return read_chunks<ObservationRecord>(db, "observations",
                                         [&](const Observation& o) { block.observations.push_back(o); });
 }
@@ -460,10 +460,10 @@ Result<> read_ties_in_order(Database& db, const Block& block, const TakeTie& tak
     while (!observations.at_end() && observations.value().point == id) {
       if (!block.images.contains(observations.value().image)) return unfit();
       seen.push_back(observations.value());
-      if (auto next = observations.advance(); !next) return next;
+      COLLINEA_TRY(observations.advance());
     }
     take(id, point, seen);
-    if (auto next = points.advance(); !next) return next;
+    COLLINEA_TRY(points.advance());
     if (!points.at_end() && points.value().first <= id) return unfit();
   }
   return observations.at_end() ? Result<>{} : unfit();
@@ -496,14 +496,14 @@ enum class Wanted { kSetup, kOrientation, kAll };
 
 Result<Block> read_tables(Database& db, Wanted wanted) {
   Block block;
-  if (auto read = read_setup_tables(db, block); !read) return tl::unexpected(read.error());
+  COLLINEA_TRY(read_setup_tables(db, block));
   COLLINEA_TRY(const auto oriented, db.integer("SELECT count(*) FROM oriented"));
   if (oriented == 0) wanted = Wanted::kSetup;
   const auto read = wanted == Wanted::kSetup ? read_control_observations(db, "control_observations", block)
                                              : read_orientation_tables(db, block);
   if (!read) return tl::unexpected(read.error());
   if (wanted == Wanted::kAll) {
-    if (auto ties = read_tie_tables(db, block); !ties) return tl::unexpected(ties.error());
+    COLLINEA_TRY(read_tie_tables(db, block));
   }
   if (!fits_together(block)) return damaged("observations or poses of images or points that are not there");
   return block;
@@ -541,11 +541,11 @@ Result<std::uint64_t> ProjectStore::setup_hash() const {
 
 Result<> ProjectStore::write_setup(const Block& block) {
   return state_->write([&](Database& db) -> Result<> {
-    if (auto written = write_georeference(db, block.georeference); !written) return written;
-    if (auto written = write_cameras(db, "cameras", block.cameras); !written) return written;
-    if (auto written = write_images(db, block.images); !written) return written;
-    if (auto written = write_control(db, block.control); !written) return written;
-    if (auto written = write_ground(db, block.ground); !written) return written;
+    COLLINEA_TRY(write_georeference(db, block.georeference));
+    COLLINEA_TRY(write_cameras(db, "cameras", block.cameras));
+    COLLINEA_TRY(write_images(db, block.images));
+    COLLINEA_TRY(write_control(db, block.control));
+    COLLINEA_TRY(write_ground(db, block.ground));
     if (auto written = write_chunks<ControlObservationRecord>(db, "control_observations", block.control_observations);
         !written)
       return written;
@@ -555,12 +555,11 @@ Result<> ProjectStore::write_setup(const Block& block) {
 
 Result<> ProjectStore::write_orientation(const Block& block) {
   return state_->write([&](Database& db) -> Result<> {
-    if (auto erased = erase_orientation(db); !erased) return erased;
-    if (auto written = write_cameras(db, "adjusted_cameras", block.cameras); !written) return written;
-    if (auto written = write_poses(db, block.cam_from_world); !written) return written;
-    if (auto written = write_chunks<PointRecord>(db, "points", block.points); !written) return written;
-    if (auto written = write_chunks<ObservationRecord>(db, "observations", block.observations); !written)
-      return written;
+    COLLINEA_TRY(erase_orientation(db));
+    COLLINEA_TRY(write_cameras(db, "adjusted_cameras", block.cameras));
+    COLLINEA_TRY(write_poses(db, block.cam_from_world));
+    COLLINEA_TRY(write_chunks<PointRecord>(db, "points", block.points));
+    COLLINEA_TRY(write_chunks<ObservationRecord>(db, "observations", block.observations));
     if (auto written =
             write_chunks<ControlObservationRecord>(db, "used_control_observations", block.control_observations);
         !written)

@@ -157,12 +157,12 @@ Result<std::int64_t> Database::integer(std::string_view sql) {
 }
 
 Result<Transaction> Transaction::begin(Database& database) {
-  if (auto begun = database.execute("BEGIN IMMEDIATE"); !begun) return tl::unexpected(begun.error());
+  COLLINEA_TRY(database.execute("BEGIN IMMEDIATE"));
   return Transaction(database);
 }
 
 Result<Transaction> Transaction::begin_reading(Database& database) {
-  if (auto begun = database.execute("BEGIN"); !begun) return tl::unexpected(begun.error());
+  COLLINEA_TRY(database.execute("BEGIN"));
   return Transaction(database);
 }
 

@@ -64,14 +64,14 @@ Result<> collect(const SurfaceCloud& cloud, double cell_m, PointBuckets& buckets
   const LocalFrame* frame = cloud.point_frame == PointFrame::kMap ? nullptr : cloud.frame;
   std::vector<SurfacePoint> batch;
   for (;;) {
-    if (auto read = cloud.points(batch); !read) return read;
+    COLLINEA_TRY(cloud.points(batch));
     if (batch.empty()) return {};
     std::vector<GridPoint> points = in_cells(batch, frame, cell_m, run);
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     summary.points += points.size();
     summary.points_dropped += std::erase_if(points, [](const GridPoint& p) { return !usable(p); });
     islands.add(points);
-    if (auto added = buckets.add(points); !added) return added;
+    COLLINEA_TRY(buckets.add(points));
   }
 }
 
@@ -200,7 +200,7 @@ Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets, cons
   const Gridding gridding{.cell_m = cell_m, .alike_cells = kAlikePixels * std::max(0.0, cloud.gsd_m) / cell_m};
   MeasuredTiles tiles(scratch, kTileMemory);
   HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
-  if (auto measured = measure_all(buckets, islands, extent, gridding, tiles, holes, run); !measured) return measured;
+  COLLINEA_TRY(measure_all(buckets, islands, extent, gridding, tiles, holes, run));
   holes.prepare();
   give_back_freed_memory();
   const OrientationSigma orientation(cloud.places, {extent.west, extent.north, int(extent.width), int(extent.height)},
@@ -219,18 +219,17 @@ double tidy_cell_m(double gsd_m) {
 
 Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink, const std::filesystem::path& scratch,
                              const DsmOptions& options, const Run& run) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
+  COLLINEA_TRY(validate(options));
   if (!options.cell_m && !(cloud.gsd_m > 0 && std::isfinite(cloud.gsd_m)))
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   const double cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(cloud.gsd_m);
   PointBuckets buckets(scratch, kBucketCells, kPointMemory);
   Islands islands;
   DsmSummary summary;
-  if (auto collected = collect(cloud, cell_m, buckets, islands, summary, run); !collected)
-    return tl::unexpected(std::move(collected).error());
+  COLLINEA_TRY(collect(cloud, cell_m, buckets, islands, summary, run));
   drop_strays(buckets, islands, summary);
   summary.points_dropped += islands.find(cell_m);
-  if (auto finished = buckets.finish(); !finished) return tl::unexpected(std::move(finished).error());
+  COLLINEA_TRY(buckets.finish());
   give_back_freed_memory();
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");
   COLLINEA_TRY(const Extent extent, extent_of(islands));
@@ -239,7 +238,7 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
   summary.grid.north_m = -double(extent.north) * cell_m;
   summary.grid.width = int(extent.width), summary.grid.height = int(extent.height);
   if (cloud.frame) summary.grid.wkt = cloud.frame->wkt1();
-  if (auto begun = sink.begin(summary.grid); !begun) return tl::unexpected(std::move(begun).error());
+  COLLINEA_TRY(sink.begin(summary.grid));
   if (auto made =
           make_model(cloud, buckets, islands, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run);
       !made)

@@ -132,7 +132,7 @@ class Terrain {
         COLLINEA_TRY(Piece piece,
                      read_heights(column, row, std::min(columns, width - column), std::min(rows, height - row)));
         if (sigmas)
-          if (auto read = read_sigmas(piece); !read) return read;
+          COLLINEA_TRY(read_sigmas(piece));
         parallel_for(run_, std::size_t((piece.state.height + each_ - 1) / each_),
                      [&](std::size_t i) { work(row / each_ + int(i), std::as_const(piece)); });
         if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
@@ -196,7 +196,7 @@ class Terrain {
 
   // The ground as far as coarse cells tell it, and how much higher what belongs to it may be.
   Result<> find_ground() {
-    if (auto kept = keep_ground(); !kept) return kept;
+    COLLINEA_TRY(keep_ground());
     ground_ = GroundSurface(coarse_grid(), filled(std::exchange(low_m_, {}), cell_m_));
     return {};
   }
@@ -334,7 +334,7 @@ class Terrain {
       for (int column = 0; column < grid.width; column += kWrittenColumns) {
         COLLINEA_TRY(Piece piece, read_heights(column, row, std::min(kWrittenColumns, grid.width - column),
                                                std::min(kWrittenRows, grid.height - row)));
-        if (auto read = read_sigmas(piece); !read) return read;
+        COLLINEA_TRY(read_sigmas(piece));
         COLLINEA_TRY(const FloatImage added_variance, read_added_variance(piece));
         COLLINEA_TRY(const Means means, read_means(piece));
         parallel_for(run_, std::size_t(piece.state.height), [&](std::size_t y) { make_terrain(means, piece, int(y)); });
@@ -422,7 +422,7 @@ class Terrain {
     summary_.contour_m = contour_interval_m();
     if (summary_.contour_m == 0) {
       for (const auto& file : {files_.contours, drawing})
-        if (auto removed = remove_file(file); !removed) return removed;
+        COLLINEA_TRY(remove_file(file));
       return {};
     }
     FloatImage means = blurred_means();
@@ -474,7 +474,7 @@ bool GroundSurface::shows_ground(const Eigen::Vector3d& on_map, double sigma_m) 
 }
 
 Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(std::move(valid).error());
+  COLLINEA_TRY(validate(options));
   return Terrain(dsm, files, options, run).make();
 }
 

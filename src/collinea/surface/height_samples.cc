@@ -92,7 +92,7 @@ Result<HeightSample> HeightSamples::at(const Eigen::Vector2d& on_map) {
   const int left = int(x), top = int(y);
   const int right = std::min(left + 1, grid().width - 1), bottom = std::min(top + 1, grid().height - 1);
   if (top < first_row_ || bottom >= first_row_ + rows_.height)
-    if (auto loaded = load(top); !loaded) return tl::unexpected(loaded.error());
+    COLLINEA_TRY(load(top));
   const auto here = [&](const FloatImage& rows) {
     return between(rows, left, top - first_row_, right, bottom - first_row_, x - left, y - top);
   };

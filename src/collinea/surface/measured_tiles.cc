@@ -88,7 +88,7 @@ Result<> MeasuredTiles::add(const Place& place, SurfaceTile tile) {
     tiles_.emplace(place, std::move(tile));
     return {};
   }
-  if (auto made = scratch_.make(); !made) return made;
+  COLLINEA_TRY(scratch_.make());
   tiles_.emplace(place, SurfaceTile());
   std::ofstream file(file_of(place), std::ios::binary);
   each_raster(tile, [&](const auto& raster) { write(file, raster); });

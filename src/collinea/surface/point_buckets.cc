@@ -69,7 +69,7 @@ PointBuckets::Piece PointBuckets::sort_into_bands(const Place& place, std::vecto
 }
 
 Result<> PointBuckets::spill() {
-  if (auto made = scratch_.make(); !made) return made;
+  COLLINEA_TRY(scratch_.make());
   for (auto& [place, bucket] : buckets_) {
     if (bucket.in_memory.empty()) continue;
     std::ofstream file(file_of(place), bucket.in_file.empty() ? std::ios::binary : std::ios::binary | std::ios::app);
@@ -152,8 +152,7 @@ Result<std::vector<GridPoint>> PointBuckets::points_in(const CellWindow& window)
   std::vector<GridPoint> points;
   points.reserve(std::size_t(kMoreThanExpected * expected));  // growing would take three times as much for a moment
   for (const auto* bucket : touched)
-    if (auto read = read_bucket(bucket->first, bucket->second, window, points); !read)
-      return tl::unexpected(std::move(read).error());
+    COLLINEA_TRY(read_bucket(bucket->first, bucket->second, window, points));
   return points;
 }
 

@@ -24,14 +24,13 @@ Result<Profile> profile_along(const std::vector<Eigen::Vector2d>& line, double s
     return {};
   };
   double before_m = 0;
-  if (auto added = add(0, line[0]); !added) return tl::unexpected(added.error());
+  COLLINEA_TRY(add(0, line[0]));
   for (std::size_t i = 1; i < line.size(); ++i) {
     const Eigen::Vector2d way = line[i] - line[i - 1];
     const int steps = std::max(1, int(std::ceil(way.norm() / step_m - 1e-9)));
     for (int k = 1; k <= steps && way.norm() > 0; ++k) {
       const double share = double(k) / steps;
-      if (auto added = add(before_m + share * way.norm(), line[i - 1] + share * way); !added)
-        return tl::unexpected(added.error());
+      COLLINEA_TRY(add(before_m + share * way.norm(), line[i - 1] + share * way));
     }
     before_m += way.norm();
   }

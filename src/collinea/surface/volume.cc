@@ -250,7 +250,7 @@ double Volume::sigma_m3() const { return std::hypot(sigma_heights_m3, sigma_shif
 
 Result<Volume> volume_over_level(const SurfaceFiles& surface, double base_m, const std::optional<MapArea>& area,
                                  const VolumeOptions& options, const Run& run) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(options));
   COLLINEA_TRY(const Window window, window_of(surface, area, options));
   const FloatImage exact(window.grid.width, window.grid.height);
   return summed(window, {FloatImage(window.grid.width, window.grid.height, 1, float(base_m)), exact, exact}, options,
@@ -259,7 +259,7 @@ Result<Volume> volume_over_level(const SurfaceFiles& surface, double base_m, con
 
 Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area, const VolumeOptions& options,
                                const Run& run) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(options));
   COLLINEA_TRY(Window window, window_of(surface, area, options));
   const FloatImage exact(window.grid.width, window.grid.height);
   window.common_m = exact;
@@ -268,7 +268,7 @@ Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area,
   Base base{exact, exact, exact};
   Volume plane;
   Eigen::Matrix3d covariance;
-  if (auto fitted = fit_rim(window, base.height_m, plane, covariance); !fitted) return tl::unexpected(fitted.error());
+  COLLINEA_TRY(fit_rim(window, base.height_m, plane, covariance));
   COLLINEA_TRY(Volume volume, summed(window, base, without_shift, run));
   volume.plane = plane.plane;
   volume.middle = plane.middle;
@@ -287,7 +287,7 @@ Result<Volume> volume_over_rim(const SurfaceFiles& surface, const MapArea& area,
 
 Result<Volume> volume_over_surface(const SurfaceFiles& surface, const SurfaceFiles& base,
                                    const std::optional<MapArea>& area, const VolumeOptions& options, const Run& run) {
-  if (auto valid = validate(options); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(options));
   COLLINEA_TRY(Window window, window_of(surface, area, options));
   COLLINEA_TRY(HeightSamples below, HeightSamples::open(base, options.sigma_m));
   if (!below.grid().wkt.empty() && !window.grid.wkt.empty() && below.grid().wkt != window.grid.wkt)

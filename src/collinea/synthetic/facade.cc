@@ -67,7 +67,7 @@ std::vector<Mark> places_on_wall(const Scene& scene, const FacadeScene& wall, do
 }  // namespace
 
 Result<Truth> make_facade(const FacadeOptions& o, const Run& run) {
-  if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(o));
   COLLINEA_TRY(LocalFrame frame, LocalFrame::create(o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m));
   COLLINEA_TRY(const Camera camera, true_camera(o, 0.78));
   FacadeScene wall;

@@ -110,13 +110,13 @@ Result<> write_products(const Truth& truth, const std::filesystem::path& folder,
       fill_tile(truth, plumb_lines(truth.frame, grid, column, row, top_m), cell_m, column, strip);
     });
     if (run.stopped()) return fail(Errc::kCancelled, "writing the true surface was stopped");
-    if (auto written = dsm.write(0, row, strip.heights); !written) return written;
-    if (auto written = dtm.write(0, row, strip.terrain); !written) return written;
-    if (auto written = ortho.write(0, row, strip.colours); !written) return written;
+    COLLINEA_TRY(dsm.write(0, row, strip.heights));
+    COLLINEA_TRY(dtm.write(0, row, strip.terrain));
+    COLLINEA_TRY(ortho.write(0, row, strip.colours));
     run.report("true surface", double(row + rows) / grid.height);
   }
-  if (auto written = dsm.finish(); !written) return written;
-  if (auto written = dtm.finish(); !written) return written;
+  COLLINEA_TRY(dsm.finish());
+  COLLINEA_TRY(dtm.finish());
   return ortho.finish();
 }
 

@@ -171,7 +171,7 @@ Result<> mark_control(Truth& truth, const SurveyOptions& o, const Area& mapped, 
 }  // namespace
 
 Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
-  if (const auto valid = validate(o); !valid) return tl::unexpected(valid.error());
+  COLLINEA_TRY(validate(o));
   COLLINEA_TRY(LocalFrame frame, LocalFrame::create(o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m));
   COLLINEA_TRY(const Plan plan, plan_of(o));
   const auto seed = std::uint64_t(o.seed);
@@ -201,7 +201,7 @@ Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
     add_positions(truth, o.gps_sigma_plan_m, o.gps_sigma_height_m);
     add_attitudes(truth, kGimbalSigma_deg);
   }
-  if (auto done = mark_control(truth, o, mapped, run); !done) return tl::unexpected(std::move(done).error());
+  COLLINEA_TRY(mark_control(truth, o, mapped, run));
   return truth;
 }
 

@@ -115,8 +115,8 @@ Result<> write_all(const Truth& truth, const std::filesystem::path& folder, cons
   std::filesystem::create_directories(folder / "images", error);
   std::filesystem::create_directories(folder / "truth", error);
   if (error) return fail(Errc::kNotFound, folder.string() + ": cannot be made: " + error.message());
-  if (auto done = write_tables(truth, folder); !done) return done;
-  if (auto done = write_photographs(truth, folder / "images", run); !done) return done;
+  COLLINEA_TRY(write_tables(truth, folder));
+  COLLINEA_TRY(write_photographs(truth, folder / "images", run));
   return write_products(truth, folder / "truth", truth.gsd_m, run);
 }
 
@@ -133,7 +133,7 @@ Result<> write_photographs(const Truth& truth, const std::filesystem::path& imag
     }
     COLLINEA_TRY(const ColourImage picture, render(truth, id, *rays, run));
     const PhotoHeader header = header_of(truth, id);
-    if (auto written = write_jpeg(images / image.file, picture, kJpegQuality, &header); !written) return written;
+    COLLINEA_TRY(write_jpeg(images / image.file, picture, kJpegQuality, &header));
     run.report("photographs", double(++done) / double(truth.block.images.size()));
   }
   return {};
@@ -145,21 +145,21 @@ namespace {
 Result<> remove_earlier(const Truth& truth, const std::filesystem::path& folder) {
   if (!is_there(folder / "truth/poses.csv")) return {};
   for (const char* raster : {"truth/dsm.tif", "truth/dtm.tif", "truth/ortho.tif"})
-    if (auto removed = remove_file(folder / raster); !removed) return removed;
+    COLLINEA_TRY(remove_file(folder / raster));
   const auto earlier = read_truth(folder);
   if (!earlier) return {};  // damaged: nothing is known to be ours
   std::set<std::string> files;
   for (const auto& [id, image] : truth.block.images) files.insert(image.file);
   for (const auto& [file, pose] : earlier->cam_from_world)
     if (!files.contains(file))
-      if (auto removed = remove_file(folder / "images" / file); !removed) return removed;
+      COLLINEA_TRY(remove_file(folder / "images" / file));
   return {};
 }
 
 }  // namespace
 
 Result<> write_tables(const Truth& truth, const std::filesystem::path& folder) {
-  if (auto removed = remove_earlier(truth, folder); !removed) return removed;
+  COLLINEA_TRY(remove_earlier(truth, folder));
   const std::filesystem::path inner = folder / "truth";
   const std::pair<std::filesystem::path, std::string> files[] = {
       {folder / "control.csv", control_text(truth)},
@@ -169,7 +169,7 @@ Result<> write_tables(const Truth& truth, const std::filesystem::path& folder) {
       {inner / "frame.csv", frame_text(*truth.block.georeference)},
   };
   for (const auto& [path, text] : files)
-    if (auto written = write_file(path, text); !written) return written;
+    COLLINEA_TRY(write_file(path, text));
   return {};
 }
 

@@ -98,7 +98,7 @@ Result<std::uint64_t> copy_lines(OGRLayerH from, double shortest_m, OGRLayerH pa
     if (!line || OGR_G_Length(line) < shortest_m) continue;
     ++count;
     for (const OGRLayerH layer : {package, drawing})
-      if (auto added = add_line(layer, line); !added) return tl::unexpected(added.error());
+      COLLINEA_TRY(add_line(layer, line));
   }
   if (begun && OGR_L_CommitTransaction(package) != OGRERR_NONE) return fail(Errc::kBadInput, "contours: not written");
   return count;
@@ -113,15 +113,15 @@ Result<std::uint64_t> write_contours(FloatImage heights_m, const MapGrid& grid, 
   const FixedDate date;
   COLLINEA_TRY(const GdalDataset raster, raster_over(heights_m, grid));
   VectorFile package, drawing;
-  if (auto made = package.create("GPKG", geopackage); !made) return tl::unexpected(made.error());
-  if (auto made = drawing.create("DXF", dxf); !made) return tl::unexpected(made.error());
+  COLLINEA_TRY(package.create("GPKG", geopackage));
+  COLLINEA_TRY(drawing.create("DXF", dxf));
   COLLINEA_TRY(const OGRLayerH in_package, line_layer(package, grid.wkt, true));
   COLLINEA_TRY(const OGRLayerH in_drawing, line_layer(drawing, grid.wkt, false));
   COLLINEA_TRY(const GdalDataset all, lines_of(raster.get(), interval_m));
   COLLINEA_TRY(const std::uint64_t lines,
                copy_lines(GDALDatasetGetLayer(all.get(), 0), shortest_m, in_package, in_drawing));
-  if (auto finished = package.finish(); !finished) return tl::unexpected(finished.error());
-  if (auto finished = drawing.finish(); !finished) return tl::unexpected(finished.error());
+  COLLINEA_TRY(package.finish());
+  COLLINEA_TRY(drawing.finish());
   return lines;
 }
 

@@ -91,7 +91,7 @@ Result<> write_geopackage(const std::filesystem::path& path, const std::vector<V
   set_up_gdal();
   const FixedDate date;
   VectorFile file;
-  if (auto made = file.create("GPKG", path); !made) return made;
+  COLLINEA_TRY(file.create("GPKG", path));
   const GdalErrors errors;
   const GdalSrs srs(wkt.empty() ? nullptr : OSRNewSpatialReference(wkt.c_str()));
   for (const VectorLayer& layer : layers) {

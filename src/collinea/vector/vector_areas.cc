@@ -59,7 +59,7 @@ Result<> add_parts(OGRGeometryH geometry, const NamedArea& like, std::vector<Nam
   const OGRwkbGeometryType type = wkbFlatten(OGR_G_GetGeometryType(geometry));
   if (type == wkbMultiPolygon || type == wkbGeometryCollection) {
     for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
-      if (auto added = add_parts(OGR_G_GetGeometryRef(geometry, i), like, areas); !added) return added;
+      COLLINEA_TRY(add_parts(OGR_G_GetGeometryRef(geometry, i), like, areas));
     return {};
   }
   if (type != wkbPolygon) return fail(Errc::kBadInput, std::string("is no polygon but ") + OGRGeometryTypeToName(type));
@@ -81,7 +81,7 @@ Result<> add_feature(OGRFeatureH feature, int field, std::vector<NamedArea>& are
   if (!straight) return fail(Errc::kBadInput, "has curves that cannot be made straight");
   const std::size_t before = areas.size();
   const NamedArea like{OGR_F_GetFID(feature), OGR_F_GetFieldAsString(feature, field), {}};
-  if (auto added = add_parts(straight.get(), like, areas); !added) return added;
+  COLLINEA_TRY(add_parts(straight.get(), like, areas));
   if (areas.size() == before) return fail(Errc::kBadInput, "has no polygon");
   if (!OGR_G_IsValid(straight.get()))
     return fail(Errc::kBadInput,
