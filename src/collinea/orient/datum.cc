@@ -62,9 +62,4 @@ std::optional<Datum> datum(const Block& block, bool use_positions, bool use_cont
   return result;
 }
 
-void transform(Block& block, const Similarity3& world_from_block) {
-  for (auto& [id, pose] : block.cam_from_world) pose = moved(pose, world_from_block);
-  for (auto& [id, point] : block.points) point.position_in_world = world_from_block * point.position_in_world;
-}
-
 }  // namespace collinea

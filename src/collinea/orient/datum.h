@@ -27,7 +27,4 @@ struct Datum {
 [[nodiscard]] std::optional<Datum> datum(const Block& block, bool use_positions = true, bool use_control = true,
                                          std::uint64_t seed = 1);
 
-/// Moves poses and points of the block by the similarity; priors and control stay where they are.
-void transform(Block& block, const Similarity3& world_from_block);
-
 }  // namespace collinea

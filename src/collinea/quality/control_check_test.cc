@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/quality/control_check.h"
+#include "collinea/block/transform.h"
 
 #include <gtest/gtest.h>
 
