@@ -52,8 +52,7 @@ bool is_of_positions(const InstrumentOptions& asked) {
 
 Result<> check_instruments(const InstrumentOptions& asked) {
   if (Result<> valid = validate(asked); !valid) return valid;
-  if (has_lever_arm(asked))
-    COLLINEA_TRY(lever_arm_of(*asked.lever_arm));
+  if (has_lever_arm(asked)) COLLINEA_TRY(lever_arm_of(*asked.lever_arm));
   const std::string& shift = asked.position_shift;
   if (shift != "none" && shift != "block" && shift != "strips")
     return fail(Errc::kBadInput, "position_shift = \"" + shift + "\": choose none, block or strips");
@@ -109,10 +108,10 @@ Result<> add_instruments(const Block& block, const InstrumentOptions& asked, Adj
 void expect_shift(ControlDiagnosis& diagnosis) {
   const auto found = [&](const char* code) {
     return std::any_of(diagnosis.findings.begin(), diagnosis.findings.end(),
-                       [&](const Finding& finding) { return finding.code == code; });
+                       [&](const ControlFinding& finding) { return finding.code == code; });
   };
   if (found("position_crs")) return;
-  std::erase_if(diagnosis.findings, [](const Finding& finding) {
+  std::erase_if(diagnosis.findings, [](const ControlFinding& finding) {
     return finding.code == "position_heights" || finding.code == "position_offset";
   });
   diagnosis.position_height_shift_m = 0;

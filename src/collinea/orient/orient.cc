@@ -320,13 +320,13 @@ class Orienter {
     ControlDiagnosis diagnosis = diagnose(block);
     if (diagnosis.axes_swapped)
       if (auto control = with_exchanged_axes()) {
-        for (const Finding& finding : diagnosis.findings)
+        for (const ControlFinding& finding : diagnosis.findings)
           if (finding.code == "control_axes_swapped")
             result_.findings.push_back(finding.message + "; they are used exchanged back");
         block.control = setup_.control = *std::move(control);
         diagnosis = diagnose(block);
       }
-    for (const Finding& finding : diagnosis.findings) result_.findings.push_back(finding.message);
+    for (const ControlFinding& finding : diagnosis.findings) result_.findings.push_back(finding.message);
     result_.excluded_control = diagnosis.excluded_points;
     apply(diagnosis, setup_);
     if (diagnosis.axes_swapped) setup_.control_observations.clear();

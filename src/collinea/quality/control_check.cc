@@ -106,8 +106,9 @@ bool axes_are_swapped(const Block& block, const std::vector<Place>& places, std:
 
 // --- coordinates of points
 
-Finding wrong_point(const ControlPoint& control, ControlId id, const Eigen::Vector3d& off, std::string_view than) {
-  Finding finding{"control_point", {}, id, {}, off.norm()};
+ControlFinding wrong_point(const ControlPoint& control, ControlId id, const Eigen::Vector3d& off,
+                           std::string_view than) {
+  ControlFinding finding{"control_point", {}, id, {}, off.norm()};
   const std::string_view where = std::hypot(off.x(), off.y()) < 0.2 * std::abs(off.z())   ? "in height "
                                  : std::abs(off.z()) < 0.2 * std::hypot(off.x(), off.y()) ? "in plan "
                                                                                           : "";
@@ -163,7 +164,7 @@ void name_wrong_check_points(const Block& block, const std::vector<Place>& place
   for (const Place& place : checks) {
     const Eigen::Vector3d off = place.pair.in_world - *similarity * place.pair.in_block;
     if (off.norm() < std::max(limit_m, 10 * place.pair.sigma_m)) continue;
-    Finding finding{"check_point", {}, place.id, {}, off.norm()};
+    ControlFinding finding{"check_point", {}, place.id, {}, off.norm()};
     finding.message = fmt::format("check point {} is {:.1f} m off what the control points say",
                                   block.control.at(place.id).name, off.norm());
     diagnosis.findings.push_back(finding);
@@ -184,7 +185,7 @@ void check_points_by_positions(const Block& block, std::vector<Place>& places, C
   if (places.size() == 2) {
     const double apart = (off[0] - off[1]).norm();
     if (apart < limit) return;
-    Finding finding{"control_inconsistent", {}, {}, {}, apart};
+    ControlFinding finding{"control_inconsistent", {}, {}, {}, apart};
     finding.message =
         fmt::format("{} and {} contradict each other by {:.1f} m by the camera positions; one of them is wrong",
                     block.control.at(places[0].id).name, block.control.at(places[1].id).name, apart);
@@ -258,7 +259,7 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
     return std::max({least, 3 * sigma, 5 * spread / std::sqrt(count)});
   };
   if (plan > limit(scatter.head<2>().norm(), 500)) {
-    Finding finding{"position_crs", {}, {}, {}, plan};
+    ControlFinding finding{"position_crs", {}, {}, {}, plan};
     finding.message = fmt::format(
         "the positions of the images lie {:.1f} km from the control: the coordinate system of the control is "
         "not the one that was named, or its columns are mixed up; positions are not used",
@@ -268,7 +269,7 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
     return;
   }
   if (plan > limit(scatter.head<2>().norm(), 10)) {
-    Finding finding{"position_offset", {}, {}, {}, plan};
+    ControlFinding finding{"position_offset", {}, {}, {}, plan};
     finding.message = fmt::format(
         "the positions of the images lie {:.1f} m off the control in plan (east {:+.1f}, north {:+.1f}); "
         "control is used, positions are not",
@@ -277,7 +278,7 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
     diagnosis.positions_unusable = true;
   }
   if (std::abs(off.z()) > std::max({1.0, 1.5 * sigma, 5 * scatter.z() / std::sqrt(count)})) {
-    Finding finding{"position_heights", {}, {}, {}, std::abs(off.z())};
+    ControlFinding finding{"position_heights", {}, {}, {}, std::abs(off.z())};
     finding.message = fmt::format(
         "GPS heights lie {:.1f} m {} the control heights (another height reference? --gps-heights or --control-heights "
         "tells it); heights of control are used",
@@ -301,7 +302,7 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
                       std::sqrt(met.covariance.trace() / 3)});
   }
   if (axes_are_swapped(block, places, seed)) {
-    Finding finding{"control_axes_swapped", {}, {}, {}, 0};
+    ControlFinding finding{"control_axes_swapped", {}, {}, {}, 0};
     finding.message =
         "the control fits the images only with eastings and northings exchanged: its columns are in the other order";
     diagnosis.findings.push_back(finding);

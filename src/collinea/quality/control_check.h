@@ -12,7 +12,7 @@
 namespace collinea {
 
 /// Something that is wrong, or looks wrong, with control or with the positions of the images, in words for a surveyor.
-struct Finding {
+struct ControlFinding {
   /// "control_measurement": one image measurement does not meet the others; excluded
   /// "control_measurements_disagree": two rays of a point that miss each other; the point is excluded
   /// "control_point": the coordinates of a point contradict the others; the point is excluded
@@ -31,7 +31,7 @@ struct Finding {
 
 /// What was found and what should be done about it before the block is adjusted.
 struct ControlDiagnosis {
-  std::vector<Finding> findings;
+  std::vector<ControlFinding> findings;
   std::set<std::size_t> excluded_observations;  ///< places in Block::control_observations
   std::set<ControlId> excluded_points;
   double position_height_shift_m = 0;  ///< to be added to the heights of Image::position

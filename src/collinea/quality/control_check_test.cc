@@ -31,7 +31,7 @@ std::size_t place_of(const Block& block, ControlId id, int which) {
 TEST(CheckControl, GoodControlGivesNoFinding) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const ControlDiagnosis diagnosis = check_control(block_with_control(9, true, seed));
-    for (const Finding& finding : diagnosis.findings) ADD_FAILURE() << seed << ": " << finding.message;
+    for (const ControlFinding& finding : diagnosis.findings) ADD_FAILURE() << seed << ": " << finding.message;
   }
 }
 
@@ -43,7 +43,7 @@ TEST(CheckControl, NamesTheWrongMeasurementAndTheImage) {
   block.control_observations[place].pixel += Eigen::Vector2d(21, -28);
   const ControlDiagnosis diagnosis = check_control(block);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
-  const Finding& finding = diagnosis.findings.front();
+  const ControlFinding& finding = diagnosis.findings.front();
   EXPECT_EQ(finding.code, "control_measurement");
   EXPECT_EQ(finding.point, id);
   EXPECT_EQ(finding.image, block.control_observations[place].image);

@@ -49,16 +49,17 @@ bool is_wrong(const Suspect& suspect, double sigma_px, std::size_t lines) {
   return suspect.off_px > std::max({kSigmas * sigma_px, kLeast_px, times * suspect.rest_px});
 }
 
-Finding wrong_measurement(const Block& block, const ControlPoint& control, ControlId id, ImageId image, double off_px) {
-  Finding finding{"control_measurement", {}, id, image, off_px};
+ControlFinding wrong_measurement(const Block& block, const ControlPoint& control, ControlId id, ImageId image,
+                                 double off_px) {
+  ControlFinding finding{"control_measurement", {}, id, image, off_px};
   finding.message =
       fmt::format("{} in {} is off by {:.0f} px: the other images see it elsewhere; this measurement is not used",
                   control.name, block.images.at(image).file, off_px);
   return finding;
 }
 
-Finding disagreement(const ControlPoint& control, ControlId id, std::size_t images, double off_px) {
-  Finding finding{"control_measurements_disagree", {}, id, {}, off_px};
+ControlFinding disagreement(const ControlPoint& control, ControlId id, std::size_t images, double off_px) {
+  ControlFinding finding{"control_measurements_disagree", {}, id, {}, off_px};
   finding.message = fmt::format(
       "the measurements of {} in {} images miss each other by up to {:.0f} px, and too few are "
       "there to tell which is wrong; the point is not used",

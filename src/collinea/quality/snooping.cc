@@ -203,7 +203,7 @@ class Snooper {
     for (const std::size_t place : diagnosis.excluded_observations) {
       const ControlObservation& seen = given_.control_observations[place];
       double off_px = 0;
-      for (const Finding& finding : diagnosis.findings)
+      for (const ControlFinding& finding : diagnosis.findings)
         if (finding.point == seen.point && finding.image == seen.image) off_px = std::max(off_px, finding.size);
       if (off_px < kGross * seen.sigma_px || static_cast<int>(out_.taken_out.size()) >= most_) continue;
       gross.push_back(static_cast<std::uint32_t>(place));
