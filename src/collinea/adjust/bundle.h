@@ -14,6 +14,7 @@
 
 #include "collinea/adjust/place_precision.h"
 #include "collinea/adjust/reliability.h"
+#include "collinea/base/finding.h"
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
@@ -143,8 +144,8 @@ struct EstimatedUnknown {
   double sigma = std::numeric_limits<double>::quiet_NaN();  ///< by the given sigmas; with covariances
 };
 
-/// "the orientation of set-up 3", "the height of the antenna".
-[[nodiscard]] std::string name_of_extra(const Block& block, UnknownKind kind, std::uint32_t owner, int axis);
+/// What that unknown is of; `report` names it: "the orientation of set-up 3".
+[[nodiscard]] Subject subject_of(UnknownKind kind, std::uint32_t owner, int axis);
 
 /// A measurement on the ground after the adjustment.
 struct GroundDifference {
@@ -188,14 +189,22 @@ struct ControlDifference {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using MatrixPd = Eigen::MatrixXd;  ///< of as many of Camera::params as the camera's last one needs
 
-/// Something that the observations determine badly or not at all, in words.
-struct Weakness {
-  /// no_datum, datum_defect, weak_turn, weak_scale, focal_and_height, camera_and_pose, parameter_not_determined,
-  /// scale_drifts, loose_images, no_base, images_left_out, ground_left_out, weak_images
-  std::string code;
-  std::string what, cure;
-  double size = 0;  ///< motions, parameters or images; of a weak motion its standard deviation, of a mixture its
-                    ///< correlation
+/// What fixes position, attitude and scale of a block, as far as anything does.
+struct DatumSources {
+  bool control = false;
+  bool positions = false;  ///< of images
+  bool attitudes = false;  ///< of images, or what is known of up
+  bool ground = false;     ///< geodetic observations
+  bool fixed = false;      ///< images or points that are held
+  int parts = 0;           ///< that no tie point connects
+
+  friend bool operator==(const DatumSources&, const DatumSources&) = default;
+};
+
+/// What an unknown contributes to a combination of unknowns.
+struct UnknownShare {
+  Subject unknown;
+  double share = 0;  ///< of the sum of squares, 0 to 1
 };
 
 /// How well images, cameras and what stands in the border can be told apart.
@@ -204,7 +213,7 @@ struct Conditioning {
   /// known: 1 / the least eigenvalue of the reduced normal equations with each unknown in units of its own weight. Of
   /// sixteen digits its logarithm is lost. 0: not known.
   double inflation = 0;
-  std::string mostly;  ///< what that combination consists of, in words
+  std::vector<UnknownShare> mostly;  ///< the up to three unknowns that this combination consists of most, descending
 };
 
 /// How a parameter of a camera goes with one of the six of an image: with what differs least from it in its effect.
@@ -232,8 +241,8 @@ struct Adjusted {
   std::vector<GroundDifference> ground;               ///< those whose two points take part, ascending
   std::vector<EstimatedUnknown> extras;               ///< unknowns beside images, cameras and points
   std::vector<AttitudeDifference> attitudes;          ///< ascending
-  /// With covariances: pairs of unknowns that hardly differ in what they do (correlation beyond 0.99), and what helps.
-  std::vector<std::string> inseparable;
+  /// With covariances: pairs of unknowns that hardly differ in what they do (correlation beyond 0.99).
+  std::vector<Finding> inseparable;
   std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
 
   double sigma0 = 0;                              ///< a posteriori, of unit weight: 1 when the given sigmas are true,
@@ -241,14 +250,14 @@ struct Adjusted {
   long redundancy = 0;                            ///< observations (priors too) minus unknowns plus rank defect
   long observation_count = 0, unknown_count = 0;  ///< coordinates (of rays that see their point); single unknowns
   int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or held images fix it
-  std::string datum;    ///< what fixes place, attitude and scale, in words
+  DatumSources datum;   ///< what fixes position, attitude and scale
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;  ///< sum of squared whitened residuals after the loss
   bool converged = false;
   double last_step_sigmas = 0;  ///< length of the last step of images and cameras, in their standard deviations
 
   /// Covariances of the robust estimate by the given sigmas (times sigma0^2 when those are only known up to scale);
-  /// empty when not asked for or when something is not determined (`undetermined` then says what).
+  /// empty when not asked for or when something is not determined (`undetermined` is then what).
   std::map<ImageId, Matrix6d>
       pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
@@ -256,9 +265,9 @@ struct Adjusted {
   std::vector<PlacePrecision> places;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
   /// With covariances, where the datum is complete: six of each free parameter of each camera.
   std::vector<CameraPoseCorrelation> camera_pose_correlations;
-  std::string undetermined;
+  std::optional<Finding> undetermined;     ///< an unknown that nothing determines
   Conditioning conditioning;               ///< with covariances
-  std::vector<Weakness> weaknesses;        ///< with covariances; none: everything is well determined
+  std::vector<Finding> weaknesses;         ///< with covariances; none: everything is well determined
   std::optional<Reliability> reliability;  ///< when asked for and everything is determined
 };
 

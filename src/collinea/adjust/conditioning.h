@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "collinea/adjust/problem.h"
@@ -9,13 +8,12 @@
 
 namespace collinea::bundle {
 
-/// "the attitude of IMG_3.jpg", "k1 of camera X": what a row of the reduced normal equations stands for.
-[[nodiscard]] std::string name_of_unknown(const Block& block, const Problem& problem, int row);
+/// The unknown that a row of the reduced normal equations stands for: the attitude of an image, k1 of a camera.
+[[nodiscard]] Subject subject_of_row(const Problem& problem, int row);
 
 /// The worst combination of the reduced unknowns, by inverse iteration; `weights` is the diagonal of the normal
 /// equations before the points were eliminated.
-[[nodiscard]] Conditioning conditioning_of(const Block& block, const Problem& problem,
-                                           const std::vector<double>& weights, const TileCholesky& factor,
-                                           const Run& run);
+[[nodiscard]] Conditioning conditioning_of(const Problem& problem, const std::vector<double>& weights,
+                                           const TileCholesky& factor, const Run& run);
 
 }  // namespace collinea::bundle

@@ -31,17 +31,16 @@ constexpr double kInseparable = 0.99;  // correlation: the sigma of each is seve
 bool is_along_axis(const ExtraUnknown& extra) { return extra.kind == UnknownKind::kLeverArm && extra.axis == 2; }
 
 // What would part an unknown from another one, or (other = nullptr) from a parameter of a camera.
-const char* cure_of(const ExtraUnknown& extra, const ExtraUnknown* other) {
-  if (extra.kind == UnknownKind::kTimeOffset)
-    return "fly strips in the opposite direction under one shift, or give one of them";
-  if (is_of_shape(extra.kind)) return "give control, or points that are further apart";
+std::vector<Remedy> remedies_of(const ExtraUnknown& extra, const ExtraUnknown* other) {
+  if (extra.kind == UnknownKind::kTimeOffset) return {RemedyCode::kFlyBack, RemedyCode::kGiveOne};
+  if (is_of_shape(extra.kind)) return {RemedyCode::kSpreadShapePoints};
   if (is_along_axis(extra) || (other && is_along_axis(*other)))
-    return "add strips at another height or oblique images, or give one of them";
-  if (extra.kind == UnknownKind::kOrientation) return "measure to more points from there";
+    return {RemedyCode::kAddHeightsOrOblique, RemedyCode::kGiveOne};
+  if (extra.kind == UnknownKind::kOrientation) return {RemedyCode::kMeasureMoreFromSetup};
   if (extra.kind == UnknownKind::kLeverArm || (other && other->kind == UnknownKind::kLeverArm) ||
       extra.kind == UnknownKind::kBoresight)
-    return "add strips in the opposite direction and across, or give one of them";
-  return "add cross strips, or control in every strip";
+    return {RemedyCode::kFlyBackAndAcross, RemedyCode::kGiveOne};
+  return {RemedyCode::kAddCrossStripOrControl};
 }
 
 // What name_inseparable_offsets() says, and what only follows from it: axes of one shift that an offset ties together.
@@ -50,7 +49,7 @@ bool parted_elsewhere(const ExtraUnknown& one, const ExtraUnknown& other, bool o
   return offsets && one.kind == other.kind && one.owner == other.owner;
 }
 
-void name_inseparable(const Block& block, const Problem& problem, TileCholesky& inverse, Adjusted& adjusted) {
+void name_inseparable(const Problem& problem, TileCholesky& inverse, Adjusted& adjusted) {
   const int border = 6 * problem.poses;
   const bool offsets = !adjusted.inseparable.empty();
   for (int i = 0; i < static_cast<int>(problem.extras.size()); ++i) {
@@ -62,16 +61,16 @@ void name_inseparable(const Block& block, const Problem& problem, TileCholesky& 
       const double correlation = inverse.at(row, other) / std::sqrt(inverse.at(row, row) * inverse.at(other, other));
       if (!(std::abs(correlation) > kInseparable)) continue;
       adjusted.inseparable.push_back(
-          name_of_unknown(block, problem, row) + " and " + name_of_unknown(block, problem, other) +
-          " can hardly be separated (correlation " + std::to_string(correlation).substr(0, correlation < 0 ? 6 : 5) +
-          "): " + cure_of(extra, k < 0 ? nullptr : &problem.extras[static_cast<std::size_t>(k)]));
+          finding_of(FindingCode::kInseparable, {subject_of_row(problem, row), subject_of_row(problem, other)},
+                     {{FigureName::kCorrelation, correlation}},
+                     remedies_of(extra, k < 0 ? nullptr : &problem.extras[static_cast<std::size_t>(k)])));
     }
   }
 }
 
 // A time offset moves the antenna along the flight, which need not be an axis: what of it a shift, a drift or a lever
 // arm can stand for is its multiple correlation with the three.
-void name_inseparable_offsets(const Block& block, const Problem& problem, TileCholesky& inverse, Adjusted& adjusted) {
+void name_inseparable_offsets(const Problem& problem, TileCholesky& inverse, Adjusted& adjusted) {
   const int first = 6 * problem.poses + problem.first_extra;
   for (std::size_t i = 0; i < problem.extras.size(); ++i) {
     if (problem.extras[i].kind != UnknownKind::kTimeOffset) continue;
@@ -89,12 +88,11 @@ void name_inseparable_offsets(const Block& block, const Problem& problem, TileCh
       const Eigen::Vector3d coupling = scale.asDiagonal() * with / std::sqrt(inverse.at(row, row));
       const double square = coupling.dot(correlations.ldlt().solve(coupling));
       if (!(square > kInseparable * kInseparable)) continue;
-      std::string name = name_of_extra(block, other.kind, other.owner, 0);
-      const std::size_t axis = name.find(other.kind == UnknownKind::kLeverArm ? " to the right" : " in east");
-      name.replace(axis, other.kind == UnknownKind::kLeverArm ? 13 : 8, " along the flight");
-      adjusted.inseparable.push_back(
-          name_of_unknown(block, problem, row) + " and " + name + " can hardly be separated (correlation " +
-          std::to_string(std::sqrt(square)).substr(0, 5) + "): " + cure_of(problem.extras[i], &other));
+      Subject along = subject_of(other.kind, other.owner, 0);
+      along.axis = Subject::kAlongFlight;
+      adjusted.inseparable.push_back(finding_of(FindingCode::kInseparable, {subject_of_row(problem, row), along},
+                                                {{FigureName::kCorrelation, std::sqrt(square)}},
+                                                remedies_of(problem.extras[i], &other)));
     }
   }
 }
@@ -142,16 +140,15 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   std::optional<TileCholesky> factor = normals.factor(run, kLeastPivot, failed_row);
   if (run.stopped()) return;
   if (!factor) {
-    adjusted.undetermined = name_of_unknown(block, problem, failed_row) + " is not determined by the observations";
+    adjusted.undetermined = finding_of(FindingCode::kUndetermined, {subject_of_row(problem, failed_row)});
     const auto extra = static_cast<std::size_t>(failed_row - 6 * problem.poses - problem.first_extra);
-    if (extra < problem.extras.size())
-      adjusted.undetermined += std::string(": ") + cure_of(problem.extras[extra], nullptr);
+    if (extra < problem.extras.size()) adjusted.undetermined->remedies = remedies_of(problem.extras[extra], nullptr);
     weaknesses.look_at_bases(nullptr, run);
     weaknesses.look_at_loose_images(run, normals);
     return;
   }
   TileCholesky& matrix = *factor;
-  adjusted.conditioning = conditioning_of(block, problem, normals.diagonal(), matrix, run);
+  adjusted.conditioning = conditioning_of(problem, normals.diagonal(), matrix, run);
   weaknesses.look_at_correlations(matrix);
   const FreeNetwork free_network(problem, state, matrix);
   predict_check_points(block, problem, state, matrix, free_network, run, adjusted);
@@ -162,8 +159,8 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   if (run.stopped()) return;
   predict_control_points(block, problem, state, matrix, free_network, adjusted);
   predict_others(problem, state, matrix, free_network, adjusted);
-  name_inseparable_offsets(block, problem, matrix, adjusted);
-  name_inseparable(block, problem, matrix, adjusted);
+  name_inseparable_offsets(problem, matrix, adjusted);
+  name_inseparable(problem, matrix, adjusted);
   for (int i = 0; i < problem.poses; ++i) {
     Matrix6d to_world = Matrix6d::Identity();
     to_world.topLeftCorner<3, 3>() = state.rotations[i].conjugate().toRotationMatrix();

@@ -167,7 +167,7 @@ struct Problem {
   std::vector<int> part_of_pose;   ///< images connected by points, as numbers of parts
   std::vector<int> part_of_point;  ///< those that no image shows are of the part they are measured from; -1: of none
   int rank_defect = 0;
-  std::string datum_text;
+  DatumSources datum_sources;
   std::vector<ImageId> images_left_out;
   bool moves_as_one = false;      ///< one connected part, nothing held: the block can be moved as a whole
   std::size_t first_control = 0;  ///< no point before this one is a control point
@@ -230,7 +230,7 @@ struct ProblemAndStart {
 [[nodiscard]] Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope,
                                              const AdjustOptions& options);
 
-/// Fills datum, rank_defect and datum_text.
+/// Fills datum, rank_defect and datum_sources.
 void find_datum(Problem& problem, const State& start);
 
 }  // namespace collinea::bundle

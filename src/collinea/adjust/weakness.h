@@ -28,11 +28,12 @@ class WeaknessFinder {
   void look_at_images();
 
  private:
-  void add(std::string code, std::string what, std::string cure, double size = 0);
+  void add(Finding finding);
+  [[nodiscard]] bool has(std::initializer_list<FindingCode> codes) const;
   struct KnownInPart {
-    std::vector<std::string> control;  // names, sorted
-    bool whole = true;                 // on all three axes
-    bool control_alone = true;         // no positions
+    std::vector<ControlId> control;  // sorted by name
+    bool whole = true;               // on all three axes
+    bool control_alone = true;       // no positions
   };
   [[nodiscard]] KnownInPart known_in(int part) const;
   [[nodiscard]] double variance_of_distance(std::size_t point, TileCholesky* inverse) const;
@@ -43,12 +44,13 @@ class WeaknessFinder {
   /// A camera with its free parameters: their place among the reduced unknowns, and their cofactors.
   struct FreeCamera {
     const ProblemCamera& camera;
-    std::string name;
     int first;
     Eigen::MatrixXd cofactor;
 
     [[nodiscard]] int count() const { return static_cast<int>(camera.free.size()); }
-    [[nodiscard]] std::string parameter(int k) const { return param_name(camera.free[static_cast<std::size_t>(k)]); }
+    [[nodiscard]] Subject parameter(int k) const {
+      return {camera.id, Aspect::kParameter, camera.free[static_cast<std::size_t>(k)]};
+    }
   };
   void look_at_camera(const TileCholesky& factor, std::size_t camera);
   [[nodiscard]] std::vector<Eigen::VectorXd> motions_like_a_camera(std::size_t camera) const;
@@ -56,7 +58,7 @@ class WeaknessFinder {
                       const Eigen::VectorXd& motion);
   void name_what_is_owed(const FreeCamera& free, bool imitated);
   [[nodiscard]] double reference_sigma(bool height) const;
-  [[nodiscard]] std::string files(const std::vector<int>& images) const;
+  [[nodiscard]] std::vector<Subject> subjects(const std::vector<int>& images) const;
   [[nodiscard]] std::vector<double> solved(const TileCholesky& factor, std::vector<double> right) const;
 
   const Block& block_;

@@ -114,6 +114,7 @@ constexpr CodeRow kCodes[] = {
     {C::kShearDropped, "shear_dropped", kNote, F::kValue, F::kOffsetPx},
     {C::kAdditionalDropped, "additional_dropped", kNote, F::kOffsetPx},
     {C::kImagesNotExported, "images_not_exported", kNote, F::kCount},
+    {C::kDistortionFitted, "distortion_fitted", kNote, F::kOffsetPx},
 };
 
 struct FigureRow {

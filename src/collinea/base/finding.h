@@ -123,8 +123,9 @@ enum class FindingCode : std::uint8_t {
   kShearDropped,
   kAdditionalDropped,
   kImagesNotExported,
+  kDistortionFitted,  ///< image coordinates were corrected for what a format's camera cannot hold
 };
-inline constexpr std::size_t kFindingCodes = static_cast<std::size_t>(FindingCode::kImagesNotExported) + 1;
+inline constexpr std::size_t kFindingCodes = static_cast<std::size_t>(FindingCode::kDistortionFitted) + 1;
 
 /// What a figure is. Its unit belongs to it; both are in the word: "offset_m".
 enum class FigureName : std::uint8_t {
@@ -261,7 +262,7 @@ struct Subject {
   [[nodiscard]] std::optional<CameraId> camera() const;
   [[nodiscard]] std::optional<ControlId> control() const;
 
-  friend bool operator==(const Subject&, const Subject&) = default;
+  friend auto operator<=>(const Subject&, const Subject&) = default;
 };
 
 /// What to do. One phrase each in `report`.

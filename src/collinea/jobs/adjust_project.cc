@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/adjust_project.h"
+#include "collinea/report/finding_words.h"
 
 #include <fmt/format.h>
 
@@ -211,10 +212,11 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
 // One line for the user.
 std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
   const Adjusted& adjusted = report.adjusted;
-  std::string text =
-      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
+  std::string text = fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy,
+                                 words_of(adjusted.datum, adjusted.rank_defect));
   if (const auto& tests = adjusted.reliability; !tests) {
-    text += "; no standard deviations: " + adjusted.undetermined;
+    text += "; no standard deviations" +
+            (adjusted.undetermined ? ": " + sentence_of(*adjusted.undetermined, report.block) : "");
   } else {
     text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
     if (tests->unseen > 0)
@@ -225,7 +227,7 @@ std::string outcome_text(const AdjustmentReport& report, const std::filesystem::
     text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
     if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
   }
-  for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
+  for (const Finding& pair : adjusted.inseparable) text += "; " + sentence_of(pair, report.block);
   return text + "; " + (folder / "adjustment.html").string();
 }
 
