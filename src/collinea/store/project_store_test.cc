@@ -381,13 +381,13 @@ TEST_F(ProjectStoreTest, PairsComeBackSortedAndCanBeErasedByInputs) {
 
 TEST_F(ProjectStoreTest, StepsAreKeptInTheOrderTheyWereWritten) {
   ProjectStore store = open();
-  ASSERT_TRUE(store.write_step({"import", "a", "b", 1.5, 2.25, 1e9, "{}"}));
-  ASSERT_TRUE(store.write_step({"detect", "b", "c", 1, 2, 3, R"({"features": 3})"}));
-  ASSERT_TRUE(store.write_step({"import", "x", "y", 1, 2, 3, "{}"}));
+  ASSERT_TRUE(store.write_step({"a", "b", 1.5, 2.25, 1e9, ImportRecord{}}));
+  ASSERT_TRUE(store.write_step({"b", "c", 1, 2, 3, DetectRecord{.features = 3}}));
+  ASSERT_TRUE(store.write_step({"x", "y", 1, 2, 3, ImportRecord{}}));
   const auto steps = store.read_steps();
   ASSERT_EQ(steps->size(), 2u);
-  EXPECT_EQ((*steps)[0].name, "detect");
-  EXPECT_EQ((*steps)[0].report_json, R"({"features": 3})");
+  EXPECT_EQ((*steps)[0].name(), "detect");
+  EXPECT_EQ(std::get<DetectRecord>((*steps)[0].outcome).features, 3u);
   EXPECT_EQ((*steps)[1].inputs_hash, "x");
   EXPECT_EQ((*store.read_step("import"))->output_hash, "y");
   ASSERT_TRUE(store.erase_step("import"));
@@ -395,7 +395,7 @@ TEST_F(ProjectStoreTest, StepsAreKeptInTheOrderTheyWereWritten) {
 }
 
 TEST_F(ProjectStoreTest, CanBeReadWhereNothingCanBeWritten) {
-  const StepRecord step{"orient", "in", "out", 1, 2, 3, "{}"};
+  const StepRecord step{"in", "out", 1, 2, 3, OrientationRecord{}};
   ASSERT_TRUE(open().write_step(step));
   fs::rename(folder_, folder_.string() + " 100% #1?");
   const fs::path folder = folder_.string() + " 100% #1?";
