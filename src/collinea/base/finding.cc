@@ -187,6 +187,7 @@ constexpr KindRow kKinds[] = {
     {SubjectKind::kLine, "line"},
     {SubjectKind::kFile, "file"},
     {SubjectKind::kCrs, "crs"},
+    {SubjectKind::kProduct, "product"},
 };
 
 struct AspectRow {
@@ -288,77 +289,13 @@ static_assert(in_order(kKinds, kSubjectKinds, [](const KindRow& row) { return ro
 static_assert(in_order(kAspects, kAspectsOfSubjects, [](const AspectRow& row) { return row.aspect; }));
 static_assert(in_order(kRemedies, kRemedyCodes, [](const RemedyRow& row) { return row.code; }));
 
-const CodeRow& row_of(C code) { return kCodes[static_cast<std::size_t>(code)]; }
-
-void put_word(std::string_view word, Packer& packer) {
-  packer.put(static_cast<std::uint32_t>(word.size()));
-  packer.put_bytes(word);
+// The row of an enumerator; the last one for a number that is none, which damaged files may hold.
+template <class Row, std::size_t Size, class Enum>
+const Row& row_in(const Row (&rows)[Size], Enum value) {
+  return rows[std::min(static_cast<std::size_t>(value), Size - 1)];
 }
 
-std::string_view get_word(Unpacker& unpacker) {
-  const auto size = unpacker.get<std::uint32_t>();
-  return unpacker.get_bytes(std::min<std::size_t>(size, unpacker.left() + 1));
-}
-
-// The enumerator whose row has that word.
-template <class Value, class Row, std::size_t Size>
-bool get_value(Unpacker& unpacker, const Row (&rows)[Size], Value& value) {
-  const std::string_view word = get_word(unpacker);
-  const auto found = std::ranges::find_if(rows, [&](const Row& row) { return row.word == word; });
-  if (found == std::end(rows)) return false;
-  value = static_cast<Value>(found - rows);
-  return true;
-}
-
-// How many follow; none where so many cannot be in what is left.
-bool get_count(Unpacker& unpacker, std::uint32_t& count) {
-  count = unpacker.get<std::uint32_t>();
-  return unpacker.ok() && count <= unpacker.left();
-}
-
-bool get_subject(Unpacker& unpacker, Subject& subject) {
-  if (!get_value(unpacker, kKinds, subject.kind)) return false;
-  unpacker.get(subject.id);
-  if (!get_value(unpacker, kAspects, subject.aspect)) return false;
-  unpacker.get(subject.axis);
-  subject.name = get_word(unpacker);
-  return true;
-}
-
-bool get_figure(Unpacker& unpacker, Figure& figure) {
-  if (!get_value(unpacker, kFigures, figure.name)) return false;
-  unpacker.get(figure.value);
-  return true;
-}
-
-bool get_remedy(Unpacker& unpacker, Remedy& remedy) {
-  if (!get_value(unpacker, kRemedies, remedy.code)) return false;
-  remedy.option.group = get_word(unpacker);
-  remedy.option.field = get_word(unpacker);
-  remedy.option.value = get_word(unpacker);
-  return true;
-}
-
-template <class T, class Get>
-bool get_list(Unpacker& unpacker, std::vector<T>& list, Get&& get) {
-  std::uint32_t count = 0;
-  if (!get_count(unpacker, count)) return false;
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (!get(unpacker, list.emplace_back())) return false;
-  return true;
-}
-
-bool get_finding(Unpacker& unpacker, Finding& finding) {
-  if (!get_value(unpacker, kCodes, finding.code)) return false;
-  const auto severity = unpacker.get<std::uint8_t>();
-  if (severity > static_cast<std::uint8_t>(Severity::kWrong)) return false;
-  finding.severity = static_cast<Severity>(severity);
-  if (!get_list(unpacker, finding.subjects, get_subject) || !get_list(unpacker, finding.figures, get_figure) ||
-      !get_list(unpacker, finding.remedies, get_remedy))
-    return false;
-  finding.detail = get_word(unpacker);
-  return unpacker.ok();
-}
+const CodeRow& row_of(C code) { return row_in(kCodes, code); }
 
 }  // namespace
 
@@ -415,15 +352,21 @@ std::string_view word_of(Severity severity) {
   return severity == Severity::kNote ? "note" : severity == Severity::kWeak ? "weak" : "wrong";
 }
 
-std::string_view word_of(FigureName name) { return kFigures[static_cast<std::size_t>(name)].word; }
+std::string_view word_of(FigureName name) { return row_in(kFigures, name).word; }
 
-std::string_view unit_of(FigureName name) { return kFigures[static_cast<std::size_t>(name)].unit; }
+std::string_view unit_of(FigureName name) { return row_in(kFigures, name).unit; }
 
-std::string_view word_of(SubjectKind kind) { return kKinds[static_cast<std::size_t>(kind)].word; }
+std::string_view word_of(SubjectKind kind) { return row_in(kKinds, kind).word; }
 
-std::string_view word_of(Aspect aspect) { return kAspects[static_cast<std::size_t>(aspect)].word; }
+std::string_view word_of(Product product) {
+  return product == Product::kSurfaceModel   ? "surface_model"
+         : product == Product::kTerrainModel ? "terrain_model"
+                                             : "orthophoto";
+}
 
-std::string_view word_of(RemedyCode code) { return kRemedies[static_cast<std::size_t>(code)].word; }
+std::string_view word_of(Aspect aspect) { return row_in(kAspects, aspect).word; }
+
+std::string_view word_of(RemedyCode code) { return row_in(kRemedies, code).word; }
 
 Severity severity_of(FindingCode code) { return row_of(code).severity; }
 
@@ -435,41 +378,6 @@ std::optional<FindingCode> finding_code_named(std::string_view word) {
   const auto found = std::ranges::find(kCodes, word, &CodeRow::word);
   if (found == std::end(kCodes)) return std::nullopt;
   return found->code;
-}
-
-void pack(const std::vector<Finding>& findings, Packer& packer) {
-  packer.put(static_cast<std::uint32_t>(findings.size()));
-  for (const Finding& finding : findings) {
-    put_word(word_of(finding.code), packer);
-    packer.put(static_cast<std::uint8_t>(finding.severity));
-    packer.put(static_cast<std::uint32_t>(finding.subjects.size()));
-    for (const Subject& subject : finding.subjects) {
-      put_word(word_of(subject.kind), packer);
-      packer.put(subject.id);
-      put_word(word_of(subject.aspect), packer);
-      packer.put(subject.axis);
-      put_word(subject.name, packer);
-    }
-    packer.put(static_cast<std::uint32_t>(finding.figures.size()));
-    for (const Figure& figure : finding.figures) {
-      put_word(word_of(figure.name), packer);
-      packer.put(figure.value);
-    }
-    packer.put(static_cast<std::uint32_t>(finding.remedies.size()));
-    for (const Remedy& remedy : finding.remedies) {
-      put_word(word_of(remedy.code), packer);
-      put_word(remedy.option.group, packer);
-      put_word(remedy.option.field, packer);
-      put_word(remedy.option.value, packer);
-    }
-    put_word(finding.detail, packer);
-  }
-}
-
-std::optional<std::vector<Finding>> unpack_findings(Unpacker& unpacker) {
-  std::vector<Finding> findings;
-  if (!get_list(unpacker, findings, get_finding)) return std::nullopt;
-  return findings;
 }
 
 }  // namespace collinea

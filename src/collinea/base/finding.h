@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "collinea/base/id.h"
-#include "collinea/base/packed.h"
 
 namespace collinea {
 
@@ -20,7 +19,7 @@ namespace collinea {
 ///     findings.push_back(finding_of(FindingCode::kControlPoint, {point}, {{FigureName::kOffset, off.norm()}}));
 ///
 /// It holds no sentence. `report` makes sentences (finding_words.h) of code, figures and the names of its subjects,
-/// which are looked up in the block.
+/// which are looked up in the block. `fields` of these structs names their members, for whoever stores them.
 
 /// How much a finding matters. Note: what was done or assumed. Weak: the result holds, but less than it could. Wrong:
 /// something that was given contradicts the rest, or is not there.
@@ -181,6 +180,13 @@ struct Figure {
   double value = 0;
 
   friend bool operator==(const Figure&, const Figure&) = default;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = Figure;
+    visit("name", &R::name);
+    visit("value", &R::value);
+  }
 };
 
 /// What kind of thing a subject is.
@@ -196,11 +202,15 @@ enum class SubjectKind : std::uint8_t {
   kLevel,         ///< a height that points have in common: number of the shape
   kPlane,
   kLine,
-  kFile,  ///< by name, relative or as given
-  kCrs,   ///< by name
+  kFile,     ///< by name, relative or as given
+  kCrs,      ///< by name
+  kProduct,  ///< id: of Product
 };
 
-inline constexpr std::size_t kSubjectKinds = static_cast<std::size_t>(SubjectKind::kCrs) + 1;
+inline constexpr std::size_t kSubjectKinds = static_cast<std::size_t>(SubjectKind::kProduct) + 1;
+
+/// Products of steps.
+enum class Product : std::uint8_t { kSurfaceModel, kTerrainModel, kOrthophoto };
 
 /// What of the subject is meant.
 enum class Aspect : std::uint8_t {
@@ -250,6 +260,7 @@ struct Subject {
       : Subject(SubjectKind::kCamera, camera.value, what, along) {}
   Subject(PointId point) : Subject(SubjectKind::kTiePoint, point.value) {}
   Subject(ControlId point, Aspect what = Aspect::kWhole) : Subject(SubjectKind::kControlPoint, point.value, what) {}
+  Subject(Product product) : Subject(SubjectKind::kProduct, static_cast<std::uint32_t>(product)) {}
   /// Of the block as a whole.
   explicit Subject(Aspect what) : Subject(SubjectKind::kBlock, kAll, what) {}
 
@@ -263,6 +274,16 @@ struct Subject {
   [[nodiscard]] std::optional<ControlId> control() const;
 
   friend auto operator<=>(const Subject&, const Subject&) = default;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = Subject;
+    visit("kind", &R::kind);
+    visit("id", &R::id);
+    visit("aspect", &R::aspect);
+    visit("axis", &R::axis);
+    visit("name", &R::name);
+  }
 };
 
 /// What to do. One phrase each in `report`.
@@ -323,6 +344,14 @@ struct OptionField {
   std::string value;  ///< the one to choose; empty: the user's
 
   friend bool operator==(const OptionField&, const OptionField&) = default;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = OptionField;
+    visit("group", &R::group);
+    visit("field", &R::field);
+    visit("value", &R::value);
+  }
 };
 
 /// One thing that helps. Several of a finding are alternatives, except for kDatumDefect: there each helps one subject.
@@ -335,6 +364,13 @@ struct Remedy {
   Remedy(OptionField set) : code(RemedyCode::kSetOption), option(std::move(set)) {}
 
   friend bool operator==(const Remedy&, const Remedy&) = default;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = Remedy;
+    visit("code", &R::code);
+    visit("option", &R::option);
+  }
 };
 
 struct Finding {
@@ -351,6 +387,17 @@ struct Finding {
   [[nodiscard]] std::vector<double> figures_of(FigureName name) const;
 
   friend bool operator==(const Finding&, const Finding&) = default;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = Finding;
+    visit("code", &R::code);
+    visit("severity", &R::severity);
+    visit("subjects", &R::subjects);
+    visit("figures", &R::figures);
+    visit("remedies", &R::remedies);
+    visit("detail", &R::detail);
+  }
 };
 
 /// A finding with the severity of its code.
@@ -362,15 +409,11 @@ struct Finding {
 [[nodiscard]] std::string_view word_of(FigureName name);    ///< "offset_m"
 [[nodiscard]] std::string_view unit_of(FigureName name);    ///< "m"; "1" without unit
 [[nodiscard]] std::string_view word_of(SubjectKind kind);   ///< "control_point"
+[[nodiscard]] std::string_view word_of(Product product);    ///< "surface_model"
 [[nodiscard]] std::string_view word_of(Aspect aspect);      ///< "lever_arm"
 [[nodiscard]] std::string_view word_of(RemedyCode code);    ///< "give_scale"
 [[nodiscard]] Severity severity_of(FindingCode code);       ///< that it has, unless a finding says otherwise
 [[nodiscard]] std::span<const FigureName> figures_of(FindingCode code);  ///< that come with it
 [[nodiscard]] std::optional<FindingCode> finding_code_named(std::string_view word);
-
-/// The bytes of findings for a store, each code by its word: stores outlive the order of an enumeration.
-void pack(const std::vector<Finding>& findings, Packer& packer);
-/// Nothing when the bytes are no findings, or of a code, figure or remedy that is not known here.
-[[nodiscard]] std::optional<std::vector<Finding>> unpack_findings(Unpacker& unpacker);
 
 }  // namespace collinea

@@ -66,37 +66,9 @@ TEST(Finding, ASubjectOfAllHasNoId) {
   EXPECT_EQ(Subject(Aspect::kScale).kind, SubjectKind::kBlock);
 }
 
-std::vector<Finding> some_findings() {
-  Finding focal = finding_of(FindingCode::kFocalAndHeight, {CameraId{0}, Subject(CameraId{0}, Aspect::kParameter, 2)},
-                             {{FigureName::kCorrelation, -0.997}, {FigureName::kRatio, 31}},
-                             {RemedyCode::kVaryHeights, OptionField{"orient", "calibration", "none"}});
-  Finding file = finding_of(FindingCode::kImageUnreadable, {Subject::file("a\nb.jpg")}, {}, {}, "damaged: \"1\"");
-  file.severity = Severity::kWrong;
-  return {focal, file, finding_of(FindingCode::kLocalGauge)};
-}
-
-TEST(Finding, ComesBackFromItsBytes) {
-  Packer packer;
-  pack(some_findings(), packer);
-  packer.put(std::uint8_t{7});
-  Unpacker unpacker(packer.bytes());
-  EXPECT_EQ(unpack_findings(unpacker), some_findings());
-  EXPECT_EQ(unpacker.get<std::uint8_t>(), 7);
-  EXPECT_TRUE(unpacker.done());
-}
-
-TEST(Finding, DamagedBytesAreNoFindings) {
-  Packer packer;
-  pack(some_findings(), packer);
-  const std::string& bytes = packer.bytes();
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
-    Unpacker shorter(std::string_view(bytes).substr(0, size));
-    EXPECT_FALSE(unpack_findings(shorter)) << size;
-  }
-  std::string other = bytes;
-  other[other.find("focal_and_height")] = 'F';
-  Unpacker unpacker(other);
-  EXPECT_FALSE(unpack_findings(unpacker));
+TEST(Finding, ANumberThatIsNoCodeHasSomeWord) {
+  EXPECT_TRUE(is_word(word_of(static_cast<FindingCode>(255))));
+  EXPECT_TRUE(is_word(word_of(static_cast<RemedyCode>(255))));
 }
 
 }  // namespace

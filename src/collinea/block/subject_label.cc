@@ -50,6 +50,8 @@ std::string name_in_block(const Subject& subject, const Block& block) {
       return name_of_shape(subject, block, GroundKind::kOnPlane);
     case SubjectKind::kLine:
       return name_of_shape(subject, block, GroundKind::kOnLine);
+    case SubjectKind::kProduct:
+      return std::string(word_of(static_cast<Product>(subject.id)));
     default:
       return number_of(subject);
   }

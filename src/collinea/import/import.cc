@@ -287,10 +287,10 @@ class Importer {
     camera.name = camera_name(header);
     if (camera.source == "assumed")
       result.findings.push_back(
-          fmt::format("{} ({} x {} px): {} focal length in the files; {:.0f} px assumed, to be found by "
-                      "self-calibration",
-                      camera.name, header.width_px, header.height_px, states_focal(header) ? "an impossible" : "no",
-                      camera.focal_px()));
+          finding_of(states_focal(header) ? FindingCode::kFocalImpossible : FindingCode::kFocalAssumed, {id},
+                     {{FigureName::kWidth, double(header.width_px)},
+                      {FigureName::kHeight, double(header.height_px)},
+                      {FigureName::kFocal, camera.focal_px()}}));
     result.block.cameras[id] = camera;
     return id;
   }
@@ -392,9 +392,9 @@ Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, c
     most = std::max(most, raised_m);
   }
   if (least > most) return {};
-  imported.findings.push_back(
-      fmt::format("heights of the photographs count from {}: {:.2f} to {:.2f} m over the ellipsoid here",
-                  frame.crs_name().substr(frame.crs_name().find(" + ") + 3), least, most));
+  const std::string heights = frame.crs_name().substr(frame.crs_name().find(" + ") + 3);
+  imported.findings.push_back(finding_of(FindingCode::kHeightsCountFrom, {Subject::crs(heights)},
+                                         {{FigureName::kLowest, least}, {FigureName::kHighest, most}}));
   return {};
 }
 
@@ -444,8 +444,7 @@ Result<ControlFile> control_of(const ImportOptions& options) {
                                                                     .sigma_height_m = options.control_sigma_m,
                                                                     .sigma_px = options.control_sigma_px}));
   const std::vector<std::string> checks = names_in(options.check);
-  if (!checks.empty())
-    COLLINEA_TRY(set_check_points(control, checks));
+  if (!checks.empty()) COLLINEA_TRY(set_check_points(control, checks));
   return control;
 }
 
@@ -474,8 +473,7 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
                                              imported.skipped.empty() ? ""
                                                                       : "; first skipped: " + imported.skipped[0].file +
                                                                             ": " + imported.skipped[0].reason));
-  if (camera_params)
-    COLLINEA_TRY(check_given_camera(*camera_params, imported.block));
+  if (camera_params) COLLINEA_TRY(check_given_camera(*camera_params, imported.block));
   PositionFile positions;
   std::set<ImageId> of_file;
   if (options.positions) {
@@ -485,8 +483,7 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
   COLLINEA_TRY(raise_positions(imported, of_file, options));
   COLLINEA_TRY(place_on_earth(imported, options, control));
   COLLINEA_TRY(add_map_attitudes(imported, positions));
-  if (options.ground)
-    COLLINEA_TRY(add_ground(imported, *options.ground));
+  if (options.ground) COLLINEA_TRY(add_ground(imported, *options.ground));
   name_unseen_control(imported);
   return imported;
 }

@@ -181,7 +181,7 @@ Result<> take_point(Numbers& numbers, PointId id, Block& block) {
 
 }  // namespace
 
-Result<std::vector<std::string>> write_bundler(const std::filesystem::path& folder, const Block& block) {
+Result<std::vector<Finding>> write_bundler(const std::filesystem::path& folder, const Block& block) {
   std::map<ImageId, std::size_t> row_of;
   std::string cameras, names, points;
   for (const auto& [id, pose] : block.cam_from_world) {
@@ -201,13 +201,10 @@ Result<std::vector<std::string>> write_bundler(const std::filesystem::path& fold
       "# Bundle file v0.3\n" + std::to_string(row_of.size()) + " " + std::to_string(views.size()) + "\n";
   COLLINEA_TRY(write_file(folder / kListFile, names));
   COLLINEA_TRY(write_file(folder / kBundleFile, head + cameras + points));
-  std::vector<std::string> remarks;
+  std::vector<Finding> findings;
   if (largest_change_px > 1e-3)
-    remarks.push_back(
-        "Bundler's camera has its principal point in the middle and two radial terms: observations were "
-        "corrected by up to " +
-        fixed(largest_change_px, 3) + " px for what it cannot hold; the pictures were not");
-  return remarks;
+    findings.push_back(finding_of(FindingCode::kDistortionFitted, {}, {{FigureName::kOffsetPx, largest_change_px}}));
+  return findings;
 }
 
 Result<Block> read_bundler(const std::filesystem::path& folder,
@@ -226,8 +223,7 @@ Result<Block> read_bundler(const std::filesystem::path& folder,
     COLLINEA_TRY(const PictureSize size, size_of(names[i]));
     COLLINEA_TRY(take_camera(numbers, names[i], size, {i}, block));
   }
-  for (std::uint32_t i = 0; i < points; ++i)
-    COLLINEA_TRY(take_point(numbers, {i}, block));
+  for (std::uint32_t i = 0; i < points; ++i) COLLINEA_TRY(take_point(numbers, {i}, block));
   const auto key = [](const Observation& o) { return std::tuple(o.point, o.image, o.feature); };
   std::ranges::sort(block.observations, {}, key);
   return block;

@@ -244,12 +244,12 @@ std::string datum_defect_words(const Words& w) {
   return "Nothing fixes " + text + part + ".";
 }
 
-std::string level_words(const Words& w, const char* by) {
+std::string level_words(const Words& w, LevelSource by) {
   return fmt::format(
       "Positions of images {}: what is level comes from {}, good to about {:.0f} degrees. The scale is "
       "good to {}, north to {:.2g} degrees.",
-      w[F::kHeights] > 0 ? "reach too little for their errors to tell how the block is tilted" : "have no heights", by,
-      std::max(1.0, w[F::kSigmaAngle]), w.percent(F::kSigmaScale), w[F::kSigmaAzimuth]);
+      w[F::kHeights] > 0 ? "reach too little for their errors to tell how the block is tilted" : "have no heights",
+      words_of(by), std::max(1.0, w[F::kSigmaAngle]), w.percent(F::kSigmaScale), w[F::kSigmaAzimuth]);
 }
 
 std::string words_of_datum(const Words& w) {
@@ -266,13 +266,13 @@ std::string words_of_datum(const Words& w) {
       return "Positions of images lie on one line: the tilt across it is that of the attitudes the camera wrote, good "
              "to about a degree.";
     case C::kLevelByEdges:
-      return level_words(w, "the horizontal edges of the images");
+      return level_words(w, LevelSource::kEdges);
     case C::kLevelByView:
-      return level_words(w, "the mean view, taken as down");
+      return level_words(w, LevelSource::kView);
     case C::kLevelByLowerEdges:
-      return level_words(w, "the mean lower edge of the images");
+      return level_words(w, LevelSource::kLowerEdges);
     case C::kLevelByAttitudes:
-      return level_words(w, "the attitudes the camera wrote");
+      return level_words(w, LevelSource::kAttitudes);
     case C::kHeightsRelative:
       return "Heights are relative: zero is that of the middle camera, because no image has a height.";
     default:

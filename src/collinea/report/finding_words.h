@@ -7,6 +7,7 @@
 #include "collinea/adjust/bundle.h"
 #include "collinea/base/finding.h"
 #include "collinea/block/block.h"
+#include "collinea/block/gauge.h"
 
 namespace collinea {
 
@@ -34,6 +35,12 @@ using SpellOption = std::function<std::string(const OptionField&)>;
 /// What fixes position, attitude and scale: "control points, positions of images", "free network (7 degrees of
 /// freedom kept by inner constraints)".
 [[nodiscard]] std::string words_of(const DatumSources& datum, int rank_defect);
+
+/// "the horizontal edges of the images".
+[[nodiscard]] std::string words_of(LevelSource level);
+
+/// "map EPSG:25832, fixed by control points and 24 image positions", "local gauge, as given by model/".
+[[nodiscard]] std::string words_of(const Gauge& gauge);
 
 /// What the worst combination of unknowns consists of: "k1 of camera X (64 %), the attitudes of the images (21 %)".
 [[nodiscard]] std::string words_of(const Conditioning& conditioning, const Block& block);

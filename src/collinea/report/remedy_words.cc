@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -88,7 +89,8 @@ std::string spelled(const OptionField& option) {
 }
 
 std::string phrase_of(const Remedy& remedy, const SpellOption& spell) {
-  if (remedy.code != RemedyCode::kSetOption) return std::string(kPhrases[static_cast<std::size_t>(remedy.code)].words);
+  if (remedy.code != RemedyCode::kSetOption)
+    return std::string(kPhrases[std::min(static_cast<std::size_t>(remedy.code), kRemedyCodes - 1)].words);
   return (remedy.option.value.empty() ? "see " : "set ") + (spell ? spell(remedy.option) : spelled(remedy.option));
 }
 

@@ -116,6 +116,8 @@ std::string words_of(const Subject& subject, const Block& block) {
       return (subject.aspect == Aspect::kTilt ? "the tilt of plane " : "the position of plane ") + name;
     case SubjectKind::kLine:
       return (subject.aspect == Aspect::kDirection ? "the direction of line " : "the position of line ") + name;
+    case SubjectKind::kProduct:
+      return name == "orthophoto" ? name : name.substr(0, name.find('_')) + " model";
     case SubjectKind::kFile:
     case SubjectKind::kCrs:
       return name;
@@ -147,6 +149,46 @@ std::string words_of(const DatumSources& datum, int rank_defect) {
   text += fmt::format(" ({} degrees of freedom kept by inner constraints", rank_defect);
   if (datum.parts > 1) text += fmt::format(", {} unconnected parts", datum.parts);
   return text + ")";
+}
+
+std::string words_of(LevelSource level) {
+  switch (level) {
+    case LevelSource::kEdges:
+      return "the horizontal edges of the images";
+    case LevelSource::kView:
+      return "the mean view, taken as down";
+    case LevelSource::kLowerEdges:
+      return "the mean lower edge of the images";
+    case LevelSource::kAttitudes:
+      return "the attitudes the camera wrote";
+    case LevelSource::kNone:
+      return "";
+  }
+  return "";
+}
+
+namespace {
+
+std::string local_gauge(const Gauge& gauge) {
+  const std::string given = gauge.given_by.empty() ? "" : "as given by " + gauge.given_by;
+  if (gauge.distances > 0)
+    return fmt::format("local gauge in metres, {}scale by {} distance{}", given.empty() ? "" : given + " but for its ",
+                       gauge.distances, gauge.distances == 1 ? "" : "s");
+  if (!given.empty()) return "local gauge, " + given;
+  return "local gauge without scale, position or north: the unit is the first base, z is up as the images stand";
+}
+
+}  // namespace
+
+std::string words_of(const Gauge& gauge) {
+  if (gauge.map.empty()) return local_gauge(gauge);
+  if (!gauge.given_by.empty()) return fmt::format("map {}, as given by {}", gauge.map, gauge.given_by);
+  std::string by = gauge.by_control ? "control points" : "";
+  if (gauge.positions > 0) by += (by.empty() ? "" : " and ") + fmt::format("{} image positions", gauge.positions);
+  if (gauge.position_use == PositionUse::kPlan) by += " in plan";
+  if (gauge.position_use == PositionUse::kOnLine) by += " on one line and the attitudes of the camera";
+  if (gauge.level != LevelSource::kNone) by += ", level by " + words_of(gauge.level);
+  return fmt::format("map {}, fixed by {}", gauge.map, by);
 }
 
 std::string words_of(const Conditioning& conditioning, const Block& block) {
