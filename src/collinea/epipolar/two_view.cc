@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "collinea/base/result.h"
+#include "collinea/epipolar/robust.h"
 #include "collinea/epipolar/two_view_criteria.h"
 #include "collinea/epipolar/two_view_problems.h"
 #include "collinea/epipolar/two_view_relations.h"
