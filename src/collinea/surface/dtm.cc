@@ -33,6 +33,17 @@ constexpr double kToleranceCells = 0.5;  // of heights over the ground, in coars
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
+// The standard deviations with what the orientation adds.
+FloatImage whole_sigmas(const SurfacePiece& piece, const FloatImage& added_variance) {
+  FloatImage sigma_m = piece.sigma_m;
+  for (std::size_t i = 0; i < sigma_m.data.size(); ++i)
+    if (piece.state.data[i] != std::uint8_t(CellState::kEmpty))
+      sigma_m.data[i] = std::sqrt(sigma_m.data[i] * sigma_m.data[i] + added_variance.data[i]);
+  return sigma_m;
+}
+
+tl::unexpected<Error> no_ground() { return fail(Errc::kIllPosed, "nothing in the surface model is ground"); }
+
 class Terrain {
  public:
   Terrain(SurfacePieces pieces, const DtmFiles& files, const DtmOptions& options, const Run& run)
@@ -104,8 +115,6 @@ class Terrain {
     return ground_.shows_ground((piece.column + x + 0.5) / each_, (piece.row + y + 0.5) / each_,
                                 double(piece.height_m.at(x, y)), double(piece.sigma_m.at(x, y)));
   }
-
-  static tl::unexpected<Error> no_ground() { return fail(Errc::kIllPosed, "nothing in the surface model is ground"); }
 
   // Means of the ground in coarse cells, continued where there is none.
   Result<> average() {
@@ -204,15 +213,6 @@ class Terrain {
     const double squared = std::pow(double(piece.sigma_m.at(x, y)), 2);
     summary_.mean_sigma_relative_m += squared;
     summary_.mean_sigma_m += squared + added_variance;
-  }
-
-  // The standard deviations with what the orientation adds.
-  [[nodiscard]] static FloatImage whole_sigmas(const SurfacePiece& piece, const FloatImage& added_variance) {
-    FloatImage sigma_m = piece.sigma_m;
-    for (std::size_t i = 0; i < sigma_m.data.size(); ++i)
-      if (piece.state.data[i] != std::uint8_t(CellState::kEmpty))
-        sigma_m.data[i] = std::sqrt(sigma_m.data[i] * sigma_m.data[i] + added_variance.data[i]);
-    return sigma_m;
   }
 
   Result<> write() {
