@@ -224,10 +224,10 @@ Measured measured(const Block& exact, std::uint64_t seed) {
   return made;
 }
 
-AdjustOptions exact_options(const std::string& calibration) {
-  AdjustOptions options{.calibration = calibration, .loss = "none", .position_loss = "none"};
-  options.relative_cost_change = options.parameter_change = 1e-13;
-  options.step_sigmas = 1e-3;
+ExamineOptions exact_options(const std::string& calibration) {
+  ExamineOptions options{.adjust = {.calibration = calibration, .loss = "none", .position_loss = "none"}};
+  options.adjust.relative_cost_change = options.adjust.parameter_change = 1e-13;
+  options.adjust.step_sigmas = 1e-3;
   return options;
 }
 

@@ -21,7 +21,7 @@ double weak_weight(const Camera& camera, int param) {
 
 }  // namespace
 
-DenseNormals dense_normals(const Block& block, const Adjusted& adjusted, const AdjustScope& scope,
+DenseNormals dense_normals(const Block& block, const Examined& adjusted, const AdjustScope& scope,
                            const std::vector<int>& free) {
   DenseNormals normals;
   normals.free = free;

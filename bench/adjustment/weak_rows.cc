@@ -125,9 +125,8 @@ Rows weak_blocks(const Run& run) {
     one.weaken(exact);
     Measured made = measured(exact, 4);
     if (std::string_view(one.code) == "no_base") made.block.cam_from_world = exact.cam_from_world;
-    AdjustOptions options{.calibration = one.calibration, .loss = "none", .position_loss = "none"};
-    options.covariances = true;
-    const auto adjusted = adjust(made.block, made.scope, options, run);
+    ExamineOptions options{.adjust = {.calibration = one.calibration, .loss = "none", .position_loss = "none"}};
+    const auto adjusted = examine(made.block, made.scope, options, run);
     Row row{std::string("weak: ") + one.what, "named, with a cure", adjusted ? "not named" : adjusted.error().message};
     if (adjusted)
       for (const Weakness& weak : adjusted->weaknesses)

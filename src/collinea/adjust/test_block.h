@@ -44,13 +44,6 @@ inline AdjustOptions plain(std::string calibration = "none") {
   return options;
 }
 
-/// The same with all tests of the observations.
-inline AdjustOptions tested(std::string calibration = "none") {
-  AdjustOptions options = plain(std::move(calibration));
-  options.reliability = true;
-  return options;
-}
-
 inline double largest_centre_error(const Adjusted& adjusted, const Block& truth) {
   double largest = 0;
   for (const auto& [id, pose] : adjusted.cam_from_world)

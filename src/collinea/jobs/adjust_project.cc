@@ -77,19 +77,19 @@ InstrumentOptions instruments_of(const json& orientation, const AdjustProjectOpt
   return instruments;
 }
 
-AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
-  AdjustOptions options;
-  options.calibration = calibration;
-  options.loss = options.position_loss = asked.loss;
-  options.loss_scale_sigmas = asked.loss_scale_sigmas;
-  options.reliability = options.covariances = options.point_covariances = true;
-  options.false_alarm = asked.false_alarm;
-  options.power = asked.power;
-  options.sigma0_known = asked.sigma0_known;
-  options.folds = asked.folds;
+ExamineOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
+  ExamineOptions options;
+  options.adjust.calibration = calibration;
+  options.adjust.loss = options.adjust.position_loss = asked.loss;
+  options.adjust.loss_scale_sigmas = asked.loss_scale_sigmas;
+  options.reliability = options.point_covariances = true;
+  options.test.false_alarm = asked.false_alarm;
+  options.test.power = asked.power;
+  options.test.sigma0_known = asked.sigma0_known;
+  options.test.folds = asked.folds;
   // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
-  options.relative_cost_change = 1e-12;
-  options.step_sigmas = 1e-3;
+  options.adjust.relative_cost_change = 1e-12;
+  options.adjust.step_sigmas = 1e-3;
   return options;
 }
 
@@ -121,7 +121,7 @@ struct Task {
   std::string title;
   Block block;
   AdjustScope scope;
-  AdjustOptions options;
+  ExamineOptions options;
 };
 
 std::vector<std::string> words_in(const std::string& list) {
@@ -160,7 +160,7 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
     if (own != task.scope.camera_sigmas.end())
       sigmas = own->second;
     else if (camera.calibrate)
-      sigmas = calibration_named(task.options.calibration, first).value_or(CameraSigmas{});
+      sigmas = calibration_named(task.options.adjust.calibration, first).value_or(CameraSigmas{});
     const auto both = with_additional(sigmas, first, held);
     if (!both)
       return fail(Errc::kBadInput, "additional_held = \"" + asked.additional_held + "\": the " +
@@ -210,7 +210,7 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
 
 // One line for the user.
 std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
-  const Adjusted& adjusted = report.adjusted;
+  const Examined& adjusted = report.adjusted;
   std::string text =
       fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
   if (const auto& tests = adjusted.reliability; !tests) {
@@ -272,7 +272,7 @@ AdjustmentFile file_of(const Task& task) {
     const auto own = task.scope.camera_sigmas.find(id);
     file.camera_sigmas[id] = own != task.scope.camera_sigmas.end() ? own->second
                              : camera.calibrate
-                                 ? calibration_named(task.options.calibration, given).value_or(CameraSigmas{})
+                                 ? calibration_named(task.options.adjust.calibration, given).value_or(CameraSigmas{})
                                  : CameraSigmas{};
   }
   return file;
@@ -354,8 +354,9 @@ Result<std::string> adjust_project(const Project& project, const AdjustProjectOp
 Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
                            const std::filesystem::path& file) {
   COLLINEA_TRY(const Task task, task_of(project, asked));
-  if (!calibration_named(task.options.calibration, Camera{}))
-    return fail(Errc::kBadInput, "calibration = \"" + task.options.calibration + "\": no such set of parameters");
+  if (!calibration_named(task.options.adjust.calibration, Camera{}))
+    return fail(Errc::kBadInput,
+                "calibration = \"" + task.options.adjust.calibration + "\": no such set of parameters");
   return write_adjustment_file(file, file_of(task));
 }
 

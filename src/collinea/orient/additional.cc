@@ -32,7 +32,7 @@ Result<std::map<CameraId, CameraSigmas>> add_additional(const std::string& name,
   return sigmas;
 }
 
-std::vector<std::string> additional_findings(const Block& block, const Adjusted& adjusted) {
+std::vector<std::string> additional_findings(const Block& block, const Examined& adjusted) {
   constexpr double kLevel = 0.01;
   std::vector<std::string> findings;
   for (const AdditionalTest& test : test_additional(block, adjusted, false, kLevel))

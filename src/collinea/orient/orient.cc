@@ -175,7 +175,8 @@ class Orienter {
           "--refine-orientation they do");
     doubt_loose(part);
     place(part);
-    COLLINEA_TRY(result_.adjusted, part.adjust_all(adjust, held, run_));
+    COLLINEA_TRY(Adjusted adjusted, part.adjust_all(adjust, held, run_));
+    result_.adjusted = Examined{std::move(adjusted)};
     for (ControlDifference& control : result_.adjusted.control) control.used |= in_datum_.contains(control.point);
     finish(part);
     return std::move(result_);
@@ -240,11 +241,10 @@ class Orienter {
     return sigmas;
   }
 
-  Result<Adjusted> adjust_with_covariances(Reconstruction& part, const AdjustScope& scope) const {
-    AdjustOptions options = settled_options(part, options_);
-    options.first_damping = kSettledDamping;
-    options.covariances = true;
-    return part.adjust_all(options, scope, run_);
+  Result<Examined> adjust_with_covariances(Reconstruction& part, const AdjustScope& scope) const {
+    ExamineOptions options{.adjust = settled_options(part, options_)};
+    options.adjust.first_damping = kSettledDamping;
+    return part.examine_all(options, scope, run_);
   }
 
   // Hardly anything but tie points took part: their sigma is what they show among each other. The loss sets in where it
@@ -355,10 +355,10 @@ class Orienter {
 
   // Adjusts with positions and control. Coordinates of control that contradict the block, and themselves, by many times
   // their sigma cannot be as good as stated: they are given the sigma they show, and that is said.
-  Result<Adjusted> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
+  Result<Examined> tie_to_ground(Reconstruction& part, const AdjustScope& scope) {
     if (scope.use_control) weigh_measurements(part.block());
     COLLINEA_TRY(settle(part, scope, options_, false, run_));
-    COLLINEA_TRY(Adjusted tied, adjust_with_covariances(part, scope));
+    COLLINEA_TRY(Examined tied, adjust_with_covariances(part, scope));
     if (control_misfit(setup_, tied) < kControlMisfit) return tied;
     const bool is_unknown = result_.instruments.position_shift != "none";  // then the adjustment has found it
     Eigen::Vector3d shift_m = is_unknown ? Eigen::Vector3d(0, 0, 0) : shift_positions(setup_, tied);

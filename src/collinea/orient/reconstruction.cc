@@ -421,6 +421,14 @@ Result<Adjusted> Reconstruction::adjust_all(const AdjustOptions& options, const 
   return adjusted;
 }
 
+Result<Examined> Reconstruction::examine_all(const ExamineOptions& options, const AdjustScope& scope, const Run& run) {
+  AdjustScope with_origin = scope;
+  with_origin.first_cameras = setup_->cameras;
+  COLLINEA_TRY(Examined examined, examine(adjuster_, block(), with_origin, options, run));
+  take(examined);
+  return examined;
+}
+
 Block Reconstruction::block() const {
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t i = 0; i < tracks_.size(); ++i)

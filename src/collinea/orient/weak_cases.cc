@@ -85,7 +85,7 @@ bool moves_along_view(const Block& block, const std::map<Pair, std::size_t>& com
   return cosines.size() + 1 >= kLeastImages && median(cosines) > kAlong;
 }
 
-std::vector<std::string> undetermined_focals(const Block& setup, const Adjusted& adjusted, bool flat, bool along) {
+std::vector<std::string> undetermined_focals(const Block& setup, const Examined& adjusted, bool flat, bool along) {
   std::vector<std::string> findings;
   for (const auto& [id, covariance] : adjusted.camera_covariance) {
     const Camera& before = setup.cameras.at(id);
@@ -193,7 +193,7 @@ bool on_critical_surface(const std::vector<Eigen::Vector3d>& points, const std::
 }  // namespace
 
 std::vector<std::string> weak_cases(const Block& oriented, const Block& setup, std::span<const ImagePair> pairs,
-                                    const Adjusted& adjusted) {
+                                    const Examined& adjusted) {
   const std::vector<Eigen::Vector3d> points = some_points(oriented), centres = centres_of(oriented);
   if (points.size() < kLeastPoints || centres.size() < 2) return {};
   const auto common = common_points(oriented);

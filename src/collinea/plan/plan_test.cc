@@ -182,7 +182,6 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
   int camera_degrees = 0;
   for (int i = 0; i < kBlocks; ++i) {
     PlannedBlock noisy = with_errors(planned.planned, std::uint64_t(1000 + i));
-    noisy.options.covariances = noisy.options.point_covariances = false;
     const Adjusted adjusted = adjust(noisy.block, noisy.scope, noisy.options, kSerial).value();
     ASSERT_TRUE(adjusted.converged);
     const std::size_t which = planned.adjusted.control.size() - 1 - std::size_t(i) % planned.cells.size();

@@ -223,9 +223,9 @@ Result<PlannedBlock> planned_block(const FlightPlan& plan, const std::vector<Pla
   }
   add_cells(plan.area, o, ground, viewers, planned);
   planned.scope.first_cameras = planned.block.cameras;
-  planned.options.calibration = o.calibration;
-  planned.options.loss = planned.options.position_loss = "none";
-  planned.options.covariances = planned.options.point_covariances = true;
+  planned.options.adjust.calibration = o.calibration;
+  planned.options.adjust.loss = planned.options.adjust.position_loss = "none";
+  planned.options.point_covariances = true;
   return planned;
 }
 
@@ -249,7 +249,7 @@ PlannedBlock with_errors(PlannedBlock planned, std::uint64_t seed) {
     if (image.position)
       image.position->position_in_world += shift + image.position->sigma_m.cwiseProduct(normal3(random));
   for (auto& [id, camera] : planned.scope.first_cameras) {
-    const CameraSigmas sigmas = calibration_named(planned.options.calibration, camera).value_or(CameraSigmas{});
+    const CameraSigmas sigmas = calibration_named(planned.options.adjust.calibration, camera).value_or(CameraSigmas{});
     for (std::size_t k = 0; k < sigmas.size(); ++k)
       if (std::isfinite(sigmas[k])) camera.params[k] += sigmas[k] * random.normal();
   }

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/test_block.h"
 #include "collinea/math/fisher.h"
+#include "collinea/quality/test_examine.h"
 
 namespace collinea {
 namespace {
@@ -58,22 +58,21 @@ Block film_block(AdditionalSet set, const std::vector<std::pair<int, double>>& v
   return block;
 }
 
-AdjustOptions plain() {
-  AdjustOptions options;
-  options.calibration = "none";
-  options.loss = options.position_loss = "none";
-  options.relative_cost_change = 1e-12;
-  options.step_sigmas = 1e-6;
-  options.covariances = true;
+ExamineOptions plain() {
+  ExamineOptions options;
+  options.adjust.calibration = "none";
+  options.adjust.loss = options.adjust.position_loss = "none";
+  options.adjust.relative_cost_change = 1e-12;
+  options.adjust.step_sigmas = 1e-6;
   return options;
 }
 
-Result<Adjusted> adjusted_of(Block block, const std::vector<std::string>& held = {}) {
+Result<Examined> adjusted_of(Block block, const std::vector<std::string>& held = {}) {
   Camera& camera = block.cameras.begin()->second;
   std::fill(camera.params.begin() + Camera::kParams, camera.params.end(), 0.0);
   AdjustScope scope{.first_cameras = block.cameras};
   scope.camera_sigmas[block.cameras.begin()->first] = *with_additional({}, camera, held);
-  return adjust(block, scope, plain(), {});
+  return examine(block, scope, plain(), {});
 }
 
 class Additional : public ::testing::TestWithParam<AdditionalSet> {};
@@ -179,7 +178,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
   const CameraId id = block.cameras.begin()->first;
   AdjustScope scope{.first_cameras = block.cameras};
   scope.camera_sigmas[id] = *with_additional(*calibration_named("focal", camera), camera, {});
-  const auto adjusted = adjust(block, scope, plain(), {});
+  const auto adjusted = examine(block, scope, plain(), {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   camera = adjusted->cameras.at(id);
 

@@ -152,7 +152,7 @@ json reliability(const AdjustmentReport& report, const Reliability& tests) {
 }  // namespace
 
 std::string adjustment_json(const AdjustmentReport& report) {
-  const Adjusted& adjusted = report.adjusted;
+  const Examined& adjusted = report.adjusted;
   json j = {{"sigma0", adjusted.sigma0},
             {"redundancy", adjusted.redundancy},
             {"observations", adjusted.observation_count},

@@ -67,7 +67,7 @@ Matrix3d turn_of(const std::optional<LocalFrame>& frame, const std::vector<Vecto
 }
 
 std::vector<ProductPoint> points_of(const AdjustmentReport& report, const std::optional<LocalFrame>& frame) {
-  const Adjusted& adjusted = report.adjusted;
+  const Examined& adjusted = report.adjusted;
   const double scale = std::pow(sigma_scale(adjusted), 2);
   std::map<PointId, int> images;
   for (const std::uint32_t seen : adjusted.observations) ++images[report.block.observations[seen].point];

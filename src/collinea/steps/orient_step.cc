@@ -118,7 +118,7 @@ json excluded_control(const Orientation& orientation, const Block& setup) {
 
 // What only the report needs: differences and sigmas one by one.
 json details_of(const Orientation& orientation, const Block& setup) {
-  const Adjusted& adjusted = orientation.adjusted;
+  const Examined& adjusted = orientation.adjusted;
   json details = {{"control", json::array()},         {"positions", json::array()},    {"ground", json::array()},
                   {"places", json::array()},  // east, north in the world, standard deviation of the height
                   {"centre_sigma_m", json::object()}, {"camera_sigma", json::object()}};

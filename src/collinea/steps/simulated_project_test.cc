@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/quality/examine.h"
 #include "collinea/steps/flow.h"
 #include "collinea/steps/test_project.h"
 #include "collinea/synthetic/write.h"
@@ -36,7 +36,7 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
   const Block block = *project->store.read_block();
   ASSERT_EQ(block.cam_from_world.size(), 20u);
   const auto truth = read_truth(folder / "block");
-  const auto adjusted = adjust(block, {}, {.calibration = "brown", .covariances = true}, {});
+  const auto adjusted = examine(block, {}, {.adjust = {.calibration = "brown"}}, {});
   ASSERT_TRUE(truth && adjusted);
   double squares = 0, variance_m2 = 0;
   for (const auto& [id, covariance] : adjusted->pose_covariance) {
@@ -73,7 +73,7 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     ASSERT_TRUE(setup);
     AdjustScope scope;
     scope.first_cameras = setup->cameras;
-    const auto adjusted = adjust(block, scope, {.calibration = "brown", .covariances = true}, {});
+    const auto adjusted = examine(block, scope, {.adjust = {.calibration = "brown"}}, {});
     ASSERT_TRUE(truth && adjusted);
     const Camera& found = block.cameras.begin()->second;
     EXPECT_EQ(kCameraModelNames[std::size_t(found.model)], model);
