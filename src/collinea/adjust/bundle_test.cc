@@ -236,7 +236,7 @@ TEST(Adjust, TwoUnconnectedPartsHaveFourteenDefects) {
   const Block second = test_block({.rows = 1, .columns = 3, .points = 60, .seed = 5});
   for (const auto& [id, image] : second.images) {
     block.images[{id.value + 50}] = image;
-    block.cam_from_world[{id.value + 50}] = second.cam_from_world.at(id);
+    set_pose(block, {id.value + 50}, second.cam_from_world.at(id));
   }
   for (const auto& [id, point] : second.points) block.points[{id.value + 5000}] = point;
   for (Observation observation : second.observations) {
@@ -398,7 +398,7 @@ TEST(Adjust, TheSigmaOfATurnIsThatOfItsVerticals) {
   Block block = test_block({.rows = 1, .columns = 8, .sigma_px = 0.1});
   AdjustScope scope;
   std::uint32_t number = 0;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     // All the positions can tell of the turn about the line is put out of reach.
     block.images.at(id).position = PositionPrior{centre_of(pose), {0.2, 1e4, 1e4}};
     scope.verticals[id] = {pose.rotation * Eigen::Vector3d::UnitZ(), 0.02};
@@ -493,7 +493,7 @@ TEST(Adjust, CheckPointsDoNotUseImagesThatAreLeftOut) {
   for (ControlObservation& o : block.control_observations)
     if (o.image == lonely && o.point != check) o.image = ImageId{999};  // not oriented
   block.images[ImageId{999}] = block.images.at(lonely);
-  Rigid3& pose = block.cam_from_world.at(lonely);
+  Rigid3& pose = pose_of(block, lonely);
   pose.translation += Eigen::Vector3d(2, -1, 0);
   AdjustOptions options = plain();
   options.covariances = true;

@@ -49,11 +49,12 @@ Block long_block(const LocalFrame& frame, const Flight& flight, double sigma_px)
       const ImageId id{number++};
       block.images[id].file = std::to_string(id.value);
       block.images[id].camera = {0};
-      block.cam_from_world[id] =
-          nadir_pose(frame, at(along, (strip - 0.5 * (flight.strips - 1)) * flight.spacing_m, flight.height_m), random);
+      set_pose(block, id,
+               nadir_pose(frame, at(along, (strip - 0.5 * (flight.strips - 1)) * flight.spacing_m, flight.height_m),
+                          random));
     }
   const auto measure = [&](const Eigen::Vector3d& point, const auto& add) {
-    for (const auto& [id, pose] : block.cam_from_world) {
+    for (const auto& [id, pose] : oriented_images(block)) {
       const auto pixel = project(camera, pose * point);
       if (!pixel || !inside(camera, *pixel)) continue;
       const double du = random.normal(), dv = random.normal();

@@ -38,7 +38,7 @@ Block block_of(const Camera& camera, double sigma_px, std::uint64_t seed, int po
   block.cameras.begin()->second = camera;
   Random random(seed, 12);
   const auto measured = [&](ImageId image, const Eigen::Vector3d& point) -> std::optional<Eigen::Vector2d> {
-    const auto pixel = project(camera, block.cam_from_world.at(image) * point);
+    const auto pixel = project(camera, pose_of(block, image) * point);
     if (!pixel || !inside(camera, *pixel)) return std::nullopt;
     const double du = random.normal(), dv = random.normal();
     return *pixel + sigma_px * Eigen::Vector2d(du, dv);
@@ -46,11 +46,11 @@ Block block_of(const Camera& camera, double sigma_px, std::uint64_t seed, int po
   block.observations.clear();
   block.control_observations.clear();
   for (const auto& [id, point] : block.points)
-    for (const auto& [image, pose] : block.cam_from_world)
+    for (const auto& [image, pose] : oriented_images(block))
       if (const auto pixel = measured(image, point.position_in_world))
         block.observations.push_back({image, id, 0, *pixel, sigma_px});
   for (auto& [id, point] : block.control) {
-    for (const auto& [image, pose] : block.cam_from_world)
+    for (const auto& [image, pose] : oriented_images(block))
       if (const auto pixel = measured(image, point.position_in_world))
         block.control_observations.push_back({id, image, *pixel, sigma_px});
     point.position_in_world += 0.01 * normal3(random);

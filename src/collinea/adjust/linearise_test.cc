@@ -117,7 +117,7 @@ TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   const Camera& camera = block.cameras.begin()->second;
   const bundle::Lens lens = bundle::lens_of(camera, false);
   const Observation& observation = block.observations.front();
-  const Rigid3 pose = block.cam_from_world.at(observation.image);
+  const Rigid3 pose = pose_of(block, observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
   const bundle::Ray ray{{observation.pixel.x() + 1, observation.pixel.y() - 2}, 0.5, 0, 0};
   const auto residual = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& move, const Eigen::Vector3d& shift) {
@@ -163,7 +163,7 @@ TEST(Linearise, GradientIsThatOfTheRobustCost) {
   const Block block = test_block();
   const bundle::Lens lens = bundle::lens_of(block.cameras.begin()->second, false);
   const Observation& observation = block.observations.front();
-  const Rigid3 pose = block.cam_from_world.at(observation.image);
+  const Rigid3 pose = pose_of(block, observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
   const bundle::Frame frame = bundle::frame_of(pose.rotation, centre.data());
   const bundle::Ray ray{{observation.pixel.x() + 3, observation.pixel.y() - 5}, 0.5, 0, 0};

@@ -97,9 +97,10 @@ TEST(Network, PlacesOfStationsAreFoundFromWhatTheyMeasured) {
 TEST(Network, GivesScaleAndLevelToABlockWithout) {
   Network made = network(1, 0, false);
   const Eigen::Quaterniond turn = rotation_by({0.02, -0.03, 0.8});
-  for (auto& [id, pose] : made.block.cam_from_world) {
+  for (auto [id, pose] : oriented_images(made.block)) {
     pose.rotation = pose.rotation * turn.conjugate();
     pose.translation *= 1.02;
+    set_pose(made.block, id, pose);
   }
   for (auto& [id, point] : made.block.points) point.position_in_world = 1.02 * (turn * point.position_in_world);
   const auto adjusted = adjust(made.block, {}, tested(), kRun);
@@ -196,14 +197,14 @@ TEST(Network, StationsThatNoImageShowsAreInTheDatumOfTheOthers) {
   Network made = network(2, 0.5, true);
   const auto unseen = adjust(made.block, {}, tested(), kRun);
   const ControlId station{Network::kFirst};
-  const auto looking =
-      std::find_if(made.block.cam_from_world.begin(), made.block.cam_from_world.end(), [&](const auto& image) {
-        return project(made.block.camera_of(image.first), image.second * made.truth.at(station)).has_value();
-      });
-  ASSERT_NE(looking, made.block.cam_from_world.end());
+  const std::vector<OrientedImage> oriented = oriented_images(made.block);
+  const auto looking = std::ranges::find_if(oriented, [&](const OrientedImage& one) {
+    return project(made.block.camera_of(one.image), one.cam_from_world * made.truth.at(station)).has_value();
+  });
+  ASSERT_NE(looking, oriented.end());
   made.block.control_observations.push_back(
-      {station, looking->first,
-       *project(made.block.camera_of(looking->first), looking->second * made.truth.at(station)), 1e5});
+      {station, looking->image,
+       *project(made.block.camera_of(looking->image), looking->cam_from_world * made.truth.at(station)), 1e5});
   const auto seen = adjust(made.block, {}, tested(), kRun);
   ASSERT_TRUE(unseen && seen && unseen->undetermined.empty() && seen->undetermined.empty());
   ASSERT_EQ(unseen->rank_defect, 4);

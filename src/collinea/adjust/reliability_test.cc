@@ -95,7 +95,7 @@ TEST(Reliability, VerticalsHaveTheirPartOfTheRedundancy) {
   const Block block = test_block(small(2));
   Random random(2);
   AdjustScope scope;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d up = pose.rotation * Eigen::Vector3d::UnitZ();
     scope.verticals[id] = {(up + 0.02 * up.cross(testing::normal3(random))).normalized(), 0.002};  // ten times too good
   }
@@ -283,7 +283,7 @@ TEST(Reliability, ARayThatIsNotSeenIsSuspectAndCountsForNothing) {
   block.images[away] = block.images.begin()->second;
   block.images[away].position.reset();
   const Eigen::Vector3d above(20, 10, 60);
-  block.cam_from_world[away] = {Eigen::Quaterniond::Identity(), -above};  // looks up
+  set_pose(block, away, {Eigen::Quaterniond::Identity(), -above});  // looks up
   const std::size_t places = block.control_observations.size();
   block.control_observations.push_back({block.control.begin()->first, away, {900, 700}, 0.5});
   Observation seen = block.observations.front();

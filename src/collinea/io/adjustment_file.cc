@@ -150,9 +150,9 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
   text += "\n";
   for (const auto& [id, image] : block.images) {
     text += "image " + images.at(id) + " " + cameras.at(image.camera) + "\n";
-    if (const auto pose = block.cam_from_world.find(id); pose != block.cam_from_world.end()) {
-      const OmegaPhiKappa angles = omega_phi_kappa(pose->second.rotation);
-      text += "pose " + images.at(id) + words(centre_of(pose->second)) +
+    if (const std::optional<Rigid3> pose = find_pose(block, id)) {
+      const OmegaPhiKappa angles = omega_phi_kappa(pose->rotation);
+      text += "pose " + images.at(id) + words(centre_of(*pose)) +
               words({angles.omega_deg, angles.phi_deg, angles.kappa_deg}) +
               (file.held_images.contains(id) ? " fixed\n" : "\n");
     }

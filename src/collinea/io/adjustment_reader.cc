@@ -318,8 +318,8 @@ class Parser {
       file_.held_images.insert(image);
     }
     const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{angles[0], angles[1], angles[2]});
-    if (!file_.block.cam_from_world.emplace(image, Rigid3{rotation, -(rotation * centre)}).second)
-      return bad_line(line.number, "a second pose of " + shown(line.words[1]));
+    if (is_oriented(file_.block, image)) return bad_line(line.number, "a second pose of " + shown(line.words[1]));
+    set_pose(file_.block, image, {rotation, -(rotation * centre)});
     return {};
   }
 

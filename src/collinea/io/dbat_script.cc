@@ -340,14 +340,14 @@ class Reader {
     const auto centre = three(row, "x", "y", "z"), angles = three(row, "omega", "phi", "kappa");
     if (!image || !centre || !angles) return "an orientation needs id, x, y, z, omega, phi and kappa";
     if (!file_.block.images.contains({*image})) return "there is no image " + std::to_string(*image);
-    if (file_.block.cam_from_world.contains({*image})) return "a second orientation of image " + std::to_string(*image);
+    if (is_oriented(file_.block, {*image})) return "a second orientation of image " + std::to_string(*image);
     const std::string units = lower(file.attribute("units"));
     if (!units.empty() && units != "degrees" && units != "radians")
       return "angles in " + units + ": this reader knows degrees and radians";
     const double degrees = units == "degrees" ? 1 : 180 / std::numbers::pi;
     const Eigen::Quaterniond rotation =
         cam_from_world(OmegaPhiKappa{(*angles)[0] * degrees, (*angles)[1] * degrees, (*angles)[2] * degrees});
-    file_.block.cam_from_world[{*image}] = {rotation, -(rotation * *centre)};
+    set_pose(file_.block, {*image}, {rotation, -(rotation * *centre)});
     return {};
   }
 
@@ -458,23 +458,22 @@ class Reader {
   // One image is held, and of the one farthest from it along an axis the coordinate there.
   Result<> take_dependent_datum(const Element& datum, const std::filesystem::path& path) {
     const auto reference = integer(datum.attribute("ref_cam"));
-    const auto pose = reference && *reference >= 0 ? file_.block.cam_from_world.find({std::uint32_t(*reference)})
-                                                   : file_.block.cam_from_world.end();
-    if (pose == file_.block.cam_from_world.end())
-      return bad(path, datum.line, "ref_cam: there is no image of that number with an orientation");
-    file_.held_images.insert(pose->first);
-    const Eigen::Vector3d centre = centre_of(pose->second);
+    const ImageId held{reference && *reference >= 0 ? std::uint32_t(*reference) : ImageId::kNone};
+    const std::optional<Rigid3> pose = find_pose(file_.block, held);
+    if (!pose) return bad(path, datum.line, "ref_cam: there is no image of that number with an orientation");
+    file_.held_images.insert(held);
+    const Eigen::Vector3d centre = centre_of(*pose);
     double longest = 0;
     ImageId farthest;
     int axis = 0;
-    for (const auto& [id, other] : file_.block.cam_from_world) {
+    for (const auto& [id, other] : oriented_images(file_.block)) {
       Eigen::Index along = 0;
       const double base = (centre_of(other) - centre).cwiseAbs().maxCoeff(&along);
       if (base > longest) longest = base, farthest = id, axis = int(along);
     }
     if (!(longest > 0)) return bad(path, datum.line, "there is no base: no second image has an orientation elsewhere");
     constexpr double kHeldPart = 1e-9;  // of the base: nothing else fixes the scale, so no weight spoils it
-    PositionPrior prior{.position_in_world = centre_of(file_.block.cam_from_world.at(farthest)),
+    PositionPrior prior{.position_in_world = centre_of(pose_of(file_.block, farthest)),
                         .sigma_m = Eigen::Vector3d::Constant(kInfinity)};
     prior.sigma_m[axis] = kHeldPart * longest;
     file_.block.images[farthest].position = prior;

@@ -105,7 +105,7 @@ class Parser {
       const ImageId image_id{std::uint32_t(*id)};
       if (!file_.block.images.emplace(image_id, std::move(image)).second)
         return bad("image " + std::to_string(*id) + " comes twice");
-      file_.block.cam_from_world[image_id] = {rotation, -(rotation * centre)};
+      set_pose(file_.block, image_id, {rotation, -(rotation * centre)});
       if (!at_blank()) return bad("a blank line is expected between the pose of an image and its camera");
       ++at_;
       COLLINEA_TRY(const auto camera, row(11, "the camera of an image"));

@@ -251,7 +251,7 @@ AdjustmentFile file_of(const Task& task) {
   AdjustmentFile file;
   file.block = task.block;
   Block& block = file.block;
-  std::erase_if(block.images, [&](const auto& image) { return !block.cam_from_world.contains(image.first); });
+  std::erase_if(block.images, [&](const auto& image) { return !is_oriented(block, image.first); });
   const auto unknown = [&](const auto& seen) { return !block.images.contains(seen.image); };
   std::erase_if(block.control_observations, unknown);
   std::erase_if(block.observations,

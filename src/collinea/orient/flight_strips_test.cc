@@ -17,7 +17,7 @@ Block flown(int strips, int images, bool timed) {
     for (int i = 0; i < images; ++i, second += 2) {
       const ImageId id{static_cast<std::uint32_t>(s * images + i)};
       const Eigen::Vector3d centre(10.0 * (s % 2 ? images - 1 - i : i), 30.0 * s, 80);
-      block.cam_from_world[id] = {Eigen::Quaterniond::Identity(), -centre};
+      set_pose(block, id, {Eigen::Quaterniond::Identity(), -centre});
       char taken[40];
       std::snprintf(taken, sizeof taken, "2024:02:29 23:%02d:%02d.50", 58 + second / 60, second % 60);
       char name[40];

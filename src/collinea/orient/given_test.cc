@@ -30,8 +30,8 @@ TEST(OrientAsGiven, PosesAndCamerasStayToTheBitAndPointsAreIntersected) {
   const Matched input = small();
   const auto found = take(input, truth_of(input));
   ASSERT_TRUE(found) << found.error().message;
-  ASSERT_EQ(found->block.cam_from_world.size(), 8u);
-  for (const auto& [image, pose] : found->block.cam_from_world) {
+  ASSERT_EQ(count_oriented(found->block), 8u);
+  for (const auto& [image, pose] : oriented_images(found->block)) {
     EXPECT_EQ(pose.rotation.coeffs(), input.truth.cam_from_world.at(image).rotation.coeffs());
     EXPECT_EQ(pose.translation, input.truth.cam_from_world.at(image).translation);
   }
@@ -50,7 +50,7 @@ TEST(OrientAsGiven, ImagesThatAreNotGivenAreNamed) {
   given.cam_from_world.erase(left_out);
   const auto found = take(input, given);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_EQ(found->block.cam_from_world.size(), 7u);
+  EXPECT_EQ(count_oriented(found->block), 7u);
   EXPECT_EQ(found->alone, std::vector{left_out});
 }
 
@@ -137,14 +137,14 @@ TEST(OrientAsGiven, AnImageWhosePoseNothingFitsIsNotOriented) {
   const auto refined = take(input, given, true);
   ASSERT_TRUE(refined) << refined.error().message;
   EXPECT_EQ(refined->alone, std::vector{wrong});
-  EXPECT_EQ(refined->block.cam_from_world.size(), 7u);
+  EXPECT_EQ(count_oriented(refined->block), 7u);
   EXPECT_TRUE(refined->adjusted.images_left_out.empty());
   EXPECT_TRUE(refined->excluded_control.empty());
   ASSERT_EQ(refined->findings.size(), 1u) << refined->findings.back();
   EXPECT_NE(refined->findings[0].find("1 image could not be oriented, the first: IMG_2.jpg"), std::string::npos);
   const auto held = take(input, given);
   ASSERT_TRUE(held) << held.error().message;
-  EXPECT_EQ(held->block.cam_from_world.size(), 8u);
+  EXPECT_EQ(count_oriented(held->block), 8u);
   EXPECT_TRUE(std::any_of(held->findings.begin(), held->findings.end(), [](const std::string& finding) {
     return finding.find("fit the pose of 1 image, the first: IMG_2.jpg") != std::string::npos;
   }));
@@ -159,7 +159,7 @@ TEST(OrientAsGiven, RefiningAStripLeavesItsTiltToTheAttitudes) {
   const auto found = take(input, truth_of(input), true);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_TRUE(found->georeferenced);
-  for (const auto& [image, pose] : found->block.cam_from_world)
+  for (const auto& [image, pose] : oriented_images(found->block))
     EXPECT_LT((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(), 0.05)
         << image.value;
 }

@@ -393,7 +393,7 @@ Block Reconstruction::block_around(const std::set<ImageId>& images) const {
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   for (const ImageId image : seen) {
     block.images[image] = setup_->images.at(image);
-    block.cam_from_world[image] = poses_.at(image);
+    set_pose(block, image, poses_.at(image));
   }
   return block;
 }
@@ -427,7 +427,7 @@ Block Reconstruction::block() const {
     if (tracks_[i].point) numbers.push_back(i);
   Block block = block_of(numbers);
   block.images = setup_->images;
-  block.cam_from_world = poses_;
+  set_poses(block, poses_);
   block.control = setup_->control;
   block.control_observations = setup_->control_observations;
   block.ground = setup_->ground;

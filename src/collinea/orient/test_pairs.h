@@ -30,7 +30,7 @@ inline Keypoint keypoint_at(const Eigen::Vector2d& pixel) {
 /// Pairs of all images that share at least 20 points, with the true relative orientation.
 inline Matched matched(const Block& truth) {
   Matched result{truth, truth, {}, {}};
-  result.setup.cam_from_world.clear();
+  clear_poses(result.setup);
   result.setup.points.clear();
   result.setup.observations.clear();
   for (auto& [id, camera] : result.setup.cameras) {
@@ -103,7 +103,7 @@ inline Block side_by_side(Block first, const Block& second, std::uint32_t shift 
 /// best.
 inline double centre_rms_m(const Block& block, const Block& truth, bool aligned) {
   std::vector<Eigen::Vector3d> found, exact;
-  for (const auto& [image, pose] : block.cam_from_world) {
+  for (const auto& [image, pose] : oriented_images(block)) {
     found.push_back(centre_of(pose));
     exact.push_back(centre_of(truth.cam_from_world.at(image)));
   }

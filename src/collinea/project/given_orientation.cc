@@ -52,7 +52,7 @@ Result<ReadOrientation> from_model(const Block& model, const Block& setup, const
   read.given.source = path.string();
   const ImageNames names(setup);
   std::map<CameraId, std::vector<Camera>> cameras;
-  for (const auto& [id, pose] : model.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(model)) {
     const std::string& file = model.images.at(id).file;
     const auto image = names.find(file);
     if (!image) return unknown(path.string(), file);

@@ -38,7 +38,7 @@ Flight flight(double sigma_px, double sigma_m, double sigma_rad, std::uint64_t s
   track.shift_sigma_m = track.drift_sigma_m = kUnknown;
   double time = -6;
   for (auto& [id, image] : made.block.images) {
-    const Rigid3& pose = made.block.cam_from_world.at(id);
+    const Rigid3& pose = pose_of(made.block, id);
     const Eigen::Vector3d offset = tracks ? Eigen::Vector3d(kShift + time * kDrift) : Eigen::Vector3d(0, 0, 0);
     const int row = static_cast<int>(id.value - 10) / 4;
     const Eigen::Vector3d velocity = Eigen::Vector3d(row % 2 ? -10 : 10, 0, 0) + normal3(random);
@@ -180,7 +180,7 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
       {},
       {}};
   for (auto& [id, image] : made.block.images)
-    image.position = PositionPrior{centre_of(made.block.cam_from_world.at(id)), Eigen::Vector3d::Constant(0.05)};
+    image.position = PositionPrior{centre_of(pose_of(made.block, id)), Eigen::Vector3d::Constant(0.05)};
   made.block.cameras.begin()->second.sigma_f_px = 1e4;
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
   const auto adjusted = adjust(made.block, made.scope, tested("focal"), kRun);

@@ -96,7 +96,7 @@ std::string words_of_model(const Camera& camera) {
 std::string one_camera(const ReportInput& input, const ReportSummary& summary, CameraId id) {
   const Camera& camera = input.block.cameras.at(id);
   std::size_t images = 0;
-  for (const auto& [image, pose] : input.block.cam_from_world) images += input.block.images.at(image).camera == id;
+  for (const auto& [image, pose] : oriented_images(input.block)) images += input.block.images.at(image).camera == id;
   std::string html = fmt::format(
       "<h3>{}</h3><p>{}{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
       "{}.{}</p>\n",

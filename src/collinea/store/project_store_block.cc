@@ -104,8 +104,7 @@ Result<> write_chunks(Database& db, const std::string& table, const Values& valu
   };
   for (const auto& value : values) {
     Record::put_one(packer, value);
-    if (packer.size() == kPerChunk * Record::kBytes)
-      COLLINEA_TRY(flush());
+    if (packer.size() == kPerChunk * Record::kBytes) COLLINEA_TRY(flush());
   }
   return packer.size() > 0 ? flush() : Result<>{};
 }
@@ -268,8 +267,7 @@ Result<> write_image(Statement& insert, ImageId id, const Image& image) {
 Result<> write_images(Database& db, const std::map<ImageId, Image>& images) {
   COLLINEA_TRY(db.execute("DELETE FROM images"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO images VALUES (?, ?, ?, ?, ?, ?, ?)"));
-  for (const auto& [id, image] : images)
-    COLLINEA_TRY(write_image(insert, id, image));
+  for (const auto& [id, image] : images) COLLINEA_TRY(write_image(insert, id, image));
   return {};
 }
 
@@ -402,10 +400,10 @@ Result<> read_setup_tables(Database& db, Block& block) {
   return read_ground(db, block.ground);
 }
 
-Result<> write_poses(Database& db, const std::map<ImageId, Rigid3>& cam_from_world) {
+Result<> write_poses(Database& db, const Block& block) {
   COLLINEA_TRY(db.execute("DELETE FROM poses"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO poses VALUES (?, ?)"));
-  for (const auto& [image, pose] : cam_from_world) {
+  for (const auto& [image, pose] : oriented_images(block)) {
     Packer packer;
     for (const double value : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
       packer.put(value);
@@ -415,7 +413,7 @@ Result<> write_poses(Database& db, const std::map<ImageId, Rigid3>& cam_from_wor
   return {};
 }
 
-Result<> read_poses(Database& db, std::map<ImageId, Rigid3>& cam_from_world) {
+Result<> read_poses(Database& db, Block& block) {
   COLLINEA_TRY(auto select, db.prepare("SELECT image, cam_from_world FROM poses ORDER BY image"));
   while (true) {
     COLLINEA_TRY(const bool row, select.next());
@@ -426,13 +424,13 @@ Result<> read_poses(Database& db, std::map<ImageId, Rigid3>& cam_from_world) {
       unpacker.get(*value);
     get(unpacker, pose.translation);
     if (!unpacker.done()) return damaged("pose of an image");
-    cam_from_world[{std::uint32_t(select.integer(0))}] = pose;
+    set_pose(block, {std::uint32_t(select.integer(0))}, pose);
   }
 }
 
 Result<> read_orientation_tables(Database& db, Block& block) {
   COLLINEA_TRY(read_cameras(db, "adjusted_cameras", block.cameras));
-  COLLINEA_TRY(read_poses(db, block.cam_from_world));
+  COLLINEA_TRY(read_poses(db, block));
   return read_control_observations(db, "used_control_observations", block);
 }
 
@@ -477,7 +475,7 @@ Result<> erase_orientation(Database& db) {
 
 // Every reference from one table to another is kept.
 bool fits_together(const Block& block) {
-  for (const auto& [image, pose] : block.cam_from_world)
+  for (const auto& [image, pose] : oriented_images(block))
     if (!block.images.contains(image)) return false;
   PointId known;  // observations of one point follow each other: look each up once
   for (const Observation& o : block.observations) {
@@ -557,7 +555,7 @@ Result<> ProjectStore::write_orientation(const Block& block) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(erase_orientation(db));
     COLLINEA_TRY(write_cameras(db, "adjusted_cameras", block.cameras));
-    COLLINEA_TRY(write_poses(db, block.cam_from_world));
+    COLLINEA_TRY(write_poses(db, block));
     COLLINEA_TRY(write_chunks<PointRecord>(db, "points", block.points));
     COLLINEA_TRY(write_chunks<ObservationRecord>(db, "observations", block.observations));
     if (auto written =

@@ -96,8 +96,7 @@ Block oriented_block(std::uint32_t points) {
   Random random(8);
   Block block = setup_block();
   block.cameras[{3}].params[Camera::kK1] = -0.1234567890123;
-  for (std::uint32_t i = 0; i < 4; ++i)
-    block.cam_from_world[{i}] = {Eigen::Quaterniond::UnitRandom(), any_vector(random)};
+  for (std::uint32_t i = 0; i < 4; ++i) set_pose(block, {i}, {Eigen::Quaterniond::UnitRandom(), any_vector(random)});
   for (std::uint32_t p = 0; p < points; ++p) {
     block.points[{2 * p}] = {any_vector(random), {std::uint8_t(p), 2, 255}};
     for (std::uint32_t i = 0; i < 4; ++i)
