@@ -20,7 +20,7 @@ Camera camera_of(double focal_px, int width_px, int height_px, Random& random) {
   camera.params[Camera::kK3] = -0.002;
   camera.params[Camera::kP1] = 4e-4 * random.normal();
   camera.params[Camera::kP2] = 4e-4 * random.normal();
-  camera.sigma_f_px = 0.03 * focal_px;
+  camera.prior.sigma_f_px = 0.03 * focal_px;
   camera.name = "simulated";
   return camera;
 }

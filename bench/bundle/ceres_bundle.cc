@@ -108,7 +108,7 @@ WeakLens weak_lens(const Camera& camera) {
   const double centre = 1 / (0.03 * camera.width_px);
   WeakLens weak;
   std::copy_n(camera.params.begin(), kLens, weak.given.begin());
-  weak.inverse_sigma = {1 / camera.sigma_f_px, centre, centre, 1 / 0.2, 1 / 0.5, 1 / 0.5, 1 / 0.01, 1 / 0.01};
+  weak.inverse_sigma = {1 / camera.prior.sigma_f_px, centre, centre, 1 / 0.2, 1 / 0.5, 1 / 0.5, 1 / 0.01, 1 / 0.01};
   return weak;
 }
 

@@ -69,7 +69,7 @@ Block start_of(Block block, const StartErrors& errors) {
     for (int i = Camera::kK1; i <= Camera::kP2; ++i) camera.params[i] *= 1 - share;
     camera.params[Camera::kCx] += share * (0.5 * camera.width_px - camera.params[Camera::kCx]);
     camera.params[Camera::kCy] += share * (0.5 * camera.height_px - camera.params[Camera::kCy]);
-    camera.sigma_f_px = 0.05 * camera.focal_px();
+    camera.prior.sigma_f_px = 0.05 * camera.focal_px();
   }
   return block;
 }

@@ -49,7 +49,7 @@ TEST(Adjust, SelfCalibrationFindsTheCamera) {
   camera.params[Camera::kB1] = 0;
   Block start = disturbed(truth, 0.005, 0.3);
   Camera first = ideal_camera(1540, 2000, 1500);
-  first.sigma_f_px = 1e6;
+  first.prior.sigma_f_px = 1e6;
   start.cameras.begin()->second = first;
   for (auto& observation : start.observations) observation.sigma_px = 1e-4;  // the weak observations shall not count
   for (auto& observation : start.control_observations) observation.sigma_px = 1e-4;
@@ -352,7 +352,7 @@ TEST(Adjust, ACameraAloneIsAdjustedToTheEnd) {
   for (const auto& [id, point] : truth.points) scope.fixed_points.insert(id);
   Block start = truth;
   Camera& camera = start.cameras.begin()->second;
-  camera.sigma_f_px = 1e6;
+  camera.prior.sigma_f_px = 1e6;
   camera.params[Camera::kF] += 200;
   camera.params[Camera::kK1] = camera.params[Camera::kK2] = 0;
   for (Observation& seen : start.observations) seen.sigma_px = 1e-3;  // the weak observations shall not count

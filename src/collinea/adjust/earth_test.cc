@@ -37,7 +37,7 @@ Block long_block(const LocalFrame& frame, const Flight& flight, double sigma_px)
   Block block;
   block.georeference = kPlace;
   Camera camera = ideal_camera(1500, 2000, 1500);
-  camera.calibrate = false;
+  camera.prior.calibrate = false;
   block.cameras[{0}] = camera;
   const Eigen::Vector3d middle = frame.map_from_local(Eigen::Vector3d(0, 0, 0));
   const auto at = [&](double along, double across, double height) {

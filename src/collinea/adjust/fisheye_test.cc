@@ -21,13 +21,13 @@ Camera fisheye(CameraModel model) {
   camera.params[Camera::kK1] = -0.02;
   camera.params[Camera::kK2] = 0.004;
   camera.params[Camera::kK3] = -0.001;
-  if (model == CameraModel::kKannalaBrandt) {
+  if (is<KannalaBrandt>(model)) {
     camera.params[Camera::kK4] = 2e-4;
   } else {
     camera.params[Camera::kP1] = 4e-4;
     camera.params[Camera::kP2] = -3e-4;
   }
-  camera.sigma_f_px = 50;
+  camera.prior.sigma_f_px = 50;
   camera.name = "fisheye";
   return camera;
 }
@@ -61,10 +61,8 @@ Block block_of(const Camera& camera, double sigma_px, std::uint64_t seed, int po
 
 class FisheyeBundle : public ::testing::TestWithParam<CameraModel> {};
 
-INSTANTIATE_TEST_SUITE_P(Models, FisheyeBundle,
-                         ::testing::Values(CameraModel::kEquidistant, CameraModel::kEquisolid,
-                                           CameraModel::kKannalaBrandt),
-                         [](const auto& tested) { return std::string(kCameraModelNames[std::size_t(tested.param)]); });
+INSTANTIATE_TEST_SUITE_P(Models, FisheyeBundle, ::testing::Values(Equidistant{}, Equisolid{}, KannalaBrandt{}),
+                         [](const auto& tested) { return std::string(name_of(tested.param)); });
 
 // From a camera without distortion and a focal length 3 % off. With 1e-4 px nothing but rounding and the weak
 // observations of the parameters is left: these are of 0.2 to 0.5 where measurements give 1e-6.
@@ -74,7 +72,7 @@ TEST_P(FisheyeBundle, FindsTheCamera) {
   Block start = disturbed(truth, 0.005, 0.3);
   Camera first = ideal_camera(680, 2000, 1500);
   first.model = camera.model;
-  first.sigma_f_px = 1e6;
+  first.prior.sigma_f_px = 1e6;
   start.cameras.begin()->second = first;
   for (auto& [id, point] : start.control) point.sigma_m.setConstant(0.01);
   const auto adjusted =
@@ -127,7 +125,7 @@ TEST_P(FisheyeBundle, CovariancesAreTrue) {
     variances += adjusted->sigma0 * adjusted->sigma0 * double(adjusted->redundancy);
     redundancies += double(adjusted->redundancy);
   }
-  EXPECT_EQ(freedom, GetParam() == CameraModel::kKannalaBrandt ? 7 : 8);
+  EXPECT_EQ(freedom, is<KannalaBrandt>(GetParam()) ? 7 : 8);
   const auto four = [&](double mean, double mean2) { return 4 * std::sqrt((mean2 - mean * mean) / kBlocks); };
   EXPECT_NEAR(cameras, freedom, four(cameras, cameras2));
   EXPECT_LT(four(cameras, cameras2), 0.5 * freedom);
@@ -138,7 +136,7 @@ TEST_P(FisheyeBundle, CovariancesAreTrue) {
 
 // More than a hemisphere: points beside and behind the plane of the camera take part.
 TEST(Fisheye, PointsBehindThePlaneOfTheCameraAreAdjusted) {
-  Camera camera = fisheye(CameraModel::kEquidistant);
+  Camera camera = fisheye(Equidistant{});
   camera.params[Camera::kF] = 420;  // 136 degrees from the axis in the middle of a side
   Block truth = block_of(camera, 0.3, 2);
   Random random(5);

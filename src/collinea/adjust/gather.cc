@@ -38,7 +38,7 @@ std::optional<std::vector<int>> free_params(const std::string& calibration) {
 double weak_sigma(const Camera& camera, int param) {
   switch (param) {
     case Camera::kF:
-      return camera.sigma_f_px;
+      return camera.prior.sigma_f_px;
     case Camera::kCx:
     case Camera::kCy:
       return 0.03 * camera.width_px;
@@ -436,7 +436,7 @@ class Gatherer {
       unknowns.border = problem.border;
       unknowns.given = given.params;
       const auto own = scope_.camera_sigmas.find(unknowns.id);
-      const bool held = own == scope_.camera_sigmas.end() && !camera.calibrate;
+      const bool held = own == scope_.camera_sigmas.end() && !camera.prior.calibrate;
       const CameraSigmas sigmas =
           own == scope_.camera_sigmas.end() ? *calibration_named(options_.calibration, given) : own->second;
       for (const int param : params_of(camera)) {

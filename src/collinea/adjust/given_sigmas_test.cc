@@ -130,7 +130,7 @@ TEST(CameraSigmas, EachParameterTakesPartAsItIsAsked) {
 Block of_measured(const testing::TestBlockOptions& o) {
   Block block = test_block(o);
   Camera& camera = block.cameras.at({1});
-  camera.model = CameraModel::kBrownOfMeasured;
+  camera.model = BrownOfMeasured{};
   camera.params[Camera::kK1] = 0.12;
   camera.params[Camera::kB1] = 1.5;
   Random random(12);

@@ -64,20 +64,19 @@ TEST_P(LensOfModel, AgreesWithTheCamera) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lens, LensOfModel,
-                         ::testing::Values(LensCase{CameraModel::kBrown}, LensCase{CameraModel::kBrownOfMeasured},
-                                           LensCase{CameraModel::kEquidistant}, LensCase{CameraModel::kEquisolid},
-                                           LensCase{CameraModel::kKannalaBrandt},
-                                           LensCase{CameraModel::kBrown, AdditionalSet::kGruen},
-                                           LensCase{CameraModel::kEquisolid, AdditionalSet::kFourier}),
+                         ::testing::Values(LensCase{Brown{}}, LensCase{BrownOfMeasured{}}, LensCase{Equidistant{}},
+                                           LensCase{Equisolid{}}, LensCase{KannalaBrandt{}},
+                                           LensCase{Brown{}, AdditionalSet::kGruen},
+                                           LensCase{Equisolid{}, AdditionalSet::kFourier}),
                          [](const auto& tested) {
-                           return std::string(kCameraModelNames[std::size_t(tested.param.model)]) + "_" +
+                           return std::string(name_of(tested.param.model)) + "_" +
                                   std::string(kAdditionalNames[std::size_t(tested.param.additional)]);
                          });
 
 // The difference after correction, and its derivatives: those of the computed pixel are minus those of the difference.
 TEST(Lens, ComparesAfterCorrection) {
   Camera camera = testing::test_camera();
-  camera.model = CameraModel::kBrownOfMeasured;
+  camera.model = BrownOfMeasured{};
   camera.params[Camera::kB1] = 3;
   camera.params[Camera::kB2] = -2;
   const Eigen::Vector3d point(0.5, -0.3, 1.4);

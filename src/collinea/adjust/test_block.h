@@ -68,7 +68,7 @@ inline Camera test_camera() {
   camera.params[Camera::kK3] = -0.002;
   camera.params[Camera::kP1] = 4e-4;
   camera.params[Camera::kP2] = -3e-4;
-  camera.sigma_f_px = 50;
+  camera.prior.sigma_f_px = 50;
   camera.name = "test";
   return camera;
 }

@@ -44,7 +44,7 @@ int longest_side_px(const Camera& first, const Camera& second) {
   return std::max({first.width_px, first.height_px, second.width_px, second.height_px});
 }
 
-double relative_sigma_f(const Camera& camera) { return camera.sigma_f_px / camera.focal_px(); }
+double relative_sigma_f(const Camera& camera) { return camera.prior.sigma_f_px / camera.focal_px(); }
 
 class Verification {
  public:
@@ -113,14 +113,14 @@ class Verification {
     relation.pairs = pairs;
     relation.inliers = fit->inliers;
     relation.motion = in_front(motions(fit->model), pairs, fit->inliers, blind_angle_rad(pairs));
-    if (first_.sigma_f_px > 0 || second_.sigma_f_px > 0) adapt_focal(relation);
+    if (first_.prior.sigma_f_px > 0 || second_.prior.sigma_f_px > 0) adapt_focal(relation);
     return relation;
   }
 
   // A focal length from the EXIF data may be some per cent wrong, which costs matches that are right: lets it vary
   // within its uncertainty, as long as that brings the pairs clearly closer to the relation.
   void adapt_focal(Relation& relation) const {
-    FocalDoubt doubt{first_.sigma_f_px > 0, second_.sigma_f_px > 0,
+    FocalDoubt doubt{first_.prior.sigma_f_px > 0, second_.prior.sigma_f_px > 0,
                      std::max(relative_sigma_f(first_), relative_sigma_f(second_))};
     const PointPairs nominal = relation.pairs;
     std::vector<double> errors = errors_of(relation.matrix, nominal, false);
@@ -283,7 +283,7 @@ class Verification {
   // With a lens not yet calibrated, the distortion looks like a little parallax, which is a share of the picture's
   // size: what remains after a rotation must be clearly more.
   [[nodiscard]] bool hardly_more_than(const Turn& turned, std::span<const int> items) const {
-    if (first_.sigma_f_px == 0 && second_.sigma_f_px == 0) return false;
+    if (first_.prior.sigma_f_px == 0 && second_.prior.sigma_f_px == 0) return false;
     const double limit_px = kLensDoubt * options_.max_error_px * longest_side_px(first_, second_) / kReferenceSize_px;
     const auto near = std::count_if(items.begin(), items.end(), [&](int i) {
       return turned.errors[static_cast<std::size_t>(i)] < limit_px * limit_px;

@@ -98,8 +98,7 @@ std::string ground_line(const GroundObservation& one, const std::map<ControlId, 
 void write_camera(const AdjustmentFile& file, CameraId id, const std::string& name, std::string& text) {
   const Camera& camera = file.block.cameras.at(id);
   text += "\ncamera " + name + " " + std::to_string(camera.width_px) + " " + std::to_string(camera.height_px) + " " +
-          std::string(kCameraModelNames[std::size_t(camera.model)]) +
-          (file.corrected_cameras.contains(id) ? " sigmas_after_correction" : "") +
+          std::string(name_of(camera.model)) + (file.corrected_cameras.contains(id) ? " sigmas_after_correction" : "") +
           (camera.additional == AdditionalSet::kNone
                ? "\n"
                : " " + std::string(kAdditionalNames[std::size_t(camera.additional)]) + "\n");

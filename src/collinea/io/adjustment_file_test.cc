@@ -65,9 +65,9 @@ AdjustmentFile random_file() {
   AdjustmentFile file;
   Block& block = file.block;
   block.georeference = Georeference{"EPSG:32633", 48.1, 15.3, 312.25};
-  for (std::uint32_t c = 0; c < kCameraModelNames.size(); ++c) {
+  for (std::uint32_t c = 0; c < kCameraModels.size(); ++c) {
     Camera camera = ideal_camera(3000 + random.normal(), 4000, 3000);
-    camera.model = CameraModel(c);
+    camera.model = kCameraModels[c];
     if (c != 1) camera.additional = AdditionalSet((c + 1) % kAdditionalNames.size());
     camera.name = "same # name";
     for (const int k : params_of(camera)) camera.params[std::size_t(k)] += 1e-3 * random.normal();

@@ -235,20 +235,20 @@ class Parser {
     camera.width_px = int(size(2));
     camera.height_px = int(size(3));
     camera.name = name;
-    camera.source = "given";
+    camera.prior.source = Provenance::kGiven;
     camera.params[Camera::kCx] = camera.width_px / 2.0;
     camera.params[Camera::kCy] = camera.height_px / 2.0;
-    const auto model = std::find(kCameraModelNames.begin(), kCameraModelNames.end(), line.words[4]);
-    if (model == kCameraModelNames.end())
+    const auto model = model_named(line.words[4]);
+    if (!model)
       return bad_line(line.number, shown(line.words[4]) +
                                        " is no model of cameras; there are:" + listed(std::span(kCameraModelNames)));
-    camera.model = CameraModel(model - kCameraModelNames.begin());
+    camera.model = *model;
     const CameraId id{std::uint32_t(cameras_.size())};
     if (line.count() > 4) {
       const auto set = std::find(kAdditionalNames.begin() + 1, kAdditionalNames.end(), line.words[5]);
       if (set != kAdditionalNames.end()) {
         camera.additional = AdditionalSet(set - kAdditionalNames.begin());
-      } else if (line.words[5] == "sigmas_after_correction" && camera.model == CameraModel::kBrownOfMeasured) {
+      } else if (line.words[5] == "sigmas_after_correction" && is<BrownOfMeasured>(camera.model)) {
         file_.corrected_cameras.insert(id);
       } else {
         return bad_line(line.number, "behind the model stands nothing, a set of additional parameters (" +

@@ -141,7 +141,7 @@ Result<> take_camera(Numbers& numbers, const std::string& name, PictureSize size
   camera.params[Camera::kK1] = v[1];
   camera.params[Camera::kK2] = v[2];
   camera.name = "Bundler camera " + std::to_string(id.value);
-  camera.source = "given";
+  camera.prior.source = Provenance::kGiven;
   block.cameras[{id.value}] = camera;
   Image& image = block.images[id];
   image.file = name;
@@ -186,8 +186,7 @@ Result<std::vector<std::string>> write_bundler(const std::filesystem::path& fold
   std::string cameras, names, points;
   for (const auto& [id, pose] : oriented_images(block)) {
     if (const Camera& camera = block.camera_of(id); is_fisheye(camera.model))
-      return fail(Errc::kUnsupported, "camera " + camera.name + " is a fisheye (" +
-                                          std::string(kCameraModelNames[std::size_t(camera.model)]) +
+      return fail(Errc::kUnsupported, "camera " + camera.name + " is a fisheye (" + std::string(name_of(camera.model)) +
                                           "), which Bundler does not know; --format colmap does");
     const std::size_t row = row_of.size();
     row_of[id] = row;

@@ -20,11 +20,10 @@ void visit_grid(const Camera& camera, Visit&& visit) {
       visit(Eigen::Vector2d(double(column) * camera.width_px / kGrid, double(row) * camera.height_px / kGrid));
 }
 
-// An equisolid lens as an odd polynomial of the angle with the same f: least squares over the angles of the picture.
-Camera as_equidistant(const Camera& camera) {
+// An equisolid lens as an odd polynomial of the angle with the same f: least squares over the angles of the image.
+Camera fitted_equidistant(const Camera& camera) {
   Camera fitted = camera;
-  fitted.model = CameraModel::kEquidistant;
-  if (camera.model != CameraModel::kEquisolid) return fitted;
+  fitted.model = Equidistant{};
   double widest = 0.1;
   visit_grid(camera, [&](const Eigen::Vector2d& pixel) {
     widest = std::max(widest, std::acos(std::clamp(ray_in_cam(camera, pixel).z(), -1.0, 1.0)));
@@ -61,21 +60,36 @@ double largest_additional_px(const Camera& camera) {
   return largest;
 }
 
+// What COLMAP makes of a model: one of its own that is the same, or nearly. Models that are not named here it has not.
+Result<Camera> counterpart(const Camera& camera, const Brown&) { return camera; }
+Result<Camera> counterpart(const Camera& camera, const Equidistant&) { return camera; }
+Result<Camera> counterpart(const Camera& camera, const Equisolid&) { return fitted_equidistant(camera); }
+Result<Camera> counterpart(Camera camera, const KannalaBrandt&) {
+  camera.model = Equidistant{};
+  return camera;
+}
+Result<Camera> counterpart(const Camera& camera, const BrownOfMeasured&) {
+  return fail(Errc::kUnsupported, "camera " + camera.name +
+                                      ": COLMAP has no camera that corrects measured coordinates (brown_of_measured)");
+}
+template <class Model>
+Result<Camera> counterpart(const Camera& camera, const Model&) {
+  return fail(Errc::kUnsupported,
+              "camera " + camera.name + ": COLMAP has no camera of the model " + std::string(Model::kName));
+}
+
 }  // namespace
 
 Result<ExportedCamera> exported(CameraId id, const Camera& camera) {
-  if (camera.model == CameraModel::kBrownOfMeasured)
-    return fail(
-        Errc::kUnsupported,
-        "camera " + camera.name + ": COLMAP has no camera that corrects measured coordinates (brown_of_measured)");
+  Camera kept = camera;
+  kept.params[Camera::kB2] = 0;
+  kept.additional = AdditionalSet::kNone;
+  std::fill(kept.params.begin() + Camera::kParams, kept.params.end(), 0.0);
   ExportedCamera result;
-  result.as_exported = camera;
-  result.as_exported.params[Camera::kB2] = 0;
-  result.as_exported.additional = AdditionalSet::kNone;
-  std::fill(result.as_exported.params.begin() + Camera::kParams, result.as_exported.params.end(), 0.0);
+  COLLINEA_TRY(result.as_exported,
+               std::visit([&](const auto& of_ours) { return counterpart(kept, of_ours); }, camera.model));
   const bool fisheye = is_fisheye(camera.model);
-  if (fisheye) result.as_exported = as_equidistant(result.as_exported);
-  if (camera.model == CameraModel::kEquisolid) {
+  if (is<Equisolid>(camera.model)) {
     Camera plain = camera;
     plain.params[Camera::kB2] = 0;
     plain.additional = AdditionalSet::kNone;
@@ -117,7 +131,7 @@ Result<Camera> imported(const CameraRow& row) {
   camera.width_px = int(row.width_px);
   camera.height_px = int(row.height_px);
   camera.name = "COLMAP camera " + std::to_string(row.id);
-  camera.source = "given";
+  camera.prior.source = Provenance::kGiven;
   auto& p = camera.params;
   const std::string_view model = kModels[std::size_t(row.model)].name;
   const bool thin_prism = model == "THIN_PRISM_FISHEYE", opencv_fisheye = model == "OPENCV_FISHEYE";
@@ -128,7 +142,7 @@ Result<Camera> imported(const CameraRow& row) {
   p[Camera::kB1] = two_focals ? v[0] - v[1] : 0;
   p[Camera::kCx] = v[centre];
   p[Camera::kCy] = v[centre + 1];
-  if (model.find("FISHEYE") != std::string_view::npos) camera.model = CameraModel::kKannalaBrandt;
+  if (model.find("FISHEYE") != std::string_view::npos) camera.model = KannalaBrandt{};
   if (model != "SIMPLE_PINHOLE" && model != "PINHOLE") p[Camera::kK1] = v[distortion];
   if (v.size() > distortion + 1) p[Camera::kK2] = v[distortion + 1];
   if (opencv_fisheye) {
@@ -151,7 +165,7 @@ Result<Camera> imported(const CameraRow& row) {
     if (v[10] != 0 || v[11] != 0 || (decentred && v[9] != 0))
       return fail(Errc::kUnsupported,
                   "a THIN_PRISM_FISHEYE camera with sx1 or sy1, or with k4 beside p1 and p2, has no counterpart here");
-    if (decentred) camera.model = CameraModel::kEquidistant;
+    if (decentred) camera.model = Equidistant{};
   }
   if (model == "FOV") return fail(Errc::kUnsupported, "camera model FOV is not supported");
   if (!(p[Camera::kF] > 0)) return fail(Errc::kBadFormat, "a camera without focal length");

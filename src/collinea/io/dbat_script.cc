@@ -252,7 +252,7 @@ class Reader {
     mm.forward = model[0] < 0;
     Camera read = camera_of(mm);
     read.name = camera->child("name") ? camera->child("name")->text : "camera";
-    read.source = "given";
+    read.prior.source = Provenance::kGiven;
     file_.block.cameras[{0}] = file_.given_cameras[{0}] = read;
     file_.camera_sigmas[{0}].fill(0);
     if (!mm.forward) file_.corrected_cameras.insert({0});

@@ -153,22 +153,22 @@ TEST_F(OrientationFiles, WhatColmapCannotHoldIsSaid) {
 
 // Whatever the fisheye, COLMAP's camera sees the points where ours does.
 TEST_F(OrientationFiles, FisheyesComeBackFromColmap) {
-  for (const auto model : {CameraModel::kEquidistant, CameraModel::kEquisolid, CameraModel::kKannalaBrandt}) {
+  for (const CameraModel model : {CameraModel(Equidistant{}), CameraModel(Equisolid{}), CameraModel(KannalaBrandt{})}) {
     Block block = nadir_block();
     Camera& camera = block.cameras.begin()->second;
     camera.model = model;
     camera.params[Camera::kF] = 0.5 * camera.width_px;
     camera.params[Camera::kB2] = 0;
-    if (model == CameraModel::kKannalaBrandt) {
+    if (is<KannalaBrandt>(model)) {
       camera.params[Camera::kP1] = camera.params[Camera::kP2] = 0;
       camera.params[Camera::kK4] = 0.003;
     }
     fs::remove_all(folder_);
     const auto remarks = write_colmap(folder_, block, ColmapEncoding::kText);
     ASSERT_TRUE(remarks) << remarks.error().message;
-    EXPECT_EQ(remarks->size(), model == CameraModel::kEquisolid ? 1u : 0u);
+    EXPECT_EQ(remarks->size(), is<Equisolid>(model) ? 1u : 0u);
     const auto back = read_colmap(folder_);
-    ASSERT_EQ(bool(back), model != CameraModel::kEquisolid);  // fitted, it has k4 beside p1 and p2
+    ASSERT_EQ(bool(back), !is<Equisolid>(model));  // fitted, it has k4 beside p1 and p2
     if (!back) continue;
     const Camera& other = back->cameras.begin()->second;
     EXPECT_EQ(other.model, model);
@@ -178,7 +178,7 @@ TEST_F(OrientationFiles, FisheyesComeBackFromColmap) {
 
 TEST_F(OrientationFiles, BundlerKnowsNoFisheye) {
   Block block = nadir_block();
-  block.cameras.begin()->second.model = CameraModel::kEquidistant;
+  block.cameras.begin()->second.model = Equidistant{};
   EXPECT_EQ(write_bundler(folder_, block).error().code, Errc::kUnsupported);
 }
 

@@ -80,7 +80,7 @@ class Parser {
     mm.p = {v[8], v[9]};
     Camera camera = camera_of(mm);
     camera.name = "camera";
-    camera.source = "given";
+    camera.prior.source = Provenance::kGiven;
     file_.block.cameras[{0}] = file_.given_cameras[{0}] = camera;
     file_.camera_sigmas[{0}].fill(0);
     file_.corrected_cameras.insert({0});

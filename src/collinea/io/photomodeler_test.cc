@@ -47,7 +47,7 @@ TEST(Photomodeler, ExportIsRead) {
   ASSERT_TRUE(file) << file.error().message;
   const Block& block = file->block;
   const Camera& camera = block.cameras.at({0});
-  EXPECT_EQ(camera.model, CameraModel::kBrownOfMeasured);
+  EXPECT_TRUE(is<BrownOfMeasured>(camera.model));
   EXPECT_NEAR(camera.params[Camera::kF], 2000, 1e-9);    // 8 mm at 4 um
   EXPECT_NEAR(camera.params[Camera::kCx], 1025, 1e-9);   // 4.1 mm
   EXPECT_NEAR(camera.params[Camera::kK1], 0.32, 1e-12);  // 5e-3 * 64

@@ -196,8 +196,8 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px,
                                      .min_inliers = options_.min_points};
   const CameraId camera_id = setup_->images.at(image).camera;
-  const bool guessed = camera_of(image).calibrate &&
-                       camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
+  const bool guessed = camera_of(image).prior.calibrate &&
+                       camera_of(image).prior.sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
                        !camera_in_use(camera_id);
   const auto found =
       (guessed ? resect_with_focal : resect)(camera_of(image), pixels, points, resect_options, seed + image.value);
@@ -437,7 +437,7 @@ Block Reconstruction::block() const {
 
 void Reconstruction::set_additional(AdditionalSet set) {
   for (auto& [id, camera] : cameras_)
-    if (camera.calibrate) camera.additional = set;
+    if (camera.prior.calibrate) camera.additional = set;
 }
 
 void Reconstruction::take(const Adjusted& adjusted) {

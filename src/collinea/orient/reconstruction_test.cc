@@ -18,7 +18,7 @@ Matched with_a_stranger(ImageId stranger) {
   Matched input = matched(testing::test_block({.rows = 2, .columns = 3, .points = 400, .sigma_px = 0.5, .seed = 3}));
   Camera camera = input.setup.cameras.begin()->second;
   camera.params[Camera::kF] *= 1.3;
-  camera.sigma_f_px = 0.4 * camera.focal_px();
+  camera.prior.sigma_f_px = 0.4 * camera.focal_px();
   input.setup.cameras[{2}] = camera;
   input.setup.images.at(stranger).camera = {2};
   return input;

@@ -36,7 +36,7 @@ inline Matched matched(const Block& truth) {
   for (auto& [id, camera] : result.setup.cameras) {
     const std::string name = camera.name;
     camera = ideal_camera(1.02 * camera.focal_px(), camera.width_px, camera.height_px);
-    camera.sigma_f_px = 0.05 * camera.focal_px();
+    camera.prior.sigma_f_px = 0.05 * camera.focal_px();
     camera.name = name;
   }
   std::map<std::pair<ImageId, ImageId>, std::vector<Match>> matches;

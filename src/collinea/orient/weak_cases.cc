@@ -90,7 +90,7 @@ std::vector<std::string> undetermined_focals(const Block& setup, const Adjusted&
   for (const auto& [id, covariance] : adjusted.camera_covariance) {
     const Camera& before = setup.cameras.at(id);
     const double sigma_px = std::sqrt(covariance(Camera::kF, Camera::kF));
-    if (!(sigma_px > kHardlyDetermined * before.sigma_f_px)) continue;
+    if (!(sigma_px > kHardlyDetermined * before.prior.sigma_f_px)) continue;
     const char* cause = flat    ? "the scene is flat and seen from one direction"
                         : along ? "the camera moved along its view"
                                 : "the photographs are too few or too much alike";

@@ -25,7 +25,7 @@ Block seen_from(const std::vector<Rigid3>& poses, const std::vector<Eigen::Vecto
   Random random(4);
   Block block;
   block.cameras[CameraId{1}] = ideal_camera(1500, 2000, 1500);
-  block.cameras[CameraId{1}].sigma_f_px = 75;
+  block.cameras[CameraId{1}].prior.sigma_f_px = 75;
   block.cameras[CameraId{1}].name = "test";
   for (std::uint32_t i = 0; i < poses.size(); ++i) {
     block.images[ImageId{i}] = {"IMG_" + std::to_string(i) + ".jpg", CameraId{1}, "", {}, {}, 1};

@@ -90,7 +90,7 @@ class Viewer {
 void add_images(const FlightPlan& plan, const MeasurementOptions& o, PlannedBlock& planned) {
   const CameraId camera{0};
   planned.block.cameras[camera] = plan.camera;
-  planned.block.cameras[camera].sigma_f_px = o.focal_sigma * plan.camera.focal_px();
+  planned.block.cameras[camera].prior.sigma_f_px = o.focal_sigma * plan.camera.focal_px();
   PositionTrack track;
   track.shift_sigma_m = Vector3d::Constant(o.position_shift_m);
   for (std::size_t i = 0; i < plan.images.size(); ++i) {

@@ -181,7 +181,7 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
       {}};
   for (auto& [id, image] : made.block.images)
     image.position = PositionPrior{centre_of(pose_of(made.block, id)), Eigen::Vector3d::Constant(0.05)};
-  made.block.cameras.begin()->second.sigma_f_px = 1e4;
+  made.block.cameras.begin()->second.prior.sigma_f_px = 1e4;
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
   const auto adjusted = adjust(made.block, made.scope, tested("focal"), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;

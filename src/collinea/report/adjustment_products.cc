@@ -138,7 +138,7 @@ json cameras_json(const AdjustmentReport& report) {
   json list = json::array();
   for (const auto& [id, camera] : report.block.cameras) {
     json one = {{"name", camera.name},
-                {"model", kCameraModelNames[std::size_t(camera.model)]},
+                {"model", name_of(camera.model)},
                 {"width_px", camera.width_px},
                 {"height_px", camera.height_px}};
     const auto covariance = report.adjusted.camera_covariance.find(id);

@@ -27,11 +27,11 @@ json cameras(const ReportInput& input) {
     json entry = {{"name", camera.name},
                   {"width_px", camera.width_px},
                   {"height_px", camera.height_px},
-                  {"source", camera.source},
-                  {"calibrated", camera.calibrate}};
+                  {"source", camera.prior.source_name()},
+                  {"calibrated", camera.prior.calibrate}};
     const auto first = input.first_cameras.find(id);
     const auto sigma = input.camera_sigma.find(id);
-    if (camera.model != CameraModel::kBrown) entry["model"] = kCameraModelNames[std::size_t(camera.model)];
+    if (!is<Brown>(camera.model)) entry["model"] = name_of(camera.model);
     if (camera.additional != AdditionalSet::kNone)
       entry["additional"] = kAdditionalNames[std::size_t(camera.additional)];
     for (const int param : params_of(camera)) {

@@ -28,7 +28,7 @@ inline Eigen::Vector2d noisy(const Eigen::Vector2d& pixel, Random& random) {
 inline void add_camera(ReportInput& input) {
   Camera camera = ideal_camera(3650, 4000, 3000);
   camera.name = "DJI FC6310 0123";
-  camera.source = "EXIF";
+  camera.prior.source = Provenance::kExif35mm;
   input.first_cameras[{0}] = camera;
   camera.params = {3661.4, 2004.1, 1490.7, -0.0123, 0.0061, -0.002, 0.0004, -0.0003, 0, 0};
   input.block.cameras[{0}] = camera;

@@ -25,9 +25,9 @@ Block setup_of(const Truth& truth) {
     const Camera exact = camera;
     camera = ideal_camera(truth.nominal_focal_px, exact.width_px, exact.height_px);
     camera.model = exact.model;
-    camera.sigma_f_px = kExifFocalSigma * truth.nominal_focal_px;
+    camera.prior.sigma_f_px = kExifFocalSigma * truth.nominal_focal_px;
     camera.name = exact.name;
-    camera.source = "simulated";
+    camera.prior.source = Provenance::kSimulated;
   }
   return setup;
 }

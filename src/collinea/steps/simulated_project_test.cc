@@ -76,7 +76,7 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     const auto adjusted = adjust(block, scope, {.calibration = "brown", .covariances = true}, {});
     ASSERT_TRUE(truth && adjusted);
     const Camera& found = block.cameras.begin()->second;
-    EXPECT_EQ(kCameraModelNames[std::size_t(found.model)], model);
+    EXPECT_EQ(name_of(found.model), model);
     const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
     for (const int k : params_of(found)) {
       const double sigma = adjusted->sigma0 * std::sqrt(covariance(k, k));

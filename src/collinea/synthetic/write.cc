@@ -75,8 +75,7 @@ std::string control_text(const Truth& truth) {
 std::string camera_text(const Camera& camera) {
   std::string text = "# name, value\n";
   text += fmt::format("width_px, {}\nheight_px, {}\n", camera.width_px, camera.height_px);
-  if (camera.model != CameraModel::kBrown)
-    text += "model, " + std::string(kCameraModelNames[std::size_t(camera.model)]) + "\n";
+  if (!is<Brown>(camera.model)) text += "model, " + std::string(name_of(camera.model)) + "\n";
   if (camera.additional != AdditionalSet::kNone)
     text += "additional, " + std::string(kAdditionalNames[std::size_t(camera.additional)]) + "\n";
   for (const int k : params_of(camera)) text += param_name(k) + ", " + exact(camera.params[std::size_t(k)]) + "\n";
