@@ -115,7 +115,7 @@ TEST_P(FisheyeBundle, CovariancesAreTrue) {
     const double of_camera = error.dot(covariance.inverse() * error);
     double of_poses = 0;
     for (const auto& [id, pose] : adjusted->cam_from_world) {
-      const Rigid3& exact = truth.cam_from_world.at(id);
+      const Rigid3& exact = pose_of(truth, id);
       Eigen::Matrix<double, 6, 1> e;
       e << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
       of_poses += e.dot(adjusted->pose_covariance.at(id).inverse() * e) / double(adjusted->cam_from_world.size());
@@ -145,7 +145,7 @@ TEST(Fisheye, PointsBehindThePlaneOfTheCameraAreAdjusted) {
     const PointId id{5000 + i};
     truth.points[id].position_in_world = {15 + 60 * std::cos(angle), 10 + 60 * std::sin(angle),
                                           random.uniform(20, 110)};
-    for (const auto& [image, pose] : truth.cam_from_world) {
+    for (const auto& [image, pose] : oriented_images(truth)) {
       const auto pixel = project(camera, pose * truth.points[id].position_in_world);
       if (!pixel || !inside(camera, *pixel)) continue;
       const double du = random.normal(), dv = random.normal();
@@ -154,7 +154,7 @@ TEST(Fisheye, PointsBehindThePlaneOfTheCameraAreAdjusted) {
   }
   std::size_t behind = 0;
   for (const Observation& o : truth.observations)
-    behind += (truth.cam_from_world.at(o.image) * truth.points.at(o.point).position_in_world).z() < 0;
+    behind += (pose_of(truth, o.image) * truth.points.at(o.point).position_in_world).z() < 0;
   EXPECT_GT(behind, 50u);
   const auto adjusted = adjust(disturbed(truth, 0.003, 0.1), {}, {.calibration = "none", .loss = "none"}, {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;

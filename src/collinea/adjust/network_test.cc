@@ -254,10 +254,11 @@ TEST(Network, ABlockThatHangsOnStationsGoesAllTheWay) {
       const auto moved = [&](const Eigen::Vector3d& place) {
         return Eigen::Vector3d(turned * (1.02 * place) + Eigen::Vector3d(3, -2, 1));
       };
-      for (auto& [id, pose] : start.cam_from_world) {
+      for (auto [id, pose] : oriented_images(start)) {
         const Eigen::Vector3d centre = moved(centre_of(pose));
         pose.rotation = pose.rotation * turned.conjugate();
         pose.translation = -(pose.rotation * centre);
+        set_pose(start, id, pose);
       }
       for (auto& [id, point] : start.points) point.position_in_world = moved(point.position_in_world);
       const auto adjusted = adjust(start, {}, {.calibration = "none", .loss = "none", .position_loss = "none"}, kRun);

@@ -122,7 +122,7 @@ TEST(Reliability, HeldPointsTestTheirRaysToo) {
   const PointId far{1};
   strip.points[far].position_in_world = {300, 0, -20000};
   std::vector<Observation> rays;
-  for (const auto& [id, pose] : strip.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(strip)) {
     const auto pixel = project(strip.camera_of(id), pose * strip.points[far].position_in_world);
     ASSERT_TRUE(pixel);
     rays.push_back({id, far, 0, *pixel, 0.5});
@@ -252,7 +252,7 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
       of_block[kSigma0] = adjusted.sigma0 * adjusted.sigma0;
       of_block[kLevel] = double(adjusted.reliability->rejected) / double(adjusted.reliability->tested) / 0.01;
       for (const auto& [id, pose] : adjusted.cam_from_world) {
-        const Rigid3& exact = truth.cam_from_world.at(id);
+        const Rigid3& exact = pose_of(truth, id);
         Eigen::Matrix<double, 6, 1> error;
         error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
         of_block[kPose] += error.dot(adjusted.pose_covariance.at(id).inverse() * error) / 6 /

@@ -54,7 +54,7 @@ inline AdjustOptions tested(std::string calibration = "none") {
 inline double largest_centre_error(const Adjusted& adjusted, const Block& truth) {
   double largest = 0;
   for (const auto& [id, pose] : adjusted.cam_from_world)
-    largest = std::max(largest, (centre_of(pose) - centre_of(truth.cam_from_world.at(id))).norm());
+    largest = std::max(largest, (centre_of(pose) - centre_of(pose_of(truth, id))).norm());
   return largest;
 }
 

@@ -262,7 +262,7 @@ TEST(Weakness, AnotherPartsControlDoesNotCount) {
   // A second block a kilometre away with one control point of its own.
   Block other = test_block({.rows = 2, .columns = 3, .points = 80, .sigma_px = 0.5, .control = 2, .seed = 5});
   const Eigen::Vector3d away(1000, 0, 0);
-  for (const auto& [id, pose] : other.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(other)) {
     const ImageId image{id.value + 500};
     block.images[image] = other.images.at(id);
     block.images[image].file = "far_" + block.images[image].file;

@@ -91,8 +91,8 @@ TEST_F(OrientationFiles, AColmapModelComesBackExactlyFromTextAndFromBinary) {
     ASSERT_EQ(back->images.size(), 3u);
     for (const auto& [id, image] : block.images) {
       EXPECT_EQ(back->images.at(id).file, image.file);
-      EXPECT_EQ(back->cam_from_world.at(id).rotation.coeffs(), pose_of(block, id).rotation.coeffs());
-      EXPECT_EQ(back->cam_from_world.at(id).translation, pose_of(block, id).translation);
+      EXPECT_EQ(pose_of(*back, id).rotation.coeffs(), pose_of(block, id).rotation.coeffs());
+      EXPECT_EQ(pose_of(*back, id).translation, pose_of(block, id).translation);
     }
     for (int i = 0; i < Camera::kParams; ++i)
       EXPECT_EQ(back->cameras.at({0}).params[i], block.cameras.at({0}).params[i]) << Camera::kParamNames[i];
@@ -200,8 +200,7 @@ TEST_F(OrientationFiles, ColmapGetsImageCoordinatesFreedFromAdditionalParameters
   EXPECT_EQ(back->cameras.begin()->second.params, plain.params);
   for (std::size_t i = 0; i < block.observations.size(); ++i) {
     const Observation& o = back->observations[i];
-    EXPECT_LT((*project(plain, back->cam_from_world.at(o.image) * back->points.at(o.point).position_in_world) - o.pixel)
-                  .norm(),
+    EXPECT_LT((*project(plain, pose_of(*back, o.image) * back->points.at(o.point).position_in_world) - o.pixel).norm(),
               1e-6);
   }
 }
@@ -379,8 +378,8 @@ TEST_F(OrientationFiles, ABundlerModelComesBackExactly) {
   for (const auto& [id, pose] : oriented_images(block)) {
     EXPECT_EQ(back->images.at(id).file, block.images.at(id).file);
     EXPECT_EQ(back->camera_of(id).params, block.camera_of(id).params);
-    EXPECT_LT((back->cam_from_world.at(id).translation - pose.translation).norm(), 1e-12);
-    EXPECT_LT(angle_between(back->cam_from_world.at(id).rotation, pose.rotation), 1e-7);
+    EXPECT_LT((pose_of(*back, id).translation - pose.translation).norm(), 1e-12);
+    EXPECT_LT(angle_between(pose_of(*back, id).rotation, pose.rotation), 1e-7);
   }
   ASSERT_EQ(back->points.size(), block.points.size());
   ASSERT_EQ(back->observations.size(), block.observations.size());

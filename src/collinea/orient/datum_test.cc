@@ -20,14 +20,14 @@ const Similarity3 kBlockFromWorld{0.05, rotation_by({2, -0.4, 1}), {3, 1, -7}};
 double worst_centre(const Block& block, const Block& truth) {
   double worst = 0;
   for (const auto& [id, pose] : oriented_images(block))
-    worst = std::max(worst, (centre_of(pose) - centre_of(truth.cam_from_world.at(id))).norm());
+    worst = std::max(worst, (centre_of(pose) - centre_of(pose_of(truth, id))).norm());
   return worst;
 }
 
 TEST(Datum, ExactPositionsBringAnArbitraryFrameHome) {
   Block truth = test_block();
   for (auto& [id, image] : truth.images)
-    image.position = PositionPrior{centre_of(truth.cam_from_world.at(id)), Eigen::Vector3d::Constant(0.1)};
+    image.position = PositionPrior{centre_of(pose_of(truth, id)), Eigen::Vector3d::Constant(0.1)};
   Block block = truth;
   transform(block, kBlockFromWorld);
   const auto found = datum(block);

@@ -17,7 +17,7 @@ using testing::test_block;
 Matched small(double position_sigma_m = 0) { return matched(testing::small_block(0.5, 0, position_sigma_m)); }
 
 GivenOrientation truth_of(const Matched& input) {
-  return {input.truth.cam_from_world, input.truth.cameras, false, "elsewhere"};
+  return {testing::poses_of(input.truth), input.truth.cameras, false, "elsewhere"};
 }
 
 Result<Orientation> take(const Matched& input, const GivenOrientation& given, bool refine = false) {
@@ -32,8 +32,8 @@ TEST(OrientAsGiven, PosesAndCamerasStayToTheBitAndPointsAreIntersected) {
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_EQ(count_oriented(found->block), 8u);
   for (const auto& [image, pose] : oriented_images(found->block)) {
-    EXPECT_EQ(pose.rotation.coeffs(), input.truth.cam_from_world.at(image).rotation.coeffs());
-    EXPECT_EQ(pose.translation, input.truth.cam_from_world.at(image).translation);
+    EXPECT_EQ(pose.rotation.coeffs(), pose_of(input.truth, image).rotation.coeffs());
+    EXPECT_EQ(pose.translation, pose_of(input.truth, image).translation);
   }
   EXPECT_EQ(found->block.cameras.begin()->second.params, input.truth.cameras.begin()->second.params);
   EXPECT_GT(found->block.points.size(), 450u);
@@ -105,7 +105,7 @@ TEST(OrientAsGiven, WithoutCamerasTheseAreCalibratedOnThePosesThatStay) {
 TEST(OrientAsGiven, RefiningMendsPosesThatAreALittleOff) {
   const Matched input = small();
   GivenOrientation given = truth_of(input);
-  given.cam_from_world = testing::disturbed(input.truth, 0.0005, 0.03).cam_from_world;
+  given.cam_from_world = testing::poses_of(testing::disturbed(input.truth, 0.0005, 0.03));
   const auto held = take(input, given), refined = take(input, given, true);
   ASSERT_TRUE(held) << held.error().message;
   ASSERT_TRUE(refined) << refined.error().message;
@@ -117,7 +117,7 @@ TEST(OrientAsGiven, RefiningMendsPosesThatAreALittleOff) {
 TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
   const Matched input = small();
   GivenOrientation given = truth_of(input);
-  given.cam_from_world = testing::disturbed(input.truth, 0.01, 0.5).cam_from_world;
+  given.cam_from_world = testing::poses_of(testing::disturbed(input.truth, 0.01, 0.5));
   const auto found = take(input, given);
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_FALSE(found->findings.empty());

@@ -424,7 +424,7 @@ TEST(Orient, ASingleStripErrsAsItsSigmasSay) {
     ASSERT_TRUE(found) << found.error().message;
     ASSERT_TRUE(found->georeferenced);
     const ImageId middle{13};
-    const Rigid3 &pose = pose_of(found->block, middle), &exact = input.truth.cam_from_world.at(middle);
+    const Rigid3 &pose = pose_of(found->block, middle), &exact = pose_of(input.truth, middle);
     Eigen::Matrix<double, 6, 1> error;
     error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
     const Matrix6d& covariance = found->adjusted.pose_covariance.at(middle);
@@ -450,7 +450,7 @@ Matched without_heights(double sigma_m) {
 double turn_deg(const Orientation& found, const Block& truth, const Eigen::Vector3d& axis) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& [image, pose] : oriented_images(found.block))
-    mean += rotation_vector(pose.rotation.conjugate() * truth.cam_from_world.at(image).rotation) /
+    mean += rotation_vector(pose.rotation.conjugate() * pose_of(truth, image).rotation) /
             static_cast<double>(count_oriented(found.block));
   return mean.dot(axis) * 180 / std::numbers::pi;
 }
@@ -463,7 +463,7 @@ TEST(Orient, PositionsWithoutHeightsPlaceTheBlockInPlan) {
   EXPECT_NE(found->gauge.find("8 image positions in plan, level by"), std::string::npos) << found->gauge;
   EXPECT_TRUE(mentions(found->findings, "heights are relative"));
   for (const auto& [image, pose] : oriented_images(found->block))
-    EXPECT_LT((centre_of(pose) - centre_of(input.truth.cam_from_world.at(image))).head<2>().norm(), 1) << image.value;
+    EXPECT_LT((centre_of(pose) - centre_of(pose_of(input.truth, image))).head<2>().norm(), 1) << image.value;
   EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitZ()), 0, 1.5);
   // Each picture is held up to 0.15 rad askew; eight of them say what is level.
   EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitX()), 0, 9);

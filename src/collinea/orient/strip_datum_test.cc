@@ -63,10 +63,10 @@ TEST(StripDatum, ALineFlownThereAndBackHasADirection) {
   for (std::uint32_t i = 0; i < count; ++i) {
     Image back = strip.images.at({first + count - 1 - i});
     back.position->position_in_world.z() += 2;
-    Rigid3 pose = strip.cam_from_world.at({first + count - 1 - i});
+    Rigid3 pose = pose_of(strip, {first + count - 1 - i});
     pose.translation -= pose.rotation * Eigen::Vector3d(0, 0, 2);
     strip.images[{first + count + i}] = back;
-    strip.cam_from_world[{first + count + i}] = pose;
+    set_pose(strip, {first + count + i}, pose);
   }
   const auto found = strip_datum(strip);
   ASSERT_TRUE(found);

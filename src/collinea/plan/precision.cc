@@ -146,7 +146,7 @@ void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, i
 }
 
 void compare_poses(const Precision& foretold, const Adjusted& one, Sum& sum) {
-  for (const auto& [id, pose] : oriented_images(one)) {
+  for (const auto& [id, pose] : one.cam_from_world) {
     const Rigid3& truth = pose_of(foretold.planned.block, id);
     Eigen::Matrix<double, 6, 1> error;
     error.head<3>() = rotation_vector(truth.rotation.conjugate() * pose.rotation);

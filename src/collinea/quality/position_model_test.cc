@@ -121,7 +121,7 @@ TEST(PositionModel, ExactTruthComesBack) {
   for (const EstimatedUnknown& extra : adjusted->extras)
     EXPECT_NEAR(extra.value, truth_of(extra.kind)[extra.axis], 1e-6) << name_of_extra(start, extra.kind, 1, extra.axis);
   for (const auto& [id, pose] : adjusted->cam_from_world)
-    EXPECT_LT((centre_of(pose) - centre_of(made.truth.cam_from_world.at(id))).norm(), 1e-6);
+    EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
   EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-4);
 }
 
@@ -158,7 +158,7 @@ TEST(PositionModel, AGivenLeverArmIsUsed) {
   const auto adjusted = adjust(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted);
   for (const auto& [id, pose] : adjusted->cam_from_world)
-    EXPECT_LT((centre_of(pose) - centre_of(made.truth.cam_from_world.at(id))).norm(), 1e-6);
+    EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
   EXPECT_EQ(adjusted->extras.size(), 4u);  // boresight and time offset
 }
 
@@ -203,7 +203,7 @@ TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparabl
   for (auto& [id, velocity] : made.scope.velocity_m_s) {
     velocity = Eigen::Vector3d(7, 7, 0) + 0.05 * normal3(random);
     made.block.images.at(id).position->position_in_world =
-        centre_of(made.truth.cam_from_world.at(id)) + kOffset_s * velocity + 0.03 * normal3(random);
+        centre_of(pose_of(made.truth, id)) + kOffset_s * velocity + 0.03 * normal3(random);
   }
   made.scope.lever_arms.clear();
   made.scope.position_tracks[0].drift_sigma_m.setZero();
