@@ -5,15 +5,13 @@
 
 namespace collinea {
 
-using namespace distortion;
-
 std::optional<Eigen::Vector2d> Brown::project(const double* p, const Eigen::Vector3d& point_in_cam, Matrix23* by_point,
                                               Matrix2P* by_params) {
   if (!(point_in_cam.z() > 0)) return std::nullopt;
   const double w = 1 / point_in_cam.z(), x = point_in_cam.x() * w, y = point_in_cam.y() * w;
   const double r2 = x * x + y * y;
-  const Distorted d = distort(p, x, y);
-  if (d.folded || folds_before(p, r2)) return std::nullopt;
+  const distortion::Distorted d = distortion::distort(p, x, y);
+  if (d.folded || distortion::folds_before(p, r2)) return std::nullopt;
   const double f = p[kF], fx = f + p[kB1], b2 = p[kB2];
 
   if (by_point) {
@@ -34,7 +32,7 @@ std::optional<Eigen::Vector2d> Brown::project(const double* p, const Eigen::Vect
 }
 
 Eigen::Vector2d Brown::undistorted(const double* params, const Eigen::Vector2d& measured) {
-  const Undistorted ideal = undistort(params, measured.x(), measured.y());
+  const distortion::Undistorted ideal = distortion::undistort(params, measured.x(), measured.y());
   return {ideal.x, ideal.y};
 }
 

@@ -20,7 +20,8 @@ void visit_grid(const Camera& camera, Visit&& visit) {
       visit(Eigen::Vector2d(double(column) * camera.width_px / kGrid, double(row) * camera.height_px / kGrid));
 }
 
-// An equisolid lens as an odd polynomial of the angle with the same f: least squares over the angles of the image.
+// A fisheye of any law as an odd polynomial of the angle with the same f: least squares over the angles of the image.
+template <class Law>
 Camera fitted_equidistant(const Camera& camera) {
   Camera fitted = camera;
   fitted.model = Equidistant{};
@@ -33,7 +34,7 @@ Camera fitted_equidistant(const Camera& camera) {
   Eigen::Matrix<double, kAngles, 1> rest;
   const auto& p = camera.params;
   for (int i = 0; i < kAngles; ++i) {
-    const double t = widest * (i + 1) / kAngles, g = 2 * std::sin(t / 2), g2 = g * g;
+    const double t = widest * (i + 1) / kAngles, g = Law::radius(t).g, g2 = g * g;
     rest[i] = g * (1 + g2 * (p[Camera::kK1] + g2 * (p[Camera::kK2] + g2 * p[Camera::kK3]))) - t;
     for (int k = 0; k < 4; ++k) powers(i, k) = std::pow(t, 2 * k + 3);
   }
@@ -60,20 +61,28 @@ double largest_additional_px(const Camera& camera) {
   return largest;
 }
 
-// What COLMAP makes of a model: one of its own that is the same, or nearly. Models that are not named here it has not.
-Result<Camera> counterpart(const Camera& camera, const Brown&) { return camera; }
-Result<Camera> counterpart(const Camera& camera, const Equidistant&) { return camera; }
-Result<Camera> counterpart(const Camera& camera, const Equisolid&) { return fitted_equidistant(camera); }
-Result<Camera> counterpart(Camera camera, const KannalaBrandt&) {
-  camera.model = Equidistant{};
-  return camera;
+// What COLMAP makes of a camera: one of a model that it has.
+struct Counterpart {
+  Camera camera;
+  bool is_fitted = false;  // nearly the same, not exactly
+};
+
+// One overload for each model that COLMAP can express.
+Result<Counterpart> counterpart(const Camera& camera, const Brown&) { return Counterpart{camera}; }
+Result<Counterpart> counterpart(const Camera& camera, const Equidistant&) { return Counterpart{camera}; }
+Result<Counterpart> counterpart(const Camera& camera, const Equisolid&) {
+  return Counterpart{fitted_equidistant<Equisolid>(camera), true};
 }
-Result<Camera> counterpart(const Camera& camera, const BrownOfMeasured&) {
+Result<Counterpart> counterpart(Camera camera, const KannalaBrandt&) {
+  camera.model = Equidistant{};
+  return Counterpart{camera};
+}
+Result<Counterpart> counterpart(const Camera& camera, const BrownOfMeasured&) {
   return fail(Errc::kUnsupported, "camera " + camera.name +
                                       ": COLMAP has no camera that corrects measured coordinates (brown_of_measured)");
 }
 template <class Model>
-Result<Camera> counterpart(const Camera& camera, const Model&) {
+Result<Counterpart> counterpart(const Camera& camera, const Model&) {
   return fail(Errc::kUnsupported,
               "camera " + camera.name + ": COLMAP has no camera of the model " + std::string(Model::kName));
 }
@@ -85,17 +94,15 @@ Result<ExportedCamera> exported(CameraId id, const Camera& camera) {
   kept.params[Camera::kB2] = 0;
   kept.additional = AdditionalSet::kNone;
   std::fill(kept.params.begin() + Camera::kParams, kept.params.end(), 0.0);
+  COLLINEA_TRY(const Counterpart theirs,
+               std::visit([&](const auto& model_of_ours) { return counterpart(kept, model_of_ours); }, camera.model));
   ExportedCamera result;
-  COLLINEA_TRY(result.as_exported,
-               std::visit([&](const auto& of_ours) { return counterpart(kept, of_ours); }, camera.model));
+  result.as_exported = theirs.camera;
   const bool fisheye = is_fisheye(camera.model);
-  if (is<Equisolid>(camera.model)) {
-    Camera plain = camera;
-    plain.params[Camera::kB2] = 0;
-    plain.additional = AdditionalSet::kNone;
-    result.remarks.push_back("camera " + camera.name + ": its equisolid projection is fitted by a polynomial of the " +
-                             "angle, to " + fixed(largest_difference_px(plain, result.as_exported), 4) + " px");
-  }
+  if (theirs.is_fitted)
+    result.remarks.push_back("camera " + camera.name + ": its " + std::string(name_of(camera.model)) +
+                             " projection is fitted by a polynomial of the angle, to " +
+                             fixed(largest_difference_px(kept, result.as_exported), 4) + " px");
   const auto& p = result.as_exported.params;
   const double f = p[Camera::kF], b2 = camera.params[Camera::kB2];
   const bool decentred = p[Camera::kP1] != 0 || p[Camera::kP2] != 0;
