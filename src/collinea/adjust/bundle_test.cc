@@ -301,9 +301,9 @@ TEST(Adjust, LocalAdjustmentMovesOnlyWhatIsFree) {
   Random random(2);
   for (const std::uint32_t id : {12u, 13u}) {
     scope.free_images->insert({id});
-    Rigid3& pose = pose_of(start, {id});
+    const Rigid3 pose = pose_of(start, {id});
     const Eigen::Vector3d centre = centre_of(pose) + 0.5 * normal3(random);
-    pose.translation = -(pose.rotation * centre);
+    set_pose(start, {id}, {pose.rotation, -(pose.rotation * centre)});
   }
   const auto adjusted = adjust(start, scope, plain(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;

@@ -102,7 +102,7 @@ TEST_P(CameraLaws, DerivativesAreByTheParametersOfItsSet) {
   ASSERT_TRUE(project(camera, {0.2, -0.1, 1}, &by_point, &by_params));
   const std::vector<int> has = params_of(camera);
   for (int k = Camera::kParams; k < Camera::kAllParams; ++k)
-    if (std::ranges::count(has, k) == 0) EXPECT_TRUE(by_params.col(k).isZero(0)) << k;
+    EXPECT_TRUE(std::ranges::count(has, k) == 1 || by_params.col(k).isZero(0)) << k;
 }
 
 TEST(CameraModels, KannalaAndBrandtHaveAFourthCoefficientAndNoDecentring) {
@@ -210,7 +210,8 @@ std::vector<CameraModel> fisheyes() {
   return all;
 }
 
-// The derivative and the inverse of each law.
+// The derivative and the inverse of each law. Central differences err by h^2/6 times the third derivative, which is
+// below 100, and by rounding of 1e-11.
 TEST(Fisheye, LawsAreInvertedAndDifferentiated) {
   for (const CameraModel& model : fisheyes())
     std::visit(
@@ -219,7 +220,7 @@ TEST(Fisheye, LawsAreInvertedAndDifferentiated) {
             for (const double t : {0.01, 0.4, 1.2, 1.7, 2.4}) {
               const FisheyeRadius radius = Model::radius(t);
               EXPECT_NEAR(Model::angle_rad(radius.g), t, 1e-12) << Model::kName;
-              EXPECT_NEAR((Model::radius(t + 1e-5).g - Model::radius(t - 1e-5).g) / 2e-5, radius.by_angle, 1e-9);
+              EXPECT_NEAR((Model::radius(t + 1e-5).g - Model::radius(t - 1e-5).g) / 2e-5, radius.by_angle, 1e-8);
               EXPECT_NEAR(2 * Model::kFocalPerDiagonal * Model::radius(std::numbers::pi / 2).g, 1, 1e-12);
             }
         },

@@ -89,7 +89,7 @@ TEST(ImportFocal, AnImpossibleOneIsNotBelieved) {
   PhotoHeader header = drone_header();
   header.focal_mm.reset();
   header.focal_35mm_mm = 3000;
-  EXPECT_EQ(camera_of(header).source, "assumed");
+  EXPECT_EQ(camera_of(header).prior.source_name(), "assumed");
 }
 
 TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
