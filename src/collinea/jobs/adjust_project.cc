@@ -159,7 +159,7 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
     CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
     if (own != task.scope.camera_sigmas.end())
       sigmas = own->second;
-    else if (camera.calibrate)
+    else if (camera.prior.calibrate)
       sigmas = calibration_named(task.options.adjust.calibration, first).value_or(CameraSigmas{});
     const auto both = with_additional(sigmas, first, held);
     if (!both)
@@ -251,7 +251,7 @@ AdjustmentFile file_of(const Task& task) {
   AdjustmentFile file;
   file.block = task.block;
   Block& block = file.block;
-  std::erase_if(block.images, [&](const auto& image) { return !block.cam_from_world.contains(image.first); });
+  std::erase_if(block.images, [&](const auto& image) { return !is_oriented(block, image.first); });
   const auto unknown = [&](const auto& seen) { return !block.images.contains(seen.image); };
   std::erase_if(block.control_observations, unknown);
   std::erase_if(block.observations,
@@ -271,7 +271,7 @@ AdjustmentFile file_of(const Task& task) {
     file.given_cameras[id] = given;
     const auto own = task.scope.camera_sigmas.find(id);
     file.camera_sigmas[id] = own != task.scope.camera_sigmas.end() ? own->second
-                             : camera.calibrate
+                             : camera.prior.calibrate
                                  ? calibration_named(task.options.adjust.calibration, given).value_or(CameraSigmas{})
                                  : CameraSigmas{};
   }
@@ -335,7 +335,7 @@ Result<> set_calibration(const std::string& asked, const AdjustmentFile& file, A
   if (asked == "auto") return {};
   for (auto& [id, sigmas] : scope.camera_sigmas) {
     Camera camera = file.given_cameras.at(id);
-    camera.sigma_f_px = 1;
+    camera.prior.sigma_f_px = 1;
     const auto named = calibration_named(asked, camera);
     if (!named) return fail(Errc::kBadInput, "calibration = \"" + asked + "\": no such set of parameters");
     for (std::size_t k = 0; k < sigmas.size(); ++k)

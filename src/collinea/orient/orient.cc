@@ -106,16 +106,16 @@ Similarity3 readable_gauge(const Reconstruction& part, const Block& setup) {
 double median_pixel_m(const Block& block) {
   std::vector<double> sizes;
   for (const Observation& seen : block.observations) {
-    const double depth_m = (block.cam_from_world.at(seen.image) * block.points.at(seen.point).position_in_world).z();
+    const double depth_m = (pose_of(block, seen.image) * block.points.at(seen.point).position_in_world).z();
     sizes.push_back(depth_m / block.camera_of(seen.image).focal_px());
   }
   return sizes.empty() ? 0 : median(sizes);
 }
 
 std::size_t count_positions(const Block& block) {
-  return static_cast<std::size_t>(
-      std::count_if(block.cam_from_world.begin(), block.cam_from_world.end(),
-                    [&](const auto& pose) { return block.images.at(pose.first).position.has_value(); }));
+  return static_cast<std::size_t>(std::ranges::count_if(oriented_images(block), [&](const OrientedImage& one) {
+    return block.images.at(one.image).position.has_value();
+  }));
 }
 
 class Orienter {
@@ -532,7 +532,7 @@ class Orienter {
   [[nodiscard]] std::vector<ImageId> left_alone() const {
     std::set<ImageId> taken;
     for (const auto& part : result_.other_parts) taken.insert(part.begin(), part.end());
-    for (const auto& [image, pose] : result_.block.cam_from_world) taken.insert(image);
+    for (const auto& [image, pose] : oriented_images(result_.block)) taken.insert(image);
     std::vector<ImageId> alone;
     for (const auto& [image, data] : setup_.images)
       if (!taken.contains(image)) alone.push_back(image);

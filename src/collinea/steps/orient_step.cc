@@ -97,7 +97,7 @@ json excluded_control(const Orientation& orientation, const Block& setup) {
   Block measured;
   measured.cameras = orientation.block.cameras;
   measured.images = setup.images;
-  measured.cam_from_world = orientation.block.cam_from_world;
+  measured.poses = orientation.block.poses;
   measured.control_observations = setup.control_observations;
   json rows = json::array();
   for (const ControlId id : orientation.excluded_control) {
@@ -157,7 +157,7 @@ json details_of(const Orientation& orientation, const Block& setup) {
 json report_of(const Orientation& orientation, const Block& setup) {
   const Adjusted& adjusted = orientation.adjusted;
   json report = {{"images", setup.images.size()},
-                 {"oriented", orientation.block.cam_from_world.size()},
+                 {"oriented", count_oriented(orientation.block)},
                  {"tie_points", orientation.block.points.size()},
                  {"observations", orientation.block.observations.size()},
                  {"gross_measurements", orientation.gross_measurements},
@@ -211,11 +211,10 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(project.store.write_orientation(orientation.block));
   for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
   const json report = report_of(orientation, setup);
-  return StepOutput{
-      inputs_hash, json_text(report),
-      fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}",
-                  orientation.block.cam_from_world.size(), setup.images.size(), orientation.block.points.size(),
-                  mean_residual_px(orientation.adjusted), orientation.gauge)};
+  return StepOutput{inputs_hash, json_text(report),
+                    fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}",
+                                count_oriented(orientation.block), setup.images.size(), orientation.block.points.size(),
+                                mean_residual_px(orientation.adjusted), orientation.gauge)};
 }
 
 }  // namespace collinea

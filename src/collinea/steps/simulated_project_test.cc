@@ -34,14 +34,14 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
     EXPECT_EQ(std::count_if(lines.begin(), lines.end(), up_to_date), 1) << step;
   }
   const Block block = *project->store.read_block();
-  ASSERT_EQ(block.cam_from_world.size(), 20u);
+  ASSERT_EQ(count_oriented(block), 20u);
   const auto truth = read_truth(folder / "block");
   const auto adjusted = examine(block, {}, {.adjust = {.calibration = "brown"}}, {});
   ASSERT_TRUE(truth && adjusted);
   double squares = 0, variance_m2 = 0;
   for (const auto& [id, covariance] : adjusted->pose_covariance) {
     const Eigen::Vector3d error =
-        centre_of(block.cam_from_world.at(id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
+        centre_of(pose_of(block, id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
     const Eigen::Array3d variance = std::pow(adjusted->sigma0, 2) * covariance.diagonal().tail<3>().array();
     squares += (error.array().square() / variance).mean() / 20;
     variance_m2 += variance.sum() / 20;
@@ -67,7 +67,7 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     const auto done = bring_up_to(*project, "orient");
     ASSERT_TRUE(done) << done.error().message;
     const Block block = *project->store.read_block();
-    EXPECT_EQ(block.cam_from_world.size(), 16u);
+    EXPECT_EQ(count_oriented(block), 16u);
     const auto truth = read_truth(folder / "block");
     const auto setup = project->store.read_setup();
     ASSERT_TRUE(setup);
@@ -76,7 +76,7 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     const auto adjusted = examine(block, scope, {.adjust = {.calibration = "brown"}}, {});
     ASSERT_TRUE(truth && adjusted);
     const Camera& found = block.cameras.begin()->second;
-    EXPECT_EQ(kCameraModelNames[std::size_t(found.model)], model);
+    EXPECT_EQ(name_of(found.model), model);
     const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
     for (const int k : params_of(found)) {
       const double sigma = adjusted->sigma0 * std::sqrt(covariance(k, k));

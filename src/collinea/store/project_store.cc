@@ -17,15 +17,15 @@ using sqlite::Database;
 using sqlite::Statement;
 
 constexpr std::int64_t kApplication = 0x434f4c4e;  // "COLN" in the file's header
-constexpr std::int64_t kSchema = 1;
+constexpr std::int64_t kSchema = 2;
 
 // Numbers that must come back bit by bit are packed in blobs: SQLite turns NaN into NULL and drops the sign of zero.
 constexpr const char* kTables = R"sql(
 CREATE TABLE georeference (id INTEGER PRIMARY KEY CHECK (id = 0), crs TEXT, origin BLOB);
-CREATE TABLE cameras (id INTEGER PRIMARY KEY, name TEXT, source TEXT, width_px INTEGER, height_px INTEGER,
-                      calibrate INTEGER, numbers BLOB);
-CREATE TABLE adjusted_cameras (id INTEGER PRIMARY KEY, name TEXT, source TEXT, width_px INTEGER, height_px INTEGER,
-                               calibrate INTEGER, numbers BLOB);
+CREATE TABLE cameras (id INTEGER PRIMARY KEY, name TEXT, width_px INTEGER, height_px INTEGER, model TEXT,
+                      additional TEXT, parameters TEXT, source TEXT, calibrate INTEGER, sigma_f_px BLOB);
+CREATE TABLE adjusted_cameras (id INTEGER PRIMARY KEY, name TEXT, width_px INTEGER, height_px INTEGER, model TEXT,
+                               additional TEXT, parameters TEXT, source TEXT, calibrate INTEGER, sigma_f_px BLOB);
 CREATE TABLE images (id INTEGER PRIMARY KEY, file TEXT, camera INTEGER, taken TEXT, orientation INTEGER,
                      position BLOB, attitude BLOB);
 CREATE TABLE control (id INTEGER PRIMARY KEY, name TEXT, role TEXT, numbers BLOB);
@@ -280,8 +280,7 @@ Result<> ProjectStore::renumber_features(const std::map<ImageId, ImageId>& new_f
     COLLINEA_TRY(auto erase, db.prepare("DELETE FROM features WHERE image = ?"));
     // Negative numbers on the way: the new one of one image may be the old one of another.
     const auto aside = [](ImageId id) { return -1 - std::int64_t{id.value}; };
-    for (const auto& [from, to] : new_from_old)
-      COLLINEA_TRY(set_aside.bind(aside(to)).bind(from.value).run());
+    for (const auto& [from, to] : new_from_old) COLLINEA_TRY(set_aside.bind(aside(to)).bind(from.value).run());
     for (const auto& [from, to] : new_from_old) {
       COLLINEA_TRY(erase.bind(to.value).run());
       COLLINEA_TRY(set_aside.bind(to.value).bind(aside(to)).run());
@@ -293,8 +292,7 @@ Result<> ProjectStore::renumber_features(const std::map<ImageId, ImageId>& new_f
 Result<> ProjectStore::write_pairs(const std::vector<ImagePair>& pairs, const std::string& inputs_hash) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(auto insert, db.prepare("INSERT OR REPLACE INTO pairs VALUES (?, ?, ?, ?, ?, ?, ?)"));
-    for (const ImagePair& pair : pairs)
-      COLLINEA_TRY(write_pair(insert, pair, inputs_hash));
+    for (const ImagePair& pair : pairs) COLLINEA_TRY(write_pair(insert, pair, inputs_hash));
     return {};
   });
 }
