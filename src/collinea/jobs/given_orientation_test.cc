@@ -46,8 +46,8 @@ class GivenOrientationTest : public ::testing::Test {
         opened(folder_ / "block", [&](Settings& settings) { settings.orient.orientation = given.string(); });
     const auto done = bring_up_to(project, "orient");
     EXPECT_TRUE(done) << done.error().message;
-    const auto record = project.store.read_step("orient");
-    EXPECT_NE((*record)->report_json.find("taken from " + given.string()), std::string::npos);
+    const auto record = project.store.read_outcome<OrientationRecord>();
+    EXPECT_TRUE(record && record->findings.front().find("taken from " + given.string()) != std::string::npos);
     return *project.store.read_block();
   }
 

@@ -204,9 +204,8 @@ void PlaneOfAProject::a_plane_of_a_block_without_scale_says_so() {
     auto store = ProjectStore::open(local);
     ASSERT_TRUE(store);
     auto step = store->read_step("orient").value().value();
-    auto report = nlohmann::json::parse(step.report_json);
-    report["georeferenced"] = false, report["metric"] = metric;
-    step.report_json = report.dump();
+    auto& orientation = std::get<OrientationRecord>(step.outcome);
+    orientation.georeferenced = false, orientation.metric = metric;
     ASSERT_TRUE(store->write_step(step));
     const auto done = rectify_plane(local, root_ / "plane.tif", {.control = names}, {});
     ASSERT_TRUE(done) << done.error().message;

@@ -118,6 +118,20 @@ std::size_t count_positions(const Block& block) {
   }));
 }
 
+// Of the cameras that moved in an adjustment: what was free, by the rule of adjust().
+CalibrationUsed calibration_used(const Adjusted& adjusted, const AdjustScope& scope, const std::string& parameters) {
+  CalibrationUsed used;
+  for (const auto& [id, camera] : adjusted.cameras) {
+    const auto own = scope.camera_sigmas.find(id);
+    const CameraSigmas sigmas =
+        own != scope.camera_sigmas.end() ? own->second : calibration_named(parameters, camera).value_or(CameraSigmas{});
+    for (const int param : params_of(camera))
+      if (sigmas[std::size_t(param)] > 0) used.free[id].push_back(param);
+  }
+  if (!used.free.empty()) used.parameters = parameters;
+  return used;
+}
+
 class Orienter {
  public:
   Orienter(const Block& setup, const KeypointSource& keypoints, const PictureSource& pictures,
@@ -177,6 +191,8 @@ class Orienter {
     place(part);
     COLLINEA_TRY(Adjusted adjusted, part.adjust_all(adjust, held, run_));
     result_.adjusted = Examined{std::move(adjusted)};
+    result_.calibration = calibration_used(result_.adjusted, held, adjust.calibration);
+    result_.holds_given_poses = true;
     for (ControlDifference& control : result_.adjusted.control) control.used |= in_datum_.contains(control.point);
     finish(part);
     return std::move(result_);
@@ -222,6 +238,7 @@ class Orienter {
     } else {
       COLLINEA_TRY(result_.adjusted, adjust_with_covariances(part, scope));
     }
+    result_.calibration = calibration_used(result_.adjusted, scope, settled_options(part, options_).calibration);
     finish(part);
     for (std::string& finding : additional_findings(result_.block, result_.adjusted))
       result_.findings.push_back(std::move(finding));

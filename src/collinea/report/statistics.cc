@@ -87,7 +87,7 @@ AxisRms rms_of(std::span<const Eigen::Vector3d> differences_m) {
 
 AxisRms control_rms(const ReportInput& input, bool used) {
   std::vector<Eigen::Vector3d> differences;
-  for (const ReportControl& control : input.control) {
+  for (const ControlDifference& control : input.control) {
     if (control.used != used || control.excluded) continue;
     differences.push_back(control.difference_m);  // NaN on axes that were not surveyed
   }
@@ -96,7 +96,7 @@ AxisRms control_rms(const ReportInput& input, bool used) {
 
 AxisRms position_rms(const ReportInput& input) {
   std::vector<Eigen::Vector3d> differences;
-  for (const ReportPosition& position : input.positions) differences.push_back(position.difference_m);
+  for (const PositionDifference& position : input.positions) differences.push_back(position.difference_m);
   return rms_of(differences);
 }
 
@@ -148,7 +148,7 @@ ResidualStatistics residual_statistics(const Block& block) {
   return statistics;
 }
 
-double control_rms_px(const Block& block, const ReportControl& control) {
+double control_rms_px(const Block& block, const ControlDifference& control) {
   if (!control.difference_m.allFinite()) return std::nan("");
   const Eigen::Vector3d estimated = block.control.at(control.point).position_in_world + control.difference_m;
   double squares = 0;

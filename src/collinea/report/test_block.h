@@ -83,12 +83,12 @@ inline void add_control(double width, double height, Random& random, ReportInput
                        {x, y, ground(x, y)},
                        {0.01, 0.01, 0.015}};
     input.block.control[{c}] = point;
-    ReportControl result;
+    ControlDifference result;
     result.point = {c};
     result.used = !check;
     result.difference_m =
         (check ? 0.03 : 0.02) * Eigen::Vector3d(random.normal(), random.normal(), 1.5 * random.normal());
-    result.sigma_m = Eigen::Vector3d(0.02, 0.02, 0.03);
+    result.difference_sigma_m = Eigen::Vector3d(0.02, 0.02, 0.03);
     see(input.block, point.position_in_world, [&](ImageId image, const Eigen::Vector2d& pixel) {
       input.block.control_observations.push_back({{c}, image, noisy(pixel, random), 0.5});
       ++result.rays;
@@ -101,9 +101,10 @@ inline void add_words(ReportInput& input) {
   input.skipped = {{"100MEDIA/DJI_0999.JPG", "truncated: ends after 12 % of its rows"},
                    {"notes.txt", "not a photograph"}};
   input.findings = {"Control point P3 lies 0.4 m outside the images' footprints."};
-  input.steps = {{"import", "a", "b", 0.8, 1.2, 9e7, R"({"images": 40})"},
-                 {"detect", "b", "c", 31.2, 60.1, 8e8, "{}"},
-                 {"orient", "c", "d", 12.5, 20.4, 6e8, "not json"}};
+  input.steps = {{"a", "b", 0.8, 1.2, 9e7, ImportRecord{.images = 40}},
+                 {"b", "c", 31.2, 60.1, 8e8, DetectRecord{.images = 40, .features = 1000}},
+                 {"c", "d", 12.5, 20.4, 6e8, OrientationRecord{.oriented = 39, .pixel_size = 0.5}},
+                 {"d", "e", 1.5, 2.4, 1e8, SurfaceRecord{.skipped_because = "the images look up"}}};
   input.products = {{"Surface model", "products/dsm.tif", 12'345'678, "cells of 3.0 cm, 4021 x 3877"},
                     {"Point cloud", "products/cloud.las", 1'412'345'678, "34.4 million points, LAS 1.4"}};
   input.options = {{"orient.calibration", "brown"}, {"seed", "1"}};

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "collinea/math/random.h"
+#include "collinea/store/sqlite.h"
 
 namespace collinea {
 namespace {
@@ -380,21 +381,56 @@ TEST_F(ProjectStoreTest, PairsComeBackSortedAndCanBeErasedByInputs) {
 
 TEST_F(ProjectStoreTest, StepsAreKeptInTheOrderTheyWereWritten) {
   ProjectStore store = open();
-  ASSERT_TRUE(store.write_step({"import", "a", "b", 1.5, 2.25, 1e9, "{}"}));
-  ASSERT_TRUE(store.write_step({"detect", "b", "c", 1, 2, 3, R"({"features": 3})"}));
-  ASSERT_TRUE(store.write_step({"import", "x", "y", 1, 2, 3, "{}"}));
+  ASSERT_TRUE(store.write_step({"a", "b", 1.5, 2.25, 1e9, ImportRecord{}}));
+  ASSERT_TRUE(store.write_step({"b", "c", 1, 2, 3, DetectRecord{.features = 3}}));
+  ASSERT_TRUE(store.write_step({"x", "y", 1, 2, 3, ImportRecord{}}));
   const auto steps = store.read_steps();
   ASSERT_EQ(steps->size(), 2u);
-  EXPECT_EQ((*steps)[0].name, "detect");
-  EXPECT_EQ((*steps)[0].report_json, R"({"features": 3})");
+  EXPECT_EQ((*steps)[0].name(), "detect");
+  EXPECT_EQ(std::get<DetectRecord>((*steps)[0].outcome).features, 3u);
   EXPECT_EQ((*steps)[1].inputs_hash, "x");
   EXPECT_EQ((*store.read_step("import"))->output_hash, "y");
   ASSERT_TRUE(store.erase_step("import"));
   EXPECT_FALSE(store.read_step("import")->has_value());
 }
 
+TEST_F(ProjectStoreTest, ADamagedRecordIsAnErrorAndOneOfAnotherVersionIsNamedSo) {
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_step({"a", "b", 1, 2, 3, DetectRecord{.features = 3}}));
+  auto database = sqlite::Database::open(folder_ / "block.db");
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(database->execute("UPDATE step_records SET record = substr(record, 1, length(record) - 1)"));
+  EXPECT_EQ(store.read_step("detect").error().code, Errc::kBadFormat);
+  EXPECT_NE(store.read_step("detect").error().message.find("block.db"), std::string::npos);
+  EXPECT_EQ(store.read_steps().error().code, Errc::kBadFormat);
+  ASSERT_TRUE(database->execute("UPDATE step_records SET record = x'63'"));
+  EXPECT_EQ(store.read_step("detect").error().code, Errc::kUnsupported);
+  EXPECT_EQ(store.read_outcome<DetectRecord>().error().code, Errc::kUnsupported);
+  EXPECT_EQ(store.read_outcome<MatchRecord>().error().code, Errc::kNotFound);
+}
+
+// Once steps were kept as text in a table of its own.
+TEST_F(ProjectStoreTest, StepsOfAProjectFromBeforeCountAsNotDone) {
+  (void)open();
+  {
+    auto database = sqlite::Database::open(folder_ / "block.db");
+    ASSERT_TRUE(database);
+    ASSERT_TRUE(
+        database->execute("DROP TABLE step_records; CREATE TABLE steps (name TEXT, report_json TEXT); "
+                          "INSERT INTO steps VALUES ('detect', '{}')"));
+  }
+  const auto looked_at = ProjectStore::open_read_only(folder_);
+  ASSERT_TRUE(looked_at);
+  EXPECT_TRUE(looked_at->read_steps()->empty());
+  EXPECT_FALSE(looked_at->read_step("detect")->has_value());
+  ProjectStore store = open();
+  EXPECT_TRUE(store.read_steps()->empty());
+  ASSERT_TRUE(store.write_step({"a", "b", 1, 2, 3, DetectRecord{}}));
+  EXPECT_EQ(store.read_steps()->size(), 1u);
+}
+
 TEST_F(ProjectStoreTest, CanBeReadWhereNothingCanBeWritten) {
-  const StepRecord step{"orient", "in", "out", 1, 2, 3, "{}"};
+  const StepRecord step{"in", "out", 1, 2, 3, OrientationRecord{}};
   ASSERT_TRUE(open().write_step(step));
   fs::rename(folder_, folder_.string() + " 100% #1?");
   const fs::path folder = folder_.string() + " 100% #1?";
