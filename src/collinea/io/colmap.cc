@@ -8,6 +8,7 @@
 #include "collinea/base/file.h"
 #include "collinea/io/colmap_camera.h"
 #include "collinea/io/colmap_model.h"
+#include "collinea/io/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -154,6 +155,7 @@ Result<Rows> parsed_file(const std::filesystem::path& path, Result<Rows> (*parse
 
 Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folder, const Block& block,
                                               ColmapEncoding encoding) {
+  COLLINEA_TRY(check_image_names(block, "a COLMAP model"));
   COLLINEA_TRY(const auto used, exported_cameras(block));
   const Model model = model_of(block, used);
   const bool text = encoding == ColmapEncoding::kText;
@@ -162,8 +164,7 @@ Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folde
       {{"cameras", text ? cameras_text(model) : cameras_binary(model)},
        {"images", text ? images_text(model) : images_binary(model)},
        {"points3D", text ? points_text(model) : points_binary(model)}}};
-  for (const auto& [name, bytes] : files)
-    COLLINEA_TRY(write_file(folder / (name + end), bytes));
+  for (const auto& [name, bytes] : files) COLLINEA_TRY(write_file(folder / (name + end), bytes));
   return remarks_on(block, used);
 }
 
