@@ -4,10 +4,13 @@
 
 #include <algorithm>
 
+#include "collinea/base/source_tree.h"
 #include "target.h"
 
 namespace collinea::fuzz {
 namespace {
+
+const std::filesystem::path kCorpus = std::filesystem::path(source_tree()) / "fuzz" / "corpus";
 
 TEST(FuzzTargets, AcceptTheirSeeds) {
   for (const Target& target : all_targets()) {
@@ -27,7 +30,7 @@ TEST(FuzzTargets, ComeBackFromNothingAndFromGarbage) {
 TEST(FuzzCorpus, IsRead) {
   std::size_t files = 0;
   for (const Target& target : all_targets()) {
-    const std::filesystem::path corpus = std::filesystem::path(CORPUS) / target.name;
+    const std::filesystem::path corpus = kCorpus / target.name;
     if (!std::filesystem::exists(corpus)) continue;
     for (const auto& entry : std::filesystem::directory_iterator(corpus)) {
       SCOPED_TRACE(entry.path().string());
@@ -40,8 +43,8 @@ TEST(FuzzCorpus, IsRead) {
 
 TEST(FuzzCorpus, BelongsToTargets) {
   const std::vector<Target> targets = all_targets();
-  if (!std::filesystem::exists(CORPUS)) return;
-  for (const auto& entry : std::filesystem::directory_iterator(CORPUS))
+  if (!std::filesystem::exists(kCorpus)) return;
+  for (const auto& entry : std::filesystem::directory_iterator(kCorpus))
     EXPECT_TRUE(std::ranges::any_of(targets, [&](const Target& t) { return t.name == entry.path().filename(); }))
         << entry.path();
 }
