@@ -28,7 +28,7 @@ struct AdjustmentFile {
 };
 
 /// Writes the text format of docs/manual/adjustment-file.md. Numbers read back as the same doubles, but for angles
-/// (in degrees): those to 1e-15.
+/// (in degrees): those to 1e-15. Errors: a name with a line break or another control character than a tab.
 [[nodiscard]] Result<> write_adjustment_file(const std::filesystem::path& path, const AdjustmentFile& file);
 [[nodiscard]] std::string adjustment_file_text(const AdjustmentFile& file);
 

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "collinea/base/file.h"
+#include "collinea/io/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -59,6 +60,14 @@ std::string point_text(const TiePoint& point, const std::vector<View>& views) {
     text += " " + std::to_string(view.camera) + " " + std::to_string(view.feature) + " " + exact(view.place.x()) + " " +
             exact(view.place.y());
   return text + "\n";
+}
+
+// The line of an image in list.txt. What follows a name there are a zero and the focal length: a name that ends like
+// that gets them.
+std::string list_line(const std::string& name, const Camera& camera) {
+  const auto words = words_of(name);
+  const bool ends_in_numbers = words.size() > 2 && number(words[words.size() - 1]) && number(words[words.size() - 2]);
+  return name + (ends_in_numbers ? " 0 " + exact(camera.focal_px()) : "") + "\n";
 }
 
 // The views of each point, as Bundler's cameras would have measured them: the residual stays.
@@ -182,6 +191,7 @@ Result<> take_point(Numbers& numbers, PointId id, Block& block) {
 }  // namespace
 
 Result<std::vector<std::string>> write_bundler(const std::filesystem::path& folder, const Block& block) {
+  COLLINEA_TRY(check_image_names(block, "Bundler's list"));
   std::map<ImageId, std::size_t> row_of;
   std::string cameras, names, points;
   for (const auto& [id, pose] : oriented_images(block)) {
@@ -191,7 +201,7 @@ Result<std::vector<std::string>> write_bundler(const std::filesystem::path& fold
     const std::size_t row = row_of.size();
     row_of[id] = row;
     cameras += camera_text(block.camera_of(id), pose);
-    names += block.images.at(id).file + "\n";
+    names += list_line(block.images.at(id).file, block.camera_of(id));
   }
   double largest_change_px = 0;
   const auto views = views_of(block, row_of, largest_change_px);

@@ -8,6 +8,7 @@
 #include "collinea/base/file.h"
 #include "collinea/io/colmap_camera.h"
 #include "collinea/io/colmap_model.h"
+#include "collinea/io/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -154,6 +155,7 @@ Result<Rows> parsed_file(const std::filesystem::path& path, Result<Rows> (*parse
 
 Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folder, const Block& block,
                                               ColmapEncoding encoding) {
+  COLLINEA_TRY(check_image_names(block, "a COLMAP model"));
   COLLINEA_TRY(const auto used, exported_cameras(block));
   const Model model = model_of(block, used);
   const bool text = encoding == ColmapEncoding::kText;

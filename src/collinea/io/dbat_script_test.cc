@@ -136,6 +136,14 @@ TEST_F(DbatScript, SaysWhereWhatIsWrong) {
   EXPECT_NE(error_of(kScript).find("marked twice"), std::string::npos);
 }
 
+// Lines counted anew for each of them would take a minute.
+TEST_F(DbatScript, ManyElementsTakeNoMoreThanTheirNumber) {
+  std::string many;
+  for (int i = 0; i < 300'000; ++i) many += "<x/>\n";
+  EXPECT_EQ(error_of(with("<ctrl_pts>", many + "<ctrl_pts>")), "read");
+  EXPECT_NE(error_of(with("<ctrl_pts>", many + "<ctrl_pts")).find("line 30000"), std::string::npos);
+}
+
 TEST_F(DbatScript, SurvivesTruncationAndGarbage) {
   read_damaged(
       kScript, [&](const std::string& text) { (void)read(text); }, 300, 3);

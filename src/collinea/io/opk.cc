@@ -7,6 +7,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/io/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -88,6 +89,7 @@ Result<std::map<ImageId, Rigid3>> poses_of(const std::vector<ExteriorOrientation
 }
 
 Result<> write_opk(const std::filesystem::path& path, const Block& block) {
+  COLLINEA_TRY(check_image_names(block, "a table of orientations", /*hash_begins_remark=*/true));
   COLLINEA_TRY(const auto rows, exterior_orientations(block));
   std::string text = block.georeference ? "# Exterior orientations in " + block.georeference->crs +
                                               "; angles to the axes of its grid at each projection centre\n"
