@@ -33,6 +33,11 @@ constexpr int kOverviewsCompared = 12;
 constexpr float kOverviewReach = 1.5f;  // steps within which overviews agree
 constexpr int kMeasuredLevels = 3;      // the finest of the pyramid
 constexpr double kPlanePart = 0.5;      // a plane is worth taking when it leaves less than this of the range
+constexpr float kAgreeing = 1.5f;       // steps
+constexpr float kOneSurface = 2;        // steps
+constexpr float kUnison = 8;            // sigmas
+constexpr float kMuchBetter = 0.6f;
+constexpr int kSmallestPatch = 40;  // pixels
 
 Eigen::Matrix3d calibration(const Camera& camera) {
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
@@ -124,6 +129,63 @@ int level_offset(const Camera& reference, const Camera& camera, const Rigid3& fr
   return ratio.empty() ? 0 : int(std::lround(std::log2(quantile(ratio, 0.5))));
 }
 
+void follow(const FloatImage& measured, FloatImage& surface) {
+  for (std::size_t i = 0; i < surface.data.size(); ++i)
+    if (!std::isnan(measured.data[i])) surface.data[i] = measured.data[i];
+}
+
+// Where the surface found at a finer level is a smooth one, both agree and it is the better one.
+void prefer(const FloatImage& finer, float step, FloatImage& surface, FloatImage& certainty) {
+  for (std::size_t i = 0; i < surface.data.size(); ++i)
+    if (std::abs(surface.data[i] - finer.data[i]) <= kAgreeing * step)
+      surface.data[i] = finer.data[i];
+    else
+      certainty.data[i] = step;
+}
+
+FloatImage cut(const FloatImage& raster, const GreyImage& picture) {
+  FloatImage result(picture.width, picture.height);
+  for (int y = 0; y < result.height; ++y) std::copy_n(raster.row(y), result.width, result.row(y));
+  return result;
+}
+
+// Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain
+// one; sigma is not made smaller by that, because both come from the same pictures.
+void keep_good(const Level& level, const FloatImage& surface, const FloatImage& certainty, const DenseOptions& options,
+               dense::Refined& refined) {
+  const float px = level.step / level.parallax_px;
+  auto& w = refined.inverse_depth.data;
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    float& sigma = refined.sigma.data[i];
+    sigma = std::hypot(dense::kSigmaScale * sigma, dense::kSigmaFloorPx * px);
+    if (!(refined.correlation.data[i] >= float(options.min_correlation) && sigma <= float(options.max_sigma_px) * px &&
+          w[i] > 0))
+      w[i] = std::numeric_limits<float>::quiet_NaN();
+    const float prior = certainty.data[i] * certainty.data[i], part = prior / (prior + sigma * sigma);
+    w[i] = surface.data[i] + part * (w[i] - surface.data[i]);
+  }
+}
+
+// Takes over what four pixels of a coarser measurement say in unison, where it is much better than what there is. It
+// may not be far from the surface found at full resolution: wide windows reach across the edges of roofs.
+void fill_from(const dense::Refined& coarse, int factor, const FloatImage& surface, float reach,
+               dense::Refined& result) {
+  const FloatImage& w = coarse.inverse_depth;
+  for (int y = 0; y < result.inverse_depth.height; ++y)
+    for (int x = 0; x < result.inverse_depth.width; ++x) {
+      const bool empty = std::isnan(result.inverse_depth.at(x, y));
+      const double u = (x + 0.5) / factor, v = (y + 0.5) / factor;
+      const int i = int(u - 0.5), j = int(v - 0.5);
+      if (u < 0.5 || v < 0.5 || i + 1 >= w.width || j + 1 >= w.height) continue;
+      const auto [low, high] = std::minmax({w.at(i, j), w.at(i + 1, j), w.at(i, j + 1), w.at(i + 1, j + 1)});
+      const float value = bilinear(w, u, v), sigma = bilinear(coarse.sigma, u, v);
+      if (!(high - low <= kUnison * sigma) || !(empty || sigma < kMuchBetter * result.sigma.at(x, y))) continue;
+      if (!(std::abs(value - surface.at(x, y)) <= reach)) continue;
+      result.inverse_depth.at(x, y) = value;
+      result.sigma.at(x, y) = sigma;
+    }
+}
+
 class Matching {
  public:
   Matching(const DenseOptions& options, SharedRoom& costs, const Run& run)
@@ -134,13 +196,13 @@ class Matching {
     COLLINEA_TRY(reference_, pictures.picture(image));
     COLLINEA_TRY(soundings_, soundings(ties, image, reference_->camera));
     if (soundings_.size() < kFewestTiePoints) return fail(Errc::kIllPosed, file + ": too few tie points to match it");
-    const Rigid3& pose = block.cam_from_world.at(image);
+    const Rigid3& pose = pose_of(block, image);
     COLLINEA_TRY(const auto others, ties.neighbours(image, options_.neighbours));
     for (const ImageId id : others) {
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       Neighbour neighbour;
       COLLINEA_TRY(neighbour.picture, pictures.picture(id));
-      neighbour.from_reference = block.cam_from_world.at(id) * inverse(pose);
+      neighbour.from_reference = pose_of(block, id) * inverse(pose);
       neighbour.level_offset =
           level_offset(reference_->camera, neighbour.picture->camera, neighbour.from_reference, soundings_);
       neighbours_.push_back(std::move(neighbour));
@@ -180,14 +242,14 @@ class Matching {
 
   Result<FloatImage> agreed_overview(const Block& block, ImageId image, const TieView& ties, DepthStore& store) const {
     COLLINEA_TRY(const DepthMap own, store.read(image));
-    const Rigid3& pose = block.cam_from_world.at(image);
+    const Rigid3& pose = pose_of(block, image);
     COLLINEA_TRY(const auto overlapping, ties.overlapping(image, kOverviewsCompared));
     std::vector<dense::PlacedMap> others;
     for (const ImageId id : overlapping) {
       if (!store.has(id)) continue;
       dense::PlacedMap other;
       COLLINEA_TRY(other.map, store.read(id));
-      other.reference_from_cam = pose * inverse(block.cam_from_world.at(id));
+      other.reference_from_cam = pose * inverse(pose_of(block, id));
       others.push_back(std::move(other));
     }
     return dense::agreed_surface(own, others, kOverviewReach * outline_of(overview_level()).step);
@@ -295,7 +357,7 @@ class Matching {
       dense::Refined refined = dense::refine(level, surface, true, run_);
       level.views.clear();  // what follows looks at no other picture
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
-      keep_good(level, surface, certainty, refined);
+      keep_good(level, surface, certainty, options_, refined);
       dense::TexturePlace place = dense::texture_place(*level.picture);
       dense::keep_textured(place, kAgreeing * level.step, refined.inverse_depth);
       if (l == 0) {
@@ -313,63 +375,6 @@ class Matching {
     return finished(finest, result);
   }
 
-  static void follow(const FloatImage& measured, FloatImage& surface) {
-    for (std::size_t i = 0; i < surface.data.size(); ++i)
-      if (!std::isnan(measured.data[i])) surface.data[i] = measured.data[i];
-  }
-
-  // Where the surface found at a finer level is a smooth one, both agree and it is the better one.
-  static void prefer(const FloatImage& finer, float step, FloatImage& surface, FloatImage& certainty) {
-    for (std::size_t i = 0; i < surface.data.size(); ++i)
-      if (std::abs(surface.data[i] - finer.data[i]) <= kAgreeing * step)
-        surface.data[i] = finer.data[i];
-      else
-        certainty.data[i] = step;
-  }
-
-  static FloatImage cut(const FloatImage& raster, const GreyImage& picture) {
-    FloatImage result(picture.width, picture.height);
-    for (int y = 0; y < result.height; ++y) std::copy_n(raster.row(y), result.width, result.row(y));
-    return result;
-  }
-
-  // Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain
-  // one; sigma is not made smaller by that, because both come from the same pictures.
-  void keep_good(const Level& level, const FloatImage& surface, const FloatImage& certainty,
-                 dense::Refined& refined) const {
-    const float px = level.step / level.parallax_px;
-    auto& w = refined.inverse_depth.data;
-    for (std::size_t i = 0; i < w.size(); ++i) {
-      float& sigma = refined.sigma.data[i];
-      sigma = std::hypot(dense::kSigmaScale * sigma, dense::kSigmaFloorPx * px);
-      if (!(refined.correlation.data[i] >= float(options_.min_correlation) &&
-            sigma <= float(options_.max_sigma_px) * px && w[i] > 0))
-        w[i] = std::numeric_limits<float>::quiet_NaN();
-      const float prior = certainty.data[i] * certainty.data[i], part = prior / (prior + sigma * sigma);
-      w[i] = surface.data[i] + part * (w[i] - surface.data[i]);
-    }
-  }
-
-  // Takes over what four pixels of a coarser measurement say in unison, where it is much better than what there is. It
-  // may not be far from the surface found at full resolution: wide windows reach across the edges of roofs.
-  static void fill_from(const dense::Refined& coarse, int factor, const FloatImage& surface, float reach,
-                        dense::Refined& result) {
-    const FloatImage& w = coarse.inverse_depth;
-    for (int y = 0; y < result.inverse_depth.height; ++y)
-      for (int x = 0; x < result.inverse_depth.width; ++x) {
-        const bool empty = std::isnan(result.inverse_depth.at(x, y));
-        const double u = (x + 0.5) / factor, v = (y + 0.5) / factor;
-        const int i = int(u - 0.5), j = int(v - 0.5);
-        if (u < 0.5 || v < 0.5 || i + 1 >= w.width || j + 1 >= w.height) continue;
-        const auto [low, high] = std::minmax({w.at(i, j), w.at(i + 1, j), w.at(i, j + 1), w.at(i + 1, j + 1)});
-        const float value = bilinear(w, u, v), sigma = bilinear(coarse.sigma, u, v);
-        if (!(high - low <= kUnison * sigma) || !(empty || sigma < kMuchBetter * result.sigma.at(x, y))) continue;
-        if (!(std::abs(value - surface.at(x, y)) <= reach)) continue;
-        result.inverse_depth.at(x, y) = value;
-        result.sigma.at(x, y) = sigma;
-      }
-  }
-
   DepthMap finished(const Level& level, dense::Refined& refined) const {
     dense::remove_specks(refined.inverse_depth, kOneSurface * level.step, kSmallestPatch, &refined.sigma);
     DepthMap map{reference_->camera, std::move(refined.inverse_depth), std::move(refined.sigma)};
@@ -381,11 +386,6 @@ class Matching {
     return map;
   }
 
-  static constexpr float kAgreeing = 1.5f;  // steps
-  static constexpr float kOneSurface = 2;   // steps
-  static constexpr float kUnison = 8;       // sigmas
-  static constexpr float kMuchBetter = 0.6f;
-  static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;
   SharedRoom& costs_;
   const Run& run_;
@@ -398,8 +398,7 @@ class Matching {
 Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
                           SharedRoom& costs, const DenseOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
-  if (!block.cam_from_world.count(image))
-    return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
+  if (!is_oriented(block, image)) return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
   Matching matching(options, costs, run);
   COLLINEA_TRY(matching.prepare(block, image, ties, pictures));
   return matching;

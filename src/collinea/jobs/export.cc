@@ -133,7 +133,7 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   COLLINEA_TRY(Block block, project.store.read_block());
   if (tile_m && !las_form_of(format)) return fail(Errc::kBadInput, "--tile-m cuts clouds: --format las, laz or copc");
   if (tile_m && !(*tile_m > 0)) return fail(Errc::kBadInput, "--tile-m: a length is wanted");
-  if (block.cam_from_world.empty())
+  if (oriented_images(block).empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   std::error_code error;
   std::filesystem::create_directories(folder, error);

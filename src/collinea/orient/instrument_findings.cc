@@ -24,7 +24,7 @@ Finding finding_of_instrument(const Adjusted& adjusted, std::size_t first) {
 
 }  // namespace
 
-std::vector<Finding> instrument_findings(const Adjusted& adjusted) {
+std::vector<Finding> instrument_findings(const Examined& adjusted) {
   std::vector<Finding> findings;
   std::size_t strips = 0;
   const auto& extras = adjusted.extras;

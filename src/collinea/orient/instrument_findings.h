@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "collinea/adjust/bundle.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea {
 
 /// What was found of lever arms, shifts, drifts, time offsets and boresights, and what of it can hardly be
 /// separated.
-[[nodiscard]] std::vector<Finding> instrument_findings(const Adjusted& adjusted);
+[[nodiscard]] std::vector<Finding> instrument_findings(const Examined& adjusted);
 
 }  // namespace collinea

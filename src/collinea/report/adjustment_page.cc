@@ -29,7 +29,7 @@ std::string head(std::initializer_list<const char*> titles) {
 }
 
 std::string summary(const AdjustmentReport& report) {
-  const Adjusted& adjusted = report.adjusted;
+  const Examined& adjusted = report.adjusted;
   std::string html = "<section><h2>Adjustment</h2>\n" + head({"", ""});
   const auto row = [&](const char* name, const std::string& value) {
     html += "<tr>" + text_cell(name) + "<td>" + escaped(value) + "</td></tr>\n";
