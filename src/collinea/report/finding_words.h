@@ -4,10 +4,11 @@
 #include <functional>
 #include <string>
 
-#include "collinea/adjust/bundle.h"
+#include "collinea/adjust/datum_sources.h"
 #include "collinea/base/finding.h"
 #include "collinea/block/block.h"
 #include "collinea/block/gauge.h"
+#include "collinea/quality/conditioning.h"
 
 namespace collinea {
 
