@@ -211,7 +211,7 @@ Measured measured(const Block& exact, std::uint64_t seed) {
     if (image.position) image.position->position_in_world += normal3(random).cwiseProduct(image.position->sigma_m);
   made.scope.first_cameras = exact.cameras;
   for (auto& [id, camera] : made.scope.first_cameras) {
-    const CameraSigmas sigmas = *calibration_named("brown_affinity", camera);
+    const CameraSigmas sigmas = calibration_sigmas(Calibration::kBrownAffinity, camera);
     for (std::size_t k = 0; k < sigmas.size(); ++k) camera.params[k] += sigmas[k] * random.normal();
   }
   for (auto& [id, camera] : made.block.cameras) camera.params[Camera::kF] *= 1 + 0.002 * random.normal();
@@ -224,8 +224,8 @@ Measured measured(const Block& exact, std::uint64_t seed) {
   return made;
 }
 
-AdjustOptions exact_options(const std::string& calibration) {
-  AdjustOptions options{.calibration = calibration, .loss = "none", .position_loss = "none"};
+AdjustOptions exact_options(Calibration calibration) {
+  AdjustOptions options{.calibration = calibration, .loss = Loss::kNone, .position_loss = Loss::kNone};
   options.relative_cost_change = options.parameter_change = 1e-13;
   options.step_sigmas = 1e-3;
   return options;

@@ -125,7 +125,7 @@ Rows blunders(const Effort& effort, const Run& run) {
   // have gone. Its own scatter would allow for what it spoils.
   std::vector<double> lengthened, allowed;
   int failed = 0;
-  AdjustOptions options = exact_options("brown");
+  AdjustOptions options = exact_options(Calibration::kBrown);
   options.reliability = options.covariances = true;
   for (int i = 0; i < effort.blunder_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(5000 + i);
@@ -166,7 +166,7 @@ Rows blunders(const Effort& effort, const Run& run) {
   }
   const double mean = mean_of(lengthened),
                deviation = std::sqrt(mean_of(allowed) / static_cast<double>(allowed.size()));
-  const double level = options.false_alarm, expected = level * tested;
+  const double level = options.tests.false_alarm, expected = level * tested;
   return {rays.row("blunders of 4-20 sigma in 1 % of image points, snooped"),
           control.row("blunders of 4-20 sigma in control, images and coordinates"),
           {fmt::format("false alarms at a level of {:g}", level), "as stated, within 4 binomial deviations",

@@ -53,7 +53,7 @@ void look_straight_down(Block& block) {
 struct Case {
   const char* what;
   const char* code;
-  const char* calibration;
+  Calibration calibration;
   Layout layout;
   int control;
   std::function<void(Block&)> weaken;
@@ -125,7 +125,7 @@ Rows weak_blocks(const Run& run) {
     one.weaken(exact);
     Measured made = measured(exact, 4);
     if (std::string_view(one.code) == "no_base") made.block.cam_from_world = exact.cam_from_world;
-    AdjustOptions options{.calibration = one.calibration, .loss = "none", .position_loss = "none"};
+    AdjustOptions options{.calibration = one.calibration, .loss = Loss::kNone, .position_loss = Loss::kNone};
     options.covariances = true;
     const auto adjusted = adjust(made.block, made.scope, options, run);
     Row row{std::string("weak: ") + one.what, "named, with a cure", adjusted ? "not named" : adjusted.error().message};

@@ -12,12 +12,14 @@
 #include <utility>
 #include <vector>
 
+#include "collinea/adjust/calibration.h"
 #include "collinea/adjust/place_precision.h"
 #include "collinea/adjust/reliability.h"
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
 #include "collinea/block/instruments.h"
+#include "collinea/math/robust.h"
 
 namespace collinea {
 
@@ -25,12 +27,34 @@ namespace bundle {
 class KeptFactor;
 }
 
+/// How observations are tested for gross errors, and control by cross-validation.
+struct TestOptions {
+  double false_alarm = 0.001;
+  double power = 0.8;
+  bool sigma0_known = false;
+  int folds = 5;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = TestOptions;
+    visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",
+                1e-12, 0.5});
+    visit(Field{"power", &O::power, "1", "probability with which a minimal detectable blunder is found", 0.5, 0.999});
+    visit(Field{"sigma0_known", &O::sigma0_known, "",
+                "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
+    visit(Field{"folds", &O::folds, "1",
+                "parts of the control, each left out together and predicted by the others; fewer where a part would "
+                "have one point",
+                2, 100});
+  }
+};
+
 /// How a bundle adjustment is done. Observations are whitened by their sigmas; all costs are sums of squares in sigmas.
 struct AdjustOptions {
-  std::string calibration = "focal_radial";
-  std::string loss = "huber";
+  Calibration calibration = Calibration::kFocalRadial;
+  Loss::Kind loss = Loss::kHuber;
   double loss_scale_sigmas = 2;
-  std::string position_loss = "huber";
+  Loss::Kind position_loss = Loss::kHuber;
   double position_loss_scale_sigmas = 3;
   int max_iterations = 50;
   double first_damping = 1e-4;
@@ -40,21 +64,16 @@ struct AdjustOptions {
   bool covariances = false;
   bool point_covariances = false;
   bool reliability = false;
-  double false_alarm = 0.001;
-  double power = 0.8;
-  bool sigma0_known = false;
-  int folds = 5;
+  TestOptions tests;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = AdjustOptions;
-    visit(Field{"calibration", &O::calibration, "",
-                "free camera parameters: none | focal | focal_radial (f k1 k2) | brown (f cx cy k1 k2 k3 p1 p2) | "
-                "brown_affinity (and b1 b2)"});
-    visit(Field{"loss", &O::loss, "", "robust loss of tie point observations: none | huber | cauchy"});
+    visit(Field{"calibration", &O::calibration, "", "free camera parameters"});
+    visit(Field{"loss", &O::loss, "", "robust loss of tie point observations"});
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
-    visit(Field{"position_loss", &O::position_loss, "", "robust loss of GNSS positions: none | huber | cauchy"});
+    visit(Field{"position_loss", &O::position_loss, "", "robust loss of GNSS positions"});
     visit(Field{"position_loss_scale_sigmas", &O::position_loss_scale_sigmas, "sigma",
                 "distance from which the loss of positions sets in", 0.01, 1e6});
     visit(Field{"max_iterations", &O::max_iterations, "1", "upper bound of linearisations", 1, 10000});
@@ -72,14 +91,7 @@ struct AdjustOptions {
     visit(Field{"point_covariances", &O::point_covariances, "", "compute covariances of points too"});
     visit(
         Field{"reliability", &O::reliability, "", "test every observation for a blunder, and say what would be found"});
-    visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",
-                1e-12, 0.5});
-    visit(Field{"power", &O::power, "1", "probability with which a minimal detectable blunder is found", 0.5, 0.999});
-    visit(Field{"sigma0_known", &O::sigma0_known, "",
-                "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
-    visit(Field{"folds", &O::folds, "1",
-                "parts of the control, each left out together and foretold by the others (Reliability::folded)", 2,
-                100});
+    visit(Part{&O::tests});
   }
 };
 
@@ -93,8 +105,8 @@ struct GivenVertical {
 using CameraSigmas = std::array<double, Camera::kAllParams>;
 
 /// Those that AdjustOptions::calibration stands for, where `first` is the camera before any adjustment: the weak
-/// observations told at adjust(). Nothing when there is no such name.
-[[nodiscard]] std::optional<CameraSigmas> calibration_named(const std::string& name, const Camera& first);
+/// observations told at adjust().
+[[nodiscard]] CameraSigmas calibration_sigmas(Calibration calibration, const Camera& first);
 
 /// What takes part and what is held. As it stands: everything moves, everything known is used, and positions are those
 /// of projection centres.

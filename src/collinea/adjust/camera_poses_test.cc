@@ -28,7 +28,7 @@ TEST(CameraPoses, ErrorsGoTogetherAsTold) {
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
     AdjustScope scope;
     const Block block = testing::measured_anew(truth, scope, seed);
-    AdjustOptions options = testing::plain("focal");
+    AdjustOptions options = testing::plain(Calibration::kFocal);
     options.covariances = true;
     const auto adjusted = adjust(block, scope, options, kRun);
     ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
@@ -59,7 +59,7 @@ TEST(CameraPoses, ErrorsGoTogetherAsTold) {
 TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
   const Block block =
       testing::test_block({.points = 150, .relief_m = 0.5, .sigma_px = 0.5, .control = 9, .tilt_rad = 0.01});
-  AdjustOptions options = testing::plain("brown");
+  AdjustOptions options = testing::plain(Calibration::kBrown);
   options.covariances = true;
   const auto adjusted = adjust(block, {}, options, kRun);
   ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
@@ -76,7 +76,7 @@ TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
 // In a free network they depend on the datum that is chosen.
 TEST(CameraPoses, NothingIsToldOfAFreeNetwork) {
   const Block block = testing::test_block({.points = 100, .sigma_px = 0.5});
-  AdjustOptions options = testing::plain("focal_radial");
+  AdjustOptions options = testing::plain(Calibration::kFocalRadial);
   options.covariances = true;
   const auto adjusted = adjust(block, {}, options, kRun);
   ASSERT_TRUE(adjusted && adjusted->undetermined.empty());

@@ -18,10 +18,11 @@ using testing::test_block;
 const Run kRun;
 
 AdjustOptions tested(int folds) {
-  AdjustOptions options{.calibration = "focal_radial", .loss = "none", .position_loss = "none", .reliability = true};
+  AdjustOptions options{
+      .calibration = Calibration::kFocalRadial, .loss = Loss::kNone, .position_loss = Loss::kNone, .reliability = true};
   options.relative_cost_change = options.parameter_change = 1e-13;
   options.step_sigmas = 0;
-  options.folds = folds;
+  options.tests.folds = folds;
   return options;
 }
 

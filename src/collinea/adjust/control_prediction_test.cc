@@ -15,7 +15,7 @@ namespace {
 using testing::test_block;
 
 AdjustOptions with_covariances() {
-  return {.calibration = "focal", .loss = "none", .position_loss = "none", .covariances = true};
+  return {.calibration = Calibration::kFocal, .loss = Loss::kNone, .position_loss = Loss::kNone, .covariances = true};
 }
 
 /// Mean over independent blocks and its standard deviation, from their own spread: points of one block are correlated.

@@ -92,7 +92,7 @@ TEST(CorrelatedControl, TestsAreStandardNormal) {
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     AdjustOptions options = tested();
-    options.sigma0_known = true;
+    options.tests.sigma0_known = true;
     const auto adjusted = adjust(turned(block_with_control(seed), rotation), {}, options, {});
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     for (const TestedObservation& one : adjusted->reliability->others)

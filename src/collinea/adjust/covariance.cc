@@ -187,7 +187,8 @@ void add_covariances(const Block& block, const Problem& problem, const State& st
   add_places(problem, state, free_network, matrix, run, adjusted);
   correlate_cameras_and_poses(problem, state, matrix, adjusted);
   if (options.reliability) add_reliability(block, problem, state, options, matrix, run, adjusted);
-  if (adjusted.reliability) adjusted.reliability->folded = folds->leave_out(problem, state, adjusted, options.folds);
+  if (adjusted.reliability)
+    adjusted.reliability->folded = folds->leave_out(problem, state, adjusted, options.tests.folds);
   if (!options.point_covariances || run.stopped()) return;
   std::map<PointId, std::size_t> place;
   for (std::size_t i = 0; i < adjusted.points.size(); ++i) place[adjusted.points[i].first] = i;

@@ -19,7 +19,7 @@ const Run kRun;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 AdjustOptions exactly() {
-  AdjustOptions options{.calibration = "none", .loss = "none", .position_loss = "none"};
+  AdjustOptions options{.calibration = Calibration::kNone, .loss = Loss::kNone, .position_loss = Loss::kNone};
   options.relative_cost_change = options.parameter_change = 1e-13;
   options.step_sigmas = 1e-3;
   options.covariances = options.point_covariances = true;

@@ -22,16 +22,21 @@ constexpr double kHeldPart = 1e-3;
 constexpr int kMostCameraUnknowns = 10000;  // their normal equations are full: 0.8 GB, held twice
 constexpr std::uint32_t kNobody = ~std::uint32_t{0};
 
-std::optional<std::vector<int>> free_params(const std::string& calibration) {
+std::vector<int> free_params(Calibration calibration) {
   using C = Camera;
-  if (calibration == "none") return std::vector<int>{};
-  if (calibration == "focal") return std::vector<int>{C::kF};
-  if (calibration == "focal_radial") return std::vector<int>{C::kF, C::kK1, C::kK2};
-  std::vector<int> brown{C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kK4, C::kP1, C::kP2};
-  if (calibration == "brown") return brown;
-  brown.insert(brown.end(), {C::kB1, C::kB2});
-  if (calibration == "brown_affinity") return brown;
-  return std::nullopt;
+  switch (calibration) {
+    case Calibration::kNone:
+      return {};
+    case Calibration::kFocal:
+      return {C::kF};
+    case Calibration::kFocalRadial:
+      return {C::kF, C::kK1, C::kK2};
+    case Calibration::kBrown:
+      return {C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kK4, C::kP1, C::kP2};
+    case Calibration::kBrownAffinity:
+      return {C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kK4, C::kP1, C::kP2, C::kB1, C::kB2};
+  }
+  bug("a calibration without parameters");
 }
 
 // Standard deviations of the weak observations of calibration.
@@ -71,8 +76,6 @@ class Gatherer {
       : block_(block), scope_(scope), options_(options) {}
 
   Result<ProblemAndStart> gather() {
-    if (!free_params(options_.calibration))
-      return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
     number_images();
     COLLINEA_TRY(links_, ground_taking_part(block_, scope_));
     for (const std::uint32_t link : links_) wanted_.insert({block_.ground[link].from, block_.ground[link].to});
@@ -330,7 +333,7 @@ class Gatherer {
                   "no point is measured in two images that take part: there is nothing to adjust. Measure tie "
                   "points in a second image, or control points known in plan and height");
     if (std::none_of(candidates_.begin(), candidates_.end(), [](const Candidate& c) { return c.free && !c.out; }) &&
-        options_.calibration == "none" && scope_.camera_sigmas.empty() &&
+        options_.calibration == Calibration::kNone && scope_.camera_sigmas.empty() &&
         std::all_of(points_.begin(), points_.end(), [](auto& p) { return p.held; }))
       return fail(Errc::kIllPosed, "every image, camera and point is held: there is nothing to adjust");
     return {};
@@ -436,7 +439,7 @@ class Gatherer {
       const auto own = scope_.camera_sigmas.find(unknowns.id);
       const bool held = own == scope_.camera_sigmas.end() && !camera.calibrate;
       const CameraSigmas sigmas =
-          own == scope_.camera_sigmas.end() ? *calibration_named(options_.calibration, given) : own->second;
+          own == scope_.camera_sigmas.end() ? calibration_sigmas(options_.calibration, given) : own->second;
       for (const int param : params_of(camera)) {
         const double sigma = sigmas[static_cast<std::size_t>(param)];
         if (!(sigma >= 0))
@@ -495,12 +498,10 @@ class Gatherer {
 }  // namespace
 }  // namespace bundle
 
-std::optional<CameraSigmas> calibration_named(const std::string& name, const Camera& first) {
-  const auto free = bundle::free_params(name);
-  if (!free) return std::nullopt;
+CameraSigmas calibration_sigmas(Calibration calibration, const Camera& first) {
   CameraSigmas sigmas{};
   const std::vector<int> has = params_of(first);
-  for (const int param : *free)
+  for (const int param : bundle::free_params(calibration))
     if (std::ranges::find(has, param) != has.end())
       sigmas[static_cast<std::size_t>(param)] = bundle::weak_sigma(first, param);
   return sigmas;
@@ -515,14 +516,9 @@ Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre) {
 }
 
 Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, const AdjustOptions& options) {
-  const auto tie_loss = loss_named(options.loss, options.loss_scale_sigmas);
-  const auto position_loss = loss_named(options.position_loss, options.position_loss_scale_sigmas);
-  if (!tie_loss || !position_loss)
-    return fail(Errc::kBadInput,
-                "loss = \"" + (tie_loss ? options.position_loss : options.loss) + "\": there is no such loss");
   COLLINEA_TRY(ProblemAndStart gathered, Gatherer(block, scope, options).gather());
-  gathered.problem.tie_loss = *tie_loss;
-  gathered.problem.position_loss = *position_loss;
+  gathered.problem.tie_loss = {options.loss, options.loss_scale_sigmas, 1};
+  gathered.problem.position_loss = {options.position_loss, options.position_loss_scale_sigmas, 1};
   find_datum(gathered.problem, gathered.start);
   return gathered;
 }

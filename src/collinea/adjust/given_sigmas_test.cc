@@ -17,10 +17,10 @@ using testing::test_block;
 const Run kRun;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-AdjustOptions exact(std::string calibration = "none") {
+AdjustOptions exact(Calibration calibration = Calibration::kNone) {
   AdjustOptions options;
-  options.calibration = std::move(calibration);
-  options.loss = options.position_loss = "none";
+  options.calibration = calibration;
+  options.loss = options.position_loss = Loss::kNone;
   options.relative_cost_change = 1e-13;
   options.parameter_change = 1e-13;
   options.step_sigmas = 0;
@@ -90,13 +90,12 @@ TEST(HeldControl, IsTestedAndReportedWithoutHarm) {
 TEST(CameraSigmas, OfANamedSetAreThatSet) {
   const Block block = disturbed(test_block({.sigma_px = 0.5, .control = 9}), 0.005, 0.3);
   AdjustScope scope{.first_cameras = block.cameras};
-  const auto named = adjust(block, scope, exact("brown"), kRun);
-  scope.camera_sigmas[{1}] = *calibration_named("brown", block.cameras.at({1}));
-  const auto given = adjust(block, scope, exact("none"), kRun);
+  const auto named = adjust(block, scope, exact(Calibration::kBrown), kRun);
+  scope.camera_sigmas[{1}] = calibration_sigmas(Calibration::kBrown, block.cameras.at({1}));
+  const auto given = adjust(block, scope, exact(Calibration::kNone), kRun);
   ASSERT_TRUE(named && given);
   EXPECT_EQ(named->cameras.at({1}).params, given->cameras.at({1}).params);
   EXPECT_EQ(named->observation_count, given->observation_count);
-  EXPECT_FALSE(calibration_named("everything", block.cameras.at({1})));
 }
 
 // Free: no observation of the parameter. Weighted: one, which pulls it. Held: not moved.
@@ -104,24 +103,24 @@ TEST(CameraSigmas, EachParameterTakesPartAsItIsAsked) {
   const Block block = test_block({.sigma_px = 0.5, .control = 9});
   AdjustScope scope{.first_cameras = block.cameras};
   scope.first_cameras.at({1}).params[Camera::kK1] += 0.1;
-  const auto none = adjust(block, scope, exact("none"), kRun);
+  const auto none = adjust(block, scope, exact(Calibration::kNone), kRun);
   CameraSigmas& sigmas = scope.camera_sigmas[{1}];
   sigmas.fill(0);
   sigmas[Camera::kF] = kInfinity;
-  const auto free = adjust(block, scope, exact("none"), kRun);
+  const auto free = adjust(block, scope, exact(Calibration::kNone), kRun);
   ASSERT_TRUE(none && free);
   EXPECT_EQ(free->redundancy, none->redundancy - 1);
   EXPECT_EQ(free->observation_count, none->observation_count);
   EXPECT_NE(free->cameras.at({1}).params[Camera::kF], block.cameras.at({1}).params[Camera::kF]);
   EXPECT_EQ(free->cameras.at({1}).params[Camera::kK1], block.cameras.at({1}).params[Camera::kK1]);
   sigmas[Camera::kK1] = 1e-6;
-  const auto weighted = adjust(block, scope, exact("none"), kRun);
+  const auto weighted = adjust(block, scope, exact(Calibration::kNone), kRun);
   ASSERT_TRUE(weighted);
   EXPECT_EQ(weighted->redundancy, free->redundancy);
   EXPECT_EQ(weighted->observation_count, free->observation_count + 1);
   EXPECT_NEAR(weighted->cameras.at({1}).params[Camera::kK1], block.cameras.at({1}).params[Camera::kK1] + 0.1, 1e-4);
   sigmas[Camera::kK1] = -1;
-  const auto wrong = adjust(block, scope, exact("none"), kRun);
+  const auto wrong = adjust(block, scope, exact(Calibration::kNone), kRun);
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code, Errc::kBadInput);
 }

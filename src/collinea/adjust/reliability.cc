@@ -57,14 +57,15 @@ class Examiner {
   Examiner(const Problem& problem, const State& state, const AdjustOptions& options, TileCholesky& inverse,
            const Run& run, const Adjusted& adjusted)
       : problem_(problem), state_(state), inverse_(inverse), run_(run), adjusted_(adjusted), tie_(problem.tie_loss) {
-    out_.false_alarm = options.false_alarm;
-    out_.power = options.power;
-    out_.sigma0_known = options.sigma0_known;
-    const bool known = options.sigma0_known || adjusted.redundancy < 1;
+    out_.false_alarm = options.tests.false_alarm;
+    out_.power = options.tests.power;
+    out_.sigma0_known = options.tests.sigma0_known;
+    const bool known = options.tests.sigma0_known || adjusted.redundancy < 1;
     sigma0_ = known ? 1 : std::max(adjusted.sigma0, 1e-12);
-    out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
-    const double quantile = options.power > 0.5 ? normal_limit(2 * (1 - options.power)) : 0;
-    out_.delta0 = normal_limit(options.false_alarm) + quantile;
+    out_.limit =
+        known ? normal_limit(options.tests.false_alarm) : tau_limit(options.tests.false_alarm, adjusted.redundancy);
+    const double quantile = options.tests.power > 0.5 ? normal_limit(2 * (1 - options.tests.power)) : 0;
+    out_.delta0 = normal_limit(options.tests.false_alarm) + quantile;
   }
 
   Reliability examine(const Block& block) {

@@ -19,7 +19,8 @@ namespace {
 using testing::test_block;
 
 AdjustOptions tested() {
-  AdjustOptions options{.calibration = "focal_radial", .loss = "none", .position_loss = "none", .reliability = true};
+  AdjustOptions options{
+      .calibration = Calibration::kFocalRadial, .loss = Loss::kNone, .position_loss = Loss::kNone, .reliability = true};
   options.relative_cost_change = 1e-13;
   options.parameter_change = 1e-13;
   options.step_sigmas = 0;
@@ -53,9 +54,9 @@ TEST(Reliability, EveryLevelAndPowerThatCanBeAskedForHasAnAnswer) {
     for (const double power : {0.5, 0.8, 0.999})
       for (const bool known : {true, false}) {
         AdjustOptions options = tested();
-        options.false_alarm = false_alarm;
-        options.power = power;
-        options.sigma0_known = known;
+        options.tests.false_alarm = false_alarm;
+        options.tests.power = power;
+        options.tests.sigma0_known = known;
         const Adjusted adjusted = adjusted_of(block, options);
         const Reliability& found = *adjusted.reliability;
         EXPECT_TRUE(std::isfinite(found.limit) && std::isfinite(found.delta0));
@@ -73,7 +74,7 @@ TEST(Reliability, RedundancyNumbersAddUpToTheRedundancy) {
   for (const bool robust : {false, true})
     for (const bool control : {true, false}) {
       AdjustOptions options = tested();
-      if (robust) options.loss = "cauchy", options.position_loss = "huber";
+      if (robust) options.loss = Loss::kCauchy, options.position_loss = Loss::kHuber;
       AdjustScope scope{.use_positions = control, .use_control = control};
       const Adjusted adjusted = adjusted_of(test_block(small()), options, scope);
       const Reliability& found = *adjusted.reliability;
@@ -108,7 +109,7 @@ TEST(Reliability, VerticalsHaveTheirPartOfTheRedundancy) {
 
 TEST(Reliability, HeldPointsTestTheirRaysToo) {
   const Block block = test_block(small(2));
-  for (const char* calibration : {"none", "focal"}) {
+  for (const Calibration calibration : {Calibration::kNone, Calibration::kFocal}) {
     AdjustOptions options = tested();
     options.calibration = calibration;
     AdjustScope scope{.use_positions = false, .use_control = false};
@@ -166,9 +167,9 @@ TEST(Reliability, ABlunderShowsInItsResidualByTheRedundancyNumber) {
 // than a binomial one: five of its deviations, over 40 blocks.
 TEST(Reliability, FalseAlarmsAreAsOftenAsStated) {
   AdjustOptions options = tested();
-  options.false_alarm = 0.01;
+  options.tests.false_alarm = 0.01;
   for (const bool known : {true, false}) {
-    options.sigma0_known = known;
+    options.tests.sigma0_known = known;
     double tests = 0, rejected = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
       const Adjusted adjusted = adjusted_of(test_block(small(seed)), options);
@@ -186,7 +187,7 @@ constexpr auto kGroupsHere =
 
 TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
   AdjustOptions options = tested();
-  options.sigma0_known = true;
+  options.tests.sigma0_known = true;
   using Group = ObservationGroup;
   std::array<int, kObservationGroups> found{};
   constexpr int kBlocks = 100;
@@ -233,10 +234,10 @@ TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
 // the residual from its start, and residuals of a point that a ray itself pulls are not normal: its variances come out
 // up to 7 % too small for tie points and 20 % for positions (less with more rays a point), tests reject a fifth less.
 TEST(Reliability, IsTrueUnderRobustLosses) {
-  for (const char* loss : {"huber", "cauchy"}) {
+  for (const Loss::Kind loss : {Loss::kHuber, Loss::kCauchy}) {
     AdjustOptions options = tested();
     options.loss = options.position_loss = loss;
-    options.false_alarm = 0.01;
+    options.tests.false_alarm = 0.01;
     constexpr int kBlocks = 150;
     constexpr std::size_t kSigma0 = kObservationGroups, kLevel = kSigma0 + 1, kPose = kLevel + 1, kAll = kPose + 1;
     std::array<double, kAll> sum{}, squares{};
@@ -263,7 +264,7 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
     for (const std::size_t i : {std::size_t{0}, std::size_t(ObservationGroup::kPositionPlan),
                                 std::size_t(ObservationGroup::kPositionHeight), kSigma0, kLevel, kPose}) {
       const double mean = sum[i] / kBlocks, sigma = std::sqrt((squares[i] / kBlocks - mean * mean) / kBlocks);
-      const bool falls = loss == std::string_view("cauchy") && i != kPose;
+      const bool falls = loss == Loss::kCauchy && i != kPose;
       // Beside chance what is told above, with a tenth of it: 2 % of variances under Huber's loss (1 % of sigma0), 8 %
       // of tie points and 20 % of positions and of the level under Cauchy's; and never more than one.
       const double pulled = !falls ? 0.02 : i == 0 || i == kSigma0 ? 0.09 : 0.22;

@@ -55,7 +55,7 @@ TEST(Commands, RunHelpNamesEveryOptionOfEveryStep) {
   const std::string help = collinea_with({"run", "--help"}).out;
   Settings settings;
   Settings::each(settings, [&](const char*, const char* group, auto& options) {
-    std::decay_t<decltype(options)>::describe([&](const auto& field) {
+    for_each_field(options, [&](const auto& field, const auto&) {
       std::string flag = "--" + std::string(field.name);
       std::replace(flag.begin(), flag.end(), '_', '-');
       EXPECT_NE(help.find(flag), std::string::npos) << group << ": " << flag;
@@ -84,10 +84,10 @@ TEST(Commands, WrongUsageEndsWithTwoAndWordsOnStderr) {
       {{"run", photos}, "--project"},
       {{"run", photos, "-o", project, "--no-such-flag", "3"}, "--no-such-flag"},
       {{"run", photos, "-o", project, "--min-points", "many"}, "--min-points"},
-      {{"run", photos, "-o", project, "--min-points", "2"}, "min_points"},
-      {{"run", photos, "-o", project, "--calibration", "much"}, "calibration"},
+      {{"run", photos, "-o", project, "--min-points", "2"}, "(option --min-points)"},
+      {{"run", photos, "-o", project, "--calibration", "much"}, "auto, none, focal, focal_radial or brown"},
       {{"run", photos, "-o", project, "--cloud", "laz2"}, "las, laz or copc"},
-      {{"run", photos, "-o", project, "--resolution", "fulll"}, "resolution"},
+      {{"run", photos, "-o", project, "--resolution", "fulll"}, "full, half or quarter"},
       {{"run", photos, "-o", project, "--seed", "-1"}, "--seed"},
       {{"run", photos, "-o", project, "--threads", "-1"}, "threads"},
       {{"run", photos, "-o", project, "--progress", "loud"}, "--progress"},

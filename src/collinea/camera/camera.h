@@ -21,8 +21,13 @@ enum class CameraModel : std::uint8_t {
   kEquisolid,        ///< fisheye: it is 2 f sin(angle / 2), equal solid angles have equal areas
   kKannalaBrandt,    ///< fisheye: f times an odd polynomial of the angle, of the ninth degree
 };
-inline constexpr std::array<std::string_view, 5> kCameraModelNames = {"brown", "brown_of_measured", "equidistant",
-                                                                      "equisolid", "kannala_brandt"};
+inline constexpr Word<CameraModel> kCameraModelWords[] = {{CameraModel::kBrown, "brown", "central"},
+                                                          {CameraModel::kBrownOfMeasured, "brown_of_measured"},
+                                                          {CameraModel::kEquidistant, "equidistant", "fisheye"},
+                                                          {CameraModel::kEquisolid, "equisolid", "fisheye"},
+                                                          {CameraModel::kKannalaBrandt, "kannala_brandt", "fisheye"}};
+[[nodiscard]] constexpr std::span<const Word<CameraModel>> words(CameraModel) { return kCameraModelWords; }
+inline constexpr auto kCameraModelNames = only_words(kCameraModelWords);  ///< by the values
 
 [[nodiscard]] constexpr bool is_fisheye(CameraModel model) { return model >= CameraModel::kEquidistant; }
 

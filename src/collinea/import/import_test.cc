@@ -123,24 +123,25 @@ TEST(ImportFocal, AFisheyeIsWhatTheUserSays) {
   put_photo(folder / "a.jpg", nullptr);
   put_photo(folder / "b.jpg", nullptr);
   const auto given = import_photos(
-      folder / "", {.camera_model = "kannala_brandt", .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4"}, {});
+      folder / "", {.camera_model = CameraModel::kKannalaBrandt, .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4"},
+      {});
   ASSERT_TRUE(given) << given.error().message;
   const Camera& camera = given->block.cameras.begin()->second;
   EXPECT_EQ(camera.model, CameraModel::kKannalaBrandt);
   EXPECT_EQ(camera.params[Camera::kK4], 1e-4);
   EXPECT_EQ(camera.params[Camera::kP1], 0);
   // Nothing said: from corner to corner (150 px) half a turn.
-  const auto assumed = import_photos(folder / "", {.camera_model = "equidistant"}, {});
+  const auto assumed = import_photos(folder / "", {.camera_model = CameraModel::kEquidistant}, {});
   ASSERT_TRUE(assumed);
   EXPECT_NEAR(assumed->block.cameras.begin()->second.focal_px(), 150 / 3.14159265, 1e-6);
   EXPECT_EQ(assumed->block.cameras.begin()->second.model, CameraModel::kEquidistant);
-  for (const char* model : {"fisheye", "brown_of_measured", ""}) {
-    const auto unknown = import_photos(folder / "", {.camera_model = model}, {});
-    ASSERT_FALSE(unknown);
-    EXPECT_NE(unknown.error().message.find("--camera-model"), std::string::npos);
-  }
+  const auto of_no_lens = import_photos(folder / "", {.camera_model = CameraModel::kBrownOfMeasured}, {});
+  ASSERT_FALSE(of_no_lens);
+  EXPECT_EQ(of_no_lens.error().options, std::vector{"camera_model"_option});
+  EXPECT_NE(of_no_lens.error().message.find("brown, equidistant, equisolid or kannala_brandt"), std::string::npos);
   const auto long_list = import_photos(
-      folder / "", {.camera_model = "kannala_brandt", .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,0"}, {});
+      folder / "",
+      {.camera_model = CameraModel::kKannalaBrandt, .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,0"}, {});
   EXPECT_FALSE(long_list);
 }
 

@@ -186,9 +186,11 @@ Result<std::vector<std::string>> write_bundler(const std::filesystem::path& fold
   std::string cameras, names, points;
   for (const auto& [id, pose] : block.cam_from_world) {
     if (const Camera& camera = block.camera_of(id); is_fisheye(camera.model))
-      return fail(Errc::kUnsupported, "camera " + camera.name + " is a fisheye (" +
-                                          std::string(kCameraModelNames[std::size_t(camera.model)]) +
-                                          "), which Bundler does not know; --format colmap does");
+      return fail(Errc::kUnsupported,
+                  "camera " + camera.name + " is a fisheye (" +
+                      std::string(kCameraModelNames[std::size_t(camera.model)]) +
+                      "), which Bundler does not know; a COLMAP model does",
+                  {"format"_option});
     const std::size_t row = row_of.size();
     row_of[id] = row;
     cameras += camera_text(block.camera_of(id), pose);
@@ -226,8 +228,7 @@ Result<Block> read_bundler(const std::filesystem::path& folder,
     COLLINEA_TRY(const PictureSize size, size_of(names[i]));
     COLLINEA_TRY(take_camera(numbers, names[i], size, {i}, block));
   }
-  for (std::uint32_t i = 0; i < points; ++i)
-    COLLINEA_TRY(take_point(numbers, {i}, block));
+  for (std::uint32_t i = 0; i < points; ++i) COLLINEA_TRY(take_point(numbers, {i}, block));
   const auto key = [](const Observation& o) { return std::tuple(o.point, o.image, o.feature); };
   std::ranges::sort(block.observations, {}, key);
   return block;

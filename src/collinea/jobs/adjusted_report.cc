@@ -43,7 +43,8 @@ Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, 
     COLLINEA_TRY(report.adjusted, adjust(report.block, scope, options, run));
   }
   report.additional_level = asked.additional_level;
-  report.additional = test_additional(report.block, report.adjusted, options.sigma0_known, asked.additional_level);
+  report.additional =
+      test_additional(report.block, report.adjusted, options.tests.sigma0_known, asked.additional_level);
   for (const Weakness& weak : report.adjusted.weaknesses) run.say("note: " + weak.what + "; cure: " + weak.cure);
   apply(report.adjusted, report.block);
   return report;

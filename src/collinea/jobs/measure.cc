@@ -15,21 +15,20 @@ namespace {
 
 using nlohmann::ordered_json;
 
-Result<std::optional<MapArea>> area_of(const std::optional<std::string>& file) {
+Result<std::optional<MapArea>> area_of(const std::optional<std::filesystem::path>& file) {
   if (!file) return std::nullopt;
   COLLINEA_TRY(const std::string text, read_file(*file));
   return parse_area(text).map([](MapArea area) { return std::optional(std::move(area)); }).map_error([&](Error e) {
-    return std::move(e).within(*file);
+    return std::move(e).within(file->string());
   });
 }
 
 Result<Volume> volume_of(const SurfaceFiles& surface, const std::string& base, const std::optional<MapArea>& area,
                          const VolumeOptions& options, const Run& run) {
-  if (base == "rim") {
+  if (from_word<VolumeBase>(base) == VolumeBase::kRim) {
     if (!area)
-      return fail(Errc::kBadInput,
-                  "volume over which area? Give --area with its corners, or --base with a height or "
-                  "another surface");
+      return fail(Errc::kBadInput, "volume over which area? Give its corners, or as base a height or another surface",
+                  {"area"_option, "base"_option});
     return volume_over_rim(surface, *area, options, run);
   }
   if (const auto level_m = finite_number(base)) return volume_over_level(surface, *level_m, area, options, run);
@@ -74,7 +73,9 @@ ordered_json json_of(const Volume& volume) {
 
 // Numbers on the command line, or a file of them.
 Result<std::vector<Eigen::Vector2d>> line_of(const std::string& line) {
-  if (line.empty()) return fail(Errc::kBadInput, "a profile along what? Give --line east,north,east,north or a file");
+  if (line.empty())
+    return fail(Errc::kBadInput, "a profile along what? Give a line, east,north,east,north, or a file of it",
+                {"line"_option});
   std::vector<double> numbers;
   for (const std::string_view field : fields_of(line, ',')) {
     const auto value = finite_number(field);
@@ -85,7 +86,8 @@ Result<std::vector<Eigen::Vector2d>> line_of(const std::string& line) {
     numbers.push_back(*value);
   }
   if (numbers.size() < 4 || numbers.size() % 2)
-    return fail(Errc::kBadInput, "--line " + line + ": give east,north of two places and more");
+    return fail(Errc::kBadInput, "\"" + line + "\" is no line: give east,north of two places and more",
+                {"line"_option});
   std::vector<Eigen::Vector2d> places;
   for (std::size_t i = 0; i < numbers.size(); i += 2) places.emplace_back(numbers[i], numbers[i + 1]);
   return places;
@@ -111,8 +113,7 @@ Result<std::string> measure_volume(const std::filesystem::path& surface, const M
   COLLINEA_TRY(const std::optional<MapArea> area, area_of(asked.area));
   const SurfaceFiles files = with_sigmas_beside(surface);
   COLLINEA_TRY(const Volume volume, volume_of(files, asked.base, area, options, run));
-  if (asked.output)
-    COLLINEA_TRY(write_file(*asked.output, json_of(volume).dump(2) + "\n"));
+  if (asked.output) COLLINEA_TRY(write_file(*asked.output, json_of(volume).dump(2) + "\n"));
   return text_of(volume, files.sigma.has_value());
 }
 

@@ -10,19 +10,26 @@
 
 namespace collinea {
 
+/// Bases of a volume that follow from the surface itself.
+enum class VolumeBase { kRim };
+inline constexpr Word<VolumeBase> kVolumeBaseWords[] = {{VolumeBase::kRim, "rim"}};
+[[nodiscard]] constexpr std::span<const Word<VolumeBase>> words(VolumeBase) { return kVolumeBaseWords; }
+
 /// What a surface is measured against.
 struct MeasureVolumeOptions {
   std::string base = "rim";
-  std::optional<std::string> area, output;
+  std::optional<std::filesystem::path> area, output;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = MeasureVolumeOptions;
     visit(Field{"base", &O::base, "",
                 "what the surface stands on: rim (the plane that fits it along the border of the area) | a height in "
-                "metres | the file of another surface"});
-    visit(Field{"area", &O::area, "", "file with the corners of the area: easting, northing in each line"});
-    visit(Field{"output", &O::output, "", "JSON file for the figures"});
+                "metres | the file of another surface"}
+              .leads_to(PathKind::kFileOrWord));
+    visit(Field{"area", &O::area, "", "file with the corners of the area: easting, northing in each line"}.leads_to(
+        PathKind::kFile));
+    visit(Field{"output", &O::output, "", "JSON file for the figures"}.leads_to(PathKind::kOutput));
   }
 };
 
@@ -41,7 +48,8 @@ struct ProfileOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = ProfileOptions;
-    visit(Field{"line", &O::line, "", "where: east,north,east,north,... or a file with a corner in each line"});
+    visit(Field{"line", &O::line, "", "where: east,north,east,north,... or a file with a corner in each line"}.leads_to(
+        PathKind::kFileOrWord));
     visit(Field{"others", &O::others, "", "more surfaces along the same line, separated by commas"});
     visit(Field{"step_m", &O::step_m, "m", "between heights; nothing: a cell of the first surface", 1e-4, 1e6});
     visit(Field{"sigma_m", &O::sigma_m, "m", "standard deviation of heights where no raster beside the surface says it",

@@ -52,7 +52,7 @@ TEST_F(Measured, ABaseIsALevelASurfaceOrTheRim) {
 }
 
 TEST_F(Measured, MistakesAreNamed) {
-  EXPECT_NE(volume("rim", false).error().message.find("--area"), std::string::npos);
+  EXPECT_NE(volume("rim", false).error().message.find("corners"), std::string::npos);
   EXPECT_NE(volume("nowhere.tif", false).error().message.find("nowhere.tif"), std::string::npos);
   ASSERT_TRUE(write_file(folder_ / "area.csv", "1, 2\n3, x\n"));
   EXPECT_NE(volume("102", true).error().message.find("line 2"), std::string::npos);

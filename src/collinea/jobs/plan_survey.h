@@ -13,7 +13,8 @@ namespace collinea {
 
 /// A survey that is planned, and what shall be told of it.
 struct PlanOptions {
-  std::optional<std::string> area, crs;
+  std::optional<std::filesystem::path> area;
+  std::optional<std::string> crs;
   bool gains = true;
   int places = 8;
   int trials = 0;
@@ -22,13 +23,15 @@ struct PlanOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = PlanOptions;
-    visit(Field{"area", &O::area, "", "file with the corners of the site: easting, northing in each line"});
+    visit(Field{"area", &O::area, "", "file with the corners of the site: easting, northing in each line"}.leads_to(
+        PathKind::kFile));
     visit(Field{"crs", &O::crs, "", "of the coordinates, such as EPSG:32633; nothing: a local plane"});
     visit(Field{"gains", &O::gains, "",
                 "tell what one more control point, one more cross strip and measured projection centres would "
                 "gain"});
     visit(Field{"places", &O::places, "1", "places tried for that control point", 1, 1000});
-    visit(Field{"trials", &O::trials, "1", "blocks with simulated errors, adjusted to try what is foretold", 0, 10000});
+    visit(
+        Field{"trials", &O::trials, "1", "blocks with simulated errors, adjusted to try what is predicted", 0, 10000});
     visit(Field{"seed", &O::seed, "1", "of the simulated errors", 0});
   }
 };

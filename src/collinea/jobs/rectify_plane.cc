@@ -28,8 +28,8 @@ using Eigen::Vector3d;
 
 constexpr double kWider = 0.1;  // of the points' extent, on each side
 
-Result<std::vector<double>> numbers_of(const std::string& text, const char* flag) {
-  return parse_numbers(text).map_error([&](Error e) { return std::move(e).within(flag); });
+Result<std::vector<double>> numbers_of(const std::string& text, OptionName option) {
+  return parse_numbers(text).map_error([&](Error e) { return std::move(e).about(option); });
 }
 
 // --- what is told of the result --------------------------------------------------------------------------------------
@@ -55,9 +55,10 @@ nlohmann::json json_of(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 Result<PlaneExtent> extent_of(const RectifyOptions& options, const std::vector<Vector2d>& around) {
   if (options.extent) {
-    COLLINEA_TRY(const auto n, numbers_of(*options.extent, "--extent"));
+    COLLINEA_TRY(const auto n, numbers_of(*options.extent, "extent"_option));
     if (n.size() != 4 || !(n[2] > n[0] && n[3] > n[1]))
-      return fail(Errc::kBadInput, "--extent " + *options.extent + ": left,bottom,right,top are wanted");
+      return fail(Errc::kBadInput, "\"" + *options.extent + "\" is no extent: left,bottom,right,top are wanted",
+                  {"extent"_option});
     return PlaneExtent{{n[0], n[1]}, {n[2], n[3]}};
   }
   PlaneExtent extent{around[0], around[0]};
@@ -132,7 +133,8 @@ struct PhotoCamera {
 Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& options, const Run& run) {
   COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
   if (int(options.project.has_value()) + int(options.orientation.has_value()) + int(options.focal_px.has_value()) > 1)
-    return fail(Errc::kBadInput, "one of --project, --orientation and --focal-px says the camera, not several");
+    return fail(Errc::kBadInput, "one of a project, an orientation and a focal length says the camera, not several",
+                {"project"_option, "orientation"_option, "focal_px"_option});
   if (!options.project && !options.orientation) {
     const double focal_px = options.focal_px.value_or(std::max(header.width_px, header.height_px));
     return PhotoCamera{ideal_camera(focal_px, header.width_px, header.height_px), options.focal_px.has_value()};
@@ -151,14 +153,16 @@ Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& optio
 
 Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
   if (options.points.has_value() == options.rectangle.has_value())
-    return fail(Errc::kBadInput, "which plane? Give --points, or --rectangle with --size");
-  if (options.points && options.size) return fail(Errc::kBadInput, "--size belongs to --rectangle, not to --points");
+    return fail(Errc::kBadInput, "which plane? Give points of it, or a rectangle with its size",
+                {"points"_option, "rectangle"_option, "size"_option});
+  if (options.points && options.size)
+    return fail(Errc::kBadInput, "a size belongs to a rectangle, not to points", {"size"_option});
   const double sigma_px = options.sigma_px.value_or(0.5), sigma_m = options.sigma_m.value_or(0);
   std::vector<PlanePoint> points;
   if (options.points) {
     COLLINEA_TRY(const std::string text, read_file(*options.points));
     COLLINEA_TRY(const auto rows, parse_number_rows(text, true, 4, 6).map_error([&](Error e) {
-      return std::move(e).within(*options.points);
+      return std::move(e).within(options.points->string());
     }));
     for (const NumberRow& row : rows) {
       const auto& n = row.numbers;
@@ -167,11 +171,14 @@ Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
     }
     return points;
   }
-  if (!options.size) return fail(Errc::kBadInput, "--rectangle needs --size width,height in metres");
-  COLLINEA_TRY(const auto c, numbers_of(*options.rectangle, "--rectangle"));
-  COLLINEA_TRY(const auto s, numbers_of(*options.size, "--size"));
-  if (c.size() != 8) return fail(Errc::kBadInput, "--rectangle: column,row of four corners are wanted");
-  if (s.size() != 2 || !(s[0] > 0 && s[1] > 0)) return fail(Errc::kBadInput, "--size: width,height are wanted");
+  if (!options.size)
+    return fail(Errc::kBadInput, "a rectangle needs its size: width,height in metres", {"size"_option});
+  COLLINEA_TRY(const auto c, numbers_of(*options.rectangle, "rectangle"_option));
+  COLLINEA_TRY(const auto s, numbers_of(*options.size, "size"_option));
+  if (c.size() != 8)
+    return fail(Errc::kBadInput, "column,row of the four corners of a rectangle are wanted", {"rectangle"_option});
+  if (s.size() != 2 || !(s[0] > 0 && s[1] > 0))
+    return fail(Errc::kBadInput, "the size of a rectangle is width,height, both positive", {"size"_option});
   const Vector2d corners[4] = {{0, s[1]}, {s[0], s[1]}, {s[0], 0}, {0, 0}};
   const char* names[4] = {"upper left", "upper right", "lower right", "lower left"};
   for (std::size_t i = 0; i < 4; ++i)
@@ -219,7 +226,8 @@ void tell(const PlaneHomography& homography, const std::vector<PlanePoint>& poin
 Result<std::string> rectify_photo(const fs::path& photo, const fs::path& out, const RectifyOptions& options,
                                   const Run& run) {
   if (options.control || options.places || options.region || options.tolerance_m)
-    return fail(Errc::kBadInput, "--control, --places, --region and --tolerance-m are for a project, not a photograph");
+    return fail(Errc::kBadInput, "control, places, a region and its tolerance are for a project, not a photograph",
+                {"control"_option, "places"_option, "region"_option, "tolerance_m"_option});
   COLLINEA_TRY(const auto points, plane_points(options));
   COLLINEA_TRY(const PhotoCamera used, camera_of(photo, options, run));
   COLLINEA_TRY(const PlaneHomography homography, PlaneHomography::fit(used.camera, points));
@@ -265,13 +273,15 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
                                     const Run& run) {
   if (options.points || options.rectangle || options.size || options.project || options.orientation || options.focal_px)
     return fail(Errc::kBadInput,
-                "--points, --rectangle, --size, --project, --orientation and --focal-px are for a "
-                "photograph, not a project");
+                "points, a rectangle and its size, a project, an orientation and a focal length are for a photograph, "
+                "not a project",
+                {"points"_option, "rectangle"_option, "size"_option, "project"_option, "orientation"_option,
+                 "focal_px"_option});
   if (options.sigma_px || options.sigma_m)
-    return fail(
-        Errc::kBadInput,
-        "--sigma-px and --sigma-m are of the points of a photograph; a project's plane is judged by how far its "
-        "points lie off it");
+    return fail(Errc::kBadInput,
+                "standard deviations are of the points of a photograph; a project's plane is judged by how far its "
+                "points lie off it",
+                {"sigma_px"_option, "sigma_m"_option});
   COLLINEA_TRY(const Project project, open_project(folder, run));
   COLLINEA_TRY(const Block block, project.store.read_block());
   if (block.cam_from_world.empty())
@@ -315,7 +325,7 @@ Result<std::string> rectify_plane(const fs::path& source, const fs::path& out, c
   if (extension != ".tif" && extension != ".tiff" && extension != ".png")
     return fail(Errc::kBadInput, out.string() + ": the picture is a .tif or a .png");
   std::error_code error;
-  for (const std::optional<std::string>& read : {std::optional(source.string()), options.points, options.places})
+  for (const std::optional<fs::path>& read : {std::optional(source), options.points, options.places})
     for (const fs::path& made :
          {out, fs::path(out).replace_extension(".json"), fs::path(out).replace_extension(".pgw")})
       if (read && fs::equivalent(*read, made, error))

@@ -51,17 +51,13 @@ GreyImage without_zero(GreyImage picture) {
 
 Result<Prepared> rectified_pair(const fs::path& left, const fs::path& right, const StereoPairOptions& pair) {
   Prepared ready;
-  int shrink = 1;
-  if (pair.resolution) {
-    const auto asked = shrink_of(*pair.resolution);
-    if (!asked) return fail(Errc::kBadInput, "resolution = " + *pair.resolution + " is none of full, half, quarter");
-    shrink = *asked;
-  }
+  const int shrink = static_cast<int>(pair.resolution.value_or(Resolution::kFull));
   COLLINEA_TRY(GreyImage left_grey, read_grey(left, shrink));
   COLLINEA_TRY(GreyImage right_grey, read_grey(right, shrink));
   COLLINEA_TRY(ready.colours, read_colour(left, shrink));
   if (pair.focal_px.has_value() != pair.base_m.has_value())
-    return fail(Errc::kBadInput, "a cloud needs both --focal-px and --base-m");
+    return fail(Errc::kBadInput, "a cloud needs both the focal length and the base",
+                {"focal_px"_option, "base_m"_option});
   if (pair.focal_px)
     ready.cameras =
         epipolar_pair(*pair.focal_px / shrink, *pair.base_m, left_grey.width, right_grey.width, left_grey.height);
@@ -119,10 +115,13 @@ Result<Prepared> oriented_pair(const Block& block, const Side& left, const Side&
 Result<Prepared> prepared(const std::string& left, const std::string& right, const StereoPairOptions& pair,
                           const Run& run) {
   if (int(pair.rectified) + int(pair.project.has_value()) + int(pair.orientation.has_value()) != 1)
-    return fail(Errc::kBadInput, "say one of --project, --orientation and --rectified: where the orientation is");
+    return fail(Errc::kBadInput,
+                "where is the orientation? Name one: a project, a model, or that the pair is rectified",
+                {"project"_option, "orientation"_option, "rectified"_option});
   if (pair.rectified) return rectified_pair(left, right, pair);
   if (pair.focal_px || pair.base_m)
-    return fail(Errc::kBadInput, "--focal-px and --base-m are for --rectified; an orientation knows them");
+    return fail(Errc::kBadInput, "focal length and base are for a rectified pair; an orientation knows them",
+                {"focal_px"_option, "base_m"_option, "rectified"_option});
   Block block;
   fs::path folder;
   if (pair.project) {
@@ -149,8 +148,8 @@ Result<DisparityRange> range_for(const Prepared& ready, const StereoPairOptions&
   } else if (pair.rectified) {
     range = {0, std::max(ready.left.width / kPartOfWidth, 15)};
   } else if (!pair.min_disparity || !pair.max_disparity) {
-    return fail(Errc::kBadInput,
-                "too few tie points that both photographs show: say --min-disparity and --max-disparity");
+    return fail(Errc::kBadInput, "too few tie points that both photographs show: give the range of disparities",
+                {"min_disparity"_option, "max_disparity"_option});
   }
   if (pair.min_disparity) range.low = *pair.min_disparity;
   if (pair.max_disparity) range.high = *pair.max_disparity;

@@ -131,14 +131,15 @@ void WholeProject::info_tells_what_machines_read() {
 void WholeProject::export_writes_every_format_and_refuses_others() {
   auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
-  for (const char* format : {"colmap", "opk", "ply", "las", "laz", "copc"})
-    ASSERT_TRUE(export_block(*project, root_ / "export", format)) << format;
+  for (const ExportFormat format : {ExportFormat::kColmap, ExportFormat::kOpk, ExportFormat::kPly, ExportFormat::kLas,
+                                    ExportFormat::kLaz, ExportFormat::kCopc})
+    ASSERT_TRUE(export_block(*project, root_ / "export", {.format = format})) << word_of(format);
   for (const char* file : {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk",
                            "tie_points.ply", "cloud.laz", "cloud.copc.laz"})
     EXPECT_TRUE(fs::exists(root_ / "export" / file)) << file;
   EXPECT_TRUE(bytes_of(root_ / "export/cloud.las").size() == bytes_of(root_ / "mapped/products/cloud.las").size());
   // In tiles: every point in one of them, and within it.
-  ASSERT_TRUE(export_block(*project, root_ / "tiles", "laz", 40));
+  ASSERT_TRUE(export_block(*project, root_ / "tiles", {.format = ExportFormat::kLaz, .tile_m = 40}));
   std::uint64_t in_tiles = 0, files = 0;
   for (const auto& entry : fs::directory_iterator(root_ / "tiles")) {
     if (entry.path().extension() != ".laz") continue;
@@ -153,8 +154,8 @@ void WholeProject::export_writes_every_format_and_refuses_others() {
   }
   EXPECT_GT(files, 3u);
   EXPECT_EQ(in_tiles, LasReader::open(root_ / "export/cloud.las")->header().points);
-  EXPECT_FALSE(export_block(*project, root_ / "tiles", "laz", -1.0));
-  EXPECT_FALSE(export_block(*project, root_ / "tiles", "opk", 40));
+  EXPECT_FALSE(export_block(*project, root_ / "tiles", {.format = ExportFormat::kLaz, .tile_m = -1}));
+  EXPECT_FALSE(export_block(*project, root_ / "tiles", {.format = ExportFormat::kOpk, .tile_m = 40}));
   const auto refused = export_block(*project, root_ / "export", "dwg");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::kBadInput);

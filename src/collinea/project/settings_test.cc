@@ -24,7 +24,7 @@ TEST(Settings, ComeBackAsTheyWereWritten) {
   settings.import.crs = "EPSG:25832";
   settings.import.check = "A2,A7";
   settings.import.gps_sigma_m = 0.1 + 0.2;  // no short decimal fraction
-  settings.orient.calibration = "focal";
+  settings.orient.calibration = Calibration::kFocal;
   settings.orient.use_positions = false;
   settings.orient.min_points = 23;
   settings.surface.cell_m = 0.25;

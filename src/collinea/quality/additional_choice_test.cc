@@ -60,8 +60,8 @@ Block film_block(AdditionalSet set, const std::vector<std::pair<int, double>>& v
 
 AdjustOptions plain() {
   AdjustOptions options;
-  options.calibration = "none";
-  options.loss = options.position_loss = "none";
+  options.calibration = Calibration::kNone;
+  options.loss = options.position_loss = Loss::kNone;
   options.relative_cost_change = 1e-12;
   options.step_sigmas = 1e-6;
   options.covariances = true;
@@ -178,7 +178,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
   Camera camera = block.cameras.begin()->second;
   const CameraId id = block.cameras.begin()->first;
   AdjustScope scope{.first_cameras = block.cameras};
-  scope.camera_sigmas[id] = *with_additional(*calibration_named("focal", camera), camera, {});
+  scope.camera_sigmas[id] = *with_additional(calibration_sigmas(Calibration::kFocal, camera), camera, {});
   const auto adjusted = adjust(block, scope, plain(), {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   camera = adjusted->cameras.at(id);
@@ -239,7 +239,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
 
 TEST(AdditionalChoice, WhatTheSetSpansIsHeld) {
   Camera camera = testing::test_camera();
-  const CameraSigmas brown = *calibration_named("brown_affinity", camera);
+  const CameraSigmas brown = calibration_sigmas(Calibration::kBrownAffinity, camera);
   camera.additional = AdditionalSet::kEbner;
   const CameraSigmas ebner = *with_additional(brown, camera, {"a3"});
   for (const char* name : {"b1", "b2", "p1", "p2", "a3"})

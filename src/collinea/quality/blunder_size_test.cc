@@ -22,7 +22,7 @@ const Run kRun;
 constexpr int kMost = 1000;
 
 AdjustOptions options() {
-  return {.calibration = "none", .loss = "none", .position_loss = "none", .reliability = true};
+  return {.calibration = Calibration::kNone, .loss = Loss::kNone, .position_loss = Loss::kNone, .reliability = true};
 }
 
 bool is_gone(const Snooped& snooped, const TestedObservation& one) {

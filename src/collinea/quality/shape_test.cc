@@ -115,7 +115,7 @@ TEST(Shape, ErrorsAreAsLargeAsTheirSigmas) {
   for (const GroundKind kind : kShapes) {
     double points = 0, residuals = 0, freedom = 0;
     AdjustOptions options = tested();
-    options.sigma0_known = true;
+    options.tests.sigma0_known = true;
     for (int i = 0; i < kBlocks; ++i) {
       const Marked made = on_shape(kind, kSigma_m, static_cast<std::uint64_t>(i + 1));
       const auto adjusted = adjust(made.block, {}, options, kRun);

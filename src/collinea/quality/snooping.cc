@@ -362,7 +362,7 @@ class Snooper {
     return std::max(0.0, (spread * spread - own * own) / (sigma0 * sigma0));
   }
   [[nodiscard]] double sigma0_of(const Adjusted& adjusted) const {
-    return options_.sigma0_known ? 1 : std::max(sigma_scale(adjusted), 1e-12);
+    return options_.tests.sigma0_known ? 1 : std::max(sigma_scale(adjusted), 1e-12);
   }
 
   void disbelieve(Group group, const Seen& seen) {

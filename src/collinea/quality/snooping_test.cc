@@ -23,7 +23,9 @@ using testing::test_block;
 constexpr int kMost = 1000;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-AdjustOptions plain() { return {.calibration = "focal_radial", .loss = "none", .position_loss = "none"}; }
+AdjustOptions plain() {
+  return {.calibration = Calibration::kFocalRadial, .loss = Loss::kNone, .position_loss = Loss::kNone};
+}
 
 testing::TestBlockOptions small(std::uint64_t seed = 1) {
   return {
@@ -118,7 +120,7 @@ TEST(Snooping, WhichOfTwoThatContradictEachOtherIsWrongCannotBeTold) {
   block.ground = {{.from = {0}, .to = {1}, .value = between(0, 1), .sigma = 0.2},
                   {.from = {3}, .to = {4}, .value = 1.2 * between(3, 4), .sigma = 0.2}};
   AdjustOptions options = plain();
-  options.sigma0_known = true;
+  options.tests.sigma0_known = true;
   const auto snooped = snoop(block, {}, options, kMost, {});
   ASSERT_TRUE(snooped) << snooped.error().message;
   EXPECT_EQ(snooped->adjusted.rank_defect, 6);
@@ -232,7 +234,7 @@ Surveyed surveyed(std::uint64_t seed) {
 // are found as theory says, within four binomial deviations, and of good ones no more go than the level allows.
 TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower) {
   AdjustOptions options = plain();
-  options.calibration = "none";
+  options.calibration = Calibration::kNone;
   options.reliability = true;
   std::map<bool, double> planted, found, expected, variance;  // false: on the ground, true: attitudes
   double good = 0, alarms = 0;

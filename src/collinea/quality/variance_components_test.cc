@@ -12,7 +12,9 @@ namespace {
 
 using testing::test_block;
 
-AdjustOptions plain() { return {.calibration = "focal", .loss = "none", .position_loss = "none"}; }
+AdjustOptions plain() {
+  return {.calibration = Calibration::kFocal, .loss = Loss::kNone, .position_loss = Loss::kNone};
+}
 
 constexpr double kSettled = 0.01;  // factors are repeated until none changes by more
 

@@ -85,6 +85,8 @@ json options_json(const auto& options) {
     json& own = object[std::string(field.name)];
     if constexpr (requires { value.has_value(); }) {
       if (value) own = *value;
+    } else if constexpr (Worded<std::decay_t<decltype(value)>>) {
+      own = word_of(value);
     } else {
       own = value;
     }

@@ -79,7 +79,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
   if (guides.given)
     follows =
         fmt::format(", as {} polygons of {} say but for {:.2f} % of the cells, which their photograph does not see",
-                    given.size(), *project.settings.ortho.seamlines,
+                    given.size(), project.settings.ortho.seamlines->string(),
                     100 * double(cells_not_followed) / double(std::max<std::uint64_t>(1, summary.painted_cells)));
   return StepOutput{inputs_hash, json_text(report),
                     fmt::format("{} x {} cells of {:.3g} m from {} photographs, {:.0f} m of seams along which these "

@@ -36,7 +36,7 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
   const Block block = *project->store.read_block();
   ASSERT_EQ(block.cam_from_world.size(), 20u);
   const auto truth = read_truth(folder / "block");
-  const auto adjusted = adjust(block, {}, {.calibration = "brown", .covariances = true}, {});
+  const auto adjusted = adjust(block, {}, {.calibration = Calibration::kBrown, .covariances = true}, {});
   ASSERT_TRUE(truth && adjusted);
   double squares = 0, variance_m2 = 0;
   for (const auto& [id, covariance] : adjusted->pose_covariance) {
@@ -55,12 +55,12 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
 // A fisheye of 122 degrees from corner to corner, known at first as a lens without distortion and a focal length 5 %
 // off: the errors of its camera are as large as its standard deviations say.
 TEST(SimulatedProject, OfAFisheyeIsOriented) {
-  for (const char* model : {"equidistant", "kannala_brandt"}) {
+  for (const CameraModel model : {CameraModel::kEquidistant, CameraModel::kKannalaBrandt}) {
     const TestFolder folder;
     SurveyOptions survey;
     survey.images = 16;
-    survey.camera_model = model;
-    survey.focal_px = 1200;
+    survey.camera.camera_model = model;
+    survey.camera.focal_px = 1200;
     auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0},
                                   collinea::Run{.threads = 2});
     ASSERT_TRUE(project) << project.error().message;
@@ -73,16 +73,16 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     ASSERT_TRUE(setup);
     AdjustScope scope;
     scope.first_cameras = setup->cameras;
-    const auto adjusted = adjust(block, scope, {.calibration = "brown", .covariances = true}, {});
+    const auto adjusted = adjust(block, scope, {.calibration = Calibration::kBrown, .covariances = true}, {});
     ASSERT_TRUE(truth && adjusted);
     const Camera& found = block.cameras.begin()->second;
-    EXPECT_EQ(kCameraModelNames[std::size_t(found.model)], model);
+    EXPECT_EQ(found.model, model);
     const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
     for (const int k : params_of(found)) {
       const double sigma = adjusted->sigma0 * std::sqrt(covariance(k, k));
       if (!(sigma > 0)) continue;
       EXPECT_NEAR(found.params[std::size_t(k)], truth->camera.params[std::size_t(k)], 4.5 * sigma)
-          << model << " " << param_name(k);
+          << word_of(model) << " " << param_name(k);
     }
     EXPECT_NEAR(found.focal_px(), 1200, 3);  // 0.25 %; it began 60 px off
   }

@@ -26,7 +26,7 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
   LasWriter::Options options;
   options.wkt = reader.header().wkt;
   options.like = reader.header();
-  options.form = *las_form_of(project.settings.densify.cloud);
+  options.form = project.settings.densify.cloud;
   options.run = project.run;
   COLLINEA_TRY(LasWriter writer, LasWriter::create(project.cloud(), options));
   std::uint64_t count = 0, done = 0;
@@ -53,8 +53,7 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   const auto products = project.folder / "products";
   const auto without = [&](const std::string& why) -> Result<StepOutput> {
-    for (const char* earlier : {"contours.gpkg", "contours.dxf"})
-      COLLINEA_TRY(remove_file(products / earlier));
+    for (const char* earlier : {"contours.gpkg", "contours.dxf"}) COLLINEA_TRY(remove_file(products / earlier));
     return StepOutput{inputs_hash, json_text({{"skipped_because", why + ": no terrain model"}}),
                       why + ": no terrain model"};
   };
