@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Every foreign library is looked up here, and only here. All come from Debian.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(GDAL REQUIRED)

@@ -33,6 +33,11 @@ constexpr int kOverviewsCompared = 12;
 constexpr float kOverviewReach = 1.5f;  // steps within which overviews agree
 constexpr int kMeasuredLevels = 3;      // the finest of the pyramid
 constexpr double kPlanePart = 0.5;      // a plane is worth taking when it leaves less than this of the range
+constexpr float kAgreeing = 1.5f;       // steps
+constexpr float kOneSurface = 2;        // steps
+constexpr float kUnison = 8;            // sigmas
+constexpr float kMuchBetter = 0.6f;
+constexpr int kSmallestPatch = 40;  // pixels
 
 Eigen::Matrix3d calibration(const Camera& camera) {
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
@@ -122,6 +127,63 @@ int level_offset(const Camera& reference, const Camera& camera, const Rigid3& fr
     if (z > 0) ratio.push_back(camera.focal_px() / z / (reference.focal_px() * s.w));
   }
   return ratio.empty() ? 0 : int(std::lround(std::log2(quantile(ratio, 0.5))));
+}
+
+void follow(const FloatImage& measured, FloatImage& surface) {
+  for (std::size_t i = 0; i < surface.data.size(); ++i)
+    if (!std::isnan(measured.data[i])) surface.data[i] = measured.data[i];
+}
+
+// Where the surface found at a finer level is a smooth one, both agree and it is the better one.
+void prefer(const FloatImage& finer, float step, FloatImage& surface, FloatImage& certainty) {
+  for (std::size_t i = 0; i < surface.data.size(); ++i)
+    if (std::abs(surface.data[i] - finer.data[i]) <= kAgreeing * step)
+      surface.data[i] = finer.data[i];
+    else
+      certainty.data[i] = step;
+}
+
+FloatImage cut(const FloatImage& raster, const GreyImage& picture) {
+  FloatImage result(picture.width, picture.height);
+  for (int y = 0; y < result.height; ++y) std::copy_n(raster.row(y), result.width, result.row(y));
+  return result;
+}
+
+// Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain
+// one; sigma is not made smaller by that, because both come from the same pictures.
+void keep_good(const Level& level, const FloatImage& surface, const FloatImage& certainty, const DenseOptions& options,
+               dense::Refined& refined) {
+  const float px = level.step / level.parallax_px;
+  auto& w = refined.inverse_depth.data;
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    float& sigma = refined.sigma.data[i];
+    sigma = std::hypot(dense::kSigmaScale * sigma, dense::kSigmaFloorPx * px);
+    if (!(refined.correlation.data[i] >= float(options.min_correlation) && sigma <= float(options.max_sigma_px) * px &&
+          w[i] > 0))
+      w[i] = std::numeric_limits<float>::quiet_NaN();
+    const float prior = certainty.data[i] * certainty.data[i], part = prior / (prior + sigma * sigma);
+    w[i] = surface.data[i] + part * (w[i] - surface.data[i]);
+  }
+}
+
+// Takes over what four pixels of a coarser measurement say in unison, where it is much better than what there is. It
+// may not be far from the surface found at full resolution: wide windows reach across the edges of roofs.
+void fill_from(const dense::Refined& coarse, int factor, const FloatImage& surface, float reach,
+               dense::Refined& result) {
+  const FloatImage& w = coarse.inverse_depth;
+  for (int y = 0; y < result.inverse_depth.height; ++y)
+    for (int x = 0; x < result.inverse_depth.width; ++x) {
+      const bool empty = std::isnan(result.inverse_depth.at(x, y));
+      const double u = (x + 0.5) / factor, v = (y + 0.5) / factor;
+      const int i = int(u - 0.5), j = int(v - 0.5);
+      if (u < 0.5 || v < 0.5 || i + 1 >= w.width || j + 1 >= w.height) continue;
+      const auto [low, high] = std::minmax({w.at(i, j), w.at(i + 1, j), w.at(i, j + 1), w.at(i + 1, j + 1)});
+      const float value = bilinear(w, u, v), sigma = bilinear(coarse.sigma, u, v);
+      if (!(high - low <= kUnison * sigma) || !(empty || sigma < kMuchBetter * result.sigma.at(x, y))) continue;
+      if (!(std::abs(value - surface.at(x, y)) <= reach)) continue;
+      result.inverse_depth.at(x, y) = value;
+      result.sigma.at(x, y) = sigma;
+    }
 }
 
 class Matching {
@@ -295,7 +357,7 @@ class Matching {
       dense::Refined refined = dense::refine(level, surface, true, run_);
       level.views.clear();  // what follows looks at no other picture
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
-      keep_good(level, surface, certainty, refined);
+      keep_good(level, surface, certainty, options_, refined);
       dense::TexturePlace place = dense::texture_place(*level.picture);
       dense::keep_textured(place, kAgreeing * level.step, refined.inverse_depth);
       if (l == 0) {
@@ -313,63 +375,6 @@ class Matching {
     return finished(finest, result);
   }
 
-  static void follow(const FloatImage& measured, FloatImage& surface) {
-    for (std::size_t i = 0; i < surface.data.size(); ++i)
-      if (!std::isnan(measured.data[i])) surface.data[i] = measured.data[i];
-  }
-
-  // Where the surface found at a finer level is a smooth one, both agree and it is the better one.
-  static void prefer(const FloatImage& finer, float step, FloatImage& surface, FloatImage& certainty) {
-    for (std::size_t i = 0; i < surface.data.size(); ++i)
-      if (std::abs(surface.data[i] - finer.data[i]) <= kAgreeing * step)
-        surface.data[i] = finer.data[i];
-      else
-        certainty.data[i] = step;
-  }
-
-  static FloatImage cut(const FloatImage& raster, const GreyImage& picture) {
-    FloatImage result(picture.width, picture.height);
-    for (int y = 0; y < result.height; ++y) std::copy_n(raster.row(y), result.width, result.row(y));
-    return result;
-  }
-
-  // Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain
-  // one; sigma is not made smaller by that, because both come from the same pictures.
-  void keep_good(const Level& level, const FloatImage& surface, const FloatImage& certainty,
-                 dense::Refined& refined) const {
-    const float px = level.step / level.parallax_px;
-    auto& w = refined.inverse_depth.data;
-    for (std::size_t i = 0; i < w.size(); ++i) {
-      float& sigma = refined.sigma.data[i];
-      sigma = std::hypot(dense::kSigmaScale * sigma, dense::kSigmaFloorPx * px);
-      if (!(refined.correlation.data[i] >= float(options_.min_correlation) &&
-            sigma <= float(options_.max_sigma_px) * px && w[i] > 0))
-        w[i] = std::numeric_limits<float>::quiet_NaN();
-      const float prior = certainty.data[i] * certainty.data[i], part = prior / (prior + sigma * sigma);
-      w[i] = surface.data[i] + part * (w[i] - surface.data[i]);
-    }
-  }
-
-  // Takes over what four pixels of a coarser measurement say in unison, where it is much better than what there is. It
-  // may not be far from the surface found at full resolution: wide windows reach across the edges of roofs.
-  static void fill_from(const dense::Refined& coarse, int factor, const FloatImage& surface, float reach,
-                        dense::Refined& result) {
-    const FloatImage& w = coarse.inverse_depth;
-    for (int y = 0; y < result.inverse_depth.height; ++y)
-      for (int x = 0; x < result.inverse_depth.width; ++x) {
-        const bool empty = std::isnan(result.inverse_depth.at(x, y));
-        const double u = (x + 0.5) / factor, v = (y + 0.5) / factor;
-        const int i = int(u - 0.5), j = int(v - 0.5);
-        if (u < 0.5 || v < 0.5 || i + 1 >= w.width || j + 1 >= w.height) continue;
-        const auto [low, high] = std::minmax({w.at(i, j), w.at(i + 1, j), w.at(i, j + 1), w.at(i + 1, j + 1)});
-        const float value = bilinear(w, u, v), sigma = bilinear(coarse.sigma, u, v);
-        if (!(high - low <= kUnison * sigma) || !(empty || sigma < kMuchBetter * result.sigma.at(x, y))) continue;
-        if (!(std::abs(value - surface.at(x, y)) <= reach)) continue;
-        result.inverse_depth.at(x, y) = value;
-        result.sigma.at(x, y) = sigma;
-      }
-  }
-
   DepthMap finished(const Level& level, dense::Refined& refined) const {
     dense::remove_specks(refined.inverse_depth, kOneSurface * level.step, kSmallestPatch, &refined.sigma);
     DepthMap map{reference_->camera, std::move(refined.inverse_depth), std::move(refined.sigma)};
@@ -381,11 +386,6 @@ class Matching {
     return map;
   }
 
-  static constexpr float kAgreeing = 1.5f;  // steps
-  static constexpr float kOneSurface = 2;   // steps
-  static constexpr float kUnison = 8;       // sigmas
-  static constexpr float kMuchBetter = 0.6f;
-  static constexpr int kSmallestPatch = 40;  // pixels
   const DenseOptions& options_;
   SharedRoom& costs_;
   const Run& run_;

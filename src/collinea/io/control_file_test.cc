@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "collinea/base/source_tree.h"
 #include "collinea/io/test_damage.h"
 #include "collinea/math/random.h"
 
@@ -188,7 +189,7 @@ struct RealFile {
 
 // The counts were taken from the files with awk: distinct names, or places, and rows.
 TEST(ControlFile, RealFilesAreRead) {
-  const auto data = std::filesystem::path(__FILE__).parent_path() / "../../../../shared/data";
+  const auto data = std::filesystem::path(source_tree()) / "../shared/data";
   if (!std::filesystem::exists(data / "INDEX.md")) GTEST_SKIP() << "needs the shared data";
   for (const RealFile& file : {RealFile{"sheffield_cross/gcp_list.txt", "EPSG:32617", 5, 25},
                                RealFile{"odm_copr/gcp_list.txt", "EPSG:32611", 10, 27},

@@ -12,123 +12,14 @@
 
 #include "collinea/base/file.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/io/dbat_operations.h"
 #include "collinea/io/millimetre_camera.h"
 #include "collinea/io/observation_order.h"
 #include "collinea/io/text.h"
+#include "collinea/io/xml.h"
 
 namespace collinea {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// --- as much of XML as these files use: elements, attributes in double quotes, text, <?...?>; no comments, no entities
-
-struct Element {
-  std::string name, text;
-  std::map<std::string, std::string> attributes;
-  std::vector<Element> children;
-  std::size_t line = 0;
-
-  [[nodiscard]] const Element* child(std::string_view wanted) const {
-    const auto its = std::find_if(children.begin(), children.end(), [&](const Element& e) { return e.name == wanted; });
-    return its == children.end() ? nullptr : &*its;
-  }
-  [[nodiscard]] std::string attribute(const std::string& wanted) const {
-    const auto its = attributes.find(wanted);
-    return its == attributes.end() ? std::string{} : its->second;
-  }
-};
-
-class XmlParser {
- public:
-  explicit XmlParser(std::string_view text) : text_(text) {}
-
-  Result<Element> parse() {
-    Element root;
-    while (true) {
-      skip_text(nullptr);
-      if (at_ >= text_.size()) return bad("the file has no element, or ends within one");
-      if (text_.substr(at_).starts_with("<?")) {
-        const auto end = text_.find("?>", at_);
-        if (end == std::string_view::npos) return bad("<? does not end");
-        at_ = end + 2;
-        continue;
-      }
-      return element(0);
-    }
-  }
-
- private:
-  tl::unexpected<Error> bad(const std::string& what) const {
-    const auto line = 1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(std::min(at_, text_.size())), '\n');
-    return fail(Errc::kBadFormat, "line " + std::to_string(line) + ": " + what);
-  }
-
-  void skip_text(std::string* kept) {
-    const auto end = std::min(text_.find('<', at_), text_.size());
-    if (kept) kept->append(text_.substr(at_, end - at_));
-    at_ = end;
-  }
-
-  std::string_view word() {
-    const auto end = std::min(text_.find_first_of(" \t\r\n=/>", at_), text_.size());
-    const std::string_view found = text_.substr(at_, end - at_);
-    at_ = end;
-    return found;
-  }
-
-  void skip_blank() { at_ = std::min(text_.find_first_not_of(" \t\r\n", at_), text_.size()); }
-
-  Result<Element> element(int depth) {
-    constexpr int kDeepest = 64;
-    if (depth > kDeepest) return bad("elements are nested too deeply");
-    Element e;
-    e.line = 1 + std::size_t(std::count(text_.begin(), text_.begin() + std::ptrdiff_t(at_), '\n'));
-    ++at_;  // <
-    e.name = word();
-    if (e.name.empty()) return bad("an element without a name");
-    for (skip_blank(); at_ < text_.size() && text_[at_] != '>' && text_[at_] != '/'; skip_blank()) {
-      const std::string name(word());
-      const auto open = text_.find('"', at_), close = open == std::string_view::npos ? open : text_.find('"', open + 1);
-      if (name.empty() || close == std::string_view::npos || trimmed(text_.substr(at_, open - at_)) != "=")
-        return bad("in element " + e.name + ": an attribute is expected as name=\"value\"");
-      e.attributes[name] = text_.substr(open + 1, close - open - 1);
-      at_ = close + 1;
-    }
-    if (text_.substr(at_).starts_with("/>")) {
-      at_ += 2;
-      return e;
-    }
-    if (at_ >= text_.size() || text_[at_] != '>') return bad("element " + e.name + " does not end");
-    ++at_;
-    while (true) {
-      skip_text(&e.text);
-      if (at_ >= text_.size()) return bad("the file ends within element " + e.name + "; is it complete?");
-      if (text_.substr(at_).starts_with("</")) {
-        at_ += 2;
-        if (const auto name = word(); name != e.name) return bad("element " + e.name + " ends as " + std::string(name));
-        skip_blank();
-        if (at_ >= text_.size() || text_[at_] != '>') return bad("the end of element " + e.name + " lacks its >");
-        ++at_;
-        e.text = trimmed(e.text);
-        return e;
-      }
-      if (e.name == "c" || e.name == "meta") {  // remarks, which may hold anything
-        const auto end = text_.find("</" + e.name + ">", at_);
-        if (end == std::string_view::npos) return bad("the file ends within element " + e.name);
-        at_ = end;
-        continue;
-      }
-      COLLINEA_TRY(Element child, element(depth + 1));
-      e.children.push_back(std::move(child));
-    }
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-};
-
-// --- tables ----------------------------------------------------------------------------------------------------------
 
 /// One row of a table whose columns are named by its format.
 struct Row {
@@ -141,25 +32,24 @@ struct Row {
 class Reader {
  public:
   Result<AdjustmentFile> read(const std::filesystem::path& path) {
-    COLLINEA_TRY(const Element script, read_xml(path));
-    const Element* input = script.child("input");
+    COLLINEA_TRY(const XmlElement script, read_xml(path));
+    const XmlElement* input = script.child("input");
     if (!input) return fail(Errc::kBadFormat, path.string() + ": there is no element input: not a script of DBAT");
     here_ = base_ = path.parent_path();
     if (!input->attribute("base_dir").empty()) base_ = place(input->attribute("base_dir"));
     COLLINEA_TRY(const double pixel_height_mm, take_cameras(*input, path));
-    if (Result<> all = take_tables(*input); !all) return tl::unexpected(all.error());
-    const Element* operations = script.child("operations");
+    COLLINEA_TRY(take_tables(*input));
+    const XmlElement* operations = script.child("operations");
     if (operations)
-      for (const Element& operation : operations->children)
-        if (Result<> taken = take_operation(operation, pixel_height_mm, path); !taken)
-          return tl::unexpected(taken.error());
+      for (const XmlElement& operation : operations->children)
+        COLLINEA_TRY(apply_dbat_operation(operation, pixel_height_mm, path, file_));
     return std::move(file_);
   }
 
  private:
-  static Result<Element> read_xml(const std::filesystem::path& path) {
+  static Result<XmlElement> read_xml(const std::filesystem::path& path) {
     COLLINEA_TRY(const std::string text, read_file(path));
-    return XmlParser(text).parse().map_error([&](Error e) { return std::move(e).within(path.string()); });
+    return parse_xml(text).map_error([&](Error e) { return std::move(e).within(path.string()); });
   }
 
   static tl::unexpected<Error> bad(const std::filesystem::path& path, std::size_t line, const std::string& what) {
@@ -179,7 +69,8 @@ class Reader {
     return path.is_absolute() ? path : base_ / path;
   }
 
-  static Result<std::vector<double>> numbers(const Element& e, std::size_t count, const std::filesystem::path& path) {
+  static Result<std::vector<double>> numbers(const XmlElement& e, std::size_t count,
+                                             const std::filesystem::path& path) {
     std::vector<double> values;
     for (const std::string_view field : fields_of(e.text, ',')) {
       const auto value = finite_number(field);
@@ -194,21 +85,21 @@ class Reader {
   }
 
   // Answers the height of a pixel.
-  Result<double> take_cameras(const Element& input, const std::filesystem::path& script) {
-    const Element* cameras = input.child("cameras");
+  Result<double> take_cameras(const XmlElement& input, const std::filesystem::path& script) {
+    const XmlElement* cameras = input.child("cameras");
     if (!cameras) return bad(script, input.line, "there is no element cameras");
-    if (const Element* file = cameras->child("file")) {
+    if (const XmlElement* file = cameras->child("file")) {
       const std::filesystem::path path = place(file->text);
-      COLLINEA_TRY(const Element document, read_xml(path));
-      const Element* inner = document.child("cameras");
+      COLLINEA_TRY(const XmlElement document, read_xml(path));
+      const XmlElement* inner = document.child("cameras");
       if (!inner) return bad(path, document.line, "there is no element cameras");
       return take_camera(*inner, path);
     }
     return take_camera(*cameras, script);
   }
 
-  Result<double> take_camera(const Element& cameras, const std::filesystem::path& path) {
-    const Element* camera = cameras.child("camera");
+  Result<double> take_camera(const XmlElement& cameras, const std::filesystem::path& path) {
+    const XmlElement* camera = cameras.child("camera");
     if (!camera) return bad(path, cameras.line, "there is no element camera");
     if (std::count_if(cameras.children.begin(), cameras.children.end(), [](auto& e) { return e.name == "camera"; }) > 1)
       return bad(path, cameras.line, "several cameras: this reader knows one");
@@ -220,14 +111,14 @@ class Reader {
       return bad(path, camera->child("image")->line, "width and height of a picture are numbers of pixels above 0");
     mm.width_px = int(size[0]);
     mm.height_px = int(size[1]);
-    Element sensor = *camera->child("sensor");
+    XmlElement sensor = *camera->child("sensor");
     const bool automatic = sensor.text.starts_with("auto,");
     if (automatic) sensor.text = sensor.text.substr(5);
     COLLINEA_TRY(const auto extent, numbers(sensor, automatic ? 1 : 2, path));
     mm.pixel_height_mm = extent.back() / mm.height_px;
     if (!(mm.pixel_height_mm > 0)) return bad(path, sensor.line, "a sensor has a size above 0 [mm]");
     const auto optional = [&](const char* name, std::size_t count, std::vector<double> otherwise) {
-      const Element* e = camera->child(name);
+      const XmlElement* e = camera->child(name);
       return e ? numbers(*e, count, path) : Result<std::vector<double>>(std::move(otherwise));
     };
     COLLINEA_TRY(const auto aspect, optional("aspect", 1, {1}));
@@ -260,10 +151,10 @@ class Reader {
   }
 
   // Every row of the table that an element names, to `take`.
-  Result<> each_row(const Element& input, const char* table, bool needed,
-                    const std::function<std::string(const Row&, const Element&)>& take) {
-    const Element* element = input.child(table);
-    const Element* file = element ? element->child("file") : nullptr;
+  Result<> each_row(const XmlElement& input, const char* table, bool needed,
+                    const std::function<std::string(const Row&, const XmlElement&)>& take) {
+    const XmlElement* element = input.child(table);
+    const XmlElement* file = element ? element->child("file") : nullptr;
     if (!file)
       return needed ? Result<>(fail(Errc::kBadFormat, std::string("the script names no file for ") + table))
                     : Result<>{};
@@ -335,7 +226,7 @@ class Reader {
     return {};
   }
 
-  std::string take_orientation(const Row& row, const Element& file) {
+  std::string take_orientation(const Row& row, const XmlElement& file) {
     const auto image = id(row, "id");
     const auto centre = three(row, "x", "y", "z"), angles = three(row, "omega", "phi", "kappa");
     if (!image || !centre || !angles) return "an orientation needs id, x, y, z, omega, phi and kappa";
@@ -351,7 +242,7 @@ class Reader {
     return {};
   }
 
-  std::string take_mark(const Row& row, const Element& file) {
+  std::string take_mark(const Row& row, const XmlElement& file) {
     const auto image = id(row, "im"), point = id(row, "id");
     const auto x = value(row, "x"), y = value(row, "y");
     const auto sigma = row.has("sxy") ? value(row, "sxy") : number(file.attribute("sxy"));
@@ -367,117 +258,13 @@ class Reader {
     return {};
   }
 
-  Result<> take_tables(const Element& input) {
-    if (Result<> done = each_row(input, "images", true, [&](auto& row, auto&) { return take_image(row); }); !done)
-      return done;
-    if (Result<> done = each_row(input, "ctrl_pts", false, [&](auto& row, auto&) { return take_control(row); }); !done)
-      return done;
-    if (Result<> done =
-            each_row(input, "prior_eo", false, [&](auto& row, auto& file) { return take_orientation(row, file); });
-        !done)
-      return done;
-    if (Result<> done = each_row(input, "image_pts", true, [&](auto& row, auto& file) { return take_mark(row, file); });
-        !done)
-      return done;
+  Result<> take_tables(const XmlElement& input) {
+    COLLINEA_TRY(each_row(input, "images", true, [&](auto& row, auto&) { return take_image(row); }));
+    COLLINEA_TRY(each_row(input, "ctrl_pts", false, [&](auto& row, auto&) { return take_control(row); }));
+    COLLINEA_TRY(
+        each_row(input, "prior_eo", false, [&](auto& row, auto& file) { return take_orientation(row, file); }));
+    COLLINEA_TRY(each_row(input, "image_pts", true, [&](auto& row, auto& file) { return take_mark(row, file); }));
     sort_by_point_and_image(file_.block.observations);
-    return {};
-  }
-
-  Result<> take_operation(const Element& operation, double pixel_height_mm, const std::filesystem::path& path) {
-    for (const Element& e : operation.children) {
-      if (e.name == "set_bundle_estimate_params") {
-        for (const char* whole : {"eo", "op"})
-          if (const Element* part = e.child(whole))
-            for (const Element& group : part->children)
-              if (group.text == "false")
-                return bad(path, group.line,
-                           std::string(whole) + ": " + group.name + " = " + group.text +
-                               ": this reader knows images and points that are all estimated");
-        if (!e.child("io")) continue;
-        if (Result<> set = take_estimated(*e.child("io"), path); !set) return set;
-      } else if (e.name == "set_initial_values" && e.child("io")) {
-        if (Result<> set = take_initial(*e.child("io"), pixel_height_mm, path); !set) return set;
-      } else if (e.name == "set_datum") {
-        if (e.text != "depend" || (e.attributes.contains("ref_base") && e.attribute("ref_base") != "longest"))
-          return bad(path, e.line, "datum " + e.text + ": this reader knows depend with the longest base");
-        if (Result<> set = take_dependent_datum(e, path); !set) return set;
-      }
-    }
-    return {};
-  }
-
-  // true and false of groups of parameters, later ones over earlier ones.
-  Result<> take_estimated(const Element& io, const std::filesystem::path& path) {
-    using C = Camera;
-    static const std::map<std::string, std::vector<int>> kNames = {
-        {"all", {C::kF, C::kCx, C::kCy, C::kB1, C::kB2, C::kK1, C::kK2, C::kK3, C::kP1, C::kP2}},
-        {"cc", {C::kF}},
-        {"px", {C::kCx}},
-        {"py", {C::kCy}},
-        {"pp", {C::kCx, C::kCy}},
-        {"aspect", {C::kB1}},
-        {"skew", {C::kB2}},
-        {"K", {C::kK1, C::kK2, C::kK3}},
-        {"K1", {C::kK1}},
-        {"K2", {C::kK2}},
-        {"K3", {C::kK3}},
-        {"P", {C::kP1, C::kP2}},
-        {"P1", {C::kP1}},
-        {"P2", {C::kP2}}};
-    for (const Element& e : io.children) {
-      const auto its = kNames.find(e.name);
-      if (its == kNames.end() || (e.text != "true" && e.text != "false"))
-        return bad(path, e.line,
-                   "io: " + e.name + " = " + e.text + ": true or false of a parameter of the camera is expected");
-      for (const int param : its->second)
-        file_.camera_sigmas[{0}][std::size_t(param)] = e.text == "true" ? kInfinity : 0;
-    }
-    return {};
-  }
-
-  // "default" begins anew from the rated focal length; "loaded" is what was read.
-  Result<> take_initial(const Element& io, double pixel_height_mm, const std::filesystem::path& path) {
-    Camera& camera = file_.block.cameras[{0}];
-    for (const Element& e : io.children) {
-      if (e.text == "loaded") continue;
-      if (e.text == "default" && e.name == "all") {
-        const double f = camera.params[Camera::kF];
-        camera.params = ideal_camera(f, camera.width_px, camera.height_px).params;
-      } else if (e.name == "aspect" && number(e.text)) {
-        MillimetreCamera mm = millimetre_camera(camera, pixel_height_mm);
-        mm.off_aspect = 1 - *number(e.text);
-        camera.params = camera_of(mm).params;
-      } else if (!(e.name == "skew" && number(e.text) == 0)) {
-        return bad(path, e.line, "io: initial value " + e.name + " = " + e.text + ": this reader does not know it");
-      }
-    }
-    file_.given_cameras[{0}] = camera;
-    return {};
-  }
-
-  // One image is held, and of the one farthest from it along an axis the coordinate there.
-  Result<> take_dependent_datum(const Element& datum, const std::filesystem::path& path) {
-    const auto reference = integer(datum.attribute("ref_cam"));
-    const auto pose = reference && *reference >= 0 ? file_.block.cam_from_world.find({std::uint32_t(*reference)})
-                                                   : file_.block.cam_from_world.end();
-    if (pose == file_.block.cam_from_world.end())
-      return bad(path, datum.line, "ref_cam: there is no image of that number with an orientation");
-    file_.held_images.insert(pose->first);
-    const Eigen::Vector3d centre = centre_of(pose->second);
-    double longest = 0;
-    ImageId farthest;
-    int axis = 0;
-    for (const auto& [id, other] : file_.block.cam_from_world) {
-      Eigen::Index along = 0;
-      const double base = (centre_of(other) - centre).cwiseAbs().maxCoeff(&along);
-      if (base > longest) longest = base, farthest = id, axis = int(along);
-    }
-    if (!(longest > 0)) return bad(path, datum.line, "there is no base: no second image has an orientation elsewhere");
-    constexpr double kHeldPart = 1e-9;  // of the base: nothing else fixes the scale, so no weight spoils it
-    PositionPrior prior{.position_in_world = centre_of(file_.block.cam_from_world.at(farthest)),
-                        .sigma_m = Eigen::Vector3d::Constant(kInfinity)};
-    prior.sigma_m[axis] = kHeldPart * longest;
-    file_.block.images[farthest].position = prior;
     return {};
   }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/base/file.h"
+#include "collinea/base/source_tree.h"
 #include "collinea/base/test_folder.h"
 #include "collinea/io/text.h"
 #include "collinea/jobs/adjust_project.h"
@@ -117,7 +118,7 @@ TEST(AdjustFile, ErrorsNameTheFileAndTheLine) {
 // The example of the manual: measurements of 0.3 px from 109 m with a focal length of 3610 px are 9 mm on the ground,
 // and about twice that in height; three times that, and the survey of 2 to 3 cm, is what the check point may be off.
 TEST(AdjustFile, TheExampleOfTheManualAdjusts) {
-  const auto page = std::filesystem::path(__FILE__).parent_path() / "../../../docs/manual/adjustment-file.md";
+  const auto page = std::filesystem::path(source_tree()) / "docs/manual/adjustment-file.md";
   const std::string manual = read_file(page).value_or("");
   std::string example;
   for (std::string_view line : lines_of(manual)) {
@@ -148,9 +149,7 @@ std::string line_of_words(std::initializer_list<std::string_view> words) {
   return line + "\n";
 }
 
-std::filesystem::path shared_data() {
-  return std::filesystem::path(__FILE__).parent_path() / "../../../../shared/data";
-}
+std::filesystem::path shared_data() { return std::filesystem::path(source_tree()) / "../shared/data"; }
 
 // Published by the authors of DBAT for its camera calibration demo (21 images, 100 points, lens of measured
 // coordinates): sigma 0 1.6148 with a redundancy of 3725, cc 7.45699532 mm +- 0.00105 and so on.

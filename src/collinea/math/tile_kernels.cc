@@ -2,7 +2,7 @@
 #include "collinea/math/tile_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "collinea/adjust/tile_kernels.cc"
+#define HWY_TARGET_INCLUDE "collinea/math/tile_kernels.cc"
 #include <hwy/foreach_target.h>
 
 #include <hwy/highway.h>

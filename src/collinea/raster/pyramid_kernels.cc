@@ -2,7 +2,7 @@
 #include "collinea/raster/pyramid_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "collinea/image/pyramid_kernels.cc"
+#define HWY_TARGET_INCLUDE "collinea/raster/pyramid_kernels.cc"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include <hwy/highway.h>

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The foreign headers that nearly every file reads, read once for all of them. Nothing of our own belongs here: a file still
+// includes what it uses, as the preset dev (which has no precompiled header and no unity build) shows.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <random>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <tl/expected.hpp>

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "collinea/base/result.h"
+
+namespace collinea {
+
+/// An element of an XML document, with what stands in it.
+struct XmlElement {
+  std::string name, text;
+  std::map<std::string, std::string> attributes;
+  std::vector<XmlElement> children;
+  std::size_t line = 0;
+
+  [[nodiscard]] const XmlElement* child(std::string_view wanted) const {
+    const auto its =
+        std::find_if(children.begin(), children.end(), [&](const XmlElement& e) { return e.name == wanted; });
+    return its == children.end() ? nullptr : &*its;
+  }
+  [[nodiscard]] std::string attribute(const std::string& wanted) const {
+    const auto its = attributes.find(wanted);
+    return its == attributes.end() ? std::string{} : its->second;
+  }
+};
+
+/// The root element of as much of XML as scripts of DBAT use: elements, attributes in double quotes, text, <?...?>; no
+/// comments, no entities. Elements `c` and `meta` are remarks, which may hold anything. An error names the line.
+[[nodiscard]] Result<XmlElement> parse_xml(std::string_view text);
+
+}  // namespace collinea
