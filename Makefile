@@ -9,6 +9,7 @@ demo: build
 test: build
 	@echo "== layers"
 	@python3 tools/check_layers.py
+	@python3 tools/check_flags.py
 	@echo "== tests"
 	@ctest --preset release -j 2
 

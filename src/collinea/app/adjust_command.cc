@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/jobs/adjust_project.h"
@@ -14,6 +16,27 @@ struct Asked {
   std::vector<std::pair<std::string_view, Given>> given_instruments;
   ConsoleOptions console;
 };
+
+// One line for the user.
+std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
+  const Adjusted& adjusted = report.adjusted;
+  std::string text =
+      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
+  if (const auto& tests = adjusted.reliability; !tests) {
+    text += "; no standard deviations: " + adjusted.undetermined;
+  } else {
+    text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
+    if (tests->unseen > 0)
+      text += fmt::format(", and {} more whose point lies where their image does not see it", tests->unseen);
+  }
+  for (const AdditionalTest& test : report.additional) {
+    const std::string dropped = dropped_names(test);
+    text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
+    if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
+  }
+  for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
+  return text + "; " + (folder / "adjustment.html").string();
+}
 
 Result<std::string> convert(const Asked& asked) {
   for (const auto& given : {asked.given, asked.given_instruments})
@@ -33,13 +56,17 @@ Result<std::string> adjust_as(const Asked& asked, const Run& run) {
   if (asked.import_file) {
     if (asked.export_file) return convert(asked);
     if (!asked.output) return fail(Errc::kBadInput, "a file needs a folder for what comes of it", {"output"_option});
-    return adjust_file(*asked.import_file, *asked.output, asked.options, run);
+    COLLINEA_TRY(const AdjustmentReport report, adjust_file(*asked.import_file, *asked.output, asked.options, run));
+    return outcome_text(report, *asked.output);
   }
   if (asked.output)
     return fail(Errc::kBadInput, "the output of a file needs the file; a project has its own folder",
                 {"output"_option, "import"_option});
   COLLINEA_TRY(const Project project, open_project(asked.project, run));
-  if (!asked.export_file) return adjust_project(project, asked.options);
+  if (!asked.export_file) {
+    COLLINEA_TRY(const AdjustmentReport report, adjust_project(project, asked.options));
+    return outcome_text(report, project.folder / "adjustment");
+  }
   COLLINEA_TRY(export_adjustment(project, asked.options, *asked.export_file));
   return *asked.export_file;
 }

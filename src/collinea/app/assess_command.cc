@@ -19,7 +19,7 @@ Command assess_command() {
       },
       [](Asked& asked, Console& console) -> Result<std::string> {
         COLLINEA_TRY(const Project project, open_project(asked.project, console.run()));
-        return assess_project(project, asked.truth);
+        return assess_project(project, asked.truth).map(table);
       });
 }
 

@@ -63,6 +63,20 @@ TEST(Commands, RunHelpNamesEveryOptionOfEveryStep) {
   });
 }
 
+TEST(Commands, HelpListsChoicesAndKindsOfPaths) {
+  const std::string help = collinea_with({"orient", "--help"}).out;
+  for (const char* part : {"--calibration WORD=auto", "focal_radial (f k1 k2)", "--position-shift WORD=none",
+                           "--orientation PATH", "instruments:"})
+    EXPECT_NE(help.find(part), std::string::npos) << part << "\n" << help;
+  EXPECT_EQ(help.find("brown_affinity"), std::string::npos);  // not of orient
+  const std::string adjust = collinea_with({"adjust", "--help"}).out;
+  for (const char* part : {"brown_affinity", "--lever-arm", "--false-alarm", "instruments:"})
+    EXPECT_NE(adjust.find(part), std::string::npos) << part;
+  const std::string simulate = collinea_with({"simulate", "--help"}).out;
+  for (const char* part : {"--width-px", "--facade-width-px", "--gps-sigma-plan-m", "--facade-crs"})
+    EXPECT_NE(simulate.find(part), std::string::npos) << part;
+}
+
 TEST(Commands, TheListOfCommandsIsInTheHelp) {
   const Outcome outcome = collinea_with({"--help"});
   EXPECT_EQ(outcome.code, 0);

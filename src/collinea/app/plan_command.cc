@@ -24,8 +24,10 @@ Command plan_command() {
         flags.add_all(asked.measurements, "measurements");
         flags.add_all(asked.console, "run");
       },
-      [](Asked& asked, Console& console) {
-        return plan_survey(asked.flight, asked.layout, asked.measurements, asked.options, asked.folder, console.run());
+      [](Asked& asked, Console& console) -> Result<std::string> {
+        COLLINEA_TRY(const PlanReport report, plan_survey(asked.flight, asked.layout, asked.measurements, asked.options,
+                                                          asked.folder, console.run()));
+        return plan_text(report) + (std::filesystem::path(asked.folder) / "plan.html").string() + "\n";
       });
 }
 

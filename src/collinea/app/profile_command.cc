@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/jobs/measure.h"
@@ -20,8 +22,9 @@ Command profile_command() {
         flags.add_all(asked.console, "run");
       },
       [](Asked& asked, Console& console) -> Result<std::string> {
-        COLLINEA_TRY(const std::string text, draw_profile(asked.surface, asked.options, asked.folder, console.run()));
-        return text + "\n";
+        COLLINEA_TRY(const Profile profile, draw_profile(asked.surface, asked.options, asked.folder, console.run()));
+        return fmt::format("{} places over {:.2f} m; {}\n", profile.distance_m.size(), profile.distance_m.back(),
+                           (std::filesystem::path(asked.folder) / "profile.html").string());
       });
 }
 

@@ -4,6 +4,19 @@
 #include "collinea/jobs/rectify_plane.h"
 
 namespace collinea {
+namespace {
+
+// What was drawn, and which options would tell more.
+std::string with_advice(const RectifiedReport& report) {
+  std::string text = rectified_text(report);
+  const auto& from = report.from_points;
+  if (!report.shift_per_depth) text += "with --focal-px it is known where the camera stood\n";
+  if (from && !from->is_lens_known)
+    text += "the lens is not known (--project, --orientation): its distortion stays in the picture\n";
+  return text;
+}
+
+}  // namespace
 
 Command rectify_command() {
   struct Asked {
@@ -20,7 +33,7 @@ Command rectify_command() {
         flags.add_all(asked.console, "run");
       },
       [](Asked& asked, Console& console) {
-        return rectify_plane(asked.source, asked.out, asked.options, console.run());
+        return rectify_plane(asked.source, asked.out, asked.options, console.run()).map(with_advice);
       });
 }
 

@@ -22,8 +22,12 @@ Command stereo_command() {
         flags.add_all(asked.stereo, "matching");
         flags.add_all(asked.console, "run");
       },
-      [](Asked& asked, Console& console) {
-        return match_stereo(asked.left, asked.right, asked.out, asked.pair, asked.stereo, console.run());
+      [](Asked& asked, Console& console) -> Result<std::string> {
+        COLLINEA_TRY(const StereoReport report,
+                     match_stereo(asked.left, asked.right, asked.out, asked.pair, asked.stereo, console.run()));
+        std::string text = stereo_text(report);
+        if (!report.cameras) text += "no cloud: the cameras are not known (--focal-px, --base-m)\n";
+        return text + "in " + asked.out + "\n";
       });
 }
 

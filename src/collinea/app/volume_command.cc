@@ -2,6 +2,7 @@
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/jobs/measure.h"
+#include "collinea/report/volume_report.h"
 
 namespace collinea {
 
@@ -21,7 +22,8 @@ Command volume_command() {
         flags.add_all(asked.console, "run");
       },
       [](Asked& asked, Console& console) {
-        return measure_volume(asked.surface, asked.measured, asked.options, console.run());
+        return measure_volume(asked.surface, asked.measured, asked.options, console.run())
+            .map([](const MeasuredVolume& done) { return volume_text(done.volume, done.sigmas_assumed); });
       });
 }
 

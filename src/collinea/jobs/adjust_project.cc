@@ -213,27 +213,6 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
   return task;
 }
 
-// One line for the user.
-std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
-  const Adjusted& adjusted = report.adjusted;
-  std::string text =
-      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
-  if (const auto& tests = adjusted.reliability; !tests) {
-    text += "; no standard deviations: " + adjusted.undetermined;
-  } else {
-    text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
-    if (tests->unseen > 0)
-      text += fmt::format(", and {} more whose point lies where their image does not see it", tests->unseen);
-  }
-  for (const AdditionalTest& test : report.additional) {
-    const std::string dropped = dropped_names(test);
-    text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
-    if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
-  }
-  for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
-  return text + "; " + (folder / "adjustment.html").string();
-}
-
 Result<> correct_rays(const AdjustProjectOptions& asked, Block& block, const Run& run) {
   if (!asked.refraction) return {};
   COLLINEA_TRY(const Refracted done, correct_refraction(block));
@@ -242,13 +221,13 @@ Result<> correct_rays(const AdjustProjectOptions& asked, Block& block, const Run
   return {};
 }
 
-Result<std::string> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
-                                const Run& run) {
+Result<AdjustmentReport> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
+                                     const Run& run) {
   if (Result<> corrected = correct_rays(asked, task.block, run); !corrected) return tl::unexpected(corrected.error());
   COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(task.block), task.scope, task.options, asked, run));
   report.title = task.title;
   COLLINEA_TRY(write_adjustment(report, folder));
-  return outcome_text(report, folder);
+  return report;
 }
 
 // Only what takes part: nothing of an image that orientation left out.
@@ -344,7 +323,7 @@ void set_calibration(const std::optional<Calibration>& asked, const AdjustmentFi
 
 }  // namespace
 
-Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
+Result<AdjustmentReport> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
   COLLINEA_TRY(Task task, task_of(project, asked));
   return adjust_task(std::move(task), asked, project.folder / "adjustment", project.run);
 }
@@ -355,8 +334,8 @@ Result<> export_adjustment(const Project& project, const AdjustProjectOptions& a
   return write_adjustment_file(file, file_of(task));
 }
 
-Result<std::string> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
-                                const AdjustProjectOptions& asked, const Run& run) {
+Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
+                                     const AdjustProjectOptions& asked, const Run& run) {
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
   if (asked.given_sigmas)
     return fail(Errc::kBadInput,

@@ -33,6 +33,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
     const auto done = adjust_project(*project, {.variance_components = components});
     ASSERT_TRUE(done) << done.error().message;
     const nlohmann::json report = report_in(folder / "block" / "adjustment");
+    EXPECT_EQ(report.at("sigma0").get<double>(), done->adjusted.sigma0);
     // Orientation left sigmas as the residuals show them: sigma0 is 1 within four of its standard deviations
     // (chi-squared with the redundancy); variance components are repeated until 1 %.
     const double bound = components ? 0.01 : 4 / std::sqrt(2 * report.at("redundancy").get<double>());

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "collinea/base/options.h"
+#include "collinea/surface/profile.h"
 #include "collinea/surface/volume.h"
 
 namespace collinea {
@@ -33,11 +34,16 @@ struct MeasureVolumeOptions {
   }
 };
 
-/// The volume between a surface (GeoTIFF; its standard deviations in NAME_sigma beside it) and a base, as text; also as
-/// JSON where asked for. Errors: files, options, an area beside the surface.
-[[nodiscard]] Result<std::string> measure_volume(const std::filesystem::path& surface,
-                                                 const MeasureVolumeOptions& asked, const VolumeOptions& options,
-                                                 const Run& run);
+struct MeasuredVolume {
+  Volume volume;
+  bool sigmas_assumed = false;  ///< no raster beside the surface states the standard deviations of its heights
+};
+
+/// The volume between a surface (GeoTIFF; its standard deviations in NAME_sigma beside it) and a base; written as JSON
+/// where asked for. Errors: files, options, an area beside the surface.
+[[nodiscard]] Result<MeasuredVolume> measure_volume(const std::filesystem::path& surface,
+                                                    const MeasureVolumeOptions& asked, const VolumeOptions& options,
+                                                    const Run& run);
 
 struct ProfileOptions {
   std::string line;
@@ -57,9 +63,8 @@ struct ProfileOptions {
   }
 };
 
-/// Heights of surfaces along a line: profile.csv and profile.html in the folder. Answers a line for the user. Errors:
-/// files, a line that is none.
-[[nodiscard]] Result<std::string> draw_profile(const std::filesystem::path& surface, const ProfileOptions& options,
-                                               const std::filesystem::path& folder, const Run& run);
+/// Heights of surfaces along a line: profile.csv and profile.html in the folder. Errors: files, a line that is none.
+[[nodiscard]] Result<Profile> draw_profile(const std::filesystem::path& surface, const ProfileOptions& options,
+                                           const std::filesystem::path& folder, const Run& run);
 
 }  // namespace collinea

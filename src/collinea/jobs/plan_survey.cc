@@ -180,9 +180,9 @@ Result<> write_plan(const PlanReport& report, const std::optional<std::string>& 
 
 }  // namespace
 
-Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions& layout,
-                                const MeasurementOptions& measurements, const PlanOptions& options,
-                                const std::filesystem::path& folder, const Run& asked) {
+Result<PlanReport> plan_survey(const FlightOptions& flight, const LayoutOptions& layout,
+                               const MeasurementOptions& measurements, const PlanOptions& options,
+                               const std::filesystem::path& folder, const Run& asked) {
   COLLINEA_TRY(validate(options));
   Run run = asked;
   run.seed = std::uint64_t(options.seed);
@@ -218,7 +218,7 @@ Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions
   std::error_code error;
   report.title = std::filesystem::absolute(folder, error).lexically_normal().filename().string();
   COLLINEA_TRY(write_plan(report, options.crs, crs.wkt, folder));
-  return plan_text(report) + (folder / "plan.html").string() + "\n";
+  return report;
 }
 
 }  // namespace collinea

@@ -8,6 +8,7 @@
 #include "collinea/base/options.h"
 #include "collinea/plan/control_layout.h"
 #include "collinea/plan/planned_block.h"
+#include "collinea/report/plan_report.h"
 
 namespace collinea {
 
@@ -36,11 +37,11 @@ struct PlanOptions {
   }
 };
 
-/// Foretells the precision of a survey and writes to the folder: plan.html, plan.json, stations.csv, control.csv,
-/// sigma.tif (bands: standard deviations east, north, height, and number of images) and plan.gpkg. Answers the gist as
-/// text. Errors: options, files, those of the adjustment.
-[[nodiscard]] Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions& layout,
-                                              const MeasurementOptions& measurements, const PlanOptions& options,
-                                              const std::filesystem::path& folder, const Run& run);
+/// Predicts the precision of a survey and writes to the folder: plan.html, plan.json, stations.csv, control.csv,
+/// sigma.tif (bands: standard deviations east, north, height, and number of images) and plan.gpkg. Errors: options,
+/// files, those of the adjustment.
+[[nodiscard]] Result<PlanReport> plan_survey(const FlightOptions& flight, const LayoutOptions& layout,
+                                             const MeasurementOptions& measurements, const PlanOptions& options,
+                                             const std::filesystem::path& folder, const Run& run);
 
 }  // namespace collinea

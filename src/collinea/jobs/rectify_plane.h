@@ -8,6 +8,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
+#include "collinea/report/rectified_report.h"
 
 namespace collinea {
 
@@ -70,9 +71,9 @@ struct RectifyOptions {
 };
 
 /// Draws a plane at a metric scale, from a photograph (file) or an oriented project (folder), into `out` (.tif or .png)
-/// and tells its quality in a JSON file of the same name. Returns a few lines for people. Errors: options, files,
-/// geometry.
-[[nodiscard]] Result<std::string> rectify_plane(const std::filesystem::path& source, const std::filesystem::path& out,
-                                                const RectifyOptions& options, const Run& run);
+/// and states its quality in a JSON file of the same name. Errors: options, files, geometry.
+[[nodiscard]] Result<RectifiedReport> rectify_plane(const std::filesystem::path& source,
+                                                    const std::filesystem::path& out, const RectifyOptions& options,
+                                                    const Run& run);
 
 }  // namespace collinea

@@ -7,6 +7,7 @@
 
 #include "collinea/dense/depth_map.h"
 #include "collinea/dense/stereo.h"
+#include "collinea/report/stereo_report.h"
 
 namespace collinea {
 
@@ -43,8 +44,8 @@ struct StereoPairOptions {
 /// (colours, black: nothing), cloud.ply where the cameras are known, stereo.json; and left.png, right.png when they
 /// were resampled. Returns a few lines for people. Errors: neither or both kinds of orientation, pictures not in it,
 /// geometry, disk.
-[[nodiscard]] Result<std::string> match_stereo(const std::string& left, const std::string& right,
-                                               const std::filesystem::path& folder, const StereoPairOptions& pair,
-                                               const StereoOptions& options, const Run& run);
+[[nodiscard]] Result<StereoReport> match_stereo(const std::string& left, const std::string& right,
+                                                const std::filesystem::path& folder, const StereoPairOptions& pair,
+                                                const StereoOptions& options, const Run& run);
 
 }  // namespace collinea
