@@ -174,10 +174,10 @@ void WholeProject::a_compressed_cloud_gives_the_same_surface() {
     Log log;
     ASSERT_TRUE(bring(root_ / "compressed", changed, log, "terrain"));
     EXPECT_FALSE(fs::exists(products / earlier));  // that of the earlier setting is not left beside
-    EXPECT_LT(5 * fs::file_size(products / name), fs::file_size(root_ / "mapped/products/cloud.las")) << form;
+    EXPECT_LT(5 * fs::file_size(products / name), fs::file_size(root_ / "mapped/products/cloud.las")) << word_of(form);
     for (const char* product : {"dsm.tif", "dtm.tif"})
-      EXPECT_TRUE(bytes_of(products / product) == bytes_of(root_ / "mapped/products" / product)) << form;
-    EXPECT_EQ(assessed(root_ / "compressed"), assessed(root_ / "mapped")) << form;
+      EXPECT_TRUE(bytes_of(products / product) == bytes_of(root_ / "mapped/products" / product)) << word_of(form);
+    EXPECT_EQ(assessed(root_ / "compressed"), assessed(root_ / "mapped")) << word_of(form);
   }
   EXPECT_NE(assessed(root_ / "mapped").find("cloud, sigma"), std::string::npos);
   fs::remove(root_ / "truth/dsm.tif");
