@@ -17,7 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Exact image points of where everything is now; what is no longer seen goes.
 void project_again(Block& block) {
   const auto move = [&](auto& seen, const Eigen::Vector3d& place) {
-    const auto pixel = project(block.camera_of(seen.image), block.cam_from_world.at(seen.image) * place);
+    const auto pixel = project(block.camera_of(seen.image), pose_of(block, seen.image) * place);
     const bool in = pixel && inside(block.camera_of(seen.image), *pixel);
     if (in) seen.pixel = *pixel;
     return !in;
@@ -33,17 +33,19 @@ void forget_positions(Block& block) {
 }
 
 void keep_images(Block& block, std::uint32_t count) {
-  std::erase_if(block.cam_from_world, [&](const auto& one) { return one.first.value > count; });
+  for (const auto& [id, pose] : oriented_images(block))
+    if (id.value > count) remove_pose(block, id);
   std::erase_if(block.observations, [&](const auto& seen) { return seen.image.value > count; });
   std::erase_if(block.control_observations, [&](const auto& seen) { return seen.image.value > count; });
 }
 
 void look_straight_down(Block& block) {
-  for (auto& [id, pose] : block.cam_from_world) {
+  for (auto [id, pose] : oriented_images(block)) {
     Eigen::Vector3d centre = centre_of(pose);
     centre.z() = 60;
     pose.rotation = Eigen::Quaterniond(0, 1, 0, 0);
     pose.translation = -(pose.rotation * centre);
+    set_pose(block, id, pose);
   }
   for (auto& [id, point] : block.points) point.position_in_world.z() = 0;
   for (auto& [id, point] : block.control) point.position_in_world.z() = 0;
@@ -61,20 +63,21 @@ struct Case {
 
 std::vector<Case> cases() {
   return {
-      {"no datum", "no_datum", "none", Layout::kRing, 0, [](Block&) {}},
-      {"one control point (scale, attitude)", "datum_defect", "none", Layout::kRing, 1, [](Block&) {}},
-      {"two control points (turn about their line)", "datum_defect", "none", Layout::kRing, 2, [](Block&) {}},
-      {"control without heights", "datum_defect", "none", Layout::kCrossStrips, 8,
+      {"no datum", "no_datum", Calibration::kNone, Layout::kRing, 0, [](Block&) {}},
+      {"one control point (scale, attitude)", "datum_defect", Calibration::kNone, Layout::kRing, 1, [](Block&) {}},
+      {"two control points (turn about their line)", "datum_defect", Calibration::kNone, Layout::kRing, 2,
+       [](Block&) {}},
+      {"control without heights", "datum_defect", Calibration::kNone, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
          for (auto& [id, control] : block.control) control.sigma_m.z() = kInfinity;
        }},
-      {"control in height only", "datum_defect", "none", Layout::kCrossStrips, 8,
+      {"control in height only", "datum_defect", Calibration::kNone, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
          for (auto& [id, control] : block.control) control.sigma_m.head<2>().setConstant(kInfinity);
        }},
-      {"three control points nearly on a line", "weak_turn", "none", Layout::kRing, 3,
+      {"three control points nearly on a line", "weak_turn", Calibration::kNone, Layout::kRing, 3,
        [](Block& block) {
          double x = -4;
          for (auto& [id, control] : block.control) {
@@ -83,9 +86,9 @@ std::vector<Case> cases() {
          }
          project_again(block);
        }},
-      {"one strip, positions alone (roll)", "weak_turn", "none", Layout::kCrossStrips, 0,
+      {"one strip, positions alone (roll)", "weak_turn", Calibration::kNone, Layout::kCrossStrips, 0,
        [](Block& block) { keep_images(block, 6); }},
-      {"pairs without triple overlap", "scale_drifts", "none", Layout::kCrossStrips, 0,
+      {"pairs without triple overlap", "scale_drifts", Calibration::kNone, Layout::kCrossStrips, 0,
        [](Block& block) {
          forget_positions(block);
          keep_images(block, 6);
@@ -94,20 +97,23 @@ std::vector<Case> cases() {
            return seen.image.value > first.try_emplace(seen.point, seen.image.value).first->second + 1;
          });
        }},
-      {"images turned only", "no_base", "none", Layout::kCrossStrips, 8,
+      {"images turned only", "no_base", Calibration::kNone, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
          const Eigen::Vector3d place(50, 30, 60);
-         for (auto& [id, pose] : block.cam_from_world) pose.translation = -(pose.rotation * place);
+         for (auto [id, pose] : oriented_images(block)) {
+           pose.translation = -(pose.rotation * place);
+           set_pose(block, id, pose);
+         }
          project_again(block);
        }},
-      {"an image that hangs on two points", "images_left_out", "none", Layout::kCrossStrips, 0,
+      {"an image that hangs on two points", "images_left_out", Calibration::kNone, Layout::kCrossStrips, 0,
        [](Block& block) {
          int kept = 0;
          std::erase_if(block.observations,
                        [&](const Observation& seen) { return seen.image == ImageId{3} && kept++ >= 2; });
        }},
-      {"focal length and height over level ground", "focal_and_height", "focal", Layout::kCrossStrips, 8,
+      {"focal length and height over level ground", "focal_and_height", Calibration::kFocal, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
          keep_images(block, 18);
@@ -124,10 +130,10 @@ Rows weak_blocks(const Run& run) {
     Block exact = exact_block(one.layout, {.points = 300, .control = one.control}, 4);
     one.weaken(exact);
     Measured made = measured(exact, 4);
-    if (std::string_view(one.code) == "no_base") made.block.cam_from_world = exact.cam_from_world;
-    AdjustOptions options{.calibration = one.calibration, .loss = Loss::kNone, .position_loss = Loss::kNone};
-    options.covariances = true;
-    const auto adjusted = adjust(made.block, made.scope, options, run);
+    if (std::string_view(one.code) == "no_base") set_poses(made.block, exact.cam_from_world);
+    ExamineOptions options{
+        .adjust = {.calibration = one.calibration, .loss = Loss::kNone, .position_loss = Loss::kNone}};
+    const auto adjusted = examine(made.block, made.scope, options, run);
     Row row{std::string("weak: ") + one.what, "named, with a cure", adjusted ? "not named" : adjusted.error().message};
     if (adjusted)
       for (const Weakness& weak : adjusted->weaknesses)

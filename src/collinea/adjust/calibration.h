@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "collinea/base/words.h"
+#include "collinea/camera/camera.h"
 
 namespace collinea {
 
@@ -19,5 +21,12 @@ inline constexpr Word<Calibration> kCalibrationWords[] = {
     {Calibration::kBrownAffinity, "brown_affinity", "and b1 b2"},
 };
 [[nodiscard]] constexpr std::span<const Word<Calibration>> words(Calibration) { return kCalibrationWords; }
+
+/// How each of Camera::params takes part. 0: held; a standard deviation: observed with it; infinite: free.
+using CameraSigmas = std::array<double, Camera::kAllParams>;
+
+/// Those that a calibration stands for, where `first` is the camera before any adjustment: the weak observations told
+/// at adjust().
+[[nodiscard]] CameraSigmas calibration_sigmas(Calibration calibration, const Camera& first);
 
 }  // namespace collinea

@@ -7,7 +7,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 
 namespace collinea {
 
@@ -25,10 +24,10 @@ struct Word {
   std::string_view meaning = {};  ///< for lists of choices; empty: the word says it
 };
 
-/// An enumeration with a table of words.
+/// An enumeration, or another closed list of values, with a table of words.
 template <class Enum>
-concept Worded = std::is_enum_v<Enum> && requires(Enum value) {
-  words(value);
+concept Worded = requires(const Enum value) {
+  words(value).front().word;
 };
 
 /// The word of a value; empty when the table lacks it.

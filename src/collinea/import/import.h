@@ -13,8 +13,7 @@
 namespace collinea {
 
 /// Projections that a lens can be said to have.
-inline constexpr std::array kLensModels = {CameraModel::kBrown, CameraModel::kEquidistant, CameraModel::kEquisolid,
-                                           CameraModel::kKannalaBrandt};
+inline constexpr std::array<CameraModel, 4> kLensModels = {Brown{}, Equidistant{}, Equisolid{}, KannalaBrandt{}};
 
 struct ImportOptions {
   std::optional<std::string> crs;
@@ -24,7 +23,7 @@ struct ImportOptions {
   std::string check;
   std::optional<std::filesystem::path> ground;
   std::optional<std::filesystem::path> positions;
-  CameraModel camera_model = CameraModel::kBrown;
+  CameraModel camera_model = Brown{};
   std::optional<std::string> camera_params;
   double gps_sigma_m = 2;
   double gps_sigma_height_m = 4;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
@@ -23,41 +22,25 @@
 namespace collinea {
 namespace {
 
-using nlohmann::json;
-
-Result<json> orient_report(const Project& project) {
-  COLLINEA_TRY(const std::vector<StepRecord> steps, project.store.read_steps());
-  for (const StepRecord& step : steps)
-    if (step.name == "orient") return json::parse(step.report_json, nullptr, false);
-  return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
+Result<OrientationRecord> orientation_of(const Project& project) {
+  return project.store.read_outcome<OrientationRecord>().map_error([&](Error error) {
+    return error.code == Errc::kNotFound
+               ? Error{error.code, "the block is not oriented yet: collinea orient " + project.folder.string()}
+               : error;
+  });
 }
 
-// The least set that holds every parameter that had a standard deviation after orientation.
-Calibration calibration_of(const json& orientation) {
-  Calibration calibration = Calibration::kNone;
-  const auto free = [](const json& sigma, int param) {
-    const json& value = sigma.at(static_cast<std::size_t>(param));
-    return value.is_number() && value.get<double>() > 0;
-  };
-  const std::pair<Calibration, int> steps[] = {{Calibration::kFocal, Camera::kF},
-                                               {Calibration::kFocalRadial, Camera::kK1},
-                                               {Calibration::kBrown, Camera::kCx},
-                                               {Calibration::kBrownAffinity, Camera::kB1}};
-  std::size_t most = 0;
-  for (const auto& [camera, sigma] : orientation.at("details").at("camera_sigma").items())
-    for (std::size_t i = 0; i < std::size(steps); ++i)
-      if (i + 1 > most && free(sigma, steps[i].second)) {
-        most = i + 1;
-        calibration = steps[i].first;
-      }
-  return calibration;
+// As orientation calibrated them. Where it held the poses of another program it also keeps what came with them.
+Calibration calibration_of(const OrientationRecord& orientation) {
+  if (orientation.holds_given_poses) return Calibration::kNone;
+  return from_word<Calibration>(orientation.calibration.parameters).value_or(Calibration::kNone);
 }
 
 // What orientation did without, or shall be done without, is compared all the same.
-void choose_ground(Block& block, const json& orientation, bool use_ground) {
+void choose_ground(Block& block, const OrientationRecord& orientation, bool use_ground) {
   std::set<std::size_t> used;
-  for (const json& row : orientation.at("details").value("ground", json::array()))
-    if (row.at("used").get<bool>()) used.insert(row.at("observation").get<std::size_t>());
+  for (const GroundDifference& one : orientation.ground)
+    if (one.used) used.insert(one.observation);
   for (std::size_t i = 0; i < block.ground.size(); ++i)
     if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
 }
@@ -68,50 +51,37 @@ void change_instruments(const AdjustProjectOptions& asked, InstrumentOptions& in
 }
 
 // As orientation used them, and what is asked otherwise.
-InstrumentOptions instruments_of(const json& orientation, const AdjustProjectOptions& asked) {
-  InstrumentOptions instruments;
-  if (const auto used = orientation.find("instruments"); used != orientation.end())
-    InstrumentOptions::describe([&](const auto& field) {
-      const auto value = used->find(field.name);
-      if (value == used->end() || value->is_null()) return;
-      auto& own = instruments.*field.member;
-      using Value = OptionValue<decltype(own)>;
-      if constexpr (Worded<Value>)
-        own = from_word<Value>(value->template get<std::string>()).value_or(Value{});
-      else
-        own = value->template get<Value>();
-    });
+InstrumentOptions instruments_of(const OrientationRecord& orientation, const AdjustProjectOptions& asked) {
+  InstrumentOptions instruments = orientation.instruments;
   change_instruments(asked, instruments);
   return instruments;
 }
 
-AdjustOptions options_of(const AdjustProjectOptions& asked, Calibration calibration) {
-  AdjustOptions options;
-  options.calibration = calibration;
-  options.loss = options.position_loss = asked.loss;
-  options.loss_scale_sigmas = asked.loss_scale_sigmas;
-  options.reliability = options.covariances = options.point_covariances = true;
-  options.tests = asked.tests;
+ExamineOptions options_of(const AdjustProjectOptions& asked, Calibration calibration) {
+  ExamineOptions options;
+  options.adjust.calibration = calibration;
+  options.adjust.loss = options.adjust.position_loss = asked.loss;
+  options.adjust.loss_scale_sigmas = asked.loss_scale_sigmas;
+  options.reliability = options.point_covariances = true;
+  options.test = asked.tests;
   // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
-  options.relative_cost_change = 1e-12;
-  options.step_sigmas = 1e-3;
+  options.adjust.relative_cost_change = 1e-12;
+  options.adjust.step_sigmas = 1e-3;
   return options;
 }
 
 // What orientation found control to be worth, and where it moved the positions.
-void judge_as_orient_did(const json& orientation, bool shift_positions, Block& block, const Run& run) {
-  if (!orientation.contains("sigma_factors")) return;
+void judge_as_orient_did(const OrientationRecord& orientation, bool shift_positions, Block& block, const Run& run) {
   SigmaFactors factors = as_given();
-  const json& given = orientation.at("sigma_factors");
-  for (std::size_t g = 0; g < std::min(factors.size(), given.size()); ++g) factors[g] = given.at(g).get<double>();
+  std::copy_n(orientation.sigma_factors.begin(), std::min(factors.size(), orientation.sigma_factors.size()),
+              factors.begin());
   std::string text;
   for (std::size_t g = 0; g < factors.size(); ++g)
     if (factors[g] != 1)
       text += fmt::format("{}sigmas of \"{}\" times {:.1f}", text.empty() ? "" : ", ", kObservationGroupNames[g],
                           factors[g]);
   block = with_sigmas(block, factors);
-  const json& shift = orientation.at("position_shift_m");
-  const Eigen::Vector3d shift_m(shift.at(0).get<double>(), shift.at(1).get<double>(), shift.at(2).get<double>());
+  const Eigen::Vector3d& shift_m = orientation.position_shift_m;
   if (shift_positions && !shift_m.isZero()) {
     for (auto& [id, image] : block.images)
       if (image.position) image.position->position_in_world += shift_m;
@@ -128,7 +98,7 @@ struct Task {
   std::string title;
   Block block;
   AdjustScope scope;
-  AdjustOptions options;
+  ExamineOptions options;
 };
 
 std::vector<std::string> words_in(const std::string& list) {
@@ -160,8 +130,8 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
     CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
     if (own != task.scope.camera_sigmas.end())
       sigmas = own->second;
-    else if (camera.calibrate)
-      sigmas = calibration_sigmas(task.options.calibration, first);
+    else if (camera.prior.calibrate)
+      sigmas = calibration_sigmas(task.options.adjust.calibration, first);
     const auto both = with_additional(sigmas, first, held);
     if (!both)
       return fail(Errc::kBadInput,
@@ -187,13 +157,13 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
 
 Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) {
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
-  COLLINEA_TRY(const json orientation, orient_report(project));
+  COLLINEA_TRY(const OrientationRecord orientation, orientation_of(project));
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   Task task;
   COLLINEA_TRY(task.block, project.store.read_block());
   task.scope = {.first_cameras = setup.cameras,
-                .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
-                .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
+                .use_positions = asked.use_positions && orientation.position_rms_m.has_value(),
+                .use_control = asked.use_control && orientation.control_rmse_m.has_value()};
   const InstrumentOptions instruments = instruments_of(orientation, asked);
   if (task.scope.use_positions && task.scope.use_control) {
     ControlDiagnosis diagnosis = check_control(task.block, project.settings.seed);
@@ -235,7 +205,7 @@ AdjustmentFile file_of(const Task& task) {
   AdjustmentFile file;
   file.block = task.block;
   Block& block = file.block;
-  std::erase_if(block.images, [&](const auto& image) { return !block.cam_from_world.contains(image.first); });
+  std::erase_if(block.images, [&](const auto& image) { return !is_oriented(block, image.first); });
   const auto unknown = [&](const auto& seen) { return !block.images.contains(seen.image); };
   std::erase_if(block.control_observations, unknown);
   std::erase_if(block.observations,
@@ -255,8 +225,8 @@ AdjustmentFile file_of(const Task& task) {
     file.given_cameras[id] = given;
     const auto own = task.scope.camera_sigmas.find(id);
     file.camera_sigmas[id] = own != task.scope.camera_sigmas.end() ? own->second
-                             : camera.calibrate                    ? calibration_sigmas(task.options.calibration, given)
-                                                                   : CameraSigmas{};
+                             : camera.prior.calibrate ? calibration_sigmas(task.options.adjust.calibration, given)
+                                                      : CameraSigmas{};
   }
   return file;
 }

@@ -140,7 +140,7 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   if (options.tile_m && !cloud)
     return fail(Errc::kBadInput, "tiles are of clouds: las, laz or copc", {"tile_m"_option, "format"_option});
   COLLINEA_TRY(Block block, project.store.read_block());
-  if (block.cam_from_world.empty())
+  if (oriented_images(block).empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   std::error_code error;
   std::filesystem::create_directories(folder, error);

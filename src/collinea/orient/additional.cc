@@ -11,7 +11,7 @@ std::map<CameraId, CameraSigmas> add_additional(AdditionalSet set, Calibration c
                                                 std::map<CameraId, Camera>& cameras) {
   std::map<CameraId, CameraSigmas> sigmas;
   for (auto& [id, camera] : cameras) {
-    if (!camera.calibrate || calibration == Calibration::kNone) continue;
+    if (!camera.prior.calibrate || calibration == Calibration::kNone) continue;
     camera.additional = set;
     const auto all = with_additional(calibration_sigmas(calibration, camera), camera, {});
     COLLINEA_CHECK(all.has_value());
@@ -20,7 +20,7 @@ std::map<CameraId, CameraSigmas> add_additional(AdditionalSet set, Calibration c
   return sigmas;
 }
 
-std::vector<std::string> additional_findings(const Block& block, const Adjusted& adjusted) {
+std::vector<std::string> additional_findings(const Block& block, const Examined& adjusted) {
   constexpr double kLevel = 0.01;
   std::vector<std::string> findings;
   for (const AdditionalTest& test : test_additional(block, adjusted, false, kLevel))

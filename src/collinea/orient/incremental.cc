@@ -41,7 +41,7 @@ std::vector<const ImagePair*> initial_pairs(std::span<const ImagePair> pairs, co
 
 // While the block grows, what is adjusted now is adjusted again: a coarse minimum is enough.
 AdjustOptions growing(Calibration calibration, int max_iterations) {
-  return {.calibration = std::move(calibration), .max_iterations = max_iterations, .relative_cost_change = 1e-3};
+  return {.calibration = calibration, .max_iterations = max_iterations, .relative_cost_change = 1e-3};
 }
 
 // What a young block is adjusted with: the fewer images, the fewer camera parameters, because bad matches are still

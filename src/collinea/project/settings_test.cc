@@ -103,7 +103,7 @@ TEST(Settings, AnOlderProjectIsRead) {
       "ortho": {"seamlines": ""}}})"));
   const auto settings = read_settings(folder / "");
   ASSERT_TRUE(settings) << settings.error().message;
-  EXPECT_EQ(settings->import.camera_model, CameraModel::kKannalaBrandt);
+  EXPECT_EQ(settings->import.camera_model, CameraModel(KannalaBrandt{}));
   EXPECT_EQ(settings->import.control, std::filesystem::path("/c/gcp.csv"));
   EXPECT_EQ(settings->pairs.pairs, PairChoice::kAll);
   EXPECT_EQ(settings->orient.mode, OrientMode::kGlobal);

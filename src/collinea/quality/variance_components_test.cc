@@ -5,15 +5,15 @@
 
 #include <cmath>
 
-#include "collinea/adjust/test_block.h"
+#include "collinea/quality/test_examine.h"
 
 namespace collinea {
 namespace {
 
 using testing::test_block;
 
-AdjustOptions plain() {
-  return {.calibration = Calibration::kFocal, .loss = Loss::kNone, .position_loss = Loss::kNone};
+ExamineOptions plain() {
+  return {.adjust = {.calibration = Calibration::kFocal, .loss = Loss::kNone, .position_loss = Loss::kNone}};
 }
 
 constexpr double kSettled = 0.01;  // factors are repeated until none changes by more

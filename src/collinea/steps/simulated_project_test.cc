@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/quality/examine.h"
 #include "collinea/steps/flow.h"
 #include "collinea/steps/test_project.h"
+#include "collinea/store/sqlite.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {
@@ -34,14 +35,14 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
     EXPECT_EQ(std::count_if(lines.begin(), lines.end(), up_to_date), 1) << step;
   }
   const Block block = *project->store.read_block();
-  ASSERT_EQ(block.cam_from_world.size(), 20u);
+  ASSERT_EQ(count_oriented(block), 20u);
   const auto truth = read_truth(folder / "block");
-  const auto adjusted = adjust(block, {}, {.calibration = Calibration::kBrown, .covariances = true}, {});
+  const auto adjusted = examine(block, {}, {.adjust = {.calibration = Calibration::kBrown}}, {});
   ASSERT_TRUE(truth && adjusted);
   double squares = 0, variance_m2 = 0;
   for (const auto& [id, covariance] : adjusted->pose_covariance) {
     const Eigen::Vector3d error =
-        centre_of(block.cam_from_world.at(id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
+        centre_of(pose_of(block, id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
     const Eigen::Array3d variance = std::pow(adjusted->sigma0, 2) * covariance.diagonal().tail<3>().array();
     squares += (error.array().square() / variance).mean() / 20;
     variance_m2 += variance.sum() / 20;
@@ -52,10 +53,52 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
   EXPECT_LT(std::sqrt(variance_m2), 0.5);  // a seventh of what a receiver is good to, 3.3 m
 }
 
+TEST(SimulatedProject, WhatAnotherVersionRecordedIsDoneAgain) {
+  const TestFolder folder;
+  SurveyOptions survey;
+  survey.images = 8;
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, {});
+  ASSERT_TRUE(project) << project.error().message;
+  ASSERT_TRUE(bring_up_to(*project, "orient"));
+  auto database = sqlite::Database::open(folder / "block" / "block.db");
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(database->execute("UPDATE step_records SET record = x'63' WHERE step = 'orient'"));
+  EXPECT_EQ(project->store.read_step("orient").error().code, Errc::kUnsupported);
+  const auto done = bring_up_to(*project, "orient");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(project->store.read_outcome<OrientationRecord>()->oriented, 8u);
+  ASSERT_TRUE(database->execute("UPDATE step_records SET record = substr(record, 1, 20) WHERE step = 'orient'"));
+  EXPECT_EQ(bring_up_to(*project, "orient").error().code, Errc::kBadFormat);
+}
+
+// What was free, and the sigmas of that, are those of the cameras that were calibrated.
+TEST(SimulatedProject, KeepsWhichParametersWereFree) {
+  const TestFolder folder;
+  SurveyOptions survey;
+  survey.images = 12;
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, {});
+  ASSERT_TRUE(project) << project.error().message;
+  const std::tuple<std::optional<Calibration>, const char*, int> cases[] = {
+      {Calibration::kNone, "none", 0}, {Calibration::kFocal, "focal", 1}, {std::nullopt, "brown", 8}};
+  for (const auto& [asked, used, count] : cases) {
+    project->settings.orient.calibration = asked;
+    ASSERT_TRUE(bring_up_to(*project, "orient"));
+    const CalibrationRecord record = project->store.read_outcome<OrientationRecord>()->calibration;
+    EXPECT_EQ(record.parameters, used);
+    ASSERT_EQ(record.free.size(), count > 0 ? 1u : 0u) << used;
+    if (count == 0) continue;
+    const auto& [camera, free] = *record.free.begin();
+    EXPECT_EQ(int(free.size()), count) << used;
+    for (const std::uint32_t param : free) EXPECT_GT(record.sigma.at(camera).at(param), 0) << used << " " << param;
+    const auto& sigma = record.sigma.at(camera);
+    EXPECT_EQ(std::count_if(sigma.begin(), sigma.end(), [](double one) { return one > 0; }), count) << used;
+  }
+}
+
 // A fisheye of 122 degrees from corner to corner, known at first as a lens without distortion and a focal length 5 %
 // off: the errors of its camera are as large as its standard deviations say.
 TEST(SimulatedProject, OfAFisheyeIsOriented) {
-  for (const CameraModel model : {CameraModel::kEquidistant, CameraModel::kKannalaBrandt}) {
+  for (const CameraModel& model : {CameraModel(Equidistant{}), CameraModel(KannalaBrandt{})}) {
     const TestFolder folder;
     SurveyOptions survey;
     survey.images = 16;
@@ -67,22 +110,22 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     const auto done = bring_up_to(*project, "orient");
     ASSERT_TRUE(done) << done.error().message;
     const Block block = *project->store.read_block();
-    EXPECT_EQ(block.cam_from_world.size(), 16u);
+    EXPECT_EQ(count_oriented(block), 16u);
     const auto truth = read_truth(folder / "block");
     const auto setup = project->store.read_setup();
     ASSERT_TRUE(setup);
     AdjustScope scope;
     scope.first_cameras = setup->cameras;
-    const auto adjusted = adjust(block, scope, {.calibration = Calibration::kBrown, .covariances = true}, {});
+    const auto adjusted = examine(block, scope, {.adjust = {.calibration = Calibration::kBrown}}, {});
     ASSERT_TRUE(truth && adjusted);
     const Camera& found = block.cameras.begin()->second;
-    EXPECT_EQ(found.model, model);
+    EXPECT_TRUE(found.model == model) << name_of(model);
     const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
     for (const int k : params_of(found)) {
       const double sigma = adjusted->sigma0 * std::sqrt(covariance(k, k));
       if (!(sigma > 0)) continue;
       EXPECT_NEAR(found.params[std::size_t(k)], truth->camera.params[std::size_t(k)], 4.5 * sigma)
-          << word_of(model) << " " << param_name(k);
+          << name_of(model) << " " << param_name(k);
     }
     EXPECT_NEAR(found.focal_px(), 1200, 3);  // 0.25 %; it began 60 px off
   }

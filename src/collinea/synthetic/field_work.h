@@ -49,13 +49,10 @@ struct MarkOptions {
   auto& p = camera.params;
   p[Camera::kCx] += o.principal_x_px;
   p[Camera::kCy] += o.principal_y_px;
-  p[Camera::kK1] = o.k1;
-  p[Camera::kK2] = o.k2;
-  p[Camera::kK3] = o.k3;
-  const bool of_kannala = camera.model == CameraModel::kKannalaBrandt;
-  p[Camera::kK4] = of_kannala ? o.k4 : 0;
-  p[Camera::kP1] = of_kannala ? 0 : o.p1;
-  p[Camera::kP2] = of_kannala ? 0 : o.p2;
+  const std::pair<std::string_view, double> distortion[] = {{"k1", o.k1}, {"k2", o.k2}, {"k3", o.k3},
+                                                            {"k4", o.k4}, {"p1", o.p1}, {"p2", o.p2}};
+  for (const auto& [name, value] : distortion)
+    if (const auto param = param_named(camera, name)) p[std::size_t(*param)] = value;
   for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0, 0), Eigen::Vector2d(o.width_px, 0),
                                         Eigen::Vector2d(0, o.height_px), Eigen::Vector2d(o.width_px, o.height_px)})
     if (!in_plane(camera, corner))
@@ -64,7 +61,7 @@ struct MarkOptions {
                   "rendered: a longer focal length is needed",
                   {"focal_px"_option});
   camera.name = "Collinea Synthetic";
-  camera.source = "true";
+  camera.prior.source = Provenance::kTrue;
   return camera;
 }
 

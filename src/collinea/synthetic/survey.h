@@ -14,7 +14,7 @@ namespace collinea {
 struct SurveyCamera {
   int width_px = 2048, height_px = 1536;
   std::optional<double> focal_px = {};
-  CameraModel camera_model = CameraModel::kBrown;
+  CameraModel camera_model = Brown{};
   double k1 = -0.055, k2 = 0.028, k3 = -0.008, k4 = 0.0012, p1 = 0.0007, p2 = -0.0004;
   double principal_x_px = 6.5, principal_y_px = -9.2;
 
