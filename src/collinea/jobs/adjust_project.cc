@@ -284,7 +284,7 @@ void set_calibration(const std::optional<Calibration>& asked, const AdjustmentFi
   if (!asked) return;
   for (auto& [id, sigmas] : scope.camera_sigmas) {
     Camera camera = file.given_cameras.at(id);
-    camera.sigma_f_px = 1;
+    camera.prior.sigma_f_px = 1;
     const CameraSigmas named = calibration_sigmas(*asked, camera);
     for (std::size_t k = 0; k < sigmas.size(); ++k)
       sigmas[k] = named[k] == 0 ? 0 : sigmas[k] > 0 ? sigmas[k] : std::numeric_limits<double>::infinity();
