@@ -19,7 +19,7 @@ struct Asked {
 
 // One line for the user.
 std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
-  const Adjusted& adjusted = report.adjusted;
+  const Examined& adjusted = report.adjusted;
   std::string text =
       fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
   if (const auto& tests = adjusted.reliability; !tests) {
