@@ -21,8 +21,8 @@ using testing::test_block;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-ExamineOptions with_covariances(const std::string& calibration = "none") {
-  return {.adjust = {.calibration = calibration, .loss = "none", .position_loss = "none"}};
+ExamineOptions with_covariances(Calibration calibration = Calibration::kNone) {
+  return {.adjust = {.calibration = calibration, .loss = Loss::kNone, .position_loss = Loss::kNone}};
 }
 
 std::vector<Finding> weaknesses_of(const Block& block, const ExamineOptions& options, const AdjustScope& scope = {}) {
@@ -132,9 +132,9 @@ TEST(Weakness, HealthyBlocksHaveNone) {
                               .position_sigma_m = 0.05,
                               .control = 9,
                               .seed = seed});
-    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances("brown")), block), "");
+    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances(Calibration::kBrown)), block), "");
     for (auto& [id, image] : block.images) image.position.reset();
-    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances("focal_radial")), block), "");
+    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances(Calibration::kFocalRadial)), block), "");
   }
 }
 
@@ -195,18 +195,18 @@ TEST(Weakness, HeightsOnly) {
 
 TEST(Weakness, FocalLengthAndHeightOverLevelGround) {
   const Block block = flat_nadir(9);
-  const auto found = weaknesses_of(block, with_covariances("focal"));
+  const auto found = weaknesses_of(block, with_covariances(Calibration::kFocal));
   expect_named(block, found, FindingCode::kFocalAndHeight, "distance of camera test");
 }
 
 TEST(Weakness, PrincipalPointAndPlaceOverLevelGround) {
-  expect_named(flat_nadir(9), weaknesses_of(flat_nadir(9), with_covariances("brown")), FindingCode::kCameraAndPose,
-               "cx of camera test");
+  expect_named(flat_nadir(9), weaknesses_of(flat_nadir(9), with_covariances(Calibration::kBrown)),
+               FindingCode::kCameraAndPose, "cx of camera test");
 }
 
 TEST(Weakness, K3FromTheMiddleOfTheImages) {
   const Block block = flat_nadir(9, 0.13, 5);
-  expect_named(block, weaknesses_of(block, with_covariances("brown")), FindingCode::kParameterNotDetermined,
+  expect_named(block, weaknesses_of(block, with_covariances(Calibration::kBrown)), FindingCode::kParameterNotDetermined,
                "k3 of camera test");
 }
 
@@ -335,7 +335,7 @@ TEST(Weakness, TwoCalibratedCamerasAreAsGoodAsTold) {
       camera.params[Camera::kK1] += 0.2 * random.normal();
       camera.params[Camera::kK2] += 0.5 * random.normal();
     }
-    const auto adjusted = examine(block, scope, with_covariances("focal_radial"), {});
+    const auto adjusted = examine(block, scope, with_covariances(Calibration::kFocalRadial), {});
     ASSERT_TRUE(adjusted && !adjusted->undetermined);
     EXPECT_EQ(all_of(adjusted->weaknesses, block), "");
     ASSERT_EQ(adjusted->camera_covariance.size(), 2u);
@@ -372,7 +372,7 @@ TEST(Weakness, OfTwoCamerasTheWeakOneIsNamed) {
   };
   std::erase_if(block.observations, beside);
   std::erase_if(block.control_observations, beside);
-  const auto found = weaknesses_of(block, with_covariances("brown"));
+  const auto found = weaknesses_of(block, with_covariances(Calibration::kBrown));
   expect_named(block, found, FindingCode::kParameterNotDetermined, "of camera second");
   EXPECT_EQ(all_of(found, block).find("camera test"), std::string::npos) << all_of(found, block);
 }
