@@ -100,7 +100,10 @@ TEST(StepFigures, AreNullWhereNothingIsKnown) {
 }
 
 TEST(StepFigures, OfAProductThatWasNotMadeSayWhy) {
-  EXPECT_EQ(figures_of(SurfaceRecord{.skipped_because = "no scale"}, {}).dump(), R"({"skipped_because":"no scale"})");
+  const auto none =
+      figures_of(SurfaceRecord{.skipped_because = finding_of(FindingCode::kNoScale, {Product::kSurfaceModel})}, {});
+  EXPECT_EQ(none.size(), 1u);
+  EXPECT_EQ(none.at("skipped_because").at("code"), "no_scale");
   EXPECT_EQ(figures_of(DetectRecord{.images = 2, .features = 7, .skipped = {{"x.txt", "no image"}}}, {}).dump(),
             R"({"images":2,"features":7,"skipped":[{"file":"x.txt","reason":"no image"}]})");
 }
