@@ -15,7 +15,7 @@ void say_what_went(const Snooped& snooped, const Run& run) {
     run.say(fmt::format("note: {} observations taken out in all; taken_out.csv lists them", snooped.taken_out.size()));
   for (std::size_t i = 0; i < std::min(kShown, snooped.kept.size()); ++i)
     run.say(fmt::format("note: {} is suspect but stays: {}", name_of(snooped.kept[i].observation, snooped.block),
-                        snooped.kept[i].reason));
+                        words_of(snooped.kept[i].reason)));
   if (!snooped.finished) run.say("note: more is suspect; as many as were allowed have gone (snoop_most)");
 }
 

@@ -30,9 +30,6 @@ constexpr double kGross = 100;        // sigmas: such a ray of control bends the
 // n on average, and three times that in corners.
 constexpr double kSpoiltByRay = 10;
 
-constexpr const char* kTooLittle = "too little checks it";
-constexpr const char* kSameDegree = "others are suspect to the same degree";
-
 bool is_ray(Group group) { return group == Group::kTieImages || group == Group::kControlImages; }
 // Of the third axis; of the others of its kind are both.
 bool is_height(Group group) {
@@ -75,7 +72,7 @@ class Snooper {
         return tl::unexpected(std::move(adjusted).error());
       const bool determined = adjusted && adjusted->reliability && (first || adjusted->rank_defect <= rank_defect_);
       if (!determined && !gone_.empty()) {
-        if (gone_.size() == 1) stays_[gone_.front()] = "without it the block is not determined";
+        if (gone_.size() == 1) stays_[gone_.front()] = StayReason::kBlockNeedsIt;
         take_back();
         continue;
       }
@@ -193,9 +190,9 @@ class Snooper {
       if (correlation > kSame || explained) alike.insert(before->first.first);
     }
     if (alike.empty()) return false;
-    stays_[worst_] = worst_is_poor_ ? kTooLittle : kSameDegree;
+    stays_[worst_] = worst_is_poor_ ? StayReason::kTooLittleChecks : StayReason::kSameDegree;
     if (!worst_is_poor_)
-      for (const Key& key : alike) stays_[key] = kSameDegree;
+      for (const Key& key : alike) stays_[key] = StayReason::kSameDegree;
     return true;
   }
 
@@ -237,8 +234,8 @@ class Snooper {
       const Seen seen = seen_by(one);
       const Key key = key_of(one.group, seen);
       if (this_round.contains(key)) continue;  // its other coordinate
-      if (const std::string reason = reason_to_stay(one, seen, worse_stays); !reason.empty()) {
-        out_.kept.push_back({one, reason});
+      if (const auto reason = reason_to_stay(one, seen, worse_stays)) {
+        out_.kept.push_back({one, *reason});
         worse_stays |= !is_ray(one.group);
         if (!is_ray(one.group)) doubtful.merge(points_of(one.group, seen));
         continue;
@@ -247,7 +244,7 @@ class Snooper {
       if (is_ray(one.group)) {
         if (ground) continue;  // what is worse may have spoilt it
         if (doubtful.contains(seen.control)) {
-          out_.kept.push_back({one, "what is more suspect of its point stays"});
+          out_.kept.push_back({one, StayReason::kWorseOfItsPoint});
           continue;
         }
         double& worse = worse_in_image[seen.image];
@@ -311,13 +308,14 @@ class Snooper {
   }
 
   // `worse_stays`: by which it may be spoilt.
-  [[nodiscard]] std::string reason_to_stay(const TestedObservation& one, const Seen& seen, bool worse_stays) const {
+  [[nodiscard]] std::optional<StayReason> reason_to_stay(const TestedObservation& one, const Seen& seen,
+                                                         bool worse_stays) const {
     if (const auto why = stays_.find(key_of(one.group, seen)); why != stays_.end()) return why->second;
-    if (!std::isfinite(one.w)) return "";
-    if (one.redundancy < (is_ray(one.group) || worse_stays ? kPoorRedundancy : kLeastRedundancy)) return kTooLittle;
-    if (is_ray(one.group) && rays_.at(seen.image) <= kLeastRaysOfImage)
-      return "its image would keep too few measurements";
-    return "";
+    if (!std::isfinite(one.w)) return std::nullopt;
+    if (one.redundancy < (is_ray(one.group) || worse_stays ? kPoorRedundancy : kLeastRedundancy))
+      return StayReason::kTooLittleChecks;
+    if (is_ray(one.group) && rays_.at(seen.image) <= kLeastRaysOfImage) return StayReason::kImageNeedsIt;
+    return std::nullopt;
   }
 
   void take_out(const TestedObservation& one, const Seen& seen, const Examined& adjusted,
@@ -518,7 +516,7 @@ class Snooper {
   std::map<ImageId, GivenAttitude> given_attitudes_;
   std::map<ImageId, int> rays_;
   std::map<PointId, int> of_point_;
-  std::map<Key, std::string> stays_;
+  std::map<Key, StayReason> stays_;
   struct Rival {
     double redundancy, behind;  // the worst [of suspicion]
   };

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/words.h"
 #include "collinea/quality/examine.h"
 
 namespace collinea {
@@ -30,10 +31,25 @@ struct TakenOut {
   int round = 0;         ///< 0: gross, before the first adjustment
 };
 
+/// Why a suspect had to stay.
+enum class StayReason : std::uint8_t {
+  kTooLittleChecks,  ///< too little of a gross error shows in its residual
+  kSameDegree,       ///< others are suspect to the same degree
+  kBlockNeedsIt,     ///< without it the block is not determined
+  kWorseOfItsPoint,  ///< what is more suspect of its point stays
+  kImageNeedsIt,     ///< its image would keep too few measurements
+};
+inline constexpr Word<StayReason> kStayReasonWords[] = {{StayReason::kTooLittleChecks, "too_little_checks"},
+                                                        {StayReason::kSameDegree, "same_degree"},
+                                                        {StayReason::kBlockNeedsIt, "block_needs_it"},
+                                                        {StayReason::kWorseOfItsPoint, "worse_of_its_point"},
+                                                        {StayReason::kImageNeedsIt, "image_needs_it"}};
+constexpr std::span<const Word<StayReason>> words(StayReason) { return kStayReasonWords; }
+
 /// A suspect that had to stay.
 struct NotTakenOut {
   TestedObservation observation;  ///< its source refers to Snooped::block
-  std::string reason;
+  StayReason reason{};
 };
 
 struct Snooped {

@@ -104,10 +104,10 @@ TEST(Snooping, AGrossMeasurementOfControlGoesFirst) {
   EXPECT_LT(snooped->taken_out.size(), 8u);
 }
 
-std::string reason_of(const Snooped& snooped, ObservationGroup group, std::uint32_t source) {
+std::optional<StayReason> reason_of(const Snooped& snooped, ObservationGroup group, std::uint32_t source) {
   for (const NotTakenOut& one : snooped.kept)
     if (one.observation.group == group && one.observation.source == source) return one.reason;
-  return "";
+  return std::nullopt;
 }
 
 // Two distances say different things of the scale, which nothing else tells; the rays of their points are far better.
@@ -126,7 +126,7 @@ TEST(Snooping, WhichOfTwoThatContradictEachOtherIsWrongCannotBeTold) {
   EXPECT_EQ(snooped->adjusted.rank_defect, 6);
   for (const std::uint32_t i : {0u, 1u}) {
     EXPECT_EQ(snooped->block.ground[i].role, ControlRole::kControl);
-    EXPECT_EQ(reason_of(*snooped, ObservationGroup::kDistance, i), "others are suspect to the same degree");
+    EXPECT_EQ(reason_of(*snooped, ObservationGroup::kDistance, i), StayReason::kSameDegree);
   }
 }
 
@@ -144,7 +144,7 @@ TEST(Snooping, WhatNothingElseChecksStays) {
     if (one.group == ObservationGroup::kControlHeight) {
       EXPECT_LT(one.redundancy, 0.1);
       if (std::abs(one.w) > snooped->adjusted.reliability->limit) {
-        EXPECT_EQ(reason_of(*snooped, one.group, one.source), "too little checks it");
+        EXPECT_EQ(reason_of(*snooped, one.group, one.source), StayReason::kTooLittleChecks);
       }
     }
 }

@@ -7,6 +7,7 @@
 #include "collinea/block/ground_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/svg.h"
 
@@ -108,7 +109,8 @@ std::string snooping_section(const AdjustmentReport& report) {
   if (!snooped.kept.empty()) {
     html += "<p>Suspect, but they cannot be taken out:</p>\n<ul>";
     for (std::size_t i = 0; i < std::min(kMostRows, snooped.kept.size()); ++i)
-      html += "<li>" + escaped(name_of(snooped.kept[i].observation, snooped.block) + ": " + snooped.kept[i].reason) +
+      html += "<li>" +
+              escaped(name_of(snooped.kept[i].observation, snooped.block) + ": " + words_of(snooped.kept[i].reason)) +
               "</li>\n";
     html += "</ul>\n";
   }
@@ -150,7 +152,7 @@ json snooping_json(const AdjustmentReport& report) {
   for (const NotTakenOut& one : snooped.kept)
     kept.push_back({{"observation", name_of(one.observation, snooped.block)},
                     {"w", number(one.observation.w)},
-                    {"reason", one.reason}});
+                    {"reason", words_of(one.reason)}});
   for (const ControlDifference& one : snooped.with)
     with.push_back({{"name", snooped.block.control.at(one.point).name}, {"difference_m", vector(one.difference_m)}});
   return {{"adjustments", snooped.rounds}, {"finished", snooped.finished}, {"sigma0_before", snooped.sigma0_before},

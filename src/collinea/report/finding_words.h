@@ -9,6 +9,7 @@
 #include "collinea/block/block.h"
 #include "collinea/block/gauge.h"
 #include "collinea/quality/conditioning.h"
+#include "collinea/quality/snooping.h"
 
 namespace collinea {
 
@@ -42,6 +43,9 @@ using SpellOption = std::function<std::string(const OptionField&)>;
 
 /// "map EPSG:25832, fixed by control points and 24 image positions", "local gauge, as given by model/".
 [[nodiscard]] std::string words_of(const Gauge& gauge);
+
+/// "others are suspect to the same degree".
+[[nodiscard]] std::string words_of(StayReason reason);
 
 /// What the worst combination of unknowns consists of: "k1 of camera X (64 %), the attitudes of the images (21 %)".
 [[nodiscard]] std::string words_of(const Conditioning& conditioning, const Block& block);

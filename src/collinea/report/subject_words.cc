@@ -151,6 +151,22 @@ std::string words_of(const DatumSources& datum, int rank_defect) {
   return text + ")";
 }
 
+std::string words_of(StayReason reason) {
+  switch (reason) {
+    case StayReason::kTooLittleChecks:
+      return "too little checks it";
+    case StayReason::kSameDegree:
+      return "others are suspect to the same degree";
+    case StayReason::kBlockNeedsIt:
+      return "without it the block is not determined";
+    case StayReason::kWorseOfItsPoint:
+      return "what is more suspect of its point stays";
+    case StayReason::kImageNeedsIt:
+      return "its image would keep too few measurements";
+  }
+  return "";
+}
+
 std::string words_of(LevelSource level) {
   switch (level) {
     case LevelSource::kEdges:
