@@ -38,7 +38,7 @@ struct Series {
 double squared_pose_error(const Examined& adjusted, const Block& truth) {
   double sum = 0;
   for (const auto& [id, pose] : adjusted.cam_from_world) {
-    const Rigid3& exact = pose_of(truth, id);
+    const Rigid3 exact = pose_of(truth, id);
     Eigen::Matrix<double, 6, 1> error;
     error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
     sum += error.dot(adjusted.pose_covariance.at(id).inverse() * error);
