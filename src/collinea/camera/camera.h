@@ -74,9 +74,6 @@ void scale_params(Camera& camera, double times);
 /// The pixel freed from the shift of the additional parameters.
 [[nodiscard]] Eigen::Vector2d without_additional(const Camera& camera, const Eigen::Vector2d& pixel);
 
-/// 80 degrees from the axis: X/Z is 5.7 there and grows 33 times as fast as the angle.
-inline constexpr double kWidestPlane_rad = 1.3962634015954636;
-
 /// Whether normalized() is that of the pixel's ray.
 [[nodiscard]] bool in_plane(const Camera& camera, const Eigen::Vector2d& pixel);
 
