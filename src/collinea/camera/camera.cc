@@ -7,11 +7,17 @@
 #include <variant>
 
 #include "collinea/base/result.h"
-#include "collinea/camera/core.h"
 #include "collinea/camera/internal/fisheye_projection.h"
 
 namespace collinea {
 namespace {
+
+CameraCore core_of(const Camera& camera) {
+  return {camera.params.data(),
+          camera.model,
+          camera.additional,
+          {static_cast<double>(camera.width_px), static_cast<double>(camera.height_px)}};
+}
 
 std::optional<Eigen::Vector2d> project_without_additional(const CameraCore& camera, const Eigen::Vector3d& point_in_cam,
                                                           Matrix23* by_point, Matrix2P* by_params) {
