@@ -4,6 +4,7 @@
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/jobs/adjust_project.h"
+#include "collinea/report/finding_words.h"
 
 namespace collinea {
 namespace {
@@ -20,9 +21,8 @@ struct Asked {
 // One line for the user.
 std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
   const Examined& adjusted = report.adjusted;
-  std::string text =
-      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy,
-                  words_of(adjusted.datum, adjusted.rank_defect));
+  std::string text = fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy,
+                                 words_of(adjusted.datum, adjusted.rank_defect));
   if (const auto& tests = adjusted.reliability; !tests) {
     text += "; no standard deviations" +
             (adjusted.undetermined ? ": " + sentence_of(*adjusted.undetermined, report.block) : "");
