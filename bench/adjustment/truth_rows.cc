@@ -7,6 +7,7 @@
 
 #include "blocks.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/report/finding_words.h"
 #include "rows.h"
 
 namespace collinea::bench {
@@ -115,7 +116,7 @@ Rows true_errors(const Effort& effort, const Run& run) {
       continue;
     }
     alarms += !adjusted->weaknesses.empty();
-    if (!adjusted->weaknesses.empty()) named = adjusted->weaknesses.front().what;
+    if (!adjusted->weaknesses.empty()) named = what_of(adjusted->weaknesses.front(), made.block);
     of_layout[static_cast<std::size_t>(i % 3)].take(*adjusted, exact);
     all.take(*adjusted, exact);
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
@@ -81,7 +82,7 @@ struct Imported {
   Block block;
   std::vector<std::string> file_hash;  ///< of each image's bytes, in the order of Block::images
   std::vector<SkippedPhoto> skipped;
-  std::vector<std::string> findings;  ///< what the user should know: assumed focal lengths, control in no image, ...
+  std::vector<Finding> findings;  ///< assumed focal lengths, control in no image, ...
 };
 
 /// Reads the headers of all photographs below a folder, groups cameras, and brings positions and control to a local

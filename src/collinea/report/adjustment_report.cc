@@ -11,6 +11,7 @@
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"
+#include "collinea/report/finding_words.h"
 
 namespace collinea {
 namespace {
@@ -60,7 +61,7 @@ std::string ground_csv(const AdjustmentReport& report) {
 std::string unknowns_csv(const AdjustmentReport& report) {
   std::string text = "unknown,unit,value,sigma\n";
   for (const EstimatedUnknown& one : shown_unknowns(report.adjusted))
-    text += in_quotes(name_of_extra(report.block, one.kind, one.owner, one.axis)) + "," + unit_of(one.kind) +
+    text += in_quotes(words_of(subject_of(one.kind, one.owner, one.axis), report.block)) + "," + unit_of(one.kind) +
             number(in_unit(one.kind, one.value)) + number(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) +
             "\n";
   return text;
@@ -170,8 +171,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"products.json", products_json(report, products)},
                                                        {"adjustment.json", adjustment_json(report)},
                                                        {"adjustment.html", adjustment_page(report, products)}};
-  for (const auto& [name, text] : files)
-    COLLINEA_TRY(write_file(folder / name, text));
+  for (const auto& [name, text] : files) COLLINEA_TRY(write_file(folder / name, text));
   COLLINEA_TRY(write_products(report, products, folder / "adjustment.gpkg"));
   if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
   return remove_file(folder / "taken_out.csv");  // of an earlier adjustment
