@@ -4,6 +4,7 @@
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/jobs/adjust_project.h"
+#include "collinea/report/finding_words.h"
 
 namespace collinea {
 namespace {
