@@ -10,6 +10,7 @@ test: build
 	@echo "== layers"
 	@python3 tools/check_layers.py
 	@python3 tools/check_flags.py
+	@python3 tools/check_words.py
 	@echo "== manual"
 	@python3 tools/manual_options.py --check
 	@echo "== tests"

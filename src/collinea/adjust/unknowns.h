@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collinea/base/finding.h"
+#include "collinea/block/block.h"
 
 namespace collinea {
 

@@ -96,7 +96,7 @@ TEST_F(GivenOrientationTest, BundlersFilesGivePosesAndCameras) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->given.cam_from_world.size(), count_oriented(block_));
   EXPECT_NEAR(read->given.cameras.begin()->second.focal_px(), block_.cameras.begin()->second.focal_px(), 1e-6);
-  EXPECT_TRUE(read->remarks.empty());
+  EXPECT_TRUE(read->findings.empty());
 }
 
 TEST_F(GivenOrientationTest, ModelsOfSmallerPicturesAreScaledAndOthersRefused) {

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Counts sentences in the source below `report` and `app`: string literals of three words and more that are neither the
+message of an error, nor the help of an option, nor a line of the log. Fails when there are more than the limit below,
+which may only fall. Values leave modules, sentences are made of them in `report` and `app`."""
+import pathlib, re, sys
+
+LIMIT = 136
+FACES = {"report", "app", "serve"}
+FORMATS = {"io"}  # words of its readers are messages of errors, those of its writers belong to the formats
+# Calls whose texts are messages of errors, helps of options, lines of the log.
+EXEMPT = {
+    "fail", "within", "bug", "Error", "error", "bad", "bad_line", "bad_row", "damaged", "failed", "refused", "map_error", "invalid",
+    "invalid_argument", "png_error", "check_name", "check_image_names", "Field", "Choice", "say", "report", "static_assert",
+}
+SQL = re.compile(r"^\s*(SELECT|INSERT|UPDATE|DELETE|CREATE|DROP|PRAGMA|BEGIN|COMMIT|ALTER|VACUUM|REPLACE|ATTACH|FROM|WHERE|WITH)\b")
+TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\\\n]|\\.)+\'|\w+|\n|[^\s\w]', re.S)
+
+
+def is_sentence(text):
+    if SQL.match(text):
+        return False
+    text = re.sub(r"\{[^{}]*\}", " ", text)  # what is formatted
+    words = [word for word in text.split(" ") if re.fullmatch(r"[(\"']?[A-Za-z][a-z'-]+[.,:;)\"']*(\\n)?", word)]
+    return len(words) >= 3
+
+
+def literals(source):
+    """(line, text, names of the calls around it) of each literal; neighbours are one."""
+    line, calls, before, joined = 1, [], "", None
+    for match in TOKEN.finditer(source):
+        token = match[0]
+        if token.startswith('"') or token.startswith('R"'):
+            text = token[token.index("(" if token.startswith("R") else '"') + 1 : -1]
+            joined = (joined[0], joined[1] + text, joined[2]) if joined else (line, text, list(calls))
+        elif not token.isspace() and not token.startswith("//") and not token.startswith("/*"):
+            if joined:
+                yield joined
+                joined = None
+            if token in "({":
+                calls.append(before)
+            elif token in ")}" and calls:
+                calls.pop()
+        if not token.isspace() and not token.startswith("/"):
+            before = token
+        line += token.count("\n")
+    if joined:
+        yield joined
+
+
+def sentences(root):
+    for path in sorted(root.rglob("*.[hc]*")):
+        module = path.relative_to(root).parts[0]
+        if module in FACES | FORMATS or path.name.endswith("_test.cc") or path.name.startswith("test_"):
+            continue
+        for line, text, calls in literals(path.read_text()):
+            if is_sentence(text) and not EXEMPT.intersection(calls):
+                yield path, line, text
+
+
+if __name__ == "__main__":
+    root = pathlib.Path(__file__).resolve().parent.parent / "src" / "collinea"
+    found = list(sentences(root))
+    for path, line, text in found:
+        print(f"{path.relative_to(root)}:{line}: {text[:110]}")
+    print(f"{len(found)} sentences below report and app, {LIMIT} allowed")
+    sys.exit(len(found) > LIMIT)
