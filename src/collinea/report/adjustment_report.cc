@@ -34,7 +34,8 @@ std::string cameras_csv(const AdjustmentReport& report) {
     const bool known = covariance != report.adjusted.camera_covariance.end();
     const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was held
     for (const int k : params_of(camera))
-      text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) + csv_field(camera.params[k]) +
+      text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) +
+              csv_field(camera.params[k]) +
               csv_field(known ? std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted) : unknown) + "\n";
   }
   return text;
@@ -63,8 +64,7 @@ std::string unknowns_csv(const AdjustmentReport& report) {
   for (const EstimatedUnknown& one : shown_unknowns(report.adjusted))
     text += in_quotes(words_of(subject_of(one.kind, one.owner, one.axis), report.block)) + "," + unit_of(one.kind) +
             csv_field(in_unit(one.kind, one.value)) +
-            csv_field(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) +
-            "\n";
+            csv_field(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) + "\n";
   return text;
 }
 
