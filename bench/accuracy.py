@@ -128,7 +128,7 @@ def real(folder, until, extra, text):
         i = info(out)
         row(folder, oriented(i), text(i), cost(i))
         for finding in i.get("findings", []):
-            print("    note: " + finding)
+            print(f"    {finding['severity']}: {finding['what']} {finding['remedy']}")
     return bench
 
 

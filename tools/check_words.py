@@ -5,7 +5,7 @@ message of an error, nor the help of an option, nor a line of the log. Fails whe
 which may only fall. Values leave modules, sentences are made of them in `report` and `app`."""
 import pathlib, re, sys
 
-LIMIT = 136
+LIMIT = 130
 FACES = {"report", "app", "serve"}
 FORMATS = {"io"}  # words of its readers are messages of errors, those of its writers belong to the formats
 # Calls whose texts are messages of errors, helps of options, lines of the log.

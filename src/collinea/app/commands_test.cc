@@ -216,7 +216,7 @@ TEST(Commands, ExportSaysWhatItLeavesOut) {
   const Outcome outcome = collinea_with({"export", (folder / "project").string(), out});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.out, out + "\n");
-  EXPECT_NE(outcome.err.find("note: 1 images"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("note: 1 image without orientation is left out."), std::string::npos) << outcome.err;
 }
 
 TEST(ExitCode, IsAsTheHelpSays) {

@@ -200,8 +200,8 @@ TEST(Weakness, FocalLengthAndHeightOverLevelGround) {
 }
 
 TEST(Weakness, PrincipalPointAndPlaceOverLevelGround) {
-  expect_named(flat_nadir(9), weaknesses_of(flat_nadir(9), with_covariances(Calibration::kBrown)), FindingCode::kCameraAndPose,
-               "cx of camera test");
+  expect_named(flat_nadir(9), weaknesses_of(flat_nadir(9), with_covariances(Calibration::kBrown)),
+               FindingCode::kCameraAndPose, "cx of camera test");
 }
 
 TEST(Weakness, K3FromTheMiddleOfTheImages) {

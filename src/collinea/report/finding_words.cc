@@ -515,7 +515,7 @@ std::string words_of_products(const Words& w) {
           "coordinates of tie points are freed from them, the images are not.",
           w.subject(0), w.finding.detail, w[F::kOffsetPx]);
     case C::kImagesNotExported:
-      return w.counted(F::kCount, "image") + " without orientation are left out.";
+      return w.counted(F::kCount, "image") + " without orientation " + (w.one() ? "is" : "are") + " left out.";
     case C::kDistortionFitted:
       return fmt::format(
           "Bundler's camera has its principal point in the middle and two radial terms: image "

@@ -21,9 +21,10 @@ TEST(StepWords, SayOnOneLineWhatCameOfAStep) {
   EXPECT_EQ(summary_of(DetectRecord{.images = 6, .features = 1234}), "1234 features in 6 images");
   EXPECT_EQ(summary_of(MatchRecord{.pairs_searched = 9, .matches = 700, .pairs_by_geometry = {3, 4, 1, 1}}),
             "6 pairs verified, 9 searched, 700 matches");
-  EXPECT_EQ(summary_of(OrientationRecord{
-                .images = 6, .oriented = 5, .tie_points = 99, .mean_reprojection_px = 0.456, .gauge = "local gauge"}),
-            "5 of 6 images, 99 tie points, mean residual 0.46 px, local gauge");
+  EXPECT_EQ(
+      summary_of(OrientationRecord{
+          .images = 6, .oriented = 5, .tie_points = 99, .mean_reprojection_px = 0.456, .gauge = {.given_by = "model"}}),
+      "5 of 6 images, 99 tie points, mean residual 0.46 px, local gauge, as given by model");
   EXPECT_EQ(summary_of(DensifyRecord{.depth_maps = 5, .points = 1000}), "5 depth maps, 1000 points");
   EXPECT_EQ(summary_of(ReportRecord{"report/report.html"}), "report/report.html");
 }
@@ -56,7 +57,8 @@ TEST(StepWords, SayHowMuchOfAProductIsMeasured) {
 }
 
 TEST(StepWords, SayWhyAStepMadeNothing) {
-  EXPECT_EQ(summary_of(TerrainRecord{.skipped_because = "no scale", .width = 3}), "no scale");
+  const TerrainRecord none{.skipped_because = finding_of(FindingCode::kNoScale, {Product::kTerrainModel}), .width = 3};
+  EXPECT_EQ(summary_of(none), "The block has no scale, so that the size of objects is not known: no terrain model.");
 }
 
 Block two_images() {
@@ -98,7 +100,10 @@ TEST(StepFigures, AreNullWhereNothingIsKnown) {
 }
 
 TEST(StepFigures, OfAProductThatWasNotMadeSayWhy) {
-  EXPECT_EQ(figures_of(SurfaceRecord{.skipped_because = "no scale"}, {}).dump(), R"({"skipped_because":"no scale"})");
+  const auto none =
+      figures_of(SurfaceRecord{.skipped_because = finding_of(FindingCode::kNoScale, {Product::kSurfaceModel})}, {});
+  EXPECT_EQ(none.size(), 1u);
+  EXPECT_EQ(none.at("skipped_because").at("code"), "no_scale");
   EXPECT_EQ(figures_of(DetectRecord{.images = 2, .features = 7, .skipped = {{"x.txt", "no image"}}}, {}).dump(),
             R"({"images":2,"features":7,"skipped":[{"file":"x.txt","reason":"no image"}]})");
 }
