@@ -9,8 +9,8 @@ demo: build
 test: build
 	@echo "== layers"
 	@python3 tools/check_layers.py
-	@python3 tools/check_words.py
 	@python3 tools/check_flags.py
+	@python3 tools/check_words.py
 	@echo "== manual"
 	@python3 tools/manual_options.py --check
 	@echo "== tests"

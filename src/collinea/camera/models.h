@@ -37,12 +37,6 @@ inline constexpr auto kCameraModels = []<std::size_t... I>(std::index_sequence<I
 [[nodiscard]] constexpr std::string_view name_of(const CameraModel& model) {
   return std::visit([](const auto& one) { return one.kName; }, model);
 }
-inline constexpr auto kCameraModelWords = []<std::size_t... I>(std::index_sequence<I...>) {
-  return std::array<Word<CameraModel>, sizeof...(I)>{Word<CameraModel>{kCameraModels[I], name_of(kCameraModels[I])}...};
-}
-(std::make_index_sequence<kCameraModels.size()>{});
-/// Of options, see base/words.h.
-[[nodiscard]] constexpr std::span<const Word<CameraModel>> words(const CameraModel&) { return kCameraModelWords; }
 inline constexpr auto kCameraModelNames = []<std::size_t... I>(std::index_sequence<I...>) {
   return std::array<std::string_view, sizeof...(I)>{name_of(kCameraModels[I])...};
 }
@@ -55,6 +49,13 @@ template <class Model>
 [[nodiscard]] constexpr bool is_fisheye(const CameraModel& model) {
   return std::visit([](const auto& one) { return one.kIsFisheye; }, model);
 }
+inline constexpr auto kCameraModelWords = []<std::size_t... I>(std::index_sequence<I...>) {
+  return std::array<Word<CameraModel>, sizeof...(I)>{
+      Word<CameraModel>{kCameraModels[I], name_of(kCameraModels[I]), is_fisheye(kCameraModels[I]) ? "fisheye" : ""}...};
+}
+(std::make_index_sequence<kCameraModels.size()>{});
+/// Of options, see base/words.h.
+[[nodiscard]] constexpr std::span<const Word<CameraModel>> words(const CameraModel&) { return kCameraModelWords; }
 /// The parameters of a model, ascending: CameraParameters::Param.
 [[nodiscard]] constexpr std::span<const int> params_of(const CameraModel& model) {
   return std::visit([](const auto& one) { return std::span<const int>(one.kHas); }, model);

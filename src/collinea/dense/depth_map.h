@@ -59,7 +59,7 @@ struct DenseOptions {
   static void describe(Visit&& visit) {
     using O = DenseOptions;
     visit(Field{"resolution", &O::resolution, "",
-                "of the photographs' size; nothing: the largest with at most 3.2 million pixels"});
+                "size at which the photographs are matched (nothing: the largest with at most 3.2 million pixels)"});
     visit(Field{"neighbours", &O::neighbours, "1", "images each image is matched with", 1, 8});
     visit(Field{"depth_margin", &O::depth_margin, "1",
                 "how far the search reaches beyond the tie points, as a part of their range of inverse depths", 0, 10});

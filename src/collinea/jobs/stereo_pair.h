@@ -35,8 +35,8 @@ struct StereoPairOptions {
     visit(Field{"focal_px", &O::focal_px, "px", "of a rectified pair: for the cloud", 1, 1e7});
     visit(Field{"base_m", &O::base_m, "m", "distance of the cameras of a rectified pair: for the cloud", 1e-9, 1e9});
     visit(Field{"resolution", &O::resolution, "",
-                "of the photographs' size; nothing: full for rectified pairs, else the largest with at most 3.2 "
-                "million pixels"});
+                "size at which the pictures are matched (nothing: full for rectified pairs, else the largest with at "
+                "most 3.2 million pixels)"});
   }
 };
 

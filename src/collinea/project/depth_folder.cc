@@ -23,8 +23,7 @@ bool is_map(const fs::path& path) {
 Result<> remove_maps(const fs::path& folder) {
   std::error_code error;
   for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator(); it.increment(error))
-    if (is_map(it->path()))
-      COLLINEA_TRY(remove_file(it->path()));
+    if (is_map(it->path())) COLLINEA_TRY(remove_file(it->path()));
   if (error) return fail(Errc::kBadInput, folder.string() + ": cannot be read: " + error.message());
   return {};
 }

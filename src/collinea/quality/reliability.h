@@ -34,8 +34,9 @@ struct TestOptions {
     visit(Field{"sigma0_known", &O::sigma0_known, "",
                 "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
     visit(Field{"folds", &O::folds, "1",
-                "parts of the control, each left out together and predicted by the others (Reliability::folded)", 2,
-                100});
+                "parts of the control, each left out together and predicted by the others; fewer where a part would "
+                "have one point",
+                2, 100});
   }
 };
 
