@@ -138,9 +138,13 @@ TYPED_TEST(StepRecordLaws, ChangedBytesAreARecordOrAnError) {
       bytes[9 + random.below(std::uint32_t(bytes.size() - 9))] = char(random.bits());
     const auto found = unpacked_outcome(TypeParam::kStep, bytes);
     refused += !found;
-    if (found) EXPECT_EQ(packed(*found).size(), bytes.size());
+    if (found) {
+      EXPECT_EQ(packed(*found).size(), bytes.size());
+    }
   }
-  if (packed(TypeParam{}).size() > 100) EXPECT_GT(refused, 0);
+  if (packed(TypeParam{}).size() > 100) {
+    EXPECT_GT(refused, 0);
+  }
 }
 
 TYPED_TEST(StepRecordLaws, ARecordOfAnotherVersionIsToldFromADamagedOne) {
