@@ -51,19 +51,19 @@ InstrumentOptions instruments_of(const OrientationRecord& orientation, const Adj
   return instruments;
 }
 
-AdjustOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
-  AdjustOptions options;
-  options.calibration = calibration;
-  options.loss = options.position_loss = asked.loss;
-  options.loss_scale_sigmas = asked.loss_scale_sigmas;
-  options.reliability = options.covariances = options.point_covariances = true;
-  options.false_alarm = asked.false_alarm;
-  options.power = asked.power;
-  options.sigma0_known = asked.sigma0_known;
-  options.folds = asked.folds;
+ExamineOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
+  ExamineOptions options;
+  options.adjust.calibration = calibration;
+  options.adjust.loss = options.adjust.position_loss = asked.loss;
+  options.adjust.loss_scale_sigmas = asked.loss_scale_sigmas;
+  options.reliability = options.point_covariances = true;
+  options.test.false_alarm = asked.false_alarm;
+  options.test.power = asked.power;
+  options.test.sigma0_known = asked.sigma0_known;
+  options.test.folds = asked.folds;
   // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
-  options.relative_cost_change = 1e-12;
-  options.step_sigmas = 1e-3;
+  options.adjust.relative_cost_change = 1e-12;
+  options.adjust.step_sigmas = 1e-3;
   return options;
 }
 
@@ -93,7 +93,7 @@ struct Task {
   std::string title;
   Block block;
   AdjustScope scope;
-  AdjustOptions options;
+  ExamineOptions options;
 };
 
 std::vector<std::string> words_in(const std::string& list) {
@@ -131,8 +131,8 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
     CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
     if (own != task.scope.camera_sigmas.end())
       sigmas = own->second;
-    else if (camera.calibrate)
-      sigmas = calibration_named(task.options.calibration, first).value_or(CameraSigmas{});
+    else if (camera.prior.calibrate)
+      sigmas = calibration_named(task.options.adjust.calibration, first).value_or(CameraSigmas{});
     const auto both = with_additional(sigmas, first, held);
     if (!both)
       return fail(Errc::kBadInput, "additional_held = \"" + asked.additional_held + "\": the " +
@@ -182,7 +182,7 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
 
 // One line for the user.
 std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
-  const Adjusted& adjusted = report.adjusted;
+  const Examined& adjusted = report.adjusted;
   std::string text =
       fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
   if (const auto& tests = adjusted.reliability; !tests) {
@@ -223,7 +223,7 @@ AdjustmentFile file_of(const Task& task) {
   AdjustmentFile file;
   file.block = task.block;
   Block& block = file.block;
-  std::erase_if(block.images, [&](const auto& image) { return !block.cam_from_world.contains(image.first); });
+  std::erase_if(block.images, [&](const auto& image) { return !is_oriented(block, image.first); });
   const auto unknown = [&](const auto& seen) { return !block.images.contains(seen.image); };
   std::erase_if(block.control_observations, unknown);
   std::erase_if(block.observations,
@@ -243,8 +243,8 @@ AdjustmentFile file_of(const Task& task) {
     file.given_cameras[id] = given;
     const auto own = task.scope.camera_sigmas.find(id);
     file.camera_sigmas[id] = own != task.scope.camera_sigmas.end() ? own->second
-                             : camera.calibrate
-                                 ? calibration_named(task.options.calibration, given).value_or(CameraSigmas{})
+                             : camera.prior.calibrate
+                                 ? calibration_named(task.options.adjust.calibration, given).value_or(CameraSigmas{})
                                  : CameraSigmas{};
   }
   return file;
@@ -307,7 +307,7 @@ Result<> set_calibration(const std::string& asked, const AdjustmentFile& file, A
   if (asked == "auto") return {};
   for (auto& [id, sigmas] : scope.camera_sigmas) {
     Camera camera = file.given_cameras.at(id);
-    camera.sigma_f_px = 1;
+    camera.prior.sigma_f_px = 1;
     const auto named = calibration_named(asked, camera);
     if (!named) return fail(Errc::kBadInput, "calibration = \"" + asked + "\": no such set of parameters");
     for (std::size_t k = 0; k < sigmas.size(); ++k)
@@ -326,8 +326,9 @@ Result<std::string> adjust_project(const Project& project, const AdjustProjectOp
 Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
                            const std::filesystem::path& file) {
   COLLINEA_TRY(const Task task, task_of(project, asked));
-  if (!calibration_named(task.options.calibration, Camera{}))
-    return fail(Errc::kBadInput, "calibration = \"" + task.options.calibration + "\": no such set of parameters");
+  if (!calibration_named(task.options.adjust.calibration, Camera{}))
+    return fail(Errc::kBadInput,
+                "calibration = \"" + task.options.adjust.calibration + "\": no such set of parameters");
   return write_adjustment_file(file, file_of(task));
 }
 

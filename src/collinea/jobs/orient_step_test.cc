@@ -160,7 +160,7 @@ class InstrumentsTest : public OrientStepTest {
     setup_ = *project_->store.read_setup();
     Block flown = setup_;
     for (auto& [id, image] : flown.images)
-      flown.cam_from_world[id] = {Eigen::Quaterniond::Identity(), -image.position->position_in_world};
+      set_pose(flown, id, {Eigen::Quaterniond::Identity(), -image.position->position_in_world});
     const auto velocities = flight_velocities(flown);
     for (auto& [id, image] : setup_.images) image.position->position_in_world += kShift + kOffset_s * velocities.at(id);
   }

@@ -79,7 +79,7 @@ double difference_to_photographs(const DrawnPlane& plane, const Block& block, co
         const auto image = std::find_if(block.images.begin(), block.images.end(),
                                         [&](const auto& entry) { return entry.second.file == file; });
         const Camera& camera = block.camera_of(image->first);
-        const auto pixel = project(camera, block.cam_from_world.at(image->first) * place);
+        const auto pixel = project(camera, pose_of(block, image->first) * place);
         if (!pixel || !inside(camera, *pixel)) continue;
         if (!pictures.contains(file)) pictures[file] = read_colour(photos / file).value();
         float colour[3];

@@ -71,7 +71,7 @@ void WholeProject::every_image_is_oriented_and_every_product_there() {
   ASSERT_TRUE(project) << project.error().message;
   const auto block = project->store.read_block();
   ASSERT_TRUE(block);
-  EXPECT_EQ(block->cam_from_world.size(), 6u);
+  EXPECT_EQ(count_oriented(*block), 6u);
   for (const std::string& product : kProducts)
     EXPECT_GT(fs::file_size(root_ / "mapped/products" / product), 500u) << product;
   EXPECT_GT(fs::file_size(root_ / "mapped/report/report.html"), 10'000u);
@@ -94,7 +94,7 @@ void WholeProject::projection_centres_are_where_they_were() {
   const Block block = project->store.read_block().value();
   const auto frame = world_frame(block.georeference.value());
   ASSERT_TRUE(frame);
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const std::string& file = block.images.at(id).file;
     EXPECT_LT((frame->map_from_local(centre_of(pose)) - truth->centre_in_map.at(file)).norm(), 2.0)
         << file;  // ten pixels

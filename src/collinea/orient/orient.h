@@ -3,6 +3,7 @@
 
 #include "collinea/orient/reconstruction.h"
 #include "collinea/orient/remeasure.h"
+#include "collinea/quality/examine.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -17,7 +18,7 @@ struct CalibrationUsed {
 /// An oriented block and how it came about.
 struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
-  Adjusted adjusted;  ///< of `block`; with covariances of poses and cameras, unless poses were held as given
+  Examined adjusted;  ///< of `block`; with covariances of poses and cameras, unless poses were held as given
   bool georeferenced = false;                     ///< false: gauge without place, see adjusted.datum
   bool metric = false;                            ///< lengths are in metres: georeferenced, or scaled by distances
   bool relative_heights = false;                  ///< georeferenced in plan, but nothing told a height

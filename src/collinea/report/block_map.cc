@@ -74,9 +74,9 @@ void draw_images(Svg& svg, const MapView& view, const ReportInput& input, const 
       svg.polygon(drawn, style);
     }
   for (const auto& [id, image] : input.block.images)
-    if (image.position && !input.block.cam_from_world.contains(id))
+    if (image.position && !is_oriented(input.block, id))
       svg.circle(view(image.position->position_in_world), 3, "lost", image.file);
-  for (const auto& [id, pose] : input.block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(input.block))
     svg.circle(view(centre_of(pose)), count <= 600 ? 2.6 : 1.6, "station", input.block.images.at(id).file);
 }
 
@@ -97,7 +97,7 @@ std::string block_map(const ReportInput& input, const Coverage& coverage, const 
   MapBounds bounds;
   for (const auto& [id, polygon] : coverage.footprints)
     for (const auto& p : polygon) bounds.add(p);
-  for (const auto& [id, pose] : input.block.cam_from_world) bounds.add(centre_of(pose).head<2>());
+  for (const auto& [id, pose] : oriented_images(input.block)) bounds.add(centre_of(pose).head<2>());
   for (const auto& [id, point] : input.block.control) bounds.add(point.position_in_world.head<2>());
   const MapView view = bounds.view(kMapWidth, 660);
   Svg svg(view.width, view.height, "Map of the block");

@@ -28,11 +28,11 @@ json cameras(const ReportInput& input) {
     json entry = {{"name", camera.name},
                   {"width_px", camera.width_px},
                   {"height_px", camera.height_px},
-                  {"source", camera.source},
-                  {"calibrated", camera.calibrate}};
+                  {"source", camera.prior.source_name()},
+                  {"calibrated", camera.prior.calibrate}};
     const auto first = input.first_cameras.find(id);
     const auto sigma = input.camera_sigma.find(id);
-    if (camera.model != CameraModel::kBrown) entry["model"] = kCameraModelNames[std::size_t(camera.model)];
+    if (!is<Brown>(camera.model)) entry["model"] = name_of(camera.model);
     if (camera.additional != AdditionalSet::kNone)
       entry["additional"] = kAdditionalNames[std::size_t(camera.additional)];
     for (const int param : params_of(camera)) {
@@ -56,7 +56,7 @@ json images(const ReportInput& input, const ReportSummary& summary) {
     json entry = {{"file", input.block.images.at(id).file},
                   {"observations", residuals.observations},
                   {"rms_px", number(residuals.rms_px)},
-                  {"centre_in_world", vector(centre_of(input.block.cam_from_world.at(id)))}};
+                  {"centre_in_world", vector(centre_of(pose_of(input.block, id)))}};
     if (const auto sigma = input.centre_sigma_m.find(id); sigma != input.centre_sigma_m.end())
       entry["centre_sigma_m"] = vector(sigma->second);
     if (const auto position = positions.find(id); position != positions.end()) {
@@ -155,7 +155,7 @@ std::string report_json(const ReportInput& input, const ReportSummary& s) {
                        {"gauge", input.gauge},
                        {"length_unit", s.unit},
                        {"images", input.block.images.size()},
-                       {"oriented", input.block.cam_from_world.size()},
+                       {"oriented", count_oriented(input.block)},
                        {"tie_points", input.block.points.size()},
                        {"sigma0", number(input.sigma0)},
                        {"redundancy", input.redundancy},

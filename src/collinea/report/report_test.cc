@@ -208,7 +208,7 @@ TEST(Coverage, ANadirFootprintIsThePictureTimesTheScale) {
   block.cameras[{0}] = ideal_camera(1000, 800, 600);
   block.images[{0}].camera = {0};
   const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{0, 0, 0});
-  block.cam_from_world[{0}] = {rotation, -(rotation * Eigen::Vector3d(10, 20, 105))};
+  set_pose(block, {0}, {rotation, -(rotation * Eigen::Vector3d(10, 20, 105))});
   block.points[{0}] = {{0, 0, 5}, {}};
   const Coverage coverage = coverage_of(block);
   EXPECT_EQ(coverage.ground_height, 5);
@@ -227,7 +227,7 @@ TEST(Coverage, AnImageThatLooksSidewaysCoversItsTiePoints) {
   Block block;
   block.cameras[{0}] = ideal_camera(1000, 800, 600);
   block.images[{0}].camera = {0};
-  block.cam_from_world[{0}] = {cam_from_world(OmegaPhiKappa{90, 0, 0}), Eigen::Vector3d::Zero()};
+  set_pose(block, {0}, {cam_from_world(OmegaPhiKappa{90, 0, 0}), Eigen::Vector3d::Zero()});
   const std::vector<Eigen::Vector2d> corners = {{0, 10}, {6, 10}, {6, 14},
                                                 {0, 14}, {3, 12}, {0, 90}};  // the last: far behind
   for (std::uint32_t i = 0; i < corners.size(); ++i) {

@@ -85,7 +85,7 @@ double field_of_view_deg(const Camera& camera) {
 
 std::string words_of_model(const Camera& camera) {
   std::string words;
-  if (is_fisheye(camera.model)) words = "fisheye (" + std::string(kCameraModelNames[std::size_t(camera.model)]) + "), ";
+  if (is_fisheye(camera.model)) words = "fisheye (" + std::string(name_of(camera.model)) + "), ";
   if (camera.additional != AdditionalSet::kNone)
     words += fmt::format("{} additional parameters ({}), ", count_of(camera.additional),
                          kAdditionalNames[std::size_t(camera.additional)]);
@@ -96,14 +96,14 @@ std::string words_of_model(const Camera& camera) {
 std::string one_camera(const ReportInput& input, const ReportSummary& summary, CameraId id) {
   const Camera& camera = input.block.cameras.at(id);
   std::size_t images = 0;
-  for (const auto& [image, pose] : input.block.cam_from_world) images += input.block.images.at(image).camera == id;
+  for (const auto& [image, pose] : oriented_images(input.block)) images += input.block.images.at(image).camera == id;
   std::string html = fmt::format(
       "<h3>{}</h3><p>{}{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
       "{}.{}</p>\n",
       escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), words_of_model(camera),
       camera.width_px, camera.height_px, images, images == 1 ? "" : "s", field_of_view_deg(camera),
-      escaped(camera.source.empty() ? "unknown" : camera.source),
-      camera.calibrate ? "" : " All parameters were given and held.");
+      escaped(camera.prior.source == Provenance::kUnknown ? "unknown" : camera.prior.source_name()),
+      camera.prior.calibrate ? "" : " All parameters were given and held.");
   html +=
       "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th "
       "class=\"l\">unit</th><th>before</th><th>adjusted</th>"

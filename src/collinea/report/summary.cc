@@ -103,7 +103,7 @@ ReportSummary summary_of(const ReportInput& input) {
     ++(control.excluded ? s.excluded_points : control.used ? s.control_points : s.check_points);
   }
   for (const auto& [id, image] : input.block.images)
-    if (!input.block.cam_from_world.contains(id) && !skipped(input, image.file)) s.not_oriented.push_back(id);
+    if (!is_oriented(input.block, id) && !skipped(input, image.file)) s.not_oriented.push_back(id);
   s.statement = statement_of(input, s);
   add_cautions(input, s);
   return s;

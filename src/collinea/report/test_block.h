@@ -15,7 +15,7 @@ inline double ground(double x, double y) { return 4 * std::sin(x / 60) + 0.02 * 
 
 template <class Take>
 void see(const Block& block, const Eigen::Vector3d& point, Take&& take) {
-  for (const auto& [image, pose] : block.cam_from_world) {
+  for (const auto& [image, pose] : oriented_images(block)) {
     const auto pixel = project(block.cameras.at({0}), pose * point);
     if (pixel && inside(block.cameras.at({0}), *pixel)) take(image, *pixel);
   }
@@ -28,7 +28,7 @@ inline Eigen::Vector2d noisy(const Eigen::Vector2d& pixel, Random& random) {
 inline void add_camera(ReportInput& input) {
   Camera camera = ideal_camera(3650, 4000, 3000);
   camera.name = "DJI FC6310 0123";
-  camera.source = "EXIF";
+  camera.prior.source = Provenance::kExif35mm;
   input.first_cameras[{0}] = camera;
   camera.params = {3661.4, 2004.1, 1490.7, -0.0123, 0.0061, -0.002, 0.0004, -0.0003, 0, 0};
   input.block.cameras[{0}] = camera;
@@ -48,7 +48,7 @@ inline void add_images(int strips, int per_strip, Random& random, ReportInput& i
       image.position = PositionPrior{centre, {2, 2, 4}, 45, 15, 160};
       input.block.images[{id}] = image;
       if (s == strips - 1 && i == per_strip - 1) continue;  // one image is lost
-      input.block.cam_from_world[{id}] = {rotation, -(rotation * centre)};
+      set_pose(input.block, {id}, {rotation, -(rotation * centre)});
       input.centre_sigma_m[{id}] = Eigen::Vector3d(0.011, 0.012, 0.02);
       input.positions.push_back({{id}, Eigen::Vector3d(random.normal(), random.normal(), 3 * random.normal()), 1});
     }

@@ -59,7 +59,7 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
                                        WorkingPictures& pictures, DepthFolder& overviews, DepthFolder& folder,
                                        std::vector<SkippedImage>& left_out) {
   std::vector<ImageId> images;
-  for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
+  for (const auto& [image, pose] : oriented_images(block)) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
   SharedRoom costs = room_for_costs(options, project.run.threads);
   const auto overviewed = make_maps(

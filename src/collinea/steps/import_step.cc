@@ -18,8 +18,8 @@ std::string hash_of_pictures(const Imported& imported) {
   for (const std::string& file_hash : imported.file_hash) hash.add(file_hash);
   for (const auto& [id, camera] : imported.block.cameras) {
     for (std::size_t k = 0; k < Camera::kK4; ++k) add(camera.params[k]);
-    add(camera.sigma_f_px);
-    if (camera.model != CameraModel::kBrown) add(double(camera.model)), add(camera.params[Camera::kK4]);
+    add(camera.prior.sigma_f_px);
+    if (!is<Brown>(camera.model)) add(double(camera.model.index())), add(camera.params[Camera::kK4]);
   }
   for (const auto& [id, image] : imported.block.images) {
     hash.add(image.file).add(image.camera.value).add(image.taken);

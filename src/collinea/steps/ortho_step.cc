@@ -61,7 +61,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
   std::vector<SeamPolygon> given;
   if (const auto& path = project.settings.ortho.seamlines) {
     std::vector<ImageId> oriented;
-    for (const auto& [image, pose] : block.cam_from_world) oriented.push_back(image);
+    for (const auto& [image, pose] : oriented_images(block)) oriented.push_back(image);
     COLLINEA_TRY(given, read_seamlines(*path, block, oriented, surface.grid.wkt));
     guides.given = &given;
   }

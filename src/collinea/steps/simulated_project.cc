@@ -21,14 +21,14 @@ constexpr std::size_t kBatch = 1024;  // pairs in work at once
 // What import would know: nominal cameras, positions with the errors of a receiver, control; no poses.
 Block setup_of(const Truth& truth) {
   Block setup = truth.block;
-  setup.cam_from_world.clear();
+  clear_poses(setup);
   for (auto& [id, camera] : setup.cameras) {
     const Camera exact = camera;
     camera = ideal_camera(truth.nominal_focal_px, exact.width_px, exact.height_px);
     camera.model = exact.model;
-    camera.sigma_f_px = kExifFocalSigma * truth.nominal_focal_px;
+    camera.prior.sigma_f_px = kExifFocalSigma * truth.nominal_focal_px;
     camera.name = exact.name;
-    camera.source = "simulated";
+    camera.prior.source = Provenance::kSimulated;
   }
   return setup;
 }

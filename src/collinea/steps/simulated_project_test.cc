@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/quality/examine.h"
 #include "collinea/steps/flow.h"
 #include "collinea/steps/test_project.h"
 #include "collinea/store/sqlite.h"
@@ -35,14 +35,14 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
     EXPECT_EQ(std::count_if(lines.begin(), lines.end(), up_to_date), 1) << step;
   }
   const Block block = *project->store.read_block();
-  ASSERT_EQ(block.cam_from_world.size(), 20u);
+  ASSERT_EQ(count_oriented(block), 20u);
   const auto truth = read_truth(folder / "block");
-  const auto adjusted = adjust(block, {}, {.calibration = "brown", .covariances = true}, {});
+  const auto adjusted = examine(block, {}, {.adjust = {.calibration = "brown"}}, {});
   ASSERT_TRUE(truth && adjusted);
   double squares = 0, variance_m2 = 0;
   for (const auto& [id, covariance] : adjusted->pose_covariance) {
     const Eigen::Vector3d error =
-        centre_of(block.cam_from_world.at(id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
+        centre_of(pose_of(block, id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
     const Eigen::Array3d variance = std::pow(adjusted->sigma0, 2) * covariance.diagonal().tail<3>().array();
     squares += (error.array().square() / variance).mean() / 20;
     variance_m2 += variance.sum() / 20;
@@ -109,16 +109,16 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     const auto done = bring_up_to(*project, "orient");
     ASSERT_TRUE(done) << done.error().message;
     const Block block = *project->store.read_block();
-    EXPECT_EQ(block.cam_from_world.size(), 16u);
+    EXPECT_EQ(count_oriented(block), 16u);
     const auto truth = read_truth(folder / "block");
     const auto setup = project->store.read_setup();
     ASSERT_TRUE(setup);
     AdjustScope scope;
     scope.first_cameras = setup->cameras;
-    const auto adjusted = adjust(block, scope, {.calibration = "brown", .covariances = true}, {});
+    const auto adjusted = examine(block, scope, {.adjust = {.calibration = "brown"}}, {});
     ASSERT_TRUE(truth && adjusted);
     const Camera& found = block.cameras.begin()->second;
-    EXPECT_EQ(kCameraModelNames[std::size_t(found.model)], model);
+    EXPECT_EQ(name_of(found.model), model);
     const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
     for (const int k : params_of(found)) {
       const double sigma = adjusted->sigma0 * std::sqrt(covariance(k, k));

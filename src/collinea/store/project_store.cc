@@ -17,15 +17,15 @@ using sqlite::Database;
 using sqlite::Statement;
 
 constexpr std::int64_t kApplication = 0x434f4c4e;  // "COLN" in the file's header
-constexpr std::int64_t kSchema = 1;
+constexpr std::int64_t kSchema = 2;
 
 // Numbers that must come back bit by bit are packed in blobs: SQLite turns NaN into NULL and drops the sign of zero.
 constexpr const char* kTables = R"sql(
 CREATE TABLE georeference (id INTEGER PRIMARY KEY CHECK (id = 0), crs TEXT, origin BLOB);
-CREATE TABLE cameras (id INTEGER PRIMARY KEY, name TEXT, source TEXT, width_px INTEGER, height_px INTEGER,
-                      calibrate INTEGER, numbers BLOB);
-CREATE TABLE adjusted_cameras (id INTEGER PRIMARY KEY, name TEXT, source TEXT, width_px INTEGER, height_px INTEGER,
-                               calibrate INTEGER, numbers BLOB);
+CREATE TABLE cameras (id INTEGER PRIMARY KEY, name TEXT, width_px INTEGER, height_px INTEGER, model TEXT,
+                      additional TEXT, parameters TEXT, source TEXT, calibrate INTEGER, sigma_f_px BLOB);
+CREATE TABLE adjusted_cameras (id INTEGER PRIMARY KEY, name TEXT, width_px INTEGER, height_px INTEGER, model TEXT,
+                               additional TEXT, parameters TEXT, source TEXT, calibrate INTEGER, sigma_f_px BLOB);
 CREATE TABLE images (id INTEGER PRIMARY KEY, file TEXT, camera INTEGER, taken TEXT, orientation INTEGER,
                      position BLOB, attitude BLOB);
 CREATE TABLE control (id INTEGER PRIMARY KEY, name TEXT, role TEXT, numbers BLOB);

@@ -45,13 +45,13 @@ Eigen::Vector3d any_vector(Random& random) { return {random.normal(), random.nor
 
 Camera any_camera(Random& random, std::size_t model, std::size_t additional) {
   Camera camera = ideal_camera(1000 + random.normal(), 4000, 3000);
-  camera.model = CameraModel(model);
+  camera.model = kCameraModels[model];
   camera.additional = AdditionalSet(additional);
   for (const int k : params_of(camera)) camera.params[std::size_t(k)] += random.normal();
   camera.name = "Maker Model \xc3\xa9";
-  camera.source = "EXIF";
-  camera.sigma_f_px = random.uniform();
-  camera.calibrate = false;
+  camera.prior.source = Provenance::kExif35mm;
+  camera.prior.sigma_f_px = random.uniform();
+  camera.prior.calibrate = false;
   return camera;
 }
 
@@ -66,8 +66,8 @@ Block setup_block() {
   Random random(7);
   Block block;
   block.georeference = Georeference{"EPSG:32633", 41.1 + 1e-14, 16.9, -0.0};
-  for (std::uint32_t i = 3; i < 3 + kCameraModelNames.size() * kAdditionalNames.size(); ++i)
-    block.cameras[{i}] = any_camera(random, (i - 3) % kCameraModelNames.size(), (i - 3) / kCameraModelNames.size());
+  for (std::uint32_t i = 3; i < 3 + kCameraModels.size() * kAdditionalNames.size(); ++i)
+    block.cameras[{i}] = any_camera(random, (i - 3) % kCameraModels.size(), (i - 3) / kCameraModels.size());
   for (std::uint32_t i = 0; i < 4; ++i) {
     Image image;
     image.file = "photo " + std::to_string(i) + ".jpg";
@@ -97,8 +97,7 @@ Block oriented_block(std::uint32_t points) {
   Random random(8);
   Block block = setup_block();
   block.cameras[{3}].params[Camera::kK1] = -0.1234567890123;
-  for (std::uint32_t i = 0; i < 4; ++i)
-    block.cam_from_world[{i}] = {Eigen::Quaterniond::UnitRandom(), any_vector(random)};
+  for (std::uint32_t i = 0; i < 4; ++i) set_pose(block, {i}, {Eigen::Quaterniond::UnitRandom(), any_vector(random)});
   for (std::uint32_t p = 0; p < points; ++p) {
     block.points[{2 * p}] = {any_vector(random), {std::uint8_t(p), 2, 255}};
     for (std::uint32_t i = 0; i < 4; ++i)
@@ -112,15 +111,15 @@ void expect_same_cameras(const Block& a, const Block& b) {
   ASSERT_EQ(a.cameras.size(), b.cameras.size());
   for (const auto& [id, camera] : a.cameras) {
     const Camera& other = b.cameras.at(id);
-    EXPECT_EQ(camera.model, other.model);
+    EXPECT_EQ(name_of(camera.model), name_of(other.model));
     EXPECT_EQ(camera.additional, other.additional);
     for (std::size_t i = 0; i < camera.params.size(); ++i) EXPECT_TRUE(same_bits(camera.params[i], other.params[i]));
-    EXPECT_TRUE(same_bits(camera.sigma_f_px, other.sigma_f_px));
+    EXPECT_TRUE(same_bits(camera.prior.sigma_f_px, other.prior.sigma_f_px));
     EXPECT_EQ(camera.name, other.name);
-    EXPECT_EQ(camera.source, other.source);
+    EXPECT_EQ(camera.prior.source, other.prior.source);
     EXPECT_EQ(camera.width_px, other.width_px);
     EXPECT_EQ(camera.height_px, other.height_px);
-    EXPECT_EQ(camera.calibrate, other.calibrate);
+    EXPECT_EQ(camera.prior.calibrate, other.prior.calibrate);
   }
 }
 
@@ -179,10 +178,10 @@ void expect_same_control(const Block& a, const Block& b) {
 }
 
 void expect_same_orientation(const Block& a, const Block& b) {
-  ASSERT_EQ(a.cam_from_world.size(), b.cam_from_world.size());
-  for (const auto& [id, pose] : a.cam_from_world) {
-    EXPECT_TRUE(same_vector(pose.rotation.coeffs(), b.cam_from_world.at(id).rotation.coeffs()));
-    EXPECT_TRUE(same_vector(pose.translation, b.cam_from_world.at(id).translation));
+  ASSERT_EQ(count_oriented(a), count_oriented(b));
+  for (const auto& [id, pose] : oriented_images(a)) {
+    EXPECT_TRUE(same_vector(pose.rotation.coeffs(), pose_of(b, id).rotation.coeffs()));
+    EXPECT_TRUE(same_vector(pose.translation, pose_of(b, id).translation));
   }
   ASSERT_EQ(a.points.size(), b.points.size());
   for (const auto& [id, point] : a.points) {
@@ -239,7 +238,7 @@ TEST_F(ProjectStoreTest, TheOrientationComesBackBitByBitAndLeavesTheSetupAlone) 
   ASSERT_TRUE(again);
   expect_same_cameras(*again, setup);
   expect_same_control(*again, setup);
-  EXPECT_TRUE(again->cam_from_world.empty() && again->points.empty() && again->observations.empty());
+  EXPECT_TRUE(oriented_images(*again).empty() && again->points.empty() && again->observations.empty());
 }
 
 TEST_F(ProjectStoreTest, TiesComeOneByOneAndTheOrientationWithoutThem) {
@@ -337,7 +336,7 @@ TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
   const std::uint64_t first = hash_of(setup);
   std::vector<Block> changed(8, setup);
   changed[0].georeference->origin_height_m += 1e-9;
-  changed[1].cameras.begin()->second.sigma_f_px += 1e-9;
+  changed[1].cameras.begin()->second.prior.sigma_f_px += 1e-9;
   changed[2].images.begin()->second.position->sigma_m.z() *= 2;
   changed[3].control.begin()->second.sigma_m.x() *= 2;
   changed[4].control.begin()->second.role = ControlRole::kControl;
