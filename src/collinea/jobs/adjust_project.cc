@@ -32,8 +32,7 @@ Result<OrientationRecord> orientation_of(const Project& project) {
 
 // As orientation calibrated them. Where it held the poses of another program it also keeps what came with them.
 Calibration calibration_of(const OrientationRecord& orientation) {
-  if (orientation.holds_given_poses) return Calibration::kNone;
-  return from_word<Calibration>(orientation.calibration.parameters).value_or(Calibration::kNone);
+  return orientation.holds_given_poses ? Calibration::kNone : orientation.calibration.parameters;
 }
 
 // What orientation did without, or shall be done without, is compared all the same.

@@ -86,7 +86,7 @@ json figures_of_record(const Record& record, const Block& block) {
 json figures_of_record(const OrientationRecord& record, const Block& block) {
   json figures = object_of(record, block);
   figures["gsd_m"] = value_of(record.gsd_m(), block);
-  figures["calibration"] = record.calibration.parameters;
+  figures["calibration"] = word_of(record.calibration.parameters);
   return figures;
 }
 

@@ -97,7 +97,7 @@ std::vector<HeightPrecision> height_precision_of(const Examined& adjusted) {
 
 CalibrationRecord calibration_of(const Orientation& orientation) {
   CalibrationRecord record;
-  record.parameters = word_of(orientation.calibration.parameters);
+  record.parameters = orientation.calibration.parameters;
   for (const auto& [camera, params] : orientation.calibration.free)
     record.free[camera].assign(params.begin(), params.end());
   const double scale = sigma_scale(orientation.adjusted);

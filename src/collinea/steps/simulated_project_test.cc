@@ -78,20 +78,23 @@ TEST(SimulatedProject, KeepsWhichParametersWereFree) {
   survey.images = 12;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, {});
   ASSERT_TRUE(project) << project.error().message;
-  const std::tuple<std::optional<Calibration>, const char*, int> cases[] = {
-      {Calibration::kNone, "none", 0}, {Calibration::kFocal, "focal", 1}, {std::nullopt, "brown", 8}};
+  const std::tuple<std::optional<Calibration>, Calibration, int> cases[] = {
+      {Calibration::kNone, Calibration::kNone, 0},
+      {Calibration::kFocal, Calibration::kFocal, 1},
+      {std::nullopt, Calibration::kBrown, 8}};
   for (const auto& [asked, used, count] : cases) {
     project->settings.orient.calibration = asked;
     ASSERT_TRUE(bring_up_to(*project, "orient"));
     const CalibrationRecord record = project->store.read_outcome<OrientationRecord>()->calibration;
     EXPECT_EQ(record.parameters, used);
-    ASSERT_EQ(record.free.size(), count > 0 ? 1u : 0u) << used;
+    ASSERT_EQ(record.free.size(), count > 0 ? 1u : 0u) << word_of(used);
     if (count == 0) continue;
     const auto& [camera, free] = *record.free.begin();
-    EXPECT_EQ(int(free.size()), count) << used;
-    for (const std::uint32_t param : free) EXPECT_GT(record.sigma.at(camera).at(param), 0) << used << " " << param;
+    EXPECT_EQ(int(free.size()), count) << word_of(used);
+    for (const std::uint32_t param : free)
+      EXPECT_GT(record.sigma.at(camera).at(param), 0) << word_of(used) << " " << param;
     const auto& sigma = record.sigma.at(camera);
-    EXPECT_EQ(std::count_if(sigma.begin(), sigma.end(), [](double one) { return one > 0; }), count) << used;
+    EXPECT_EQ(std::count_if(sigma.begin(), sigma.end(), [](double one) { return one > 0; }), count) << word_of(used);
   }
 }
 

@@ -17,6 +17,7 @@
 #include "collinea/base/id.h"
 #include "collinea/base/options.h"
 #include "collinea/base/packed.h"
+#include "collinea/base/words.h"
 
 namespace collinea {
 
@@ -67,6 +68,17 @@ template <class Tag>
 inline constexpr bool is_id<Id<Tag>> = true;
 template <class>
 inline constexpr bool is_unknown = true;
+
+/// Whether the enumeration has this value: by its words, or by a function is_known() beside it.
+template <class T>
+bool is_value(T value) {
+  if constexpr (Worded<T>)
+    return !word_of(value).empty();
+  else if constexpr (requires { is_known(value); })
+    return is_known(value);
+  else
+    return true;
+}
 
 /// visit(name, member) for each member of T, however T tells them.
 template <class T, class Visit>
@@ -131,7 +143,7 @@ template <class T>
     return unpacker.ok();
   } else if constexpr (std::is_enum_v<T>) {
     value = T(unpacker.get<std::underlying_type_t<T>>());
-    return unpacker.ok();
+    return unpacker.ok() && is_value(value);
   } else if constexpr (is_id<T>) {
     unpacker.get(value.value);
     return unpacker.ok();

@@ -18,6 +18,7 @@
 #include "collinea/block/features.h"
 #include "collinea/block/gauge.h"
 #include "collinea/block/instrument_options.h"
+#include "collinea/camera/calibration_choice.h"
 
 namespace collinea {
 
@@ -123,8 +124,7 @@ struct HeightPrecision {
 
 /// How cameras took part in the adjustment that gave the orientation.
 struct CalibrationRecord {
-  /// The set of parameters by its name (AdjustOptions::calibration): "none" when no camera was calibrated.
-  std::string parameters = "none";
+  Calibration parameters = Calibration::kNone;  ///< none when no camera was calibrated
   /// Of each camera that was calibrated: the indices in Camera::params that were free, ascending.
   std::map<CameraId, std::vector<std::uint32_t>> free;
   /// Standard deviations of Camera::params, sigma0 held; 0: fixed or not known. Of cameras whose covariance is known.
