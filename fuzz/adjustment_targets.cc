@@ -2,6 +2,7 @@
 #include "collinea/io/adjustment_file.h"
 #include "collinea/io/dbat_script.h"
 #include "collinea/io/photomodeler.h"
+#include "sound.h"
 #include "target.h"
 
 namespace collinea::fuzz {
@@ -61,18 +62,26 @@ std::string dbat_seed() {
          "2, 5, 100, 200\n1, 5, 110.5, 210\n1, 1001, 7, 8\n";
 }
 
+bool accepted(const Result<AdjustmentFile>& file) {
+  if (file) check_sound(file->block);
+  return file.has_value();
+}
+
 // The script, and the tables that it may name "1.txt" to "4.txt".
 bool accepts_dbat(std::string_view bytes) {
   const auto parts = parts_of(bytes);
   for (std::size_t i = 1; i < 5; ++i)
     (void)file_of(i < parts.size() ? parts[i] : std::string_view{}, std::to_string(i) + ".txt");
-  return read_dbat_script(file_of(parts[0], "script.xml")).has_value();
+  return accepted(read_dbat_script(file_of(parts[0], "script.xml")));
 }
 
 // What was read can be written, and that can be read again.
 bool accepts_adjustment(std::string_view bytes) {
   const auto file = parse_adjustment_file(bytes);
-  return file && parse_adjustment_file(adjustment_file_text(*file)).has_value();
+  if (!accepted(file)) return false;
+  const auto again = parse_adjustment_file(adjustment_file_text(*file));
+  COLLINEA_CHECK(again && again->block.observations.size() == file->block.observations.size());
+  return true;
 }
 
 }  // namespace
@@ -81,7 +90,7 @@ std::vector<Target> adjustment_targets() {
   return {{"adjustment", accepts_adjustment, {kAdjustment, kAdjustmentWithoutFrame}},
           {"dbat", accepts_dbat, {dbat_seed()}},
           {"photomodeler",
-           [](std::string_view bytes) { return is_photomodeler(bytes) && parse_photomodeler(bytes).has_value(); },
+           [](std::string_view bytes) { return is_photomodeler(bytes) && accepted(parse_photomodeler(bytes)); },
            {kPhotomodeler}}};
 }
 
