@@ -127,8 +127,7 @@ std::string ground_line(const GroundObservation& one, const std::map<ControlId, 
 void write_camera(const AdjustmentFile& file, CameraId id, const std::string& name, std::string& text) {
   const Camera& camera = file.block.cameras.at(id);
   text += "\ncamera " + name + " " + std::to_string(camera.width_px) + " " + std::to_string(camera.height_px) + " " +
-          std::string(kCameraModelNames[std::size_t(camera.model)]) +
-          (file.corrected_cameras.contains(id) ? " sigmas_after_correction" : "") +
+          std::string(name_of(camera.model)) + (file.corrected_cameras.contains(id) ? " sigmas_after_correction" : "") +
           (camera.additional == AdditionalSet::kNone
                ? "\n"
                : " " + std::string(kAdditionalNames[std::size_t(camera.additional)]) + "\n");
@@ -179,9 +178,9 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
   text += "\n";
   for (const auto& [id, image] : block.images) {
     text += "image " + images.at(id) + " " + cameras.at(image.camera) + "\n";
-    if (const auto pose = block.cam_from_world.find(id); pose != block.cam_from_world.end()) {
-      const OmegaPhiKappa angles = omega_phi_kappa(pose->second.rotation);
-      text += "pose " + images.at(id) + words(centre_of(pose->second)) +
+    if (const std::optional<Rigid3> pose = find_pose(block, id)) {
+      const OmegaPhiKappa angles = omega_phi_kappa(pose->rotation);
+      text += "pose " + images.at(id) + words(centre_of(*pose)) +
               words({angles.omega_deg, angles.phi_deg, angles.kappa_deg}) +
               (file.held_images.contains(id) ? " fixed\n" : "\n");
     }

@@ -20,7 +20,7 @@ using namespace colmap;
 
 Result<std::map<CameraId, ExportedCamera>> exported_cameras(const Block& block) {
   std::map<CameraId, ExportedCamera> cameras;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const CameraId camera = block.images.at(id).camera;
     if (cameras.contains(camera)) continue;
     COLLINEA_TRY(cameras[camera], exported(camera, block.camera_of(id)));
@@ -31,8 +31,8 @@ Result<std::map<CameraId, ExportedCamera>> exported_cameras(const Block& block) 
 std::vector<std::string> remarks_on(const Block& block, const std::map<CameraId, ExportedCamera>& used) {
   std::vector<std::string> remarks;
   for (const auto& [id, camera] : used) remarks.insert(remarks.end(), camera.remarks.begin(), camera.remarks.end());
-  if (block.cam_from_world.size() < block.images.size())
-    remarks.push_back(std::to_string(block.images.size() - block.cam_from_world.size()) +
+  if (count_oriented(block) < block.images.size())
+    remarks.push_back(std::to_string(block.images.size() - count_oriented(block)) +
                       " images without orientation are left out");
   return remarks;
 }
@@ -41,7 +41,7 @@ Model model_of(const Block& block, const std::map<CameraId, ExportedCamera>& use
   Model model;
   for (const auto& [id, camera] : used) model.cameras.push_back(camera.row);
   std::map<ImageId, std::size_t> rows;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const Image& image = block.images.at(id);
     rows[id] = model.images.size();
     model.images.push_back({id.value + std::uint64_t{1}, image.camera.value + std::uint64_t{1}, pose, image.file, {}});
@@ -102,7 +102,7 @@ Result<> take_images(const std::vector<ImageRow>& rows, IdRule image_id, IdRule 
       return fail(Errc::kBadFormat, "image " + row.name + " has no sensible pose");
     Rigid3 pose = row.cam_from_world;
     if (std::abs(q.squaredNorm() - 1) > 1e-12) pose.rotation.normalize();
-    block.cam_from_world[{image_id(row.id)}] = pose;
+    set_pose(block, {image_id(row.id)}, pose);
     block.images[{image_id(row.id)}] = std::move(image);
   }
   return {};

@@ -109,7 +109,7 @@ TEST_F(DbatScript, AnglesAreInTheirUnits) {
   for (const char* units : {" units=\"radians\"", ""}) {
     const auto file = read(with(" units=\"degrees\"", units));
     ASSERT_TRUE(file) << file.error().message;
-    EXPECT_NEAR(omega_phi_kappa(file->block.cam_from_world.at({3}).rotation).omega_deg, 1, 1e-4);
+    EXPECT_NEAR(omega_phi_kappa(pose_of(file->block, {3}).rotation).omega_deg, 1, 1e-4);
   }
   EXPECT_NE(error_of(with("units=\"degrees\"", "units=\"gon\"")).find("angles in gon"), std::string::npos);
 }

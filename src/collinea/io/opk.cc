@@ -32,7 +32,7 @@ std::optional<ExteriorOrientation> row_of(const std::vector<std::string_view>& w
 Result<std::vector<ExteriorOrientation>> exterior_orientations(const Block& block) {
   COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(block));
   std::vector<ExteriorOrientation> rows;
-  for (const auto& [id, cam_from_world] : block.cam_from_world) {
+  for (const auto& [id, cam_from_world] : oriented_images(block)) {
     const Eigen::Vector3d centre = centre_of(cam_from_world);
     ExteriorOrientation row{block.images.at(id).file, centre, {}};
     Eigen::Quaterniond cam_from_map = cam_from_world.rotation;
