@@ -15,7 +15,7 @@ void check_images(const Block& block) {
     COLLINEA_CHECK(std::ranges::all_of(camera.params, [](double value) { return std::isfinite(value); }));
   }
   for (const auto& [id, image] : block.images) COLLINEA_CHECK(block.cameras.contains(image.camera));
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     COLLINEA_CHECK(block.images.contains(id));
     COLLINEA_CHECK(pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1) < 1e-6);
   }
