@@ -16,11 +16,6 @@ const std::string kAdjustment =
     "check \"a \"\"b\"\"\" 1 2 3 0.1 0.1 0.2\npoint 7 5 5 1\nmeasured_control b G1 100.5 200 0.3\n"
     "measured_tie b 7 1 2 0.5\nmeasured_tie \"left one.jpg\" 7 3 4 0.5\n";
 
-const std::string kAdjustmentWithoutFrame =
-    "collinea-adjustment 1\ncamera c 4000 3000 brown\nimage a c\nimage b c\n"
-    "pose a 0 0 50 0 0 90\ncontrol G1 1 2 3 0 0 -\ncontrol G2 4 2 3 0 0 -\n"
-    "measured_control a G1 100.5 200 0.3\n";
-
 const std::string kPhotomodeler =
     "Bundle of two photographs\n 0.0005 20 2000 1500\n 1.0 0.1 10.0 100.0 100.0 100.0 20.0 20.0 20.0\n"
     " 8.0 4.1 2.9 8.00 6.00 5e-3 -1e-4 1e-6 -6e-5 -3e-5\n 0.0 0.0 0.0 0.5 0.5 0.001 0.0001 0.0001 0.001 0.001\n"
@@ -87,7 +82,7 @@ bool accepts_adjustment(std::string_view bytes) {
 }  // namespace
 
 std::vector<Target> adjustment_targets() {
-  return {{"adjustment", accepts_adjustment, {kAdjustment, kAdjustmentWithoutFrame}},
+  return {{"adjustment", accepts_adjustment, {kAdjustment}},
           {"dbat", accepts_dbat, {dbat_seed()}},
           {"photomodeler",
            [](std::string_view bytes) { return is_photomodeler(bytes) && accepted(parse_photomodeler(bytes)); },
