@@ -120,16 +120,232 @@ void write_tiff(const std::filesystem::path& path, const Raster<T>& raster, cons
 TEST(Photo, TiffIsExactInStripsAndTiles) {
   const TestFolder folder;
   for (const bool tiled : {false, true})
-    for (const std::uint32_t compression : {1u, 5u})  // none, LZW
-      expect_refused(folder / "b.tif", tiff_of({{256, 40000},
-                                                {257, 20000},
-                                                {258, 8},
-                                                {259, compression},
-                                                {262, 1},
-                                                {273, 8},
-                                                {277, 1},
-                                                {278, 20000},
-                                                {279, 100}}));
+    for (const std::uint16_t compression : {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE}) {
+      const std::uint16_t predictor = compression == COMPRESSION_NONE ? 1 : 2;
+      write_tiff(folder / "c.tif", picture(70, 45), {8, 3, compression, PHOTOMETRIC_RGB, predictor, tiled});
+      EXPECT_EQ(read_colour(folder / "c.tif").value().data, picture(70, 45).data);
+      write_tiff(folder / "g.tif", picture(70, 45, 1), {8, 1, compression, PHOTOMETRIC_MINISBLACK, predictor, tiled});
+      EXPECT_EQ(read_grey(folder / "g.tif").value().data, picture(70, 45, 1).data);
+    }
+}
+
+TEST(Photo, InvertedTiffGoesThroughTheConversion) {
+  const TestFolder folder;
+  write_tiff(folder / "i.tif", picture(70, 45, 1), {8, 1, COMPRESSION_NONE, PHOTOMETRIC_MINISWHITE, 1, false});
+  const GreyImage back = read_grey(folder / "i.tif").value();
+  for (const auto& [x, y] : {std::pair(0, 0), std::pair(69, 0), std::pair(3, 44)})
+    EXPECT_EQ(back.at(x, y), 255 - picture(70, 45, 1).at(x, y));
+}
+
+// 1000 samples of a ramp 10000 .. 10999: the 0.1 and 99.9 percentiles are its second value and its last.
+TEST(Photo, SixteenBitsAreStretchedBetweenTheirPercentiles) {
+  const TestFolder folder;
+  Raster<std::uint16_t> ramp(1000, 1);
+  for (int x = 0; x < 1000; ++x) ramp.at(x, 0) = std::uint16_t(10000 + x);
+  write_tiff(folder / "r.tif", ramp, {16, 1, COMPRESSION_NONE, PHOTOMETRIC_MINISBLACK, 1, false});
+  const GreyImage back = read_grey(folder / "r.tif").value();
+  EXPECT_EQ(back.at(0, 0), 0);
+  EXPECT_EQ(back.at(1, 0), 0);
+  EXPECT_EQ(back.at(999, 0), 255);
+  EXPECT_NEAR(back.at(500, 0), 255.0 * 499 / 998, 0.51);
+}
+
+TEST(Photo, SixteenBitPngIsReadInTheRightByteOrder) {
+  const TestFolder folder;
+  std::FILE* file = std::fopen((folder / "r.png").c_str(), "wb");
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, file);
+  png_set_IHDR(png, info, 600, 1, 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, 0, 0);
+  png_write_info(png, info);
+  std::vector<png_byte> row;
+  for (int x = 0; x < 600; ++x) row.insert(row.end(), {png_byte(x >> 8), png_byte(x & 255)});
+  png_write_row(png, row.data());
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  std::fclose(file);
+  const GreyImage back = read_grey(folder / "r.png").value();
+  for (int x = 1; x < 600; ++x) EXPECT_GE(back.at(x, 0), back.at(x - 1, 0));
+  EXPECT_EQ(back.at(599, 0), 255);
+}
+
+// Four inks as Adobe writes them (255 = none): red is magenta and yellow.
+TEST(Photo, PrintersInksBecomeColours) {
+  const TestFolder folder;
+  jpeg_compress_struct info;
+  jpeg_error_mgr errors;
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  std::FILE* file = std::fopen((folder / "inks.jpg").c_str(), "wb");
+  jpeg_stdio_dest(&info, file);
+  info.image_width = info.image_height = 16;
+  info.input_components = 4;
+  info.in_color_space = JCS_CMYK;
+  jpeg_set_defaults(&info);
+  jpeg_simple_progression(&info);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<JSAMPLE> row;
+  for (int x = 0; x < 16; ++x) row.insert(row.end(), {255, 0, 0, 255});
+  for (JSAMPROW at = row.data(); info.next_scanline < 16;) jpeg_write_scanlines(&info, &at, 1);
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  std::fclose(file);
+  const ColourImage colour = read_colour(folder / "inks.jpg").value();
+  EXPECT_NEAR(colour.at(8, 8, 0), 255, 2);
+  EXPECT_NEAR(colour.at(8, 8, 1), 0, 2);
+  EXPECT_NEAR(colour.at(8, 8, 2), 0, 2);
+  EXPECT_NEAR(read_grey(folder / "inks.jpg")->at(8, 8), 76, 2);
+}
+
+TEST(Photo, TheNameOfTheFileDoesNotMatterItsBytesDo) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_png(folder / "really_png.jpg", picture()));
+  EXPECT_TRUE(read_colour(folder / "really_png.jpg"));
+  ASSERT_TRUE(write_bytes(folder / "text.jpg", "hello, this is no picture"));
+  EXPECT_EQ(read_colour(folder / "text.jpg").error().code, Errc::kBadFormat);
+  EXPECT_EQ(read_photo_header(folder / "text.jpg").error().code, Errc::kBadFormat);
+  EXPECT_EQ(read_colour(folder / "missing.jpg").error().code, Errc::kNotFound);
+  EXPECT_EQ(read_photo_header(folder / "missing.jpg").error().code, Errc::kNotFound);
+  ASSERT_TRUE(write_bytes(folder / "empty.jpg", ""));
+  EXPECT_FALSE(read_colour(folder / "empty.jpg"));
+  EXPECT_FALSE(read_colour(folder / "."));
+}
+
+TEST(Photo, ACutJpegIsAnErrorWhereverItIsCut) {
+  const TestFolder folder;
+  const std::string whole = encode_jpeg(picture(), 90).value();
+  for (std::size_t i = 0; i < 50; ++i) {
+    ASSERT_TRUE(write_bytes(folder / "cut.jpg", whole.substr(0, i * (whole.size() - 1) / 49)));
+    EXPECT_FALSE(read_grey(folder / "cut.jpg")) << i;
+    EXPECT_FALSE(read_colour(folder / "cut.jpg", 4)) << i;
+    (void)read_photo_header(folder / "cut.jpg");
+  }
+}
+
+TEST(Photo, ACutPngOrTiffIsAnErrorToo) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_png(folder / "a.png", picture()));
+  write_tiff(folder / "a.tif", picture(), {8, 3, COMPRESSION_LZW, PHOTOMETRIC_RGB, 2, true});
+  for (const char* name : {"a.png", "a.tif"}) {
+    const std::string whole = read_bytes(folder / name).value();
+    for (std::size_t i = 0; i < 30; ++i) {
+      ASSERT_TRUE(write_bytes(folder / "cut", whole.substr(0, i * (whole.size() - 1) / 29)));
+      EXPECT_FALSE(read_colour(folder / "cut")) << name << i;
+      (void)read_photo_header(folder / "cut");
+    }
+  }
+}
+
+TEST(Photo, NoDamageMakesAReaderCrash) {
+  const TestFolder folder;
+  PhotoHeader header;
+  header.maker = "M";
+  header.latitude_deg = 1;
+  header.longitude_deg = 2;
+  header.pitch_deg = -90;
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90, &header));
+  ASSERT_TRUE(write_png(folder / "a.png", picture()));
+  write_tiff(folder / "a.tif", picture(), {8, 3, COMPRESSION_LZW, PHOTOMETRIC_RGB, 2, true});
+  Random random(7);
+  for (const char* name : {"a.jpg", "a.png", "a.tif"}) {
+    const std::string whole = read_bytes(folder / name).value();
+    for (int trial = 0; trial < 150; ++trial) {
+      std::string bytes = whole;
+      // Headers are short; half of the trials hit only them.
+      const auto range = std::uint32_t(trial % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 600));
+      for (int i = 0; i < 1 + trial % 8; ++i) bytes[4 + random.below(range - 4)] = char(random.below(256));
+      ASSERT_TRUE(write_bytes(folder / "flipped", bytes));
+      (void)read_colour(folder / "flipped");
+      (void)read_photo_header(folder / "flipped");
+    }
+  }
+}
+
+TEST(Photo, AnAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
+  EXPECT_FALSE(check_size(60000, 30000, 1000, kTiffPxPerByte));
+  EXPECT_FALSE(check_size(4'000'000'000, 4'000'000'000, 1000, kTiffPxPerByte));
+  EXPECT_FALSE(check_size(0, 5, 1000, kTiffPxPerByte));
+  EXPECT_TRUE(check_size(10000, 8000, 20'000'000, kTiffPxPerByte));
+  EXPECT_TRUE(check_size(10000, 8000, 80'000, kJpegPxPerByte));
+  EXPECT_FALSE(check_size(10000, 8000, 79'999, kJpegPxPerByte));
+}
+
+struct Tag {
+  std::uint16_t tag;
+  std::uint32_t value;
+};
+
+// A TIFF of nothing but these tags.
+std::string tiff_of(const std::vector<Tag>& tags) {
+  std::string bytes("II*\0\x08\0\0\0", 8);
+  const auto put = [&](std::uint32_t value, int size) {
+    for (int i = 0; i < size; ++i) bytes += char(value >> (8 * i));
+  };
+  put(std::uint32_t(tags.size()), 2);
+  for (const Tag& tag : tags) {
+    put(tag.tag, 2);
+    put(4, 2);
+    put(1, 4);
+    put(tag.value, 4);
+  }
+  put(0, 4);
+  return bytes;
+}
+
+// One of 64 x 64 pixels whose only tile is said to be this large.
+std::string small_tiff_with_large_tile(std::uint32_t width, std::uint32_t height) {
+  return tiff_of({{256, 64},
+                  {257, 64},
+                  {258, 8},
+                  {259, 1},
+                  {262, 1},
+                  {322, width},
+                  {323, height},
+                  {324, 8},
+                  {325, width * height}});
+}
+
+// A small file whose header states another size: refused by whoever decodes it, and by whoever reads only its header.
+void expect_refused(const std::filesystem::path& path, const std::string& bytes) {
+  ASSERT_TRUE(write_bytes(path, bytes));
+  const auto grey = read_grey(path);
+  ASSERT_FALSE(grey);
+  EXPECT_NE(grey.error().message.find("40000 x 20000 pixels cannot be in"), std::string::npos) << grey.error().message;
+  const auto header = read_photo_header(path);
+  ASSERT_FALSE(header);
+  EXPECT_NE(header.error().message.find("40000 x 20000 pixels cannot be in"), std::string::npos)
+      << header.error().message;
+}
+
+TEST(Photo, AnAbsurdSizeInASmallHeaderIsRefusedByAllReaders) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90));
+  std::string jpeg = read_bytes(folder / "a.jpg").value();
+  const std::size_t frame = jpeg.find("\xff\xc0");  // then length, bits, height, width
+  ASSERT_NE(frame, std::string::npos);
+  jpeg.replace(frame + 5, 4, "\x4e\x20\x9c\x40");
+  expect_refused(folder / "b.jpg", jpeg);
+
+  ASSERT_TRUE(write_png(folder / "a.png", picture()));
+  std::string png = read_bytes(folder / "a.png").value();
+  png.replace(16, 8, std::string("\0\0\x9c\x40\0\0\x4e\x20", 8));
+  std::uint32_t crc = ~0u;  // of "IHDR" and its content
+  for (std::size_t i = 12; i < 29; ++i) {
+    crc ^= std::uint8_t(png[i]);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+  }
+  for (std::size_t i = 0; i < 4; ++i) png[29 + i] = char(~crc >> (24 - 8 * i));
+  expect_refused(folder / "b.png", png);
+  for (const std::uint32_t compression : {1u, 5u})  // none, LZW
+    expect_refused(folder / "b.tif", tiff_of({{256, 40000},
+                                              {257, 20000},
+                                              {258, 8},
+                                              {259, compression},
+                                              {262, 1},
+                                              {273, 8},
+                                              {277, 1},
+                                              {278, 20000},
+                                              {279, 100}}));
 }
 
 TEST(Photo, AnAbsurdTileOfASmallTiffIsRefusedBeforeMemoryIsTaken) {
