@@ -2,6 +2,7 @@
 #include "collinea/io/adjustment_file.h"
 #include "collinea/io/dbat_script.h"
 #include "collinea/io/photomodeler.h"
+#include "sound.h"
 #include "target.h"
 
 namespace collinea::fuzz {
@@ -14,11 +15,6 @@ const std::string kAdjustment =
     "image b wide\npose \"left one.jpg\" 0 0 50 0 0 90 fixed\nposition b 10 0 - 0.5 0.5 -\ncontrol G1 1 2 3 0 0 -\n"
     "check \"a \"\"b\"\"\" 1 2 3 0.1 0.1 0.2\npoint 7 5 5 1\nmeasured_control b G1 100.5 200 0.3\n"
     "measured_tie b 7 1 2 0.5\nmeasured_tie \"left one.jpg\" 7 3 4 0.5\n";
-
-const std::string kAdjustmentWithoutFrame =
-    "collinea-adjustment 1\ncamera c 4000 3000 brown\nimage a c\nimage b c\n"
-    "pose a 0 0 50 0 0 90\ncontrol G1 1 2 3 0 0 -\ncontrol G2 4 2 3 0 0 -\n"
-    "measured_control a G1 100.5 200 0.3\n";
 
 const std::string kPhotomodeler =
     "Bundle of two photographs\n 0.0005 20 2000 1500\n 1.0 0.1 10.0 100.0 100.0 100.0 20.0 20.0 20.0\n"
@@ -61,27 +57,35 @@ std::string dbat_seed() {
          "2, 5, 100, 200\n1, 5, 110.5, 210\n1, 1001, 7, 8\n";
 }
 
+bool accepted(const Result<AdjustmentFile>& file) {
+  if (file) check_sound(file->block);
+  return file.has_value();
+}
+
 // The script, and the tables that it may name "1.txt" to "4.txt".
 bool accepts_dbat(std::string_view bytes) {
   const auto parts = parts_of(bytes);
   for (std::size_t i = 1; i < 5; ++i)
     (void)file_of(i < parts.size() ? parts[i] : std::string_view{}, std::to_string(i) + ".txt");
-  return read_dbat_script(file_of(parts[0], "script.xml")).has_value();
+  return accepted(read_dbat_script(file_of(parts[0], "script.xml")));
 }
 
 // What was read can be written, and that can be read again.
 bool accepts_adjustment(std::string_view bytes) {
   const auto file = parse_adjustment_file(bytes);
-  return file && parse_adjustment_file(adjustment_file_text(*file)).has_value();
+  if (!accepted(file)) return false;
+  const auto again = parse_adjustment_file(adjustment_file_text(*file));
+  COLLINEA_CHECK(again && again->block.observations.size() == file->block.observations.size());
+  return true;
 }
 
 }  // namespace
 
 std::vector<Target> adjustment_targets() {
-  return {{"adjustment", accepts_adjustment, {kAdjustment, kAdjustmentWithoutFrame}},
+  return {{"adjustment", accepts_adjustment, {kAdjustment}},
           {"dbat", accepts_dbat, {dbat_seed()}},
           {"photomodeler",
-           [](std::string_view bytes) { return is_photomodeler(bytes) && parse_photomodeler(bytes).has_value(); },
+           [](std::string_view bytes) { return is_photomodeler(bytes) && accepted(parse_photomodeler(bytes)); },
            {kPhotomodeler}}};
 }
 

@@ -54,6 +54,7 @@ bool accepts_las(std::string_view bytes, const char* name) {
     const auto points = reader->read(1000);
     if (!points) return false;
     if (points->empty()) return true;
+    for (const CloudPoint& point : *points) COLLINEA_CHECK(point.position.allFinite());
   }
 }
 

@@ -3,6 +3,7 @@
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
 #include "collinea/io/opk.h"
+#include "sound.h"
 #include "target.h"
 
 namespace collinea::fuzz {
@@ -57,17 +58,22 @@ std::filesystem::path unpacked(std::string_view bytes, const std::string& folder
   return folder() / folder_name;
 }
 
+bool accepted(const Result<Block>& block) {
+  if (block) check_sound(*block);
+  return block.has_value();
+}
+
 bool accepts_colmap_text(std::string_view bytes) {
-  return read_colmap(unpacked(bytes, "colmap_text", kTextFiles)).has_value();
+  return accepted(read_colmap(unpacked(bytes, "colmap_text", kTextFiles)));
 }
 
 bool accepts_colmap_binary(std::string_view bytes) {
-  return read_colmap(unpacked(bytes, "colmap_binary", kBinaryFiles)).has_value();
+  return accepted(read_colmap(unpacked(bytes, "colmap_binary", kBinaryFiles)));
 }
 
 bool accepts_bundler(std::string_view bytes) {
   const auto size_of = [](const std::string&) -> Result<PictureSize> { return PictureSize{1200, 800}; };
-  return read_bundler(unpacked(bytes, "bundler", kBundlerFiles), size_of).has_value();
+  return accepted(read_bundler(unpacked(bytes, "bundler", kBundlerFiles), size_of));
 }
 
 bool accepts_opk(std::string_view bytes) {

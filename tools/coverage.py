@@ -67,6 +67,8 @@ def main():
         by_module.setdefault(path.relative_to(source).parts[0], []).extend(lines.values())
     print("| module | lines | covered | % |\n|---|---:|---:|---:|")
     for module, lines in by_module.items():
+        if not lines:  # not built
+            continue
         hit, total, percent = share(lines)
         print(f"| {module} | {total} | {hit} | {percent:.1f} |")
     hit, total, percent = share([count for lines in by_module.values() for count in lines])

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
 # Line coverage of the tests by module: tools/coverage.sh [MODULE...]
-# Builds in build/coverage (gcov), runs the tests (of those modules only) and prints the table of docs/coverage.md.
+# Builds in build/coverage (gcov), runs the tests (of those modules only) and prints a Markdown table.
 # Lines that never ran: tools/coverage.py --missed MODULE. JOBS: tests and compilers at a time (2).
 set -eu
 cd "$(dirname "$0")/.."

@@ -21,7 +21,7 @@ for target in $targets; do
   mkdir -p "$work" "$found"
   COLLINEA_FUZZ_TARGET=$target COLLINEA_FUZZ_SEEDS=$work "$fuzzer"
   known=(); [ ! -d "fuzz/corpus/$target" ] || known=("fuzz/corpus/$target")
-  if COLLINEA_FUZZ_TARGET=$target "$fuzzer" -runs="$runs" -timeout=10 -rss_limit_mb=1024 -max_len=16384 \
+  if COLLINEA_FUZZ_TARGET=$target "$fuzzer" -runs="$runs" -timeout=10 -rss_limit_mb=1024 \
       -print_final_stats=1 -artifact_prefix="$found/" "$work" "${known[@]}" > "$log" 2>&1; then verdict=clean
   else verdict="FOUND, see $log"; bad=1; fi
   stat() { sed -n "s/^stat::$1: *//p" "$log" | tail -1; }

@@ -307,7 +307,8 @@ Result<> LasReader::read_header() {
   if (record_bytes_ < base_bytes_ || header_bytes < kOldHeaderBytes) return fail(Errc::kBadFormat, "damaged header");
   if (points_at_ > file_size_ || (!compressed_ && header_.points > (file_size_ - points_at_) / record_bytes_))
     return fail(Errc::kBadFormat, "truncated: it ends before its last point");
-  if (!header_.scale.allFinite() || !header_.offset.allFinite()) return fail(Errc::kBadFormat, "damaged header");
+  const Eigen::Vector3d farthest = header_.offset.cwiseAbs() + 2147483648.0 * header_.scale.cwiseAbs();
+  if (!farthest.allFinite()) return fail(Errc::kBadFormat, "damaged header");
   COLLINEA_TRY(read_records(header_bytes, records, false));
   if (new_header) {
     COLLINEA_TRY(read_records(long_at, long_records, true));

@@ -113,6 +113,8 @@ Result<> take_points(const Model& model, IdRule image_id, IdRule point_id, Block
   for (const ImageRow& row : model.images) images[row.id] = &row;
   for (const PointRow& row : model.points) {
     const PointId point{point_id(row.id)};
+    if (!row.position.allFinite())
+      return fail(Errc::kBadFormat, "point " + std::to_string(row.id) + " has no sensible position");
     block.points[point] = {row.position, row.colour};
     for (const TrackElement& element : row.track) {
       const auto image = images.find(element.image);
@@ -123,6 +125,9 @@ Result<> take_points(const Model& model, IdRule image_id, IdRule point_id, Block
       o.point = point;
       o.feature = std::uint32_t(element.index);
       o.pixel = image->second->seen[element.index].pixel;
+      if (!o.pixel.allFinite())
+        return fail(Errc::kBadFormat,
+                    "point " + std::to_string(row.id) + " is seen nowhere in image " + escaped(image->second->name));
       block.observations.push_back(o);
     }
   }

@@ -129,9 +129,12 @@ Result<ExportedCamera> exported(CameraId id, const Camera& camera) {
 }
 
 Result<Camera> imported(const CameraRow& row) {
+  constexpr double kLargest = 1e100;  // so that sums of parameters are finite too
   const auto& v = row.params;
-  if (row.width_px > 1'000'000 || row.height_px > 1'000'000)
+  if (row.width_px == 0 || row.height_px == 0 || row.width_px > 1'000'000 || row.height_px > 1'000'000)
     return fail(Errc::kBadFormat, "a camera without sensible size");
+  if (!std::all_of(v.begin(), v.end(), [](double value) { return std::abs(value) < kLargest; }))
+    return fail(Errc::kBadFormat, "a camera with a parameter that is no sensible number");
   Camera camera;
   camera.width_px = int(row.width_px);
   camera.height_px = int(row.height_px);

@@ -67,6 +67,8 @@ Result<> GeoTiffReader::State::read_description() {
     grid.north_m = grid.height;  // no place: cells of 1, lower-left corner at (0, 0)
     return {};
   }
+  if (!std::isfinite(corner[0]) || !std::isfinite(corner[3]) || !std::isfinite(corner[1]))
+    return fail(Errc::kBadFormat, path.string() + " is damaged: it lies nowhere on the map");
   if (corner[2] != 0 || corner[4] != 0 || !(corner[1] > 0) || std::abs(corner[1] + corner[5]) > 1e-6 * corner[1])
     return fail(Errc::kUnsupported,
                 path.string() + " is rotated or its cells are not square; a north-up raster is needed");
