@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/math/random.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea::bench {
 
@@ -38,6 +38,6 @@ struct Measured {
 [[nodiscard]] Measured measured(const Block& exact, std::uint64_t seed);
 
 /// Options that iterate until nothing changes any more, without losses.
-[[nodiscard]] AdjustOptions exact_options(const std::string& calibration);
+[[nodiscard]] ExamineOptions exact_options(const std::string& calibration);
 
 }  // namespace collinea::bench

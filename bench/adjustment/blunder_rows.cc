@@ -28,7 +28,7 @@ struct Planted {
 
 class Trial {
  public:
-  Trial(const Block& clean, const Adjusted& adjusted, std::uint64_t seed)
+  Trial(const Block& clean, const Examined& adjusted, std::uint64_t seed)
       : block(clean), tests_(*adjusted.reliability), adjusted_(adjusted), random_(seed, 5) {}
 
   Block block;
@@ -78,12 +78,12 @@ class Trial {
   double blunder() { return (random_.uniform() < 0.5 ? -1 : 1) * random_.uniform(kLeastBlunder, kLargestBlunder); }
 
   const Reliability& tests_;
-  const Adjusted& adjusted_;
+  const Examined& adjusted_;
   Random random_;
 };
 
 // Of the errors of places in units of their covariances, over its freedom.
-double mean_length(const Adjusted& adjusted, const Block& exact) {
+double mean_length(const Examined& adjusted, const Block& exact) {
   double sum = 0;
   for (const auto& [id, covariance] : adjusted.pose_covariance) {
     const Eigen::Vector3d by = centre_of(adjusted.cam_from_world.at(id)) - centre_of(exact.cam_from_world.at(id));
@@ -125,12 +125,12 @@ Rows blunders(const Effort& effort, const Run& run) {
   // have gone. Its own scatter would allow for what it spoils.
   std::vector<double> lengthened, allowed;
   int failed = 0;
-  AdjustOptions options = exact_options("brown");
-  options.reliability = options.covariances = true;
+  ExamineOptions options = exact_options("brown");
+  options.reliability = true;
   for (int i = 0; i < effort.blunder_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(5000 + i);
     const Measured made = measured(exact_block(static_cast<Layout>(i % 3), {.points = 300, .control = 9}, seed), seed);
-    const auto clean = adjust(made.block, made.scope, options, run);
+    const auto clean = examine(made.block, made.scope, options, run);
     if (!clean || !clean->reliability) {
       ++failed;
       continue;
@@ -138,7 +138,7 @@ Rows blunders(const Effort& effort, const Run& run) {
     Trial trial(made.block, *clean, seed);
     trial.plant(rays, control);
     const auto snooped = snoop(trial.block, made.scope, options, kMostTakenOut, run);
-    const auto best = adjust(without(made.block, trial.planted), made.scope, options, run);
+    const auto best = examine(without(made.block, trial.planted), made.scope, options, run);
     if (!best || !snooped || !snooped->finished || !snooped->adjusted.reliability) {
       ++failed;
       continue;
@@ -166,7 +166,7 @@ Rows blunders(const Effort& effort, const Run& run) {
   }
   const double mean = mean_of(lengthened),
                deviation = std::sqrt(mean_of(allowed) / static_cast<double>(allowed.size()));
-  const double level = options.false_alarm, expected = level * tested;
+  const double level = options.test.false_alarm, expected = level * tested;
   return {rays.row("blunders of 4-20 sigma in 1 % of image points, snooped"),
           control.row("blunders of 4-20 sigma in control, images and coordinates"),
           {fmt::format("false alarms at a level of {:g}", level), "as stated, within 4 binomial deviations",

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "collinea/adjust/bundle.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea::bench {
 
@@ -25,7 +25,7 @@ struct DenseNormals {
   }
 };
 
-[[nodiscard]] DenseNormals dense_normals(const Block& measured, const Adjusted& adjusted, const AdjustScope& scope,
+[[nodiscard]] DenseNormals dense_normals(const Block& measured, const Examined& adjusted, const AdjustScope& scope,
                                          const std::vector<int>& free);
 
 /// Inverse of a positive definite matrix, scaled to ones on the diagonal first.

@@ -29,9 +29,9 @@ Rows dense_inverse(const Run& run) {
   double worst[4] = {};
   for (const Layout layout : {Layout::kCrossStrips, Layout::kRing, Layout::kCorridor}) {
     const Measured made = measured(exact_block(layout, {.points = 90, .control = 5}, 7), 7);
-    AdjustOptions options = exact_options("brown");
-    options.covariances = options.point_covariances = true;
-    const auto adjusted = adjust(made.block, made.scope, options, run);
+    ExamineOptions options = exact_options("brown");
+    options.point_covariances = true;
+    const auto adjusted = examine(made.block, made.scope, options, run);
     if (!adjusted || !adjusted->undetermined.empty()) return {{"covariances", "", "not adjusted", false}};
     const DenseNormals normals = dense_normals(made.block, *adjusted, made.scope, kBrown);
     const DenseMatrix inverse = inverse_of(normals.matrix);
@@ -56,7 +56,7 @@ Rows dense_inverse(const Run& run) {
 namespace {
 
 // How the unknowns follow shift, turn and scale of the world.
-DenseMatrix motions_of(const DenseNormals& normals, const Adjusted& adjusted) {
+DenseMatrix motions_of(const DenseNormals& normals, const Examined& adjusted) {
   DenseMatrix g = DenseMatrix::Zero(normals.matrix.rows(), 7);
   const auto at = [&](int row, const Eigen::Vector3d& x) {
     Eigen::Matrix<double, 3, 7> m;
@@ -90,9 +90,9 @@ DenseMatrix constrained_inverse(const DenseMatrix& matrix, const std::vector<int
 
 Rows free_network(const Run& run) {
   const Measured made = measured(exact_block(Layout::kRing, {.points = 70, .control = 0}, 11), 11);
-  AdjustOptions options = exact_options("brown");
-  options.covariances = options.point_covariances = true;
-  const auto adjusted = adjust(made.block, made.scope, options, run);
+  ExamineOptions options = exact_options("brown");
+  options.point_covariances = true;
+  const auto adjusted = examine(made.block, made.scope, options, run);
   if (!adjusted || adjusted->point_covariance.empty()) return {{"free network", "", "not adjusted", false}};
   const DenseNormals normals = dense_normals(made.block, *adjusted, made.scope, kBrown);
   std::vector<int> rows;

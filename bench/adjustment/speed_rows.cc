@@ -36,23 +36,23 @@ Rows large_block(const Effort& effort, const Run& run) {
   const std::string size = fmt::format("{} images, {} points, {} rays", made.block.images.size(),
                                        made.block.points.size(), made.block.observations.size());
   Rows table;
-  AdjustOptions options{.calibration = "brown"};
+  ExamineOptions options{.adjust = {.calibration = "brown"}};
   auto begin = std::chrono::steady_clock::now();
   double used = processor_seconds();
-  auto adjusted = adjust(made.block, made.scope, options, run);
+  auto estimate = adjust(made.block, made.scope, options.adjust, run);
   double wall = seconds_since(begin);
   used = processor_seconds() - used;
-  if (!adjusted) return {{size, "", adjusted.error().message, false}};
+  if (!estimate) return {{size, "", estimate.error().message, false}};
   table.push_back({size + ": adjusted to convergence", "60 s on two cores",
                    fmt::format("{:.1f} s, {:.1f} processor s, {} iterations, sigma0 {:.4f}", wall, used,
-                               adjusted->iterations, adjusted->sigma0),
-                   wall < 60 && adjusted->converged && std::abs(adjusted->sigma0 - 1) < 0.01});
+                               estimate->iterations, estimate->sigma0),
+                   wall < 60 && estimate->converged && std::abs(estimate->sigma0 - 1) < 0.01});
   Block there = made.block;
-  apply(*adjusted, there);
-  options.covariances = options.point_covariances = true;
+  apply(*estimate, there);
+  options.point_covariances = true;
   begin = std::chrono::steady_clock::now();
   used = processor_seconds();
-  adjusted = adjust(there, made.scope, options, run);
+  const auto adjusted = examine(there, made.scope, options, run);
   wall = seconds_since(begin);
   used = processor_seconds() - used;
   const bool all = adjusted && adjusted->point_covariance.size() == adjusted->points.size() &&

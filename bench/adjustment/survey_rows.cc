@@ -9,9 +9,9 @@
 
 #include "blocks.h"
 #include "blunder_counts.h"
-#include "collinea/quality/snooping.h"
 #include "collinea/adjust/survey_block.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/quality/snooping.h"
 #include "rows.h"
 
 namespace collinea::bench {
@@ -42,9 +42,10 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
   std::map<bool, Counts> counts;  // of attitudes: true
   double alarms = 0, good = 0;
   int failed = 0;
-  AdjustOptions options = exact_options("focal_radial");
+  ExamineOptions options = exact_options("focal_radial");
   options.reliability = true;
-  options.false_alarm = 0.005;  // so that enough of these few measurements are wrongly doubted to see that none are
+  options.test.false_alarm =
+      0.005;  // so that enough of these few measurements are wrongly doubted to see that none are
   for (int i = 0; i < effort.blunder_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(8000 + i);
     const Block exact = exact_block(Layout::kCrossStrips, {.points = 150, .control = 8}, seed);
@@ -54,7 +55,7 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
     for (const auto& [id, control] : exact.control) ids.push_back(id);
     testing::measure_on_ground(exact, made.block, ids, kLength_m, kAngle_rad, random);
     add_attitudes(exact, {0.01, -0.02, 0.03}, made.scope, random);
-    const auto clean = adjust(made.block, made.scope, options, run);
+    const auto clean = examine(made.block, made.scope, options, run);
     if (!clean || !clean->reliability) {
       ++failed;
       continue;
@@ -91,10 +92,10 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
     }
     good += static_cast<double>(3 * made.scope.attitudes.size() + made.block.ground.size());
   }
-  const double expected = options.false_alarm * good;
+  const double expected = options.test.false_alarm * good;
   return {counts[false].row("blunders of 4-20 sigma in measurements on the ground, snooped"),
           counts[true].row("blunders of 4-20 sigma in attitudes, snooped"),
-          {fmt::format("false alarms among these at a level of {:g}", options.false_alarm),
+          {fmt::format("false alarms among these at a level of {:g}", options.test.false_alarm),
            "as stated, within 4 binomial deviations",
            fmt::format("{:.0f} of {:.0f} tests; expected {:.1f} +- {:.1f}; {} blocks failed", alarms, good, expected,
                        std::sqrt(expected), failed),
@@ -120,9 +121,8 @@ Row without_cross_flight(const Run& run) {
     made.scope.position_tracks.push_back(track);
   }
   made.scope.use_control = false;
-  AdjustOptions options = exact_options("none");
-  options.covariances = true;
-  const auto adjusted = adjust(made.block, made.scope, options, run);
+  ExamineOptions options = exact_options("none");
+  const auto adjusted = examine(made.block, made.scope, options, run);
   Row row{"strips without cross flight, each with a shift", "the correlation is named, with its cure",
           adjusted ? "not named" : adjusted.error().message};
   if (adjusted && !adjusted->inseparable.empty()) {
@@ -161,9 +161,8 @@ Rows instruments(const Effort& effort, const Run& run) {
     made.scope.position_tracks.push_back(track);
     made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
     add_attitudes(exact, kTurn, made.scope, random);
-    AdjustOptions options = exact_options("focal_radial");
-    options.covariances = true;
-    const auto adjusted = adjust(made.block, made.scope, options, run);
+    ExamineOptions options = exact_options("focal_radial");
+    const auto adjusted = examine(made.block, made.scope, options, run);
     if (!adjusted || !adjusted->undetermined.empty()) {
       ++failed;
       continue;

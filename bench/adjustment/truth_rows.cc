@@ -56,7 +56,7 @@ void take_left_out(const std::vector<LeftOutPoint>& points, Lengths& lengths) {
 struct Errors {
   Lengths poses{6, kChi6}, points{3, kChi3}, cameras{8, kChi8}, left_out{1, kChi1}, folded{1, kChi1};
 
-  void take(const Adjusted& adjusted, const Block& exact) {
+  void take(const Examined& adjusted, const Block& exact) {
     const double variance = std::pow(sigma_scale(adjusted), 2);
     for (const auto& [id, pose] : adjusted.cam_from_world) {
       const Rigid3& its = exact.cam_from_world.at(id);
@@ -107,9 +107,9 @@ Rows true_errors(const Effort& effort, const Run& run) {
     const auto seed = static_cast<std::uint64_t>(1000 + i);
     const Block exact = exact_block(layout, {}, seed);
     const Measured made = measured(exact, seed);
-    AdjustOptions options = exact_options("brown");
-    options.covariances = options.point_covariances = options.reliability = true;
-    const auto adjusted = adjust(made.block, made.scope, options, run);
+    ExamineOptions options = exact_options("brown");
+    options.point_covariances = options.reliability = true;
+    const auto adjusted = examine(made.block, made.scope, options, run);
     if (!adjusted || !adjusted->reliability || !adjusted->converged) {
       ++failed;
       continue;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/datum_defect.h"
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
@@ -6,7 +8,6 @@
 #include <utility>
 
 #include "collinea/adjust/gauge.h"
-#include "collinea/adjust/problem.h"
 #include "collinea/math/median.h"
 
 namespace collinea::bundle {

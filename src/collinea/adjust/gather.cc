@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/gather.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "collinea/adjust/datum_defect.h"
 #include "collinea/adjust/gather_parts.h"
-#include "collinea/adjust/problem.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/math/ordering.h"
 #include "collinea/math/tile_kernels.h"
 
-namespace collinea {
-namespace bundle {
+namespace collinea::bundle {
 namespace {
 
 constexpr int kLeastRaysOfImage = 3;
@@ -21,40 +22,6 @@ constexpr int kLeastRaysOfImage = 3;
 constexpr double kHeldPart = 1e-3;
 constexpr int kMostCameraUnknowns = 10000;  // their normal equations are full: 0.8 GB, held twice
 constexpr std::uint32_t kNobody = ~std::uint32_t{0};
-
-std::optional<std::vector<int>> free_params(const std::string& calibration) {
-  using C = Camera;
-  if (calibration == "none") return std::vector<int>{};
-  if (calibration == "focal") return std::vector<int>{C::kF};
-  if (calibration == "focal_radial") return std::vector<int>{C::kF, C::kK1, C::kK2};
-  std::vector<int> brown{C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kK4, C::kP1, C::kP2};
-  if (calibration == "brown") return brown;
-  brown.insert(brown.end(), {C::kB1, C::kB2});
-  if (calibration == "brown_affinity") return brown;
-  return std::nullopt;
-}
-
-// Standard deviations of the weak observations of calibration.
-double weak_sigma(const Camera& camera, int param) {
-  switch (param) {
-    case Camera::kF:
-      return camera.sigma_f_px;
-    case Camera::kCx:
-    case Camera::kCy:
-      return 0.03 * camera.width_px;
-    case Camera::kK1:
-      return 0.2;
-    case Camera::kK2:
-    case Camera::kK3:
-    case Camera::kK4:
-      return 0.5;
-    case Camera::kP1:
-    case Camera::kP2:
-      return 0.01;
-    default:
-      return 0.005 * camera.focal_px();
-  }
-}
 
 // What a pixel's sigma is across the sight line at that place, the least of all lines; of no line: of no length.
 double finest_on_ground_m(const std::vector<SightLine>& lines, const Eigen::Vector3d& place) {
@@ -71,7 +38,7 @@ class Gatherer {
       : block_(block), scope_(scope), options_(options) {}
 
   Result<ProblemAndStart> gather() {
-    if (!free_params(options_.calibration))
+    if (!is_calibration(options_.calibration))
       return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
     number_images();
     COLLINEA_TRY(links_, ground_taking_part(block_, scope_));
@@ -119,8 +86,9 @@ class Gatherer {
   };
 
   void number_images() {
-    if (!block_.cam_from_world.empty()) number_of_id_.assign(block_.cam_from_world.rbegin()->first.value + 1, kNobody);
-    for (const auto& [id, pose] : block_.cam_from_world) {
+    const std::vector<OrientedImage> oriented = oriented_images(block_);
+    if (!oriented.empty()) number_of_id_.assign(oriented.back().image.value + 1, kNobody);
+    for (const auto& [id, pose] : oriented) {
       const bool free = (!scope_.free_images || scope_.free_images->contains(id)) && !scope_.fixed_images.contains(id);
       number_of_id_[id.value] = static_cast<std::uint32_t>(candidates_.size());
       candidates_.push_back({id, free});
@@ -324,7 +292,8 @@ class Gatherer {
 
   [[nodiscard]] Result<> check_there_is_something() const {
     const auto takes_part = [](const auto& one) { return !one.out; };
-    if (block_.cam_from_world.empty()) return fail(Errc::kIllPosed, "no image is oriented: there is nothing to adjust");
+    if (oriented_images(block_).empty())
+      return fail(Errc::kIllPosed, "no image is oriented: there is nothing to adjust");
     if (std::none_of(points_.begin(), points_.end(), takes_part))
       return fail(Errc::kIllPosed,
                   "no point is measured in two images that take part: there is nothing to adjust. Measure tie "
@@ -351,7 +320,7 @@ class Gatherer {
     }
     std::vector<Eigen::Vector3d> centres;
     for (std::size_t i = 0; i < candidates_.size(); ++i)
-      if (free_number[i] >= 0) centres.push_back(centre_of(block_.cam_from_world.at(candidates_[i].id)));
+      if (free_number[i] >= 0) centres.push_back(centre_of(pose_of(block_, candidates_[i].id)));
     return elimination_order(covisibility(free, first, image_of_ray), centres, kPosesOfTile);
   }
 
@@ -418,7 +387,7 @@ class Gatherer {
       const auto [its, is_new] = camera_number.try_emplace(camera, static_cast<int>(problem.cameras.size()));
       if (is_new) problem.cameras.emplace_back().id = camera;
       problem.images[new_number_[i]] = {id, its->second};
-      const Rigid3& pose = block_.cam_from_world.at(id);
+      const Rigid3& pose = pose_of(block_, id);
       const Eigen::Vector3d centre = centre_of(pose);
       start.rotations[new_number_[i]] = pose.rotation.normalized();
       start.frames[new_number_[i]] = frame_of(pose.rotation.normalized(), centre.data());
@@ -434,7 +403,7 @@ class Gatherer {
       unknowns.border = problem.border;
       unknowns.given = given.params;
       const auto own = scope_.camera_sigmas.find(unknowns.id);
-      const bool held = own == scope_.camera_sigmas.end() && !camera.calibrate;
+      const bool held = own == scope_.camera_sigmas.end() && !camera.prior.calibrate;
       const CameraSigmas sigmas =
           own == scope_.camera_sigmas.end() ? *calibration_named(options_.calibration, given) : own->second;
       for (const int param : params_of(camera)) {
@@ -493,26 +462,6 @@ class Gatherer {
 };
 
 }  // namespace
-}  // namespace bundle
-
-std::optional<CameraSigmas> calibration_named(const std::string& name, const Camera& first) {
-  const auto free = bundle::free_params(name);
-  if (!free) return std::nullopt;
-  CameraSigmas sigmas{};
-  const std::vector<int> has = params_of(first);
-  for (const int param : *free)
-    if (std::ranges::find(has, param) != has.end())
-      sigmas[static_cast<std::size_t>(param)] = bundle::weak_sigma(first, param);
-  return sigmas;
-}
-
-namespace bundle {
-
-Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre) {
-  const Eigen::Matrix3d r = rotation.toRotationMatrix();
-  return {r(0, 0), r(0, 1), r(0, 2), r(1, 0),   r(1, 1),   r(1, 2),
-          r(2, 0), r(2, 1), r(2, 2), centre[0], centre[1], centre[2]};
-}
 
 Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, const AdjustOptions& options) {
   const auto tie_loss = loss_named(options.loss, options.loss_scale_sigmas);
@@ -527,5 +476,4 @@ Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, con
   return gathered;
 }
 
-}  // namespace bundle
-}  // namespace collinea
+}  // namespace collinea::bundle

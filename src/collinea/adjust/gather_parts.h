@@ -6,7 +6,9 @@
 #include <map>
 #include <vector>
 
+#include "collinea/adjust/adjust_scope.h"
 #include "collinea/adjust/problem.h"
+#include "collinea/base/result.h"
 
 namespace collinea::bundle {
 

@@ -9,9 +9,6 @@
 
 namespace collinea::bundle {
 
-/// Below this a problem is done before threads have started.
-inline constexpr std::size_t kRaysWorthThreads = 3000;
-
 /// The reduced normal equations of poses and cameras (points eliminated). Behind the cameras in the border, whose rows
 /// are full, come other unknowns and the points that measurements join to each other. Work is cut into batches of
 /// points that stay in the cache; within a batch first every point, then every row of tiles is one item, so that sums

@@ -92,7 +92,10 @@ double write_ground(const Problem& problem, const State& state, Adjusted& adjust
   double sum = 0;
   for (const GroundLink& link : problem.ground) {
     const double difference = -ground_residual(link.observation, model_of(problem, link, state));
-    adjusted.ground.push_back({link.source, link.inverse_sigma > 0, link.observation.value + difference, difference});
+    adjusted.ground.push_back({.observation = link.source,
+                               .used = link.inverse_sigma > 0,
+                               .adjusted = link.observation.value + difference,
+                               .difference = difference});
     sum += std::pow(difference * link.inverse_sigma, 2);
   }
   return sum;

@@ -3,16 +3,20 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/adjust/ground_model.h"
 #include "collinea/adjust/lens.h"
+#include "collinea/adjust/unknowns.h"
 #include "collinea/math/robust.h"
 
 namespace collinea::bundle {
+
+/// Below this a problem is done before threads have started.
+inline constexpr std::size_t kRaysWorthThreads = 3000;
 
 /// One measured image point, whitened when used.
 struct Ray {
@@ -221,16 +225,10 @@ using Row = std::vector<RowPart>;
 
 [[nodiscard]] Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre);
 
+/// The beginning of an adjustment.
 struct ProblemAndStart {
   Problem problem;
   State start;
 };
-
-/// Gathers what takes part. Errors as adjust() says.
-[[nodiscard]] Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope,
-                                             const AdjustOptions& options);
-
-/// Fills datum, rank_defect and datum_text.
-void find_datum(Problem& problem, const State& start);
 
 }  // namespace collinea::bundle

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/normals.h"
+#include "collinea/adjust/linearise.h"
 #include "collinea/base/parallel.h"
 #include "collinea/geometry/rotation.h"
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "collinea/adjust/problem.h"
+#include "collinea/base/run.h"
 
 namespace collinea::bundle {
 

@@ -20,7 +20,7 @@ void say_what_went(const Snooped& snooped, const Run& run) {
 
 }  // namespace
 
-Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, const AdjustOptions& options,
+Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, const ExamineOptions& options,
                                          const AdjustProjectOptions& asked, const Run& run) {
   AdjustmentReport report;
   report.block = std::move(block);
@@ -40,10 +40,10 @@ Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, 
   } else if (asked.snoop) {
     report.adjusted = std::move(report.snooped->adjusted);
   } else {
-    COLLINEA_TRY(report.adjusted, adjust(report.block, scope, options, run));
+    COLLINEA_TRY(report.adjusted, examine(report.block, scope, options, run));
   }
   report.additional_level = asked.additional_level;
-  report.additional = test_additional(report.block, report.adjusted, options.sigma0_known, asked.additional_level);
+  report.additional = test_additional(report.block, report.adjusted, options.test.sigma0_known, asked.additional_level);
   for (const Weakness& weak : report.adjusted.weaknesses) run.say("note: " + weak.what + "; cure: " + weak.cure);
   apply(report.adjusted, report.block);
   return report;

@@ -9,7 +9,7 @@ namespace collinea {
 /// Adjusts as asked for - data snooping first, then variance components - and says what the user should know. The title
 /// is left to the caller. Errors: those of adjust().
 [[nodiscard]] Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope,
-                                                       const AdjustOptions& options, const AdjustProjectOptions& asked,
+                                                       const ExamineOptions& options, const AdjustProjectOptions& asked,
                                                        const Run& run);
 
 }  // namespace collinea

@@ -22,7 +22,7 @@ Result<std::map<CameraId, CameraSigmas>> add_additional(const std::string& name,
   COLLINEA_TRY(const AdditionalSet set, additional_named(name));
   std::map<CameraId, CameraSigmas> sigmas;
   for (auto& [id, camera] : cameras) {
-    if (!camera.calibrate || calibration == "none") continue;
+    if (!camera.prior.calibrate || calibration == "none") continue;
     camera.additional = set;
     const auto of_lens = calibration_named(calibration, camera);
     const auto all = with_additional(of_lens.value_or(CameraSigmas{}), camera, {});
@@ -32,7 +32,7 @@ Result<std::map<CameraId, CameraSigmas>> add_additional(const std::string& name,
   return sigmas;
 }
 
-std::vector<std::string> additional_findings(const Block& block, const Adjusted& adjusted) {
+std::vector<std::string> additional_findings(const Block& block, const Examined& adjusted) {
   constexpr double kLevel = 0.01;
   std::vector<std::string> findings;
   for (const AdditionalTest& test : test_additional(block, adjusted, false, kLevel))

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "collinea/adjust/bundle.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea {
 
@@ -20,6 +20,6 @@ namespace collinea {
                                                                       std::map<CameraId, Camera>& cameras);
 
 /// How many of them are there for a reason, a line for each camera.
-[[nodiscard]] std::vector<std::string> additional_findings(const Block& block, const Adjusted& adjusted);
+[[nodiscard]] std::vector<std::string> additional_findings(const Block& block, const Examined& adjusted);
 
 }  // namespace collinea

@@ -34,7 +34,7 @@ Words words_of(UnknownKind kind) {
 
 }  // namespace
 
-std::vector<std::string> instrument_findings(const Block& block, const Adjusted& adjusted) {
+std::vector<std::string> instrument_findings(const Block& block, const Examined& adjusted) {
   std::vector<std::string> findings;
   std::size_t strips = 0;
   const auto& extras = adjusted.extras;

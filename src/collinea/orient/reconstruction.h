@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
 #include "collinea/block/features.h"
 #include "collinea/geometry/similarity3.h"
 #include "collinea/orient/noise.h"
 #include "collinea/orient/options.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea {
 
@@ -87,6 +87,8 @@ class Reconstruction {
   /// Adjusts `centre` with its closest neighbours; everything else is held.
   Result<> adjust_around(ImageId centre, const AdjustOptions& options, const Run& run);
   Result<Adjusted> adjust_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run);
+  /// The same with covariances.
+  Result<Examined> examine_all(const ExamineOptions& options, const AdjustScope& scope, const Run& run);
 
   /// The oriented part as a block; with control observations and the setup's priors.
   [[nodiscard]] Block block() const;

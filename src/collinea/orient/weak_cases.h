@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/block/block.h"
 #include "collinea/block/features.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea {
 
@@ -20,7 +20,7 @@ namespace collinea {
 ///     (Krames 1941, Maybank 1993)
 /// `setup` has the cameras before adjustment; `adjusted` belongs to `oriented`, with covariances of cameras.
 [[nodiscard]] std::vector<std::string> weak_cases(const Block& oriented, const Block& setup,
-                                                  std::span<const ImagePair> pairs, const Adjusted& adjusted);
+                                                  std::span<const ImagePair> pairs, const Examined& adjusted);
 
 /// Why no two images could start a block: no overlap, one place of exposure (panorama), or too little parallax.
 [[nodiscard]] std::string why_nothing(std::span<const ImagePair> pairs);

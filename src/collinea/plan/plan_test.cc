@@ -182,7 +182,6 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
   int camera_degrees = 0;
   for (int i = 0; i < kBlocks; ++i) {
     PlannedBlock noisy = with_errors(planned.planned, std::uint64_t(1000 + i));
-    noisy.options.covariances = noisy.options.point_covariances = false;
     const Adjusted adjusted = adjust(noisy.block, noisy.scope, noisy.options, kSerial).value();
     ASSERT_TRUE(adjusted.converged);
     const std::size_t which = planned.adjusted.control.size() - 1 - std::size_t(i) % planned.cells.size();
@@ -193,7 +192,7 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
 
     auto image = planned.adjusted.pose_covariance.begin();
     std::advance(image, i % int(planned.adjusted.pose_covariance.size()));
-    const Rigid3 &truth = planned.planned.block.cam_from_world.at(image->first),
+    const Rigid3 &truth = pose_of(planned.planned.block, image->first),
                  &found = adjusted.cam_from_world.at(image->first);
     Eigen::Matrix<double, 6, 1> off;
     off.head<3>() = rotation_vector(truth.rotation.conjugate() * found.rotation);

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/plan/control_layout.h"
 #include "collinea/plan/flight_plan.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea {
 
@@ -63,7 +63,7 @@ struct PrecisionGrid {
 struct PlannedBlock {
   Block block;  ///< the world frame: plan coordinates less `origin`
   AdjustScope scope;
-  AdjustOptions options;
+  ExamineOptions options;
   Eigen::Vector2d origin;
   PrecisionGrid grid;
   std::map<ControlId, std::size_t> cells;  ///< check points without a survey at the centres of the grid's cells

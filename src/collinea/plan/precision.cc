@@ -50,7 +50,7 @@ void write_rays(Precision& precision) {
   std::map<PointId, int> rays;
   for (const Observation& seen : precision.planned.block.observations) ++rays[seen.point];
   precision.rays = {{2, 2}, {3, 3}, {4, 5}, {6, 8}, {9, 0}};
-  const Adjusted& adjusted = precision.adjusted;
+  const Examined& adjusted = precision.adjusted;
   std::vector<Vector3d> sums(precision.rays.size(), Vector3d::Zero());
   const PrecisionGrid& grid = precision.planned.grid;
   for (std::size_t i = 0; i < adjusted.point_covariance.size(); ++i) {
@@ -75,7 +75,7 @@ void write_rays(Precision& precision) {
 void write_poses(Precision& precision) {
   Vector3d turns = Vector3d::Zero(), moves = Vector3d::Zero();
   for (const auto& [id, covariance] : precision.adjusted.pose_covariance) {
-    const Matrix3d rotation = precision.planned.block.cam_from_world.at(id).rotation.toRotationMatrix();
+    const Matrix3d rotation = pose_of(precision.planned.block, id).rotation.toRotationMatrix();
     turns += (rotation * covariance.topLeftCorner<3, 3>() * rotation.transpose()).diagonal();
     moves += covariance.bottomRightCorner<3, 3>().diagonal();
   }
@@ -147,7 +147,7 @@ void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, i
 
 void compare_poses(const Precision& foretold, const Adjusted& one, Sum& sum) {
   for (const auto& [id, pose] : one.cam_from_world) {
-    const Rigid3& truth = foretold.planned.block.cam_from_world.at(id);
+    const Rigid3& truth = pose_of(foretold.planned.block, id);
     Eigen::Matrix<double, 6, 1> error;
     error.head<3>() = rotation_vector(truth.rotation.conjugate() * pose.rotation);
     error.tail<3>() = centre_of(pose) - centre_of(truth);
@@ -160,7 +160,7 @@ void compare_poses(const Precision& foretold, const Adjusted& one, Sum& sum) {
 
 Result<Precision> foretold(PlannedBlock planned, const Run& run) {
   Precision precision;
-  COLLINEA_TRY(precision.adjusted, adjust(planned.block, planned.scope, planned.options, run));
+  COLLINEA_TRY(precision.adjusted, examine(planned.block, planned.scope, planned.options, run));
   precision.planned = std::move(planned);
   write_cells(precision);
   precision.area = area_sigma(precision);
@@ -196,8 +196,7 @@ Result<Trials> tried(const Precision& foretold, int blocks, const Run& run) {
   for (const CellPrecision& cell : foretold.cells) of_cell[cell.cell] = &cell;
   for (int i = 0; i < blocks; ++i) {
     PlannedBlock noisy = with_errors(foretold.planned, run.seed + std::uint64_t(i));
-    noisy.options.covariances = noisy.options.point_covariances = false;
-    COLLINEA_TRY(const Adjusted one, adjust(noisy.block, noisy.scope, noisy.options, run));
+    COLLINEA_TRY(const Adjusted one, adjust(noisy.block, noisy.scope, noisy.options.adjust, run));
     for (const ControlDifference& place : one.control) {
       const auto known = noisy.cells.find(place.point);
       if (known == noisy.cells.end() || !place.position_in_world) continue;

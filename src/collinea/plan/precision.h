@@ -38,7 +38,7 @@ struct RaysPrecision {
 /// All that is foretold of a planned block.
 struct Precision {
   PlannedBlock planned;
-  Adjusted adjusted;  ///< covariances by the given sigmas
+  Examined adjusted;  ///< covariances by the given sigmas
   std::vector<CellPrecision> cells;
   AreaSigma area;
   std::vector<RaysPrecision> rays;

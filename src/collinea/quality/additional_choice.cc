@@ -144,7 +144,7 @@ std::optional<CameraSigmas> with_additional(CameraSigmas sigmas, const Camera& c
   return sigmas;
 }
 
-std::vector<AdditionalTest> test_additional(const Block& block, const Adjusted& adjusted, bool sigma0_known,
+std::vector<AdditionalTest> test_additional(const Block& block, const Examined& adjusted, bool sigma0_known,
                                             double level) {
   std::vector<AdditionalTest> tests;
   for (const auto& [id, covariance] : adjusted.camera_covariance) {

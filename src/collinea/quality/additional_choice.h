@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "collinea/adjust/bundle.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea {
 
@@ -47,7 +47,7 @@ inline constexpr double kInseparable = 0.99;
 
 /// For every camera with free additional parameters that has a covariance. `level`: chance that a parameter that is
 /// zero is called significant.
-[[nodiscard]] std::vector<AdditionalTest> test_additional(const Block& block, const Adjusted& adjusted,
+[[nodiscard]] std::vector<AdditionalTest> test_additional(const Block& block, const Examined& adjusted,
                                                           bool sigma0_known, double level);
 
 }  // namespace collinea

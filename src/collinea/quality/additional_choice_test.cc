@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/test_block.h"
 #include "collinea/math/fisher.h"
+#include "collinea/quality/test_examine.h"
 
 namespace collinea {
 namespace {
@@ -40,8 +40,7 @@ Block film_block(AdditionalSet set, const std::vector<std::pair<int, double>>& v
   Random random(seed, 3);
   const auto measure = [&](ImageId image, const Eigen::Vector3d& point) {
     const double du = random.normal(), dv = random.normal();
-    return Eigen::Vector2d(*project(camera, block.cam_from_world.at(image) * point) +
-                           sigma_px * Eigen::Vector2d(du, dv));
+    return Eigen::Vector2d(*project(camera, pose_of(block, image) * point) + sigma_px * Eigen::Vector2d(du, dv));
   };
   for (Observation& o : block.observations) {
     o.pixel = measure(o.image, block.points.at(o.point).position_in_world);
@@ -58,22 +57,21 @@ Block film_block(AdditionalSet set, const std::vector<std::pair<int, double>>& v
   return block;
 }
 
-AdjustOptions plain() {
-  AdjustOptions options;
-  options.calibration = "none";
-  options.loss = options.position_loss = "none";
-  options.relative_cost_change = 1e-12;
-  options.step_sigmas = 1e-6;
-  options.covariances = true;
+ExamineOptions plain() {
+  ExamineOptions options;
+  options.adjust.calibration = "none";
+  options.adjust.loss = options.adjust.position_loss = "none";
+  options.adjust.relative_cost_change = 1e-12;
+  options.adjust.step_sigmas = 1e-6;
   return options;
 }
 
-Result<Adjusted> adjusted_of(Block block, const std::vector<std::string>& held = {}) {
+Result<Examined> adjusted_of(Block block, const std::vector<std::string>& held = {}) {
   Camera& camera = block.cameras.begin()->second;
   std::fill(camera.params.begin() + Camera::kParams, camera.params.end(), 0.0);
   AdjustScope scope{.first_cameras = block.cameras};
   scope.camera_sigmas[block.cameras.begin()->first] = *with_additional({}, camera, held);
-  return adjust(block, scope, plain(), {});
+  return examine(block, scope, plain(), {});
 }
 
 class Additional : public ::testing::TestWithParam<AdditionalSet> {};
@@ -168,7 +166,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
       point.position_in_world = testing::ground({}, random);
       point.sigma_m.setZero();
       block.control[{i}] = point;
-      for (const auto& [image, pose] : block.cam_from_world) {
+      for (const auto& [image, pose] : oriented_images(block)) {
         const auto pixel = project(camera, pose * point.position_in_world);
         if (pixel && inside(camera, *pixel)) block.control_observations.push_back({{i}, image, *pixel, 0.5});
       }
@@ -179,7 +177,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
   const CameraId id = block.cameras.begin()->first;
   AdjustScope scope{.first_cameras = block.cameras};
   scope.camera_sigmas[id] = *with_additional(*calibration_named("focal", camera), camera, {});
-  const auto adjusted = adjust(block, scope, plain(), {});
+  const auto adjusted = examine(block, scope, plain(), {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   camera = adjusted->cameras.at(id);
 

@@ -21,8 +21,8 @@ using testing::surveyed_every_way;
 const Run kRun;
 constexpr int kMost = 1000;
 
-AdjustOptions options() {
-  return {.calibration = "none", .loss = "none", .position_loss = "none", .reliability = true};
+ExamineOptions options() {
+  return {.adjust = {.calibration = "none", .loss = "none", .position_loss = "none"}, .reliability = true};
 }
 
 bool is_gone(const Snooped& snooped, const TestedObservation& one) {
@@ -47,7 +47,7 @@ TEST(BlunderSize, ABlunderOnTheGroundGoesHoweverLargeItIs) {
   for (const double px : {1.0, 2.0})
     for (const std::uint64_t seed : {1, 2}) {
       const Surveyed made = surveyed_every_way(seed, px);
-      const auto clean = adjust(made.block, made.scope, options(), kRun);
+      const auto clean = examine(made.block, made.scope, options(), kRun);
       const auto before = snoop(made.block, made.scope, options(), kMost, kRun);
       ASSERT_TRUE(clean && clean->reliability && before);
       for (std::size_t kind = 0; kind < kGroundKinds; ++kind) {
@@ -73,7 +73,7 @@ TEST(BlunderSize, ABlunderOnTheGroundGoesHoweverLargeItIs) {
 // Two blunders that have nothing to do with each other, of the same |w|: both go.
 TEST(BlunderSize, TwoThatAreAsSuspectButDifferentBothGo) {
   Surveyed made = surveyed_every_way(1);
-  const auto clean = adjust(made.block, made.scope, options(), kRun);
+  const auto clean = examine(made.block, made.scope, options(), kRun);
   ASSERT_TRUE(clean && clean->reliability);
   const TestedObservation one = best_checked(*clean->reliability, ObservationGroup::kDirection),
                           other = best_checked(*clean->reliability, ObservationGroup::kOnPlane);
@@ -83,7 +83,7 @@ TEST(BlunderSize, TwoThatAreAsSuspectButDifferentBothGo) {
     block = made.block;
     block.ground[one.source].value += 40 * one.sigma;
     block.ground[other.source].value += size;
-    const auto wrong = adjust(block, made.scope, options(), kRun);
+    const auto wrong = examine(block, made.scope, options(), kRun);
     ASSERT_TRUE(wrong && wrong->reliability);
     double w[2] = {};
     for (const TestedObservation& test : wrong->reliability->others) {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/adjust/ground_model.h"
-#include "collinea/adjust/test_block.h"
 #include "collinea/geometry/similarity3.h"
+#include "collinea/quality/examine.h"
+#include "collinea/quality/test_examine.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -24,7 +24,10 @@ using testing::tested;
 const Run kRun;
 
 void scale(Block& block, double factor) {
-  for (auto& [id, pose] : block.cam_from_world) pose.translation *= factor;
+  for (auto [id, pose] : oriented_images(block)) {
+    pose.translation *= factor;
+    set_pose(block, id, pose);
+  }
   for (auto& [id, point] : block.points) point.position_in_world *= factor;
 }
 
@@ -66,7 +69,7 @@ TEST(Ground, OneDistanceGivesAFreeBlockItsScale) {
   Marked made = marked({.rows = 2, .columns = 3, .points = 80});
   made.measure(GroundKind::kDistance, 0, 3, 0.001);
   scale(made.block, 1.3);
-  const auto adjusted = adjust(made.block, {}, tested(), kRun);
+  const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 6);
   EXPECT_TRUE(adjusted->datum.starts_with("partly measurements on the ground")) << adjusted->datum;
@@ -87,9 +90,9 @@ TEST(Ground, OneDistanceGivesAFreeBlockItsScale) {
 TEST(Ground, PointsThatAreJoinedAreAdjustedLikeOthers) {
   Block block =
       test_block({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 6});
-  const auto without = adjust(block, {}, tested("focal_radial"), kRun);
+  const auto without = examine(block, {}, tested("focal_radial"), kRun);
   block.ground.push_back({.from = {0}, .to = {4}, .value = 10, .sigma = 1e6});
-  const auto with = adjust(block, {}, tested("focal_radial"), kRun);
+  const auto with = examine(block, {}, tested("focal_radial"), kRun);
   ASSERT_TRUE(without && with && without->reliability && with->reliability) << with->undetermined;
   EXPECT_EQ(with->unknown_count, without->unknown_count);
   EXPECT_EQ(with->redundancy, without->redundancy + 1);
@@ -117,9 +120,9 @@ TEST(Ground, CoordinatesOfCheckPointsStayOut) {
   const double length = (block.control.at({0}).position_in_world - block.control.at({2}).position_in_world).norm();
   block.ground.push_back({.from = {0}, .to = {2}, .value = length, .sigma = 0.005});
   ASSERT_EQ(block.control.at({2}).role, ControlRole::kCheck);
-  const auto first = adjust(block, {}, tested(), kRun);
+  const auto first = examine(block, {}, tested(), kRun);
   block.control.at({2}).position_in_world += Eigen::Vector3d(1, 1, 1);
-  const auto second = adjust(block, {}, tested(), kRun);
+  const auto second = examine(block, {}, tested(), kRun);
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->final_cost, second->final_cost);
   EXPECT_FALSE(second->control[2].used);
@@ -139,9 +142,9 @@ TEST(Ground, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
     made.measure(GroundKind::kDistance, 1, 4, 0.01, &random);
     made.measure(GroundKind::kDistance, 2, 5, 1, &random);
     made.block.ground.back().role = ControlRole::kCheck;
-    AdjustOptions options = tested("focal");
-    options.sigma0_known = true;
-    const auto adjusted = adjust(made.block, {}, options, kRun);
+    ExamineOptions options = tested("focal");
+    options.test.sigma0_known = true;
+    const auto adjusted = examine(made.block, {}, options, kRun);
     ASSERT_TRUE(adjusted && adjusted->ground.size() == 3) << i;
     EXPECT_FALSE(adjusted->ground[2].used);
     const GroundDifference& check = adjusted->ground[2];
@@ -160,7 +163,7 @@ TEST(Ground, ABlunderInADistanceIsFound) {
   Random random(4);
   for (std::uint32_t i = 1; i < 7; ++i) made.measure(GroundKind::kDistance, 0, i, 0.005, &random);
   made.block.ground[3].value += 0.1;
-  const auto adjusted = adjust(made.block, {}, tested("focal_radial"), kRun);
+  const auto adjusted = examine(made.block, {}, tested("focal_radial"), kRun);
   ASSERT_TRUE(adjusted && adjusted->reliability);
   ASSERT_FALSE(adjusted->reliability->suspects.empty());
   const TestedObservation& worst = adjusted->reliability->suspects[0];
@@ -176,9 +179,12 @@ TEST(Ground, HeightDifferencesLevelABlock) {
   made.measure(GroundKind::kHeightDifference, 1, 4, 0.001);
   made.measure(GroundKind::kHeightDifference, 2, 6, 0.001);
   const Eigen::Quaterniond turn = rotation_by({0.03, -0.02, 0.5});
-  for (auto& [id, pose] : made.block.cam_from_world) pose.rotation = pose.rotation * turn.conjugate();
+  for (auto [id, pose] : oriented_images(made.block)) {
+    pose.rotation = pose.rotation * turn.conjugate();
+    set_pose(made.block, id, pose);
+  }
   for (auto& [id, point] : made.block.points) point.position_in_world = turn * point.position_in_world;
-  const auto adjusted = adjust(made.block, {}, tested(), kRun);
+  const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 4);  // place and north
   std::map<ControlId, double> height;
@@ -205,8 +211,8 @@ TEST(Ground, ThreadsDoNotChangeABit) {
   for (std::uint32_t i = 1; i < 7; ++i) made.measure(GroundKind::kDistance, 0, i, 0.005);
   collinea::Run threads;
   threads.threads = 3;
-  const auto one = adjust(made.block, {}, tested("focal_radial"), kRun),
-             three = adjust(made.block, {}, tested("focal_radial"), threads);
+  const auto one = examine(made.block, {}, tested("focal_radial"), kRun),
+             three = examine(made.block, {}, tested("focal_radial"), threads);
   ASSERT_TRUE(one && three);
   EXPECT_EQ(one->final_cost, three->final_cost);
   EXPECT_EQ(one->ground[2].sigma, three->ground[2].sigma);
@@ -217,16 +223,16 @@ TEST(Ground, WhatCannotBeIsRefusedOrLeftOut) {
   made.measure(GroundKind::kDistance, 0, 3, 0.001);
   Block bad = made.block;
   bad.ground[0].sigma = 0;
-  EXPECT_EQ(adjust(bad, {}, tested(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(examine(bad, {}, tested(), kRun).error().code, Errc::kBadInput);
   bad = made.block;
   bad.ground[0].to = bad.ground[0].from;
-  EXPECT_EQ(adjust(bad, {}, tested(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(examine(bad, {}, tested(), kRun).error().code, Errc::kBadInput);
   bad = made.block;  // a point that no image shows
   std::erase_if(bad.control_observations, [](const ControlObservation& seen) { return seen.point.value == 3; });
-  const auto adjusted = adjust(bad, {}, tested(), kRun);
+  const auto adjusted = examine(bad, {}, tested(), kRun);
   ASSERT_TRUE(adjusted);
   EXPECT_TRUE(adjusted->ground.empty());
-  const auto unused = adjust(made.block, {.use_ground = false}, tested(), kRun);
+  const auto unused = examine(made.block, {.use_ground = false}, tested(), kRun);
   ASSERT_TRUE(unused);
   EXPECT_TRUE(unused->ground.empty());
 }

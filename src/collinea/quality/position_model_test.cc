@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "collinea/adjust/bundle.h"
-#include "collinea/adjust/problem.h"
-#include "collinea/adjust/test_block.h"
+#include "collinea/adjust/gather.h"
+#include "collinea/quality/examine.h"
+#include "collinea/quality/test_examine.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -38,7 +38,7 @@ Flight flight(double sigma_px, double sigma_m, double sigma_rad, std::uint64_t s
   track.shift_sigma_m = track.drift_sigma_m = kUnknown;
   double time = -6;
   for (auto& [id, image] : made.block.images) {
-    const Rigid3& pose = made.block.cam_from_world.at(id);
+    const Rigid3& pose = pose_of(made.block, id);
     const Eigen::Vector3d offset = tracks ? Eigen::Vector3d(kShift + time * kDrift) : Eigen::Vector3d(0, 0, 0);
     const int row = static_cast<int>(id.value - 10) / 4;
     const Eigen::Vector3d velocity = Eigen::Vector3d(row % 2 ? -10 : 10, 0, 0) + normal3(random);
@@ -69,7 +69,7 @@ Eigen::Vector3d truth_of(UnknownKind kind) {
 
 TEST(PositionModel, DerivativesAreThoseOfDifferences) {
   const Flight made = flight(0, 0, 0.02);
-  auto gathered = bundle::gather(made.block, made.scope, tested());
+  auto gathered = bundle::gather(made.block, made.scope, tested().adjust);
   ASSERT_TRUE(gathered) << gathered.error().message;
   const bundle::Problem& problem = gathered->problem;
   bundle::State& state = gathered->start;
@@ -113,7 +113,7 @@ TEST(PositionModel, DerivativesAreThoseOfDifferences) {
 TEST(PositionModel, ExactTruthComesBack) {
   const Flight made = flight(0, 0, 0);
   Block start = testing::disturbed(made.block, 0.005, 0.3);
-  const auto adjusted = adjust(start, made.scope, tested(), kRun);
+  const auto adjusted = examine(start, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_TRUE(adjusted->converged);
   EXPECT_EQ(adjusted->rank_defect, 0);
@@ -121,7 +121,7 @@ TEST(PositionModel, ExactTruthComesBack) {
   for (const EstimatedUnknown& extra : adjusted->extras)
     EXPECT_NEAR(extra.value, truth_of(extra.kind)[extra.axis], 1e-6) << name_of_extra(start, extra.kind, 1, extra.axis);
   for (const auto& [id, pose] : adjusted->cam_from_world)
-    EXPECT_LT((centre_of(pose) - centre_of(made.truth.cam_from_world.at(id))).norm(), 1e-6);
+    EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
   EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-4);
 }
 
@@ -130,14 +130,14 @@ TEST(PositionModel, ExactTruthComesBack) {
 TEST(PositionModel, ErrorsAreAsLargeAsTheirSigmas) {
   std::map<UnknownKind, double> squares;
   constexpr int kBlocks = 80;
-  AdjustOptions options = tested("focal");
-  options.sigma0_known = true;
+  ExamineOptions options = tested("focal");
+  options.test.sigma0_known = true;
   for (int i = 0; i < kBlocks; ++i) {
     Flight made = flight(0.5, 0.03, 0.003, static_cast<std::uint64_t>(i + 1));
     Random random(static_cast<std::uint64_t>(i), 8);
     made.scope.first_cameras = made.block.cameras;
     made.scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
-    const auto adjusted = adjust(made.block, made.scope, options, kRun);
+    const auto adjusted = examine(made.block, made.scope, options, kRun);
     ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
     for (const EstimatedUnknown& extra : adjusted->extras) {
       const double ratio = (extra.value - truth_of(extra.kind)[extra.axis]) / extra.sigma;
@@ -155,10 +155,10 @@ TEST(PositionModel, AGivenLeverArmIsUsed) {
   Flight made = flight(0, 0, 0, 1, false);
   made.scope.lever_arms[{1}] = {kArm, Eigen::Vector3d::Zero()};
   made.scope.use_control = false;
-  const auto adjusted = adjust(made.block, made.scope, tested(), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted);
   for (const auto& [id, pose] : adjusted->cam_from_world)
-    EXPECT_LT((centre_of(pose) - centre_of(made.truth.cam_from_world.at(id))).norm(), 1e-6);
+    EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
   EXPECT_EQ(adjusted->extras.size(), 4u);  // boresight and time offset
 }
 
@@ -168,7 +168,7 @@ TEST(PositionModel, AShiftOfAllPositionsLeavesThePlaceOpen) {
   made.scope.lever_arms.clear();
   made.scope.attitudes.clear();
   made.scope.position_tracks[0].drift_sigma_m.setZero();
-  const auto adjusted = adjust(made.block, made.scope, tested(), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 3);
 }
@@ -180,10 +180,10 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
       {},
       {}};
   for (auto& [id, image] : made.block.images)
-    image.position = PositionPrior{centre_of(made.block.cam_from_world.at(id)), Eigen::Vector3d::Constant(0.05)};
-  made.block.cameras.begin()->second.sigma_f_px = 1e4;
+    image.position = PositionPrior{centre_of(pose_of(made.block, id)), Eigen::Vector3d::Constant(0.05)};
+  made.block.cameras.begin()->second.prior.sigma_f_px = 1e4;
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
-  const auto adjusted = adjust(made.block, made.scope, tested("focal"), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested("focal"), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   std::string told = adjusted->undetermined;
   for (const std::string& line : adjusted->inseparable) told += line + "\n";
@@ -191,7 +191,7 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
             std::string::npos)
       << told;
   const Flight well = flight(0.5, 0.03, 0.003);
-  const auto separable = adjust(well.block, well.scope, tested("focal"), kRun);
+  const auto separable = examine(well.block, well.scope, tested("focal"), kRun);
   ASSERT_TRUE(separable);
   EXPECT_TRUE(separable->inseparable.empty()) << separable->inseparable[0];
 }
@@ -203,11 +203,11 @@ TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparabl
   for (auto& [id, velocity] : made.scope.velocity_m_s) {
     velocity = Eigen::Vector3d(7, 7, 0) + 0.05 * normal3(random);
     made.block.images.at(id).position->position_in_world =
-        centre_of(made.truth.cam_from_world.at(id)) + kOffset_s * velocity + 0.03 * normal3(random);
+        centre_of(pose_of(made.truth, id)) + kOffset_s * velocity + 0.03 * normal3(random);
   }
   made.scope.lever_arms.clear();
   made.scope.position_tracks[0].drift_sigma_m.setZero();
-  const auto adjusted = adjust(made.block, made.scope, tested("focal"), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested("focal"), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   ASSERT_EQ(adjusted->inseparable.size(), 1u) << adjusted->undetermined;
   EXPECT_TRUE(
@@ -215,7 +215,7 @@ TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparabl
                                            "positions along the flight of strip 1 can hardly be separated"))
       << adjusted->inseparable[0];
   for (auto& [id, velocity] : made.scope.velocity_m_s) velocity = {7, 7, 0};  // then nothing tells them apart
-  const auto singular = adjust(made.block, made.scope, tested("focal"), kRun);
+  const auto singular = examine(made.block, made.scope, tested("focal"), kRun);
   ASSERT_TRUE(singular);
   EXPECT_TRUE(singular->undetermined.starts_with("the time offset of the positions of test is not determined"))
       << singular->undetermined;
@@ -224,14 +224,14 @@ TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparabl
 TEST(PositionModel, ATimeOffsetThatIsKnownToBeSmallHolds) {
   Flight made = flight(0.5, 0.03, 0.003);
   made.scope.time_offset_sigma_s[{1}] = 1e-6;
-  const auto adjusted = adjust(made.block, made.scope, tested(), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted);
   for (const EstimatedUnknown& extra : adjusted->extras)
     if (extra.kind == UnknownKind::kTimeOffset) {
       EXPECT_NEAR(extra.value, 0, 1e-4);
     }
   made.scope.time_offset_sigma_s[{1}] = 0;  // there is none
-  const auto without = adjust(made.block, made.scope, tested(), kRun);
+  const auto without = examine(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(without);
   EXPECT_EQ(without->extras.size() + 1, adjusted->extras.size());
 }
@@ -240,7 +240,7 @@ TEST(PositionModel, ABlunderInAnAttitudeIsFound) {
   Flight made = flight(0.5, 0.03, 0.001);
   auto& wrong = made.scope.attitudes.at({15});
   wrong.cam_from_world = wrong.cam_from_world * rotation_by({0, 0, 0.02});
-  const auto adjusted = adjust(made.block, made.scope, tested("focal"), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested("focal"), kRun);
   ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
   const TestedObservation& worst = adjusted->reliability->suspects[0];
   EXPECT_EQ(worst.group, ObservationGroup::kAttitudeHeading);
@@ -260,19 +260,19 @@ TEST(PositionModel, VarianceComponentsFindTheSigmasOfAttitudes) {
 TEST(PositionModel, WhatCannotBeIsRefused) {
   Flight made = flight(0, 0, 0);
   made.scope.lever_arms[{1}].sigma_m = {0, 1, 1};
-  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(examine(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
   made = flight(0, 0, 0);
   made.scope.attitudes.begin()->second.sigma_rad.x() = 0;
-  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(examine(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
   made = flight(0, 0, 0);
   made.scope.position_tracks[0].time.begin()->second = std::nan("");
-  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(examine(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
   made = flight(0, 0, 0);
   made.scope.time_offset_sigma_s[{1}] = -1;
-  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(examine(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
   made = flight(0, 0, 0);
   made.scope.velocity_m_s.begin()->second.x() = std::nan("");
-  EXPECT_EQ(adjust(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(examine(made.block, made.scope, tested(), kRun).error().code, Errc::kBadInput);
 }
 
 }  // namespace

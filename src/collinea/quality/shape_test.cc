@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "collinea/adjust/bundle.h"
 #include "collinea/adjust/ground_model.h"
-#include "collinea/adjust/test_block.h"
 #include "collinea/block/ground_words.h"
+#include "collinea/quality/examine.h"
+#include "collinea/quality/test_examine.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -96,8 +96,8 @@ TEST(Shape, ExactTruthComesBack) {
     const Marked made = on_shape(kind, 0, 1, 0, 0.001);
     Block start = testing::disturbed(made.block, 0.003, 0.2);
     for (auto& [id, image] : start.images)
-      image.position = PositionPrior{centre_of(made.block.cam_from_world.at(id)), Eigen::Vector3d::Constant(0.001)};
-    const auto adjusted = adjust(start, {}, tested(), kRun);
+      image.position = PositionPrior{centre_of(pose_of(made.block, id)), Eigen::Vector3d::Constant(0.001)};
+    const auto adjusted = examine(start, {}, tested(), kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     EXPECT_TRUE(adjusted->converged);
     for (const ControlDifference& point : adjusted->control)
@@ -114,11 +114,11 @@ TEST(Shape, ErrorsAreAsLargeAsTheirSigmas) {
   constexpr int kBlocks = 60;
   for (const GroundKind kind : kShapes) {
     double points = 0, residuals = 0, freedom = 0;
-    AdjustOptions options = tested();
-    options.sigma0_known = true;
+    ExamineOptions options = tested();
+    options.test.sigma0_known = true;
     for (int i = 0; i < kBlocks; ++i) {
       const Marked made = on_shape(kind, kSigma_m, static_cast<std::uint64_t>(i + 1));
-      const auto adjusted = adjust(made.block, {}, options, kRun);
+      const auto adjusted = examine(made.block, {}, options, kRun);
       ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
       double of_block = 0;
       for (const ControlDifference& point : adjusted->control) {
@@ -138,8 +138,8 @@ TEST(Shape, ErrorsAreAsLargeAsTheirSigmas) {
 // What is known of the shape makes its points better.
 TEST(Shape, APlaneHelpsItsPoints) {
   Marked made = on_shape(GroundKind::kOnPlane, kSigma_m, 2);
-  const auto with = adjust(made.block, {}, tested(), kRun);
-  const auto without = adjust(made.block, {.use_ground = false}, tested(), kRun);
+  const auto with = examine(made.block, {}, tested(), kRun);
+  const auto without = examine(made.block, {.use_ground = false}, tested(), kRun);
   ASSERT_TRUE(with && without && with->undetermined.empty());
   EXPECT_TRUE(without->ground.empty());
   for (std::size_t i = 0; i < with->control.size(); ++i)
@@ -150,7 +150,7 @@ TEST(Shape, APlaneHelpsItsPoints) {
 TEST(Shape, HeightsLevelABlock) {
   for (const GroundKind kind : kShapes) {
     Marked made = on_shape(kind, 0, 1, 0, 0);
-    const auto adjusted = adjust(made.block, {}, tested(), kRun);
+    const auto adjusted = examine(made.block, {}, tested(), kRun);
     ASSERT_TRUE(adjusted);
     EXPECT_EQ(adjusted->rank_defect, kind == GroundKind::kAtHeight ? 5 : 7) << static_cast<int>(kind);
   }
@@ -163,7 +163,7 @@ TEST(Shape, ABlunderIsFoundAndNamed) {
     for (GroundObservation& one : block.ground) one.sigma = 0.005;
     const std::size_t wrong = kind == GroundKind::kOnLine ? 7 : 3;  // point 3, of a line upwards
     block.ground[wrong].value = 0.15;                               // what is written there is not so
-    const auto adjusted = adjust(block, {}, tested(), kRun);
+    const auto adjusted = examine(block, {}, tested(), kRun);
     ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
     const TestedObservation& worst = adjusted->reliability->suspects[0];
     EXPECT_EQ(worst.group, group_of(kind));
@@ -189,7 +189,7 @@ TEST(Shape, WhatSaysNothingIsLeftOutAndNamed) {
     Marked made = on_shape(kind, kSigma_m, 1);
     const auto few = static_cast<std::uint32_t>(points_of_shape(kind));
     std::erase_if(made.block.ground, [&](const GroundObservation& one) { return one.from.value >= few; });
-    const auto adjusted = adjust(made.block, {}, tested(), kRun);
+    const auto adjusted = examine(made.block, {}, tested(), kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     EXPECT_TRUE(adjusted->ground.empty());
     EXPECT_TRUE(adjusted->undetermined.empty());
@@ -200,12 +200,12 @@ TEST(Shape, WhatSaysNothingIsLeftOutAndNamed) {
   Marked line = on_shape(GroundKind::kOnLine, 0, 1);
   for (GroundObservation& one : line.block.ground) one.kind = GroundKind::kOnPlane;
   std::erase_if(line.block.ground, [](const GroundObservation& one) { return one.axis == 1; });
-  const auto adjusted = adjust(line.block, {}, tested(), kRun);
+  const auto adjusted = examine(line.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted);
   EXPECT_TRUE(adjusted->ground.empty());
   Marked two = on_shape(GroundKind::kOnPlane, kSigma_m, 1);
   two.block.ground[0].to = {5};
-  EXPECT_EQ(adjust(two.block, {}, tested(), kRun).error().code, Errc::kBadInput);
+  EXPECT_EQ(examine(two.block, {}, tested(), kRun).error().code, Errc::kBadInput);
 }
 
 // A check observation is compared with the shape of the others.
@@ -213,7 +213,7 @@ TEST(Shape, WhatIsOnlyComparedDoesNotBendTheShape) {
   Marked made = on_shape(GroundKind::kOnPlane, 0, 4, 0.3);
   made.block.ground[2].role = ControlRole::kCheck;
   made.block.ground[2].value = 1;
-  const auto adjusted = adjust(made.block, {}, tested(), kRun);
+  const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted);
   EXPECT_FALSE(adjusted->ground[2].used);
   EXPECT_NEAR(adjusted->ground[2].difference, -1, 0.1);

@@ -59,7 +59,7 @@ void erase(std::vector<T>& all, std::vector<std::uint32_t>& places) {
 
 class Snooper {
  public:
-  Snooper(const Block& block, const AdjustScope& scope, const AdjustOptions& options, int most, const Run& run)
+  Snooper(const Block& block, const AdjustScope& scope, const ExamineOptions& options, int most, const Run& run)
       : given_(block), scope_(scope), options_(options), most_(most), run_(run), given_attitudes_(scope.attitudes) {
     options_.reliability = true;
     for (const auto& [id, camera] : block.cameras) scope_.first_cameras.try_emplace(id, camera);
@@ -69,7 +69,7 @@ class Snooper {
   Result<Snooped> snoop() {
     if (scope_.use_control) take_out_gross();
     for (bool first = true;;) {
-      Result<Adjusted> adjusted = adjust_to_the_end();
+      Result<Examined> adjusted = adjust_to_the_end();
       if (!adjusted && (adjusted.error().code != Errc::kIllPosed || gone_.empty()))
         return tl::unexpected(std::move(adjusted).error());
       const bool determined = adjusted && adjusted->reliability && (first || adjusted->rank_defect <= rank_defect_);
@@ -143,9 +143,9 @@ class Snooper {
   }
 
   // A blunder far off may need more iterations than are allowed; half way everything looks wrong.
-  Result<Adjusted> adjust_to_the_end() {
+  Result<Examined> adjust_to_the_end() {
     for (int repeat = 0;; ++repeat) {
-      Result<Adjusted> adjusted = adjuster_.adjust(out_.block, scope_, options_, run_);
+      Result<Examined> adjusted = examine(adjuster_, out_.block, scope_, options_, run_);
       ++out_.rounds;
       if (!adjusted || adjusted->converged || repeat == kMostRepeats) return adjusted;
       apply(*adjusted, out_.block);
@@ -177,7 +177,7 @@ class Snooper {
   // The redundancy number of another falls by the square of the correlation of both tests when an observation goes.
   // Of two that say the same of themselves none is left to check the other. One that little checks goes only where it
   // is the wrong one beyond doubt: the difference of two tests has the variance 2 (1 - correlation).
-  bool mistakes_another(const Adjusted& adjusted) {
+  bool mistakes_another(const Examined& adjusted) {
     if (rivals_.empty()) return false;
     const double limit = adjusted.reliability->limit;
     std::set<Key> alike;
@@ -218,7 +218,7 @@ class Snooper {
   }
 
   // One pass over the suspects, worst first.
-  void take_out_worst(const Adjusted& adjusted) {
+  void take_out_worst(const Examined& adjusted) {
     const Reliability& tests = *adjusted.reliability;
     count_rays(adjusted);
     std::map<ImageId, double> worse_in_image;  // sum of |w| of worse suspects
@@ -292,7 +292,7 @@ class Snooper {
   }
 
   // Only what takes part keeps an image where it is.
-  void count_rays(const Adjusted& adjusted) {
+  void count_rays(const Examined& adjusted) {
     rays_.clear();
     of_point_.clear();
     for (const std::uint32_t place : adjusted.observations) {
@@ -315,7 +315,7 @@ class Snooper {
     return "";
   }
 
-  void take_out(const TestedObservation& one, const Seen& seen, const Adjusted& adjusted,
+  void take_out(const TestedObservation& one, const Seen& seen, const Examined& adjusted,
                 std::vector<std::uint32_t>& ties, std::vector<std::uint32_t>& control_rays) {
     TakenOut gone{one.group, seen.image, seen.point, seen.control, seen.ground, one.axis, one.w, one.redundancy};
     gone.pulled = one.blunder - one.residual;
@@ -355,14 +355,14 @@ class Snooper {
   }
 
   // The variance of what the others foretell, in sigmas^2 of image points: from w, which has it.
-  [[nodiscard]] double variance_by_others(const TestedObservation& one, const Adjusted& adjusted) const {
+  [[nodiscard]] double variance_by_others(const TestedObservation& one, const Examined& adjusted) const {
     if (!std::isfinite(one.w)) return kNaN;
     const double sigma0 = sigma0_of(adjusted), own = is_ray(one.group) ? sigma0 : 1;
     const double spread = one.blunder / one.w / one.sigma;
     return std::max(0.0, (spread * spread - own * own) / (sigma0 * sigma0));
   }
-  [[nodiscard]] double sigma0_of(const Adjusted& adjusted) const {
-    return options_.sigma0_known ? 1 : std::max(sigma_scale(adjusted), 1e-12);
+  [[nodiscard]] double sigma0_of(const Examined& adjusted) const {
+    return options_.test.sigma0_known ? 1 : std::max(sigma_scale(adjusted), 1e-12);
   }
 
   void disbelieve(Group group, const Seen& seen) {
@@ -396,7 +396,7 @@ class Snooper {
         // With unknowns between antenna and camera what was told when it went stays.
         const Eigen::Vector3d& place = given_.images.at(gone.image).position->position_in_world;
         if (scope_.lever_arms.empty() && scope_.position_tracks.empty())
-          tell(gone, place - centre_of(out_.block.cam_from_world.at(gone.image)));
+          tell(gone, place - centre_of(pose_of(out_.block, gone.image)));
       } else if (is_ground(gone.group)) {
         for (const GroundDifference& one : out_.adjusted.ground)
           if (one.observation == gone.ground) gone.blunder.x() = -one.difference;
@@ -484,14 +484,14 @@ class Snooper {
   // Of a coordinate of the image of a control point where its other rays meet, all images being exact.
   [[nodiscard]] double variance_by_rays(const TakenOut& gone) const {
     const auto met = intersect(sight_lines(out_.block, gone.control));
-    const Rigid3& pose = out_.block.cam_from_world.at(gone.image);
+    const Rigid3& pose = pose_of(out_.block, gone.image);
     Matrix23 by_cam;
     if (!met || !project(out_.block.camera_of(gone.image), pose * met->point_in_world, &by_cam, nullptr)) return kNaN;
     const Eigen::RowVector3d by_world = by_cam.row(gone.axis) * pose.rotation.toRotationMatrix();
     return by_world * met->covariance * by_world.transpose();
   }
   void tell(TakenOut& gone, const Eigen::Vector2d& pixel, const Eigen::Vector3d& place) const {
-    const Rigid3& pose = out_.block.cam_from_world.at(gone.image);
+    const Rigid3& pose = pose_of(out_.block, gone.image);
     if (const auto expected = project(out_.block.camera_of(gone.image), pose * place))
       gone.blunder.head<2>() = pixel - *expected;
   }
@@ -504,7 +504,7 @@ class Snooper {
 
   const Block& given_;
   AdjustScope scope_;
-  AdjustOptions options_;
+  ExamineOptions options_;
   int most_;
   const Run& run_;
   Adjuster adjuster_;
@@ -533,7 +533,7 @@ class Snooper {
 
 }  // namespace
 
-Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const AdjustOptions& options, int most,
+Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const ExamineOptions& options, int most,
                       const Run& run) {
   return Snooper(block, scope, options, most, run).snoop();
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "collinea/adjust/bundle.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea {
 
@@ -46,7 +46,7 @@ struct Snooped {
   bool finished = false;                       ///< nothing is left that could be taken out
   double sigma0_before = 0;                    ///< with everything
   std::vector<ControlDifference> with;         ///< control and check points, with everything
-  Adjusted adjusted;                           ///< the last, with reliability
+  Examined adjusted;                           ///< the last, with reliability
 };
 
 /// Data snooping (Baarda 1968; Kok 1984): adjust, take out the worst suspect, adjust again, until no suspect is left or
@@ -60,7 +60,7 @@ struct Snooped {
 /// other: which is wrong cannot be told), or when without it something is not determined: a round after which that is
 /// so is taken back, and half of it tried. Errors: those of adjust(); kIllPosed when something is not determined with
 /// all observations.
-[[nodiscard]] Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
+[[nodiscard]] Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const ExamineOptions& options,
                                     int most, const Run& run);
 
 }  // namespace collinea

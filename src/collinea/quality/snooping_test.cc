@@ -11,8 +11,8 @@
 #include <string>
 
 #include "collinea/adjust/survey_block.h"
-#include "collinea/adjust/test_block.h"
 #include "collinea/math/quantiles.h"
+#include "collinea/quality/test_examine.h"
 
 namespace collinea {
 namespace {
@@ -23,7 +23,7 @@ using testing::test_block;
 constexpr int kMost = 1000;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-AdjustOptions plain() { return {.calibration = "focal_radial", .loss = "none", .position_loss = "none"}; }
+ExamineOptions plain() { return {.adjust = {.calibration = "focal_radial", .loss = "none", .position_loss = "none"}}; }
 
 testing::TestBlockOptions small(std::uint64_t seed = 1) {
   return {
@@ -117,8 +117,8 @@ TEST(Snooping, WhichOfTwoThatContradictEachOtherIsWrongCannotBeTold) {
   };
   block.ground = {{.from = {0}, .to = {1}, .value = between(0, 1), .sigma = 0.2},
                   {.from = {3}, .to = {4}, .value = 1.2 * between(3, 4), .sigma = 0.2}};
-  AdjustOptions options = plain();
-  options.sigma0_known = true;
+  ExamineOptions options = plain();
+  options.test.sigma0_known = true;
   const auto snooped = snoop(block, {}, options, kMost, {});
   ASSERT_TRUE(snooped) << snooped.error().message;
   EXPECT_EQ(snooped->adjusted.rank_defect, 6);
@@ -219,7 +219,7 @@ Surveyed surveyed(std::uint64_t seed) {
     control.sigma_m.setConstant(0.01);
     control.position_in_world += 0.01 * testing::normal3(random);
   }
-  for (const auto& [id, pose] : made.block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(made.block)) {
     const Eigen::Vector3d sigma(4e-4, 4e-4, 6e-4);
     made.scope.attitudes[id] = {
         (pose.rotation * rotation_by(sigma.cwiseProduct(testing::normal3(random)))).normalized(), sigma};
@@ -231,14 +231,14 @@ Surveyed surveyed(std::uint64_t seed) {
 // One blunder of 5 to 12 sigmas in a measurement on the ground and one in an attitude of each of 100 blocks: as many
 // are found as theory says, within four binomial deviations, and of good ones no more go than the level allows.
 TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower) {
-  AdjustOptions options = plain();
-  options.calibration = "none";
+  ExamineOptions options = plain();
+  options.adjust.calibration = "none";
   options.reliability = true;
   std::map<bool, double> planted, found, expected, variance;  // false: on the ground, true: attitudes
   double good = 0, alarms = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     Surveyed made = surveyed(seed);
-    const auto clean = adjust(made.block, made.scope, options, {});
+    const auto clean = examine(made.block, made.scope, options, {});
     ASSERT_TRUE(clean && clean->reliability) << clean->undetermined;
     Random random(seed, 13);
     std::set<std::pair<ObservationGroup, std::uint32_t>> wrong;

@@ -44,8 +44,8 @@ Block with_sigmas(const Block& block, const SigmaFactors& factors) {
 }
 
 Result<VarianceComponents> estimate_variance_components(const Block& block, const AdjustScope& scope,
-                                                        const AdjustOptions& options, const Run& run) {
-  AdjustOptions asked = options;
+                                                        const ExamineOptions& options, const Run& run) {
+  ExamineOptions asked = options;
   asked.reliability = true;
   AdjustScope around = scope;  // the weak observations stay those of the beginning
   for (const auto& [id, camera] : block.cameras) around.first_cameras.try_emplace(id, camera);
@@ -58,7 +58,7 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
       attitude.sigma_rad.head<2>() *= factor_of(found.factors, ObservationGroup::kAttitudeLevel);
       attitude.sigma_rad.z() *= factor_of(found.factors, ObservationGroup::kAttitudeHeading);
     }
-    COLLINEA_TRY(found.adjusted, adjust(scaled, around, asked, run));
+    COLLINEA_TRY(found.adjusted, examine(scaled, around, asked, run));
     if (!found.adjusted.reliability)
       return fail(Errc::kIllPosed, "variance components: " + found.adjusted.undetermined);
     double largest = 0;

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "collinea/adjust/bundle.h"
+#include "collinea/quality/examine.h"
 
 namespace collinea {
 
@@ -20,7 +20,7 @@ struct VarianceComponents {
   SigmaFactors sigma;  ///< standard deviation of each factor, from its redundancy numbers; 0 where not estimated
   int iterations = 0;
   bool converged = false;
-  Adjusted adjusted;  ///< with the factors, with reliability
+  Examined adjusted;  ///< with the factors, with reliability
 };
 
 /// The block with the sigmas of each group multiplied.
@@ -31,6 +31,6 @@ struct VarianceComponents {
 /// in images and tie points in images count separately. Errors: those of adjust(); kIllPosed when something is not
 /// determined.
 [[nodiscard]] Result<VarianceComponents> estimate_variance_components(const Block& block, const AdjustScope& scope,
-                                                                      const AdjustOptions& options, const Run& run);
+                                                                      const ExamineOptions& options, const Run& run);
 
 }  // namespace collinea

@@ -5,14 +5,14 @@
 
 #include <cmath>
 
-#include "collinea/adjust/test_block.h"
+#include "collinea/quality/test_examine.h"
 
 namespace collinea {
 namespace {
 
 using testing::test_block;
 
-AdjustOptions plain() { return {.calibration = "focal", .loss = "none", .position_loss = "none"}; }
+ExamineOptions plain() { return {.adjust = {.calibration = "focal", .loss = "none", .position_loss = "none"}}; }
 
 constexpr double kSettled = 0.01;  // factors are repeated until none changes by more
 

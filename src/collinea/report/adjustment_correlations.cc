@@ -33,7 +33,7 @@ struct PosePair {
   ImageId image;                      // that has the strongest
 };
 
-std::vector<PosePair> pose_pairs(const Adjusted& adjusted) {
+std::vector<PosePair> pose_pairs(const Examined& adjusted) {
   std::vector<PosePair> pairs;
   if (adjusted.pose_covariance.empty()) return pairs;
   for (int a = 1; a < kOfPose; ++a)

@@ -27,7 +27,7 @@ std::string head(std::initializer_list<const char*> titles) {
   return html + "</tr></thead><tbody>\n";
 }
 
-std::string summary(const Adjusted& adjusted) {
+std::string summary(const Examined& adjusted) {
   std::string html = "<section><h2>Adjustment</h2>\n" + head({"", ""});
   const auto row = [&](const char* name, const std::string& value) {
     html += "<tr>" + text_cell(name) + "<td>" + escaped(value) + "</td></tr>\n";

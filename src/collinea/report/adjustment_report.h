@@ -16,7 +16,7 @@ namespace collinea {
 struct AdjustmentReport {
   std::string title;
   Block block;                                   ///< as adjusted, with the sigmas that were used
-  Adjusted adjusted;                             ///< with covariances and reliability
+  Examined adjusted;                             ///< with covariances and reliability
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
   double additional_level = 0;                   ///< of their tests

@@ -86,7 +86,7 @@ struct Normality {
 
 Normality normality_of(const AdjustmentReport& report) {
   Normality found;
-  const Adjusted& adjusted = report.adjusted;
+  const Examined& adjusted = report.adjusted;
   if (!adjusted.reliability) return found;
   double second = 0, fourth = 0;
   for (std::size_t i = 0; i < adjusted.observations.size(); ++i) {

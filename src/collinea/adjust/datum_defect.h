@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "collinea/adjust/problem.h"
+
+namespace collinea::bundle {
+
+/// Fills datum, rank_defect and datum_text.
+void find_datum(Problem& problem, const State& start);
+
+}  // namespace collinea::bundle

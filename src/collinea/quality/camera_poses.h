@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <vector>
+
+#include "collinea/adjust/solved.h"
+
+namespace collinea {
+
+/// How a parameter of a camera goes with one of the six of an image: with what differs least from it in its effect.
+struct CameraPoseCorrelation {
+  CameraId camera;
+  int param = 0;    ///< Camera::Param
+  int of_pose = 0;  ///< 0 to 2: turns about x, y and z of the world; 3 to 5: the projection centre along them
+  ImageId image;    ///< of the camera's images the one with the largest
+  double correlation = 0;
+};
+
+/// Six of each free parameter of each camera, where the datum is complete: where it is chosen, so are correlations. By
+/// the selected inverse and the covariances of the poses (pose_covariances).
+[[nodiscard]] std::vector<CameraPoseCorrelation> correlate_cameras_and_poses(
+    const Solved& solved, const std::map<ImageId, Eigen::Matrix<double, 6, 6>>& pose_covariance,
+    bundle::TileCholesky& inverse);
+
+}  // namespace collinea

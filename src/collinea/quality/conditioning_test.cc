@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/quality/conditioning.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "collinea/quality/test_examine.h"
+
+namespace collinea {
+namespace {
+
+using testing::test_block;
+
+ExamineOptions with_covariances(const char* calibration) {
+  return {.adjust = {.calibration = calibration, .loss = "none", .position_loss = "none"}};
+}
+
+// One image over held points: the normal equations are the inverse of its covariance.
+TEST(Conditioning, IsThatOfTheNormalEquationsWithOnesOnTheDiagonal) {
+  const Block block = test_block({.rows = 1, .columns = 2, .points = 60, .sigma_px = 0.5});
+  AdjustScope scope{.use_control = false};
+  for (const auto& [id, point] : block.points) scope.fixed_points.insert(id);
+  scope.fixed_images.insert(ImageId{11});
+  const auto adjusted = examine(block, scope, with_covariances("none"), {});
+  ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
+  ASSERT_EQ(adjusted->cam_from_world.size(), 1u);
+  const auto& [id, pose] = *adjusted->cam_from_world.begin();
+  Matrix6d to_cam = Matrix6d::Identity();
+  to_cam.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix();
+  const Matrix6d normals = (to_cam * adjusted->pose_covariance.at(id) * to_cam.transpose()).inverse();
+  const Eigen::Matrix<double, 6, 1> scale = normals.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * normals * scale.asDiagonal());
+  EXPECT_NEAR(adjusted->conditioning.inflation * eigen.eigenvalues()[0], 1, 0.05);
+  EXPECT_NE(adjusted->conditioning.mostly.find("of the images"), std::string::npos) << adjusted->conditioning.mostly;
+}
+
+// A lens over level ground: focal length and height make up the worst combination.
+TEST(Conditioning, TheWorstCombinationIsNamed) {
+  Block block = test_block({.rows = 3, .columns = 4, .points = 150, .relief_m = 0, .control = 9, .tilt_rad = 0});
+  const auto sound = examine(block, {}, with_covariances("none"), {});
+  const auto weak = examine(block, {}, with_covariances("brown"), {});
+  ASSERT_TRUE(sound && weak);
+  EXPECT_GT(weak->conditioning.inflation, 3 * sound->conditioning.inflation);
+  EXPECT_NE(weak->conditioning.mostly.find("camera test"), std::string::npos) << weak->conditioning.mostly;
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/quality/examine.h"
+
+#include <utility>
+
+#include "collinea/quality/control_folds.h"
+#include "collinea/quality/control_prediction.h"
+#include "collinea/quality/inseparable.h"
+
+namespace collinea {
+namespace {
+
+using bundle::ControlFolds;
+using bundle::FreeNetwork;
+using bundle::TileCholesky;
+using bundle::WeaknessFinder;
+
+/// The steps of examine(), which stops between them.
+class Examination {
+ public:
+  Examination(Solved& solved, const ExamineOptions& options, const Run& run, Examined& out)
+      : solved_(solved), options_(options), run_(run), out_(out), weaknesses_(solved, out) {}
+
+  void examine() {
+    weaknesses_.look_at_observations();
+    auto [factor, failed_row] = solved_.factor(run_);
+    if (run_.stopped()) return;
+    if (factor)
+      examine_determined(*factor);
+    else
+      examine_undetermined(failed_row);
+    out_.weaknesses = weaknesses_.take();
+  }
+
+ private:
+  void examine_undetermined(int failed_row) {
+    out_.undetermined = undetermined_unknown(solved_, failed_row);
+    weaknesses_.look_at_bases(nullptr, run_);
+    weaknesses_.look_at_loose_images(solved_, run_);
+  }
+
+  void examine_determined(TileCholesky& factor) {
+    out_.conditioning = conditioning_of(solved_, factor, run_);
+    weaknesses_.look_at_correlations(factor);
+    const FreeNetwork free_network(solved_, factor);
+    bundle::predict_check_points(solved_, factor, free_network, run_, out_);
+    std::optional<ControlFolds> folds;
+    if (options_.reliability) folds.emplace(solved_, factor, run_);
+    if (run_.stopped()) return;
+    factor.invert(run_);
+    if (run_.stopped()) return;
+    take_covariances(free_network, factor);
+    if (options_.reliability) test_observations(*folds, factor);
+    if (options_.point_covariances && !run_.stopped())
+      out_.point_covariance = point_covariances(solved_, out_.points, free_network, factor, run_);
+  }
+
+  void take_covariances(const FreeNetwork& free_network, TileCholesky& inverse) {
+    bundle::predict_control_points(solved_, inverse, free_network, out_);
+    predict_others(solved_, free_network, inverse, out_);
+    out_.inseparable = inseparable_unknowns(solved_, inverse);
+    out_.pose_covariance = pose_covariances(solved_, free_network, inverse);
+    weaknesses_.look_at_bases(&inverse, run_);
+    weaknesses_.look_at_images(out_.pose_covariance);
+    out_.camera_covariance = camera_covariances(solved_, inverse);
+    out_.places = place_precisions(solved_, free_network, inverse, run_);
+    out_.camera_pose_correlations = correlate_cameras_and_poses(solved_, out_.pose_covariance, inverse);
+  }
+
+  void test_observations(const ControlFolds& folds, TileCholesky& inverse) {
+    Reliability found = reliability_of(solved_, out_, options_.test, inverse, run_);
+    if (run_.stopped()) return;
+    found.folded = folds.leave_out(solved_, out_, options_.test.folds);
+    out_.reliability = std::move(found);
+  }
+
+  Solved& solved_;
+  const ExamineOptions& options_;
+  const Run& run_;
+  Examined& out_;
+  WeaknessFinder weaknesses_;
+};
+
+}  // namespace
+
+Result<Examined> examine(Solved solved, const ExamineOptions& options, const Run& run) {
+  if (Result<> valid = validate(options.test); !valid)
+    return tl::unexpected(std::move(valid).error().within("adjustment"));
+  Examined examined{solved.take_estimate()};
+  Examination(solved, options, run, examined).examine();
+  if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
+  return examined;
+}
+
+Result<Examined> examine(const Block& block, const AdjustScope& scope, const ExamineOptions& options, const Run& run) {
+  Adjuster adjuster;
+  return examine(adjuster, block, scope, options, run);
+}
+
+Result<Examined> examine(Adjuster& adjuster, const Block& block, const AdjustScope& scope,
+                         const ExamineOptions& options, const Run& run) {
+  if (Result<> valid = validate(options.test); !valid)
+    return tl::unexpected(std::move(valid).error().within("adjustment"));
+  AdjustOptions adjust = options.adjust;
+  adjust.settle_points |= options.reliability;
+  COLLINEA_TRY(Solved solved, adjuster.solve(block, scope, adjust, run));
+  return examine(std::move(solved), options, run);
+}
+
+}  // namespace collinea

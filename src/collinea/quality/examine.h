@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/adjust/bundle.h"
+#include "collinea/base/options.h"
+#include "collinea/quality/camera_poses.h"
+#include "collinea/quality/conditioning.h"
+#include "collinea/quality/covariance.h"
+#include "collinea/quality/place_precision.h"
+#include "collinea/quality/reliability.h"
+#include "collinea/quality/weakness.h"
+
+namespace collinea {
+
+/// How a block is adjusted and what is asked of its quality. Covariances of images and cameras, conditioning and
+/// weaknesses are always computed.
+struct ExamineOptions {
+  AdjustOptions adjust;
+  bool point_covariances = false;
+  bool reliability = false;  ///< test every observation for a gross error, and say what would be found
+  TestOptions test;          ///< how
+};
+
+/// An adjustment with what is known of its quality. Covariances are by the given sigmas (times sigma_scale()^2 when
+/// these are only known up to scale); they, and with them all that follows, are empty when something is not determined.
+struct Examined : Adjusted {
+  std::map<ImageId, Matrix6d>
+      pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
+  std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
+  std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points; when asked for
+  std::vector<PlacePrecision> places;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
+  std::vector<CameraPoseCorrelation> camera_pose_correlations;  ///< where the datum is complete
+  /// Pairs of unknowns that hardly differ in what they do (correlation beyond 0.99), and what helps.
+  std::vector<std::string> inseparable;
+  std::string undetermined;  ///< what is not determined; empty when everything is
+  Conditioning conditioning;
+  std::vector<Weakness> weaknesses;        ///< none: everything is well determined
+  std::optional<Reliability> reliability;  ///< when asked for
+};
+
+/// Examines an adjusted block: covariances, conditioning, weaknesses and, when asked for, reliability (see the headers
+/// of each for model and formula). Uses up `solved`. Also fills what Adjusted keeps of standard deviations: of unknowns
+/// beside images, cameras and points, of control and check points, of measurements on the ground.
+///
+/// Rank and datum: covariances of poses and points of a block that nothing fixes refer to all its tie points. Where
+/// something else is undetermined, `undetermined` names it and only weaknesses that need no covariance are looked for.
+///
+/// Example:
+///
+///     COLLINEA_TRY(Solved solved, solve_bundle(block, scope, {.settle_points = true}, run));
+///     COLLINEA_TRY(const Examined examined, examine(std::move(solved), {.reliability = true}, run));
+///     for (const TestedObservation& one : examined.reliability->suspects) ...
+///
+/// Tests of single observations ask for AdjustOptions::settle_points. Cost: one factor and its selected inverse, at
+/// most some forty solutions with that factor, three for each control point, and a small system for each tie point.
+/// Errors: kBadInput (options), kCancelled.
+[[nodiscard]] Result<Examined> examine(Solved solved, const ExamineOptions& options, const Run& run);
+
+/// Adjusts and examines. Errors: those of adjust(), and of the above.
+[[nodiscard]] Result<Examined> examine(const Block& block, const AdjustScope& scope, const ExamineOptions& options,
+                                       const Run& run);
+
+/// The same, by an adjuster that is used again and again.
+[[nodiscard]] Result<Examined> examine(Adjuster& adjuster, const Block& block, const AdjustScope& scope,
+                                       const ExamineOptions& options, const Run& run);
+
+}  // namespace collinea
