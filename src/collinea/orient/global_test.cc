@@ -172,9 +172,9 @@ TEST(OrientGlobally, DoesNotDependOnThreads) {
     run.threads = threads;
     found.push_back(orient(matched.setup, matched.pairs, matched.source(), options, run)->block);
   }
-  for (const auto& [image, pose] : found[0].cam_from_world) {
-    EXPECT_EQ(pose.translation, found[1].cam_from_world.at(image).translation);
-    EXPECT_EQ(pose.rotation.coeffs(), found[1].cam_from_world.at(image).rotation.coeffs());
+  for (const auto& [image, pose] : oriented_images(found[0])) {
+    EXPECT_EQ(pose.translation, pose_of(found[1], image).translation);
+    EXPECT_EQ(pose.rotation.coeffs(), pose_of(found[1], image).rotation.coeffs());
   }
   ASSERT_EQ(found[0].observations.size(), found[1].observations.size());
 }

@@ -157,7 +157,7 @@ TEST(ControlLayout, CornersOfASlantedSiteLieInIt) {
 TEST(Precision, IsThatOfAdjustingTheSimulatedBlock) {
   const Precision planned = precision_of(small_survey());
   PlannedBlock noisy = with_errors(planned.planned, 5);
-  const Adjusted adjusted = adjust(noisy.block, noisy.scope, noisy.options, kSerial).value();
+  const Examined adjusted = examine(noisy.block, noisy.scope, noisy.options, kSerial).value();
   EXPECT_EQ(adjusted.redundancy, planned.adjusted.redundancy);
   EXPECT_NEAR(adjusted.sigma0, 1, 4 / std::sqrt(2.0 * double(adjusted.redundancy)));
   ASSERT_EQ(adjusted.control.size(), planned.adjusted.control.size());
@@ -182,7 +182,7 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
   int camera_degrees = 0;
   for (int i = 0; i < kBlocks; ++i) {
     PlannedBlock noisy = with_errors(planned.planned, std::uint64_t(1000 + i));
-    const Adjusted adjusted = adjust(noisy.block, noisy.scope, noisy.options, kSerial).value();
+    const Examined adjusted = examine(noisy.block, noisy.scope, noisy.options, kSerial).value();
     ASSERT_TRUE(adjusted.converged);
     const std::size_t which = planned.adjusted.control.size() - 1 - std::size_t(i) % planned.cells.size();
     const ControlDifference& place = planned.adjusted.control[which];

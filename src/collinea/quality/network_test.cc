@@ -203,8 +203,8 @@ TEST(Network, StationsThatNoImageShowsAreInTheDatumOfTheOthers) {
   });
   ASSERT_NE(looking, oriented.end());
   made.block.control_observations.push_back(
-      {station, looking->first,
-       *project(made.block.camera_of(looking->first), looking->second * made.truth.at(station)), 1e5});
+      {station, looking->image,
+       *project(made.block.camera_of(looking->image), looking->cam_from_world * made.truth.at(station)), 1e5});
   const auto seen = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(unseen && seen && unseen->undetermined.empty() && seen->undetermined.empty());
   ASSERT_EQ(unseen->rank_defect, 4);
