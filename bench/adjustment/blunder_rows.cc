@@ -86,7 +86,7 @@ class Trial {
 double mean_length(const Examined& adjusted, const Block& exact) {
   double sum = 0;
   for (const auto& [id, covariance] : adjusted.pose_covariance) {
-    const Eigen::Vector3d by = centre_of(adjusted.cam_from_world.at(id)) - centre_of(exact.cam_from_world.at(id));
+    const Eigen::Vector3d by = centre_of(adjusted.cam_from_world.at(id)) - centre_of(pose_of(exact, id));
     sum += by.dot(covariance.bottomRightCorner<3, 3>().inverse() * by) / 3;
   }
   return sum / static_cast<double>(adjusted.pose_covariance.size());
@@ -125,7 +125,7 @@ Rows blunders(const Effort& effort, const Run& run) {
   // have gone. Its own scatter would allow for what it spoils.
   std::vector<double> lengthened, allowed;
   int failed = 0;
-  ExamineOptions options = exact_options("brown");
+  ExamineOptions options = exact_options(Calibration::kBrown);
   options.reliability = true;
   for (int i = 0; i < effort.blunder_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(5000 + i);

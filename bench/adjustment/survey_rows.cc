@@ -12,6 +12,7 @@
 #include "collinea/adjust/survey_block.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/quality/snooping.h"
+#include "collinea/report/finding_words.h"
 #include "rows.h"
 
 namespace collinea::bench {
@@ -28,7 +29,7 @@ bool is_attitude(Group group) { return group >= Group::kAttitudeLevel; }
 // Attitudes of an inertial system, turned by its boresight.
 void add_attitudes(const Block& exact, const Eigen::Vector3d& boresight, AdjustScope& scope, Random& random) {
   const Eigen::Vector3d sigma(3e-4, 3e-4, 6e-4);
-  for (const auto& [id, pose] : exact.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(exact))
     scope.attitudes[id] = {
         (rotation_by(boresight).conjugate() * pose.rotation * rotation_by(sigma.cwiseProduct(normal3(random))))
             .normalized(),
@@ -42,7 +43,7 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
   std::map<bool, Counts> counts;  // of attitudes: true
   double alarms = 0, good = 0;
   int failed = 0;
-  ExamineOptions options = exact_options("focal_radial");
+  ExamineOptions options = exact_options(Calibration::kFocalRadial);
   options.reliability = true;
   options.test.false_alarm =
       0.005;  // so that enough of these few measurements are wrongly doubted to see that none are
@@ -110,7 +111,8 @@ const Eigen::Vector3d kArm(0.3, -0.2, -0.5), kShift(0.4, -0.7, 1.1), kDrift(0.03
 // Strips without any across, each with a shift of its own, and no control: nothing parts the shifts from the block.
 Row without_cross_flight(const Run& run) {
   Block exact = exact_block(Layout::kCrossStrips, {.points = 300, .control = 4}, 4);
-  std::erase_if(exact.cam_from_world, [](const auto& one) { return one.first.value > 18; });
+  for (const auto& [id, pose] : oriented_images(exact))
+    if (id.value > 18) remove_pose(exact, id);
   std::erase_if(exact.observations, [](const auto& seen) { return seen.image.value > 18; });
   std::erase_if(exact.control_observations, [](const auto& seen) { return seen.image.value > 18; });
   Measured made = measured(exact, 4);
@@ -121,12 +123,12 @@ Row without_cross_flight(const Run& run) {
     made.scope.position_tracks.push_back(track);
   }
   made.scope.use_control = false;
-  ExamineOptions options = exact_options("none");
+  ExamineOptions options = exact_options(Calibration::kNone);
   const auto adjusted = examine(made.block, made.scope, options, run);
   Row row{"strips without cross flight, each with a shift", "the correlation is named, with its cure",
           adjusted ? "not named" : adjusted.error().message};
   if (adjusted && !adjusted->inseparable.empty()) {
-    row.measured = adjusted->inseparable.front();
+    row.measured = sentence_of(adjusted->inseparable.front(), made.block);
     row.ok = row.measured.find("shift") != std::string::npos && row.measured.find("cross") != std::string::npos;
   }
   return row;
@@ -154,16 +156,15 @@ Rows instruments(const Effort& effort, const Run& run) {
     track.shift_sigma_m = track.drift_sigma_m = kUnknown;
     double time = -0.5 * static_cast<double>(made.block.images.size());
     for (auto& [id, image] : made.block.images) {
-      image.position->position_in_world +=
-          exact.cam_from_world.at(id).rotation.conjugate() * kArm + kShift + time * kDrift;
+      image.position->position_in_world += pose_of(exact, id).rotation.conjugate() * kArm + kShift + time * kDrift;
       track.time[id] = time++;
     }
     made.scope.position_tracks.push_back(track);
     made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
     add_attitudes(exact, kTurn, made.scope, random);
-    ExamineOptions options = exact_options("focal_radial");
+    ExamineOptions options = exact_options(Calibration::kFocalRadial);
     const auto adjusted = examine(made.block, made.scope, options, run);
-    if (!adjusted || !adjusted->undetermined.empty()) {
+    if (!adjusted || adjusted->undetermined) {
       ++failed;
       continue;
     }

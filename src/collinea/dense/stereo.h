@@ -15,7 +15,12 @@ namespace collinea {
 
 /// How unlike two pixels of a pair are. Census is the one to use; the others are there to be compared with it.
 enum class StereoCost : std::uint8_t { kCensus, kZncc, kRank, kSad, kSsd };
-inline constexpr std::array<std::string_view, 5> kStereoCostNames = {"census", "zncc", "rank", "sad", "ssd"};
+inline constexpr Word<StereoCost> kStereoCostWords[] = {{StereoCost::kCensus, "census"},
+                                                        {StereoCost::kZncc, "zncc"},
+                                                        {StereoCost::kRank, "rank"},
+                                                        {StereoCost::kSad, "sad"},
+                                                        {StereoCost::kSsd, "ssd"}};
+[[nodiscard]] constexpr std::span<const Word<StereoCost>> words(StereoCost) { return kStereoCostWords; }
 
 /// Disparities to search, both ends included [px]: column in the left picture less column in the right one.
 struct DisparityRange {
@@ -23,7 +28,7 @@ struct DisparityRange {
 };
 
 struct StereoOptions {
-  std::string cost = "census";
+  StereoCost cost = StereoCost::kCensus;
   int max_left_right_px = 1;
   int min_patch_px = 100;
   double min_correlation = 0.5;
@@ -33,7 +38,7 @@ struct StereoOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = StereoOptions;
-    visit(Field{"cost", &O::cost, "", "census, zncc, rank, sad or ssd: how unlike two pixels are"});
+    visit(Field{"cost", &O::cost, "", "how unlike two pixels are"});
     visit(Field{"max_left_right_px", &O::max_left_right_px, "px",
                 "largest difference between what is found from the left and from the right, in whole pixels", 0, 100});
     visit(Field{"min_patch_px", &O::min_patch_px, "px", "what hangs together less is left out", 0, 1e6});

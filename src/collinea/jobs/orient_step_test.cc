@@ -11,6 +11,7 @@
 #include "collinea/jobs/adjust_project.h"
 #include "collinea/orient/flight_strips.h"
 #include "collinea/orient/orient.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/steps/flow.h"
 #include "collinea/steps/step.h"
 #include "collinea/steps/test_project.h"
@@ -42,9 +43,9 @@ class OrientStepTest : public testing::Test {
     return *found;
   }
   [[nodiscard]] bool finds(std::string_view words) const {
-    const std::vector<std::string> findings = record().findings;
+    const std::vector<Finding> findings = record().findings;
     return std::any_of(findings.begin(), findings.end(),
-                       [&](const std::string& one) { return one.find(words) != std::string::npos; });
+                       [&](const Finding& one) { return sentence_of(one, setup_).find(words) != std::string::npos; });
   }
   [[nodiscard]] nlohmann::json report() {
     const auto written = report_step(*project_, "inputs");
@@ -124,8 +125,8 @@ TEST_F(OrientStepTest, DistancesMakeABlockWithoutPlaceMetric) {
   EXPECT_FALSE(told.georeferenced);
   EXPECT_TRUE(told.metric);
   EXPECT_TRUE(told.gsd_m());
-  EXPECT_NE(told.gauge.find("scale by 2 distances"), std::string::npos);
-  EXPECT_TRUE(finds("contradicts the others"));
+  EXPECT_EQ(told.gauge.distances, 2u);
+  EXPECT_TRUE(finds("contradicts the other distances"));
   const nlohmann::json shown = report();
   EXPECT_EQ(shown.at("length_unit"), "m");
   ASSERT_EQ(shown.at("ground").size(), 4u);
@@ -153,7 +154,7 @@ class InstrumentsTest : public OrientStepTest {
     survey.strips = 3;
     survey.images_per_strip = 5;
     survey.control_points = 6;
-    survey.gps_sigma_plan_m = survey.gps_sigma_height_m = 0.02;
+    survey.receiver.gps_sigma_plan_m = survey.receiver.gps_sigma_height_m = 0.02;
     auto project = open_simulated(folder_ / "block", survey, {.points_per_image = 120});
     ASSERT_TRUE(project) << project.error().message;
     project_ = *std::move(project);
@@ -191,30 +192,27 @@ class InstrumentsTest : public OrientStepTest {
 const Eigen::Vector3d InstrumentsTest::kShift(0.8, -0.5, 12);
 
 TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
-  project_->settings.orient.instruments.position_shift = "block";
+  project_->settings.orient.instruments.position_shift = PositionShift::kBlock;
   project_->settings.orient.instruments.time_offset = true;
   orient();
-  EXPECT_TRUE(finds("the shift of positions of strip 1 is +0."));
-  EXPECT_TRUE(finds("the time offset of positions of"));
+  EXPECT_TRUE(finds("The shift of positions of strip 1 is +0."));
+  EXPECT_TRUE(finds("The time offset of positions of"));
   EXPECT_FALSE(finds("GPS heights lie"));  // that is the shift
   const auto done = adjust_project(*project_, {});
   ASSERT_TRUE(done) << done.error().message;
   expect_found(adjusted().at("extra_unknowns"));
   EXPECT_NEAR(adjusted().at("sigma0").get<double>(), 1, 0.1);
   // Without any of it: what orient found is left out, and the positions contradict.
-  const auto without = adjust_project(*project_, {.instruments = [](InstrumentOptions& instruments) {
-    instruments.position_shift = "none";
-    instruments.time_offset = false;
-  }});
+  const auto without = adjust_project(*project_, {.changed_instruments = {"position_shift", "time_offset"}});
   ASSERT_TRUE(without) << without.error().message;
   EXPECT_FALSE(adjusted().contains("extra_unknowns"));
 }
 
 TEST_F(InstrumentsTest, AShiftNeedsControl) {
-  project_->settings.orient.instruments.position_shift = "strips";
+  project_->settings.orient.instruments.position_shift = PositionShift::kStrips;
   project_->settings.orient.use_control = false;
   orient();
-  EXPECT_TRUE(finds("no control point parts a shift of the positions"));
+  EXPECT_TRUE(finds("No control point separates a shift of the positions"));
   ASSERT_TRUE(adjust_project(*project_, {}));
   EXPECT_FALSE(adjusted().contains("extra_unknowns"));  // adjust takes over what orient did, not what it was asked for
 }
@@ -226,7 +224,7 @@ TEST_F(InstrumentsTest, WhatThePhotographsDoNotSayIsRefusedBeforeAnyWork) {
   const auto done = bring_up_to(*project_, "orient");
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kBadInput);
-  project_->settings.orient.instruments = {.position_shift = "stripes"};
+  project_->settings.orient.instruments = {.position_drift = true};  // of no shift
   EXPECT_FALSE(validate_settings(project_->settings));
 }
 
