@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-# The two commands of the README. Everything else: cmake --preset dev|release|asan|tsan, cmake --build --preset ...
+# The commands of the README. Everything else: cmake --preset dev|release|asan|tsan, cmake --build --preset ...
+PREFIX ?= /usr/local
+COLLINEA = build/release/bin/collinea
 
-.PHONY: demo test build setup
+.PHONY: demo test program documents install deb setup
 
-demo: build
-	@tools/demo.sh
+demo: program
+	@COLLINEA=$(COLLINEA) tools/demo.sh
 
-test: build
+test: configured
+	@echo "== building the program and its tests (Release) in build/release"
+	@tools/build.py
 	@echo "== layers"
 	@python3 tools/check_layers.py
 	@python3 tools/check_flags.py
@@ -16,10 +20,25 @@ test: build
 	@echo "== tests"
 	@ctest --preset release -j 2
 
-build: setup
-	@echo "== building (Release) in build/release"
+program: configured
+	@echo "== building the program (Release) in build/release"
+	@tools/build.py collinea
+
+documents: program
+	@tools/man_pages.py --collinea $(COLLINEA) build/release/share
+
+install: documents
+	@cmake --install build/release --prefix $(PREFIX) --strip | tail -1
+	@echo "== installed in $(PREFIX): collinea, collinea-demo, their man pages and the completion for bash"
+
+deb: documents
+	@command -v dpkg-shlibdeps > /dev/null || PACKAGES=dpkg-dev tools/setup.sh
+	@cd build/release && cpack -G DEB > cpack.log || (cat cpack.log; exit 1)
+	@echo "== $$(ls -t build/release/collinea_*.deb | head -1): install it with apt install ./FILE"
+
+.PHONY: configured
+configured: setup
 	@cmake --preset release --log-level=WARNING > /dev/null
-	@cmake --build --preset release
 
 setup:
 	@tools/setup.sh

@@ -3,9 +3,12 @@
 """unity_groups.py SIZE FILE...: parts source files into groups of at most SIZE that can be compiled as one text.
 
 Prints one line `group file` for each. Two files may not share a group when a name that one of them keeps to itself (in an
-unnamed namespace, or as a macro) occurs in the other, for there it would clash or, worse, be taken for another. Files that
+unnamed namespace, or as a macro) occurs in the other or is called or declared in a header that the other reads, for there it
+would clash or, worse, be taken for another. Files that
 read themselves again (Highway's foreach_target) stay alone and are not printed. First fit in the order given, so that an
 edit moves a file only where it must."""
+import functools
+import os
 import re
 import sys
 
@@ -48,6 +51,34 @@ def statements(text):
                     words = []
 
 
+INCLUDED = re.compile(r'#include "(collinea/[^"]+)"')
+CALLED_OR_DECLARED = re.compile(FREE_WORD.pattern + r"(?=\()|(?<=struct )\w+|(?<=class )\w+|(?<=using )\w+(?= =)")
+
+
+@functools.cache
+def header_words(path):
+    """Names that a header of the project calls or declares, and the headers that it reads itself."""
+    if not os.path.exists(path):
+        return set(), ()
+    with open(path, encoding="utf-8") as file:
+        raw = file.read()
+    return set(CALLED_OR_DECLARED.findall(STRINGS_AND_COMMENTS.sub(" ", raw))), tuple(INCLUDED.findall(raw))
+
+
+def words_below(top, headers):
+    """What all the headers read, directly or not, call or declare."""
+    words, seen, waiting = set(), set(), list(headers)
+    while waiting:
+        header = waiting.pop()
+        if header in seen:
+            continue
+        seen.add(header)
+        own, further = header_words(os.path.join(top, header))
+        words |= own
+        waiting += further
+    return words
+
+
 class Source:
     """What of a source file may clash: the names it keeps to itself, and all its words."""
 
@@ -57,7 +88,8 @@ class Source:
         self.path = path
         self.alone = "hwy/foreach_target.h" in raw
         text = STRINGS_AND_COMMENTS.sub(" ", raw)
-        self.words = set(FREE_WORD.findall(text))
+        top = os.path.abspath(path).rpartition("/collinea/")[0]
+        self.words = set(FREE_WORD.findall(text)) | words_below(top, INCLUDED.findall(raw))
         self.aliases = set()
         self.names = set(re.findall(r"#\s*define\s+(\w+)", text)) | set(re.findall(r"^static\b[^;={(]*\b(\w+)", text, re.M))
         self.names |= {"using " + name for name in re.findall(r"\busing\s+namespace\s+([\w:]+)", text)}

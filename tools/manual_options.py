@@ -22,8 +22,8 @@ POSITIONAL = re.compile(r"^  (?P<names>[a-z]+) (?P<type>[A-Z]+)(?P<required> REQ
 
 
 def help_of(program, command):
-    """The help text, long lines unbroken."""
-    done = subprocess.run([program, command, "--help"], stdout=subprocess.PIPE, text=True)
+    """The help text of a command, or of the program where none is named, long lines unbroken."""
+    done = subprocess.run([program, *([command] if command else []), "--help"], stdout=subprocess.PIPE, text=True)
     if done.returncode:
         sys.exit(f"{program} {command} --help failed")
     lines = []

@@ -1,10 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Installs what collinea is built with and runs on, from Debian 12's own packages. Does nothing where all is there.
+# PACKAGES: further ones. A developer also wants clang-format.
 set -eu
 
-packages="
-g++ cmake ninja-build pkg-config ccache python3 clang-format
+packages="${PACKAGES:-}
+g++ cmake ninja-build pkg-config ccache python3
 libeigen3-dev libhwy-dev libfmt-dev libexpected-dev libcli11-dev nlohmann-json3-dev
 libgdal-dev libproj-dev proj-data libexiv2-dev libjpeg62-turbo-dev libpng-dev libtiff-dev libsqlite3-dev
 libgtest-dev
