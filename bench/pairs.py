@@ -31,10 +31,10 @@ def run(args, block, project, until, *options):
         sys.exit(f"{block}: collinea failed ({done.returncode}):\n{done.stderr}")
 
 
-def step(project, name):
-    with sqlite3.connect(os.path.join(project, "block.db")) as store:
-        cpu, report = store.execute("SELECT cpu_seconds, report_json FROM steps WHERE name = ?", (name,)).fetchone()
-    return cpu, json.loads(report)
+def step(args, project, name):
+    info = json.loads(subprocess.check_output([args.collinea, "info", project, "--json"]))
+    its = next(step for step in info["steps"] if step["name"] == name)
+    return its["cpu_seconds"], its["figures"]
 
 
 def verified_pairs(project):
@@ -52,12 +52,12 @@ def measure(args, block, choice):
         shutil.rmtree(project, ignore_errors=True)
         shutil.copytree(start, project)
         run(args, block, project, "match", "--pairs", choice)
-        costs.append(step(project, "match")[0])
+        costs.append(step(args, project, "match")[0])
     oriented = {}
     if args.orient:
         run(args, block, project, "orient", "--pairs", choice)
-        oriented = step(project, "orient")[1]
-    return project, statistics.median(costs), step(project, "match")[1], oriented
+        oriented = step(args, project, "orient")[1]
+    return project, statistics.median(costs), step(args, project, "match")[1], oriented
 
 
 def row(args, block):

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The foreign headers that nearly every file reads, read once for all of them. Nothing of our own belongs here: a file still
-// includes what it uses, as the preset dev (which has no precompiled header and no unity build) shows.
+// The foreign headers that nearly every file reads, read once for all of them. Nothing of our own belongs here: a file
+// still includes what it uses, as the preset dev (which has no precompiled header and no unity build) shows.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,6 +26,6 @@
 #include <variant>
 #include <vector>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
+#include <Eigen/Dense>
 #include <tl/expected.hpp>

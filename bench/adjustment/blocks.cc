@@ -20,7 +20,7 @@ Camera camera_of(double focal_px, int width_px, int height_px, Random& random) {
   camera.params[Camera::kK3] = -0.002;
   camera.params[Camera::kP1] = 4e-4 * random.normal();
   camera.params[Camera::kP2] = 4e-4 * random.normal();
-  camera.sigma_f_px = 0.03 * focal_px;
+  camera.prior.sigma_f_px = 0.03 * focal_px;
   camera.name = "simulated";
   return camera;
 }
@@ -42,7 +42,7 @@ class Builder {
 
   void add_image(const Rigid3& pose, bool positions) {
     const ImageId id{static_cast<std::uint32_t>(1 + block.images.size())};
-    block.cam_from_world[id] = pose;
+    set_pose(block, id, pose);
     Image image{"IMG_" + std::to_string(id.value) + ".jpg", CameraId{1}, "", {}, {}, 1};
     if (positions) image.position = PositionPrior{centre_of(pose), Eigen::Vector3d::Constant(kPositionSigma_m)};
     block.images[id] = image;
@@ -50,7 +50,7 @@ class Builder {
   void add_point(const Eigen::Vector3d& place) {
     const PointId id{static_cast<std::uint32_t>(1 + block.points.size())};
     std::vector<Observation> seen;
-    for (const auto& [image, pose] : block.cam_from_world)
+    for (const auto& [image, pose] : oriented_images(block))
       if (const auto pixel = seen_in(image, pose, place)) seen.push_back({image, id, 0, *pixel, kImageSigma_px});
     if (seen.size() < 2) return;
     block.points[id].position_in_world = place;
@@ -60,7 +60,7 @@ class Builder {
     const ControlId id{static_cast<std::uint32_t>(1 + block.control.size())};
     block.control[id] = {"gcp" + std::to_string(id.value), ControlRole::kControl, place, place,
                          Eigen::Vector3d::Constant(kControlSigma_m)};
-    for (const auto& [image, pose] : block.cam_from_world)
+    for (const auto& [image, pose] : oriented_images(block))
       if (const auto pixel = seen_in(image, pose, place))
         block.control_observations.push_back({id, image, *pixel, kImageSigma_px});
   }
@@ -170,10 +170,10 @@ Block large_exact_block(int rows, int columns, int points) {
                                  kHeight + 3 * random.normal());
     const Eigen::Vector3d right = Eigen::Vector3d::UnitX() * (row % 2 ? -1 : 1);
     const ImageId id{static_cast<std::uint32_t>(1 + i)};
-    block.cam_from_world[id] = looking(centre, -Eigen::Vector3d::UnitZ(), right, 0.03, random);
+    set_pose(block, id, looking(centre, -Eigen::Vector3d::UnitZ(), right, 0.03, random));
     block.images[id] = {"IMG_" + std::to_string(i) + ".jpg", CameraId{1}, "", {}, {}, 1};
     block.images[id].position =
-        PositionPrior{centre_of(block.cam_from_world[id]), Eigen::Vector3d::Constant(kPositionSigma_m)};
+        PositionPrior{centre_of(pose_of(block, id)), Eigen::Vector3d::Constant(kPositionSigma_m)};
   }
   for (std::uint32_t p = 1; block.points.size() < static_cast<std::size_t>(points); ++p) {
     const double x = random.uniform(-40, kAlong * columns + 15), y = random.uniform(-40, kAcross * rows);
@@ -184,7 +184,7 @@ Block large_exact_block(int rows, int columns, int points) {
     for (int row = std::max(0, at_row - 2); row <= std::min(rows - 1, at_row + 3); ++row)
       for (int column = std::max(0, at_column - 4); column <= std::min(columns - 1, at_column + 5); ++column) {
         const ImageId image{static_cast<std::uint32_t>(1 + row * columns + column)};
-        const auto pixel = project(block.cameras.at({1}), block.cam_from_world.at(image) * place);
+        const auto pixel = project(block.cameras.at({1}), pose_of(block, image) * place);
         if (pixel && inside(block.cameras.at({1}), *pixel) && random.uniform() < 0.5)
           block.observations.push_back({image, id, 0, *pixel, kImageSigma_px});
       }
@@ -215,10 +215,11 @@ Measured measured(const Block& exact, std::uint64_t seed) {
     for (std::size_t k = 0; k < sigmas.size(); ++k) camera.params[k] += sigmas[k] * random.normal();
   }
   for (auto& [id, camera] : made.block.cameras) camera.params[Camera::kF] *= 1 + 0.002 * random.normal();
-  for (auto& [id, pose] : made.block.cam_from_world) {
+  for (auto [id, pose] : oriented_images(made.block)) {
     const Eigen::Vector3d centre = centre_of(pose) + 0.1 * normal3(random);
     pose.rotation = (rotation_by(0.002 * normal3(random)) * pose.rotation).normalized();
     pose.translation = -(pose.rotation * centre);
+    set_pose(made.block, id, pose);
   }
   for (auto& [id, point] : made.block.points) point.position_in_world += 0.1 * normal3(random);
   return made;

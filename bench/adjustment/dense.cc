@@ -11,7 +11,7 @@ namespace {
 
 double weak_weight(const Camera& camera, int param) {
   const auto squared = [](double x) { return 1 / (x * x); };
-  if (param == Camera::kF) return squared(camera.sigma_f_px);
+  if (param == Camera::kF) return squared(camera.prior.sigma_f_px);
   if (param == Camera::kCx || param == Camera::kCy) return squared(0.03 * camera.width_px);
   if (param == Camera::kK1) return squared(0.2);
   if (param == Camera::kK2 || param == Camera::kK3) return squared(0.5);

@@ -108,7 +108,7 @@ WeakLens weak_lens(const Camera& camera) {
   const double centre = 1 / (0.03 * camera.width_px);
   WeakLens weak;
   std::copy_n(camera.params.begin(), kLens, weak.given.begin());
-  weak.inverse_sigma = {1 / camera.sigma_f_px, centre, centre, 1 / 0.2, 1 / 0.5, 1 / 0.5, 1 / 0.01, 1 / 0.01};
+  weak.inverse_sigma = {1 / camera.prior.sigma_f_px, centre, centre, 1 / 0.2, 1 / 0.5, 1 / 0.5, 1 / 0.01, 1 / 0.01};
   return weak;
 }
 
@@ -154,7 +154,7 @@ CeresOutcome ceres_bundle(const Block& block, const Block& first_cameras, CeresS
   std::map<ImageId, std::array<double, 6>> poses;
   std::map<CameraId, std::array<double, kLens>> lenses;
   std::map<PointId, Eigen::Vector3d> points;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d turn = rotation_vector(pose.rotation), centre = centre_of(pose);
     poses[id] = {turn.x(), turn.y(), turn.z(), centre.x(), centre.y(), centre.z()};
   }
@@ -169,7 +169,7 @@ CeresOutcome ceres_bundle(const Block& block, const Block& first_cameras, CeresS
   for (const Observation& seen : block.observations)
     problem.AddResidualBlock(new ImagePoint(seen), tie_loss, poses.at(seen.image).data(),
                              lenses.at(block.images.at(seen.image).camera).data(), points.at(seen.point).data());
-  for (const auto& [id, pose] : block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(block))
     if (const auto& position = block.images.at(id).position)
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Position, 3, 6>(
                                    new Position{position->position_in_world, position->sigma_m.cwiseInverse()}),

@@ -16,8 +16,8 @@
 
 #include "ceres_bundle.h"
 #include "collinea/adjust/bundle.h"
-#include "collinea/math/random.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/random.h"
 #include "collinea/synthetic/survey.h"
 
 namespace collinea::bench {
@@ -56,10 +56,11 @@ Block block_of(int images, double wrong_share, const Run& run) {
 
 Block start_of(Block block, const StartErrors& errors) {
   Random random(9);
-  for (auto& [id, pose] : block.cam_from_world) {
+  for (auto [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d centre = centre_of(pose) + errors.move_m * normal3(random);
     const Eigen::Quaterniond rotation = (rotation_by(errors.turn_rad * normal3(random)) * pose.rotation).normalized();
     pose = {rotation, -(rotation * centre)};
+    set_pose(block, id, pose);
   }
   for (auto& [id, point] : block.points) point.position_in_world += errors.point_m * normal3(random);
   for (auto& [id, camera] : block.cameras) {
@@ -68,7 +69,7 @@ Block start_of(Block block, const StartErrors& errors) {
     for (int i = Camera::kK1; i <= Camera::kP2; ++i) camera.params[i] *= 1 - share;
     camera.params[Camera::kCx] += share * (0.5 * camera.width_px - camera.params[Camera::kCx]);
     camera.params[Camera::kCy] += share * (0.5 * camera.height_px - camera.params[Camera::kCy]);
-    camera.sigma_f_px = 0.05 * camera.focal_px();
+    camera.prior.sigma_f_px = 0.05 * camera.focal_px();
   }
   return block;
 }
@@ -80,8 +81,8 @@ double median(std::vector<double> values) {
 
 void row(const Block& block, const std::string& start, const char* solver, double seconds, double ratio, int iterations,
          double cost, const std::string& note) {
-  fmt::print("| {} | {} | {} | {} | {:.3f} | {} | {} | {:.2f} | {} |\n", block.cam_from_world.size(),
-             block.observations.size() / block.cam_from_world.size(), start, solver, seconds,
+  fmt::print("| {} | {} | {} | {} | {:.3f} | {} | {} | {:.2f} | {} |\n", count_oriented(block),
+             block.observations.size() / count_oriented(block), start, solver, seconds,
              ratio > 0 ? fmt::format("{:.1f}", ratio) : "", iterations, cost, note);
   std::fflush(stdout);
 }
@@ -111,7 +112,7 @@ void compare(const Block& exact, const StartErrors& errors, double wrong_share, 
                  {CeresSolver::kSparse, "Ceres SPARSE_SCHUR"},
                  {CeresSolver::kIterative, "Ceres ITERATIVE_SCHUR"}};
   for (const auto& [solver, name] : solvers) {
-    if (solver == CeresSolver::kDense && block.cam_from_world.size() > 500) continue;
+    if (solver == CeresSolver::kDense && count_oriented(block) > 500) continue;
     std::vector<double> to_cost;
     CeresOutcome outcome;
     for (int i = 0; i < asked.repeats; ++i) {

@@ -71,12 +71,12 @@ std::optional<Pair> middlebury(const fs::path& folder, int factor) {
 
 // Two cameras side by side in a made-up world, the first where one of its own images was taken.
 std::optional<Pair> rendered(const std::string& name, Truth truth, double base_m, int width, int height) {
-  const ImageId left = truth.block.cam_from_world.begin()->first,
-                right = std::next(truth.block.cam_from_world.begin())->first;
+  const std::vector<OrientedImage> oriented = oriented_images(truth.block);
+  const ImageId left = oriented[0].image, right = oriented[1].image;
   const Camera camera = ideal_camera(0.8 * width, width, height);
   truth.block.cameras.at(truth.block.images.at(left).camera) = camera;
-  const Rigid3 pose = truth.block.cam_from_world.at(left);
-  truth.block.cam_from_world.at(right) = {pose.rotation, pose.translation - Eigen::Vector3d(base_m, 0, 0)};
+  const Rigid3 pose = pose_of(truth.block, left);
+  set_pose(truth.block, right, {pose.rotation, pose.translation - Eigen::Vector3d(base_m, 0, 0)});
   Run run;
   run.threads = 2;
   const RayTable rays(camera, run);

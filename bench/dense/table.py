@@ -21,7 +21,6 @@ import re
 import resource
 import shutil
 import signal
-import sqlite3
 import struct
 import subprocess
 import sys
@@ -266,8 +265,7 @@ def exposures():
              "--until", "ortho")
     lines = collinea("assess", project, os.path.join(block, "truth"))[0].splitlines()
     judge_lines("demo with planted exposures: ", [what for what in DEMO if what[0].startswith("orthophoto")], lines)
-    with sqlite3.connect(os.path.join(project, "block.db")) as store:
-        made = json.loads(store.execute("SELECT report_json FROM steps WHERE name = 'ortho'").fetchone()[0])
+    made = next(step["figures"] for step in info(project)["steps"] if step["name"] == "ortho")
     row("demo with planted exposures: seams", "step <= 1 grey of 255",
         f"{made['seam_length_m']:.0f} m, step {made['seam_step_grey']:.2f} grey, pictures differ by "
         f"{made['seam_difference_grey']:.1f} grey", made["seam_step_grey"] <= 1)

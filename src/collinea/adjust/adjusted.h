@@ -12,46 +12,14 @@
 
 #include "collinea/adjust/unknowns.h"
 #include "collinea/block/block.h"
+#include "collinea/block/differences.h"
 
 namespace collinea {
-
-/// A measurement on the ground after the adjustment.
-struct GroundDifference {
-  std::uint32_t observation = 0;  ///< place in Block::ground
-  bool used = false;              ///< it took part; false: only compared
-  double adjusted = 0;            ///< [m] or [rad]
-  double difference = 0;          ///< adjusted minus given
-  /// With covariances: of `adjusted`, by the given sigmas, and what `difference` is expected to be. NaN: not known.
-  double sigma = std::numeric_limits<double>::quiet_NaN();
-  double difference_sigma = std::numeric_limits<double>::quiet_NaN();
-};
-
-/// The position of an image against what its receiver said.
-struct PositionDifference {
-  ImageId image;
-  Eigen::Vector3d difference_m;  ///< adjusted minus given; NaN on axes that were not given
-  double weight = 1;             ///< by the robust loss; below 1: partly disbelieved
-};
 
 /// The attitude of an image against what was given.
 struct AttitudeDifference {
   ImageId image;
   Eigen::Vector3d difference_rad;  ///< adjusted minus given, less the boresight: a turn about x, y, z of the world
-};
-
-/// A control or check point after the adjustment.
-struct ControlDifference {
-  ControlId point;
-  bool used = false;  ///< it took part; false: check point, intersected from the images that took part or were held
-  int rays = 0;       ///< such images it was measured in
-  std::optional<Eigen::Vector3d> position_in_world;  ///< nothing when the rays do not intersect
-  Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(
-      std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame; NaN: not surveyed
-  /// With covariances: of position_in_world [m^2], by the given sigmas (of a check point without its survey) ...
-  std::optional<Eigen::Matrix3d> covariance_m2;
-  /// ... and what difference_m is expected to be, by the block's covariance times sigma0^2 and the survey as given.
-  /// NaN: not known.
-  Eigen::Vector3d difference_sigma_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
 /// The outcome of a bundle adjustment. Residuals are observed minus computed.

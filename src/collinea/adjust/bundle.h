@@ -22,9 +22,9 @@ namespace collinea {
 /// among them take part with their image measurements, not with their coordinates); GNSS positions, of an antenna
 /// with a lever arm, a shift, a drift and a time offset if the scope says so; scope.attitudes with a boresight;
 /// scope.verticals; and weak ones for the parameters of calibration so that weak geometry does not run away: f by
-/// Camera::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2 0.5, k3 0.5, p1 and p2 0.01, b1 and
-/// b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false are held. scope.camera_sigmas takes
-/// the place of all that for the cameras it names.
+/// CameraPrior::sigma_f_px (0: f is held), principal point 3 % of the width, k1 0.2, k2 0.5, k3 0.5, p1 and p2 0.01, b1
+/// and b2 0.5 % of f, all around scope.first_cameras. Cameras with calibrate = false are held. scope.camera_sigmas
+/// takes the place of all that for the cameras it names.
 ///
 /// A control point with the sigmas 0 is held where it is given. Where only some axes have the sigma 0, these get a
 /// thousandth of what one measured pixel is on the ground at the point.

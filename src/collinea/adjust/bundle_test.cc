@@ -49,7 +49,7 @@ TEST(Adjust, SelfCalibrationFindsTheCamera) {
   camera.params[Camera::kB1] = 0;
   Block start = disturbed(truth, 0.005, 0.3);
   Camera first = ideal_camera(1540, 2000, 1500);
-  first.sigma_f_px = 1e6;
+  first.prior.sigma_f_px = 1e6;
   start.cameras.begin()->second = first;
   for (auto& observation : start.observations) observation.sigma_px = 1e-4;  // the weak observations shall not count
   for (auto& observation : start.control_observations) observation.sigma_px = 1e-4;
@@ -97,7 +97,7 @@ TEST(Adjust, TwoUnconnectedPartsHaveFourteenDefects) {
   const Block second = test_block({.rows = 1, .columns = 3, .points = 60, .seed = 5});
   for (const auto& [id, image] : second.images) {
     block.images[{id.value + 50}] = image;
-    block.cam_from_world[{id.value + 50}] = second.cam_from_world.at(id);
+    set_pose(block, {id.value + 50}, pose_of(second, id));
   }
   for (const auto& [id, point] : second.points) block.points[{id.value + 5000}] = point;
   for (Observation observation : second.observations) {
@@ -134,9 +134,9 @@ TEST(Adjust, LocalAdjustmentMovesOnlyWhatIsFree) {
   Random random(2);
   for (const std::uint32_t id : {12u, 13u}) {
     scope.free_images->insert({id});
-    Rigid3& pose = start.cam_from_world.at({id});
+    const Rigid3 pose = pose_of(start, {id});
     const Eigen::Vector3d centre = centre_of(pose) + 0.5 * normal3(random);
-    pose.translation = -(pose.rotation * centre);
+    set_pose(start, {id}, {pose.rotation, -(pose.rotation * centre)});
   }
   const auto adjusted = adjust(start, scope, plain(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
@@ -149,7 +149,7 @@ TEST(Adjust, LocalAdjustmentMovesOnlyWhatIsFree) {
     if (scope.free_images->contains(observation.image)) seen.insert(observation.point);
   for (const auto& [id, position] : adjusted->points) EXPECT_TRUE(seen.contains(id));
   apply(*adjusted, start);
-  EXPECT_EQ(start.cam_from_world.at({10}).translation, truth.cam_from_world.at({10}).translation);
+  EXPECT_EQ(pose_of(start, {10}).translation, pose_of(truth, {10}).translation);
 }
 
 TEST(Adjust, HeldPointsOrientImages) {  // resection
@@ -169,7 +169,7 @@ TEST(Adjust, HeldPointsOrientImages) {  // resection
 TEST(Adjust, PointsAloneAreAdjustedToTheEnd) {
   const Block truth = test_block();
   AdjustScope scope;
-  for (const auto& [id, pose] : truth.cam_from_world) scope.fixed_images.insert(id);
+  for (const auto& [id, pose] : oriented_images(truth)) scope.fixed_images.insert(id);
   Block start = truth;
   Random random(6);
   for (auto& [id, point] : start.points) point.position_in_world += 12 * normal3(random);
@@ -184,11 +184,11 @@ TEST(Adjust, PointsAloneAreAdjustedToTheEnd) {
 TEST(Adjust, ACameraAloneIsAdjustedToTheEnd) {
   const Block truth = test_block();
   AdjustScope scope;
-  for (const auto& [id, pose] : truth.cam_from_world) scope.fixed_images.insert(id);
+  for (const auto& [id, pose] : oriented_images(truth)) scope.fixed_images.insert(id);
   for (const auto& [id, point] : truth.points) scope.fixed_points.insert(id);
   Block start = truth;
   Camera& camera = start.cameras.begin()->second;
-  camera.sigma_f_px = 1e6;
+  camera.prior.sigma_f_px = 1e6;
   camera.params[Camera::kF] += 200;
   camera.params[Camera::kK1] = camera.params[Camera::kK2] = 0;
   for (Observation& seen : start.observations) seen.sigma_px = 1e-3;  // the weak observations shall not count
@@ -204,14 +204,15 @@ TEST(Adjust, VerticalsHoldTheTurnThatPositionsOnOneLineLeaveOpen) {
   Block truth = test_block({.rows = 1, .columns = 8, .tilt_rad = 0.3});
   AdjustScope scope;
   std::uint32_t number = 0;
-  for (auto& [id, pose] : truth.cam_from_world) {  // on an exact line; the measurements are made anew
+  for (auto [id, pose] : oriented_images(truth)) {  // on an exact line; the measurements are made anew
     pose.translation = -(pose.rotation * Eigen::Vector3d(12.0 * number++, 0, 60));
     truth.images.at(id).position = PositionPrior{centre_of(pose), Eigen::Vector3d::Constant(0.2)};
     scope.verticals[id] = {pose.rotation * Eigen::Vector3d::UnitZ(), 0.02};
+    set_pose(truth, id, pose);
   }
   for (Observation& seen : truth.observations) {
     const auto pixel = project(truth.camera_of(seen.image),
-                               truth.cam_from_world.at(seen.image) * truth.points.at(seen.point).position_in_world);
+                               pose_of(truth, seen.image) * truth.points.at(seen.point).position_in_world);
     ASSERT_TRUE(pixel);
     seen.pixel = *pixel;
   }
@@ -227,7 +228,7 @@ TEST(Adjust, VerticalsHoldTheTurnThatPositionsOnOneLineLeaveOpen) {
   EXPECT_LT(with->sigma0, 1e-5);
   EXPECT_LT(largest_centre_error(*with, truth), 1e-4);
   for (const auto& [id, pose] : with->cam_from_world)
-    EXPECT_LT(pose.rotation.angularDistance(truth.cam_from_world.at(id).rotation), 1e-6);
+    EXPECT_LT(pose.rotation.angularDistance(pose_of(truth, id).rotation), 1e-6);
 }
 
 TEST(Adjust, HeightOnlyControlFixesOnlyHeights) {

@@ -37,7 +37,7 @@ Block long_block(const LocalFrame& frame, const Flight& flight, double sigma_px)
   Block block;
   block.georeference = kPlace;
   Camera camera = ideal_camera(1500, 2000, 1500);
-  camera.calibrate = false;
+  camera.prior.calibrate = false;
   block.cameras[{0}] = camera;
   const Eigen::Vector3d middle = frame.map_from_local(Eigen::Vector3d(0, 0, 0));
   const auto at = [&](double along, double across, double height) {
@@ -49,11 +49,12 @@ Block long_block(const LocalFrame& frame, const Flight& flight, double sigma_px)
       const ImageId id{number++};
       block.images[id].file = std::to_string(id.value);
       block.images[id].camera = {0};
-      block.cam_from_world[id] =
-          nadir_pose(frame, at(along, (strip - 0.5 * (flight.strips - 1)) * flight.spacing_m, flight.height_m), random);
+      set_pose(block, id,
+               nadir_pose(frame, at(along, (strip - 0.5 * (flight.strips - 1)) * flight.spacing_m, flight.height_m),
+                          random));
     }
   const auto measure = [&](const Eigen::Vector3d& point, const auto& add) {
-    for (const auto& [id, pose] : block.cam_from_world) {
+    for (const auto& [id, pose] : oriented_images(block)) {
       const auto pixel = project(camera, pose * point);
       if (!pixel || !inside(camera, *pixel)) continue;
       const double du = random.normal(), dv = random.normal();
@@ -102,7 +103,7 @@ TEST(Earth, ABlockOf50KilometresIsNotBent) {
   const auto frame = world_frame(kPlace);
   ASSERT_TRUE(frame);
   const Block truth = long_block(*frame, {}, 1e-3);
-  ASSERT_GT(truth.cam_from_world.size(), 40u);
+  ASSERT_GT(count_oriented(truth), 40u);
   for (const auto& [id, point] : truth.points)
     EXPECT_LT((frame->local_from_map(frame->map_from_local(point.position_in_world)) - point.position_in_world).norm(),
               1e-4);
@@ -126,7 +127,7 @@ TEST(Earth, RefractionIsTakenOffTheRays) {
   const Block truth = long_block(*frame, {.length_m = 9000, .height_m = 9000}, 0.02);
   Block bent = truth;
   const auto bend = [&](ImageId image, const Eigen::Vector3d& point, Eigen::Vector2d& pixel) {
-    const Rigid3& pose = truth.cam_from_world.at(image);
+    const Rigid3& pose = pose_of(truth, image);
     const Eigen::Vector3d centre = centre_of(pose), place = frame->geographic_from_local(centre);
     const Eigen::Vector3d down =
         pose.rotation * (frame->local_from_geographic({place.x(), place.y(), place.z() - 1000}) - centre).normalized();
@@ -153,8 +154,7 @@ TEST(Earth, RefractionIsTakenOffTheRays) {
   EXPECT_NEAR(right->sigma0, 1, 4 / std::sqrt(2.0 * double(right->redundancy)));
   const auto mean_height_error = [&](const Adjusted& adjusted) {
     double sum = 0;
-    for (const auto& [id, pose] : adjusted.cam_from_world)
-      sum += (centre_of(pose) - centre_of(truth.cam_from_world.at(id))).z();
+    for (const auto& [id, pose] : adjusted.cam_from_world) sum += (centre_of(pose) - centre_of(pose_of(truth, id))).z();
     return sum / double(adjusted.cam_from_world.size());
   };
   EXPECT_LT(std::abs(mean_height_error(*right)), 0.1);

@@ -87,8 +87,9 @@ class Gatherer {
   };
 
   void number_images() {
-    if (!block_.cam_from_world.empty()) number_of_id_.assign(block_.cam_from_world.rbegin()->first.value + 1, kNobody);
-    for (const auto& [id, pose] : block_.cam_from_world) {
+    const std::vector<OrientedImage> oriented = oriented_images(block_);
+    if (!oriented.empty()) number_of_id_.assign(oriented.back().image.value + 1, kNobody);
+    for (const auto& [id, pose] : oriented) {
       const bool free = (!scope_.free_images || scope_.free_images->contains(id)) && !scope_.fixed_images.contains(id);
       number_of_id_[id.value] = static_cast<std::uint32_t>(candidates_.size());
       candidates_.push_back({id, free});
@@ -292,7 +293,8 @@ class Gatherer {
 
   [[nodiscard]] Result<> check_there_is_something() const {
     const auto takes_part = [](const auto& one) { return !one.out; };
-    if (block_.cam_from_world.empty()) return fail(Errc::kIllPosed, "no image is oriented: there is nothing to adjust");
+    if (oriented_images(block_).empty())
+      return fail(Errc::kIllPosed, "no image is oriented: there is nothing to adjust");
     if (std::none_of(points_.begin(), points_.end(), takes_part))
       return fail(Errc::kIllPosed,
                   "no point is measured in two images that take part: there is nothing to adjust. Measure tie "
@@ -319,7 +321,7 @@ class Gatherer {
     }
     std::vector<Eigen::Vector3d> centres;
     for (std::size_t i = 0; i < candidates_.size(); ++i)
-      if (free_number[i] >= 0) centres.push_back(centre_of(block_.cam_from_world.at(candidates_[i].id)));
+      if (free_number[i] >= 0) centres.push_back(centre_of(pose_of(block_, candidates_[i].id)));
     return elimination_order(covisibility(free, first, image_of_ray), centres, kPosesOfTile);
   }
 
@@ -386,7 +388,7 @@ class Gatherer {
       const auto [its, is_new] = camera_number.try_emplace(camera, static_cast<int>(problem.cameras.size()));
       if (is_new) problem.cameras.emplace_back().id = camera;
       problem.images[new_number_[i]] = {id, its->second};
-      const Rigid3& pose = block_.cam_from_world.at(id);
+      const Rigid3& pose = pose_of(block_, id);
       const Eigen::Vector3d centre = centre_of(pose);
       start.rotations[new_number_[i]] = pose.rotation.normalized();
       start.frames[new_number_[i]] = frame_of(pose.rotation.normalized(), centre.data());
@@ -402,7 +404,7 @@ class Gatherer {
       unknowns.border = problem.border;
       unknowns.given = given.params;
       const auto own = scope_.camera_sigmas.find(unknowns.id);
-      const bool held = own == scope_.camera_sigmas.end() && !camera.calibrate;
+      const bool held = own == scope_.camera_sigmas.end() && !camera.prior.calibrate;
       const CameraSigmas sigmas =
           own == scope_.camera_sigmas.end() ? *calibration_named(options_.calibration, given) : own->second;
       for (const int param : params_of(camera)) {

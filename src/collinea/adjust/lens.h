@@ -2,15 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
+#include <variant>
 
 #include "collinea/camera/camera.h"
 
 namespace collinea::bundle {
 
-/// What is compared with what.
+/// What is compared with what. Models of camera/models.h that have a fast version here are named in fast_kind().
 enum class LensKind : std::uint8_t {
   kBrown,     ///< the pixel where the point is seen, with the pixel that was measured
-  kMeasured,  ///< the same for CameraModel::kBrownOfMeasured
+  kMeasured,  ///< the same for BrownOfMeasured
   /// The measured coordinates after correction, with X/Z and Y/Z, both times f [px]: AdjustScope::corrected_cameras.
   kCorrected,
   kGeneral  ///< as kBrown, for all other models and with additional parameters
@@ -26,16 +28,23 @@ struct Lens {
   double fold_r2 = 0;  ///< where the radial polynomial stops growing
   LensKind kind = LensKind::kBrown;
   // Of kGeneral:
-  CameraModel model = CameraModel::kBrown;
+  CameraModel model;
   AdditionalSet additional = AdditionalSet::kNone;
   PictureExtent size;
   std::array<double, Camera::kAllParams> params{};
 };
 
+/// The version of a model without additional parameters: the general one, unless there is a fast one.
+template <class Model>
+[[nodiscard]] constexpr LensKind fast_kind() {
+  if (std::is_same_v<Model, Brown>) return LensKind::kBrown;
+  if (std::is_same_v<Model, BrownOfMeasured>) return LensKind::kMeasured;
+  return LensKind::kGeneral;
+}
 [[nodiscard]] inline LensKind kind_of(const Camera& camera, bool compare_corrected) {
-  if (is_fisheye(camera.model) || camera.additional != AdditionalSet::kNone) return LensKind::kGeneral;
-  if (camera.model == CameraModel::kBrown) return LensKind::kBrown;
-  return compare_corrected ? LensKind::kCorrected : LensKind::kMeasured;
+  if (camera.additional != AdditionalSet::kNone) return LensKind::kGeneral;
+  const LensKind kind = std::visit([]<class Model>(const Model&) { return fast_kind<Model>(); }, camera.model);
+  return kind == LensKind::kMeasured && compare_corrected ? LensKind::kCorrected : kind;
 }
 [[nodiscard]] Lens lens_of(const Camera& camera, bool compare_corrected);
 /// The same lens with other Camera::params.

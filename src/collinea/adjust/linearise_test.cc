@@ -64,20 +64,19 @@ TEST_P(LensOfModel, AgreesWithTheCamera) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lens, LensOfModel,
-                         ::testing::Values(LensCase{CameraModel::kBrown}, LensCase{CameraModel::kBrownOfMeasured},
-                                           LensCase{CameraModel::kEquidistant}, LensCase{CameraModel::kEquisolid},
-                                           LensCase{CameraModel::kKannalaBrandt},
-                                           LensCase{CameraModel::kBrown, AdditionalSet::kGruen},
-                                           LensCase{CameraModel::kEquisolid, AdditionalSet::kFourier}),
+                         ::testing::Values(LensCase{Brown{}}, LensCase{BrownOfMeasured{}}, LensCase{Equidistant{}},
+                                           LensCase{Equisolid{}}, LensCase{KannalaBrandt{}},
+                                           LensCase{Brown{}, AdditionalSet::kGruen},
+                                           LensCase{Equisolid{}, AdditionalSet::kFourier}),
                          [](const auto& tested) {
-                           return std::string(kCameraModelNames[std::size_t(tested.param.model)]) + "_" +
+                           return std::string(name_of(tested.param.model)) + "_" +
                                   std::string(kAdditionalNames[std::size_t(tested.param.additional)]);
                          });
 
 // The difference after correction, and its derivatives: those of the computed pixel are minus those of the difference.
 TEST(Lens, ComparesAfterCorrection) {
   Camera camera = testing::test_camera();
-  camera.model = CameraModel::kBrownOfMeasured;
+  camera.model = BrownOfMeasured{};
   camera.params[Camera::kB1] = 3;
   camera.params[Camera::kB2] = -2;
   const Eigen::Vector3d point(0.5, -0.3, 1.4);
@@ -117,7 +116,7 @@ TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   const Camera& camera = block.cameras.begin()->second;
   const bundle::Lens lens = bundle::lens_of(camera, false);
   const Observation& observation = block.observations.front();
-  const Rigid3 pose = block.cam_from_world.at(observation.image);
+  const Rigid3 pose = pose_of(block, observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
   const bundle::Ray ray{{observation.pixel.x() + 1, observation.pixel.y() - 2}, 0.5, 0, 0};
   const auto residual = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& move, const Eigen::Vector3d& shift) {
@@ -163,7 +162,7 @@ TEST(Linearise, GradientIsThatOfTheRobustCost) {
   const Block block = test_block();
   const bundle::Lens lens = bundle::lens_of(block.cameras.begin()->second, false);
   const Observation& observation = block.observations.front();
-  const Rigid3 pose = block.cam_from_world.at(observation.image);
+  const Rigid3 pose = pose_of(block, observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
   const bundle::Frame frame = bundle::frame_of(pose.rotation, centre.data());
   const bundle::Ray ray{{observation.pixel.x() + 3, observation.pixel.y() - 5}, 0.5, 0, 0};

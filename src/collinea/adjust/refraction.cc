@@ -51,7 +51,7 @@ Result<Refracted> correct_refraction(Block& block) {
     return fail(Errc::kBadInput,
                 "refraction needs heights above the sea: this block has no place on Earth (no GPS, no CRS)");
   std::map<ImageId, Station> stations;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d centre = centre_of(pose), place = frame->geographic_from_local(centre);
     const Eigen::Vector3d below = frame->local_from_geographic({place.x(), place.y(), place.z() - 1000});
     stations[id] = {&block.camera_of(id), pose, pose.rotation * (below - centre).normalized(), place.z()};

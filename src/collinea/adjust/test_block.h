@@ -47,7 +47,7 @@ inline AdjustOptions plain(std::string calibration = "none") {
 inline double largest_centre_error(const Adjusted& adjusted, const Block& truth) {
   double largest = 0;
   for (const auto& [id, pose] : adjusted.cam_from_world)
-    largest = std::max(largest, (centre_of(pose) - centre_of(truth.cam_from_world.at(id))).norm());
+    largest = std::max(largest, (centre_of(pose) - centre_of(pose_of(truth, id))).norm());
   return largest;
 }
 
@@ -61,7 +61,7 @@ inline Camera test_camera() {
   camera.params[Camera::kK3] = -0.002;
   camera.params[Camera::kP1] = 4e-4;
   camera.params[Camera::kP2] = -3e-4;
-  camera.sigma_f_px = 50;
+  camera.prior.sigma_f_px = 50;
   camera.name = "test";
   return camera;
 }
@@ -91,7 +91,7 @@ inline Block test_block(const TestBlockOptions& o = {}) {
   for (int i = 0; i < o.rows * o.columns; ++i) {
     const ImageId id{static_cast<std::uint32_t>(10 + i)};
     const Rigid3 pose = test_pose(o, i / o.columns, i % o.columns, random);
-    block.cam_from_world[id] = pose;
+    set_pose(block, id, pose);
     Image image{"IMG_" + std::to_string(i) + ".jpg", camera, "", {}, {}, 1};
     if (o.position_sigma_m > 0)
       image.position = PositionPrior{centre_of(pose) + o.position_sigma_m * normal3(random),
@@ -100,7 +100,7 @@ inline Block test_block(const TestBlockOptions& o = {}) {
   }
   const double sigma = o.sigma_px > 0 ? o.sigma_px : 1;
   const auto measure = [&](const Eigen::Vector3d& point, auto&& add) {
-    for (const auto& [id, pose] : block.cam_from_world) {
+    for (const auto& [id, pose] : oriented_images(block)) {
       const auto pixel = project(block.camera_of(id), pose * point);
       if (!pixel || !inside(block.camera_of(id), *pixel)) continue;
       const double du = random.normal(), dv = random.normal();
@@ -134,10 +134,11 @@ inline Block test_block(const TestBlockOptions& o = {}) {
 /// The block with its unknowns moved off the truth.
 inline Block disturbed(Block block, double turn_rad, double move_m, std::uint64_t seed = 9) {
   Random random(seed);
-  for (auto& [id, pose] : block.cam_from_world) {
+  for (auto [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d centre = centre_of(pose) + move_m * normal3(random);
     const Eigen::Quaterniond rotation = (rotation_by(turn_rad * normal3(random)) * pose.rotation).normalized();
     pose = {rotation, -(rotation * centre)};
+    set_pose(block, id, pose);
   }
   for (auto& [id, point] : block.points) point.position_in_world += move_m * normal3(random);
   return block;
@@ -175,7 +176,7 @@ inline Marked marked(TestBlockOptions options, int points = 9,
     point.role = ControlRole::kControl;
     point.sigma_m.setConstant(std::numeric_limits<double>::infinity());
     if (!move) continue;
-    for (const auto& [image, pose] : made.block.cam_from_world)
+    for (const auto& [image, pose] : oriented_images(made.block))
       if (const auto pixel = project(made.block.camera_of(image), pose * point.position_in_world);
           pixel && inside(made.block.camera_of(image), *pixel))
         made.block.control_observations.push_back({id, image, *pixel, 1});
@@ -200,7 +201,7 @@ inline Block measured_anew(Block block, AdjustScope& scope, std::uint64_t seed) 
   }
   for (auto& [id, image] : block.images)
     image.position =
-        PositionPrior{centre_of(block.cam_from_world.at(id)) + 0.02 * normal3(random), Eigen::Vector3d::Constant(0.02)};
+        PositionPrior{centre_of(pose_of(block, id)) + 0.02 * normal3(random), Eigen::Vector3d::Constant(0.02)};
   scope.first_cameras = block.cameras;
   scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
   return block;

@@ -189,7 +189,7 @@ TEST(Commands, ExportSaysWhatItLeavesOut) {
   block.cameras[CameraId{0}] = ideal_camera(1000, 1000, 800);
   for (std::uint32_t i = 0; i < 3; ++i)
     block.images[ImageId{i}] = {.file = std::to_string(i) + ".jpg", .camera = CameraId{0}};
-  for (std::uint32_t i = 0; i < 2; ++i) block.cam_from_world[ImageId{i}] = {};
+  for (std::uint32_t i = 0; i < 2; ++i) set_pose(block, ImageId{i}, {});
   {
     Settings settings;
     settings.photos = (folder / "photos").string();

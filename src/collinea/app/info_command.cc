@@ -3,7 +3,7 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console.h"
-#include "collinea/jobs/info.h"
+#include "collinea/app/info_text.h"
 
 namespace collinea {
 
@@ -21,9 +21,9 @@ Command info_command() {
           [asked] {
             const auto store = ProjectStore::open_to_read(asked->project);
             if (!store) return complain(store.error());
-            const auto text = asked->json ? info_json(*store) : info_text(*store);
-            if (!text) return complain(text.error());
-            std::fputs(text->c_str(), stdout);
+            const auto info = project_info(*store);
+            if (!info) return complain(info.error());
+            std::fputs((asked->json ? info_json(*info) : info_text(*info)).c_str(), stdout);
             return 0;
           }};
 }

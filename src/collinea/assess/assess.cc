@@ -29,7 +29,7 @@ Block true_block(const TruthFolder& truth) {
     const ImageId id{std::uint32_t(block.images.size())};
     block.images[id].file = file;
     block.images[id].camera = CameraId{0};
-    block.cam_from_world[id] = pose;
+    set_pose(block, id, pose);
   }
   return block;
 }

@@ -31,7 +31,8 @@ struct Survey {
       const std::string file = "IMG_" + std::to_string(i) + ".jpg";
       block.images[ImageId{i}].file = "sub/" + file;
       block.images[ImageId{i}].camera = CameraId{1};
-      truth[file] = block.cam_from_world[ImageId{i}] = {rotation, -(rotation * centre)};
+      truth[file] = {rotation, -(rotation * centre)};
+      set_pose(block, ImageId{i}, truth[file]);
     }
     std::uint32_t id = 0;
     for (const auto& [name, place] : marks) {
@@ -39,7 +40,7 @@ struct Survey {
       point.name = name;
       point.role = name == "A" ? ControlRole::kCheck : ControlRole::kControl;
       block.control[ControlId{id}] = point;
-      for (const auto& [image, pose] : block.cam_from_world)
+      for (const auto& [image, pose] : oriented_images(block))
         if (const auto pixel = project(block.camera_of(image), pose * place))
           block.control_observations.push_back({ControlId{id}, image, *pixel, 0.5});
       ++id;
@@ -62,7 +63,10 @@ TEST(PoseErrors, PerfectPosesHaveNone) {
 TEST(PoseErrors, ASimilarityShowsBeforeAndNotAfterAlignment) {
   Survey survey;
   const Similarity3 moved_by{1.01, Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ())), {2, 0, 0}};
-  for (auto& [id, pose] : survey.block.cam_from_world) pose = moved(pose, moved_by);
+  for (auto [id, pose] : oriented_images(survey.block)) {
+    pose = moved(pose, moved_by);
+    set_pose(survey.block, id, pose);
+  }
   const PoseErrors errors = pose_errors(survey.block, survey.truth, same);
   EXPECT_GT(errors.centres->rms_3d_m, 1);
   EXPECT_LT(errors.after_similarity->rms_3d_m, 1e-10);

@@ -20,7 +20,7 @@ struct Ray {
 
 struct Measured {
   const Camera* camera;
-  const Rigid3* cam_from_world;
+  Rigid3 cam_from_world;
   const ControlObservation* observation;
 };
 
@@ -28,9 +28,8 @@ std::vector<Measured> measurements_of(const Block& block, ControlId mark) {
   std::vector<Measured> found;
   for (const ControlObservation& observation : block.control_observations) {
     if (observation.point != mark) continue;
-    const auto pose = block.cam_from_world.find(observation.image);
-    if (pose != block.cam_from_world.end())
-      found.push_back({&block.camera_of(observation.image), &pose->second, &observation});
+    if (const std::optional<Rigid3> pose = find_pose(block, observation.image))
+      found.push_back({&block.camera_of(observation.image), *pose, &observation});
   }
   return found;
 }
@@ -41,10 +40,10 @@ std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<Measured>& meas
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const Measured& m : measured) {
     const Eigen::Vector3d direction =
-        m.cam_from_world->rotation.conjugate() * ray_in_cam(*m.camera, m.observation->pixel);
+        m.cam_from_world.rotation.conjugate() * ray_in_cam(*m.camera, m.observation->pixel);
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - direction * direction.transpose();
     normals += across;
-    right += across * centre_of(*m.cam_from_world);
+    right += across * centre_of(m.cam_from_world);
   }
   const double smallest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(normals).eigenvalues()[0];
   if (!(smallest > 1e-6)) return std::nullopt;
@@ -78,7 +77,7 @@ PoseErrors pose_errors(const Block& block, const std::map<std::string, Rigid3>& 
   errors.images = true_cam_from_world.size();
   std::vector<Eigen::Vector3d> estimated, in_truth, truth;
   std::vector<std::pair<Rigid3, Rigid3>> poses;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const auto found = true_cam_from_world.find(std::filesystem::path(block.images.at(id).file).filename().string());
     if (found == true_cam_from_world.end()) continue;
     estimated.push_back(centre_of(pose));
@@ -110,9 +109,9 @@ std::optional<Eigen::Vector3d> intersect_mark(const Block& block, ControlId mark
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const Measured& m : measured) {
       Matrix23 by_cam_point;
-      const auto pixel = project(*m.camera, *m.cam_from_world * *point, &by_cam_point, nullptr);
+      const auto pixel = project(*m.camera, m.cam_from_world * *point, &by_cam_point, nullptr);
       if (!pixel) return std::nullopt;
-      const Matrix23 by_point = by_cam_point * m.cam_from_world->rotation.toRotationMatrix();
+      const Matrix23 by_point = by_cam_point * m.cam_from_world.rotation.toRotationMatrix();
       const double weight = 1 / (m.observation->sigma_px * m.observation->sigma_px);
       normals += weight * by_point.transpose() * by_point;
       right += weight * by_point.transpose() * (m.observation->pixel - *pixel);

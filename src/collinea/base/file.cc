@@ -19,6 +19,8 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t l
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) return fail(Errc::kNotFound, path.string() + ": no such file");
   if (std::filesystem::is_directory(status)) return fail(Errc::kBadInput, path.string() + ": a folder, not a file");
+  if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status))
+    return fail(Errc::kBadInput, path.string() + ": a device, not a file");
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) return fail(Errc::kNotFound, path.string() + ": cannot be opened: " + last_reason());
   std::string bytes;

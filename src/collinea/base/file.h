@@ -12,7 +12,7 @@
 
 namespace collinea {
 
-/// All bytes of a file. Errors: missing, not readable, larger than `limit_bytes`.
+/// All bytes of a file. Errors: missing, a folder or a device, not readable, larger than `limit_bytes`.
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
                                             std::uint64_t limit_bytes = std::uint64_t{1} << 32);
 

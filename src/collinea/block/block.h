@@ -38,7 +38,7 @@ struct AttitudePrior {
   Eigen::Vector3d sigma_deg = Eigen::Vector3d::Zero();
 };
 
-/// One exposure. Where it was taken is in Block::cam_from_world, and only there.
+/// One exposure. Where it was taken is answered by pose_of(), and by that alone.
 struct Image {
   std::string file;  ///< relative to the photo folder
   CameraId camera;
@@ -80,12 +80,34 @@ struct ControlObservation {
   double sigma_px = 1;
 };
 
+struct Block;
+
+/// An image whose pose is known: its camera frame from the world frame.
+struct OrientedImage {
+  ImageId image;
+  Rigid3 cam_from_world;
+};
+
+/// The table of poses of a block. It is read and written by the functions at the end of this header alone, so that a
+/// pose may one day come from a rig, or differ from line to line of an image, without a change in those who ask for it.
+class PoseTable {
+ private:
+  friend std::optional<Rigid3> find_pose(const Block& block, ImageId image);
+  friend bool is_oriented(const Block& block, ImageId image);
+  friend std::size_t count_oriented(const Block& block);
+  friend std::vector<OrientedImage> oriented_images(const Block& block);
+  friend void set_pose(Block& block, ImageId image, const Rigid3& cam_from_world);
+  friend void set_poses(Block& block, std::map<ImageId, Rigid3> cam_from_world);
+  friend void remove_pose(Block& block, ImageId image);
+  std::map<ImageId, Rigid3> cam_from_world_;  // oriented images only
+};
+
 /// All that is known of a set of overlapping images. Plain data: no pointers, no files, no hidden caches.
 struct Block {
   std::optional<Georeference> georeference;  ///< nothing: the world frame is a gauge without place or scale on Earth
   std::map<CameraId, Camera> cameras;
   std::map<ImageId, Image> images;
-  std::map<ImageId, Rigid3> cam_from_world;  ///< oriented images only
+  PoseTable poses;
   std::map<PointId, TiePoint> points;
   std::vector<Observation> observations;  ///< of tie points; sorted by (point, image)
   std::map<ControlId, ControlPoint> control;
@@ -94,5 +116,23 @@ struct Block {
 
   [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras.at(images.at(image).camera); }
 };
+
+/// The pose of an image: point_in_cam = pose * point_in_world. Of an image that is not oriented nobody may ask.
+[[nodiscard]] Rigid3 pose_of(const Block& block, ImageId image);
+/// The same; nothing when the image is not oriented.
+[[nodiscard]] std::optional<Rigid3> find_pose(const Block& block, ImageId image);
+[[nodiscard]] bool is_oriented(const Block& block, ImageId image);
+[[nodiscard]] std::size_t count_oriented(const Block& block);
+/// The oriented images with their poses, by ascending id. A copy: the block may be changed while it is walked.
+[[nodiscard]] std::vector<OrientedImage> oriented_images(const Block& block);
+
+/// Orients the image, or orients it anew.
+void set_pose(Block& block, ImageId image, const Rigid3& cam_from_world);
+/// Orients these images and no others.
+void set_poses(Block& block, std::map<ImageId, Rigid3> cam_from_world);
+/// The image is not oriented any more.
+void remove_pose(Block& block, ImageId image);
+/// No image is oriented any more.
+void clear_poses(Block& block);
 
 }  // namespace collinea

@@ -4,7 +4,7 @@
 namespace collinea {
 
 void transform(Block& block, const Similarity3& world_from_block) {
-  for (auto& [id, pose] : block.cam_from_world) pose = moved(pose, world_from_block);
+  for (const auto& [image, pose] : oriented_images(block)) set_pose(block, image, moved(pose, world_from_block));
   for (auto& [id, point] : block.points) point.position_in_world = world_from_block * point.position_in_world;
 }
 

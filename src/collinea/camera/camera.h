@@ -10,21 +10,11 @@
 #include <vector>
 
 #include "collinea/camera/additional.h"
+#include "collinea/camera/models.h"
+#include "collinea/camera/parameters.h"
+#include "collinea/camera/prior.h"
 
 namespace collinea {
-
-/// How a direction becomes a place in the picture.
-enum class CameraModel : std::uint8_t {
-  kBrown,            ///< central; the polynomial goes from where the point would be seen to where it is seen
-  kBrownOfMeasured,  ///< central; from where it is seen to where it would be: corrections of measured coordinates
-  kEquidistant,      ///< fisheye: the distance from the principal point is f times the angle from the axis
-  kEquisolid,        ///< fisheye: it is 2 f sin(angle / 2), equal solid angles have equal areas
-  kKannalaBrandt,    ///< fisheye: f times an odd polynomial of the angle, of the ninth degree
-};
-inline constexpr std::array<std::string_view, 5> kCameraModelNames = {"brown", "brown_of_measured", "equidistant",
-                                                                      "equisolid", "kannala_brandt"};
-
-[[nodiscard]] constexpr bool is_fisheye(CameraModel model) { return model >= CameraModel::kEquidistant; }
 
 /// The interior orientation of a camera with one lens and one focus setting: a projection with the distortion of
 /// Brown (1971) and the affinity and shear of the sensor. The polynomial D of the distortion is, with
@@ -33,31 +23,21 @@ inline constexpr std::array<std::string_view, 5> kCameraModelNames = {"brown", "
 ///     D(x, y) = (x + x radial + p1 (r2 + 2 x^2) + 2 p2 x y,
 ///                y + y radial + p2 (r2 + 2 y^2) + 2 p1 x y)
 /// The measured coordinates (xd, yd) of a point X, Y, Z of the camera frame follow from
-///     kBrown:            (xd, yd) = D(X/Z, Y/Z)
-///     kBrownOfMeasured:  D(xd, yd) = (X/Z, Y/Z)
-///     fisheye:           (xd, yd) = D(g X/R, g Y/R), R = hypot(X, Y), t = atan2(R, Z),
-///                        g = t of kEquidistant and kKannalaBrandt, 2 sin(t/2) of kEquisolid
-/// where k4 is of kKannalaBrandt alone, which has no p1 and p2: f t (1 + k1 t^2 + k2 t^4 + k3 t^6 + k4 t^8). The pixel:
+///     Brown:            (xd, yd) = D(X/Z, Y/Z)
+///     BrownOfMeasured:  D(xd, yd) = (X/Z, Y/Z)
+///     fisheyes:         (xd, yd) = D(g X/R, g Y/R), R = hypot(X, Y), t = atan2(R, Z), g(t) the law of the model
+/// where parameters that a model does not have are zero. The pixel:
 ///     column = cx + f xd + b1 xd + b2 yd,   row = cy + f yd
 /// and on top of it the shift of the additional parameters at that pixel (camera/additional.h).
 /// Pixel convention: the centre of the upper-left pixel is (0.5, 0.5). Camera frame: x right, y down, z forward.
-struct Camera {
-  enum Param : int { kF, kCx, kCy, kK1, kK2, kK3, kP1, kP2, kB1, kB2, kK4, kParams };
-  static constexpr int kAllParams = kParams + static_cast<int>(kMostAdditional);
-  static constexpr std::array<std::string_view, kParams> kParamNames = {"f",  "cx", "cy", "k1", "k2", "k3",
-                                                                        "p1", "p2", "b1", "b2", "k4"};
-  static constexpr std::array<std::string_view, kParams> kParamUnits = {"px", "px", "px", "1",  "1", "1",
-                                                                        "1",  "1",  "px", "px", "1"};
-
+struct Camera : CameraParameters {
   std::array<double, kAllParams> params{};  ///< of the model, then of the additional set [px]; the others are zero
-  CameraModel model = CameraModel::kBrown;
+  CameraModel model;                        ///< Brown, unless another is stated
   AdditionalSet additional = AdditionalSet::kNone;
   int width_px = 0;
   int height_px = 0;
-  std::string name;       ///< maker, model, serial: for people
-  double sigma_f_px = 0;  ///< of the focal length before adjustment; 0 = held fixed
-  bool calibrate = true;  ///< false: all parameters are given and held fixed
-  std::string source;     ///< where the first focal length came from: "EXIF 35 mm equivalent", "assumed", "given", ...
+  std::string name;  ///< maker, model, serial: for people
+  CameraPrior prior;
 
   [[nodiscard]] double focal_px() const { return params[kF]; }
 };
@@ -82,17 +62,13 @@ void scale_params(Camera& camera, double times);
 /// rounding.
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam);
 
-using Matrix23 = Eigen::Matrix<double, 2, 3>;
-using Matrix2P = Eigen::Matrix<double, 2, Camera::kAllParams>;
-
 /// The same, with the derivatives of the pixel by the point and by the camera's parameters.
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam,
                                                      Matrix23* by_point, Matrix2P* by_params);
 
-/// The undistorted image coordinates (X/Z, Y/Z) of a pixel: the inverse of project. For kBrown by Newton iteration, to
-/// 1e-10 and better inside the image for lenses whose distortion does not fold back; outside that domain the nearest
-/// the iteration comes. For kBrownOfMeasured the polynomial itself. Of a fisheye the rays beyond kWidestPlane_rad have
-/// no such coordinates that are of use: they get those of that angle, in their direction; see in_plane().
+/// The undistorted image coordinates (X/Z, Y/Z) of a pixel: the inverse of project. As exact as its model says.
+/// Of a fisheye the rays beyond kWidestPlane_rad have no such coordinates that are of use: they get those of that
+/// angle, in their direction; see in_plane().
 [[nodiscard]] Eigen::Vector2d normalized(const Camera& camera, const Eigen::Vector2d& pixel);
 
 /// The pixel freed from the shift of the additional parameters.

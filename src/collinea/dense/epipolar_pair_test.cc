@@ -19,8 +19,8 @@ Camera with_distortion() {
 }
 
 EpipolarPair pair_of(const Block& block, std::uint32_t a, std::uint32_t b) {
-  const auto pair = epipolar_pair(block.camera_of(ImageId{a}), block.cam_from_world.at(ImageId{a}),
-                                  block.camera_of(ImageId{b}), block.cam_from_world.at(ImageId{b}));
+  const auto pair = epipolar_pair(block.camera_of(ImageId{a}), pose_of(block, ImageId{a}), block.camera_of(ImageId{b}),
+                                  pose_of(block, ImageId{b}));
   EXPECT_TRUE(pair) << pair.error().message;
   return *pair;
 }
@@ -33,7 +33,7 @@ TEST(EpipolarPair, PointsLieInTheSameRowAndDisparityTellsTheirDepth) {
     for (const auto& [id, point] : scene.block.points) {
       const Eigen::Vector3d in_left = pair.left_from_world * point.position_in_world;
       const Eigen::Vector3d in_right =
-          pair.right_from_photo * (scene.block.cam_from_world.at(ImageId{b}) * point.position_in_world);
+          pair.right_from_photo * (pose_of(scene.block, ImageId{b}) * point.position_in_world);
       const Eigen::Vector2d p = left.project(in_left), q = right.project(in_right);
       EXPECT_NEAR(p.y(), q.y(), 1e-9);
       EXPECT_NEAR(p.x() - q.x(), pair.disparity_at(in_left.z()), 1e-9);

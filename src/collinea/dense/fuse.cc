@@ -175,7 +175,7 @@ class Fusion {
     const int rows = reference_->depth.height;
     const auto strips = std::size_t((rows + kStripRows - 1) / kStripRows);
     const std::size_t at_once = kStripsAtOnce * std::size_t(std::max(1, run_.threads));
-    const Rigid3 world_from_cam = inverse(block_.cam_from_world.at(image));
+    const Rigid3 world_from_cam = inverse(pose_of(block_, image));
     Written written{image, {}};
     for (std::size_t first = 0; first < strips; first += at_once) {
       std::vector<Strip> made(std::min(at_once, strips - first));
@@ -208,7 +208,7 @@ class Fusion {
     others_.clear();
     const std::size_t bytes = 2 * sizeof(float) * reference_->depth.data.size();
     const std::size_t room = std::max(3, int(options_.memory_mb * 1e6 / double(bytes))) - 1;
-    const Rigid3 reference_from_world = block_.cam_from_world.at(image);
+    const Rigid3 reference_from_world = pose_of(block_, image);
     COLLINEA_TRY(auto overlapping, ties_.overlapping(image, int(block_.images.size())));
     std::erase_if(overlapping, [&](ImageId other) { return !images_.count(other); });
     if (overlapping.size() > kMostNeighbours) overlapping.resize(kMostNeighbours);
@@ -220,7 +220,7 @@ class Fusion {
     for (const ImageId other : overlapping) {
       if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
       COLLINEA_TRY(const auto map, cache_.map(other));
-      const Rigid3 other_from_reference = block_.cam_from_world.at(other) * inverse(reference_from_world);
+      const Rigid3 other_from_reference = pose_of(block_, other) * inverse(reference_from_world);
       others_.push_back({other, map, Pinhole(map->camera), other_from_reference.rotation.toRotationMatrix(),
                          other_from_reference.translation});
     }
@@ -351,7 +351,7 @@ class Fusion {
     if (picture.channels < 3 || picture.width != camera.width_px || picture.height != camera.height_px)
       return fail(Errc::kBadInput,
                   block_.images.at(written.image).file + ": the colour picture does not fit its camera");
-    const Rigid3& cam_from_world = block_.cam_from_world.at(written.image);
+    const Rigid3& cam_from_world = pose_of(block_, written.image);
     parallel_for(run_, strips.size(), [&](std::size_t i) {
       for (FusedPoint& point : strips[i].points) {
         const auto pixel = project(camera, cam_from_world * point.position_in_world);
@@ -397,7 +397,7 @@ Result<FuseReport> fuse(const Block& block, const TieView& ties, std::span<const
                         const Run& run) {
   COLLINEA_TRY(validate(options));
   for (const ImageId image : images)
-    if (!block.cam_from_world.count(image))
+    if (!is_oriented(block, image))
       return fail(Errc::kIllPosed, "image " + std::to_string(image.value) + " has a depth map but no orientation");
   return Fusion(block, ties, images, store, colours, sink, options, run).all();
 }

@@ -37,7 +37,7 @@ class MemoryStore : public DepthStore {
 // The true depth maps of a scene, with normally distributed errors of `sigma`.
 MemoryStore true_maps(const Scene& scene, float sigma, double noise_in_sigmas) {
   MemoryStore store;
-  for (const auto& [id, pose] : scene.block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(scene.block)) {
     const Camera& camera = scene.block.camera_of(id);
     DepthMap map{camera, FloatImage(camera.width_px, camera.height_px),
                  FloatImage(camera.width_px, camera.height_px, 1, sigma)};
@@ -171,7 +171,7 @@ double part_written(const Scene& scene, MemoryStore& store, double left, double 
   int count = 0;
   for (const FusedPoint& p : fused(scene, store).points) {
     const auto pixel =
-        project(scene.block.camera_of(ImageId{2}), scene.block.cam_from_world.at(ImageId{2}) * p.position_in_world);
+        project(scene.block.camera_of(ImageId{2}), pose_of(scene.block, ImageId{2}) * p.position_in_world);
     count += pixel && pixel->x() > left && pixel->x() < right && pixel->y() > 20 && pixel->y() < 140;
   }
   return count / ((right - left) * 120);
@@ -211,7 +211,7 @@ std::size_t floating_points(float sigma) {
   MemoryStore store = true_maps(scene, 0.01f, 0);
   for (auto& [id, map] : store.maps) {
     if (id == ImageId{3}) continue;
-    const Eigen::Vector3d centre = centre_of(scene.block.cam_from_world.at(id));
+    const Eigen::Vector3d centre = centre_of(pose_of(scene.block, id));
     for (int y = 0; y < map.depth.height; ++y)
       for (int x = 0; x < map.depth.width; ++x) {
         const Eigen::Vector3d on_ground = scene.truth(id, map.camera, x, y).point_in_world;

@@ -196,13 +196,13 @@ class Matching {
     COLLINEA_TRY(reference_, pictures.picture(image));
     COLLINEA_TRY(soundings_, soundings(ties, image, reference_->camera));
     if (soundings_.size() < kFewestTiePoints) return fail(Errc::kIllPosed, file + ": too few tie points to match it");
-    const Rigid3& pose = block.cam_from_world.at(image);
+    const Rigid3& pose = pose_of(block, image);
     COLLINEA_TRY(const auto others, ties.neighbours(image, options_.neighbours));
     for (const ImageId id : others) {
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       Neighbour neighbour;
       COLLINEA_TRY(neighbour.picture, pictures.picture(id));
-      neighbour.from_reference = block.cam_from_world.at(id) * inverse(pose);
+      neighbour.from_reference = pose_of(block, id) * inverse(pose);
       neighbour.level_offset =
           level_offset(reference_->camera, neighbour.picture->camera, neighbour.from_reference, soundings_);
       neighbours_.push_back(std::move(neighbour));
@@ -242,14 +242,14 @@ class Matching {
 
   Result<FloatImage> agreed_overview(const Block& block, ImageId image, const TieView& ties, DepthStore& store) const {
     COLLINEA_TRY(const DepthMap own, store.read(image));
-    const Rigid3& pose = block.cam_from_world.at(image);
+    const Rigid3& pose = pose_of(block, image);
     COLLINEA_TRY(const auto overlapping, ties.overlapping(image, kOverviewsCompared));
     std::vector<dense::PlacedMap> others;
     for (const ImageId id : overlapping) {
       if (!store.has(id)) continue;
       dense::PlacedMap other;
       COLLINEA_TRY(other.map, store.read(id));
-      other.reference_from_cam = pose * inverse(block.cam_from_world.at(id));
+      other.reference_from_cam = pose * inverse(pose_of(block, id));
       others.push_back(std::move(other));
     }
     return dense::agreed_surface(own, others, kOverviewReach * outline_of(overview_level()).step);
@@ -398,8 +398,7 @@ class Matching {
 Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
                           SharedRoom& costs, const DenseOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
-  if (!block.cam_from_world.count(image))
-    return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
+  if (!is_oriented(block, image)) return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
   Matching matching(options, costs, run);
   COLLINEA_TRY(matching.prepare(block, image, ties, pictures));
   return matching;

@@ -100,7 +100,7 @@ Result<TieView> TieView::on_disk(const Block& block, const std::filesystem::path
 }
 
 void TieView::add(const Eigen::Vector3d& position_in_world, std::span<const Observation> observations) {
-  const auto passed_over = [&](const Observation& seen) { return !block_->cam_from_world.count(seen.image); };
+  const auto passed_over = [&](const Observation& seen) { return !is_oriented(*block_, seen.image); };
   const auto images = std::uint32_t(observations.size()) -
                       std::uint32_t(std::count_if(observations.begin(), observations.end(), passed_over));
   for (const Observation& own : observations) {
@@ -173,7 +173,7 @@ Result<> TieView::for_rays(ImageId image, Visit&& visit) const {
 Result<std::vector<Eigen::Vector3d>> TieView::seen_by(ImageId image) const {
   std::vector<Eigen::Vector3d> seen;
   auto read = for_rays(image, [&](const Ray& ray) {
-    const Eigen::Vector3d in_cam = block_->cam_from_world.at(image) * ray.point_in_world;
+    const Eigen::Vector3d in_cam = pose_of(*block_, image) * ray.point_in_world;
     if (in_cam.z() > 0) seen.push_back(in_cam);
   });
   if (!read) return tl::unexpected(std::move(read).error());
@@ -185,7 +185,7 @@ Result<std::vector<ImageId>> TieView::neighbours(ImageId image, int count) const
   std::array<double, kCells * kCells> points_in_cell{};
   std::map<ImageId, Candidate> candidates;
   auto read = for_rays(image, [&](const Ray& ray) {
-    const Eigen::Vector3d centre = centre_of(block_->cam_from_world.at(image));
+    const Eigen::Vector3d centre = centre_of(pose_of(*block_, image));
     ++rays;
     ++points_in_cell[ray.cell];
     for (const ImageId other : ray.others) {
@@ -193,8 +193,7 @@ Result<std::vector<ImageId>> TieView::neighbours(ImageId image, int count) const
       Candidate& c = candidates[other];
       c.image = other;
       ++c.shared;
-      c.worth[ray.cell] +=
-          worth_of_angle(angle_at(ray.point_in_world, centre, centre_of(block_->cam_from_world.at(other))));
+      c.worth[ray.cell] += worth_of_angle(angle_at(ray.point_in_world, centre, centre_of(pose_of(*block_, other))));
     }
   });
   if (!read) return tl::unexpected(std::move(read).error());
@@ -204,7 +203,7 @@ Result<std::vector<ImageId>> TieView::neighbours(ImageId image, int count) const
     if (c.shared < int(std::min(kSharedToCompare, rays / 4))) continue;
     if (std::accumulate(c.worth.begin(), c.worth.end(), 0.0) < kLeastWorth * c.shared) continue;
     for (std::size_t i = 0; i < c.worth.size(); ++i) c.worth[i] /= std::max(1.0, points_in_cell[i]);
-    c.side = side_of(block_->cam_from_world.at(image) * centre_of(block_->cam_from_world.at(id)));
+    c.side = side_of(pose_of(*block_, image) * centre_of(pose_of(*block_, id)));
     list.push_back(c);
   }
   return most_useful(std::move(list), count);

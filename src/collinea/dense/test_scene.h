@@ -54,7 +54,7 @@ struct Scene {
         rotation_by({0, 0, kappa_rad}) * rotation_by({0.02, -0.03, 0}) * Eigen::Quaterniond(down);
     block.cameras[CameraId{0}] = camera;
     block.images[id] = Image{"image" + std::to_string(id.value), CameraId{0}, {}, {}, {}, 1};
-    block.cam_from_world[id] = {rotation, -(rotation * Eigen::Vector3d(x, y, 10))};
+    set_pose(block, id, {rotation, -(rotation * Eigen::Vector3d(x, y, 10))});
   }
 
   /// True tie points, evenly spread.
@@ -65,7 +65,7 @@ struct Scene {
         const bool on_roof = roof > 0 && std::abs(x) < 1 && std::abs(y) < 0.8;
         const Eigen::Vector3d point(x, y, on_roof ? roof : slope * x);
         std::vector<Observation> rays;
-        for (const auto& [id, pose] : block.cam_from_world)
+        for (const auto& [id, pose] : oriented_images(block))
           if (const auto pixel = project(block.camera_of(id), pose * point);
               pixel && inside(block.camera_of(id), *pixel))
             rays.push_back({id, PointId{n}, 0, *pixel, 0.5});
@@ -91,7 +91,7 @@ struct Scene {
   PixelSource pixels() const {
     return [this](ImageId id, int) -> Result<GreyImage> {
       const Camera& camera = block.camera_of(id);
-      const Rigid3 world_from_cam = inverse(block.cam_from_world.at(id));
+      const Rigid3 world_from_cam = inverse(pose_of(block, id));
       GreyImage picture(camera.width_px, camera.height_px);
       Random random(7, id.value);
       for (int y = 0; y < picture.height; ++y)
@@ -114,7 +114,7 @@ struct Scene {
     bool on_roof;
   };
   Truth truth(ImageId id, const Camera& camera, int x, int y) const {
-    const Rigid3 world_from_cam = inverse(block.cam_from_world.at(id));
+    const Rigid3 world_from_cam = inverse(pose_of(block, id));
     const Eigen::Vector2d n = normalized(camera, {x + 0.5, y + 0.5});
     const Eigen::Vector3d direction = world_from_cam.rotation * Eigen::Vector3d(n.x(), n.y(), 1);
     const Hit hit = cast(world_from_cam.translation, direction);

@@ -56,7 +56,7 @@ Camera shrunk(const Camera& camera, int shrink) {
 
 Camera without_distortion(const Camera& camera) {
   Camera result = camera;
-  result.model = CameraModel::kBrown;
+  result.model = Brown{};
   result.additional = AdditionalSet::kNone;
   std::fill(result.params.begin() + Camera::kK1, result.params.end(), 0.0);
   return result;

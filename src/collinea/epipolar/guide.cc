@@ -97,7 +97,7 @@ class Strips {
   std::vector<std::uint32_t> index_;
 };
 
-bool is_known(const Camera& camera) { return camera.sigma_f_px == 0; }
+bool is_known(const Camera& camera) { return camera.prior.sigma_f_px == 0; }
 
 PointPairs matched_pairs(const Camera& camera_first, std::span<const Keypoint> first, const Camera& camera_second,
                          std::span<const Keypoint> second, const ImagePair& verified) {

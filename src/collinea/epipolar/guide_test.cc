@@ -16,7 +16,7 @@ using namespace scene;
 Camera lens(double sigma_f_px = 0) {
   Camera camera = ideal_camera(2000, 3000, 2000);
   camera.params[Camera::kK1] = -0.05;
-  camera.sigma_f_px = sigma_f_px;
+  camera.prior.sigma_f_px = sigma_f_px;
   return camera;
 }
 

@@ -94,9 +94,9 @@ std::vector<SightLine> sight_lines(const Block& block, ControlId point, std::vec
   for (std::size_t i = 0; i < block.control_observations.size(); ++i) {
     const ControlObservation& observation = block.control_observations[i];
     if (observation.point != point) continue;
-    const auto pose = block.cam_from_world.find(observation.image);
-    if (pose == block.cam_from_world.end()) continue;
-    lines.push_back({&block.camera_of(observation.image), pose->second, observation.pixel, observation.sigma_px});
+    const std::optional<Rigid3> pose = find_pose(block, observation.image);
+    if (!pose) continue;
+    lines.push_back({&block.camera_of(observation.image), *pose, observation.pixel, observation.sigma_px});
     if (places) places->push_back(i);
   }
   return lines;

@@ -109,7 +109,7 @@ Verdict planar(const TwoViews& views, const EpipolarRelation& epipolar, const Pl
 // With a lens not yet calibrated, the distortion looks like a little parallax, which is a share of the picture's
 // size: what remains after a rotation must be clearly more.
 bool hardly_more_than(const TwoViews& views, const RotationRelation& turned, std::span<const int> items) {
-  if (views.first.sigma_f_px == 0 && views.second.sigma_f_px == 0) return false;
+  if (views.first.prior.sigma_f_px == 0 && views.second.prior.sigma_f_px == 0) return false;
   const double limit_px =
       kLensDoubt * views.options.max_error_px * longest_side_px(views.first, views.second) / kReferenceSize_px;
   const auto near = std::count_if(items.begin(), items.end(), [&](int i) {

@@ -24,7 +24,7 @@ RobustOptions search_options(const TwoViews& views, double threshold_px, int siz
 // A focal length from the EXIF data may be some per cent wrong, which costs matches that are right: lets it vary
 // within its uncertainty, as long as that brings the pairs clearly closer to the relation.
 void adapt_focal(const TwoViews& views, EpipolarRelation& relation) {
-  FocalDoubt doubt{views.first.sigma_f_px > 0, views.second.sigma_f_px > 0,
+  FocalDoubt doubt{views.first.prior.sigma_f_px > 0, views.second.prior.sigma_f_px > 0,
                    std::max(relative_sigma_f(views.first), relative_sigma_f(views.second))};
   const PointPairs nominal = relation.pairs;
   std::vector<double> errors = errors_of(relation.matrix, nominal, false);
@@ -111,7 +111,7 @@ EpipolarRelation by_essential(const TwoViews& views, const PointPairs& pairs, Ra
   relation.pairs = pairs;
   relation.inliers = fit->inliers;
   relation.motion = in_front(motions(fit->model), pairs, fit->inliers, blind_angle_rad(views, pairs));
-  if (views.first.sigma_f_px > 0 || views.second.sigma_f_px > 0) adapt_focal(views, relation);
+  if (views.first.prior.sigma_f_px > 0 || views.second.prior.sigma_f_px > 0) adapt_focal(views, relation);
   return relation;
 }
 

@@ -51,7 +51,9 @@ inline constexpr double kPlaneThreshold = 1.25;  // two degrees of freedom inste
 inline constexpr double kMotionShare = 0.7;  // of the fundamental matrix's inliers that an essential matrix must keep
 
 /// The standard deviation of a camera's focal length over the focal length.
-[[nodiscard]] inline double relative_sigma_f(const Camera& camera) { return camera.sigma_f_px / camera.focal_px(); }
+[[nodiscard]] inline double relative_sigma_f(const Camera& camera) {
+  return camera.prior.sigma_f_px / camera.focal_px();
+}
 
 /// Rays nearer to parallel than this say nothing about before and behind.
 [[nodiscard]] double blind_angle_rad(const TwoViews& views, const PointPairs& pairs);

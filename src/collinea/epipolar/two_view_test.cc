@@ -133,7 +133,7 @@ TEST(Verify, PureRotationIsRecognisedThroughAWrongFocalLength) {
   const Pictures p = pictures(lens(), turn, 200, 50, 0.5, random, random_point);
   Camera wrong = lens();
   wrong.params[Camera::kF] *= 1.08;
-  wrong.sigma_f_px = 0.08 * wrong.focal_px();
+  wrong.prior.sigma_f_px = 0.08 * wrong.focal_px();
   EXPECT_EQ(verified(wrong, p).geometry, PairGeometry::kRotation);
 }
 
@@ -142,14 +142,14 @@ TEST(Verify, PureRotationIsRecognisedThroughALensNotYetCalibrated) {
   const Rigid3 turn{rotation_by({0.02, 0.2, 0.01}), {0, 0, 0}};
   const Pictures p = pictures(lens(), turn, 200, 50, 0.5, random, random_point);
   Camera first_guess = ideal_camera(2000 * 1.05, 3000, 2000);
-  first_guess.sigma_f_px = 0.05 * first_guess.focal_px();
+  first_guess.prior.sigma_f_px = 0.05 * first_guess.focal_px();
   EXPECT_EQ(verified(first_guess, p).geometry, PairGeometry::kRotation);
 }
 
 // A picture with few pixels: what a lens may feign is a share of its width, not a number of pixels.
 Camera small_camera() {
   Camera camera = ideal_camera(533, 336, 256);
-  camera.sigma_f_px = 0.05 * camera.focal_px();
+  camera.prior.sigma_f_px = 0.05 * camera.focal_px();
   return camera;
 }
 
@@ -264,7 +264,7 @@ TEST(Verify, AssumedFocalLengthKeepsTheMatchesAndFindsTheMotion) {
     const Pictures p = pictures(lens(), truth, 200, 200, 0.5, random, random_point);
     Camera assumed = lens();
     assumed.params[Camera::kF] *= factor;
-    assumed.sigma_f_px = 0.4 * assumed.focal_px();
+    assumed.prior.sigma_f_px = 0.4 * assumed.focal_px();
     const ImagePair pair = verified(assumed, p);
     EXPECT_EQ(pair.geometry, PairGeometry::kGeneral) << factor;
     EXPECT_GE(p.right_ones(pair), 190u) << factor;
@@ -279,7 +279,7 @@ TEST(Verify, FocalLengthOfTheExifTenPercentOffIsGoodEnough) {
     const Pictures p = pictures(lens(), truth, 200, 100, 0.5, random, random_point);
     Camera off = lens();
     off.params[Camera::kF] *= factor;
-    off.sigma_f_px = 0.05 * off.focal_px();
+    off.prior.sigma_f_px = 0.05 * off.focal_px();
     const ImagePair pair = verified(off, p);
     EXPECT_EQ(pair.geometry, PairGeometry::kGeneral) << factor;
     EXPECT_GE(p.right_ones(pair), 150u) << factor;
@@ -296,7 +296,7 @@ TEST(Verify, FlatSceneThroughAWrongFocalLengthKeepsItsMatches) {
       return Eigen::Vector3d(r.uniform(-0.7, 0.7) * depth, r.uniform(-0.5, 0.5) * depth, depth);
     });
     Camera off = ideal_camera(2000 * factor, 3000, 2000);
-    off.sigma_f_px = 0.05 * off.focal_px();
+    off.prior.sigma_f_px = 0.05 * off.focal_px();
     const ImagePair pair = verified(off, p);
     EXPECT_NE(pair.geometry, PairGeometry::kNone) << factor;
     EXPECT_NE(pair.geometry, PairGeometry::kRotation) << factor;

@@ -85,16 +85,21 @@ Listing files_below(const fs::path& folder) {
 }
 
 Result<CameraModel> model_in(const std::string& name) {
-  for (const auto model :
-       {CameraModel::kBrown, CameraModel::kEquidistant, CameraModel::kEquisolid, CameraModel::kKannalaBrandt})
-    if (name == kCameraModelNames[std::size_t(model)]) return model;
-  return fail(Errc::kBadInput, "--camera-model " + name + ": there are brown, equidistant, equisolid, kannala_brandt");
+  std::string known;
+  for (const CameraModel& model : kCameraModels) {
+    if (is<BrownOfMeasured>(model)) continue;  // a way to write down a calibration, not a kind of lens
+    if (name == name_of(model)) return model;
+    known += (known.empty() ? "" : ", ") + std::string(name_of(model));
+  }
+  return fail(Errc::kBadInput, "--camera-model " + name + ": there are " + known);
 }
 
 // The distortion that follows fx, fy, cx, cy.
 std::vector<int> given_distortion(CameraModel model) {
-  if (model == CameraModel::kKannalaBrandt) return {Camera::kK1, Camera::kK2, Camera::kK3, Camera::kK4};
-  return {Camera::kK1, Camera::kK2, Camera::kK3, Camera::kP1, Camera::kP2};
+  std::vector<int> distortion;
+  for (const int param : params_of(model))
+    if (Camera::kParamUnits[std::size_t(param)] == "1") distortion.push_back(param);
+  return distortion;
 }
 
 Result<std::vector<double>> numbers_in(const std::string& text, CameraModel model) {
@@ -150,8 +155,8 @@ Camera given_camera(CameraModel model, const std::vector<double>& v, int width_p
   camera.params[Camera::kCy] = v[3];
   const std::vector<int> distortion = given_distortion(model);
   for (std::size_t i = 4; i < v.size(); ++i) camera.params[std::size_t(distortion[i - 4])] = v[i];
-  camera.calibrate = false;
-  camera.source = "given";
+  camera.prior.calibrate = false;
+  camera.prior.source = Provenance::kGiven;
   return camera;
 }
 
@@ -162,19 +167,28 @@ struct UsualFocal {
   double shortest, assumed;
 };
 
+double focal_per_diagonal(const CameraModel& fisheye) {
+  return std::visit(
+      []<class Model>(const Model&) {
+        if constexpr (Model::kIsFisheye) return Model::kFocalPerDiagonal;
+        return std::nan("");
+      },
+      fisheye);
+}
+
 UsualFocal usual_focal(CameraModel model, double diagonal_px, double longer_px) {
   if (!is_fisheye(model)) return {0.2, kAssumedFocal};
-  const double per_diagonal = model == CameraModel::kEquisolid ? 1 / (2 * std::numbers::sqrt2) : 1 / std::numbers::pi;
+  const double per_diagonal = focal_per_diagonal(model);
   return {0.12, per_diagonal * diagonal_px / longer_px};
 }
 
 Camera camera_from_header(const PhotoHeader& header, CameraModel model) {
   const double diagonal_px = std::hypot(header.width_px, header.height_px);
   double focal_px = 0, relative_sigma = kExifFocalSigma;
-  std::string source;
+  Provenance source = Provenance::kUnknown;
   if (header.focal_mm && header.pixel_pitch_mm && *header.focal_mm > 0) {
     focal_px = *header.focal_mm / *header.pixel_pitch_mm;
-    source = "EXIF focal length and pixel pitch";
+    source = Provenance::kExifPixelPitch;
   }
   // A picture resampled after it was taken keeps its old pixel pitch: then the two sources disagree and the equivalent
   // wins.
@@ -182,7 +196,7 @@ Camera camera_from_header(const PhotoHeader& header, CameraModel model) {
     const double equivalent_px = *header.focal_35mm_mm * diagonal_px / kFullFrameDiagonal_mm;
     if (focal_px == 0 || std::abs(focal_px / equivalent_px - 1) > 0.15) {
       focal_px = equivalent_px;
-      source = "EXIF 35 mm equivalent";
+      source = Provenance::kExif35mm;
     }
   }
   const double longer_px = std::max(header.width_px, header.height_px);
@@ -190,12 +204,12 @@ Camera camera_from_header(const PhotoHeader& header, CameraModel model) {
   if (!(focal_px > usual.shortest * longer_px && focal_px < 50 * longer_px)) {
     focal_px = usual.assumed * longer_px;
     relative_sigma = kAssumedFocalSigma;
-    source = "assumed";
+    source = Provenance::kAssumed;
   }
   Camera camera = ideal_camera(focal_px, header.width_px, header.height_px);
   camera.model = model;
-  camera.sigma_f_px = relative_sigma * focal_px;
-  camera.source = source;
+  camera.prior.sigma_f_px = relative_sigma * focal_px;
+  camera.prior.source = source;
   return camera;
 }
 
@@ -285,7 +299,7 @@ class Importer {
     Camera camera = camera_params_ ? given_camera(model_, *camera_params_, header.width_px, header.height_px)
                                    : camera_from_header(header, model_);
     camera.name = camera_name(header);
-    if (camera.source == "assumed")
+    if (camera.prior.source == Provenance::kAssumed)
       result.findings.push_back(
           fmt::format("{} ({} x {} px): {} focal length in the files; {:.0f} px assumed, to be found by "
                       "self-calibration",
@@ -444,8 +458,7 @@ Result<ControlFile> control_of(const ImportOptions& options) {
                                                                     .sigma_height_m = options.control_sigma_m,
                                                                     .sigma_px = options.control_sigma_px}));
   const std::vector<std::string> checks = names_in(options.check);
-  if (!checks.empty())
-    COLLINEA_TRY(set_check_points(control, checks));
+  if (!checks.empty()) COLLINEA_TRY(set_check_points(control, checks));
   return control;
 }
 
@@ -474,8 +487,7 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
                                              imported.skipped.empty() ? ""
                                                                       : "; first skipped: " + imported.skipped[0].file +
                                                                             ": " + imported.skipped[0].reason));
-  if (camera_params)
-    COLLINEA_TRY(check_given_camera(*camera_params, imported.block));
+  if (camera_params) COLLINEA_TRY(check_given_camera(*camera_params, imported.block));
   PositionFile positions;
   std::set<ImageId> of_file;
   if (options.positions) {
@@ -485,8 +497,7 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
   COLLINEA_TRY(raise_positions(imported, of_file, options));
   COLLINEA_TRY(place_on_earth(imported, options, control));
   COLLINEA_TRY(add_map_attitudes(imported, positions));
-  if (options.ground)
-    COLLINEA_TRY(add_ground(imported, *options.ground));
+  if (options.ground) COLLINEA_TRY(add_ground(imported, *options.ground));
   name_unseen_control(imported);
   return imported;
 }

@@ -74,22 +74,22 @@ TEST(ImportFocal, TheEquivalentIsMeasuredOnTheDiagonal) {
   header.focal_mm.reset();
   const Camera camera = camera_of(header);
   EXPECT_NEAR(camera.focal_px(), 24 * kDiagonal_px / kFullFrameDiagonal_mm, 1e-9);
-  EXPECT_NEAR(camera.sigma_f_px, 0.05 * camera.focal_px(), 1e-9);
-  EXPECT_TRUE(camera.calibrate);
+  EXPECT_NEAR(camera.prior.sigma_f_px, 0.05 * camera.focal_px(), 1e-9);
+  EXPECT_TRUE(camera.prior.calibrate);
 }
 
 TEST(ImportFocal, WithoutAnyItIsAssumedAndHardlyKnown) {
   const Camera camera = camera_of(PhotoHeader{});
   EXPECT_NEAR(camera.focal_px(), 1.2 * 120, 1e-9);
-  EXPECT_GE(camera.sigma_f_px, 0.3 * camera.focal_px());
-  EXPECT_EQ(camera.source, "assumed");
+  EXPECT_GE(camera.prior.sigma_f_px, 0.3 * camera.focal_px());
+  EXPECT_EQ(camera.prior.source, Provenance::kAssumed);
 }
 
 TEST(ImportFocal, AnImpossibleOneIsNotBelieved) {
   PhotoHeader header = drone_header();
   header.focal_mm.reset();
   header.focal_35mm_mm = 3000;
-  EXPECT_EQ(camera_of(header).source, "assumed");
+  EXPECT_EQ(camera_of(header).prior.source_name(), "assumed");
 }
 
 TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
@@ -114,7 +114,7 @@ TEST(ImportFocal, AGivenCameraIsHeldFixed) {
   const Camera& camera = imported->block.cameras.begin()->second;
   const std::array<double, Camera::kAllParams> expected = {100, 61, 44, -0.1, 0.01, 0.002, 1e-4, -2e-4, 1, 0};
   EXPECT_EQ(camera.params, expected);
-  EXPECT_FALSE(camera.calibrate);
+  EXPECT_FALSE(camera.prior.calibrate);
   EXPECT_TRUE(imported->findings.empty());
 }
 
@@ -126,14 +126,14 @@ TEST(ImportFocal, AFisheyeIsWhatTheUserSays) {
       folder / "", {.camera_model = "kannala_brandt", .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4"}, {});
   ASSERT_TRUE(given) << given.error().message;
   const Camera& camera = given->block.cameras.begin()->second;
-  EXPECT_EQ(camera.model, CameraModel::kKannalaBrandt);
+  EXPECT_TRUE(is<KannalaBrandt>(camera.model));
   EXPECT_EQ(camera.params[Camera::kK4], 1e-4);
   EXPECT_EQ(camera.params[Camera::kP1], 0);
   // Nothing said: from corner to corner (150 px) half a turn.
   const auto assumed = import_photos(folder / "", {.camera_model = "equidistant"}, {});
   ASSERT_TRUE(assumed);
   EXPECT_NEAR(assumed->block.cameras.begin()->second.focal_px(), 150 / 3.14159265, 1e-6);
-  EXPECT_EQ(assumed->block.cameras.begin()->second.model, CameraModel::kEquidistant);
+  EXPECT_TRUE(is<Equidistant>(assumed->block.cameras.begin()->second.model));
   for (const char* model : {"fisheye", "brown_of_measured", ""}) {
     const auto unknown = import_photos(folder / "", {.camera_model = model}, {});
     ASSERT_FALSE(unknown);

@@ -8,6 +8,7 @@
 #include "collinea/base/file.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/adjustment_words.h"
+#include "collinea/io/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -50,6 +51,34 @@ std::string in_quotes(std::string_view name) {
   std::string out = "\"";
   for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + "\"";
+}
+
+// Of a definition in words (WKT) line breaks mean no more than blanks.
+std::string on_one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
+// A name in quotes may hold blanks and tabs, but not the end of its line.
+Result<> check_name(std::string_view what, std::string_view name) {
+  std::string without_tabs(name);
+  std::erase(without_tabs, '\t');
+  if (!has_control_character(without_tabs)) return {};
+  return fail(Errc::kUnsupported, "the name of " + std::string(what) + " \"" + escaped(name) +
+                                      "\" holds a line break or control character, which an adjustment file cannot "
+                                      "hold: rename it");
+}
+
+Result<> check_names(const Block& block) {
+  for (const auto& [id, camera] : block.cameras) COLLINEA_TRY(check_name("camera", camera.name));
+  for (const auto& [id, image] : block.images) {
+    COLLINEA_TRY(check_name("image", image.file));
+    COLLINEA_TRY(check_name("the time of an image", image.taken));
+  }
+  for (const auto& [id, point] : block.control) COLLINEA_TRY(check_name("control point", point.name));
+  for (const GroundObservation& one : block.ground) COLLINEA_TRY(check_name("shape", one.name));
+  return {};
 }
 
 std::string words(const Eigen::Vector3d& v) {
@@ -98,8 +127,7 @@ std::string ground_line(const GroundObservation& one, const std::map<ControlId, 
 void write_camera(const AdjustmentFile& file, CameraId id, const std::string& name, std::string& text) {
   const Camera& camera = file.block.cameras.at(id);
   text += "\ncamera " + name + " " + std::to_string(camera.width_px) + " " + std::to_string(camera.height_px) + " " +
-          std::string(kCameraModelNames[std::size_t(camera.model)]) +
-          (file.corrected_cameras.contains(id) ? " sigmas_after_correction" : "") +
+          std::string(name_of(camera.model)) + (file.corrected_cameras.contains(id) ? " sigmas_after_correction" : "") +
           (camera.additional == AdditionalSet::kNone
                ? "\n"
                : " " + std::string(kAdditionalNames[std::size_t(camera.additional)]) + "\n");
@@ -141,7 +169,7 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
   const Block& block = file.block;
   std::string text(kHead);
   if (const auto& place = block.georeference)
-    text += "\ngeoreference " + in_quotes(place->crs) + " " + exact(place->origin_latitude_deg) + " " +
+    text += "\ngeoreference " + in_quotes(on_one_line(place->crs)) + " " + exact(place->origin_latitude_deg) + " " +
             exact(place->origin_longitude_deg) + " " + exact(place->origin_height_m) + "\n";
   const auto cameras = unique_names<CameraId>(block.cameras, [](const Camera& camera) { return camera.name; });
   const auto images = unique_names<ImageId>(block.images, [](const Image& image) { return image.file; });
@@ -150,9 +178,9 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
   text += "\n";
   for (const auto& [id, image] : block.images) {
     text += "image " + images.at(id) + " " + cameras.at(image.camera) + "\n";
-    if (const auto pose = block.cam_from_world.find(id); pose != block.cam_from_world.end()) {
-      const OmegaPhiKappa angles = omega_phi_kappa(pose->second.rotation);
-      text += "pose " + images.at(id) + words(centre_of(pose->second)) +
+    if (const std::optional<Rigid3> pose = find_pose(block, id)) {
+      const OmegaPhiKappa angles = omega_phi_kappa(pose->rotation);
+      text += "pose " + images.at(id) + words(centre_of(*pose)) +
               words({angles.omega_deg, angles.phi_deg, angles.kappa_deg}) +
               (file.held_images.contains(id) ? " fixed\n" : "\n");
     }
@@ -190,6 +218,7 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
 }
 
 Result<> write_adjustment_file(const std::filesystem::path& path, const AdjustmentFile& file) {
+  COLLINEA_TRY(check_names(file.block));
   return write_file(path, adjustment_file_text(file));
 }
 

@@ -16,11 +16,11 @@ namespace collinea {
 
 /// All that an adjustment starts from: measurements with their standard deviations, what is known of cameras, images
 /// and points, and what is held. Images without a pose and tie points without coordinates are allowed: they are in
-/// block.images and block.observations, but not in block.cam_from_world and block.points.
+/// block.images and block.observations, but are not oriented and not in block.points.
 struct AdjustmentFile {
   Block block;  ///< sigmas of control: 0 = held, infinite = not given
   std::set<ImageId> held_images;
-  std::set<CameraId> corrected_cameras;  ///< of CameraModel::kBrownOfMeasured: their sigmas hold after the correction
+  std::set<CameraId> corrected_cameras;  ///< of BrownOfMeasured: their sigmas hold after the correction
   /// Of each of Camera::params. 0: held; a standard deviation: observed; infinite: free.
   std::map<CameraId, std::array<double, Camera::kAllParams>> camera_sigmas;
   std::map<CameraId, Camera> given_cameras;  ///< what was observed of the cameras; block.cameras is where they start
@@ -28,7 +28,7 @@ struct AdjustmentFile {
 };
 
 /// Writes the text format of docs/manual/adjustment-file.md. Numbers read back as the same doubles, but for angles
-/// (in degrees): those to 1e-15.
+/// (in degrees): those to 1e-15. Errors: a name with a line break or another control character than a tab.
 [[nodiscard]] Result<> write_adjustment_file(const std::filesystem::path& path, const AdjustmentFile& file);
 [[nodiscard]] std::string adjustment_file_text(const AdjustmentFile& file);
 

@@ -47,8 +47,8 @@ TEST(AdjustmentFile, IsReadAsItSays) {
   EXPECT_EQ(file->given_cameras.at({0}).params[Camera::kK1], -0.03);
   EXPECT_EQ(block.images.at({0}).file, "left one.jpg");
   EXPECT_TRUE(file->held_images.contains({0}));
-  EXPECT_LT((centre_of(block.cam_from_world.at({0})) - Eigen::Vector3d(0, 0, 50)).norm(), 1e-14);
-  EXPECT_FALSE(block.cam_from_world.contains({1}));
+  EXPECT_LT((centre_of(pose_of(block, {0})) - Eigen::Vector3d(0, 0, 50)).norm(), 1e-14);
+  EXPECT_FALSE(is_oriented(block, {1}));
   EXPECT_EQ(block.images.at({1}).position->sigma_m.z(), kInfinity);
   EXPECT_EQ(block.control.at({0}).sigma_m, Eigen::Vector3d(0, 0, kInfinity));
   EXPECT_EQ(block.control.at({1}).name, "a \"b\"");
@@ -65,9 +65,9 @@ AdjustmentFile random_file() {
   AdjustmentFile file;
   Block& block = file.block;
   block.georeference = Georeference{"EPSG:32633", 48.1, 15.3, 312.25};
-  for (std::uint32_t c = 0; c < kCameraModelNames.size(); ++c) {
+  for (std::uint32_t c = 0; c < kCameraModels.size(); ++c) {
     Camera camera = ideal_camera(3000 + random.normal(), 4000, 3000);
-    camera.model = CameraModel(c);
+    camera.model = kCameraModels[c];
     if (c != 1) camera.additional = AdditionalSet((c + 1) % kAdditionalNames.size());
     camera.name = "same # name";
     for (const int k : params_of(camera)) camera.params[std::size_t(k)] += 1e-3 * random.normal();
@@ -83,7 +83,7 @@ AdjustmentFile random_file() {
     block.images[{i}] = {.file = i < 2 ? "IMG.jpg" : "a\"" + std::to_string(i), .camera = {i % 2}};
     if (i == 4) continue;
     const Eigen::Vector3d turn(random.normal(), random.normal(), random.normal());
-    block.cam_from_world[{i}] = {rotation_by(turn), 100 * turn};
+    set_pose(block, {i}, {rotation_by(turn), 100 * turn});
     if (i == 2)
       block.images[{i}].position = PositionPrior{{random.normal(), random.normal(), kNaN}, {0.1, 0.2, kInfinity}};
   }
@@ -147,10 +147,10 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
       }
     }
   }
-  ASSERT_EQ(back->block.cam_from_world.size(), file.block.cam_from_world.size());
-  for (const auto& [id, pose] : file.block.cam_from_world) {
-    EXPECT_LT(angle_between(back->block.cam_from_world.at(id).rotation, pose.rotation), 1e-14);
-    EXPECT_LT((centre_of(back->block.cam_from_world.at(id)) - centre_of(pose)).norm(), 1e-12);
+  ASSERT_EQ(count_oriented(back->block), count_oriented(file.block));
+  for (const auto& [id, pose] : oriented_images(file.block)) {
+    EXPECT_LT(angle_between(pose_of(back->block, id).rotation, pose.rotation), 1e-14);
+    EXPECT_LT((centre_of(pose_of(back->block, id)) - centre_of(pose)).norm(), 1e-12);
   }
   EXPECT_EQ(back->block.images.at({2}).position->sigma_m, file.block.images.at({2}).position->sigma_m);
   for (const auto& [id, control] : file.block.control) {

@@ -137,20 +137,20 @@ Result<> take_camera(const Line& line, Draft& draft) {
   camera.width_px = int(size(2));
   camera.height_px = int(size(3));
   camera.name = name;
-  camera.source = "given";
+  camera.prior.source = Provenance::kGiven;
   camera.params[Camera::kCx] = camera.width_px / 2.0;
   camera.params[Camera::kCy] = camera.height_px / 2.0;
-  const auto model = std::find(kCameraModelNames.begin(), kCameraModelNames.end(), line.words[4]);
-  if (model == kCameraModelNames.end())
+  const auto model = model_named(line.words[4]);
+  if (!model)
     return bad_line(line.number, shown(line.words[4]) +
                                      " is no model of cameras; there are:" + listed(std::span(kCameraModelNames)));
-  camera.model = CameraModel(model - kCameraModelNames.begin());
+  camera.model = *model;
   const CameraId id{std::uint32_t(draft.cameras.size())};
   if (line.count() > 4) {
     const auto set = std::find(kAdditionalNames.begin() + 1, kAdditionalNames.end(), line.words[5]);
     if (set != kAdditionalNames.end()) {
       camera.additional = AdditionalSet(set - kAdditionalNames.begin());
-    } else if (line.words[5] == "sigmas_after_correction" && camera.model == CameraModel::kBrownOfMeasured) {
+    } else if (line.words[5] == "sigmas_after_correction" && is<BrownOfMeasured>(camera.model)) {
       draft.file.corrected_cameras.insert(id);
     } else {
       return bad_line(line.number, "behind the model stands nothing, a set of additional parameters (" +
@@ -219,8 +219,8 @@ Result<> take_pose(const Line& line, Draft& draft) {
     draft.file.held_images.insert(image);
   }
   const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{angles[0], angles[1], angles[2]});
-  if (!draft.file.block.cam_from_world.emplace(image, Rigid3{rotation, -(rotation * centre)}).second)
-    return bad_line(line.number, "a second pose of " + shown(line.words[1]));
+  if (is_oriented(draft.file.block, image)) return bad_line(line.number, "a second pose of " + shown(line.words[1]));
+  set_pose(draft.file.block, image, {rotation, -(rotation * centre)});
   return {};
 }
 

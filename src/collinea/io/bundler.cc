@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "collinea/base/file.h"
+#include "collinea/io/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -61,6 +62,14 @@ std::string point_text(const TiePoint& point, const std::vector<View>& views) {
   return text + "\n";
 }
 
+// The line of an image in list.txt. What follows a name there are a zero and the focal length: a name that ends like
+// that gets them.
+std::string list_line(const std::string& name, const Camera& camera) {
+  const auto words = words_of(name);
+  const bool ends_in_numbers = words.size() > 2 && number(words[words.size() - 1]) && number(words[words.size() - 2]);
+  return name + (ends_in_numbers ? " 0 " + exact(camera.focal_px()) : "") + "\n";
+}
+
 // The views of each point, as Bundler's cameras would have measured them: the residual stays.
 std::map<PointId, std::vector<View>> views_of(const Block& block, const std::map<ImageId, std::size_t>& row_of,
                                               double& largest_change_px) {
@@ -70,7 +79,7 @@ std::map<PointId, std::vector<View>> views_of(const Block& block, const std::map
     const auto point = block.points.find(o.point);
     if (row == row_of.end() || point == block.points.end()) continue;
     const Camera &camera = block.camera_of(o.image), plain = bundler_camera(camera);
-    const Eigen::Vector3d in_cam = block.cam_from_world.at(o.image) * point->second.position_in_world;
+    const Eigen::Vector3d in_cam = pose_of(block, o.image) * point->second.position_in_world;
     const auto ours = project(camera, in_cam), theirs = project(plain, in_cam);
     if (!ours || !theirs) continue;
     const Eigen::Vector2d change = *theirs - *ours;
@@ -141,7 +150,7 @@ Result<> take_camera(Numbers& numbers, const std::string& name, PictureSize size
   camera.params[Camera::kK1] = v[1];
   camera.params[Camera::kK2] = v[2];
   camera.name = "Bundler camera " + std::to_string(id.value);
-  camera.source = "given";
+  camera.prior.source = Provenance::kGiven;
   block.cameras[{id.value}] = camera;
   Image& image = block.images[id];
   image.file = name;
@@ -152,7 +161,7 @@ Result<> take_camera(Numbers& numbers, const std::string& name, PictureSize size
       kFlip * Eigen::Matrix3d(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&v[3]));
   if (!((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3) || rotation.determinant() < 0)
     return numbers.error("the rotation of " + name + " is none");
-  block.cam_from_world[id] = {Eigen::Quaterniond(rotation).normalized(), kFlip * Eigen::Vector3d(v[12], v[13], v[14])};
+  set_pose(block, id, {Eigen::Quaterniond(rotation).normalized(), kFlip * Eigen::Vector3d(v[12], v[13], v[14])});
   return {};
 }
 
@@ -174,7 +183,7 @@ Result<> take_point(Numbers& numbers, PointId id, Block& block) {
     o.feature = std::uint32_t(feature);
     const Camera& camera = block.camera_of(o.image);
     o.pixel = {0.5 * camera.width_px + place[0], 0.5 * camera.height_px - place[1]};
-    if (block.cam_from_world.contains(o.image)) block.observations.push_back(o);
+    if (is_oriented(block, o.image)) block.observations.push_back(o);
   }
   return {};
 }
@@ -182,17 +191,17 @@ Result<> take_point(Numbers& numbers, PointId id, Block& block) {
 }  // namespace
 
 Result<std::vector<std::string>> write_bundler(const std::filesystem::path& folder, const Block& block) {
+  COLLINEA_TRY(check_image_names(block, "Bundler's list"));
   std::map<ImageId, std::size_t> row_of;
   std::string cameras, names, points;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     if (const Camera& camera = block.camera_of(id); is_fisheye(camera.model))
-      return fail(Errc::kUnsupported, "camera " + camera.name + " is a fisheye (" +
-                                          std::string(kCameraModelNames[std::size_t(camera.model)]) +
+      return fail(Errc::kUnsupported, "camera " + camera.name + " is a fisheye (" + std::string(name_of(camera.model)) +
                                           "), which Bundler does not know; --format colmap does");
     const std::size_t row = row_of.size();
     row_of[id] = row;
     cameras += camera_text(block.camera_of(id), pose);
-    names += block.images.at(id).file + "\n";
+    names += list_line(block.images.at(id).file, block.camera_of(id));
   }
   double largest_change_px = 0;
   const auto views = views_of(block, row_of, largest_change_px);
@@ -226,8 +235,7 @@ Result<Block> read_bundler(const std::filesystem::path& folder,
     COLLINEA_TRY(const PictureSize size, size_of(names[i]));
     COLLINEA_TRY(take_camera(numbers, names[i], size, {i}, block));
   }
-  for (std::uint32_t i = 0; i < points; ++i)
-    COLLINEA_TRY(take_point(numbers, {i}, block));
+  for (std::uint32_t i = 0; i < points; ++i) COLLINEA_TRY(take_point(numbers, {i}, block));
   const auto key = [](const Observation& o) { return std::tuple(o.point, o.image, o.feature); };
   std::ranges::sort(block.observations, {}, key);
   return block;

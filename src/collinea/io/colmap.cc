@@ -8,6 +8,7 @@
 #include "collinea/base/file.h"
 #include "collinea/io/colmap_camera.h"
 #include "collinea/io/colmap_model.h"
+#include "collinea/io/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -19,7 +20,7 @@ using namespace colmap;
 
 Result<std::map<CameraId, ExportedCamera>> exported_cameras(const Block& block) {
   std::map<CameraId, ExportedCamera> cameras;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const CameraId camera = block.images.at(id).camera;
     if (cameras.contains(camera)) continue;
     COLLINEA_TRY(cameras[camera], exported(camera, block.camera_of(id)));
@@ -30,8 +31,8 @@ Result<std::map<CameraId, ExportedCamera>> exported_cameras(const Block& block) 
 std::vector<std::string> remarks_on(const Block& block, const std::map<CameraId, ExportedCamera>& used) {
   std::vector<std::string> remarks;
   for (const auto& [id, camera] : used) remarks.insert(remarks.end(), camera.remarks.begin(), camera.remarks.end());
-  if (block.cam_from_world.size() < block.images.size())
-    remarks.push_back(std::to_string(block.images.size() - block.cam_from_world.size()) +
+  if (count_oriented(block) < block.images.size())
+    remarks.push_back(std::to_string(block.images.size() - count_oriented(block)) +
                       " images without orientation are left out");
   return remarks;
 }
@@ -40,7 +41,7 @@ Model model_of(const Block& block, const std::map<CameraId, ExportedCamera>& use
   Model model;
   for (const auto& [id, camera] : used) model.cameras.push_back(camera.row);
   std::map<ImageId, std::size_t> rows;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const Image& image = block.images.at(id);
     rows[id] = model.images.size();
     model.images.push_back({id.value + std::uint64_t{1}, image.camera.value + std::uint64_t{1}, pose, image.file, {}});
@@ -101,7 +102,7 @@ Result<> take_images(const std::vector<ImageRow>& rows, IdRule image_id, IdRule 
       return fail(Errc::kBadFormat, "image " + row.name + " has no sensible pose");
     Rigid3 pose = row.cam_from_world;
     if (std::abs(q.squaredNorm() - 1) > 1e-12) pose.rotation.normalize();
-    block.cam_from_world[{image_id(row.id)}] = pose;
+    set_pose(block, {image_id(row.id)}, pose);
     block.images[{image_id(row.id)}] = std::move(image);
   }
   return {};
@@ -154,6 +155,7 @@ Result<Rows> parsed_file(const std::filesystem::path& path, Result<Rows> (*parse
 
 Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folder, const Block& block,
                                               ColmapEncoding encoding) {
+  COLLINEA_TRY(check_image_names(block, "a COLMAP model"));
   COLLINEA_TRY(const auto used, exported_cameras(block));
   const Model model = model_of(block, used);
   const bool text = encoding == ColmapEncoding::kText;
@@ -162,8 +164,7 @@ Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folde
       {{"cameras", text ? cameras_text(model) : cameras_binary(model)},
        {"images", text ? images_text(model) : images_binary(model)},
        {"points3D", text ? points_text(model) : points_binary(model)}}};
-  for (const auto& [name, bytes] : files)
-    COLLINEA_TRY(write_file(folder / (name + end), bytes));
+  for (const auto& [name, bytes] : files) COLLINEA_TRY(write_file(folder / (name + end), bytes));
   return remarks_on(block, used);
 }
 

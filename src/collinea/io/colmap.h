@@ -16,7 +16,8 @@ enum class ColmapEncoding { kText, kBinary };
 /// .bin) in the block's world frame. Cameras become FULL_OPENCV, a fisheye OPENCV_FISHEYE (THIN_PRISM_FISHEYE with
 /// decentring); OpenCV's p1, p2 are our p2, p1, and f, b1 become fx = f + b1, fy = f. Both sides count pixels alike.
 /// Ids are ours plus one: COLMAP's start at 1. Returns remarks on what COLMAP cannot hold (the shear b2, additional
-/// parameters, the equisolid projection); none when nothing was lost. Errors: brown_of_measured.
+/// parameters, the equisolid projection); none when nothing was lost. Errors: brown_of_measured, a name that
+/// does not fit into a line (check_image_names).
 [[nodiscard]] Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folder, const Block& block,
                                                             ColmapEncoding encoding);
 

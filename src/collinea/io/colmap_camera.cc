@@ -20,11 +20,11 @@ void visit_grid(const Camera& camera, Visit&& visit) {
       visit(Eigen::Vector2d(double(column) * camera.width_px / kGrid, double(row) * camera.height_px / kGrid));
 }
 
-// An equisolid lens as an odd polynomial of the angle with the same f: least squares over the angles of the picture.
-Camera as_equidistant(const Camera& camera) {
+// A fisheye of any law as an odd polynomial of the angle with the same f: least squares over the angles of the image.
+template <class Law>
+Camera fitted_equidistant(const Camera& camera) {
   Camera fitted = camera;
-  fitted.model = CameraModel::kEquidistant;
-  if (camera.model != CameraModel::kEquisolid) return fitted;
+  fitted.model = Equidistant{};
   double widest = 0.1;
   visit_grid(camera, [&](const Eigen::Vector2d& pixel) {
     widest = std::max(widest, std::acos(std::clamp(ray_in_cam(camera, pixel).z(), -1.0, 1.0)));
@@ -34,7 +34,7 @@ Camera as_equidistant(const Camera& camera) {
   Eigen::Matrix<double, kAngles, 1> rest;
   const auto& p = camera.params;
   for (int i = 0; i < kAngles; ++i) {
-    const double t = widest * (i + 1) / kAngles, g = 2 * std::sin(t / 2), g2 = g * g;
+    const double t = widest * (i + 1) / kAngles, g = Law::radius(t).g, g2 = g * g;
     rest[i] = g * (1 + g2 * (p[Camera::kK1] + g2 * (p[Camera::kK2] + g2 * p[Camera::kK3]))) - t;
     for (int k = 0; k < 4; ++k) powers(i, k) = std::pow(t, 2 * k + 3);
   }
@@ -61,27 +61,48 @@ double largest_additional_px(const Camera& camera) {
   return largest;
 }
 
+// What COLMAP makes of a camera: one of a model that it has.
+struct Counterpart {
+  Camera camera;
+  bool is_fitted = false;  // nearly the same, not exactly
+};
+
+// One overload for each model that COLMAP can express.
+Result<Counterpart> counterpart(const Camera& camera, const Brown&) { return Counterpart{camera}; }
+Result<Counterpart> counterpart(const Camera& camera, const Equidistant&) { return Counterpart{camera}; }
+Result<Counterpart> counterpart(const Camera& camera, const Equisolid&) {
+  return Counterpart{fitted_equidistant<Equisolid>(camera), true};
+}
+Result<Counterpart> counterpart(Camera camera, const KannalaBrandt&) {
+  camera.model = Equidistant{};
+  return Counterpart{camera};
+}
+Result<Counterpart> counterpart(const Camera& camera, const BrownOfMeasured&) {
+  return fail(Errc::kUnsupported, "camera " + camera.name +
+                                      ": COLMAP has no camera that corrects measured coordinates (brown_of_measured)");
+}
+template <class Model>
+Result<Counterpart> counterpart(const Camera& camera, const Model&) {
+  return fail(Errc::kUnsupported,
+              "camera " + camera.name + ": COLMAP has no camera of the model " + std::string(Model::kName));
+}
+
 }  // namespace
 
 Result<ExportedCamera> exported(CameraId id, const Camera& camera) {
-  if (camera.model == CameraModel::kBrownOfMeasured)
-    return fail(
-        Errc::kUnsupported,
-        "camera " + camera.name + ": COLMAP has no camera that corrects measured coordinates (brown_of_measured)");
+  Camera kept = camera;
+  kept.params[Camera::kB2] = 0;
+  kept.additional = AdditionalSet::kNone;
+  std::fill(kept.params.begin() + Camera::kParams, kept.params.end(), 0.0);
+  COLLINEA_TRY(const Counterpart theirs,
+               std::visit([&](const auto& model_of_ours) { return counterpart(kept, model_of_ours); }, camera.model));
   ExportedCamera result;
-  result.as_exported = camera;
-  result.as_exported.params[Camera::kB2] = 0;
-  result.as_exported.additional = AdditionalSet::kNone;
-  std::fill(result.as_exported.params.begin() + Camera::kParams, result.as_exported.params.end(), 0.0);
+  result.as_exported = theirs.camera;
   const bool fisheye = is_fisheye(camera.model);
-  if (fisheye) result.as_exported = as_equidistant(result.as_exported);
-  if (camera.model == CameraModel::kEquisolid) {
-    Camera plain = camera;
-    plain.params[Camera::kB2] = 0;
-    plain.additional = AdditionalSet::kNone;
-    result.remarks.push_back("camera " + camera.name + ": its equisolid projection is fitted by a polynomial of the " +
-                             "angle, to " + fixed(largest_difference_px(plain, result.as_exported), 4) + " px");
-  }
+  if (theirs.is_fitted)
+    result.remarks.push_back("camera " + camera.name + ": its " + std::string(name_of(camera.model)) +
+                             " projection is fitted by a polynomial of the angle, to " +
+                             fixed(largest_difference_px(kept, result.as_exported), 4) + " px");
   const auto& p = result.as_exported.params;
   const double f = p[Camera::kF], b2 = camera.params[Camera::kB2];
   const bool decentred = p[Camera::kP1] != 0 || p[Camera::kP2] != 0;
@@ -117,7 +138,7 @@ Result<Camera> imported(const CameraRow& row) {
   camera.width_px = int(row.width_px);
   camera.height_px = int(row.height_px);
   camera.name = "COLMAP camera " + std::to_string(row.id);
-  camera.source = "given";
+  camera.prior.source = Provenance::kGiven;
   auto& p = camera.params;
   const std::string_view model = kModels[std::size_t(row.model)].name;
   const bool thin_prism = model == "THIN_PRISM_FISHEYE", opencv_fisheye = model == "OPENCV_FISHEYE";
@@ -128,7 +149,7 @@ Result<Camera> imported(const CameraRow& row) {
   p[Camera::kB1] = two_focals ? v[0] - v[1] : 0;
   p[Camera::kCx] = v[centre];
   p[Camera::kCy] = v[centre + 1];
-  if (model.find("FISHEYE") != std::string_view::npos) camera.model = CameraModel::kKannalaBrandt;
+  if (model.find("FISHEYE") != std::string_view::npos) camera.model = KannalaBrandt{};
   if (model != "SIMPLE_PINHOLE" && model != "PINHOLE") p[Camera::kK1] = v[distortion];
   if (v.size() > distortion + 1) p[Camera::kK2] = v[distortion + 1];
   if (opencv_fisheye) {
@@ -151,7 +172,7 @@ Result<Camera> imported(const CameraRow& row) {
     if (v[10] != 0 || v[11] != 0 || (decentred && v[9] != 0))
       return fail(Errc::kUnsupported,
                   "a THIN_PRISM_FISHEYE camera with sx1 or sy1, or with k4 beside p1 and p2, has no counterpart here");
-    if (decentred) camera.model = CameraModel::kEquidistant;
+    if (decentred) camera.model = Equidistant{};
   }
   if (model == "FOV") return fail(Errc::kUnsupported, "camera model FOV is not supported");
   if (!(p[Camera::kF] > 0)) return fail(Errc::kBadFormat, "a camera without focal length");

@@ -71,23 +71,22 @@ Result<> take_initial(const XmlElement& io, double pixel_height_mm, const std::f
 // One image is held, and of the one farthest from it along an axis the coordinate there.
 Result<> take_dependent_datum(const XmlElement& datum, const std::filesystem::path& path, AdjustmentFile& file) {
   const auto reference = integer(datum.attribute("ref_cam"));
-  const auto pose = reference && *reference >= 0 ? file.block.cam_from_world.find({std::uint32_t(*reference)})
-                                                 : file.block.cam_from_world.end();
-  if (pose == file.block.cam_from_world.end())
-    return bad(path, datum.line, "ref_cam: there is no image of that number with an orientation");
-  file.held_images.insert(pose->first);
-  const Eigen::Vector3d centre = centre_of(pose->second);
+  const ImageId held{reference && *reference >= 0 ? std::uint32_t(*reference) : ImageId::kNone};
+  const std::optional<Rigid3> pose = find_pose(file.block, held);
+  if (!pose) return bad(path, datum.line, "ref_cam: there is no image of that number with an orientation");
+  file.held_images.insert(held);
+  const Eigen::Vector3d centre = centre_of(*pose);
   double longest = 0;
   ImageId farthest;
   int axis = 0;
-  for (const auto& [id, other] : file.block.cam_from_world) {
+  for (const auto& [id, other] : oriented_images(file.block)) {
     Eigen::Index along = 0;
     const double base = (centre_of(other) - centre).cwiseAbs().maxCoeff(&along);
     if (base > longest) longest = base, farthest = id, axis = int(along);
   }
   if (!(longest > 0)) return bad(path, datum.line, "there is no base: no second image has an orientation elsewhere");
   constexpr double kHeldPart = 1e-9;  // of the base: nothing else fixes the scale, so no weight spoils it
-  PositionPrior prior{.position_in_world = centre_of(file.block.cam_from_world.at(farthest)),
+  PositionPrior prior{.position_in_world = centre_of(pose_of(file.block, farthest)),
                       .sigma_m = Eigen::Vector3d::Constant(kInfinity)};
   prior.sigma_m[axis] = kHeldPart * longest;
   file.block.images[farthest].position = prior;

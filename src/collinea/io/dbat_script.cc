@@ -143,7 +143,7 @@ class Reader {
     mm.forward = model[0] < 0;
     Camera read = camera_of(mm);
     read.name = camera->child("name") ? camera->child("name")->text : "camera";
-    read.source = "given";
+    read.prior.source = Provenance::kGiven;
     file_.block.cameras[{0}] = file_.given_cameras[{0}] = read;
     file_.camera_sigmas[{0}].fill(0);
     if (!mm.forward) file_.corrected_cameras.insert({0});
@@ -231,14 +231,14 @@ class Reader {
     const auto centre = three(row, "x", "y", "z"), angles = three(row, "omega", "phi", "kappa");
     if (!image || !centre || !angles) return "an orientation needs id, x, y, z, omega, phi and kappa";
     if (!file_.block.images.contains({*image})) return "there is no image " + std::to_string(*image);
-    if (file_.block.cam_from_world.contains({*image})) return "a second orientation of image " + std::to_string(*image);
+    if (is_oriented(file_.block, {*image})) return "a second orientation of image " + std::to_string(*image);
     const std::string units = lower(file.attribute("units"));
     if (!units.empty() && units != "degrees" && units != "radians")
       return "angles in " + units + ": this reader knows degrees and radians";
     const double degrees = units == "degrees" ? 1 : 180 / std::numbers::pi;
     const Eigen::Quaterniond rotation =
         cam_from_world(OmegaPhiKappa{(*angles)[0] * degrees, (*angles)[1] * degrees, (*angles)[2] * degrees});
-    file_.block.cam_from_world[{*image}] = {rotation, -(rotation * *centre)};
+    set_pose(file_.block, {*image}, {rotation, -(rotation * *centre)});
     return {};
   }
 

@@ -109,7 +109,7 @@ TEST_F(DbatScript, AnglesAreInTheirUnits) {
   for (const char* units : {" units=\"radians\"", ""}) {
     const auto file = read(with(" units=\"degrees\"", units));
     ASSERT_TRUE(file) << file.error().message;
-    EXPECT_NEAR(omega_phi_kappa(file->block.cam_from_world.at({3}).rotation).omega_deg, 1, 1e-4);
+    EXPECT_NEAR(omega_phi_kappa(pose_of(file->block, {3}).rotation).omega_deg, 1, 1e-4);
   }
   EXPECT_NE(error_of(with("units=\"degrees\"", "units=\"gon\"")).find("angles in gon"), std::string::npos);
 }
@@ -134,6 +134,14 @@ TEST_F(DbatScript, SaysWhereWhatIsWrong) {
   EXPECT_NE(error_of(kScript).find("marks.txt: line 2: there is no image 9"), std::string::npos);
   put("marks.txt", "1, 5, 100, 200\n1, 5, 100, 100\n");
   EXPECT_NE(error_of(kScript).find("marked twice"), std::string::npos);
+}
+
+// Lines counted anew for each of them would take a minute.
+TEST_F(DbatScript, ManyElementsTakeNoMoreThanTheirNumber) {
+  std::string many;
+  for (int i = 0; i < 300'000; ++i) many += "<x/>\n";
+  EXPECT_EQ(error_of(with("<ctrl_pts>", many + "<ctrl_pts>")), "read");
+  EXPECT_NE(error_of(with("<ctrl_pts>", many + "<ctrl_pts")).find("line 30000"), std::string::npos);
 }
 
 TEST_F(DbatScript, SurvivesTruncationAndGarbage) {

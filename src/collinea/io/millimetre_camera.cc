@@ -5,7 +5,7 @@ namespace collinea {
 
 Camera camera_of(const MillimetreCamera& mm) {
   Camera camera;
-  camera.model = mm.forward ? CameraModel::kBrown : CameraModel::kBrownOfMeasured;
+  camera.model = mm.forward ? CameraModel(Brown{}) : BrownOfMeasured{};
   camera.width_px = mm.width_px;
   camera.height_px = mm.height_px;
   const double c = mm.focal_mm, c2 = c * c, sign = mm.forward ? -1 : 1;
@@ -26,7 +26,7 @@ Camera camera_of(const MillimetreCamera& mm) {
 MillimetreCamera millimetre_camera(const Camera& camera, double pixel_height_mm) {
   const auto& p = camera.params;
   MillimetreCamera mm;
-  mm.forward = camera.model == CameraModel::kBrown;
+  mm.forward = is<Brown>(camera.model);
   mm.width_px = camera.width_px;
   mm.height_px = camera.height_px;
   mm.pixel_height_mm = pixel_height_mm;

@@ -7,6 +7,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/io/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -31,7 +32,7 @@ std::optional<ExteriorOrientation> row_of(const std::vector<std::string_view>& w
 Result<std::vector<ExteriorOrientation>> exterior_orientations(const Block& block) {
   COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(block));
   std::vector<ExteriorOrientation> rows;
-  for (const auto& [id, cam_from_world] : block.cam_from_world) {
+  for (const auto& [id, cam_from_world] : oriented_images(block)) {
     const Eigen::Vector3d centre = centre_of(cam_from_world);
     ExteriorOrientation row{block.images.at(id).file, centre, {}};
     Eigen::Quaterniond cam_from_map = cam_from_world.rotation;
@@ -88,6 +89,7 @@ Result<std::map<ImageId, Rigid3>> poses_of(const std::vector<ExteriorOrientation
 }
 
 Result<> write_opk(const std::filesystem::path& path, const Block& block) {
+  COLLINEA_TRY(check_image_names(block, "a table of orientations", /*hash_begins_remark=*/true));
   COLLINEA_TRY(const auto rows, exterior_orientations(block));
   std::string text = block.georeference ? "# Exterior orientations in " + block.georeference->crs +
                                               "; angles to the axes of its grid at each projection centre\n"

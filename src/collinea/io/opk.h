@@ -26,7 +26,8 @@ struct ExteriorOrientation {
 [[nodiscard]] Result<std::vector<ExteriorOrientation>> exterior_orientations(const Block& block);
 
 /// Writes them as text, one image a line: image X Y Z omega phi kappa [m, deg], ground = Rx(omega) Ry(phi) Rz(kappa)
-/// image with the image frame x right, y up, z backward. Lines that start with # explain it.
+/// image with the image frame x right, y up, z backward. Lines that start with # explain it. Errors: a name that does
+/// not fit into a line (check_image_names).
 [[nodiscard]] Result<> write_opk(const std::filesystem::path& path, const Block& block);
 
 /// Reads such a table, from here or elsewhere: fields parted by blanks or tabs, lines that start with # left out.

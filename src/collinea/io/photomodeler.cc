@@ -80,7 +80,7 @@ class Parser {
     mm.p = {v[8], v[9]};
     Camera camera = camera_of(mm);
     camera.name = "camera";
-    camera.source = "given";
+    camera.prior.source = Provenance::kGiven;
     file_.block.cameras[{0}] = file_.given_cameras[{0}] = camera;
     file_.camera_sigmas[{0}].fill(0);
     file_.corrected_cameras.insert({0});
@@ -105,7 +105,7 @@ class Parser {
       const ImageId image_id{std::uint32_t(*id)};
       if (!file_.block.images.emplace(image_id, std::move(image)).second)
         return bad("image " + std::to_string(*id) + " comes twice");
-      file_.block.cam_from_world[image_id] = {rotation, -(rotation * centre)};
+      set_pose(file_.block, image_id, {rotation, -(rotation * centre)});
       if (!at_blank()) return bad("a blank line is expected between the pose of an image and its camera");
       ++at_;
       COLLINEA_TRY(const auto camera, row(11, "the camera of an image"));

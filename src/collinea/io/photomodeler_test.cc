@@ -47,7 +47,7 @@ TEST(Photomodeler, ExportIsRead) {
   ASSERT_TRUE(file) << file.error().message;
   const Block& block = file->block;
   const Camera& camera = block.cameras.at({0});
-  EXPECT_EQ(camera.model, CameraModel::kBrownOfMeasured);
+  EXPECT_TRUE(is<BrownOfMeasured>(camera.model));
   EXPECT_NEAR(camera.params[Camera::kF], 2000, 1e-9);    // 8 mm at 4 um
   EXPECT_NEAR(camera.params[Camera::kCx], 1025, 1e-9);   // 4.1 mm
   EXPECT_NEAR(camera.params[Camera::kK1], 0.32, 1e-12);  // 5e-3 * 64
@@ -55,7 +55,7 @@ TEST(Photomodeler, ExportIsRead) {
   EXPECT_TRUE(file->corrected_cameras.contains({0}));
   EXPECT_EQ(block.images.at({0}).file, "one.JPG");
   EXPECT_EQ(block.images.at({1}).file, "two.JPG");
-  const OmegaPhiKappa angles = omega_phi_kappa(block.cam_from_world.at({0}).rotation);
+  const OmegaPhiKappa angles = omega_phi_kappa(pose_of(block, {0}).rotation);
   EXPECT_NEAR(angles.omega_deg, 1, 1e-9);
   EXPECT_NEAR(angles.phi_deg, 2, 1e-9);
   EXPECT_NEAR(angles.kappa_deg, 90, 1e-9);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/xml.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "collinea/io/text.h"
@@ -28,9 +29,18 @@ class XmlParser {
   }
 
  private:
-  tl::unexpected<Error> bad(const std::string& what) const {
-    const auto line = 1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(std::min(at_, text_.size())), '\n');
-    return fail(Errc::kBadFormat, "line " + std::to_string(line) + ": " + what);
+  tl::unexpected<Error> bad(const std::string& what) {
+    return fail(Errc::kBadFormat, "line " + std::to_string(line_here()) + ": " + what);
+  }
+
+  // Counted on from where it was last asked for: counting from the start for each element takes hours for a large file.
+  std::size_t line_here() {
+    const std::size_t here = std::min(at_, text_.size());
+    if (here < counted_) line_ = 1, counted_ = 0;
+    const auto from = text_.begin() + std::ptrdiff_t(counted_), to = text_.begin() + std::ptrdiff_t(here);
+    line_ += std::size_t(std::count(from, to, '\n'));
+    counted_ = here;
+    return line_;
   }
 
   void skip_text(std::string* kept) {
@@ -52,7 +62,7 @@ class XmlParser {
     constexpr int kDeepest = 64;
     if (depth > kDeepest) return bad("elements are nested too deeply");
     XmlElement e;
-    e.line = 1 + std::size_t(std::count(text_.begin(), text_.begin() + std::ptrdiff_t(at_), '\n'));
+    e.line = line_here();
     ++at_;  // <
     e.name = word();
     if (e.name.empty()) return bad("an element without a name");
@@ -95,6 +105,7 @@ class XmlParser {
 
   std::string_view text_;
   std::size_t at_ = 0;
+  std::size_t counted_ = 0, line_ = 1;  // the line of position counted_
 };
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
@@ -23,56 +22,31 @@
 namespace collinea {
 namespace {
 
-using nlohmann::json;
-
-Result<json> orient_report(const Project& project) {
-  COLLINEA_TRY(const std::vector<StepRecord> steps, project.store.read_steps());
-  for (const StepRecord& step : steps)
-    if (step.name == "orient") return json::parse(step.report_json, nullptr, false);
-  return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
+Result<OrientationRecord> orientation_of(const Project& project) {
+  return project.store.read_outcome<OrientationRecord>().map_error([&](Error error) {
+    return error.code == Errc::kNotFound
+               ? Error{error.code, "the block is not oriented yet: collinea orient " + project.folder.string()}
+               : error;
+  });
 }
 
-// The least set that holds every parameter that had a standard deviation after orientation.
-std::string calibration_of(const json& orientation) {
-  std::string calibration = "none";
-  const auto free = [](const json& sigma, int param) {
-    const json& value = sigma.at(static_cast<std::size_t>(param));
-    return value.is_number() && value.get<double>() > 0;
-  };
-  const std::pair<const char*, int> steps[] = {
-      {"focal", Camera::kF}, {"focal_radial", Camera::kK1}, {"brown", Camera::kCx}, {"brown_affinity", Camera::kB1}};
-  std::size_t most = 0;
-  for (const auto& [camera, sigma] : orientation.at("details").at("camera_sigma").items())
-    for (std::size_t i = 0; i < std::size(steps); ++i)
-      if (i + 1 > most && free(sigma, steps[i].second)) {
-        most = i + 1;
-        calibration = steps[i].first;
-      }
-  return calibration;
+// As orientation calibrated them. Where it held the poses of another program it also keeps what came with them.
+std::string calibration_of(const OrientationRecord& orientation) {
+  return orientation.holds_given_poses ? "none" : orientation.calibration.parameters;
 }
 
 // What orientation did without, or shall be done without, is compared all the same.
-void choose_ground(Block& block, const json& orientation, bool use_ground) {
+void choose_ground(Block& block, const OrientationRecord& orientation, bool use_ground) {
   std::set<std::size_t> used;
-  for (const json& row : orientation.at("details").value("ground", json::array()))
-    if (row.at("used").get<bool>()) used.insert(row.at("observation").get<std::size_t>());
+  for (const GroundDifference& one : orientation.ground)
+    if (one.used) used.insert(one.observation);
   for (std::size_t i = 0; i < block.ground.size(); ++i)
     if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
 }
 
 // As orientation used them, and what is asked otherwise.
-InstrumentOptions instruments_of(const json& orientation, const AdjustProjectOptions& asked) {
-  InstrumentOptions instruments;
-  if (const auto used = orientation.find("instruments"); used != orientation.end())
-    InstrumentOptions::describe([&](const auto& field) {
-      const auto value = used->find(field.name);
-      if (value == used->end() || value->is_null()) return;
-      auto& own = instruments.*field.member;
-      if constexpr (requires { own.has_value(); })
-        own = value->template get<typename std::decay_t<decltype(own)>::value_type>();
-      else
-        value->get_to(own);
-    });
+InstrumentOptions instruments_of(const OrientationRecord& orientation, const AdjustProjectOptions& asked) {
+  InstrumentOptions instruments = orientation.instruments;
   if (asked.instruments) asked.instruments(instruments);
   return instruments;
 }
@@ -94,19 +68,17 @@ ExamineOptions options_of(const AdjustProjectOptions& asked, const std::string& 
 }
 
 // What orientation found control to be worth, and where it moved the positions.
-void judge_as_orient_did(const json& orientation, bool shift_positions, Block& block, const Run& run) {
-  if (!orientation.contains("sigma_factors")) return;
+void judge_as_orient_did(const OrientationRecord& orientation, bool shift_positions, Block& block, const Run& run) {
   SigmaFactors factors = as_given();
-  const json& given = orientation.at("sigma_factors");
-  for (std::size_t g = 0; g < std::min(factors.size(), given.size()); ++g) factors[g] = given.at(g).get<double>();
+  std::copy_n(orientation.sigma_factors.begin(), std::min(factors.size(), orientation.sigma_factors.size()),
+              factors.begin());
   std::string text;
   for (std::size_t g = 0; g < factors.size(); ++g)
     if (factors[g] != 1)
       text += fmt::format("{}sigmas of \"{}\" times {:.1f}", text.empty() ? "" : ", ", kObservationGroupNames[g],
                           factors[g]);
   block = with_sigmas(block, factors);
-  const json& shift = orientation.at("position_shift_m");
-  const Eigen::Vector3d shift_m(shift.at(0).get<double>(), shift.at(1).get<double>(), shift.at(2).get<double>());
+  const Eigen::Vector3d& shift_m = orientation.position_shift_m;
   if (shift_positions && !shift_m.isZero()) {
     for (auto& [id, image] : block.images)
       if (image.position) image.position->position_in_world += shift_m;
@@ -159,7 +131,7 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
     CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
     if (own != task.scope.camera_sigmas.end())
       sigmas = own->second;
-    else if (camera.calibrate)
+    else if (camera.prior.calibrate)
       sigmas = calibration_named(task.options.adjust.calibration, first).value_or(CameraSigmas{});
     const auto both = with_additional(sigmas, first, held);
     if (!both)
@@ -182,13 +154,13 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
 
 Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) {
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
-  COLLINEA_TRY(const json orientation, orient_report(project));
+  COLLINEA_TRY(const OrientationRecord orientation, orientation_of(project));
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   Task task;
   COLLINEA_TRY(task.block, project.store.read_block());
   task.scope = {.first_cameras = setup.cameras,
-                .use_positions = asked.use_positions && !orientation.at("position_rms_m").is_null(),
-                .use_control = asked.use_control && !orientation.at("control_rmse_m").is_null()};
+                .use_positions = asked.use_positions && orientation.position_rms_m.has_value(),
+                .use_control = asked.use_control && orientation.control_rmse_m.has_value()};
   const InstrumentOptions instruments = instruments_of(orientation, asked);
   if (task.scope.use_positions && task.scope.use_control) {
     ControlDiagnosis diagnosis = check_control(task.block, project.settings.seed);
@@ -251,7 +223,7 @@ AdjustmentFile file_of(const Task& task) {
   AdjustmentFile file;
   file.block = task.block;
   Block& block = file.block;
-  std::erase_if(block.images, [&](const auto& image) { return !block.cam_from_world.contains(image.first); });
+  std::erase_if(block.images, [&](const auto& image) { return !is_oriented(block, image.first); });
   const auto unknown = [&](const auto& seen) { return !block.images.contains(seen.image); };
   std::erase_if(block.control_observations, unknown);
   std::erase_if(block.observations,
@@ -271,7 +243,7 @@ AdjustmentFile file_of(const Task& task) {
     file.given_cameras[id] = given;
     const auto own = task.scope.camera_sigmas.find(id);
     file.camera_sigmas[id] = own != task.scope.camera_sigmas.end() ? own->second
-                             : camera.calibrate
+                             : camera.prior.calibrate
                                  ? calibration_named(task.options.adjust.calibration, given).value_or(CameraSigmas{})
                                  : CameraSigmas{};
   }
@@ -335,7 +307,7 @@ Result<> set_calibration(const std::string& asked, const AdjustmentFile& file, A
   if (asked == "auto") return {};
   for (auto& [id, sigmas] : scope.camera_sigmas) {
     Camera camera = file.given_cameras.at(id);
-    camera.sigma_f_px = 1;
+    camera.prior.sigma_f_px = 1;
     const auto named = calibration_named(asked, camera);
     if (!named) return fail(Errc::kBadInput, "calibration = \"" + asked + "\": no such set of parameters");
     for (std::size_t k = 0; k < sigmas.size(); ++k)

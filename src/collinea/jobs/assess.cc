@@ -9,7 +9,7 @@ namespace collinea {
 Result<std::string> assess_project(const Project& project, const std::filesystem::path& truth) {
   COLLINEA_TRY(const TruthFolder known, read_truth(truth));
   COLLINEA_TRY(const Block block, project.store.read_orientation());
-  if (block.cam_from_world.empty())
+  if (oriented_images(block).empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   const auto products = project.folder / "products";
   const ProductFiles files{.cloud = project.cloud(),

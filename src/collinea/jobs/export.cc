@@ -84,13 +84,11 @@ Result<> write_tiles(const Project& project, const std::filesystem::path& folder
       std::map<Tile, std::vector<CloudPoint>> parts;
       for (const CloudPoint& point : points)
         if (const Tile tile = tile_of(point, tile_m); writers.contains(tile)) parts[tile].push_back(point);
-      for (const auto& [tile, part] : parts)
-        COLLINEA_TRY(writers.at(tile).write(part));
+      for (const auto& [tile, part] : parts) COLLINEA_TRY(writers.at(tile).write(part));
       return {};
     });
     if (!written) return written;
-    for (auto& [tile, writer] : writers)
-      COLLINEA_TRY(writer.finish());
+    for (auto& [tile, writer] : writers) COLLINEA_TRY(writer.finish());
   }
   std::string list = "file,west,south,east,north,points\n";
   for (const auto& [tile, points] : counts) {
@@ -134,7 +132,7 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   COLLINEA_TRY(Block block, project.store.read_block());
   if (tile_m && !las_form_of(format)) return fail(Errc::kBadInput, "--tile-m cuts clouds: --format las, laz or copc");
   if (tile_m && !(*tile_m > 0)) return fail(Errc::kBadInput, "--tile-m: a length is wanted");
-  if (block.cam_from_world.empty())
+  if (oriented_images(block).empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -16,7 +16,7 @@ TEST(Export, ATiePointOfVeryManyImagesHasTheLargestNumberThereIs) {
   block.points[PointId{0}].position_in_world = {0, 0, 10};
   for (std::uint32_t i = 0; i < 300; ++i) {
     block.images[ImageId{i}] = {.file = std::to_string(i) + ".jpg", .camera = CameraId{0}};
-    block.cam_from_world[ImageId{i}] = {};
+    set_pose(block, ImageId{i}, {});
     block.observations.push_back({.image = ImageId{i}, .point = PointId{0}, .pixel = {500, 400}});
   }
   Settings settings;

@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
+#include <vector>
 
-#include "collinea/project/project.h"
+#include "collinea/store/project_store.h"
 
 namespace collinea {
 
-/// What is known of a project, as a JSON object: images, oriented, tie_points, observations, mean_reprojection_px,
-/// gsd_m, control_rmse_m and check_rmse_m (east, north, height; null where there is none), steps (name, seconds,
-/// cpu_seconds, peak_memory_bytes each) and what else the orientation told of itself. Indented for people to read.
-[[nodiscard]] Result<std::string> info_json(const ProjectStore& store);
+/// What is known of a project.
+struct ProjectInfo {
+  Block setup;                    ///< before orientation
+  std::vector<StepRecord> steps;  ///< those that are done, in the order in which they were
 
-/// The same as a short text.
-[[nodiscard]] Result<std::string> info_text(const ProjectStore& store);
+  /// Null: not oriented yet.
+  [[nodiscard]] const OrientationRecord* orientation() const;
+};
+
+[[nodiscard]] Result<ProjectInfo> project_info(const ProjectStore& store);
+
+/// Whether a difference at a control or check point is larger than three times its predicted standard deviation, on any
+/// axis.
+[[nodiscard]] bool is_beyond_3_sigma(const ControlDifference& control);
 
 }  // namespace collinea

@@ -126,7 +126,7 @@ long seen_from_front(const Block& block, const FoundPlane& found) {
   constexpr std::size_t kLookedAt = 100;
   const std::size_t step = 1 + found.points.size() / kLookedAt;
   long count = 0;
-  for (const auto& [image, pose] : block.cam_from_world) {
+  for (const auto& [image, pose] : oriented_images(block)) {
     const long side = found.fit.normal.dot(centre_of(pose) - found.fit.middle) > 0 ? 1 : -1;
     for (std::size_t i = 0; i < found.points.size(); i += step) {
       const auto pixel = project(block.camera_of(image), pose * found.points[i]);
@@ -140,7 +140,7 @@ long seen_from_front(const Block& block, const FoundPlane& found) {
 Vector3d up_of(const Block& block) {
   if (block.georeference) return Vector3d::UnitZ();
   Vector3d up = Vector3d::Zero();
-  for (const auto& [image, pose] : block.cam_from_world) up -= pose.rotation.conjugate() * Vector3d::UnitY();
+  for (const auto& [image, pose] : oriented_images(block)) up -= pose.rotation.conjugate() * Vector3d::UnitY();
   return up.norm() > 0 ? up.normalized() : Vector3d::UnitZ();
 }
 

@@ -79,7 +79,7 @@ double difference_to_photographs(const DrawnPlane& plane, const Block& block, co
         const auto image = std::find_if(block.images.begin(), block.images.end(),
                                         [&](const auto& entry) { return entry.second.file == file; });
         const Camera& camera = block.camera_of(image->first);
-        const auto pixel = project(camera, block.cam_from_world.at(image->first) * place);
+        const auto pixel = project(camera, pose_of(block, image->first) * place);
         if (!pixel || !inside(camera, *pixel)) continue;
         if (!pictures.contains(file)) pictures[file] = read_colour(photos / file).value();
         float colour[3];
@@ -204,9 +204,8 @@ void PlaneOfAProject::a_plane_of_a_block_without_scale_says_so() {
     auto store = ProjectStore::open(local);
     ASSERT_TRUE(store);
     auto step = store->read_step("orient").value().value();
-    auto report = nlohmann::json::parse(step.report_json);
-    report["georeferenced"] = false, report["metric"] = metric;
-    step.report_json = report.dump();
+    auto& orientation = std::get<OrientationRecord>(step.outcome);
+    orientation.georeferenced = false, orientation.metric = metric;
     ASSERT_TRUE(store->write_step(step));
     const auto done = rectify_plane(local, root_ / "plane.tif", {.control = names}, {});
     ASSERT_TRUE(done) << done.error().message;

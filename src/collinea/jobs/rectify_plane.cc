@@ -250,7 +250,7 @@ Result<std::string> rectify_photo(const fs::path& photo, const fs::path& out, co
 
 std::vector<PlaneView> views_of_plane(const Block& block, const FramedPlane& plane) {
   std::vector<PlaneView> views;
-  for (const auto& [image, cam_from_world] : block.cam_from_world) {
+  for (const auto& [image, cam_from_world] : oriented_images(block)) {
     const Vector3d centre = plane.in_plane(centre_of(cam_from_world));
     if (!(centre.z() > 0)) continue;  // behind the plane
     const Eigen::Matrix3d rotation = cam_from_world.rotation.toRotationMatrix();
@@ -274,7 +274,7 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
         "points lie off it");
   COLLINEA_TRY(const Project project, open_project(folder, run));
   COLLINEA_TRY(const Block block, project.store.read_block());
-  if (block.cam_from_world.empty())
+  if (oriented_images(block).empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + folder.string());
   COLLINEA_TRY(const Places places, places_of(project, block));
   const AskedPlane asked{options.control, options.places, options.region, options.tolerance_m};

@@ -43,7 +43,7 @@ class RectifyPlane : public testing::Test {
     Block block;
     block.cameras[CameraId{0}] = camera_;
     block.images[ImageId{0}] = {"wall.jpg", CameraId{0}};
-    block.cam_from_world[ImageId{0}] = pose_;
+    set_pose(block, ImageId{0}, pose_);
     ASSERT_TRUE(write_colmap(folder_ / "model", block, ColmapEncoding::kText));
   }
   [[nodiscard]] Vector2d pixel(double x, double y) const { return project(camera_, pose_ * Vector3d(x, 0, y)).value(); }

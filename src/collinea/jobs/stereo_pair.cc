@@ -79,7 +79,7 @@ struct Side {
 };
 
 Result<Side> side_of(const Block& block, ImageId image, const fs::path& photo, const StereoPairOptions& pair) {
-  if (!block.cam_from_world.count(image)) return fail(Errc::kIllPosed, photo.string() + " is not oriented");
+  if (!is_oriented(block, image)) return fail(Errc::kIllPosed, photo.string() + " is not oriented");
   COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
   COLLINEA_TRY(const Camera whole,
                fitted_to(block.camera_of(image), header.width_px, header.height_px, photo.string()));
@@ -100,8 +100,8 @@ std::vector<Eigen::Vector3d> points_seen_by_both(const Block& block, ImageId lef
 
 Result<Prepared> oriented_pair(const Block& block, const Side& left, const Side& right, const Run& run) {
   Prepared ready;
-  COLLINEA_TRY(const EpipolarPair cameras, epipolar_pair(left.camera, block.cam_from_world.at(left.image), right.camera,
-                                                         block.cam_from_world.at(right.image)));
+  COLLINEA_TRY(const EpipolarPair cameras,
+               epipolar_pair(left.camera, pose_of(block, left.image), right.camera, pose_of(block, right.image)));
   COLLINEA_TRY(const ColourImage left_photo, read_colour(left.photo, left.shrink));
   COLLINEA_TRY(const GreyImage left_grey, read_grey(left.photo, left.shrink));
   COLLINEA_TRY(const GreyImage right_grey, read_grey(right.photo, right.shrink));

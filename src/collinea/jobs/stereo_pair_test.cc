@@ -47,8 +47,8 @@ struct Photos {
     block.cameras[CameraId{0}] = ideal_camera(kFocal_px, kWidth, kHeight);
     block.images[ImageId{0}] = {.file = "left.png", .camera = CameraId{0}};
     block.images[ImageId{1}] = {.file = "right.png", .camera = CameraId{0}};
-    block.cam_from_world[ImageId{0}] = {};
-    block.cam_from_world[ImageId{1}] = {Eigen::Quaterniond::Identity(), {-kBase_m, 0, 0}};
+    set_pose(block, ImageId{0}, {});
+    set_pose(block, ImageId{1}, {Eigen::Quaterniond::Identity(), {-kBase_m, 0, 0}});
     std::uint32_t n = 0;
     for (const double x : {-1.5, -0.5, 0.5, 1.5})
       for (const double y : {-1.0, 0.0, 1.0}) {
@@ -57,8 +57,7 @@ struct Photos {
         for (std::uint32_t i = 0; i < 2; ++i)
           block.observations.push_back(
               {ImageId{i}, id, n,
-               *project(block.cameras.at(CameraId{0}), block.cam_from_world.at(ImageId{i}) * Eigen::Vector3d(x, y, 5)),
-               1});
+               *project(block.cameras.at(CameraId{0}), pose_of(block, ImageId{i}) * Eigen::Vector3d(x, y, 5)), 1});
       }
     return block;
   }

@@ -47,7 +47,7 @@ class WholeProject : public SmallProject {
 
   void every_image_is_oriented_and_every_product_there();
   void projection_centres_are_where_they_were();
-  void info_tells_what_machines_read();
+  void info_tells_what_is_known();
   void export_writes_every_format_and_refuses_others();
   void a_compressed_cloud_gives_the_same_surface();
   void what_is_up_to_date_is_not_done_again();
@@ -71,7 +71,7 @@ void WholeProject::every_image_is_oriented_and_every_product_there() {
   ASSERT_TRUE(project) << project.error().message;
   const auto block = project->store.read_block();
   ASSERT_TRUE(block);
-  EXPECT_EQ(block->cam_from_world.size(), 6u);
+  EXPECT_EQ(count_oriented(*block), 6u);
   for (const std::string& product : kProducts)
     EXPECT_GT(fs::file_size(root_ / "mapped/products" / product), 500u) << product;
   EXPECT_GT(fs::file_size(root_ / "mapped/report/report.html"), 10'000u);
@@ -94,38 +94,38 @@ void WholeProject::projection_centres_are_where_they_were() {
   const Block block = project->store.read_block().value();
   const auto frame = world_frame(block.georeference.value());
   ASSERT_TRUE(frame);
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const std::string& file = block.images.at(id).file;
     EXPECT_LT((frame->map_from_local(centre_of(pose)) - truth->centre_in_map.at(file)).norm(), 2.0)
         << file;  // ten pixels
   }
 }
 
-void WholeProject::info_tells_what_machines_read() {
+void WholeProject::info_tells_what_is_known() {
   const auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
-  const auto text = info_json(project->store);
-  ASSERT_TRUE(text);
-  const auto info = nlohmann::json::parse(*text);
-  EXPECT_EQ(info.at("images"), 6);
-  EXPECT_EQ(info.at("oriented"), 6);
-  EXPECT_GT(info.at("tie_points"), 100);
-  EXPECT_GT(info.at("observations"), info.at("tie_points"));
-  EXPECT_LT(info.at("mean_reprojection_px"), 1.0);
-  EXPECT_NEAR(info.at("gsd_m").get<double>(), 0.2, 0.04);
-  EXPECT_EQ(info.at("control_rmse_m").size(), 3u);
-  EXPECT_EQ(info.at("check_rmse_m").size(), 3u);
-  ASSERT_FALSE(info.at("control_points").empty());
-  for (const auto& point : info.at("control_points")) {
-    ASSERT_EQ(point.at("sigma_m").size(), 3u);
+  const auto info = project_info(project->store);
+  ASSERT_TRUE(info) << info.error().message;
+  EXPECT_EQ(info->setup.images.size(), 6u);
+  ASSERT_NE(info->orientation(), nullptr);
+  const OrientationRecord& oriented = *info->orientation();
+  EXPECT_EQ(oriented.images, 6u);
+  EXPECT_EQ(oriented.oriented, 6u);
+  EXPECT_GT(oriented.tie_points, 100u);
+  EXPECT_GT(oriented.observations, oriented.tie_points);
+  EXPECT_LT(oriented.mean_reprojection_px, 1.0);
+  ASSERT_TRUE(oriented.gsd_m());
+  EXPECT_NEAR(*oriented.gsd_m(), 0.2, 0.04);
+  EXPECT_TRUE(oriented.control_rmse_m);
+  EXPECT_TRUE(oriented.check_rmse_m);
+  ASSERT_FALSE(oriented.control.empty());
+  for (const ControlDifference& point : oriented.control)
     for (int axis = 0; axis < 3; ++axis) {
-      EXPECT_GT(point.at("sigma_m").at(axis).get<double>(), 0) << point;
-      EXPECT_LT(point.at("sigma_m").at(axis).get<double>(), 1) << point;
+      EXPECT_GT(point.difference_sigma_m[axis], 0) << point.point.value;
+      EXPECT_LT(point.difference_sigma_m[axis], 1) << point.point.value;
     }
-  }
-  ASSERT_EQ(info.at("steps").size(), 9u);
-  EXPECT_EQ(info.at("steps")[0].at("name"), "import");
-  EXPECT_NE(info_text(project->store).value().find("6 (6 oriented)"), std::string::npos);
+  ASSERT_EQ(info->steps.size(), 9u);
+  EXPECT_EQ(info->steps.front().name(), "import");
 }
 
 void WholeProject::export_writes_every_format_and_refuses_others() {
@@ -416,7 +416,7 @@ void WholeProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() 
 TEST_F(WholeProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   every_image_is_oriented_and_every_product_there();
   projection_centres_are_where_they_were();
-  info_tells_what_machines_read();
+  info_tells_what_is_known();
   export_writes_every_format_and_refuses_others();
   a_compressed_cloud_gives_the_same_surface();
   what_is_up_to_date_is_not_done_again();

@@ -22,7 +22,7 @@ Result<std::map<CameraId, CameraSigmas>> add_additional(const std::string& name,
   COLLINEA_TRY(const AdditionalSet set, additional_named(name));
   std::map<CameraId, CameraSigmas> sigmas;
   for (auto& [id, camera] : cameras) {
-    if (!camera.calibrate || calibration == "none") continue;
+    if (!camera.prior.calibrate || calibration == "none") continue;
     camera.additional = set;
     const auto of_lens = calibration_named(calibration, camera);
     const auto all = with_additional(of_lens.value_or(CameraSigmas{}), camera, {});

@@ -37,13 +37,13 @@ class Approximator {
       if (!block_.points.contains(point)) missing.insert(point);
     intersect_all(missing);
     while (resect_best()) intersect_all(missing);
-    if (block_.cam_from_world.empty())
+    if (oriented_images(block_).empty())
       return fail(
           Errc::kIllPosed,
           "no image has an approximate pose, and none can be resected, which takes four measured control points "
           "that do not lie on a line: give the poses of two images at least, or measure more control");
     for (const auto& [id, image] : block_.images)
-      if (!block_.cam_from_world.contains(id)) found_.without_pose.push_back(id);
+      if (!is_oriented(block_, id)) found_.without_pose.push_back(id);
     found_.without_place.assign(missing.begin(), missing.end());
     return std::move(found_);
   }
@@ -71,7 +71,7 @@ class Approximator {
     std::vector<std::pair<std::size_t, ImageId>> order;
     std::map<ImageId, Known> known;
     for (const auto& [id, image] : block_.images) {
-      if (block_.cam_from_world.contains(id)) continue;
+      if (is_oriented(block_, id)) continue;
       Known its = known_in(id);
       if (its.pixels.size() < kLeastPoints) continue;
       order.emplace_back(its.pixels.size(), id);
@@ -85,7 +85,7 @@ class Approximator {
                                   .min_inlier_ratio = 0.5};
       const auto pose = resect(camera, known[id].pixels, known[id].places, options, seed_);
       if (!pose) continue;
-      block_.cam_from_world[id] = pose->cam_from_world;
+      set_pose(block_, id, pose->cam_from_world);
       found_.resected.push_back(id);
       return true;
     }
@@ -97,8 +97,8 @@ class Approximator {
       std::vector<SightLine> lines;
       for (const std::size_t i : of_point_.at(*point)) {
         const Observation& seen = block_.observations[i];
-        if (const auto pose = block_.cam_from_world.find(seen.image); pose != block_.cam_from_world.end())
-          lines.push_back({&block_.camera_of(seen.image), pose->second, seen.pixel, seen.sigma_px});
+        if (const std::optional<Rigid3> pose = find_pose(block_, seen.image))
+          lines.push_back({&block_.camera_of(seen.image), *pose, seen.pixel, seen.sigma_px});
       }
       const auto met = intersect(lines);
       if (!met) {

@@ -20,7 +20,7 @@ struct Scene {
     for (std::uint32_t i = 0; i < 4; ++i) {
       truth.images[{i}] = {.file = "image " + std::to_string(i), .camera = {0}};
       const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{3.0 * i - 4, 5 - 2.0 * i, 40.0 * i});
-      truth.cam_from_world[{i}] = {rotation, -(rotation * Eigen::Vector3d(6.0 * i, 2.0 * (i % 2), 30))};
+      set_pose(truth, {i}, {rotation, -(rotation * Eigen::Vector3d(6.0 * i, 2.0 * (i % 2), 30))});
     }
     std::uint32_t number = 0;
     for (int x = -1; x < 6; ++x)
@@ -28,7 +28,7 @@ struct Scene {
         const Eigen::Vector3d place(5 * x, 5 * y, 0.3 * ((x * x + 3 * y) % 5));
         truth.points[{number}] = {place, {}};
         for (std::uint32_t i = 0; i < 4; ++i)
-          if (const auto pixel = project(camera, truth.cam_from_world[{i}] * place); pixel && inside(camera, *pixel))
+          if (const auto pixel = project(camera, pose_of(truth, {i}) * place); pixel && inside(camera, *pixel))
             truth.observations.push_back({{i}, {number}, 0, *pixel, 1});
         ++number;
       }
@@ -49,7 +49,7 @@ struct Scene {
       std::erase_if(block.observations, [&](const Observation& seen) { return seen.point == PointId{p}; });
     }
     block.points.clear();
-    block.cam_from_world.clear();
+    clear_poses(block);
     return block;
   }
 };
@@ -61,9 +61,9 @@ TEST(Approximate, FindsEveryPoseAndPointFromControlOfTheFirstImages) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->resected.size(), 4u);
   EXPECT_TRUE(found->without_pose.empty());
-  ASSERT_EQ(block.cam_from_world.size(), 4u);
-  for (const auto& [id, pose] : scene.truth.cam_from_world)
-    EXPECT_LT((centre_of(block.cam_from_world.at(id)) - centre_of(pose)).norm(), 1e-5);
+  ASSERT_EQ(count_oriented(block), 4u);
+  for (const auto& [id, pose] : oriented_images(scene.truth))
+    EXPECT_LT((centre_of(pose_of(block, id)) - centre_of(pose)).norm(), 1e-5);
   EXPECT_GT(block.points.size(), 10u);
   for (const auto& [id, point] : block.points)
     EXPECT_LT((point.position_in_world - scene.truth.points.at(id).position_in_world).norm(), 1e-5);
@@ -94,13 +94,13 @@ TEST(Approximate, SaysWhenThereIsNothingToBeginAt) {
 TEST(Approximate, LeavesGivenValuesAlone) {
   const Scene scene;
   Block block = scene.truth;
-  block.cam_from_world.erase({3});
+  remove_pose(block, {3});
   block.points[{0}].position_in_world += Eigen::Vector3d(0.5, 0, 0);
   const Block before = block;
   ASSERT_TRUE(approximate(block, 1));
   EXPECT_EQ(block.points.at({0}).position_in_world, before.points.at({0}).position_in_world);
-  EXPECT_EQ(block.cam_from_world.at({0}).translation, before.cam_from_world.at({0}).translation);
-  EXPECT_EQ(block.cam_from_world.size(), 4u);
+  EXPECT_EQ(pose_of(block, {0}).translation, pose_of(before, {0}).translation);
+  EXPECT_EQ(count_oriented(block), 4u);
 }
 
 }  // namespace

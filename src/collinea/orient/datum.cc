@@ -13,7 +13,7 @@ using bundle::PlacePair;
 
 std::vector<PlacePair> position_pairs(const Block& block, std::vector<ImageId>& images) {
   std::vector<PlacePair> pairs;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const auto& position = block.images.at(id).position;
     if (!position || !position->sigma_m.allFinite()) continue;
     const double sigma = std::sqrt(position->sigma_m.squaredNorm() / 3);

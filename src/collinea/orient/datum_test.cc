@@ -19,15 +19,15 @@ const Similarity3 kBlockFromWorld{0.05, rotation_by({2, -0.4, 1}), {3, 1, -7}};
 
 double worst_centre(const Block& block, const Block& truth) {
   double worst = 0;
-  for (const auto& [id, pose] : block.cam_from_world)
-    worst = std::max(worst, (centre_of(pose) - centre_of(truth.cam_from_world.at(id))).norm());
+  for (const auto& [id, pose] : oriented_images(block))
+    worst = std::max(worst, (centre_of(pose) - centre_of(pose_of(truth, id))).norm());
   return worst;
 }
 
 TEST(Datum, ExactPositionsBringAnArbitraryFrameHome) {
   Block truth = test_block();
   for (auto& [id, image] : truth.images)
-    image.position = PositionPrior{centre_of(truth.cam_from_world.at(id)), Eigen::Vector3d::Constant(0.1)};
+    image.position = PositionPrior{centre_of(pose_of(truth, id)), Eigen::Vector3d::Constant(0.1)};
   Block block = truth;
   transform(block, kBlockFromWorld);
   const auto found = datum(block);
@@ -70,7 +70,7 @@ TEST(Datum, TwoPlacesOrOneLineGiveNone) {
   Block block = test_block({.rows = 1, .columns = 8});
   EXPECT_FALSE(datum(block));
   for (auto& [id, image] : block.images) {
-    const double along = centre_of(block.cam_from_world.at(id)).x();
+    const double along = centre_of(pose_of(block, id)).x();
     image.position = PositionPrior{{along, 2 * along, 50}, Eigen::Vector3d::Constant(0.1)};
   }
   EXPECT_FALSE(datum(block));

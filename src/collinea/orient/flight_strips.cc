@@ -38,7 +38,7 @@ std::optional<double> seconds_of(const std::string& taken) {
 std::vector<Exposure> exposures_of(const Block& block, bool* is_timed = nullptr) {
   std::vector<std::tuple<double, std::string, ImageId>> order;
   bool timed = true;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const Image& image = block.images.at(id);
     if (!image.position) continue;
     const auto time_s = seconds_of(image.taken);
@@ -51,8 +51,7 @@ std::vector<Exposure> exposures_of(const Block& block, bool* is_timed = nullptr)
   std::sort(order.begin(), order.end());
   std::vector<Exposure> exposures;
   for (const auto& [time_s, file, id] : order)
-    exposures.push_back(
-        {id, centre_of(block.cam_from_world.at(id)), timed ? time_s : static_cast<double>(exposures.size())});
+    exposures.push_back({id, centre_of(pose_of(block, id)), timed ? time_s : static_cast<double>(exposures.size())});
   return exposures;
 }
 

@@ -40,7 +40,7 @@ bool lies_in_world(const Block& block) {
       control.push_back(*off);
   }
   if (control.size() >= kLeastControl) return most_agree(control);
-  for (const auto& [id, pose] : block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(block))
     if (const auto& position = block.images.at(id).position)
       if (const auto off = in_sigmas(centre_of(pose) - position->position_in_world, position->sigma_m))
         positions.push_back(*off);

@@ -17,7 +17,7 @@ using testing::test_block;
 Matched small(double position_sigma_m = 0) { return matched(testing::small_block(0.5, 0, position_sigma_m)); }
 
 GivenOrientation truth_of(const Matched& input) {
-  return {input.truth.cam_from_world, input.truth.cameras, false, "elsewhere"};
+  return {testing::poses_of(input.truth), input.truth.cameras, false, "elsewhere"};
 }
 
 Result<Orientation> take(const Matched& input, const GivenOrientation& given, bool refine = false) {
@@ -30,10 +30,10 @@ TEST(OrientAsGiven, PosesAndCamerasStayToTheBitAndPointsAreIntersected) {
   const Matched input = small();
   const auto found = take(input, truth_of(input));
   ASSERT_TRUE(found) << found.error().message;
-  ASSERT_EQ(found->block.cam_from_world.size(), 8u);
-  for (const auto& [image, pose] : found->block.cam_from_world) {
-    EXPECT_EQ(pose.rotation.coeffs(), input.truth.cam_from_world.at(image).rotation.coeffs());
-    EXPECT_EQ(pose.translation, input.truth.cam_from_world.at(image).translation);
+  ASSERT_EQ(count_oriented(found->block), 8u);
+  for (const auto& [image, pose] : oriented_images(found->block)) {
+    EXPECT_EQ(pose.rotation.coeffs(), pose_of(input.truth, image).rotation.coeffs());
+    EXPECT_EQ(pose.translation, pose_of(input.truth, image).translation);
   }
   EXPECT_EQ(found->block.cameras.begin()->second.params, input.truth.cameras.begin()->second.params);
   EXPECT_GT(found->block.points.size(), 450u);
@@ -50,7 +50,7 @@ TEST(OrientAsGiven, ImagesThatAreNotGivenAreNamed) {
   given.cam_from_world.erase(left_out);
   const auto found = take(input, given);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_EQ(found->block.cam_from_world.size(), 7u);
+  EXPECT_EQ(count_oriented(found->block), 7u);
   EXPECT_EQ(found->alone, std::vector{left_out});
 }
 
@@ -105,7 +105,7 @@ TEST(OrientAsGiven, WithoutCamerasTheseAreCalibratedOnThePosesThatStay) {
 TEST(OrientAsGiven, RefiningMendsPosesThatAreALittleOff) {
   const Matched input = small();
   GivenOrientation given = truth_of(input);
-  given.cam_from_world = testing::disturbed(input.truth, 0.0005, 0.03).cam_from_world;
+  given.cam_from_world = testing::poses_of(testing::disturbed(input.truth, 0.0005, 0.03));
   const auto held = take(input, given), refined = take(input, given, true);
   ASSERT_TRUE(held) << held.error().message;
   ASSERT_TRUE(refined) << refined.error().message;
@@ -117,7 +117,7 @@ TEST(OrientAsGiven, RefiningMendsPosesThatAreALittleOff) {
 TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
   const Matched input = small();
   GivenOrientation given = truth_of(input);
-  given.cam_from_world = testing::disturbed(input.truth, 0.01, 0.5).cam_from_world;
+  given.cam_from_world = testing::poses_of(testing::disturbed(input.truth, 0.01, 0.5));
   const auto found = take(input, given);
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_FALSE(found->findings.empty());
@@ -137,14 +137,14 @@ TEST(OrientAsGiven, AnImageWhosePoseNothingFitsIsNotOriented) {
   const auto refined = take(input, given, true);
   ASSERT_TRUE(refined) << refined.error().message;
   EXPECT_EQ(refined->alone, std::vector{wrong});
-  EXPECT_EQ(refined->block.cam_from_world.size(), 7u);
+  EXPECT_EQ(count_oriented(refined->block), 7u);
   EXPECT_TRUE(refined->adjusted.images_left_out.empty());
   EXPECT_TRUE(refined->excluded_control.empty());
   ASSERT_EQ(refined->findings.size(), 1u) << refined->findings.back();
   EXPECT_NE(refined->findings[0].find("1 image could not be oriented, the first: IMG_2.jpg"), std::string::npos);
   const auto held = take(input, given);
   ASSERT_TRUE(held) << held.error().message;
-  EXPECT_EQ(held->block.cam_from_world.size(), 8u);
+  EXPECT_EQ(count_oriented(held->block), 8u);
   EXPECT_TRUE(std::any_of(held->findings.begin(), held->findings.end(), [](const std::string& finding) {
     return finding.find("fit the pose of 1 image, the first: IMG_2.jpg") != std::string::npos;
   }));
@@ -159,7 +159,7 @@ TEST(OrientAsGiven, RefiningAStripLeavesItsTiltToTheAttitudes) {
   const auto found = take(input, truth_of(input), true);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_TRUE(found->georeferenced);
-  for (const auto& [image, pose] : found->block.cam_from_world)
+  for (const auto& [image, pose] : oriented_images(found->block))
     EXPECT_LT((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(), 0.05)
         << image.value;
 }

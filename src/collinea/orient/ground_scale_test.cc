@@ -16,7 +16,10 @@ Block small_block(int distances) {
     const double length = (block.control.at({0}).position_in_world - block.control.at(to).position_in_world).norm();
     block.ground.push_back({.from = {0}, .to = to, .value = length, .sigma = 1e-4 * length});
   }
-  for (auto& [id, pose] : block.cam_from_world) pose.translation /= 2;
+  for (auto [id, pose] : oriented_images(block)) {
+    pose.translation /= 2;
+    set_pose(block, id, pose);
+  }
   return block;
 }
 

@@ -1,42 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "collinea/adjust/bundle.h"
-#include "collinea/base/options.h"
+#include "collinea/block/instrument_options.h"
 #include "collinea/quality/control_check.h"
 
 namespace collinea {
-
-/// What receivers and inertial systems measure, and what of their mounting is to be found.
-struct InstrumentOptions {
-  std::optional<std::string> lever_arm;
-  std::string position_shift = "none";
-  bool position_drift = false;
-  bool time_offset = false;
-  bool use_attitudes = false;
-  double attitude_sigma_deg = 1;
-  double heading_sigma_deg = 3;
-
-  template <class Visit>
-  static void describe(Visit&& visit) {
-    using O = InstrumentOptions;
-    visit(Field{"lever_arm", &O::lever_arm, "m",
-                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none"});
-    visit(Field{"position_shift", &O::position_shift, "",
-                "shift that the positions have in common, to be found with control: none | block | strips"});
-    visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
-    visit(Field{"time_offset", &O::time_offset, "",
-                "find by how much later than the pictures their positions were taken, for each camera"});
-    visit(Field{"use_attitudes", &O::use_attitudes, "",
-                "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
-    visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg",
-                "standard deviation of attitudes from level, where none is stated", 1e-6, 90});
-    visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
-  }
-};
 
 /// A lever arm is given, or to be found.
 [[nodiscard]] bool has_lever_arm(const InstrumentOptions& asked);

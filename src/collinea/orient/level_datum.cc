@@ -31,10 +31,9 @@ struct Level {
 
 std::optional<Level> by_attitudes(const Block& block) {
   const auto verticals = verticals_by_attitude(block);
-  if (2 * verticals.size() < block.cam_from_world.size()) return std::nullopt;
+  if (2 * verticals.size() < count_oriented(block)) return std::nullopt;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& [id, vertical] : verticals)
-    sum += block.cam_from_world.at(id).rotation.conjugate() * vertical.up_in_cam;
+  for (const auto& [id, vertical] : verticals) sum += pose_of(block, id).rotation.conjugate() * vertical.up_in_cam;
   const auto count = static_cast<double>(verticals.size());
   if (sum.norm() < 0.95 * count) return std::nullopt;  // they contradict each other
   return Level{sum.normalized(), verticals.begin()->second.sigma_rad / std::sqrt(count),
@@ -49,8 +48,8 @@ struct Views {
 
 Views views_of(const Block& block) {
   Views views;
-  const double share = 1 / static_cast<double>(block.cam_from_world.size());
-  for (const auto& [id, pose] : block.cam_from_world) {
+  const double share = 1 / static_cast<double>(count_oriented(block));
+  for (const auto& [id, pose] : oriented_images(block)) {
     const int orientation = block.images.at(id).orientation;
     const Eigen::Quaterniond block_from_cam = pose.rotation.conjugate();
     views.down += share * (block_from_cam * down_in_cam(orientation));
@@ -65,7 +64,7 @@ std::vector<Level> levels_of(const Block& block) {
   std::vector<Level> levels;
   if (const auto level = by_attitudes(block)) levels.push_back(*level);
   const Views views = views_of(block);
-  const double share = 1 / static_cast<double>(block.cam_from_world.size());
+  const double share = 1 / static_cast<double>(count_oriented(block));
   const auto add = [&](const Eigen::Vector3d& up, double scatter_rad, const char* by) {
     if (up.norm() > 0.1) levels.push_back({up.normalized(), std::hypot(kHeld_rad, scatter_rad * std::sqrt(share)), by});
   };
@@ -138,7 +137,7 @@ std::optional<PlanFit> plan_fit(const std::vector<Station>& stations) {
 
 std::vector<Station> stations_of(const Block& block, const Eigen::Quaterniond& level_from_block) {
   std::vector<Station> stations;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const auto& position = block.images.at(id).position;
     if (!position || !position->sigma_m.head<2>().allFinite()) continue;
     const Eigen::Vector3d centre = level_from_block * centre_of(pose), &there = position->position_in_world;
@@ -151,7 +150,7 @@ std::vector<Station> stations_of(const Block& block, const Eigen::Quaterniond& l
 // By what the heights say; without any, the cameras are at the height of the frame's origin.
 double height_shift_m(const Block& block, const Similarity3& plan, std::size_t& heights) {
   std::vector<double> shifts, all;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const auto& position = block.images.at(id).position;
     const double height_m = (plan * centre_of(pose)).z();
     all.push_back(-height_m);
@@ -190,8 +189,8 @@ std::optional<LevelDatum> level_datum(const Block& block) {
   datum.level_by = level.by;
   datum.level_sigma_rad = level.sigma_rad;
   datum.turn_sigma_rad = best->turn_sigma_rad;
-  const double of_each = level.sigma_rad * std::sqrt(static_cast<double>(block.cam_from_world.size()));
-  for (const auto& [id, pose] : block.cam_from_world)
+  const double of_each = level.sigma_rad * std::sqrt(static_cast<double>(count_oriented(block)));
+  for (const auto& [id, pose] : oriented_images(block))
     datum.verticals[id] = {pose.rotation * level.up_in_block, of_each};
   return datum;
 }

@@ -25,7 +25,7 @@ TEST(LevelDatum, AWalkRoundAThingIsLevelledByTheEdgesOfItsPictures) {
     const Eigen::Quaterniond rotation =
         Eigen::AngleAxisd(upright ? std::numbers::pi / 2 : 0, Eigen::Vector3d::UnitZ()) *
         Eigen::Quaterniond(cam_from_world);
-    block.cam_from_world[{i}] = moved({rotation, -(rotation * centre)}, inverse(world_from_block));
+    set_pose(block, {i}, moved({rotation, -(rotation * centre)}, inverse(world_from_block)));
     block.images[{i}].orientation = upright ? 8 : 1;
     block.images[{i}].position =
         PositionPrior{{centre.x(), centre.y(), 0}, {0.5, 0.5, std::numeric_limits<double>::infinity()}};
@@ -39,7 +39,10 @@ TEST(LevelDatum, AWalkRoundAThingIsLevelledByTheEdgesOfItsPictures) {
   EXPECT_NEAR(found->turn_sigma_rad, 0.5 / (5 * std::sqrt(12.0)), 1e-6);
   EXPECT_EQ(found->heights, 0u);
   for (auto& [id, image] : block.images) image.position->position_in_world.y() = 0;  // on a line
-  for (auto& [id, pose] : block.cam_from_world) pose.translation = -(pose.rotation * Eigen::Vector3d(id.value, 0, 0));
+  for (auto [id, pose] : oriented_images(block)) {
+    pose.translation = -(pose.rotation * Eigen::Vector3d(id.value, 0, 0));
+    set_pose(block, id, pose);
+  }
   EXPECT_FALSE(level_datum(block));
 }
 }  // namespace

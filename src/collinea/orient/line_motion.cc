@@ -37,7 +37,7 @@ std::map<ImageId, Normals> normals_of(const Block& block) {
     const Eigen::Vector3d& point = block.points.at(seen[begin].point).position_in_world;
     for (std::size_t i = begin; i < end; ++i) {
       const Camera& camera = block.camera_of(seen[i].image);
-      const Eigen::Vector3d in_cam = block.cam_from_world.at(seen[i].image) * point;
+      const Eigen::Vector3d in_cam = pose_of(block, seen[i].image) * point;
       Matrix23 by_point;
       const auto pixel = project(camera, in_cam, &by_point, nullptr);
       if (!pixel) continue;

@@ -32,14 +32,14 @@ Block walk_round(const std::vector<Turn>& turns) {
     Eigen::Matrix3d cam_from_world;
     cam_from_world << x.transpose(), z.cross(x).transpose(), z.transpose();
     block.images[ImageId{i}] = {"IMG_" + std::to_string(i) + ".jpg", CameraId{1}, "", {}, {}, 1};
-    block.cam_from_world[ImageId{i}] = {Eigen::Quaterniond(cam_from_world), -(cam_from_world * centre)};
+    set_pose(block, ImageId{i}, {Eigen::Quaterniond(cam_from_world), -(cam_from_world * centre)});
   }
   const Camera& camera = block.cameras.at(CameraId{1});
   for (std::uint32_t p = 0; p < 700; ++p) {
     const double x = random.uniform(-14, 14), y = random.uniform(-12, 12);
     const Eigen::Vector3d point(x, y, random.uniform(-6, 6));
     block.points[PointId{p}].position_in_world = point;
-    for (const auto& [id, pose] : block.cam_from_world) {
+    for (const auto& [id, pose] : oriented_images(block)) {
       auto pixel = project(camera, pose * point);
       for (const Turn& turn : turns)
         for (int round = 0; round < 3 && turn.image == id && pixel; ++round) {  // the line depends on the pixel

@@ -106,16 +106,30 @@ Similarity3 readable_gauge(const Reconstruction& part, const Block& setup) {
 double median_pixel_m(const Block& block) {
   std::vector<double> sizes;
   for (const Observation& seen : block.observations) {
-    const double depth_m = (block.cam_from_world.at(seen.image) * block.points.at(seen.point).position_in_world).z();
+    const double depth_m = (pose_of(block, seen.image) * block.points.at(seen.point).position_in_world).z();
     sizes.push_back(depth_m / block.camera_of(seen.image).focal_px());
   }
   return sizes.empty() ? 0 : median(sizes);
 }
 
 std::size_t count_positions(const Block& block) {
-  return static_cast<std::size_t>(
-      std::count_if(block.cam_from_world.begin(), block.cam_from_world.end(),
-                    [&](const auto& pose) { return block.images.at(pose.first).position.has_value(); }));
+  return static_cast<std::size_t>(std::ranges::count_if(oriented_images(block), [&](const OrientedImage& one) {
+    return block.images.at(one.image).position.has_value();
+  }));
+}
+
+// Of the cameras that moved in an adjustment: what was free, by the rule of adjust().
+CalibrationUsed calibration_used(const Adjusted& adjusted, const AdjustScope& scope, const std::string& parameters) {
+  CalibrationUsed used;
+  for (const auto& [id, camera] : adjusted.cameras) {
+    const auto own = scope.camera_sigmas.find(id);
+    const CameraSigmas sigmas =
+        own != scope.camera_sigmas.end() ? own->second : calibration_named(parameters, camera).value_or(CameraSigmas{});
+    for (const int param : params_of(camera))
+      if (sigmas[std::size_t(param)] > 0) used.free[id].push_back(param);
+  }
+  if (!used.free.empty()) used.parameters = parameters;
+  return used;
 }
 
 class Orienter {
@@ -177,6 +191,8 @@ class Orienter {
     place(part);
     COLLINEA_TRY(Adjusted adjusted, part.adjust_all(adjust, held, run_));
     result_.adjusted = Examined{std::move(adjusted)};
+    result_.calibration = calibration_used(result_.adjusted, held, adjust.calibration);
+    result_.holds_given_poses = true;
     for (ControlDifference& control : result_.adjusted.control) control.used |= in_datum_.contains(control.point);
     finish(part);
     return std::move(result_);
@@ -222,6 +238,7 @@ class Orienter {
     } else {
       COLLINEA_TRY(result_.adjusted, adjust_with_covariances(part, scope));
     }
+    result_.calibration = calibration_used(result_.adjusted, scope, settled_options(part, options_).calibration);
     finish(part);
     for (std::string& finding : additional_findings(result_.block, result_.adjusted))
       result_.findings.push_back(std::move(finding));
@@ -532,7 +549,7 @@ class Orienter {
   [[nodiscard]] std::vector<ImageId> left_alone() const {
     std::set<ImageId> taken;
     for (const auto& part : result_.other_parts) taken.insert(part.begin(), part.end());
-    for (const auto& [image, pose] : result_.block.cam_from_world) taken.insert(image);
+    for (const auto& [image, pose] : oriented_images(result_.block)) taken.insert(image);
     std::vector<ImageId> alone;
     for (const auto& [image, data] : setup_.images)
       if (!taken.contains(image)) alone.push_back(image);

@@ -8,6 +8,13 @@
 
 namespace collinea {
 
+/// How cameras took part in an adjustment.
+struct CalibrationUsed {
+  /// The set of parameters by its name (AdjustOptions::calibration): "none" when no camera was calibrated.
+  std::string parameters = "none";
+  std::map<CameraId, std::vector<int>> free;  ///< of each camera that was calibrated, ascending: Camera::Param
+};
+
 /// An oriented block and how it came about.
 struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
@@ -25,6 +32,8 @@ struct Orientation {
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows
   Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
   InstrumentOptions instruments;              ///< those of the options that took part
+  CalibrationUsed calibration;                ///< of the adjustment that gave the block
+  bool holds_given_poses = false;             ///< poses are as another program gave them
   double gsd_m = 0;                           ///< median size of a pixel at the tie points [m, or units of the gauge]
 };
 

@@ -196,8 +196,8 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px,
                                      .min_inliers = options_.min_points};
   const CameraId camera_id = setup_->images.at(image).camera;
-  const bool guessed = camera_of(image).calibrate &&
-                       camera_of(image).sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
+  const bool guessed = camera_of(image).prior.calibrate &&
+                       camera_of(image).prior.sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
                        !camera_in_use(camera_id);
   const auto found =
       (guessed ? resect_with_focal : resect)(camera_of(image), pixels, points, resect_options, seed + image.value);
@@ -393,7 +393,7 @@ Block Reconstruction::block_around(const std::set<ImageId>& images) const {
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   for (const ImageId image : seen) {
     block.images[image] = setup_->images.at(image);
-    block.cam_from_world[image] = poses_.at(image);
+    set_pose(block, image, poses_.at(image));
   }
   return block;
 }
@@ -435,7 +435,7 @@ Block Reconstruction::block() const {
     if (tracks_[i].point) numbers.push_back(i);
   Block block = block_of(numbers);
   block.images = setup_->images;
-  block.cam_from_world = poses_;
+  set_poses(block, poses_);
   block.control = setup_->control;
   block.control_observations = setup_->control_observations;
   block.ground = setup_->ground;
@@ -445,7 +445,7 @@ Block Reconstruction::block() const {
 
 void Reconstruction::set_additional(AdditionalSet set) {
   for (auto& [id, camera] : cameras_)
-    if (camera.calibrate) camera.additional = set;
+    if (camera.prior.calibrate) camera.additional = set;
 }
 
 void Reconstruction::take(const Adjusted& adjusted) {

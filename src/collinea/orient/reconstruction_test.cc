@@ -18,7 +18,7 @@ Matched with_a_stranger(ImageId stranger) {
   Matched input = matched(testing::test_block({.rows = 2, .columns = 3, .points = 400, .sigma_px = 0.5, .seed = 3}));
   Camera camera = input.setup.cameras.begin()->second;
   camera.params[Camera::kF] *= 1.3;
-  camera.sigma_f_px = 0.4 * camera.focal_px();
+  camera.prior.sigma_f_px = 0.4 * camera.focal_px();
   input.setup.cameras[{2}] = camera;
   input.setup.images.at(stranger).camera = {2};
   return input;
@@ -29,7 +29,7 @@ TEST(Reconstruction, AnImageThatIsGivenUpLeavesNoFocalLengthBehind) {
   const Matched input = with_a_stranger(stranger);
   auto block = Reconstruction::create(input.setup, input.pairs, input.source(), {});
   ASSERT_TRUE(block) << block.error().message;
-  std::map<ImageId, Rigid3> poses = input.truth.cam_from_world;
+  std::map<ImageId, Rigid3> poses = testing::poses_of(input.truth);
   poses.erase(stranger);
   block->place(poses);
   block->extend_all({});
@@ -47,7 +47,7 @@ TEST(Reconstruction, GrossErrorsLeaveForGoodAndTheLossWithThem) {
   input.setup.cameras = input.truth.cameras;
   auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
   ASSERT_TRUE(reconstruction) << reconstruction.error().message;
-  reconstruction->place(input.truth.cam_from_world);
+  reconstruction->place(testing::poses_of(input.truth));
   reconstruction->extend_all({});
   EXPECT_FALSE(reconstruction->leave_out_gross({}));  // nothing is known of the noise
   const Block before = reconstruction->block();
@@ -92,7 +92,7 @@ TEST(Reconstruction, ARayThatIsMovedCountsTwiceAndTheOthersStay) {
   input.setup.cameras = input.truth.cameras;
   auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
   ASSERT_TRUE(reconstruction) << reconstruction.error().message;
-  reconstruction->place(input.truth.cam_from_world);
+  reconstruction->place(testing::poses_of(input.truth));
   reconstruction->extend_all({});
   const Block before = reconstruction->block();
   ASSERT_GT(before.observations.size(), 100u);

@@ -89,7 +89,7 @@ class Remeasurer {
     std::vector<Eigen::Vector3d> to_camera;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = group.begin; i < group.end; ++i) {
-      to_camera.push_back((centre_of(block_.cam_from_world.at(seen(i).image)) - point).normalized());
+      to_camera.push_back((centre_of(pose_of(block_, seen(i).image)) - point).normalized());
       mean += to_camera.back();
     }
     const Eigen::Vector3d normal = mean.normalized(), across = normal.unitOrthogonal();
@@ -99,7 +99,7 @@ class Remeasurer {
     for (std::size_t i = group.begin; i < group.end; ++i) {
       if (to_camera[i - group.begin].dot(mean) > to_camera[group.reference - group.begin].dot(mean))
         group.reference = i;
-      const Rigid3& pose = block_.cam_from_world.at(seen(i).image);
+      const Rigid3& pose = pose_of(block_, seen(i).image);
       Matrix23 by_point = Matrix23::Zero();
       (void)project(block_.camera_of(seen(i).image), pose * point, &by_point, nullptr);
       sight(i).warp = by_point * pose.rotation.toRotationMatrix() * surface;

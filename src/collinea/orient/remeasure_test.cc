@@ -25,7 +25,7 @@ class PaintedFloor : public testing::Test {
       const Eigen::Vector3d centre(1.5 * i - 2, 0.4 * i - 0.5, 8);
       const Eigen::Quaterniond down(Eigen::AngleAxisd(std::numbers::pi - 0.15 * i + 0.2, Eigen::Vector3d::UnitY()));
       block_.images[ImageId{i}] = {.file = "", .camera = camera};
-      block_.cam_from_world[ImageId{i}] = {down, -(down * centre)};
+      set_pose(block_, ImageId{i}, {down, -(down * centre)});
     }
     Random random(4);
     for (std::uint32_t p = 0; p < kPoints; ++p) {
@@ -40,10 +40,10 @@ class PaintedFloor : public testing::Test {
   }
 
   [[nodiscard]] std::optional<Eigen::Vector2d> seen_at(ImageId image, const Eigen::Vector3d& point) const {
-    return project(block_.camera_of(image), block_.cam_from_world.at(image) * point);
+    return project(block_.camera_of(image), pose_of(block_, image) * point);
   }
   [[nodiscard]] Eigen::Vector3d on_floor(ImageId image, const Eigen::Vector2d& pixel) const {
-    const Rigid3& pose = block_.cam_from_world.at(image);
+    const Rigid3& pose = pose_of(block_, image);
     const Eigen::Vector3d ray = pose.rotation.conjugate() * ray_in_cam(block_.camera_of(image), pixel);
     const Eigen::Vector3d centre = centre_of(pose);
     return centre - ray * (centre.z() / ray.z());

@@ -24,13 +24,12 @@ Eigen::Vector3d up_in_cam(const AttitudePrior& attitude) {
 std::optional<Eigen::Vector3d> up_in_block(const Block& block) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   std::size_t count = 0;
-  for (const auto& [id, pose] : block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(block))
     if (const auto& attitude = block.images.at(id).attitude) {
       sum += pose.rotation.conjugate() * up_in_cam(*attitude);
       ++count;
     }
-  if (2 * count < block.cam_from_world.size() || sum.norm() < kAgreement * static_cast<double>(count))
-    return std::nullopt;
+  if (2 * count < count_oriented(block) || sum.norm() < kAgreement * static_cast<double>(count)) return std::nullopt;
   return sum.normalized();
 }
 
@@ -56,7 +55,7 @@ Eigen::Matrix3d scatter(const std::vector<Eigen::Vector3d>& points, const std::v
 
 Stations stations_of(const Block& block) {
   Stations stations;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const auto& position = block.images.at(id).position;
     if (!position || !position->sigma_m.allFinite()) continue;
     stations.in_block.push_back(centre_of(pose));
@@ -71,7 +70,7 @@ Stations stations_of(const Block& block) {
 
 std::map<ImageId, GivenVertical> verticals_by_attitude(const Block& block) {
   std::map<ImageId, GivenVertical> verticals;
-  for (const auto& [id, pose] : block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(block))
     if (const auto& attitude = block.images.at(id).attitude) verticals[id] = {up_in_cam(*attitude), kAttitude_rad};
   for (auto& [id, vertical] : verticals) vertical.sigma_rad *= std::sqrt(static_cast<double>(verticals.size()));
   return verticals;

@@ -27,7 +27,7 @@ TEST(StripDatum, ExactPositionsAndAttitudesGiveTheExactFrame) {
         const ImageId id{i};
         const Eigen::Vector3d centre(20 * i, 5 * i, 100);
         const Rigid3 pose{Eigen::Quaterniond(world_from_cam).conjugate(), -(world_from_cam.transpose() * centre)};
-        block.cam_from_world[id] = moved(pose, inverse(world_from_block));
+        set_pose(block, id, moved(pose, inverse(world_from_block)));
         block.images[id].position = PositionPrior{centre, Eigen::Vector3d::Constant(0.1)};
         block.images[id].attitude = attitude;
       }
@@ -43,13 +43,13 @@ TEST(StripDatum, TheTurnIsTheWorseKnownTheStraighterTheLine) {
   Block block;
   for (std::uint32_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d centre(10.0 * i, i % 2 ? 0.5 : -0.5, 0);  // in the block; half as large as in the world
-    block.cam_from_world[{i}] = {Eigen::Quaterniond::Identity(), -centre};
+    set_pose(block, {i}, {Eigen::Quaterniond::Identity(), -centre});
     block.images[{i}].position = PositionPrior{2 * centre, Eigen::Vector3d::Constant(0.3)};
   }
   // Levers of about 1 m, four of them: 0.3 / sqrt(4); the line itself slants a little along the zigzag.
   EXPECT_NEAR(turn_sigma_rad(block, 2), 0.15, 0.02);
   block.images.erase({3});
-  block.cam_from_world.erase({3});
+  remove_pose(block, {3});
   EXPECT_TRUE(std::isfinite(turn_sigma_rad(block, 2)));
   block.images.at({0}).position.reset();
   EXPECT_TRUE(std::isinf(turn_sigma_rad(block, 2)));
@@ -63,10 +63,10 @@ TEST(StripDatum, ALineFlownThereAndBackHasADirection) {
   for (std::uint32_t i = 0; i < count; ++i) {
     Image back = strip.images.at({first + count - 1 - i});
     back.position->position_in_world.z() += 2;
-    Rigid3 pose = strip.cam_from_world.at({first + count - 1 - i});
+    Rigid3 pose = pose_of(strip, {first + count - 1 - i});
     pose.translation -= pose.rotation * Eigen::Vector3d(0, 0, 2);
     strip.images[{first + count + i}] = back;
-    strip.cam_from_world[{first + count + i}] = pose;
+    set_pose(strip, {first + count + i}, pose);
   }
   const auto found = strip_datum(strip);
   ASSERT_TRUE(found);
@@ -78,7 +78,7 @@ TEST(StripDatum, EveryPositionCountsByItsOwnSigma) {
   Block block;
   for (std::uint32_t i = 0; i < 18; ++i) {
     const Eigen::Vector3d centre(10.0 * (i / 2), i % 2 ? 5 : -5, 0);
-    block.cam_from_world[{i}] = {Eigen::Quaterniond::Identity(), -centre};
+    set_pose(block, {i}, {Eigen::Quaterniond::Identity(), -centre});
     block.images[{i}].position = PositionPrior{centre, Eigen::Vector3d::Constant(0.02)};
   }
   EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(18.0)), 1e-6);

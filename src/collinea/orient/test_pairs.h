@@ -23,6 +23,12 @@ struct Matched {
   }
 };
 
+inline std::map<ImageId, Rigid3> poses_of(const Block& block) {
+  std::map<ImageId, Rigid3> poses;
+  for (const auto& [image, pose] : oriented_images(block)) poses[image] = pose;
+  return poses;
+}
+
 inline Keypoint keypoint_at(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), 2, 0, 1};
 }
@@ -30,13 +36,13 @@ inline Keypoint keypoint_at(const Eigen::Vector2d& pixel) {
 /// Pairs of all images that share at least 20 points, with the true relative orientation.
 inline Matched matched(const Block& truth) {
   Matched result{truth, truth, {}, {}};
-  result.setup.cam_from_world.clear();
+  clear_poses(result.setup);
   result.setup.points.clear();
   result.setup.observations.clear();
   for (auto& [id, camera] : result.setup.cameras) {
     const std::string name = camera.name;
     camera = ideal_camera(1.02 * camera.focal_px(), camera.width_px, camera.height_px);
-    camera.sigma_f_px = 0.05 * camera.focal_px();
+    camera.prior.sigma_f_px = 0.05 * camera.focal_px();
     camera.name = name;
   }
   std::map<std::pair<ImageId, ImageId>, std::vector<Match>> matches;
@@ -57,7 +63,7 @@ inline Matched matched(const Block& truth) {
     pair.geometry = PairGeometry::kGeneral;
     pair.putative = static_cast<int>(list.size());
     pair.matches = std::move(list);
-    pair.second_from_first = truth.cam_from_world.at(ids.second) * inverse(truth.cam_from_world.at(ids.first));
+    pair.second_from_first = pose_of(truth, ids.second) * inverse(pose_of(truth, ids.first));
     pair.median_parallax_rad = 0.2;
     pair.second_from_first.translation.normalize();
     result.pairs.push_back(std::move(pair));
@@ -89,7 +95,7 @@ inline constexpr double kPixel_m = 60.0 / 1500;
 /// Two blocks without anything in common, as one; the ids of the second are shifted.
 inline Block side_by_side(Block first, const Block& second, std::uint32_t shift = 1000) {
   for (const auto& [id, image] : second.images) first.images[ImageId{id.value + shift}] = image;
-  for (const auto& [id, pose] : second.cam_from_world) first.cam_from_world[ImageId{id.value + shift}] = pose;
+  for (const auto& [id, pose] : oriented_images(second)) set_pose(first, ImageId{id.value + shift}, pose);
   for (const auto& [id, point] : second.points) first.points[PointId{id.value + 10 * shift}] = point;
   for (Observation seen : second.observations) {
     seen.image.value += shift;
@@ -103,9 +109,9 @@ inline Block side_by_side(Block first, const Block& second, std::uint32_t shift 
 /// best.
 inline double centre_rms_m(const Block& block, const Block& truth, bool aligned) {
   std::vector<Eigen::Vector3d> found, exact;
-  for (const auto& [image, pose] : block.cam_from_world) {
+  for (const auto& [image, pose] : oriented_images(block)) {
     found.push_back(centre_of(pose));
-    exact.push_back(centre_of(truth.cam_from_world.at(image)));
+    exact.push_back(centre_of(pose_of(truth, image)));
   }
   const Similarity3 truth_from_block = aligned ? align(found, exact).value() : Similarity3{};
   double sum = 0;

@@ -38,7 +38,7 @@ std::vector<Eigen::Vector3d> some_points(const Block& block) {
 
 std::vector<Eigen::Vector3d> centres_of(const Block& block) {
   std::vector<Eigen::Vector3d> centres;
-  for (const auto& [id, pose] : block.cam_from_world) centres.push_back(centre_of(pose));
+  for (const auto& [id, pose] : oriented_images(block)) centres.push_back(centre_of(pose));
   return centres;
 }
 
@@ -77,7 +77,7 @@ bool moves_along_view(const Block& block, const std::map<Pair, std::size_t>& com
   std::vector<double> cosines;
   for (const auto& [pair, count] : common) {
     if (count < kLeastPoints) continue;
-    const Rigid3 &first = block.cam_from_world.at(pair.first), &second = block.cam_from_world.at(pair.second);
+    const Rigid3 &first = pose_of(block, pair.first), &second = pose_of(block, pair.second);
     const Eigen::Vector3d base = (centre_of(second) - centre_of(first)).normalized();
     const auto along = [&](const Rigid3& pose) { return std::abs((pose.rotation * base).z()); };
     cosines.push_back(std::min(along(first), along(second)));
@@ -90,7 +90,7 @@ std::vector<std::string> undetermined_focals(const Block& setup, const Examined&
   for (const auto& [id, covariance] : adjusted.camera_covariance) {
     const Camera& before = setup.cameras.at(id);
     const double sigma_px = std::sqrt(covariance(Camera::kF, Camera::kF));
-    if (!(sigma_px > kHardlyDetermined * before.sigma_f_px)) continue;
+    if (!(sigma_px > kHardlyDetermined * before.prior.sigma_f_px)) continue;
     const char* cause = flat    ? "the scene is flat and seen from one direction"
                         : along ? "the camera moved along its view"
                                 : "the photographs are too few or too much alike";
@@ -124,7 +124,7 @@ std::optional<std::string> contradicting_pairs(const Block& block, std::span<con
   const ImagePair* worst = nullptr;
   for (const ImagePair& pair : pairs) {
     if (pair.matches.size() < kManyMatches || pair.geometry == PairGeometry::kRotation) continue;
-    if (!block.cam_from_world.contains(pair.first) || !block.cam_from_world.contains(pair.second)) continue;
+    if (!is_oriented(block, pair.first) || !is_oriented(block, pair.second)) continue;
     const auto found = common.find({pair.first, pair.second});
     const double left = found == common.end() ? 0 : static_cast<double>(found->second);
     if (left >= kFewOfThem * static_cast<double>(pair.matches.size())) continue;

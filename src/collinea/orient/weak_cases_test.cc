@@ -25,15 +25,15 @@ Block seen_from(const std::vector<Rigid3>& poses, const std::vector<Eigen::Vecto
   Random random(4);
   Block block;
   block.cameras[CameraId{1}] = ideal_camera(1500, 2000, 1500);
-  block.cameras[CameraId{1}].sigma_f_px = 75;
+  block.cameras[CameraId{1}].prior.sigma_f_px = 75;
   block.cameras[CameraId{1}].name = "test";
   for (std::uint32_t i = 0; i < poses.size(); ++i) {
     block.images[ImageId{i}] = {"IMG_" + std::to_string(i) + ".jpg", CameraId{1}, "", {}, {}, 1};
-    block.cam_from_world[ImageId{i}] = poses[i];
+    set_pose(block, ImageId{i}, poses[i]);
   }
   for (std::uint32_t p = 0; p < points.size(); ++p) {
     block.points[PointId{p}].position_in_world = points[p];
-    for (const auto& [id, pose] : block.cam_from_world) {
+    for (const auto& [id, pose] : oriented_images(block)) {
       const auto pixel = project(block.cameras.at(CameraId{1}), pose * points[p]);
       if (!pixel || !inside(block.cameras.at(CameraId{1}), *pixel)) continue;
       const double u = random.normal(), v = random.normal();

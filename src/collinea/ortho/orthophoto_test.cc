@@ -62,7 +62,7 @@ Block block_of(const std::vector<Eigen::Vector3d>& centres) {
   for (std::size_t i = 0; i < centres.size(); ++i) {
     const ImageId id{std::uint32_t(10 + i)};
     block.images[id] = Image{.file = {}, .camera = CameraId{1}, .taken = {}, .position = {}, .attitude = {}};
-    block.cam_from_world[id] = looking_down_from(centres[i], 0.4 * double(i));
+    set_pose(block, id, looking_down_from(centres[i], 0.4 * double(i)));
   }
   return block;
 }
@@ -76,7 +76,7 @@ std::array<double, 3> gain_of(ImageId image) {
 
 ColourImage photograph(const World& world, const Block& block, ImageId image, bool uneven) {
   const Camera& camera = block.camera_of(image);
-  const Rigid3 world_from_cam = inverse(block.cam_from_world.at(image));
+  const Rigid3 world_from_cam = inverse(pose_of(block, image));
   const std::array<double, 3> gain = gain_of(image);
   ColourImage picture(camera.width_px, camera.height_px, 3);
   for (int y = 0; y < picture.height; ++y) {
@@ -374,7 +374,7 @@ TEST(Orthophoto, AMountainFarAwayHidesTheGround) {
   const Eigen::Quaterniond down(Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX()));
   const Eigen::Quaterniond west(Eigen::AngleAxisd(0.78, Eigen::Vector3d::UnitY()));
   const Eigen::Quaterniond rotation = west * down;
-  block.cam_from_world[id] = {rotation, -(rotation * Eigen::Vector3d(400, 8, 300))};
+  set_pose(block, id, {rotation, -(rotation * Eigen::Vector3d(400, 8, 300))});
   const PixelSource pixels = [](ImageId, int shrink) -> Result<ColourImage> {
     return ColourImage((500 + shrink - 1) / shrink, (200 + shrink - 1) / shrink, 3, 100);
   };
@@ -407,8 +407,10 @@ TEST(Orthophoto, WithoutOrientedImagesThereIsNone) {
 TEST(LooksDown, TellsAerialFromFacade) {
   Block block = block_of(nine_centres());
   EXPECT_TRUE(looks_down(block));
-  for (auto& [id, pose] : block.cam_from_world)
+  for (auto [id, pose] : oriented_images(block)) {
     pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX())) * pose.rotation;
+    set_pose(block, id, pose);
+  }
   EXPECT_FALSE(looks_down(block));
   EXPECT_FALSE(looks_down(Block{}));
 }

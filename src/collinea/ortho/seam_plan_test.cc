@@ -210,7 +210,7 @@ TEST(SeamPlan, ARoofIsOfOnePictureAsAWhole) {
     block.images[ImageId{i}] = Image{.file = {}, .camera = CameraId{1}, .taken = {}, .position = {}, .attitude = {}};
     const Eigen::Quaterniond down(0, 1, 0, 0);
     const Eigen::Vector3d centre(kMiddleX + (i == 1 ? -7 : 7), kMiddleY + 1, 40);
-    block.cam_from_world[ImageId{i}] = {down, -(down * centre)};
+    set_pose(block, ImageId{i}, {down, -(down * centre)});
   }
   PixelCache pictures(
       [](ImageId, int shrink) -> Result<ColourImage> { return ColourImage(400 / shrink, 300 / shrink, 3, 100); },

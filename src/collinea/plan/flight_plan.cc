@@ -134,7 +134,7 @@ Result<FlightPlan> plan_flight(const FlightOptions& o, const MapArea& area) {
   const double focal_px = o.focal_mm / o.sensor_width_mm * o.width_px;
   plan.camera = ideal_camera(focal_px, o.width_px, o.height_px);
   plan.camera.name = "planned camera";
-  plan.camera.source = "given";
+  plan.camera.prior.source = Provenance::kGiven;
   if (o.tilt_deg * kRadians + std::atan(o.height_px / (2 * focal_px)) > kSteepest_rad)
     return fail(Errc::kBadInput,
                 "the upper edge of the pictures would look higher than 75 degrees from straight down: "

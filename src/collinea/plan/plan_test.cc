@@ -192,7 +192,7 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
 
     auto image = planned.adjusted.pose_covariance.begin();
     std::advance(image, i % int(planned.adjusted.pose_covariance.size()));
-    const Rigid3 &truth = planned.planned.block.cam_from_world.at(image->first),
+    const Rigid3 &truth = pose_of(planned.planned.block, image->first),
                  &found = adjusted.cam_from_world.at(image->first);
     Eigen::Matrix<double, 6, 1> off;
     off.head<3>() = rotation_vector(truth.rotation.conjugate() * found.rotation);

@@ -90,7 +90,7 @@ class Viewer {
 void add_images(const FlightPlan& plan, const MeasurementOptions& o, PlannedBlock& planned) {
   const CameraId camera{0};
   planned.block.cameras[camera] = plan.camera;
-  planned.block.cameras[camera].sigma_f_px = o.focal_sigma * plan.camera.focal_px();
+  planned.block.cameras[camera].prior.sigma_f_px = o.focal_sigma * plan.camera.focal_px();
   PositionTrack track;
   track.shift_sigma_m = Vector3d::Constant(o.position_shift_m);
   for (std::size_t i = 0; i < plan.images.size(); ++i) {
@@ -104,7 +104,7 @@ void add_images(const FlightPlan& plan, const MeasurementOptions& o, PlannedBloc
       track.time[id] = 0;
     }
     planned.block.images[id] = image;
-    planned.block.cam_from_world[id] = pose;
+    set_pose(planned.block, id, pose);
   }
   if (!track.time.empty() && o.position_shift_m > 0) planned.scope.position_tracks.push_back(track);
 }
@@ -213,7 +213,7 @@ Result<PlannedBlock> planned_block(const FlightPlan& plan, const std::vector<Pla
   add_images(plan, o, planned);
   const Ground ground{plan.relief_m, std::max(plan.across_m, plan.along_m)};
   std::vector<Viewer> viewers;
-  for (const auto& [id, pose] : planned.block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(planned.block))
     viewers.emplace_back(id, planned.block.camera_of(id), pose, -plan.relief_m / 2 - 1);
   add_tie_points(plan, o, ground, viewers, planned);
   for (const PlannedPoint& point : points) {

@@ -75,7 +75,7 @@ void write_rays(Precision& precision) {
 void write_poses(Precision& precision) {
   Vector3d turns = Vector3d::Zero(), moves = Vector3d::Zero();
   for (const auto& [id, covariance] : precision.adjusted.pose_covariance) {
-    const Matrix3d rotation = precision.planned.block.cam_from_world.at(id).rotation.toRotationMatrix();
+    const Matrix3d rotation = pose_of(precision.planned.block, id).rotation.toRotationMatrix();
     turns += (rotation * covariance.topLeftCorner<3, 3>() * rotation.transpose()).diagonal();
     moves += covariance.bottomRightCorner<3, 3>().diagonal();
   }
@@ -147,7 +147,7 @@ void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, i
 
 void compare_poses(const Precision& foretold, const Adjusted& one, Sum& sum) {
   for (const auto& [id, pose] : one.cam_from_world) {
-    const Rigid3& truth = foretold.planned.block.cam_from_world.at(id);
+    const Rigid3& truth = pose_of(foretold.planned.block, id);
     Eigen::Matrix<double, 6, 1> error;
     error.head<3>() = rotation_vector(truth.rotation.conjugate() * pose.rotation);
     error.tail<3>() = centre_of(pose) - centre_of(truth);

@@ -28,7 +28,7 @@ tl::unexpected<Error> unknown(const std::string& source, const std::string& imag
 Result<Camera> fitted(Camera camera, const Camera& ours, const std::string& image) {
   COLLINEA_TRY(camera, fitted_to(std::move(camera), ours.width_px, ours.height_px, image));
   camera.name = ours.name;
-  camera.sigma_f_px = ours.sigma_f_px;
+  camera.prior.sigma_f_px = ours.prior.sigma_f_px;
   return camera;
 }
 
@@ -52,7 +52,7 @@ Result<ReadOrientation> from_model(const Block& model, const Block& setup, const
   read.given.source = path.string();
   const ImageNames names(setup);
   std::map<CameraId, std::vector<Camera>> cameras;
-  for (const auto& [id, pose] : model.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(model)) {
     const std::string& file = model.images.at(id).file;
     const auto image = names.find(file);
     if (!image) return unknown(path.string(), file);
@@ -62,7 +62,7 @@ Result<ReadOrientation> from_model(const Block& model, const Block& setup, const
       return std::move(error).within(path.string());
     }));
     // What the photographs say of a camera: that it is known and held.
-    camera.calibrate = setup.camera_of(*image).calibrate;
+    camera.prior.calibrate = setup.camera_of(*image).prior.calibrate;
     cameras[setup.images.at(*image).camera].push_back(camera);
   }
   take_common(cameras, read);

@@ -50,7 +50,7 @@ Result<> check_new_seamlines(const fs::path& folder, const Settings& settings, c
   if (const auto noted = read_settings(folder); noted && noted->ortho.seamlines == given) return {};
   COLLINEA_TRY(const Block block, store.read_block());
   std::vector<ImageId> oriented;
-  for (const auto& [image, pose] : block.cam_from_world) oriented.push_back(image);
+  for (const auto& [image, pose] : oriented_images(block)) oriented.push_back(image);
   COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(surface));
   const auto read = read_seamlines(*given, block, oriented, reader.grid().wkt);
   return read ? Result<>{} : tl::unexpected(read.error());

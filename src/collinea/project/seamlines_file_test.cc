@@ -17,7 +17,7 @@ Block three_photographs() {
                                      .taken = {},
                                      .position = {},
                                      .attitude = {}};
-    if (i != 2) block.cam_from_world[ImageId{i}] = Rigid3{};
+    if (i != 2) set_pose(block, ImageId{i}, Rigid3{});
   }
   return block;
 }

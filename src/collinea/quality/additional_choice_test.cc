@@ -40,8 +40,7 @@ Block film_block(AdditionalSet set, const std::vector<std::pair<int, double>>& v
   Random random(seed, 3);
   const auto measure = [&](ImageId image, const Eigen::Vector3d& point) {
     const double du = random.normal(), dv = random.normal();
-    return Eigen::Vector2d(*project(camera, block.cam_from_world.at(image) * point) +
-                           sigma_px * Eigen::Vector2d(du, dv));
+    return Eigen::Vector2d(*project(camera, pose_of(block, image) * point) + sigma_px * Eigen::Vector2d(du, dv));
   };
   for (Observation& o : block.observations) {
     o.pixel = measure(o.image, block.points.at(o.point).position_in_world);
@@ -167,7 +166,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
       point.position_in_world = testing::ground({}, random);
       point.sigma_m.setZero();
       block.control[{i}] = point;
-      for (const auto& [image, pose] : block.cam_from_world) {
+      for (const auto& [image, pose] : oriented_images(block)) {
         const auto pixel = project(camera, pose * point.position_in_world);
         if (pixel && inside(camera, *pixel)) block.control_observations.push_back({{i}, image, *pixel, 0.5});
       }

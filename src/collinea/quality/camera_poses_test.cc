@@ -37,7 +37,7 @@ TEST(CameraPoses, ErrorsGoTogetherAsTold) {
       ASSERT_EQ(one.of_pose, pair.of_pose);
       if (seed == 1) pair.image = one.image;
       ASSERT_EQ(one.image, pair.image) << seed;  // the geometry stays
-      const Rigid3 &pose = adjusted->cam_from_world.at(pair.image), &exact = truth.cam_from_world.at(pair.image);
+      const Rigid3 &pose = adjusted->cam_from_world.at(pair.image), &exact = pose_of(truth, pair.image);
       const double turn = rotation_vector(pose.rotation.conjugate() * exact.rotation)[std::min(pair.of_pose, 2)];
       const double height = (centre_of(exact) - centre_of(pose)).z();
       const double a = f - adjusted->cameras.begin()->second.params[Camera::kF], b = pair.of_pose == 5 ? height : turn;

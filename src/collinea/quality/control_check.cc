@@ -32,7 +32,7 @@ std::vector<PlacePair> pairs_of(const std::vector<Place>& places) {
 
 std::vector<PlacePair> position_pairs(const Block& block) {
   std::vector<PlacePair> pairs;
-  for (const auto& [id, pose] : block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(block))
     if (const auto& position = block.images.at(id).position; position && position->sigma_m.allFinite())
       pairs.push_back({centre_of(pose), position->position_in_world, std::sqrt(position->sigma_m.squaredNorm() / 3)});
   return pairs;
@@ -84,10 +84,10 @@ std::optional<MapFit> fit_to_map(const Block& block, const std::vector<Place>& p
   if (!found) return std::nullopt;
   const auto& similarity = found->world_from_block;
   MapFit result{median(std::vector(found->distances_m)), 0};
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d down_and_forward =
         pose.rotation.conjugate() * (down_in_cam(block.images.at(id).orientation) + Eigen::Vector3d::UnitZ());
-    result.upright -= (similarity.rotation * down_and_forward).z() / double(block.cam_from_world.size());
+    result.upright -= (similarity.rotation * down_and_forward).z() / double(count_oriented(block));
   }
   return result;
 }
@@ -226,7 +226,7 @@ std::vector<Eigen::Vector3d> position_differences(const Block& block, const std:
   if (bundle::span_a_plane(control)) {
     const auto found = bundle::robust_similarity(control, seed);
     if (!found) return differences;
-    for (const auto& [id, pose] : block.cam_from_world) {
+    for (const auto& [id, pose] : oriented_images(block)) {
       const auto& position = block.images.at(id).position;
       if (!position || !position->sigma_m.head<2>().allFinite()) continue;
       differences.push_back(position->position_in_world - found->world_from_block * centre_of(pose));
@@ -248,7 +248,7 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
   Eigen::Vector3d scatter;
   const Eigen::Vector3d off = median_difference(differences, scatter);
   std::vector<double> sigmas;
-  for (const auto& [id, pose] : block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(block))
     if (const auto& position = block.images.at(id).position; position && position->sigma_m.head<2>().allFinite())
       sigmas.push_back(std::isfinite(position->sigma_m.z()) ? std::sqrt(position->sigma_m.squaredNorm() / 3)
                                                             : std::sqrt(position->sigma_m.head<2>().squaredNorm() / 2));

@@ -64,8 +64,8 @@ TEST(CheckControl, TwoRaysThatMissAreNotUsed) {
   const ImageId second = block.control_observations[place_of(block, id, 3)].image;
   std::erase_if(block.control_observations,
                 [&](const ControlObservation& o) { return o.point == id && o.image != first && o.image != second; });
-  const Eigen::Vector3d base = centre_of(block.cam_from_world.at(first)) - centre_of(block.cam_from_world.at(second));
-  const Eigen::Vector3d in_cam = block.cam_from_world.at(first).rotation * base;
+  const Eigen::Vector3d base = centre_of(pose_of(block, first)) - centre_of(pose_of(block, second));
+  const Eigen::Vector3d in_cam = pose_of(block, first).rotation * base;
   const Eigen::Vector2d across = Eigen::Vector2d(-in_cam.y(), in_cam.x()).normalized();
   block.control_observations[place_of(block, id, 0)].pixel += 90 * across;
   const ControlDiagnosis diagnosis = check_control(block);
@@ -158,10 +158,9 @@ TEST(CheckControl, PicturesStoredUpsideDownAreNotTakenForExchangedAxes) {
   for (std::uint32_t i = 0; i < 6; ++i) {
     block.images[{i}].camera = {1};
     block.images[{i}].orientation = 3;
-    block.cam_from_world[{i}] = {Eigen::Quaterniond(cam_from_world),
-                                 -(cam_from_world * Eigen::Vector3d(3.0 * i - 2, 0, 20))};
+    set_pose(block, {i}, {Eigen::Quaterniond(cam_from_world), -(cam_from_world * Eigen::Vector3d(3.0 * i - 2, 0, 20))});
     for (const auto& [id, point] : block.control) {
-      const auto pixel = project(block.cameras.at({1}), block.cam_from_world.at({i}) * point.position_in_world);
+      const auto pixel = project(block.cameras.at({1}), pose_of(block, {i}) * point.position_in_world);
       ASSERT_TRUE(pixel);
       block.control_observations.push_back({id, {i}, *pixel, 0.5});
     }

@@ -19,7 +19,7 @@ void add_measurement(const Block& block, const Problem& problem, const State& st
                      const Eigen::Vector3d& position, PointSystem& system) {
   const auto its = number.find(seen.image);
   const int image = its == number.end() ? -1 : its->second;
-  const Rigid3& pose = block.cam_from_world.at(seen.image);
+  const Rigid3& pose = pose_of(block, seen.image);
   const Eigen::Vector3d centre = centre_of(pose);
   const Frame frame = image >= 0 ? state.frames[image] : frame_of(pose.rotation.normalized(), centre.data());
   const Camera& camera = block.camera_of(seen.image);
@@ -41,8 +41,7 @@ void predict_check_points(const Solved& solved, const TileCholesky& factor, cons
   for (std::size_t i = 0; i < problem.images.size(); ++i) number[problem.images[i].id] = static_cast<int>(i);
   std::map<ControlId, std::vector<const ControlObservation*>> measured;
   for (const ControlObservation& seen : block.control_observations)
-    if (block.cam_from_world.contains(seen.image) && !is_left_out(adjusted, seen.image))
-      measured[seen.point].push_back(&seen);
+    if (is_oriented(block, seen.image) && !is_left_out(adjusted, seen.image)) measured[seen.point].push_back(&seen);
   std::set<ControlId> joined;  // they took part
   for (const std::uint32_t p : problem.joined) joined.insert(ControlId{problem.point(p).id});
   parallel_for(run, adjusted.control.size(), [&](std::size_t i) {

@@ -26,8 +26,10 @@ Block block_with_control(std::uint64_t seed) {
 Block turned(const Block& block, const Eigen::Matrix3d& rotation) {
   Block out = block;
   const Eigen::Quaterniond turn(rotation);
-  for (auto& [id, pose] : out.cam_from_world)
+  for (auto [id, pose] : oriented_images(out)) {
     pose = {(pose.rotation * turn.conjugate()).normalized(), pose.translation};
+    set_pose(out, id, pose);
+  }
   for (auto& [id, point] : out.points) point.position_in_world = rotation * point.position_in_world;
   for (auto& [id, point] : out.control) {
     point.position_in_world = rotation * point.position_in_world;

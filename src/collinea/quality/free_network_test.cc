@@ -100,7 +100,7 @@ TEST(FreeNetwork, ErrorsAreAsToldInTheDatumOfTheTiePoints) {
     const Vector7 whole = motion_of_errors(*adjusted, truth);
     const double variance = std::pow(sigma_scale(*adjusted), 2);
     for (const auto& [id, pose] : adjusted->cam_from_world) {
-      const Rigid3& exact = truth.cam_from_world.at(id);
+      const Rigid3& exact = pose_of(truth, id);
       const Eigen::Vector3d centre = centre_of(pose);
       Eigen::Matrix<double, 6, 1> error;
       error << rotation_vector(pose.rotation.conjugate() * exact.rotation) + whole.segment<3>(3),

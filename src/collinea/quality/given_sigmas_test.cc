@@ -129,12 +129,12 @@ TEST(CameraSigmas, EachParameterTakesPartAsItIsAsked) {
 Block of_measured(const testing::TestBlockOptions& o) {
   Block block = test_block(o);
   Camera& camera = block.cameras.at({1});
-  camera.model = CameraModel::kBrownOfMeasured;
+  camera.model = BrownOfMeasured{};
   camera.params[Camera::kK1] = 0.12;
   camera.params[Camera::kB1] = 1.5;
   Random random(12);
   const auto measure = [&](ImageId image, const Eigen::Vector3d& place, Eigen::Vector2d& pixel) {
-    const auto seen = project(camera, block.cam_from_world.at(image) * place);
+    const auto seen = project(camera, pose_of(block, image) * place);
     ASSERT_TRUE(seen);
     const double du = random.normal(), dv = random.normal();
     pixel = *seen + o.sigma_px * Eigen::Vector2d(du, dv);

@@ -24,7 +24,10 @@ using testing::tested;
 const Run kRun;
 
 void scale(Block& block, double factor) {
-  for (auto& [id, pose] : block.cam_from_world) pose.translation *= factor;
+  for (auto [id, pose] : oriented_images(block)) {
+    pose.translation *= factor;
+    set_pose(block, id, pose);
+  }
   for (auto& [id, point] : block.points) point.position_in_world *= factor;
 }
 
@@ -176,7 +179,10 @@ TEST(Ground, HeightDifferencesLevelABlock) {
   made.measure(GroundKind::kHeightDifference, 1, 4, 0.001);
   made.measure(GroundKind::kHeightDifference, 2, 6, 0.001);
   const Eigen::Quaterniond turn = rotation_by({0.03, -0.02, 0.5});
-  for (auto& [id, pose] : made.block.cam_from_world) pose.rotation = pose.rotation * turn.conjugate();
+  for (auto [id, pose] : oriented_images(made.block)) {
+    pose.rotation = pose.rotation * turn.conjugate();
+    set_pose(made.block, id, pose);
+  }
   for (auto& [id, point] : made.block.points) point.position_in_world = turn * point.position_in_world;
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;

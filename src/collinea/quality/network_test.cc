@@ -97,9 +97,10 @@ TEST(Network, PlacesOfStationsAreFoundFromWhatTheyMeasured) {
 TEST(Network, GivesScaleAndLevelToABlockWithout) {
   Network made = network(1, 0, false);
   const Eigen::Quaterniond turn = rotation_by({0.02, -0.03, 0.8});
-  for (auto& [id, pose] : made.block.cam_from_world) {
+  for (auto [id, pose] : oriented_images(made.block)) {
     pose.rotation = pose.rotation * turn.conjugate();
     pose.translation *= 1.02;
+    set_pose(made.block, id, pose);
   }
   for (auto& [id, point] : made.block.points) point.position_in_world = 1.02 * (turn * point.position_in_world);
   const auto adjusted = examine(made.block, {}, tested(), kRun);
@@ -196,11 +197,11 @@ TEST(Network, StationsThatNoImageShowsAreInTheDatumOfTheOthers) {
   Network made = network(2, 0.5, true);
   const auto unseen = examine(made.block, {}, tested(), kRun);
   const ControlId station{Network::kFirst};
-  const auto looking =
-      std::find_if(made.block.cam_from_world.begin(), made.block.cam_from_world.end(), [&](const auto& image) {
-        return project(made.block.camera_of(image.first), image.second * made.truth.at(station)).has_value();
-      });
-  ASSERT_NE(looking, made.block.cam_from_world.end());
+  const std::vector<OrientedImage> oriented = oriented_images(made.block);
+  const auto looking = std::ranges::find_if(oriented, [&](const OrientedImage& one) {
+    return project(made.block.camera_of(one.image), one.cam_from_world * made.truth.at(station)).has_value();
+  });
+  ASSERT_NE(looking, oriented.end());
   made.block.control_observations.push_back(
       {station, looking->first,
        *project(made.block.camera_of(looking->first), looking->second * made.truth.at(station)), 1e5});
@@ -253,10 +254,11 @@ TEST(Network, ABlockThatHangsOnStationsGoesAllTheWay) {
       const auto moved = [&](const Eigen::Vector3d& place) {
         return Eigen::Vector3d(turned * (1.02 * place) + Eigen::Vector3d(3, -2, 1));
       };
-      for (auto& [id, pose] : start.cam_from_world) {
+      for (auto [id, pose] : oriented_images(start)) {
         const Eigen::Vector3d centre = moved(centre_of(pose));
         pose.rotation = pose.rotation * turned.conjugate();
         pose.translation = -(pose.rotation * centre);
+        set_pose(start, id, pose);
       }
       for (auto& [id, point] : start.points) point.position_in_world = moved(point.position_in_world);
       const auto adjusted = adjust(start, {}, {.calibration = "none", .loss = "none", .position_loss = "none"}, kRun);

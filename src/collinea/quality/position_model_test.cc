@@ -39,7 +39,7 @@ Flight flight(double sigma_px, double sigma_m, double sigma_rad, std::uint64_t s
   track.shift_sigma_m = track.drift_sigma_m = kUnknown;
   double time = -6;
   for (auto& [id, image] : made.block.images) {
-    const Rigid3& pose = made.block.cam_from_world.at(id);
+    const Rigid3& pose = pose_of(made.block, id);
     const Eigen::Vector3d offset = tracks ? Eigen::Vector3d(kShift + time * kDrift) : Eigen::Vector3d(0, 0, 0);
     const int row = static_cast<int>(id.value - 10) / 4;
     const Eigen::Vector3d velocity = Eigen::Vector3d(row % 2 ? -10 : 10, 0, 0) + normal3(random);
@@ -122,7 +122,7 @@ TEST(PositionModel, ExactTruthComesBack) {
   for (const EstimatedUnknown& extra : adjusted->extras)
     EXPECT_NEAR(extra.value, truth_of(extra.kind)[extra.axis], 1e-6) << name_of_extra(start, extra.kind, 1, extra.axis);
   for (const auto& [id, pose] : adjusted->cam_from_world)
-    EXPECT_LT((centre_of(pose) - centre_of(made.truth.cam_from_world.at(id))).norm(), 1e-6);
+    EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
   EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-4);
 }
 
@@ -159,7 +159,7 @@ TEST(PositionModel, AGivenLeverArmIsUsed) {
   const auto adjusted = examine(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted);
   for (const auto& [id, pose] : adjusted->cam_from_world)
-    EXPECT_LT((centre_of(pose) - centre_of(made.truth.cam_from_world.at(id))).norm(), 1e-6);
+    EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
   EXPECT_EQ(adjusted->extras.size(), 4u);  // boresight and time offset
 }
 
@@ -181,8 +181,8 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
       {},
       {}};
   for (auto& [id, image] : made.block.images)
-    image.position = PositionPrior{centre_of(made.block.cam_from_world.at(id)), Eigen::Vector3d::Constant(0.05)};
-  made.block.cameras.begin()->second.sigma_f_px = 1e4;
+    image.position = PositionPrior{centre_of(pose_of(made.block, id)), Eigen::Vector3d::Constant(0.05)};
+  made.block.cameras.begin()->second.prior.sigma_f_px = 1e4;
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
   const auto adjusted = examine(made.block, made.scope, tested("focal"), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
@@ -204,7 +204,7 @@ TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparabl
   for (auto& [id, velocity] : made.scope.velocity_m_s) {
     velocity = Eigen::Vector3d(7, 7, 0) + 0.05 * normal3(random);
     made.block.images.at(id).position->position_in_world =
-        centre_of(made.truth.cam_from_world.at(id)) + kOffset_s * velocity + 0.03 * normal3(random);
+        centre_of(pose_of(made.truth, id)) + kOffset_s * velocity + 0.03 * normal3(random);
   }
   made.scope.lever_arms.clear();
   made.scope.position_tracks[0].drift_sigma_m.setZero();

@@ -96,7 +96,7 @@ TEST(Reliability, VerticalsHaveTheirPartOfTheRedundancy) {
   const Block block = test_block(small(2));
   Random random(2);
   AdjustScope scope;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d up = pose.rotation * Eigen::Vector3d::UnitZ();
     scope.verticals[id] = {(up + 0.02 * up.cross(testing::normal3(random))).normalized(), 0.002};  // ten times too good
   }
@@ -123,7 +123,7 @@ TEST(Reliability, HeldPointsTestTheirRaysToo) {
   const PointId far{1};
   strip.points[far].position_in_world = {300, 0, -20000};
   std::vector<Observation> rays;
-  for (const auto& [id, pose] : strip.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(strip)) {
     const auto pixel = project(strip.camera_of(id), pose * strip.points[far].position_in_world);
     ASSERT_TRUE(pixel);
     rays.push_back({id, far, 0, *pixel, 0.5});
@@ -253,7 +253,7 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
       of_block[kSigma0] = adjusted.sigma0 * adjusted.sigma0;
       of_block[kLevel] = double(adjusted.reliability->rejected) / double(adjusted.reliability->tested) / 0.01;
       for (const auto& [id, pose] : adjusted.cam_from_world) {
-        const Rigid3& exact = truth.cam_from_world.at(id);
+        const Rigid3& exact = pose_of(truth, id);
         Eigen::Matrix<double, 6, 1> error;
         error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
         of_block[kPose] += error.dot(adjusted.pose_covariance.at(id).inverse() * error) / 6 /
@@ -284,7 +284,7 @@ TEST(Reliability, ARayThatIsNotSeenIsSuspectAndCountsForNothing) {
   block.images[away] = block.images.begin()->second;
   block.images[away].position.reset();
   const Eigen::Vector3d above(20, 10, 60);
-  block.cam_from_world[away] = {Eigen::Quaterniond::Identity(), -above};  // looks up
+  set_pose(block, away, {Eigen::Quaterniond::Identity(), -above});  // looks up
   const std::size_t places = block.control_observations.size();
   block.control_observations.push_back({block.control.begin()->first, away, {900, 700}, 0.5});
   Observation seen = block.observations.front();

@@ -396,7 +396,7 @@ class Snooper {
         // With unknowns between antenna and camera what was told when it went stays.
         const Eigen::Vector3d& place = given_.images.at(gone.image).position->position_in_world;
         if (scope_.lever_arms.empty() && scope_.position_tracks.empty())
-          tell(gone, place - centre_of(out_.block.cam_from_world.at(gone.image)));
+          tell(gone, place - centre_of(pose_of(out_.block, gone.image)));
       } else if (is_ground(gone.group)) {
         for (const GroundDifference& one : out_.adjusted.ground)
           if (one.observation == gone.ground) gone.blunder.x() = -one.difference;
@@ -484,14 +484,14 @@ class Snooper {
   // Of a coordinate of the image of a control point where its other rays meet, all images being exact.
   [[nodiscard]] double variance_by_rays(const TakenOut& gone) const {
     const auto met = intersect(sight_lines(out_.block, gone.control));
-    const Rigid3& pose = out_.block.cam_from_world.at(gone.image);
+    const Rigid3& pose = pose_of(out_.block, gone.image);
     Matrix23 by_cam;
     if (!met || !project(out_.block.camera_of(gone.image), pose * met->point_in_world, &by_cam, nullptr)) return kNaN;
     const Eigen::RowVector3d by_world = by_cam.row(gone.axis) * pose.rotation.toRotationMatrix();
     return by_world * met->covariance * by_world.transpose();
   }
   void tell(TakenOut& gone, const Eigen::Vector2d& pixel, const Eigen::Vector3d& place) const {
-    const Rigid3& pose = out_.block.cam_from_world.at(gone.image);
+    const Rigid3& pose = pose_of(out_.block, gone.image);
     if (const auto expected = project(out_.block.camera_of(gone.image), pose * place))
       gone.blunder.head<2>() = pixel - *expected;
   }

@@ -219,7 +219,7 @@ Surveyed surveyed(std::uint64_t seed) {
     control.sigma_m.setConstant(0.01);
     control.position_in_world += 0.01 * testing::normal3(random);
   }
-  for (const auto& [id, pose] : made.block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(made.block)) {
     const Eigen::Vector3d sigma(4e-4, 4e-4, 6e-4);
     made.scope.attitudes[id] = {
         (pose.rotation * rotation_by(sigma.cwiseProduct(testing::normal3(random)))).normalized(), sigma};

@@ -31,7 +31,7 @@ double most_run_per_rise_of(const View& view) {
 
 std::vector<View> views_of(const Block& block, const LocalFrame* frame) {
   std::vector<View> views;
-  for (const auto& [id, cam_from_world] : block.cam_from_world) {
+  for (const auto& [id, cam_from_world] : oriented_images(block)) {
     View view;
     view.image = id;
     view.camera_id = block.images.at(id).camera;
@@ -65,9 +65,9 @@ float cost_of(const View& view, const Eigen::Vector3d& point_in_world, double ce
 
 bool looks_down(const Block& block) {
   std::size_t down = 0;
-  for (const auto& [id, cam_from_world] : block.cam_from_world)
+  for (const auto& [id, cam_from_world] : oriented_images(block))
     down += (cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ()).z() < -0.5;
-  return down > 0 && 2 * down >= block.cam_from_world.size();
+  return down > 0 && 2 * down >= count_oriented(block);
 }
 
 }  // namespace collinea

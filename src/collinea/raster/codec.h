@@ -26,8 +26,14 @@ enum class FileKind { kJpeg, kPng, kTiff };
 /// Writes beside the target and renames: the name never holds half a file.
 [[nodiscard]] Result<> write_bytes(const std::filesystem::path& path, const std::string& bytes);
 
-/// Refuses sizes that this many bytes cannot hold, before memory is taken for them.
-[[nodiscard]] Result<> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t file_bytes);
+/// Pixels that a byte of a file can stand for at the very most, in an image of one colour. JPEG: a block of 64 pixels
+/// takes a bit of its first scan. Deflate packs to 1/1032; other codecs of TIFF a little better.
+inline constexpr std::uint64_t kJpegPxPerByte = 1000, kDeflateBytesPerByte = 1032, kTiffPxPerByte = 10'000;
+
+/// Refuses sizes that this many bytes cannot hold, before memory is taken for them: what is above 16 million pixels and
+/// above px_per_byte. Whoever reads an image or only its header asks this first.
+[[nodiscard]] Result<> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t file_bytes,
+                                  std::uint64_t px_per_byte);
 
 /// Samples as a file holds them: one of the two rasters is filled, with 1 or 3 channels.
 struct Samples {
@@ -39,9 +45,10 @@ using Size = std::array<int, 2>;  ///< width, height [px]
 
 /// `channels` 1 (luma) or 3; `shrink` 1, 2, 4, 8 inside the decoder.
 [[nodiscard]] Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels, int shrink);
-[[nodiscard]] Result<Size> jpeg_size(const std::string& bytes);
+/// Of an image whose file has so many bytes; these are the first of them.
+[[nodiscard]] Result<Size> jpeg_size(const std::string& bytes, std::uint64_t file_bytes);
 [[nodiscard]] Result<Samples> decode_png(const std::string& bytes);
-[[nodiscard]] Result<Size> png_size(const std::string& bytes);
+[[nodiscard]] Result<Size> png_size(const std::string& bytes, std::uint64_t file_bytes);
 [[nodiscard]] Result<std::string> encode_png(const Raster<std::uint8_t>& picture);
 [[nodiscard]] Result<Samples> read_tiff(const std::filesystem::path& path);
 [[nodiscard]] Result<Size> tiff_size(const std::filesystem::path& path);

@@ -68,14 +68,13 @@ Result<> write_bytes(const std::filesystem::path& path, const std::string& bytes
               path.string() + " cannot be written: " + (error ? error.message() : std::string("is the disk full?")));
 }
 
-Result<> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t file_bytes) {
-  constexpr std::uint64_t kMost_px = 2'000'000'000, kHarmless_px = 64'000'000;
-  constexpr std::uint64_t kMostPerByte_px = 10'000;  // beyond what any of the codecs can pack, even of a flat picture
+Result<> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t file_bytes, std::uint64_t px_per_byte) {
+  constexpr std::uint64_t kMost_px = 2'000'000'000, kHarmless_px = 16'000'000;
   if (width == 0 || height == 0) return fail(Errc::kBadFormat, "the picture has no pixels");
   const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
   if (width > kMost_px || height > kMost_px || width * height > kMost_px)
     return fail(Errc::kUnsupported, size + " are more than can be read");
-  if (width * height > kHarmless_px && width * height / kMostPerByte_px > file_bytes)
+  if (width * height > kHarmless_px && width * height / px_per_byte > file_bytes)
     return fail(Errc::kBadFormat, "damaged: " + size + " cannot be in " + std::to_string(file_bytes) + " bytes");
   return {};
 }

@@ -79,10 +79,8 @@ Result<FloatImage> read_all(const std::filesystem::path& path) {
       (it.planar != PLANARCONFIG_CONTIG && it.samples > 1))
     return fail(Errc::kUnsupported, "not a floating-point raster in strips");
   std::error_code ignored;
-  if (const Result<> verdict =
-          check_size(it.width, std::uint64_t(it.height) * it.samples, std::filesystem::file_size(path, ignored));
-      !verdict)
-    return tl::unexpected(verdict.error());
+  COLLINEA_TRY(check_size(it.width, std::uint64_t(it.height) * it.samples, std::filesystem::file_size(path, ignored),
+                          kTiffPxPerByte));
   FloatImage raster(int(it.width), int(it.height), it.samples);
   if (!read_strips(file.get(), int(std::min(it.rows, it.height)), raster)) return file.error();
   return raster;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <new>
 
+#include "collinea/raster/codec.h"
 #include "collinea/raster/gdal_access.h"
 #include "collinea/raster/geotiff.h"
 
@@ -25,9 +26,29 @@ struct GeoTiffReader::State {
   GdalDataset dataset;
 
   Result<> read_description();
+  Result<> check_blocks() const;
   template <class T>
   Result<Raster<T>> read(int column, int row, int width, int height, int out_width, int out_height) const;
 };
+
+// A block is what GDAL takes into memory at once; a file may state any size of it.
+Result<> GeoTiffReader::State::check_blocks() const {
+  constexpr std::uint64_t kHarmless_bytes = 64 << 20;
+  std::error_code unknown;
+  const std::uint64_t file_bytes = std::filesystem::file_size(path, unknown);
+  for (int i = 1; i <= channels; ++i) {
+    const GDALRasterBandH band = GDALGetRasterBand(dataset.get(), i);
+    int width = 0, height = 0;
+    GDALGetBlockSize(band, &width, &height);
+    const std::uint64_t bytes = std::uint64_t(width) * std::uint64_t(height) *
+                                std::uint64_t(GDALGetDataTypeSizeBytes(GDALGetRasterDataType(band)));
+    if (bytes > kHarmless_bytes && bytes / kTiffPxPerByte > file_bytes)
+      return fail(Errc::kBadFormat, path.string() + " is damaged: blocks of " + std::to_string(width) + " x " +
+                                        std::to_string(height) + " pixels cannot be in " + std::to_string(file_bytes) +
+                                        " bytes");
+  }
+  return {};
+}
 
 Result<> GeoTiffReader::State::read_description() {
   void* file = dataset.get();
@@ -35,6 +56,7 @@ Result<> GeoTiffReader::State::read_description() {
   grid.height = GDALGetRasterYSize(file);
   channels = GDALGetRasterCount(file);
   if (channels < 1) return fail(Errc::kBadFormat, path.string() + " holds no raster");
+  COLLINEA_TRY(check_blocks());
   if (const char* wkt = GDALGetProjectionRef(file)) grid.wkt = wkt;
   int has_nodata = 0;
   const double value = GDALGetRasterNoDataValue(GDALGetRasterBand(file, 1), &has_nodata);

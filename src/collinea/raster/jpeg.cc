@@ -156,8 +156,7 @@ Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels,
   COLLINEA_CHECK(channels == 1 || channels == 3);
   JpegDecoder decoder;
   if (!read_header(decoder, bytes)) return decoder.error();
-  if (const Result<> verdict = check_size(decoder.info.image_width, decoder.info.image_height, bytes.size()); !verdict)
-    return tl::unexpected(verdict.error());
+  COLLINEA_TRY(check_size(decoder.info.image_width, decoder.info.image_height, bytes.size(), kJpegPxPerByte));
   if (!start(decoder, channels, shrink)) return decoder.error();
   Raster<std::uint8_t> picture(int(decoder.info.output_width), int(decoder.info.output_height),
                                decoder.info.output_components);
@@ -166,9 +165,10 @@ Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels,
   return with_channels(std::move(picture), channels);
 }
 
-Result<Size> jpeg_size(const std::string& bytes) {
+Result<Size> jpeg_size(const std::string& bytes, std::uint64_t file_bytes) {
   JpegDecoder decoder;
   if (!read_header(decoder, bytes)) return decoder.error();
+  COLLINEA_TRY(check_size(decoder.info.image_width, decoder.info.image_height, file_bytes, kJpegPxPerByte));
   return Size{int(decoder.info.image_width), int(decoder.info.image_height)};
 }
 

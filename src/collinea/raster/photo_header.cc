@@ -246,10 +246,12 @@ Result<Size> size_of(const std::filesystem::path& path) {
   const auto size = kind == FileKind::kJpeg ? jpeg_size : png_size;
   // The size stands at the start, in a JPEG behind EXIF, XMP and a thumbnail.
   constexpr std::size_t kStart_bytes = 1 << 18;
+  std::error_code unknown;
+  const std::uint64_t file_bytes = std::filesystem::file_size(path, unknown);
   COLLINEA_TRY(const std::string start, read_bytes(path, kStart_bytes));
-  if (auto found = size(start); found || start.size() < kStart_bytes) return found;
+  if (auto found = size(start, file_bytes); found || start.size() < kStart_bytes) return found;
   COLLINEA_TRY(const std::string bytes, read_bytes(path));
-  return size(bytes);
+  return size(bytes, file_bytes);
 }
 
 }  // namespace

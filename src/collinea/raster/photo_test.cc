@@ -262,10 +262,55 @@ TEST(Photo, NoDamageMakesAReaderCrash) {
 }
 
 TEST(Photo, AnAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
-  EXPECT_FALSE(check_size(60000, 30000, 1000));
-  EXPECT_FALSE(check_size(4'000'000'000, 4'000'000'000, 1000));
-  EXPECT_FALSE(check_size(0, 5, 1000));
-  EXPECT_TRUE(check_size(10000, 8000, 20'000'000));
+  EXPECT_FALSE(check_size(60000, 30000, 1000, kTiffPxPerByte));
+  EXPECT_FALSE(check_size(4'000'000'000, 4'000'000'000, 1000, kTiffPxPerByte));
+  EXPECT_FALSE(check_size(0, 5, 1000, kTiffPxPerByte));
+  EXPECT_TRUE(check_size(10000, 8000, 20'000'000, kTiffPxPerByte));
+  EXPECT_TRUE(check_size(10000, 8000, 80'000, kJpegPxPerByte));
+  EXPECT_FALSE(check_size(10000, 8000, 79'999, kJpegPxPerByte));
+}
+
+// A small file whose header states another size: refused by whoever decodes it, and by whoever reads only its header.
+void expect_refused(const std::filesystem::path& path, const std::string& bytes) {
+  ASSERT_TRUE(write_bytes(path, bytes));
+  const auto grey = read_grey(path);
+  ASSERT_FALSE(grey);
+  EXPECT_NE(grey.error().message.find("40000 x 20000 pixels cannot be in"), std::string::npos) << grey.error().message;
+  const auto header = read_photo_header(path);
+  ASSERT_FALSE(header);
+  EXPECT_NE(header.error().message.find("40000 x 20000 pixels cannot be in"), std::string::npos)
+      << header.error().message;
+}
+
+TEST(Photo, AnAbsurdSizeInASmallHeaderIsRefusedByAllReaders) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90));
+  std::string jpeg = read_bytes(folder / "a.jpg").value();
+  const std::size_t frame = jpeg.find("\xff\xc0");  // then length, bits, height, width
+  ASSERT_NE(frame, std::string::npos);
+  jpeg.replace(frame + 5, 4, "\x4e\x20\x9c\x40");
+  expect_refused(folder / "b.jpg", jpeg);
+
+  ASSERT_TRUE(write_png(folder / "a.png", picture()));
+  std::string png = read_bytes(folder / "a.png").value();
+  png.replace(16, 8, std::string("\0\0\x9c\x40\0\0\x4e\x20", 8));
+  std::uint32_t crc = ~0u;  // of "IHDR" and its content
+  for (std::size_t i = 12; i < 29; ++i) {
+    crc ^= std::uint8_t(png[i]);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+  }
+  for (std::size_t i = 0; i < 4; ++i) png[29 + i] = char(~crc >> (24 - 8 * i));
+  expect_refused(folder / "b.png", png);
+  for (const std::uint16_t compression : {COMPRESSION_NONE, COMPRESSION_LZW}) {
+    write_tiff(folder / "a.tif", picture(), {8, 3, compression, PHOTOMETRIC_RGB, 2, true});
+    TIFF* tiff = TIFFOpen((folder / "a.tif").c_str(), "r+");
+    ASSERT_TRUE(tiff);
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 40000u);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 20000u);
+    TIFFRewriteDirectory(tiff);
+    TIFFClose(tiff);
+    expect_refused(folder / "a.tif", read_bytes(folder / "a.tif").value());
+  }
 }
 
 // A TIFF of 64 x 64 pixels whose only tile is said to be this large.

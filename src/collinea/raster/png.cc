@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <png.h>
 
+#include <algorithm>
 #include <bit>
 #include <csetjmp>
 #include <cstring>
@@ -63,6 +64,12 @@ bool read_header(PngState& state) {
   return true;
 }
 
+Result<> check_header(const PngState& state, std::uint64_t file_bytes) {
+  const int bits = std::max(1, png_get_bit_depth(state.png, state.info) * png_get_channels(state.png, state.info));
+  return check_size(png_get_image_width(state.png, state.info), png_get_image_height(state.png, state.info), file_bytes,
+                    8 * kDeflateBytesPerByte / std::uint64_t(bits) + 1);
+}
+
 // To 8 or 16 bits (in this machine's byte order), 1 or 3 channels.
 bool simplify(PngState& state) {
   if (setjmp(state.back)) return false;
@@ -117,10 +124,7 @@ Result<Samples> decode_png(const std::string& bytes) {
   PngState state;
   state.input = &bytes;
   if (!read_header(state)) return state.error();
-  const std::uint64_t width = png_get_image_width(state.png, state.info);
-  const std::uint64_t height = png_get_image_height(state.png, state.info);
-  if (const Result<> verdict = check_size(width, height, bytes.size()); !verdict)
-    return tl::unexpected(verdict.error());
+  COLLINEA_TRY(check_header(state, bytes.size()));
   if (!simplify(state)) return state.error();
   Samples samples;
   const bool read = png_get_bit_depth(state.png, state.info) == 16 ? read_raster(state, samples.words)
@@ -129,10 +133,11 @@ Result<Samples> decode_png(const std::string& bytes) {
   return samples;
 }
 
-Result<Size> png_size(const std::string& bytes) {
+Result<Size> png_size(const std::string& bytes, std::uint64_t file_bytes) {
   PngState state;
   state.input = &bytes;
   if (!read_header(state)) return state.error();
+  COLLINEA_TRY(check_header(state, file_bytes));
   return Size{int(png_get_image_width(state.png, state.info)), int(png_get_image_height(state.png, state.info))};
 }
 

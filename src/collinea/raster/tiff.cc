@@ -55,12 +55,17 @@ void paste(Raster<T>& raster, int left, int top, const T* block, int block_width
   }
 }
 
+// Pixels that a byte of the file can stand for: of a file that is not compressed at most those that lie in it.
+std::uint64_t px_per_byte(const Layout& it) {
+  return it.compression == COMPRESSION_NONE ? 8 / std::max(1, std::min(8, it.bits * it.samples)) : kTiffPxPerByte;
+}
+
 // Strips are as wide as the picture and not higher; a tile may be said to be of any size.
-Result<> check_tile(const Layout& it, std::uint64_t file_bytes) {
+Result<> check_layout(const Layout& it, std::uint64_t file_bytes) {
+  COLLINEA_TRY(check_size(it.width, it.height, file_bytes, px_per_byte(it)));
   if (!it.tiled) return {};
-  return check_size(it.tile_width, std::uint64_t(it.tile_height) * it.samples, file_bytes).map_error([](Error error) {
-    return std::move(error).within("a tile");
-  });
+  return check_size(it.tile_width, std::uint64_t(it.tile_height) * it.samples, file_bytes, kTiffPxPerByte)
+      .map_error([](Error error) { return std::move(error).within("a tile"); });
 }
 
 template <class T>
@@ -142,9 +147,7 @@ Result<Samples> read_tiff(const std::filesystem::path& path) {
   TiffFile file(path, "r");
   if (!file.get()) return file.error();
   const Layout it = layout_of(file.get());
-  if (const Result<> verdict = check_size(it.width, it.height, bytes_of(path)); !verdict)
-    return tl::unexpected(verdict.error());
-  if (const Result<> verdict = check_tile(it, bytes_of(path)); !verdict) return tl::unexpected(verdict.error());
+  COLLINEA_TRY(check_layout(it, bytes_of(path)));
   if (!it.plain()) return read_converted(file, it);
   Samples samples;
   const int width = int(it.width), height = int(it.height);
@@ -165,7 +168,7 @@ Result<Size> tiff_size(const std::filesystem::path& path) {
   TiffFile file(path, "r");
   if (!file.get()) return file.error();
   const Layout it = layout_of(file.get());
-  if (it.width == 0 || it.height == 0 || it.width > 1u << 30 || it.height > 1u << 30) return file.error();
+  COLLINEA_TRY(check_layout(it, bytes_of(path)));
   return Size{int(it.width), int(it.height)};
 }
 

@@ -44,7 +44,7 @@ json ground(const AdjustmentReport& report) {
 json cameras(const AdjustmentReport& report) {
   json list = json::array();
   for (const auto& [id, camera] : report.block.cameras) {
-    json one = {{"name", camera.name}, {"model", kCameraModelNames[std::size_t(camera.model)]}};
+    json one = {{"name", camera.name}, {"model", name_of(camera.model)}};
     const auto covariance = report.adjusted.camera_covariance.find(id);
     const bool known = covariance != report.adjusted.camera_covariance.end();
     const auto sigma = [&](int k) { return known ? std::sqrt(covariance->second(k, k)) : 0; };

@@ -39,7 +39,7 @@ std::vector<ProductImage> images_of(const AdjustmentReport& report, const std::v
   const double scale = std::pow(sigma_scale(report.adjusted), 2);
   std::vector<ProductImage> images;
   auto row = rows.begin();
-  for (const auto& [id, pose] : report.block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(report.block)) {
     ProductImage image{id, row->centre_in_map, row->angles, cam_from_world(row->angles).normalized(), unknown(), {},
                        {}};
     if (image.cam_from_map.w() < 0) image.cam_from_map.coeffs() *= -1;
@@ -138,7 +138,7 @@ json cameras_json(const AdjustmentReport& report) {
   json list = json::array();
   for (const auto& [id, camera] : report.block.cameras) {
     json one = {{"name", camera.name},
-                {"model", kCameraModelNames[std::size_t(camera.model)]},
+                {"model", name_of(camera.model)},
                 {"width_px", camera.width_px},
                 {"height_px", camera.height_px}};
     const auto covariance = report.adjusted.camera_covariance.find(id);

@@ -30,14 +30,14 @@ AdjustmentReport report_of_one() {
   block.cameras[{0}].name = "camera";
   block.images[{3}] = {"IMG, \"3\".jpg", CameraId{0}, "", {}, {}, 1};
   const Eigen::Quaterniond attitude = cam_from_world(OmegaPhiKappa{3, -2, 40});
-  block.cam_from_world[{3}] = {attitude, -(attitude * Eigen::Vector3d(20, 30, 80))};
+  set_pose(block, {3}, {attitude, -(attitude * Eigen::Vector3d(20, 30, 80))});
   block.points[{7}].position_in_world = {5, 6, 7};
   block.observations = {{ImageId{3}, PointId{7}, 0, {100, 100}, 1}};
   block.control[{1}] = {"K1", ControlRole::kCheck, {}, {1, 2, 3}, {0.01, 0.01, 0.01}};
   Adjusted& adjusted = report.adjusted;
   adjusted.sigma0 = kSigma0;
   adjusted.redundancy = 10;
-  adjusted.cam_from_world = block.cam_from_world;
+  adjusted.cam_from_world[{3}] = pose_of(block, {3});
   Matrix6d pose = Matrix6d::Zero();
   pose.diagonal() << 1e-6, 4e-6, 9e-6, 4e-4, 1e-4, 9e-4;
   adjusted.pose_covariance[{3}] = pose;
@@ -64,7 +64,7 @@ TEST(AdjustmentProducts, AreInTheCoordinatesAndAlongTheAxesOfTheMap) {
   EXPECT_LT(angle_between(image.cam_from_map, cam_from_world(image.angles)), 1e-12);
   EXPECT_GE(image.cam_from_map.w(), 0);
   const double convergence = std::atan(std::tan(1.5 * 3.14159265 / 180) * std::sin(48.2 * 3.14159265 / 180));
-  EXPECT_NEAR(angle_between(image.cam_from_map, report.block.cam_from_world.at({3}).rotation), convergence, 1e-4);
+  EXPECT_NEAR(angle_between(image.cam_from_map, pose_of(report.block, {3}).rotation), convergence, 1e-4);
   // Turned by it, east gets a little of north.
   const double c = std::cos(convergence), s = std::sin(convergence);
   EXPECT_NEAR(image.covariance_m2(0, 0), kSigma0 * kSigma0 * (c * c * 4e-4 + s * s * 1e-4), 1e-8);

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-void draw_symbol(Svg& svg, const Vector2d& at, const ReportControl* control, const ControlPoint& point) {
+void draw_symbol(Svg& svg, const Vector2d& at, const ControlDifference* control, const ControlPoint& point) {
   const bool unused = !control || control->excluded;
   const bool check = unused ? point.role == ControlRole::kCheck : !control->used;
   if (check) {
@@ -27,7 +27,7 @@ void draw_symbol(Svg& svg, const Vector2d& at, const ReportControl* control, con
 
 double longest_difference(const ReportInput& input) {
   double longest = 0;
-  for (const ReportControl& control : input.control) {
+  for (const ControlDifference& control : input.control) {
     if (control.excluded) continue;
     const auto& d = control.difference_m;
     if (std::isfinite(d.x()) && std::isfinite(d.y())) longest = std::max(longest, d.head<2>().norm());
@@ -40,11 +40,11 @@ double longest_difference(const ReportInput& input) {
 void draw_control(Svg& svg, const MapView& view, const ReportInput& input, const std::string& unit) {
   constexpr double kLongest_px = 48;
   const double longest = longest_difference(input), px_per_unit = longest > 0 ? kLongest_px / longest : 0;
-  std::map<ControlId, const ReportControl*> results;
-  for (const ReportControl& control : input.control) results[control.point] = &control;
+  std::map<ControlId, const ControlDifference*> results;
+  for (const ControlDifference& control : input.control) results[control.point] = &control;
   for (const auto& [id, point] : input.block.control) {
     const auto found = results.find(id);
-    const ReportControl* control = found == results.end() ? nullptr : found->second;
+    const ControlDifference* control = found == results.end() ? nullptr : found->second;
     const Vector2d at = view(point.position_in_world);
     draw_symbol(svg, at, control, point);
     if (!control || control->excluded || px_per_unit == 0) continue;
@@ -74,9 +74,9 @@ void draw_images(Svg& svg, const MapView& view, const ReportInput& input, const 
       svg.polygon(drawn, style);
     }
   for (const auto& [id, image] : input.block.images)
-    if (image.position && !input.block.cam_from_world.contains(id))
+    if (image.position && !is_oriented(input.block, id))
       svg.circle(view(image.position->position_in_world), 3, "lost", image.file);
-  for (const auto& [id, pose] : input.block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(input.block))
     svg.circle(view(centre_of(pose)), count <= 600 ? 2.6 : 1.6, "station", input.block.images.at(id).file);
 }
 
@@ -97,7 +97,7 @@ std::string block_map(const ReportInput& input, const Coverage& coverage, const 
   MapBounds bounds;
   for (const auto& [id, polygon] : coverage.footprints)
     for (const auto& p : polygon) bounds.add(p);
-  for (const auto& [id, pose] : input.block.cam_from_world) bounds.add(centre_of(pose).head<2>());
+  for (const auto& [id, pose] : oriented_images(input.block)) bounds.add(centre_of(pose).head<2>());
   for (const auto& [id, point] : input.block.control) bounds.add(point.position_in_world.head<2>());
   const MapView view = bounds.view(kMapWidth, 660);
   Svg svg(view.width, view.height, "Map of the block");

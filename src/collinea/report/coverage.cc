@@ -105,7 +105,7 @@ void count_image(const Polygon& polygon, Overlap& overlap) {
 Coverage coverage_of(const Block& block) {
   Coverage coverage{median_height(block), {}};
   std::map<ImageId, std::vector<Eigen::Vector2d>> sideways;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     Polygon polygon = corners_on_ground(block.camera_of(id), pose, coverage.ground_height);
     if (polygon.empty())
       sideways[id];
@@ -118,7 +118,7 @@ Coverage coverage_of(const Block& block) {
     if (image != sideways.end() && point != block.points.end())
       image->second.push_back(point->second.position_in_world.head<2>());
   }
-  for (auto& [id, points] : sideways) leave_out_far(points, centre_of(block.cam_from_world.at(id)).head<2>());
+  for (auto& [id, points] : sideways) leave_out_far(points, centre_of(pose_of(block, id)).head<2>());
   for (auto& [id, points] : sideways)
     if (Polygon hull = hull_of(std::move(points)); hull.size() >= 3) coverage.footprints[id] = std::move(hull);
   return coverage;

@@ -97,18 +97,18 @@ std::string dates_text(const Block& block) {
 // Of the middle projection centre over the middle tie point; nothing when the pictures do not look down.
 std::optional<double> flying_height(const Block& block, const Coverage& coverage) {
   std::vector<double> heights;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     if ((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ()).z() > -0.7) continue;
     heights.push_back(centre_of(pose).z() - coverage.ground_height);
   }
-  if (2 * heights.size() <= block.cam_from_world.size()) return std::nullopt;
+  if (2 * heights.size() <= count_oriented(block)) return std::nullopt;
   return median(heights);
 }
 
 std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   const Block& block = input.block;
   std::string html = "<dl class=\"facts\">\n";
-  html += fact("images oriented", fmt::format("{} of {}", block.cam_from_world.size(), block.images.size()));
+  html += fact("images oriented", fmt::format("{} of {}", count_oriented(block), block.images.size()));
   html += fact("tie points", count_text(block.points.size()));
   html += fact("measured image points", count_text(s.residuals.observations));
   html += fact("mean residual", fmt::format("{:.2f} px", s.residuals.mean_px));
@@ -149,7 +149,7 @@ std::string products_pictures(const std::optional<Preview>& heights, const std::
 }
 
 std::string geometry_section(const ReportInput& input, const ReportSummary& s) {
-  if (input.block.cam_from_world.empty()) return "";
+  if (oriented_images(input.block).empty()) return "";
   const char* lost = s.not_oriented.empty() ? "" : ", red circles: images not oriented, where they say they were";
   std::string html = fmt::format(
       "<section><h2>The block from above</h2>\n<figure class=\"map\">{}<figcaption>Dots: projection centres; outlines: "

@@ -16,38 +16,6 @@
 
 namespace collinea {
 
-/// A control or check point after the adjustment. Differences are estimated minus given: east, north, up; NaN =
-/// unknown.
-struct ReportControl {
-  ControlId point;
-  bool used = false;      ///< it took part in the adjustment; false: check point
-  bool excluded = false;  ///< found wrong, it or its image measurements, and left out
-  int rays = 0;           ///< oriented images it was measured in
-  Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  Eigen::Vector3d sigma_m =
-      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< predicted, of the difference
-};
-
-/// The adjusted position of an image minus what its receiver said: east, north, up.
-struct ReportPosition {
-  ImageId image;
-  Eigen::Vector3d difference_m;
-  double weight = 1;  ///< below 1: partly disbelieved by the robust adjustment
-};
-
-/// What was measured on the ground, after the adjustment.
-struct ReportGround {
-  std::uint32_t observation = 0;                            ///< place in Block::ground
-  bool used = false;                                        ///< false: only compared
-  bool excluded = false;                                    ///< it contradicts the others and was left out
-  double adjusted = 0, difference = 0;                      ///< [m] or [rad]; adjusted minus given
-  double sigma = std::numeric_limits<double>::quiet_NaN();  ///< predicted, of the difference
-};
-
-struct ReportSkipped {
-  std::string file, reason;
-};
-
 /// A file that was made for the user.
 struct ReportProduct {
   std::string name;  ///< "Surface model", ...
@@ -66,19 +34,19 @@ struct ReportInput {
   std::map<CameraId, std::array<double, Camera::kAllParams>>
       camera_sigma;                                   ///< of Camera::params; 0 or NaN: held or unknown
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up
-  std::vector<ReportControl> control;
-  std::vector<ReportPosition> positions;
-  std::vector<ReportGround> ground;
+  std::vector<ControlDifference> control;
+  std::vector<PositionDifference> positions;
+  std::vector<GroundDifference> ground;
   double sigma0 = std::numeric_limits<double>::quiet_NaN();
   long redundancy = 0;
-  bool georeferenced = false;          ///< false: a local frame
-  bool metric = false;                 ///< false: lengths are in units of the model, not metres
-  std::string crs_name;                ///< "WGS 84 / UTM zone 33N"
-  std::string height_reference;        ///< what heights refer to: "above the WGS 84 ellipsoid"; empty: the CRS says it
-  std::string gauge;                   ///< what fixes place, attitude and scale, in words
-  std::optional<double> gsd_m;         ///< ground size of a pixel
-  std::vector<ReportSkipped> skipped;  ///< photographs that are not in the block, and why
-  std::vector<std::string> findings;   ///< what the user should know
+  bool georeferenced = false;         ///< false: a local frame
+  bool metric = false;                ///< false: lengths are in units of the model, not metres
+  std::string crs_name;               ///< "WGS 84 / UTM zone 33N"
+  std::string height_reference;       ///< what heights refer to: "above the WGS 84 ellipsoid"; empty: the CRS says it
+  std::string gauge;                  ///< what fixes place, attitude and scale, in words
+  std::optional<double> gsd_m;        ///< ground size of a pixel
+  std::vector<SkippedImage> skipped;  ///< photographs that are not in the block, and why
+  std::vector<std::string> findings;  ///< what the user should know
   std::vector<StepRecord> steps;
   std::vector<ReportProduct> products;
   std::filesystem::path dsm, ortho;                           ///< GeoTIFFs to show; empty: none

@@ -4,6 +4,7 @@
 #include "collinea/block/ground_words.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/json_values.h"
+#include "collinea/report/step_figures.h"
 
 namespace collinea {
 namespace {
@@ -27,11 +28,11 @@ json cameras(const ReportInput& input) {
     json entry = {{"name", camera.name},
                   {"width_px", camera.width_px},
                   {"height_px", camera.height_px},
-                  {"source", camera.source},
-                  {"calibrated", camera.calibrate}};
+                  {"source", camera.prior.source_name()},
+                  {"calibrated", camera.prior.calibrate}};
     const auto first = input.first_cameras.find(id);
     const auto sigma = input.camera_sigma.find(id);
-    if (camera.model != CameraModel::kBrown) entry["model"] = kCameraModelNames[std::size_t(camera.model)];
+    if (!is<Brown>(camera.model)) entry["model"] = name_of(camera.model);
     if (camera.additional != AdditionalSet::kNone)
       entry["additional"] = kAdditionalNames[std::size_t(camera.additional)];
     for (const int param : params_of(camera)) {
@@ -47,15 +48,15 @@ json cameras(const ReportInput& input) {
 }
 
 json images(const ReportInput& input, const ReportSummary& summary) {
-  std::map<ImageId, const ReportPosition*> positions;
-  for (const ReportPosition& position : input.positions) positions[position.image] = &position;
+  std::map<ImageId, const PositionDifference*> positions;
+  for (const PositionDifference& position : input.positions) positions[position.image] = &position;
   json list = json::array();
   for (const ImageResiduals& residuals : summary.residuals.images) {
     const ImageId id = residuals.image;
     json entry = {{"file", input.block.images.at(id).file},
                   {"observations", residuals.observations},
                   {"rms_px", number(residuals.rms_px)},
-                  {"centre_in_world", vector(centre_of(input.block.cam_from_world.at(id)))}};
+                  {"centre_in_world", vector(centre_of(pose_of(input.block, id)))}};
     if (const auto sigma = input.centre_sigma_m.find(id); sigma != input.centre_sigma_m.end())
       entry["centre_sigma_m"] = vector(sigma->second);
     if (const auto position = positions.find(id); position != positions.end()) {
@@ -69,21 +70,21 @@ json images(const ReportInput& input, const ReportSummary& summary) {
 
 json control(const ReportInput& input) {
   json list = json::array();
-  for (const ReportControl& control : input.control)
+  for (const ControlDifference& control : input.control)
     list.push_back({{"name", input.block.control.at(control.point).name},
                     {"role", control.excluded ? "excluded"
                              : control.used   ? "control"
                                               : "check"},
                     {"images", control.rays},
                     {"difference_m", vector(control.difference_m)},
-                    {"sigma_m", vector(control.sigma_m)},
+                    {"sigma_m", vector(control.difference_sigma_m)},
                     {"rms_px", number(control_rms_px(input.block, control))}});
   return list;
 }
 
 json ground(const ReportInput& input) {
   json list = json::array();
-  for (const ReportGround& one : input.ground) {
+  for (const GroundDifference& one : input.ground) {
     const GroundObservation& measured = input.block.ground.at(one.observation);
     list.push_back({{"measurement", words_of(measured, input.block)},
                     {"role", one.excluded ? "excluded"
@@ -94,7 +95,7 @@ json ground(const ReportInput& input) {
                     {"sigma_given", measured.sigma},
                     {"adjusted", number(one.adjusted)},
                     {"difference", number(one.difference)},
-                    {"sigma", number(one.sigma)}});
+                    {"sigma", number(one.difference_sigma)}});
   }
   return list;
 }
@@ -108,20 +109,18 @@ json pairs(const std::vector<std::pair<std::string, std::string>>& list) {
 json steps(const ReportInput& input) {
   json list = json::array();
   for (const StepRecord& step : input.steps) {
-    json figures = json::parse(step.report_json, nullptr, false);
-    if (figures.is_discarded()) figures = nullptr;
-    list.push_back({{"name", step.name},
+    list.push_back({{"name", step.name()},
                     {"seconds", number(step.seconds)},
                     {"cpu_seconds", number(step.cpu_seconds)},
                     {"peak_memory_bytes", number(step.peak_memory_bytes)},
-                    {"figures", figures}});
+                    {"figures", figures_of(step.outcome, input.block)}});
   }
   return list;
 }
 
 json left_out(const ReportInput& input, const ReportSummary& summary) {
   json list = json::array();
-  for (const ReportSkipped& skipped : input.skipped)
+  for (const SkippedImage& skipped : input.skipped)
     list.push_back({{"file", skipped.file}, {"reason", skipped.reason}});
   for (const ImageId id : summary.not_oriented)
     list.push_back({{"file", input.block.images.at(id).file}, {"reason", "not oriented"}});
@@ -156,7 +155,7 @@ std::string report_json(const ReportInput& input, const ReportSummary& s) {
                        {"gauge", input.gauge},
                        {"length_unit", s.unit},
                        {"images", input.block.images.size()},
-                       {"oriented", input.block.cam_from_world.size()},
+                       {"oriented", count_oriented(input.block)},
                        {"tie_points", input.block.points.size()},
                        {"sigma0", number(input.sigma0)},
                        {"redundancy", input.redundancy},

@@ -55,11 +55,14 @@ TEST_F(ReportTest, PageAndJsonTellTheSameFigures) {
   EXPECT_EQ(json["left_out"].size(), 3u);
   EXPECT_EQ(json["check_rmse_m"]["points"], 4);
   double squares = 0;
-  for (const ReportControl& control : input.control)
+  for (const ControlDifference& control : input.control)
     if (!control.used) squares += control.difference_m.x() * control.difference_m.x();
   EXPECT_NEAR(json["check_rmse_m"]["east"], std::sqrt(squares / 4), 1e-12);
   EXPECT_EQ(json["steps"][0]["figures"]["images"], 40);
-  EXPECT_TRUE(json["steps"][2]["figures"].is_null());
+  EXPECT_EQ(json["steps"][1]["name"], "detect");
+  EXPECT_EQ(json["steps"][2]["figures"]["oriented"], 39);
+  EXPECT_TRUE(json["steps"][2]["figures"]["gsd_m"].is_null());
+  EXPECT_EQ(json["steps"][3]["figures"].dump(), R"({"skipped_because":"the images look up"})");
   const std::string html = page();
   EXPECT_TRUE(contains(html, "17 of 18"));
   EXPECT_TRUE(contains(html, json["statement"].get<std::string>()));
@@ -98,7 +101,7 @@ TEST_F(ReportTest, AnEmptyProjectStillHasAReport) {
 
 TEST_F(ReportTest, WithoutCheckPointsNothingIsSaidToBeVerified) {
   ReportInput input = report_of_test_flight(2, 4, 100);
-  for (ReportControl& control : input.control) control.used = true;
+  for (ControlDifference& control : input.control) control.used = true;
   EXPECT_TRUE(contains(summary_of(input).statement, "not verified independently"));
   input.control.clear();
   EXPECT_TRUE(contains(summary_of(input).statement, "positions of the cameras alone"));
@@ -110,7 +113,7 @@ TEST_F(ReportTest, WithoutCheckPointsNothingIsSaidToBeVerified) {
 
 TEST_F(ReportTest, ControlThatWasFoundWrongIsListedAndCounted) {
   ReportInput input = report_of_test_flight(2, 4, 100);
-  ReportControl& wrong = input.control.front();
+  ControlDifference& wrong = input.control.front();
   wrong.excluded = true;
   wrong.used = false;
   wrong.rays = 0;
@@ -182,7 +185,7 @@ TEST(ResidualStatistics, AShiftShowsInTheGridWithItsSign) {
 
 TEST(ControlRms, AxesThatWereNotSurveyedDoNotCount) {
   ReportInput input = report_of_test_flight(2, 4, 50);
-  for (ReportControl& control : input.control) control.difference_m.z() = std::nan("");
+  for (ControlDifference& control : input.control) control.difference_m.z() = std::nan("");
   const AxisRms rms = control_rms(input, true);
   EXPECT_TRUE(rms.axis_m[0] && rms.axis_m[1]);
   EXPECT_FALSE(rms.axis_m[2]);
@@ -192,7 +195,7 @@ TEST(ControlRms, AxesThatWereNotSurveyedDoNotCount) {
 
 TEST(ControlRms, ImageResidualsReferToTheEstimatedPosition) {
   ReportInput input = report_of_test_flight(3, 6, 50);
-  ReportControl control = input.control[4];
+  ControlDifference control = input.control[4];
   control.difference_m.setZero();  // the image points were made from the surveyed position
   const double expected = 0.3 * std::sqrt(2.0);
   EXPECT_NEAR(control_rms_px(input.block, control), expected, 4 * expected / std::sqrt(4.0 * control.rays));
@@ -205,7 +208,7 @@ TEST(Coverage, ANadirFootprintIsThePictureTimesTheScale) {
   block.cameras[{0}] = ideal_camera(1000, 800, 600);
   block.images[{0}].camera = {0};
   const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{0, 0, 0});
-  block.cam_from_world[{0}] = {rotation, -(rotation * Eigen::Vector3d(10, 20, 105))};
+  set_pose(block, {0}, {rotation, -(rotation * Eigen::Vector3d(10, 20, 105))});
   block.points[{0}] = {{0, 0, 5}, {}};
   const Coverage coverage = coverage_of(block);
   EXPECT_EQ(coverage.ground_height, 5);
@@ -224,7 +227,7 @@ TEST(Coverage, AnImageThatLooksSidewaysCoversItsTiePoints) {
   Block block;
   block.cameras[{0}] = ideal_camera(1000, 800, 600);
   block.images[{0}].camera = {0};
-  block.cam_from_world[{0}] = {cam_from_world(OmegaPhiKappa{90, 0, 0}), Eigen::Vector3d::Zero()};
+  set_pose(block, {0}, {cam_from_world(OmegaPhiKappa{90, 0, 0}), Eigen::Vector3d::Zero()});
   const std::vector<Eigen::Vector2d> corners = {{0, 10}, {6, 10}, {6, 14},
                                                 {0, 14}, {3, 12}, {0, 90}};  // the last: far behind
   for (std::uint32_t i = 0; i < corners.size(); ++i) {

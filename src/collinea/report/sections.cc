@@ -33,14 +33,14 @@ int decimals_of(const AxisRms& rms, const std::string& unit) {
   return unit == "m" ? decimals_for(smallest) : std::clamp(2 - int(std::floor(std::log10(smallest))), 3, 7);
 }
 
-std::string control_row(const ReportInput& input, const ReportControl& control, int decimals, bool with_sigma) {
+std::string control_row(const ReportInput& input, const ControlDifference& control, int decimals, bool with_sigma) {
   const ControlPoint& point = input.block.control.at(control.point);
   const char* role = control.excluded ? "not used" : control.used ? "control" : "check";
   std::string row = control.excluded ? "<tr class=\"out\">" : "<tr>";
   row += text_cell(point.name) + text_cell(role) + fmt::format("<td>{}</td>", control.rays);
-  for (int i = 0; i < 3; ++i) row += difference_cell(control.difference_m[i], control.sigma_m[i], decimals);
+  for (int i = 0; i < 3; ++i) row += difference_cell(control.difference_m[i], control.difference_sigma_m[i], decimals);
   row += cell(control.difference_m.norm(), decimals);
-  for (int i = 0; with_sigma && i < 3; ++i) row += cell(control.sigma_m[i], decimals);
+  for (int i = 0; with_sigma && i < 3; ++i) row += cell(control.difference_sigma_m[i], decimals);
   return row + cell(control_rms_px(input.block, control), 2) + "</tr>\n";
 }
 
@@ -85,7 +85,7 @@ double field_of_view_deg(const Camera& camera) {
 
 std::string words_of_model(const Camera& camera) {
   std::string words;
-  if (is_fisheye(camera.model)) words = "fisheye (" + std::string(kCameraModelNames[std::size_t(camera.model)]) + "), ";
+  if (is_fisheye(camera.model)) words = "fisheye (" + std::string(name_of(camera.model)) + "), ";
   if (camera.additional != AdditionalSet::kNone)
     words += fmt::format("{} additional parameters ({}), ", count_of(camera.additional),
                          kAdditionalNames[std::size_t(camera.additional)]);
@@ -96,14 +96,14 @@ std::string words_of_model(const Camera& camera) {
 std::string one_camera(const ReportInput& input, const ReportSummary& summary, CameraId id) {
   const Camera& camera = input.block.cameras.at(id);
   std::size_t images = 0;
-  for (const auto& [image, pose] : input.block.cam_from_world) images += input.block.images.at(image).camera == id;
+  for (const auto& [image, pose] : oriented_images(input.block)) images += input.block.images.at(image).camera == id;
   std::string html = fmt::format(
       "<h3>{}</h3><p>{}{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
       "{}.{}</p>\n",
       escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), words_of_model(camera),
       camera.width_px, camera.height_px, images, images == 1 ? "" : "s", field_of_view_deg(camera),
-      escaped(camera.source.empty() ? "unknown" : camera.source),
-      camera.calibrate ? "" : " All parameters were given and held.");
+      escaped(camera.prior.source == Provenance::kUnknown ? "unknown" : camera.prior.source_name()),
+      camera.prior.calibrate ? "" : " All parameters were given and held.");
   html +=
       "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th "
       "class=\"l\">unit</th><th>before</th><th>adjusted</th>"
@@ -142,8 +142,8 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
   if (input.control.empty()) return "";
   AxisRms smallest = summary.check.points ? summary.check : summary.control;
   const int decimals = decimals_of(smallest, summary.unit);
-  const bool with_sigma = std::any_of(input.control.begin(), input.control.end(), [](const ReportControl& control) {
-    return control.sigma_m.array().isFinite().any();
+  const bool with_sigma = std::any_of(input.control.begin(), input.control.end(), [](const ControlDifference& control) {
+    return control.difference_sigma_m.array().isFinite().any();
   });
   std::string html =
       "<section><h2>Control and check points</h2>\n<p>Differences are estimated minus surveyed. Check points took no "
@@ -158,7 +158,7 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
       with_sigma ? fmt::format("<th>&sigma; east</th><th>&sigma; north</th><th>&sigma; height [{}]</th>", summary.unit)
                  : "");
   for (const bool used : {false, true})
-    for (const ReportControl& control : input.control)
+    for (const ControlDifference& control : input.control)
       if (control.used == used) html += control_row(input, control, decimals, with_sigma);
   html += rms_row(summary.check, "RMS check", "point", decimals, 2, with_sigma ? 4 : 1);
   html += rms_row(summary.control, "RMS control", "point", decimals, 2, with_sigma ? 4 : 1);
@@ -172,7 +172,7 @@ std::string ground_section(const ReportInput& input) {
       "times the predicted standard deviation.</p>\n<table><thead><tr><th class=\"l\">measurement</th><th "
       "class=\"l\">role</th><th class=\"l\">unit</th><th>given</th><th>&sigma; given</th><th>adjusted</th>"
       "<th>difference</th><th>&sigma; predicted</th></tr></thead><tbody>\n";
-  for (const ReportGround& one : input.ground) {
+  for (const GroundDifference& one : input.ground) {
     const GroundObservation& measured = input.block.ground.at(one.observation);
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     const int decimals = measured.is_angle() ? 5 : 4;
@@ -183,8 +183,8 @@ std::string ground_section(const ReportInput& input) {
                                    : "check") +
             text_cell(measured.is_angle() ? "deg" : "m") + cell(unit * measured.value, decimals) +
             cell(unit * measured.sigma, decimals) + cell(unit * one.adjusted, decimals) +
-            difference_cell(unit * one.difference, unit * one.sigma, decimals) + cell(unit * one.sigma, decimals) +
-            "</tr>\n";
+            difference_cell(unit * one.difference, unit * one.difference_sigma, decimals) +
+            cell(unit * one.difference_sigma, decimals) + "</tr>\n";
   }
   return html + "</tbody></table></section>\n";
 }
@@ -225,8 +225,8 @@ std::string image_section(const ReportInput& input, const ReportSummary& summary
                        kMostImageRows, images.size());
     images.resize(kMostImageRows);
   }
-  std::map<ImageId, const ReportPosition*> positions;
-  for (const ReportPosition& position : input.positions) positions[position.image] = &position;
+  std::map<ImageId, const PositionDifference*> positions;
+  for (const PositionDifference& position : input.positions) positions[position.image] = &position;
   const bool with_sigma = !input.centre_sigma_m.empty(), with_positions = !positions.empty();
   std::string html = "<section><h2>Images</h2>\n" + note;
   html += "<table><thead><tr><th class=\"l\">image</th><th>tie points</th><th>RMS [px]</th><th></th>";
@@ -261,7 +261,7 @@ std::string left_out_section(const ReportInput& input, const ReportSummary& summ
   std::string html =
       "<section><h2>Images left out</h2>\n<table><thead><tr><th class=\"l\">file</th><th "
       "class=\"l\">why</th></tr></thead><tbody>\n";
-  for (const ReportSkipped& skipped : input.skipped)
+  for (const SkippedImage& skipped : input.skipped)
     html += "<tr>" + text_cell(skipped.file, "l w") + text_cell(skipped.reason, "l w") + "</tr>\n";
   for (const ImageId id : summary.not_oriented)
     html += "<tr>" + text_cell(input.block.images.at(id).file, "l w") +
@@ -290,7 +290,7 @@ std::string process_section(const ReportInput& input) {
               cell(s > 0 ? c / s : std::nan(""), 1) + fmt::format("<td>{}</td></tr>\n", bytes_text(m));
     };
     for (const StepRecord& step : input.steps) {
-      row(step.name, step.seconds, step.cpu_seconds, step.peak_memory_bytes, "");
+      row(step.name(), step.seconds, step.cpu_seconds, step.peak_memory_bytes, "");
       seconds += step.seconds;
       cpu += step.cpu_seconds;
       memory = std::max(memory, step.peak_memory_bytes);

@@ -87,7 +87,7 @@ AxisRms rms_of(std::span<const Eigen::Vector3d> differences_m) {
 
 AxisRms control_rms(const ReportInput& input, bool used) {
   std::vector<Eigen::Vector3d> differences;
-  for (const ReportControl& control : input.control) {
+  for (const ControlDifference& control : input.control) {
     if (control.used != used || control.excluded) continue;
     differences.push_back(control.difference_m);  // NaN on axes that were not surveyed
   }
@@ -96,7 +96,7 @@ AxisRms control_rms(const ReportInput& input, bool used) {
 
 AxisRms position_rms(const ReportInput& input) {
   std::vector<Eigen::Vector3d> differences;
-  for (const ReportPosition& position : input.positions) differences.push_back(position.difference_m);
+  for (const PositionDifference& position : input.positions) differences.push_back(position.difference_m);
   return rms_of(differences);
 }
 
@@ -104,7 +104,7 @@ ResidualStatistics residual_statistics(const Block& block) {
   ResidualStatistics statistics;
   std::map<ImageId, ImageResiduals> images;
   std::map<CameraId, ResidualGrid> grids;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     images[id].image = id;
     const CameraId camera = block.images.at(id).camera;
     if (!grids.contains(camera)) grids.emplace(camera, empty_grid(camera, block.cameras.at(camera)));
@@ -113,11 +113,11 @@ ResidualStatistics residual_statistics(const Block& block) {
   coordinates.reserve(2 * block.observations.size());
   double lengths = 0, squares = 0;
   for (const Observation& o : block.observations) {
-    const auto pose = block.cam_from_world.find(o.image);
+    const std::optional<Rigid3> pose = find_pose(block, o.image);
     const auto point = block.points.find(o.point);
-    if (pose == block.cam_from_world.end() || point == block.points.end()) continue;
+    if (!pose || point == block.points.end()) continue;
     const Camera& camera = block.camera_of(o.image);
-    const auto pixel = project(camera, pose->second * point->second.position_in_world);
+    const auto pixel = project(camera, *pose * point->second.position_in_world);
     if (!pixel) continue;
     const Eigen::Vector2d residual = o.pixel - *pixel;
     for (int i = 0; i < 2; ++i) coordinates.push_back(float(residual[i]));
@@ -148,15 +148,15 @@ ResidualStatistics residual_statistics(const Block& block) {
   return statistics;
 }
 
-double control_rms_px(const Block& block, const ReportControl& control) {
+double control_rms_px(const Block& block, const ControlDifference& control) {
   if (!control.difference_m.allFinite()) return std::nan("");
   const Eigen::Vector3d estimated = block.control.at(control.point).position_in_world + control.difference_m;
   double squares = 0;
   int count = 0;
   for (const ControlObservation& o : block.control_observations) {
-    const auto pose = block.cam_from_world.find(o.image);
-    if (o.point != control.point || pose == block.cam_from_world.end()) continue;
-    const auto pixel = project(block.camera_of(o.image), pose->second * estimated);
+    const std::optional<Rigid3> pose = find_pose(block, o.image);
+    if (o.point != control.point || !pose) continue;
+    const auto pixel = project(block.camera_of(o.image), *pose * estimated);
     if (!pixel) continue;
     squares += (*pixel - o.pixel).squaredNorm();
     ++count;

@@ -53,6 +53,6 @@ struct ResidualStatistics {
 [[nodiscard]] ResidualStatistics residual_statistics(const Block& block);
 
 /// Root mean square of the image residuals of a control point at its estimated position [px]; NaN: unknown.
-[[nodiscard]] double control_rms_px(const Block& block, const ReportControl& control);
+[[nodiscard]] double control_rms_px(const Block& block, const ControlDifference& control);
 
 }  // namespace collinea

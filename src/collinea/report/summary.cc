@@ -44,7 +44,7 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
     return fmt::format(
         "The block has no place on Earth; its scale comes from {} measurement{} on the ground. Nothing independent "
         "verifies the accuracy: measure a distance that is only compared (role check).",
-        std::count_if(input.ground.begin(), input.ground.end(), [](const ReportGround& one) { return one.used; }),
+        std::count_if(input.ground.begin(), input.ground.end(), [](const GroundDifference& one) { return one.used; }),
         input.ground.size() == 1 ? "" : "s");
   if (!input.georeferenced)
     return "The block has neither place nor scale on Earth: lengths are in units of the model. Add control points, "
@@ -65,9 +65,9 @@ void add_cautions(const ReportInput& input, ReportSummary& s) {
     s.cautions.push_back(fmt::format("{} of {} images could not be oriented: see the list of images left out.",
                                      s.not_oriented.size(), input.block.images.size()));
   int beyond = 0;
-  for (const ReportControl& control : input.control)
+  for (const ControlDifference& control : input.control)
     for (int i = 0; i < 3 && !control.excluded; ++i)
-      beyond += std::abs(control.difference_m[i]) > 3 * control.sigma_m[i];
+      beyond += std::abs(control.difference_m[i]) > 3 * control.difference_sigma_m[i];
   if (beyond > 0)
     s.cautions.push_back(
         fmt::format("{} difference{} at control or check points exceed{} three times the predicted standard deviation.",
@@ -77,7 +77,7 @@ void add_cautions(const ReportInput& input, ReportSummary& s) {
 // Left out already because it could not be read: it is told with that reason.
 bool skipped(const ReportInput& input, const std::string& file) {
   return std::any_of(input.skipped.begin(), input.skipped.end(),
-                     [&](const ReportSkipped& photo) { return photo.file == file; });
+                     [&](const SkippedImage& photo) { return photo.file == file; });
 }
 
 }  // namespace
@@ -98,12 +98,12 @@ ReportSummary summary_of(const ReportInput& input) {
   s.check = control_rms(input, false);
   s.control = control_rms(input, true);
   s.position = position_rms(input);
-  for (const ReportControl& control : input.control) {
+  for (const ControlDifference& control : input.control) {
     if (control.rays == 0 && !control.excluded) continue;
     ++(control.excluded ? s.excluded_points : control.used ? s.control_points : s.check_points);
   }
   for (const auto& [id, image] : input.block.images)
-    if (!input.block.cam_from_world.contains(id) && !skipped(input, image.file)) s.not_oriented.push_back(id);
+    if (!is_oriented(input.block, id) && !skipped(input, image.file)) s.not_oriented.push_back(id);
   s.statement = statement_of(input, s);
   add_cautions(input, s);
   return s;

@@ -15,7 +15,7 @@ inline double ground(double x, double y) { return 4 * std::sin(x / 60) + 0.02 * 
 
 template <class Take>
 void see(const Block& block, const Eigen::Vector3d& point, Take&& take) {
-  for (const auto& [image, pose] : block.cam_from_world) {
+  for (const auto& [image, pose] : oriented_images(block)) {
     const auto pixel = project(block.cameras.at({0}), pose * point);
     if (pixel && inside(block.cameras.at({0}), *pixel)) take(image, *pixel);
   }
@@ -28,7 +28,7 @@ inline Eigen::Vector2d noisy(const Eigen::Vector2d& pixel, Random& random) {
 inline void add_camera(ReportInput& input) {
   Camera camera = ideal_camera(3650, 4000, 3000);
   camera.name = "DJI FC6310 0123";
-  camera.source = "EXIF";
+  camera.prior.source = Provenance::kExif35mm;
   input.first_cameras[{0}] = camera;
   camera.params = {3661.4, 2004.1, 1490.7, -0.0123, 0.0061, -0.002, 0.0004, -0.0003, 0, 0};
   input.block.cameras[{0}] = camera;
@@ -48,7 +48,7 @@ inline void add_images(int strips, int per_strip, Random& random, ReportInput& i
       image.position = PositionPrior{centre, {2, 2, 4}, 45, 15, 160};
       input.block.images[{id}] = image;
       if (s == strips - 1 && i == per_strip - 1) continue;  // one image is lost
-      input.block.cam_from_world[{id}] = {rotation, -(rotation * centre)};
+      set_pose(input.block, {id}, {rotation, -(rotation * centre)});
       input.centre_sigma_m[{id}] = Eigen::Vector3d(0.011, 0.012, 0.02);
       input.positions.push_back({{id}, Eigen::Vector3d(random.normal(), random.normal(), 3 * random.normal()), 1});
     }
@@ -83,12 +83,12 @@ inline void add_control(double width, double height, Random& random, ReportInput
                        {x, y, ground(x, y)},
                        {0.01, 0.01, 0.015}};
     input.block.control[{c}] = point;
-    ReportControl result;
+    ControlDifference result;
     result.point = {c};
     result.used = !check;
     result.difference_m =
         (check ? 0.03 : 0.02) * Eigen::Vector3d(random.normal(), random.normal(), 1.5 * random.normal());
-    result.sigma_m = Eigen::Vector3d(0.02, 0.02, 0.03);
+    result.difference_sigma_m = Eigen::Vector3d(0.02, 0.02, 0.03);
     see(input.block, point.position_in_world, [&](ImageId image, const Eigen::Vector2d& pixel) {
       input.block.control_observations.push_back({{c}, image, noisy(pixel, random), 0.5});
       ++result.rays;
@@ -101,9 +101,10 @@ inline void add_words(ReportInput& input) {
   input.skipped = {{"100MEDIA/DJI_0999.JPG", "truncated: ends after 12 % of its rows"},
                    {"notes.txt", "not a photograph"}};
   input.findings = {"Control point P3 lies 0.4 m outside the images' footprints."};
-  input.steps = {{"import", "a", "b", 0.8, 1.2, 9e7, R"({"images": 40})"},
-                 {"detect", "b", "c", 31.2, 60.1, 8e8, "{}"},
-                 {"orient", "c", "d", 12.5, 20.4, 6e8, "not json"}};
+  input.steps = {{"a", "b", 0.8, 1.2, 9e7, ImportRecord{.images = 40}},
+                 {"b", "c", 31.2, 60.1, 8e8, DetectRecord{.images = 40, .features = 1000}},
+                 {"c", "d", 12.5, 20.4, 6e8, OrientationRecord{.oriented = 39, .pixel_size = 0.5}},
+                 {"d", "e", 1.5, 2.4, 1e8, SurfaceRecord{.skipped_because = "the images look up"}}};
   input.products = {{"Surface model", "products/dsm.tif", 12'345'678, "cells of 3.0 cm, 4021 x 3877"},
                     {"Point cloud", "products/cloud.las", 1'412'345'678, "34.4 million points, LAS 1.4"}};
   input.options = {{"orient.calibration", "brown"}, {"seed", "1"}};

@@ -5,7 +5,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <span>
 
 #include "collinea/base/file.h"
@@ -17,15 +16,12 @@
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
 #include "collinea/project/depth_folder.h"
-#include "collinea/project/json_text.h"
 #include "collinea/project/places.h"
 #include "collinea/raster/photo.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
 namespace {
-
-using nlohmann::json;
 
 using MakeMap = std::function<Result<DepthMap>(ImageId image, const Run& run)>;
 
@@ -61,9 +57,9 @@ Result<std::map<ImageId, std::string>> make_maps(const Project& project, const s
 // Overviews of all images first, then depth maps. Returns the images that have one.
 Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
                                        WorkingPictures& pictures, DepthFolder& overviews, DepthFolder& folder,
-                                       json& left_out) {
+                                       std::vector<SkippedImage>& left_out) {
   std::vector<ImageId> images;
-  for (const auto& [image, pose] : block.cam_from_world) images.push_back(image);
+  for (const auto& [image, pose] : oriented_images(block)) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
   SharedRoom costs = room_for_costs(options, project.run.threads);
   const auto overviewed = make_maps(
@@ -74,8 +70,7 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
                make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
                  return depth_map(block, image, ties, pictures, costs, &overviews, options, run);
                }));
-  for (const auto& [image, why] : without)
-    left_out.push_back({{"file", block.images.at(image).file}, {"reason", "no depth map: " + why}});
+  for (const auto& [image, why] : without) left_out.push_back({block.images.at(image).file, "no depth map: " + why});
   std::erase_if(images, [&](ImageId image) { return without.contains(image); });
   return images;
 }
@@ -174,9 +169,9 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
                DepthFolder::open(project.folder / "depth" / "overview", made_from, block, pictures));
   Extent of_ties;
   COLLINEA_TRY(const TieView ties, read_ties(project, block, places, of_ties));
-  json report = {{"skipped", json::array()}};
+  DensifyRecord record;
   COLLINEA_TRY(const std::vector<ImageId> images,
-               match_all(project, block, ties, pictures, overviews, folder, report["skipped"]));
+               match_all(project, block, ties, pictures, overviews, folder, record.skipped));
   pictures.clear();
   give_back_freed_memory();
 
@@ -187,10 +182,9 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
                                            [&](std::span<const FusedPoint> points) { return cloud.write(points); },
                                            project.settings.densify, project.run));
   COLLINEA_TRY(cloud.finish());
-  report["depth_maps"] = images.size();
-  report["points"] = fused.points;
-  return StepOutput{inputs_hash, json_text(report),
-                    fmt::format("{} depth maps, {} points", images.size(), fused.points)};
+  record.depth_maps = images.size();
+  record.points = std::uint64_t(fused.points);
+  return StepOutput{inputs_hash, record};
 }
 
 }  // namespace collinea

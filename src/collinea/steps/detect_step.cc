@@ -2,12 +2,10 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <nlohmann/json.hpp>
 
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/import/reason.h"
-#include "collinea/project/json_text.h"
 #include "collinea/raster/photo.h"
 #include "collinea/steps/step.h"
 
@@ -102,23 +100,20 @@ Result<StepOutput> detect_step(Project& project, const std::string&) {
   if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
 
   Hash output;
-  nlohmann::json report = {{"skipped", nlohmann::json::array()}};
-  std::size_t total = 0, usable = 0;
+  DetectRecord record;
   for (std::size_t i = 0; i < images.size(); ++i) {
     const Outcome& outcome = outcomes[i];
     if (!outcome.stored) return tl::unexpected(outcome.stored.error());
     output.add(outcome.hash);
-    total += outcome.features;
-    usable += !outcome.hash.empty();
+    record.features += outcome.features;
+    record.images += !outcome.hash.empty();
     if (!outcome.reason.empty()) {
-      report["skipped"].push_back({{"file", images[i].second->file}, {"reason", outcome.reason}});
+      record.skipped.push_back({images[i].second->file, outcome.reason});
       project.run.say(fmt::format("skipped {}: {}", images[i].second->file, outcome.reason));
     }
   }
-  if (usable < 2) return fail(Errc::kBadInput, "fewer than two photographs could be read");
-  report["images"] = usable;
-  report["features"] = total;
-  return StepOutput{output.hex(), json_text(report), fmt::format("{} features in {} images", total, usable)};
+  if (record.images < 2) return fail(Errc::kBadInput, "fewer than two photographs could be read");
+  return StepOutput{output.hex(), record};
 }
 
 }  // namespace collinea

@@ -11,6 +11,7 @@
 #include "collinea/base/memory.h"
 #include "collinea/project/cost.h"
 #include "collinea/project/given_orientation.h"
+#include "collinea/report/step_words.h"
 
 namespace collinea {
 namespace {
@@ -83,31 +84,33 @@ Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
   return hash.hex();
 }
 
-// A step that finds nothing to make says why, and leaves no product.
-bool made_nothing(const std::string& report_json) {
-  return report_json.find("\"skipped_because\"") != std::string::npos;
-}
-
 fs::path product_path(const Project& project, const char* product) {
   return product == std::string_view(kCloud) ? project.cloud() : project.folder / product;
 }
 
 bool products_exist(const Project& project, const Step& step, const StepRecord& record) {
-  if (made_nothing(record.report_json)) return true;
+  if (skipped_because(record.outcome)) return true;  // it left no product
   for (const char* product : step.products)
     if (!is_there(product_path(project, product))) return false;
   return true;
 }
 
+// What is recorded of the step. What another version of the program recorded counts as not done.
+Result<std::optional<StepRecord>> earlier_record(Project& project, const Step& step) {
+  auto before = project.store.read_step(step.name);
+  if (before || before.error().code != Errc::kUnsupported) return before;
+  COLLINEA_TRY(project.store.erase_step(step.name));
+  return std::nullopt;
+}
+
 Result<> do_step(Project& project, const Step& step) {
   COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
-  COLLINEA_TRY(const auto before, project.store.read_step(step.name));
+  COLLINEA_TRY(const auto before, earlier_record(project, step));
   if (before && before->inputs_hash == inputs_hash && products_exist(project, step, *before)) {
     project.run.say(fmt::format("{:<8} up to date", step.name));
     return {};
   }
-  if (before)
-    COLLINEA_TRY(project.store.erase_step(step.name));
+  if (before) COLLINEA_TRY(project.store.erase_step(step.name));
   give_back_freed_memory();  // of the steps before
   const CostMeter cost;
   project.run.report(step.name, 0);
@@ -117,15 +120,14 @@ Result<> do_step(Project& project, const Step& step) {
   }));
   if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: {}", step.name, kStopped));
   project.run.report(step.name, 1);
-  if (made_nothing(output.report_json))
-    for (const char* product : step.products)
-      COLLINEA_TRY(remove_file(product_path(project, product)));
-  const StepRecord record{step.name,         inputs_hash,        output.output_hash,
-                          cost.seconds(),    cost.cpu_seconds(), cost.peak_memory_bytes(),
-                          output.report_json};
+  if (skipped_because(output.outcome))
+    for (const char* product : step.products) COLLINEA_TRY(remove_file(product_path(project, product)));
+  COLLINEA_CHECK(step_of(output.outcome) == step.name);
+  const StepRecord record{inputs_hash,        output.output_hash,       cost.seconds(),
+                          cost.cpu_seconds(), cost.peak_memory_bytes(), output.outcome};
   COLLINEA_TRY(project.store.write_step(record));
-  project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name, output.summary, record.seconds,
-                              record.cpu_seconds, record.peak_memory_bytes / 1e6));
+  project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name, summary_of(record.outcome),
+                              record.seconds, record.cpu_seconds, record.peak_memory_bytes / 1e6));
   return {};
 }
 
@@ -146,11 +148,11 @@ Result<> check_step_name(const std::string& name) {
   return fail(Errc::kBadInput, "no step is called \"" + name + "\": choose one of " + known);
 }
 
-Result<> record_done(Project& project, const std::string& name, const StepOutput& output) {
-  COLLINEA_TRY(check_step_name(name));
+Result<> record_done(Project& project, const StepOutput& output) {
+  const std::string_view name = step_of(output.outcome);
   const Step& step = *std::find_if(steps().begin(), steps().end(), [&](const Step& s) { return name == s.name; });
   COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
-  return project.store.write_step({name, inputs_hash, output.output_hash, 0, 0, 0, output.report_json});
+  return project.store.write_step({inputs_hash, output.output_hash, 0, 0, 0, output.outcome});
 }
 
 Result<> bring_up_to(Project& project, const std::string& last) {

@@ -20,6 +20,6 @@ namespace collinea {
 
 /// Records a step as done with what the store holds already, so that the later ones go on from it. The steps before it
 /// must be recorded.
-Result<> record_done(Project& project, const std::string& step, const StepOutput& output);
+Result<> record_done(Project& project, const StepOutput& output);
 
 }  // namespace collinea

@@ -2,10 +2,9 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <nlohmann/json.hpp>
 
 #include "collinea/base/hash.h"
-#include "collinea/project/json_text.h"
+#include "collinea/steps/import_record.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -19,8 +18,8 @@ std::string hash_of_pictures(const Imported& imported) {
   for (const std::string& file_hash : imported.file_hash) hash.add(file_hash);
   for (const auto& [id, camera] : imported.block.cameras) {
     for (std::size_t k = 0; k < Camera::kK4; ++k) add(camera.params[k]);
-    add(camera.sigma_f_px);
-    if (camera.model != CameraModel::kBrown) add(double(camera.model)), add(camera.params[Camera::kK4]);
+    add(camera.prior.sigma_f_px);
+    if (!is<Brown>(camera.model)) add(double(camera.model.index())), add(camera.params[Camera::kK4]);
   }
   for (const auto& [id, image] : imported.block.images) {
     hash.add(image.file).add(image.camera.value).add(image.taken);
@@ -38,22 +37,14 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
   COLLINEA_TRY(const Imported imported, import_photos(project.settings.photos, project.settings.import, project.run));
   COLLINEA_TRY(project.store.write_setup(imported.block));
 
-  nlohmann::json report = {{"findings", imported.findings}, {"skipped", nlohmann::json::array()}};
+  ImportRecord record = record_of(imported.block);
+  record.findings = imported.findings;
   for (const SkippedPhoto& photo : imported.skipped) {
-    report["skipped"].push_back({{"file", photo.file}, {"reason", photo.reason}});
+    record.skipped.push_back({photo.file, photo.reason});
     project.run.say(fmt::format("skipped {}: {}", photo.file, photo.reason));
   }
   for (const std::string& finding : imported.findings) project.run.say("note: " + finding);
-
-  std::size_t positions = 0;
-  for (const auto& [id, image] : imported.block.images) positions += image.position.has_value();
-  const Block& block = imported.block;
-  return StepOutput{
-      hash_of_pictures(imported), json_text(report),
-      fmt::format("{} images, {} camera{}, {} positions, {} control points{}{}", block.images.size(),
-                  block.cameras.size(), block.cameras.size() == 1 ? "" : "s", positions, block.control.size(),
-                  block.ground.empty() ? "" : fmt::format(", {} measurements on the ground", block.ground.size()),
-                  block.georeference ? ", map " + block.georeference->crs : ", no map: local gauge")};
+  return StepOutput{hash_of_pictures(imported), record};
 }
 
 }  // namespace collinea

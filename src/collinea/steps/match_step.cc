@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "collinea/base/hash.h"
@@ -14,7 +12,6 @@
 #include "collinea/match/guided.h"
 #include "collinea/match/partners.h"
 #include "collinea/match/retrieval.h"
-#include "collinea/project/json_text.h"
 #include "collinea/steps/image_cache.h"
 #include "collinea/steps/step.h"
 
@@ -252,9 +249,13 @@ Result<Block> readable_part(const ProjectStore& store) {
   return setup;
 }
 
-std::string word(PairGeometry geometry) {
-  constexpr std::array<const char*, 4> kWords = {"unrelated", "general", "planar", "rotation"};
-  return kWords[static_cast<std::size_t>(geometry)];
+MatchRecord record_of(const Matcher& matcher) {
+  MatchRecord record{.pairs = matcher.pairs().size(), .pairs_searched = matcher.searched().size()};
+  for (const auto& [ids, pair] : matcher.pairs()) {
+    record.pairs_by_geometry.add(pair.geometry);
+    record.matches += pair.matches.size();
+  }
+  return record;
 }
 
 }  // namespace
@@ -269,21 +270,7 @@ Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) 
   auto done = all ? matcher.search(all_pairs(setup), 0, 1) : search_best_partners(project, setup, matcher);
   if (done && !all && options.closure) done = close_over_tracks(project, matcher);
   if (!done) return tl::unexpected(done.error());
-
-  std::map<std::string, int> by_geometry;
-  std::size_t matches = 0;
-  for (const auto& [ids, pair] : matcher.pairs()) {
-    ++by_geometry[word(pair.geometry)];
-    matches += pair.matches.size();
-  }
-  const nlohmann::json report = {{"pairs", matcher.pairs().size()},
-                                 {"pairs_searched", matcher.searched().size()},
-                                 {"matches", matches},
-                                 {"pairs_by_geometry", by_geometry}};
-  const auto verified = matcher.pairs().size() - static_cast<std::size_t>(by_geometry["unrelated"]);
-  return StepOutput{
-      inputs_hash, json_text(report),
-      fmt::format("{} pairs verified, {} searched, {} matches", verified, matcher.searched().size(), matches)};
+  return StepOutput{inputs_hash, record_of(matcher)};
 }
 
 }  // namespace collinea

@@ -7,6 +7,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/epipolar/two_view.h"
 #include "collinea/steps/flow.h"
+#include "collinea/steps/import_record.h"
 #include "collinea/steps/step.h"
 #include "collinea/synthetic/matches.h"
 #include "collinea/synthetic/write.h"
@@ -20,14 +21,14 @@ constexpr std::size_t kBatch = 1024;  // pairs in work at once
 // What import would know: nominal cameras, positions with the errors of a receiver, control; no poses.
 Block setup_of(const Truth& truth) {
   Block setup = truth.block;
-  setup.cam_from_world.clear();
+  clear_poses(setup);
   for (auto& [id, camera] : setup.cameras) {
     const Camera exact = camera;
     camera = ideal_camera(truth.nominal_focal_px, exact.width_px, exact.height_px);
     camera.model = exact.model;
-    camera.sigma_f_px = kExifFocalSigma * truth.nominal_focal_px;
+    camera.prior.sigma_f_px = kExifFocalSigma * truth.nominal_focal_px;
     camera.name = exact.name;
-    camera.source = "simulated";
+    camera.prior.source = Provenance::kSimulated;
   }
   return setup;
 }
@@ -40,15 +41,12 @@ Result<> write_features(Project& project, const SimulatedMatches& matches) {
         !done)
       return done;
   }
-  return record_done(
-      project, "detect",
-      {kHash, fmt::format("{{\"skipped\": [], \"images\": {}, \"features\": {}}}", matches.keypoints.size(), features),
-       ""});
+  return record_done(project, {kHash, DetectRecord{.images = matches.keypoints.size(), .features = features}});
 }
 
 // Each pair is verified with the cameras as import knows them, as the step match does.
 Result<> write_pairs(Project& project, const Block& setup, SimulatedMatches& matches) {
-  std::size_t verified = 0;
+  MatchRecord record{.pairs = matches.pairs.size()};
   for (std::size_t begin = 0; begin < matches.pairs.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, matches.pairs.size() - begin);
     std::vector<ImagePair> pairs(count);
@@ -62,12 +60,15 @@ Result<> write_pairs(Project& project, const Block& setup, SimulatedMatches& mat
       pairs[i].putative = putative.putative;
     });
     if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
-    for (const ImagePair& pair : pairs) verified += pair.geometry != PairGeometry::kNone;
+    for (const ImagePair& pair : pairs) {
+      record.pairs_by_geometry.add(pair.geometry);
+      record.matches += pair.matches.size();
+    }
     COLLINEA_TRY(project.store.write_pairs(pairs, kHash));
     project.run.report("pairs", double(begin + count) / double(matches.pairs.size()));
   }
-  project.run.say(fmt::format("{} of {} pairs verified", verified, matches.pairs.size()));
-  return record_done(project, "match", {kHash, fmt::format("{{\"pairs\": {}}}", matches.pairs.size()), ""});
+  project.run.say(fmt::format("{} of {} pairs verified", record.pairs_by_geometry.verified(), record.pairs));
+  return record_done(project, {kHash, record});
 }
 
 }  // namespace
@@ -88,8 +89,7 @@ Result<> simulate_project(const SurveyOptions& survey, const ObservationOptions&
 
   const Block setup = setup_of(truth);
   COLLINEA_TRY(project.store.write_setup(setup));
-  if (auto done = record_done(project, "import", {kHash, "{\"findings\": [], \"skipped\": []}", ""}); !done)
-    return done;
+  COLLINEA_TRY(record_done(project, {kHash, record_of(setup)}));
   ObservationOptions seeded = observations;
   seeded.seed = truth.seed;
   COLLINEA_TRY(const Block seen, observations_only(truth, seeded, run));

@@ -10,6 +10,7 @@
 #include "collinea/quality/examine.h"
 #include "collinea/steps/flow.h"
 #include "collinea/steps/test_project.h"
+#include "collinea/store/sqlite.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {
@@ -34,14 +35,14 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
     EXPECT_EQ(std::count_if(lines.begin(), lines.end(), up_to_date), 1) << step;
   }
   const Block block = *project->store.read_block();
-  ASSERT_EQ(block.cam_from_world.size(), 20u);
+  ASSERT_EQ(count_oriented(block), 20u);
   const auto truth = read_truth(folder / "block");
   const auto adjusted = examine(block, {}, {.adjust = {.calibration = "brown"}}, {});
   ASSERT_TRUE(truth && adjusted);
   double squares = 0, variance_m2 = 0;
   for (const auto& [id, covariance] : adjusted->pose_covariance) {
     const Eigen::Vector3d error =
-        centre_of(block.cam_from_world.at(id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
+        centre_of(pose_of(block, id)) - centre_of(truth->cam_from_world.at(block.images.at(id).file));
     const Eigen::Array3d variance = std::pow(adjusted->sigma0, 2) * covariance.diagonal().tail<3>().array();
     squares += (error.array().square() / variance).mean() / 20;
     variance_m2 += variance.sum() / 20;
@@ -50,6 +51,47 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
   // they nearly are where the block sways as a whole, the mean of three would have the variance 2/3: four deviations.
   EXPECT_LT(squares, 1 + 4 * std::sqrt(2.0 / 3));
   EXPECT_LT(std::sqrt(variance_m2), 0.5);  // a seventh of what a receiver is good to, 3.3 m
+}
+
+TEST(SimulatedProject, WhatAnotherVersionRecordedIsDoneAgain) {
+  const TestFolder folder;
+  SurveyOptions survey;
+  survey.images = 8;
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, {});
+  ASSERT_TRUE(project) << project.error().message;
+  ASSERT_TRUE(bring_up_to(*project, "orient"));
+  auto database = sqlite::Database::open(folder / "block" / "block.db");
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(database->execute("UPDATE step_records SET record = x'63' WHERE step = 'orient'"));
+  EXPECT_EQ(project->store.read_step("orient").error().code, Errc::kUnsupported);
+  const auto done = bring_up_to(*project, "orient");
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(project->store.read_outcome<OrientationRecord>()->oriented, 8u);
+  ASSERT_TRUE(database->execute("UPDATE step_records SET record = substr(record, 1, 20) WHERE step = 'orient'"));
+  EXPECT_EQ(bring_up_to(*project, "orient").error().code, Errc::kBadFormat);
+}
+
+// What was free, and the sigmas of that, are those of the cameras that were calibrated.
+TEST(SimulatedProject, KeepsWhichParametersWereFree) {
+  const TestFolder folder;
+  SurveyOptions survey;
+  survey.images = 12;
+  auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, {});
+  ASSERT_TRUE(project) << project.error().message;
+  for (const auto& [asked, used, count] :
+       {std::tuple{"none", "none", 0}, {"focal", "focal", 1}, {"auto", "brown", 8}}) {
+    project->settings.orient.calibration = asked;
+    ASSERT_TRUE(bring_up_to(*project, "orient"));
+    const CalibrationRecord record = project->store.read_outcome<OrientationRecord>()->calibration;
+    EXPECT_EQ(record.parameters, used);
+    ASSERT_EQ(record.free.size(), count > 0 ? 1u : 0u) << asked;
+    if (count == 0) continue;
+    const auto& [camera, free] = *record.free.begin();
+    EXPECT_EQ(int(free.size()), count) << asked;
+    for (const std::uint32_t param : free) EXPECT_GT(record.sigma.at(camera).at(param), 0) << asked << " " << param;
+    const auto& sigma = record.sigma.at(camera);
+    EXPECT_EQ(std::count_if(sigma.begin(), sigma.end(), [](double one) { return one > 0; }), count) << asked;
+  }
 }
 
 // A fisheye of 122 degrees from corner to corner, known at first as a lens without distortion and a focal length 5 %
@@ -67,7 +109,7 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     const auto done = bring_up_to(*project, "orient");
     ASSERT_TRUE(done) << done.error().message;
     const Block block = *project->store.read_block();
-    EXPECT_EQ(block.cam_from_world.size(), 16u);
+    EXPECT_EQ(count_oriented(block), 16u);
     const auto truth = read_truth(folder / "block");
     const auto setup = project->store.read_setup();
     ASSERT_TRUE(setup);
@@ -76,7 +118,7 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     const auto adjusted = examine(block, scope, {.adjust = {.calibration = "brown"}}, {});
     ASSERT_TRUE(truth && adjusted);
     const Camera& found = block.cameras.begin()->second;
-    EXPECT_EQ(kCameraModelNames[std::size_t(found.model)], model);
+    EXPECT_EQ(name_of(found.model), model);
     const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
     for (const int k : params_of(found)) {
       const double sigma = adjusted->sigma0 * std::sqrt(covariance(k, k));

@@ -7,11 +7,10 @@
 
 namespace collinea {
 
-/// What a step leaves for the record.
+/// What a step leaves: products lie in the project folder, blocks and features in its store.
 struct StepOutput {
   std::string output_hash;  ///< of what later steps read from it
-  std::string report_json;  ///< an object: figures, "skipped": [{file, reason}], "findings": [text]
-  std::string summary;      ///< one line for people
+  StepOutcome outcome;
 };
 
 /// The steps. `inputs_hash` is the fingerprint of all that the step reads; work done under another one is not reused.

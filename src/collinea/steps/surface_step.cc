@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "collinea/base/memory.h"
 #include "collinea/cloud/las.h"
-#include "collinea/project/json_text.h"
 #include "collinea/project/places.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/block_cache.h"
@@ -27,15 +24,12 @@ PointSource points_of(LasReader& reader) {
 
 // What images and cameras make of heights, as orientation found it.
 Result<std::vector<PlaceSigma>> orientation_sigmas(const Project& project, const LocalFrame* frame) {
-  COLLINEA_TRY(const auto oriented, project.store.read_step("orient"));
-  COLLINEA_CHECK(oriented.has_value());
-  const auto report = nlohmann::json::parse(oriented->report_json);
+  COLLINEA_TRY(const auto oriented, project.store.read_outcome<OrientationRecord>());
   std::vector<PlaceSigma> sigmas;
-  for (const auto& place : report.at("details").value("places", nlohmann::json::array())) {
-    if (!place.at(2).is_number()) continue;
-    const Eigen::Vector3d in_world(place.at(0).get<double>(), place.at(1).get<double>(), 0);
+  for (const HeightPrecision& at : oriented.height_precision) {
+    const Eigen::Vector3d in_world(at.position_in_world.x(), at.position_in_world.y(), 0);
     const Eigen::Vector3d on_map = frame ? frame->map_from_local(in_world) : in_world;
-    sigmas.push_back({on_map.x(), on_map.y(), place.at(2).get<double>()});
+    sigmas.push_back({on_map.x(), on_map.y(), at.sigma_m});
   }
   return sigmas;
 }
@@ -45,8 +39,8 @@ Result<std::vector<PlaceSigma>> orientation_sigmas(const Project& project, const
 Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   if (!looks_down(block))
-    return StepOutput{inputs_hash, R"({"skipped_because": "the images do not look down: no surface model"})",
-                      "the images do not look down on the scene: no surface model"};
+    return StepOutput{inputs_hash,
+                      SurfaceRecord{.skipped_because = "the images do not look down on the scene: no surface model"}};
   COLLINEA_TRY(const Places places, places_of(project, block));
   COLLINEA_TRY(const std::vector<PlaceSigma> sigmas, orientation_sigmas(project, places.frame_or_null()));
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
@@ -59,22 +53,17 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
                          files, project.folder / "scratch", project.settings.surface, project.run));
   give_back_freed_memory();
   COLLINEA_TRY(write_hillshade(files.height, products / "dsm_hillshade.tif", project.run));
-  const double seen = double(summary.measured_cells + summary.interpolated_cells);
-  const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
-                                 {"width", summary.grid.width},
-                                 {"height", summary.grid.height},
-                                 {"points", summary.points},
-                                 {"points_dropped", summary.points_dropped},
-                                 {"measured_cells", summary.measured_cells},
-                                 {"interpolated_cells", summary.interpolated_cells},
-                                 {"lowest_m", summary.lowest_m},
-                                 {"highest_m", summary.highest_m},
-                                 {"mean_sigma_m", summary.mean_sigma_m},
-                                 {"mean_sigma_relative_m", summary.mean_sigma_relative_m}};
-  return StepOutput{inputs_hash, json_text(report),
-                    fmt::format("{} x {} cells of {:.3g} m, {:.1f} % of the seen ones interpolated", summary.grid.width,
-                                summary.grid.height, summary.grid.cell_m,
-                                seen > 0 ? 100 * double(summary.interpolated_cells) / seen : 0.0)};
+  return StepOutput{inputs_hash, SurfaceRecord{.cell_m = summary.grid.cell_m,
+                                               .width = summary.grid.width,
+                                               .height = summary.grid.height,
+                                               .points = summary.points,
+                                               .points_dropped = summary.points_dropped,
+                                               .measured_cells = summary.measured_cells,
+                                               .interpolated_cells = summary.interpolated_cells,
+                                               .lowest_m = summary.lowest_m,
+                                               .highest_m = summary.highest_m,
+                                               .mean_sigma_m = summary.mean_sigma_m,
+                                               .mean_sigma_relative_m = summary.mean_sigma_relative_m}};
 }
 
 }  // namespace collinea

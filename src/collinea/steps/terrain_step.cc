@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "collinea/base/file.h"
 #include "collinea/base/memory.h"
 #include "collinea/cloud/las.h"
-#include "collinea/project/json_text.h"
 #include "collinea/project/places.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/block_cache.h"
@@ -53,10 +50,8 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   const auto products = project.folder / "products";
   const auto without = [&](const std::string& why) -> Result<StepOutput> {
-    for (const char* earlier : {"contours.gpkg", "contours.dxf"})
-      COLLINEA_TRY(remove_file(products / earlier));
-    return StepOutput{inputs_hash, json_text({{"skipped_because", why + ": no terrain model"}}),
-                      why + ": no terrain model"};
+    for (const char* earlier : {"contours.gpkg", "contours.dxf"}) COLLINEA_TRY(remove_file(products / earlier));
+    return StepOutput{inputs_hash, TerrainRecord{.skipped_because = why + ": no terrain model"}};
   };
   if (!looks_down(block)) return without("the images do not look down on the scene");
   COLLINEA_TRY(const Places places, places_of(project, block));
@@ -77,25 +72,19 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(write_hillshade(files.height, products / "dtm_hillshade.tif", project.run));
   give_back_freed_memory();
   COLLINEA_TRY(const std::uint64_t ground_points, classify(project, made->ground));
-  const double cells = double(summary.ground_cells + summary.interpolated_cells);
-  const nlohmann::json report = {{"cell_m", summary.grid.cell_m},
-                                 {"width", summary.grid.width},
-                                 {"height", summary.grid.height},
-                                 {"ground_cells", summary.ground_cells},
-                                 {"interpolated_cells", summary.interpolated_cells},
-                                 {"ground_points", ground_points},
-                                 {"coarse_cell_m", summary.coarse_cell_m},
-                                 {"lowest_m", summary.lowest_m},
-                                 {"highest_m", summary.highest_m},
-                                 {"mean_sigma_m", summary.mean_sigma_m},
-                                 {"mean_sigma_relative_m", summary.mean_sigma_relative_m},
-                                 {"contour_m", summary.contour_m},
-                                 {"contours", summary.contours}};
-  return StepOutput{
-      inputs_hash, json_text(report),
-      fmt::format("ground seen in {:.1f} % of {} x {} cells{}", 100 * double(summary.ground_cells) / cells,
-                  summary.grid.width, summary.grid.height,
-                  summary.contour_m > 0 ? fmt::format(", contours every {:.4g} m", summary.contour_m) : std::string())};
+  return StepOutput{inputs_hash, TerrainRecord{.cell_m = summary.grid.cell_m,
+                                               .width = summary.grid.width,
+                                               .height = summary.grid.height,
+                                               .ground_cells = summary.ground_cells,
+                                               .interpolated_cells = summary.interpolated_cells,
+                                               .ground_points = ground_points,
+                                               .coarse_cell_m = summary.coarse_cell_m,
+                                               .lowest_m = summary.lowest_m,
+                                               .highest_m = summary.highest_m,
+                                               .mean_sigma_m = summary.mean_sigma_m,
+                                               .mean_sigma_relative_m = summary.mean_sigma_relative_m,
+                                               .contour_m = summary.contour_m,
+                                               .contours = summary.contours}};
 }
 
 }  // namespace collinea

@@ -17,15 +17,15 @@ using sqlite::Database;
 using sqlite::Statement;
 
 constexpr std::int64_t kApplication = 0x434f4c4e;  // "COLN" in the file's header
-constexpr std::int64_t kSchema = 1;
+constexpr std::int64_t kSchema = 2;
 
 // Numbers that must come back bit by bit are packed in blobs: SQLite turns NaN into NULL and drops the sign of zero.
 constexpr const char* kTables = R"sql(
 CREATE TABLE georeference (id INTEGER PRIMARY KEY CHECK (id = 0), crs TEXT, origin BLOB);
-CREATE TABLE cameras (id INTEGER PRIMARY KEY, name TEXT, source TEXT, width_px INTEGER, height_px INTEGER,
-                      calibrate INTEGER, numbers BLOB);
-CREATE TABLE adjusted_cameras (id INTEGER PRIMARY KEY, name TEXT, source TEXT, width_px INTEGER, height_px INTEGER,
-                               calibrate INTEGER, numbers BLOB);
+CREATE TABLE cameras (id INTEGER PRIMARY KEY, name TEXT, width_px INTEGER, height_px INTEGER, model TEXT,
+                      additional TEXT, parameters TEXT, source TEXT, calibrate INTEGER, sigma_f_px BLOB);
+CREATE TABLE adjusted_cameras (id INTEGER PRIMARY KEY, name TEXT, width_px INTEGER, height_px INTEGER, model TEXT,
+                               additional TEXT, parameters TEXT, source TEXT, calibrate INTEGER, sigma_f_px BLOB);
 CREATE TABLE images (id INTEGER PRIMARY KEY, file TEXT, camera INTEGER, taken TEXT, orientation INTEGER,
                      position BLOB, attitude BLOB);
 CREATE TABLE control (id INTEGER PRIMARY KEY, name TEXT, role TEXT, numbers BLOB);
@@ -38,13 +38,16 @@ CREATE TABLE used_control_observations (chunk INTEGER PRIMARY KEY, data BLOB);
 CREATE TABLE features (image INTEGER PRIMARY KEY, inputs_hash TEXT, keypoints BLOB, descriptors BLOB);
 CREATE TABLE pairs (first INTEGER, second INTEGER, inputs_hash TEXT, geometry TEXT, putative INTEGER, numbers BLOB,
                     matches BLOB, PRIMARY KEY (first, second));
-CREATE TABLE steps (sequence INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT UNIQUE, inputs_hash TEXT, output_hash TEXT,
-                    seconds REAL, cpu_seconds REAL, peak_memory_bytes REAL, report_json TEXT);
 )sql";
 
-// Tables that came later: projects from before do without until they are written to.
+// Tables that came later: projects from before do without until they are written to. Their steps count as not done:
+// what was recorded of them was text that nothing reads any more.
 constexpr const char* kLaterTables = R"sql(
 CREATE TABLE IF NOT EXISTS ground (id INTEGER PRIMARY KEY, name TEXT, numbers BLOB);
+CREATE TABLE IF NOT EXISTS step_records (sequence INTEGER PRIMARY KEY AUTOINCREMENT, step TEXT UNIQUE,
+                                         inputs_hash TEXT, output_hash TEXT, seconds REAL, cpu_seconds REAL,
+                                         peak_memory_bytes REAL, record BLOB);
+DROP TABLE IF EXISTS steps;
 )sql";
 
 constexpr std::array<std::string_view, 4> kGeometryWords = {"none", "general", "planar", "rotation"};
@@ -71,8 +74,9 @@ Result<> check_tables(Database& database) {
 
 // A lock for writing is asked for only where something is missing.
 Result<> add_later_tables(Database& database) {
-  COLLINEA_TRY(const auto there, database.integer("SELECT count(*) FROM sqlite_master WHERE name = 'ground'"));
-  return there > 0 ? Result<>{} : database.execute(kLaterTables);
+  COLLINEA_TRY(const auto there,
+               database.integer("SELECT count(*) FROM sqlite_master WHERE name IN ('ground', 'step_records')"));
+  return there == 2 ? Result<>{} : database.execute(kLaterTables);
 }
 
 Result<> prepare(Database& database) {
@@ -161,10 +165,18 @@ Result<ImagePair> pair_of_row(const Statement& row) {
 }
 
 constexpr const char* kStepColumns =
-    "SELECT name, inputs_hash, output_hash, seconds, cpu_seconds, peak_memory_bytes, report_json FROM steps ";
+    "SELECT step, inputs_hash, output_hash, seconds, cpu_seconds, peak_memory_bytes, record FROM step_records ";
 
-StepRecord step_of_row(const Statement& row) {
-  return {row.text(0), row.text(1), row.text(2), row.real(3), row.real(4), row.real(5), row.text(6)};
+Result<StepRecord> step_of_row(const Statement& row) {
+  COLLINEA_TRY(StepOutcome outcome, unpacked_outcome(row.text(0), row.blob(6)));
+  return StepRecord{row.text(1), row.text(2), row.real(3), row.real(4), row.real(5), std::move(outcome)};
+}
+
+// False in a project that nobody has written to since its steps were recorded in another way.
+Result<bool> has_step_records(Database& db) {
+  return db.integer("SELECT count(*) FROM sqlite_master WHERE name = 'step_records'").map([](auto count) {
+    return count > 0;
+  });
 }
 
 }  // namespace
@@ -280,8 +292,7 @@ Result<> ProjectStore::renumber_features(const std::map<ImageId, ImageId>& new_f
     COLLINEA_TRY(auto erase, db.prepare("DELETE FROM features WHERE image = ?"));
     // Negative numbers on the way: the new one of one image may be the old one of another.
     const auto aside = [](ImageId id) { return -1 - std::int64_t{id.value}; };
-    for (const auto& [from, to] : new_from_old)
-      COLLINEA_TRY(set_aside.bind(aside(to)).bind(from.value).run());
+    for (const auto& [from, to] : new_from_old) COLLINEA_TRY(set_aside.bind(aside(to)).bind(from.value).run());
     for (const auto& [from, to] : new_from_old) {
       COLLINEA_TRY(erase.bind(to.value).run());
       COLLINEA_TRY(set_aside.bind(to.value).bind(aside(to)).run());
@@ -293,8 +304,7 @@ Result<> ProjectStore::renumber_features(const std::map<ImageId, ImageId>& new_f
 Result<> ProjectStore::write_pairs(const std::vector<ImagePair>& pairs, const std::string& inputs_hash) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(auto insert, db.prepare("INSERT OR REPLACE INTO pairs VALUES (?, ?, ?, ?, ?, ?, ?)"));
-    for (const ImagePair& pair : pairs)
-      COLLINEA_TRY(write_pair(insert, pair, inputs_hash));
+    for (const ImagePair& pair : pairs) COLLINEA_TRY(write_pair(insert, pair, inputs_hash));
     return {};
   });
 }
@@ -336,24 +346,28 @@ Result<> ProjectStore::erase_pairs_except(const std::string& inputs_hash) {
 
 Result<> ProjectStore::write_step(const StepRecord& step) {
   return state_->write([&](Database& db) -> Result<> {
-    COLLINEA_TRY(auto insert, db.prepare("INSERT OR REPLACE INTO steps (name, inputs_hash, output_hash, seconds, "
-                                         "cpu_seconds, peak_memory_bytes, report_json) VALUES (?, ?, ?, ?, ?, ?, ?)"));
-    insert.bind_text(step.name).bind_text(step.inputs_hash).bind_text(step.output_hash);
+    COLLINEA_TRY(auto insert,
+                 db.prepare("INSERT OR REPLACE INTO step_records (step, inputs_hash, output_hash, seconds, "
+                            "cpu_seconds, peak_memory_bytes, record) VALUES (?, ?, ?, ?, ?, ?, ?)"));
+    const std::string name = step.name(), record = packed(step.outcome);
+    insert.bind_text(name).bind_text(step.inputs_hash).bind_text(step.output_hash);
     insert.bind(step.seconds).bind(step.cpu_seconds).bind(step.peak_memory_bytes);
-    return insert.bind_text(step.report_json).run();
+    return insert.bind_blob(record).run();
   });
 }
 
 Result<> ProjectStore::erase_step(const std::string& name) {
   return state_->write([&](Database& db) -> Result<> {
-    COLLINEA_TRY(auto erase, db.prepare("DELETE FROM steps WHERE name = ?"));
+    COLLINEA_TRY(auto erase, db.prepare("DELETE FROM step_records WHERE step = ?"));
     return erase.bind_text(name).run();
   });
 }
 
 Result<std::optional<StepRecord>> ProjectStore::read_step(const std::string& name) const {
   return state_->read([&](Database& db) -> Result<std::optional<StepRecord>> {
-    COLLINEA_TRY(auto select, db.prepare(kStepColumns + std::string("WHERE name = ?")));
+    COLLINEA_TRY(const bool there, has_step_records(db));
+    if (!there) return std::nullopt;
+    COLLINEA_TRY(auto select, db.prepare(kStepColumns + std::string("WHERE step = ?")));
     COLLINEA_TRY(const bool found, select.bind_text(name).next());
     if (!found) return std::nullopt;
     return step_of_row(select);
@@ -363,11 +377,14 @@ Result<std::optional<StepRecord>> ProjectStore::read_step(const std::string& nam
 Result<std::vector<StepRecord>> ProjectStore::read_steps() const {
   return state_->read([](Database& db) -> Result<std::vector<StepRecord>> {
     std::vector<StepRecord> steps;
+    COLLINEA_TRY(const bool there, has_step_records(db));
+    if (!there) return steps;
     COLLINEA_TRY(auto select, db.prepare(kStepColumns + std::string("ORDER BY sequence")));
     while (true) {
       COLLINEA_TRY(const bool row, select.next());
       if (!row) return steps;
-      steps.push_back(step_of_row(select));
+      COLLINEA_TRY(StepRecord step, step_of_row(select));
+      steps.push_back(std::move(step));
     }
   });
 }

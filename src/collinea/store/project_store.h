@@ -13,16 +13,18 @@
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
 #include "collinea/block/features.h"
+#include "collinea/store/step_records.h"
 
 namespace collinea {
 
-/// How a step ended: what it was made from and what it cost.
+/// How a step ended: what it was made from, what it cost and what came of it.
 struct StepRecord {
-  std::string name;         ///< "detect", ...
   std::string inputs_hash;  ///< fingerprint of everything it read: options, earlier steps' outputs
   std::string output_hash;  ///< fingerprint of what it left behind
   double seconds = 0, cpu_seconds = 0, peak_memory_bytes = 0;
-  std::string report_json;  ///< figures for the report; a JSON object
+  StepOutcome outcome;
+
+  [[nodiscard]] std::string name() const { return std::string(step_of(outcome)); }  ///< "detect", ...
 };
 
 using TakeTie = std::function<void(PointId id, const TiePoint& point, std::span<const Observation> observations)>;
@@ -81,8 +83,17 @@ class ProjectStore {
 
   Result<> write_step(const StepRecord& step);
   Result<> erase_step(const std::string& name);
+  /// Nothing: the step is not done. Errors of this and read_steps: kUnsupported when another version of the program
+  /// recorded it, kBadFormat when the record is damaged.
   Result<std::optional<StepRecord>> read_step(const std::string& name) const;
   Result<std::vector<StepRecord>> read_steps() const;  ///< in the order they were written
+  /// The outcome of the step that leaves such a record. Error: kNotFound when it is not done; as above.
+  template <class Record>
+  Result<Record> read_outcome() const {
+    COLLINEA_TRY(auto step, read_step(std::string(Record::kStep)));
+    if (!step) return fail(Errc::kNotFound, "the step " + std::string(Record::kStep) + " is not done yet");
+    return std::get<Record>(std::move(step->outcome));
+  }
 
   ProjectStore(ProjectStore&&) noexcept;
   ProjectStore& operator=(ProjectStore&&) noexcept;

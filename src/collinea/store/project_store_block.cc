@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The block of a ProjectStore: what was set up, and what the orientation made of it.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
+#include <sstream>
+#include <string>
 
 #include "collinea/base/hash.h"
 #include "collinea/base/packed.h"
@@ -104,8 +108,7 @@ Result<> write_chunks(Database& db, const std::string& table, const Values& valu
   };
   for (const auto& value : values) {
     Record::put_one(packer, value);
-    if (packer.size() == kPerChunk * Record::kBytes)
-      COLLINEA_TRY(flush());
+    if (packer.size() == kPerChunk * Record::kBytes) COLLINEA_TRY(flush());
   }
   return packer.size() > 0 ? flush() : Result<>{};
 }
@@ -178,46 +181,47 @@ Result<> read_georeference(Database& db, std::optional<Georeference>& georeferen
   return {};
 }
 
-// A camera is stored as the parameters that the first models had, and behind them what its model has more.
-constexpr std::size_t kStoredFirst = Camera::kK4;
-
-// One of the first `count` values of an enumeration.
-template <class Enum>
-bool read_enum(Unpacker& numbers, std::size_t count, Enum& value) {
-  double number = -1;
-  numbers.get(number);
-  for (std::size_t i = 0; i < count; ++i)
-    if (number == double(i)) {
-      value = Enum(i);
-      return true;
-    }
-  return false;
+// The index of a name in a list of them.
+std::optional<std::size_t> index_of(std::span<const std::string_view> names, std::string_view name) {
+  const auto found = std::ranges::find(names, name);
+  return found == names.end() ? std::nullopt : std::optional(std::size_t(found - names.begin()));
 }
 
-bool read_model(Unpacker& numbers, Camera& camera) {
-  if (!read_enum(numbers, kCameraModelNames.size(), camera.model)) return false;
-  if (is_fisheye(camera.model)) numbers.get(camera.params[Camera::kK4]);
-  if (numbers.done()) return true;
-  if (!read_enum(numbers, kAdditionalNames.size(), camera.additional)) return false;
-  for (std::size_t k = 0; k < count_of(camera.additional); ++k) numbers.get(camera.params[Camera::kParams + k]);
-  return true;
+// "name value" of every parameter that the camera has, in shortest decimals that give the same bits back.
+std::string parameters_text(const Camera& camera) {
+  std::string text;
+  for (const int param : params_of(camera)) {
+    char value[32];
+    const auto [end, error] = std::to_chars(value, value + sizeof(value), camera.params[std::size_t(param)]);
+    text += (text.empty() ? "" : " ") + param_name(param) + " " + std::string(value, end);
+  }
+  return text;
+}
+
+bool read_parameters(const std::string& text, Camera& camera) {
+  std::istringstream words(text);
+  std::size_t count = 0;
+  for (std::string name, value; words >> name >> value; ++count) {
+    const auto param = param_named(camera, name);
+    if (!param) return false;
+    double& number = camera.params[std::size_t(*param)];
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (error != std::errc() || end != value.data() + value.size()) return false;
+  }
+  return count == params_of(camera).size();
 }
 
 Result<> write_cameras(Database& db, const std::string& table, const std::map<CameraId, Camera>& cameras) {
   COLLINEA_TRY(db.execute("DELETE FROM " + table));
-  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?, ?, ?, ?, ?, ?)"));
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   for (const auto& [id, camera] : cameras) {
-    Packer numbers;
-    for (std::size_t k = 0; k < kStoredFirst; ++k) numbers.put(camera.params[k]);
-    numbers.put(camera.sigma_f_px);
-    const bool added = camera.additional != AdditionalSet::kNone;
-    if (camera.model != CameraModel::kBrown || added) numbers.put(double(camera.model));
-    if (is_fisheye(camera.model)) numbers.put(camera.params[Camera::kK4]);
-    if (added) numbers.put(double(camera.additional));
-    for (std::size_t k = 0; k < count_of(camera.additional); ++k) numbers.put(camera.params[Camera::kParams + k]);
-    insert.bind(id.value).bind_text(camera.name).bind_text(camera.source);
-    insert.bind(camera.width_px).bind(camera.height_px).bind(int(camera.calibrate));
-    COLLINEA_TRY(insert.bind_blob(numbers.bytes()).run());
+    Packer sigma;
+    sigma.put(camera.prior.sigma_f_px);
+    insert.bind(id.value).bind_text(camera.name).bind(camera.width_px).bind(camera.height_px);
+    insert.bind_text(std::string(name_of(camera.model)));
+    insert.bind_text(std::string(kAdditionalNames[std::size_t(camera.additional)]));
+    insert.bind_text(parameters_text(camera)).bind_text(std::string(camera.prior.source_name()));
+    COLLINEA_TRY(insert.bind(int(camera.prior.calibrate)).bind_blob(sigma.bytes()).run());
   }
   return {};
 }
@@ -229,15 +233,20 @@ Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId,
     if (!row) return {};
     Camera camera;
     camera.name = select.text(1);
-    camera.source = select.text(2);
-    camera.width_px = int(select.integer(3));
-    camera.height_px = int(select.integer(4));
-    camera.calibrate = select.integer(5) != 0;
-    Unpacker numbers(select.blob(6));
-    for (std::size_t k = 0; k < kStoredFirst; ++k) numbers.get(camera.params[k]);
-    numbers.get(camera.sigma_f_px);
-    if (!numbers.done() && !read_model(numbers, camera)) return damaged(table);
-    if (!numbers.done()) return damaged(table);
+    camera.width_px = int(select.integer(2));
+    camera.height_px = int(select.integer(3));
+    const auto model = model_named(select.text(4));
+    const auto additional = index_of(kAdditionalNames, select.text(5)),
+               source = index_of(kProvenanceNames, select.text(7));
+    if (!model || !additional || !source) return damaged(table);
+    camera.model = *model;
+    camera.additional = AdditionalSet(*additional);
+    if (!read_parameters(select.text(6), camera)) return damaged(table);
+    camera.prior.source = Provenance(*source);
+    camera.prior.calibrate = select.integer(8) != 0;
+    Unpacker sigma(select.blob(9));
+    sigma.get(camera.prior.sigma_f_px);
+    if (!sigma.done()) return damaged(table);
     cameras[{std::uint32_t(select.integer(0))}] = std::move(camera);
   }
 }
@@ -268,8 +277,7 @@ Result<> write_image(Statement& insert, ImageId id, const Image& image) {
 Result<> write_images(Database& db, const std::map<ImageId, Image>& images) {
   COLLINEA_TRY(db.execute("DELETE FROM images"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO images VALUES (?, ?, ?, ?, ?, ?, ?)"));
-  for (const auto& [id, image] : images)
-    COLLINEA_TRY(write_image(insert, id, image));
+  for (const auto& [id, image] : images) COLLINEA_TRY(write_image(insert, id, image));
   return {};
 }
 
@@ -402,10 +410,10 @@ Result<> read_setup_tables(Database& db, Block& block) {
   return read_ground(db, block.ground);
 }
 
-Result<> write_poses(Database& db, const std::map<ImageId, Rigid3>& cam_from_world) {
+Result<> write_poses(Database& db, const Block& block) {
   COLLINEA_TRY(db.execute("DELETE FROM poses"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO poses VALUES (?, ?)"));
-  for (const auto& [image, pose] : cam_from_world) {
+  for (const auto& [image, pose] : oriented_images(block)) {
     Packer packer;
     for (const double value : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
       packer.put(value);
@@ -415,7 +423,7 @@ Result<> write_poses(Database& db, const std::map<ImageId, Rigid3>& cam_from_wor
   return {};
 }
 
-Result<> read_poses(Database& db, std::map<ImageId, Rigid3>& cam_from_world) {
+Result<> read_poses(Database& db, Block& block) {
   COLLINEA_TRY(auto select, db.prepare("SELECT image, cam_from_world FROM poses ORDER BY image"));
   while (true) {
     COLLINEA_TRY(const bool row, select.next());
@@ -426,13 +434,13 @@ Result<> read_poses(Database& db, std::map<ImageId, Rigid3>& cam_from_world) {
       unpacker.get(*value);
     get(unpacker, pose.translation);
     if (!unpacker.done()) return damaged("pose of an image");
-    cam_from_world[{std::uint32_t(select.integer(0))}] = pose;
+    set_pose(block, {std::uint32_t(select.integer(0))}, pose);
   }
 }
 
 Result<> read_orientation_tables(Database& db, Block& block) {
   COLLINEA_TRY(read_cameras(db, "adjusted_cameras", block.cameras));
-  COLLINEA_TRY(read_poses(db, block.cam_from_world));
+  COLLINEA_TRY(read_poses(db, block));
   return read_control_observations(db, "used_control_observations", block);
 }
 
@@ -477,7 +485,7 @@ Result<> erase_orientation(Database& db) {
 
 // Every reference from one table to another is kept.
 bool fits_together(const Block& block) {
-  for (const auto& [image, pose] : block.cam_from_world)
+  for (const auto& [image, pose] : oriented_images(block))
     if (!block.images.contains(image)) return false;
   PointId known;  // observations of one point follow each other: look each up once
   for (const Observation& o : block.observations) {
@@ -557,7 +565,7 @@ Result<> ProjectStore::write_orientation(const Block& block) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(erase_orientation(db));
     COLLINEA_TRY(write_cameras(db, "adjusted_cameras", block.cameras));
-    COLLINEA_TRY(write_poses(db, block.cam_from_world));
+    COLLINEA_TRY(write_poses(db, block));
     COLLINEA_TRY(write_chunks<PointRecord>(db, "points", block.points));
     COLLINEA_TRY(write_chunks<ObservationRecord>(db, "observations", block.observations));
     if (auto written =

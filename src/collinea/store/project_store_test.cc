@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "collinea/math/random.h"
+#include "collinea/store/sqlite.h"
 
 namespace collinea {
 namespace {
@@ -44,13 +45,13 @@ Eigen::Vector3d any_vector(Random& random) { return {random.normal(), random.nor
 
 Camera any_camera(Random& random, std::size_t model, std::size_t additional) {
   Camera camera = ideal_camera(1000 + random.normal(), 4000, 3000);
-  camera.model = CameraModel(model);
+  camera.model = kCameraModels[model];
   camera.additional = AdditionalSet(additional);
   for (const int k : params_of(camera)) camera.params[std::size_t(k)] += random.normal();
   camera.name = "Maker Model \xc3\xa9";
-  camera.source = "EXIF";
-  camera.sigma_f_px = random.uniform();
-  camera.calibrate = false;
+  camera.prior.source = Provenance::kExif35mm;
+  camera.prior.sigma_f_px = random.uniform();
+  camera.prior.calibrate = false;
   return camera;
 }
 
@@ -65,8 +66,8 @@ Block setup_block() {
   Random random(7);
   Block block;
   block.georeference = Georeference{"EPSG:32633", 41.1 + 1e-14, 16.9, -0.0};
-  for (std::uint32_t i = 3; i < 3 + kCameraModelNames.size() * kAdditionalNames.size(); ++i)
-    block.cameras[{i}] = any_camera(random, (i - 3) % kCameraModelNames.size(), (i - 3) / kCameraModelNames.size());
+  for (std::uint32_t i = 3; i < 3 + kCameraModels.size() * kAdditionalNames.size(); ++i)
+    block.cameras[{i}] = any_camera(random, (i - 3) % kCameraModels.size(), (i - 3) / kCameraModels.size());
   for (std::uint32_t i = 0; i < 4; ++i) {
     Image image;
     image.file = "photo " + std::to_string(i) + ".jpg";
@@ -96,8 +97,7 @@ Block oriented_block(std::uint32_t points) {
   Random random(8);
   Block block = setup_block();
   block.cameras[{3}].params[Camera::kK1] = -0.1234567890123;
-  for (std::uint32_t i = 0; i < 4; ++i)
-    block.cam_from_world[{i}] = {Eigen::Quaterniond::UnitRandom(), any_vector(random)};
+  for (std::uint32_t i = 0; i < 4; ++i) set_pose(block, {i}, {Eigen::Quaterniond::UnitRandom(), any_vector(random)});
   for (std::uint32_t p = 0; p < points; ++p) {
     block.points[{2 * p}] = {any_vector(random), {std::uint8_t(p), 2, 255}};
     for (std::uint32_t i = 0; i < 4; ++i)
@@ -111,15 +111,15 @@ void expect_same_cameras(const Block& a, const Block& b) {
   ASSERT_EQ(a.cameras.size(), b.cameras.size());
   for (const auto& [id, camera] : a.cameras) {
     const Camera& other = b.cameras.at(id);
-    EXPECT_EQ(camera.model, other.model);
+    EXPECT_EQ(name_of(camera.model), name_of(other.model));
     EXPECT_EQ(camera.additional, other.additional);
     for (std::size_t i = 0; i < camera.params.size(); ++i) EXPECT_TRUE(same_bits(camera.params[i], other.params[i]));
-    EXPECT_TRUE(same_bits(camera.sigma_f_px, other.sigma_f_px));
+    EXPECT_TRUE(same_bits(camera.prior.sigma_f_px, other.prior.sigma_f_px));
     EXPECT_EQ(camera.name, other.name);
-    EXPECT_EQ(camera.source, other.source);
+    EXPECT_EQ(camera.prior.source, other.prior.source);
     EXPECT_EQ(camera.width_px, other.width_px);
     EXPECT_EQ(camera.height_px, other.height_px);
-    EXPECT_EQ(camera.calibrate, other.calibrate);
+    EXPECT_EQ(camera.prior.calibrate, other.prior.calibrate);
   }
 }
 
@@ -178,10 +178,10 @@ void expect_same_control(const Block& a, const Block& b) {
 }
 
 void expect_same_orientation(const Block& a, const Block& b) {
-  ASSERT_EQ(a.cam_from_world.size(), b.cam_from_world.size());
-  for (const auto& [id, pose] : a.cam_from_world) {
-    EXPECT_TRUE(same_vector(pose.rotation.coeffs(), b.cam_from_world.at(id).rotation.coeffs()));
-    EXPECT_TRUE(same_vector(pose.translation, b.cam_from_world.at(id).translation));
+  ASSERT_EQ(count_oriented(a), count_oriented(b));
+  for (const auto& [id, pose] : oriented_images(a)) {
+    EXPECT_TRUE(same_vector(pose.rotation.coeffs(), pose_of(b, id).rotation.coeffs()));
+    EXPECT_TRUE(same_vector(pose.translation, pose_of(b, id).translation));
   }
   ASSERT_EQ(a.points.size(), b.points.size());
   for (const auto& [id, point] : a.points) {
@@ -238,7 +238,7 @@ TEST_F(ProjectStoreTest, TheOrientationComesBackBitByBitAndLeavesTheSetupAlone) 
   ASSERT_TRUE(again);
   expect_same_cameras(*again, setup);
   expect_same_control(*again, setup);
-  EXPECT_TRUE(again->cam_from_world.empty() && again->points.empty() && again->observations.empty());
+  EXPECT_TRUE(oriented_images(*again).empty() && again->points.empty() && again->observations.empty());
 }
 
 TEST_F(ProjectStoreTest, TiesComeOneByOneAndTheOrientationWithoutThem) {
@@ -336,7 +336,7 @@ TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
   const std::uint64_t first = hash_of(setup);
   std::vector<Block> changed(8, setup);
   changed[0].georeference->origin_height_m += 1e-9;
-  changed[1].cameras.begin()->second.sigma_f_px += 1e-9;
+  changed[1].cameras.begin()->second.prior.sigma_f_px += 1e-9;
   changed[2].images.begin()->second.position->sigma_m.z() *= 2;
   changed[3].control.begin()->second.sigma_m.x() *= 2;
   changed[4].control.begin()->second.role = ControlRole::kControl;
@@ -381,21 +381,56 @@ TEST_F(ProjectStoreTest, PairsComeBackSortedAndCanBeErasedByInputs) {
 
 TEST_F(ProjectStoreTest, StepsAreKeptInTheOrderTheyWereWritten) {
   ProjectStore store = open();
-  ASSERT_TRUE(store.write_step({"import", "a", "b", 1.5, 2.25, 1e9, "{}"}));
-  ASSERT_TRUE(store.write_step({"detect", "b", "c", 1, 2, 3, R"({"features": 3})"}));
-  ASSERT_TRUE(store.write_step({"import", "x", "y", 1, 2, 3, "{}"}));
+  ASSERT_TRUE(store.write_step({"a", "b", 1.5, 2.25, 1e9, ImportRecord{}}));
+  ASSERT_TRUE(store.write_step({"b", "c", 1, 2, 3, DetectRecord{.features = 3}}));
+  ASSERT_TRUE(store.write_step({"x", "y", 1, 2, 3, ImportRecord{}}));
   const auto steps = store.read_steps();
   ASSERT_EQ(steps->size(), 2u);
-  EXPECT_EQ((*steps)[0].name, "detect");
-  EXPECT_EQ((*steps)[0].report_json, R"({"features": 3})");
+  EXPECT_EQ((*steps)[0].name(), "detect");
+  EXPECT_EQ(std::get<DetectRecord>((*steps)[0].outcome).features, 3u);
   EXPECT_EQ((*steps)[1].inputs_hash, "x");
   EXPECT_EQ((*store.read_step("import"))->output_hash, "y");
   ASSERT_TRUE(store.erase_step("import"));
   EXPECT_FALSE(store.read_step("import")->has_value());
 }
 
+TEST_F(ProjectStoreTest, ADamagedRecordIsAnErrorAndOneOfAnotherVersionIsNamedSo) {
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_step({"a", "b", 1, 2, 3, DetectRecord{.features = 3}}));
+  auto database = sqlite::Database::open(folder_ / "block.db");
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(database->execute("UPDATE step_records SET record = substr(record, 1, length(record) - 1)"));
+  EXPECT_EQ(store.read_step("detect").error().code, Errc::kBadFormat);
+  EXPECT_NE(store.read_step("detect").error().message.find("block.db"), std::string::npos);
+  EXPECT_EQ(store.read_steps().error().code, Errc::kBadFormat);
+  ASSERT_TRUE(database->execute("UPDATE step_records SET record = x'63'"));
+  EXPECT_EQ(store.read_step("detect").error().code, Errc::kUnsupported);
+  EXPECT_EQ(store.read_outcome<DetectRecord>().error().code, Errc::kUnsupported);
+  EXPECT_EQ(store.read_outcome<MatchRecord>().error().code, Errc::kNotFound);
+}
+
+// Once steps were kept as text in a table of its own.
+TEST_F(ProjectStoreTest, StepsOfAProjectFromBeforeCountAsNotDone) {
+  (void)open();
+  {
+    auto database = sqlite::Database::open(folder_ / "block.db");
+    ASSERT_TRUE(database);
+    ASSERT_TRUE(
+        database->execute("DROP TABLE step_records; CREATE TABLE steps (name TEXT, report_json TEXT); "
+                          "INSERT INTO steps VALUES ('detect', '{}')"));
+  }
+  const auto looked_at = ProjectStore::open_read_only(folder_);
+  ASSERT_TRUE(looked_at);
+  EXPECT_TRUE(looked_at->read_steps()->empty());
+  EXPECT_FALSE(looked_at->read_step("detect")->has_value());
+  ProjectStore store = open();
+  EXPECT_TRUE(store.read_steps()->empty());
+  ASSERT_TRUE(store.write_step({"a", "b", 1, 2, 3, DetectRecord{}}));
+  EXPECT_EQ(store.read_steps()->size(), 1u);
+}
+
 TEST_F(ProjectStoreTest, CanBeReadWhereNothingCanBeWritten) {
-  const StepRecord step{"orient", "in", "out", 1, 2, 3, "{}"};
+  const StepRecord step{"in", "out", 1, 2, 3, OrientationRecord{}};
   ASSERT_TRUE(open().write_step(step));
   fs::rename(folder_, folder_.string() + " 100% #1?");
   const fs::path folder = folder_.string() + " 100% #1?";

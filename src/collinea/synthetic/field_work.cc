@@ -125,7 +125,7 @@ void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& c
     image.camera = camera_id;
     image.taken = time_of(int(i));
     truth.block.images.emplace(id, image);
-    truth.block.cam_from_world.emplace(id, cam_from_world[i]);
+    set_pose(truth.block, id, cam_from_world[i]);
     Random random = stream(truth, kExposure, i);
     truth.exposure.emplace(id, std::exp(exposure_sigma * bounded_normal(random)));
     if (white_balance_sigma == 0) continue;
@@ -140,7 +140,7 @@ void add_positions(Truth& truth, double sigma_plan_m, double sigma_height_m) {
     Random random = stream(truth, kPosition, id.value);
     const Eigen::Vector3d error(random.normal(), random.normal(), random.normal());
     PositionPrior prior;
-    prior.position_in_world = centre_of(truth.block.cam_from_world.at(id)) + error.cwiseProduct(sigma);
+    prior.position_in_world = centre_of(pose_of(truth.block, id)) + error.cwiseProduct(sigma);
     prior.sigma_m = sigma.cwiseMax(kLeastPositionSigma_m);
     const Eigen::Vector3d written = truth.frame.geographic_from_local(prior.position_in_world);
     prior.latitude_deg = written.x();
@@ -153,7 +153,7 @@ void add_positions(Truth& truth, double sigma_plan_m, double sigma_height_m) {
 void add_attitudes(Truth& truth, double sigma_deg) {
   for (auto& [id, image] : truth.block.images) {
     Random random = stream(truth, kAttitude, id.value);
-    const Eigen::Matrix3d rotation = truth.block.cam_from_world.at(id).rotation.toRotationMatrix();
+    const Eigen::Matrix3d rotation = pose_of(truth.block, id).rotation.toRotationMatrix();
     const Eigen::Vector3d up = -rotation.row(1), axis = rotation.row(2);
     const double heading = std::atan2(up.x(), up.y());
     const double ahead = axis.x() * std::sin(heading) + axis.y() * std::cos(heading);

@@ -45,20 +45,17 @@ struct MarkOptions {
 template <class Options>
 [[nodiscard]] Result<Camera> true_camera(const Options& o, double share) {
   Camera camera = ideal_camera(o.focal_px.value_or(share * o.width_px), o.width_px, o.height_px);
-  const auto model = std::find(kCameraModelNames.begin(), kCameraModelNames.end(), o.camera_model);
-  if (model == kCameraModelNames.end())
+  const auto model = model_named(o.camera_model);
+  if (!model)
     return fail(Errc::kBadInput, "camera_model = \"" + o.camera_model + "\": there is no such model of cameras");
-  camera.model = CameraModel(model - kCameraModelNames.begin());
+  camera.model = *model;
   auto& p = camera.params;
   p[Camera::kCx] += o.principal_x_px;
   p[Camera::kCy] += o.principal_y_px;
-  p[Camera::kK1] = o.k1;
-  p[Camera::kK2] = o.k2;
-  p[Camera::kK3] = o.k3;
-  const bool of_kannala = camera.model == CameraModel::kKannalaBrandt;
-  p[Camera::kK4] = of_kannala ? o.k4 : 0;
-  p[Camera::kP1] = of_kannala ? 0 : o.p1;
-  p[Camera::kP2] = of_kannala ? 0 : o.p2;
+  const std::pair<std::string_view, double> distortion[] = {{"k1", o.k1}, {"k2", o.k2}, {"k3", o.k3},
+                                                            {"k4", o.k4}, {"p1", o.p1}, {"p2", o.p2}};
+  for (const auto& [name, value] : distortion)
+    if (const auto param = param_named(camera, name)) p[std::size_t(*param)] = value;
   for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0, 0), Eigen::Vector2d(o.width_px, 0),
                                         Eigen::Vector2d(0, o.height_px), Eigen::Vector2d(o.width_px, o.height_px)})
     if (!in_plane(camera, corner))
@@ -66,7 +63,7 @@ template <class Options>
                   "the corners of the pictures see more than 80 degrees from the axis, which is not "
                   "rendered: a longer focal length (focal_px) is needed");
   camera.name = "Collinea Synthetic";
-  camera.source = "true";
+  camera.prior.source = Provenance::kTrue;
   return camera;
 }
 

@@ -33,7 +33,7 @@ std::uint32_t next_to_epipolar_line(const Eigen::Vector3d& first, const std::vec
 void spoil(ImagePair& pair, const Block& block, const Rays& rays, const ObservationOptions& options) {
   Random random(options.seed + 2, (std::uint64_t{pair.first.value} << 32) + pair.second.value);
   const std::vector<Eigen::Vector3d>&first = rays.at(pair.first), &second = rays.at(pair.second);
-  const Rigid3 second_from_first = block.cam_from_world.at(pair.second) * inverse(block.cam_from_world.at(pair.first));
+  const Rigid3 second_from_first = pose_of(block, pair.second) * inverse(pose_of(block, pair.first));
   std::vector<Match> right, wrong;
   for (const Match& match : pair.matches) {
     if (random.uniform() >= options.matched_share) continue;

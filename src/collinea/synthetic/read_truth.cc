@@ -48,7 +48,12 @@ Result<> take_camera(const Fields& fields, Camera& camera) {
     value = std::remove_reference_t<decltype(value)>(found - names.begin());
     return {};
   };
-  if (!fields.empty() && fields[0] == "model") return take_word(kCameraModelNames, camera.model);
+  if (!fields.empty() && fields[0] == "model") {
+    const auto model = model_named(fields.size() > 1 ? std::string_view(fields[1]) : "");
+    if (!model) return fail(Errc::kBadFormat, "no such model of a camera");
+    camera.model = *model;
+    return {};
+  }
   if (!fields.empty() && fields[0] == "additional") return take_word(kAdditionalNames, camera.additional);
   COLLINEA_TRY(const auto value, numbers<1>(fields, 1));
   if (fields[0] == "width_px") camera.width_px = int(value[0]);
@@ -90,7 +95,7 @@ Result<> take_mark(const Fields& fields, TruthFolder& truth) {
 Result<TruthFolder> read_truth(const std::filesystem::path& path) {
   const std::filesystem::path folder = is_there(path / "truth") ? path / "truth" : path;
   TruthFolder truth;
-  truth.camera.source = "true";
+  truth.camera.prior.source = Provenance::kTrue;
   Result<> read = read_table(folder / "camera.csv", [&](const Fields& f) { return take_camera(f, truth.camera); });
   if (read) read = read_table(folder / "frame.csv", [&](const Fields& f) { return take_frame(f, truth.georeference); });
   if (read) read = read_table(folder / "poses.csv", [&](const Fields& f) { return take_pose(f, truth); });

@@ -29,8 +29,8 @@ class Photographer {
   Photographer(const Truth& truth, ImageId image, const RayTable& rays)
       : scene_(truth.scene),
         rays_(rays),
-        world_from_cam_(truth.block.cam_from_world.at(image).rotation.conjugate().toRotationMatrix()),
-        centre_(centre_of(truth.block.cam_from_world.at(image))),
+        world_from_cam_(pose_of(truth.block, image).rotation.conjugate().toRotationMatrix()),
+        centre_(centre_of(pose_of(truth.block, image))),
         exposed_{Raster<Colour>(rays.camera().width_px, rays.camera().height_px),
                  Raster<std::uint32_t>(rays.camera().width_px, rays.camera().height_px)} {}
 

@@ -45,8 +45,8 @@ TEST(Survey, TheSameOptionsGiveTheSameTruth) {
   collinea::Run two;
   two.threads = 2;
   const Truth again = *make_survey(small_survey(), two);
-  for (const auto& [id, pose] : survey().block.cam_from_world)
-    EXPECT_EQ(pose.translation, again.block.cam_from_world.at(id).translation);
+  for (const auto& [id, pose] : oriented_images(survey().block))
+    EXPECT_EQ(pose.translation, pose_of(again.block, id).translation);
   for (const auto& [id, mark] : survey().marks_in_world) EXPECT_EQ(mark, again.marks_in_world.at(id));
   EXPECT_EQ(survey().scene.solids().size(), again.scene.solids().size());
 }
@@ -57,7 +57,7 @@ TEST(Survey, NeighboursOverlapAsPlanned) {
   o.k1 = o.k2 = o.k3 = o.p1 = o.p2 = o.relief_m = 0;
   o.building_area_m2 = 0;
   const Truth truth = *make_survey(o);
-  const auto place = [&](std::uint32_t i) { return centre_of(truth.block.cam_from_world.at(ImageId{i})); };
+  const auto place = [&](std::uint32_t i) { return centre_of(pose_of(truth.block, ImageId{i})); };
   EXPECT_NEAR((place(1) - place(0)).norm(), 0.25 * 384 * 0.2, 1e-9);
   EXPECT_NEAR(place(6).x() - place(0).x(), 0.35 * 512 * 0.2, 1e-9);
   EXPECT_NEAR(place(0).z(), 0.2 * 0.67 * 512, 1e-9);
@@ -67,7 +67,7 @@ TEST(Survey, NeighboursOverlapAsPlanned) {
 // here; the cast adds 1e-9 m.
 void expect_rays_come_back(const Truth& truth) {
   Random random(1);
-  for (const auto& [id, pose] : truth.block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(truth.block))
     for (int i = 0; i < 40; ++i) {
       const Eigen::Vector2d pixel(random.uniform(0, 512), random.uniform(0, 384));
       const auto hit = shown_at(truth, id, pixel);
@@ -81,7 +81,7 @@ TEST(Survey, WhatAPixelShowsIsSeenAtThatPixel) { expect_rays_come_back(survey())
 TEST(Facade, WhatAPixelShowsIsSeenAtThatPixel) { expect_rays_come_back(facade()); }
 
 TEST(Survey, EveryPixelShowsGround) {
-  for (const auto& [id, pose] : survey().block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(survey().block))
     for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0, 0), {512, 0}, {0, 384}, {512, 384}})
       EXPECT_TRUE(shown_at(survey(), id, corner));
 }
@@ -89,7 +89,7 @@ TEST(Survey, EveryPixelShowsGround) {
 TEST(Survey, PointsBehindARoofAreNotSeen) {
   Random random(2);
   int hidden = 0;
-  for (const auto& [id, pose] : survey().block.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(survey().block))
     for (int i = 0; i < 200; ++i) {
       const auto hit = shown_at(survey(), id, {random.uniform(20, 490), random.uniform(20, 360)});
       ASSERT_TRUE(hit);
@@ -156,7 +156,7 @@ TEST(Survey, ExactMeasurementsAreStatedWithASigmaThatCanBeUsed) {
   }
   for (const auto& seen : truth.block.control_observations) EXPECT_GE(seen.sigma_px, 0.001);
   for (const auto& [id, image] : truth.block.images) {
-    EXPECT_LT((image.position->position_in_world - centre_of(truth.block.cam_from_world.at(id))).norm(), 1e-9);
+    EXPECT_LT((image.position->position_in_world - centre_of(pose_of(truth.block, id))).norm(), 1e-9);
     EXPECT_GE(image.position->sigma_m.minCoeff(), 0.001);
   }
 }
@@ -172,8 +172,8 @@ TEST(Survey, WrittenPositionsHaveTheirSigma) {
     const auto& prior = *image.position;
     const Eigen::Vector3d error =
         truth.frame.local_from_geographic({prior.latitude_deg, prior.longitude_deg, prior.height_m}) -
-        centre_of(truth.block.cam_from_world.at(id));
-    EXPECT_LT((error + centre_of(truth.block.cam_from_world.at(id)) - prior.position_in_world).norm(), 1e-6);
+        centre_of(pose_of(truth.block, id));
+    EXPECT_LT((error + centre_of(pose_of(truth.block, id)) - prior.position_in_world).norm(), 1e-6);
     plan += error.head<2>().squaredNorm() / (1.5 * 1.5);
     height += error.z() * error.z() / (2.5 * 2.5);
   }
@@ -183,7 +183,7 @@ TEST(Survey, WrittenPositionsHaveTheirSigma) {
 
 TEST(Survey, GimbalAnglesTellTheHeading) {
   for (const auto& [id, image] : survey().block.images) {
-    const Eigen::Matrix3d rotation = survey().block.cam_from_world.at(id).rotation.toRotationMatrix();
+    const Eigen::Matrix3d rotation = pose_of(survey().block, id).rotation.toRotationMatrix();
     const double heading = image.attitude->heading_deg / 57.29577951308232;
     EXPECT_GT(-rotation.row(1).dot(Eigen::RowVector3d(std::sin(heading), std::cos(heading), 0)), std::cos(0.12));
     EXPECT_NEAR(image.attitude->pitch_deg, -90, 9);

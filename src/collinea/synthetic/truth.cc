@@ -20,7 +20,7 @@ struct View {
 };
 
 View view_of(const Block& block, ImageId id) {
-  View view{id, &block.camera_of(id), block.cam_from_world.at(id), {}, {}, 1};
+  View view{id, &block.camera_of(id), pose_of(block, id), {}, {}, 1};
   view.centre = centre_of(view.cam_from_world);
   view.axis = view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   const double w = view.camera->width_px, h = view.camera->height_px;

@@ -45,7 +45,7 @@ PhotoHeader header_of(const Truth& truth, ImageId id) {
   }
   if (image.attitude) {
     Random random(truth.seed, (kBarometerStream << 32) + id.value);
-    header.relative_height_m = centre_of(truth.block.cam_from_world.at(id)).z() + 0.3 * random.normal();
+    header.relative_height_m = centre_of(pose_of(truth.block, id)).z() + 0.3 * random.normal();
     header.heading_deg = image.attitude->heading_deg;
     header.pitch_deg = image.attitude->pitch_deg;
     header.roll_deg = image.attitude->roll_deg;
@@ -75,8 +75,7 @@ std::string control_text(const Truth& truth) {
 std::string camera_text(const Camera& camera) {
   std::string text = "# name, value\n";
   text += fmt::format("width_px, {}\nheight_px, {}\n", camera.width_px, camera.height_px);
-  if (camera.model != CameraModel::kBrown)
-    text += "model, " + std::string(kCameraModelNames[std::size_t(camera.model)]) + "\n";
+  if (!is<Brown>(camera.model)) text += "model, " + std::string(name_of(camera.model)) + "\n";
   if (camera.additional != AdditionalSet::kNone)
     text += "additional, " + std::string(kAdditionalNames[std::size_t(camera.additional)]) + "\n";
   for (const int k : params_of(camera)) text += param_name(k) + ", " + exact(camera.params[std::size_t(k)]) + "\n";
@@ -85,7 +84,7 @@ std::string camera_text(const Camera& camera) {
 
 std::string poses_text(const Truth& truth) {
   std::string text = "# file, x, y, z, qw, qx, qy, qz, easting, northing, height\n";
-  for (const auto& [id, pose] : truth.block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(truth.block)) {
     const Eigen::Vector3d centre = centre_of(pose);
     const auto& q = pose.rotation;
     text += truth.block.images.at(id).file + ", " + exact(centre.x()) + ", " + exact(centre.y()) + ", " +
@@ -151,8 +150,7 @@ Result<> remove_earlier(const Truth& truth, const std::filesystem::path& folder)
   std::set<std::string> files;
   for (const auto& [id, image] : truth.block.images) files.insert(image.file);
   for (const auto& [file, pose] : earlier->cam_from_world)
-    if (!files.contains(file))
-      COLLINEA_TRY(remove_file(folder / "images" / file));
+    if (!files.contains(file)) COLLINEA_TRY(remove_file(folder / "images" / file));
   return {};
 }
 
@@ -168,8 +166,7 @@ Result<> write_tables(const Truth& truth, const std::filesystem::path& folder) {
       {inner / "marks.csv", marks_text(truth)},
       {inner / "frame.csv", frame_text(*truth.block.georeference)},
   };
-  for (const auto& [path, text] : files)
-    COLLINEA_TRY(write_file(path, text));
+  for (const auto& [path, text] : files) COLLINEA_TRY(write_file(path, text));
   return {};
 }
 

@@ -39,7 +39,7 @@ TEST(Write, WhatWasWrittenIsReadBack) {
   EXPECT_EQ(read->georeference.crs, options.crs);
   ASSERT_EQ(read->cam_from_world.size(), 12u);
   for (const auto& [id, image] : truth.block.images) {
-    const Eigen::Vector3d centre = centre_of(truth.block.cam_from_world.at(id));
+    const Eigen::Vector3d centre = centre_of(pose_of(truth.block, id));
     EXPECT_LT((centre_of(read->cam_from_world.at(image.file)) - centre).norm(), 1e-9);
     EXPECT_LT((read->centre_in_map.at(image.file) - truth.frame.map_from_local(centre)).norm(), 2e-6);
   }

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/step_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace collinea {
+namespace {
+
+std::string words(const ImportRecord& r) {
+  return fmt::format(
+      "{} images, {} camera{}, {} positions, {} control points{}{}", r.images, r.cameras, r.cameras == 1 ? "" : "s",
+      r.positions, r.control_points,
+      r.ground_measurements == 0 ? "" : fmt::format(", {} measurements on the ground", r.ground_measurements),
+      r.crs ? ", map " + *r.crs : ", no map: local gauge");
+}
+
+std::string words(const DetectRecord& r) { return fmt::format("{} features in {} images", r.features, r.images); }
+
+std::string words(const MatchRecord& r) {
+  return fmt::format("{} pairs verified, {} searched, {} matches", r.pairs_by_geometry.verified(), r.pairs_searched,
+                     r.matches);
+}
+
+std::string words(const OrientationRecord& r) {
+  return fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}", r.oriented, r.images, r.tie_points,
+                     r.mean_reprojection_px, r.gauge);
+}
+
+std::string words(const DensifyRecord& r) { return fmt::format("{} depth maps, {} points", r.depth_maps, r.points); }
+
+std::string words(const SurfaceRecord& r) {
+  const double seen = double(r.measured_cells + r.interpolated_cells);
+  return fmt::format("{} x {} cells of {:.3g} m, {:.1f} % of the seen ones interpolated", r.width, r.height, r.cell_m,
+                     seen > 0 ? 100 * double(r.interpolated_cells) / seen : 0.0);
+}
+
+std::string words(const TerrainRecord& r) {
+  return fmt::format("ground seen in {:.1f} % of {} x {} cells{}",
+                     100 * double(r.ground_cells) / double(r.ground_cells + r.interpolated_cells), r.width, r.height,
+                     r.contour_m > 0 ? fmt::format(", contours every {:.4g} m", r.contour_m) : std::string());
+}
+
+std::string words(const OrthoRecord& r) {
+  std::string follows;
+  if (r.seamlines) {
+    std::uint64_t not_followed = 0;
+    for (const auto& [image, cells] : r.cells_not_followed) not_followed += cells;
+    follows =
+        fmt::format(", as {} polygons of {} say but for {:.2f} % of the cells, which their photograph does not see",
+                    r.seamlines->polygons, r.seamlines->file,
+                    100 * double(not_followed) / double(std::max<std::uint64_t>(1, r.painted_cells)));
+  }
+  return fmt::format(
+      "{} x {} cells of {:.3g} m from {} photographs, {:.0f} m of seams along which these differ by "
+      "{:.1f} grey levels{}",
+      r.width, r.height, r.cell_m, r.images_used, r.seam_length_m, r.seam_difference_grey, follows);
+}
+
+std::string words(const ReportRecord& r) { return r.file; }
+
+}  // namespace
+
+std::string summary_of(const StepOutcome& outcome) {
+  if (const auto why = skipped_because(outcome)) return *why;
+  return std::visit([](const auto& record) { return words(record); }, outcome);
+}
+
+}  // namespace collinea

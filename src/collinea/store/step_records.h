@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/differences.h"
+#include "collinea/block/features.h"
+#include "collinea/block/instrument_options.h"
+
+namespace collinea {
+
+// What each step leaves for those after it, for the report and for whoever asks: one struct a step, kept in the project
+// database and read back as that struct. Plain values; images, cameras and points by their ids in the block, lengths in
+// metres unless a member says otherwise. `kStep` is the name of the step; `fields` tells the members (packed_fields.h).
+// A new record is its struct, and a place in StepOutcome.
+
+/// A file that has no part in what follows, and why.
+struct SkippedImage {
+  std::string file;  ///< below the folder of the images
+  std::string reason;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("file", &SkippedImage::file);
+    visit("reason", &SkippedImage::reason);
+  }
+};
+
+struct ImportRecord {
+  static constexpr std::string_view kStep = "import";
+  std::uint64_t images = 0, cameras = 0, positions = 0, control_points = 0, ground_measurements = 0;
+  std::optional<std::string> crs;     ///< of maps and control; nothing: no map
+  std::vector<SkippedImage> skipped;  ///< files that are no images, or of no use
+  std::vector<std::string> findings;  ///< what the user should know
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = ImportRecord;
+    visit("images", &R::images);
+    visit("cameras", &R::cameras);
+    visit("positions", &R::positions);
+    visit("control_points", &R::control_points);
+    visit("ground_measurements", &R::ground_measurements);
+    visit("crs", &R::crs);
+    visit("skipped", &R::skipped);
+    visit("findings", &R::findings);
+  }
+};
+
+struct DetectRecord {
+  static constexpr std::string_view kStep = "detect";
+  std::uint64_t images = 0;    ///< that could be read
+  std::uint64_t features = 0;  ///< in all of them
+  std::vector<SkippedImage> skipped;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = DetectRecord;
+    visit("images", &R::images);
+    visit("features", &R::features);
+    visit("skipped", &R::skipped);
+  }
+};
+
+/// How many pairs of images turned out to be what (PairGeometry).
+struct PairCounts {
+  std::uint64_t unrelated = 0, general = 0, planar = 0, rotation = 0;
+
+  [[nodiscard]] std::uint64_t verified() const { return general + planar + rotation; }
+  void add(PairGeometry geometry);
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("unrelated", &PairCounts::unrelated);
+    visit("general", &PairCounts::general);
+    visit("planar", &PairCounts::planar);
+    visit("rotation", &PairCounts::rotation);
+  }
+};
+
+struct MatchRecord {
+  static constexpr std::string_view kStep = "match";
+  std::uint64_t pairs = 0;           ///< looked at
+  std::uint64_t pairs_searched = 0;  ///< of these by their features, not only by tracks that they share
+  std::uint64_t matches = 0;         ///< verified, of all pairs
+  PairCounts pairs_by_geometry;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = MatchRecord;
+    visit("pairs", &R::pairs);
+    visit("pairs_searched", &R::pairs_searched);
+    visit("matches", &R::matches);
+    visit("pairs_by_geometry", &R::pairs_by_geometry);
+  }
+};
+
+/// East, north and height; nothing on an axis where nothing was measured.
+using AxisValues = std::array<std::optional<double>, 3>;
+
+/// Standard deviation of heights at a position, as far as images and cameras make it.
+struct HeightPrecision {
+  Eigen::Vector2d position_in_world{0, 0};  ///< east, north
+  double sigma_m = 0;                       ///< holds sigma0
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("position_in_world", &HeightPrecision::position_in_world);
+    visit("sigma_m", &HeightPrecision::sigma_m);
+  }
+};
+
+/// How cameras took part in the adjustment that gave the orientation.
+struct CalibrationRecord {
+  /// The set of parameters by its name (AdjustOptions::calibration): "none" when no camera was calibrated.
+  std::string parameters = "none";
+  /// Of each camera that was calibrated: the indices in Camera::params that were free, ascending.
+  std::map<CameraId, std::vector<std::uint32_t>> free;
+  /// Standard deviations of Camera::params, sigma0 held; 0: fixed or not known. Of cameras whose covariance is known.
+  std::map<CameraId, std::vector<double>> sigma;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = CalibrationRecord;
+    visit("parameters", &R::parameters);
+    visit("free", &R::free);
+    visit("sigma", &R::sigma);
+  }
+};
+
+/// Poses, cameras and points are in the store; this is how good they are and how they came about.
+struct OrientationRecord {
+  static constexpr std::string_view kStep = "orient";
+  std::uint64_t images = 0, oriented = 0, tie_points = 0;
+  std::uint64_t observations = 0;        ///< of tie points
+  std::uint64_t gross_measurements = 0;  ///< of tie points, rejected before the final least squares
+  double mean_reprojection_px = 0;       ///< mean length of the residuals of tie points
+  double pixel_size = 0;                 ///< median at the tie points [m, or units of the gauge]
+  double sigma0 = 0;
+  std::int64_t redundancy = 0;
+  bool georeferenced = false;      ///< false: a gauge without place on Earth
+  bool metric = false;             ///< lengths are in metres
+  bool relative_heights = false;   ///< georeferenced in plan, but nothing told a height
+  bool holds_given_poses = false;  ///< poses are those of another program, not adjusted
+  std::string gauge;               ///< what fixes place, attitude and scale, in words
+  std::optional<AxisValues> control_rmse_m, check_rmse_m, position_rms_m;  ///< nothing: no such point took part
+  std::vector<double> sigma_factors;          ///< what the given sigmas were multiplied by, by ObservationGroup
+  Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
+  InstrumentOptions instruments;              ///< those that took part
+  CalibrationRecord calibration;
+  std::vector<ImageId> not_oriented;              ///< in no part of the block
+  std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
+  std::vector<ControlDifference> control;         ///< those that were excluded last
+  std::vector<PositionDifference> positions;
+  std::vector<GroundDifference> ground;
+  std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
+  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; sigma0 held
+  std::vector<std::string> findings;                  ///< what the user should know
+
+  /// Ground size of a pixel; nothing without a scale.
+  [[nodiscard]] std::optional<double> gsd_m() const { return metric ? std::optional(pixel_size) : std::nullopt; }
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = OrientationRecord;
+    visit("images", &R::images);
+    visit("oriented", &R::oriented);
+    visit("tie_points", &R::tie_points);
+    visit("observations", &R::observations);
+    visit("gross_measurements", &R::gross_measurements);
+    visit("mean_reprojection_px", &R::mean_reprojection_px);
+    visit("pixel_in_units", &R::pixel_size);
+    visit("sigma0", &R::sigma0);
+    visit("redundancy", &R::redundancy);
+    visit("georeferenced", &R::georeferenced);
+    visit("metric", &R::metric);
+    visit("relative_heights", &R::relative_heights);
+    visit("holds_given_poses", &R::holds_given_poses);
+    visit("gauge", &R::gauge);
+    visit("control_rmse_m", &R::control_rmse_m);
+    visit("check_rmse_m", &R::check_rmse_m);
+    visit("position_rms_m", &R::position_rms_m);
+    visit("sigma_factors", &R::sigma_factors);
+    visit("position_shift_m", &R::position_shift_m);
+    visit("instruments", &R::instruments);
+    visit("calibration", &R::calibration);
+    visit("not_oriented", &R::not_oriented);
+    visit("other_parts", &R::other_parts);
+    visit("control", &R::control);
+    visit("positions", &R::positions);
+    visit("ground", &R::ground);
+    visit("height_precision", &R::height_precision);
+    visit("centre_sigma_m", &R::centre_sigma_m);
+    visit("findings", &R::findings);
+  }
+};
+
+struct DensifyRecord {
+  static constexpr std::string_view kStep = "densify";
+  std::uint64_t depth_maps = 0, points = 0;
+  std::vector<SkippedImage> skipped;  ///< without a depth map
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = DensifyRecord;
+    visit("depth_maps", &R::depth_maps);
+    visit("points", &R::points);
+    visit("skipped", &R::skipped);
+  }
+};
+
+/// The surface model. Where the step had nothing to make, `skipped_because` says why and all else is 0.
+struct SurfaceRecord {
+  static constexpr std::string_view kStep = "surface";
+  std::optional<std::string> skipped_because;
+  double cell_m = 0;
+  std::int32_t width = 0, height = 0;                        ///< cells
+  std::uint64_t points = 0, points_dropped = 0;              ///< dropped: not finite, or far from all others
+  std::uint64_t measured_cells = 0, interpolated_cells = 0;  ///< the others are empty
+  double lowest_m = 0, highest_m = 0;                        ///< of the measured cells
+  double mean_sigma_m = 0, mean_sigma_relative_m = 0;        ///< quadratic means of the measured cells
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = SurfaceRecord;
+    visit("skipped_because", &R::skipped_because);
+    visit("cell_m", &R::cell_m);
+    visit("width", &R::width);
+    visit("height", &R::height);
+    visit("points", &R::points);
+    visit("points_dropped", &R::points_dropped);
+    visit("measured_cells", &R::measured_cells);
+    visit("interpolated_cells", &R::interpolated_cells);
+    visit("lowest_m", &R::lowest_m);
+    visit("highest_m", &R::highest_m);
+    visit("mean_sigma_m", &R::mean_sigma_m);
+    visit("mean_sigma_relative_m", &R::mean_sigma_relative_m);
+  }
+};
+
+/// The terrain model; as SurfaceRecord.
+struct TerrainRecord {
+  static constexpr std::string_view kStep = "terrain";
+  std::optional<std::string> skipped_because;
+  double cell_m = 0;
+  std::int32_t width = 0, height = 0;                      ///< cells
+  std::uint64_t ground_cells = 0, interpolated_cells = 0;  ///< the others are empty
+  std::uint64_t ground_points = 0;                         ///< of the cloud, that show the ground
+  double coarse_cell_m = 0;                                ///< of the grid on which objects are told from the ground
+  double lowest_m = 0, highest_m = 0;
+  double mean_sigma_m = 0, mean_sigma_relative_m = 0;  ///< quadratic means of the ground cells
+  double contour_m = 0;                                ///< interval; 0: no contours
+  std::uint64_t contours = 0;                          ///< lines
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = TerrainRecord;
+    visit("skipped_because", &R::skipped_because);
+    visit("cell_m", &R::cell_m);
+    visit("width", &R::width);
+    visit("height", &R::height);
+    visit("ground_cells", &R::ground_cells);
+    visit("interpolated_cells", &R::interpolated_cells);
+    visit("ground_points", &R::ground_points);
+    visit("coarse_cell_m", &R::coarse_cell_m);
+    visit("lowest_m", &R::lowest_m);
+    visit("highest_m", &R::highest_m);
+    visit("mean_sigma_m", &R::mean_sigma_m);
+    visit("mean_sigma_relative_m", &R::mean_sigma_relative_m);
+    visit("contour_m", &R::contour_m);
+    visit("contours", &R::contours);
+  }
+};
+
+/// Seamlines that the orthophoto was asked to follow.
+struct GivenSeamlines {
+  std::string file;
+  std::uint64_t polygons = 0;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("file", &GivenSeamlines::file);
+    visit("polygons", &GivenSeamlines::polygons);
+  }
+};
+
+/// The orthophoto; as SurfaceRecord.
+struct OrthoRecord {
+  static constexpr std::string_view kStep = "ortho";
+  std::optional<std::string> skipped_because;
+  double cell_m = 0;
+  std::int32_t width = 0, height = 0;  ///< cells
+  std::uint64_t painted_cells = 0, empty_cells = 0;
+  std::uint64_t images_used = 0;
+  double seam_length_m = 0;         ///< where both images see the position
+  double seam_difference_grey = 0;  ///< mean over the seams: by how much the two images differ, after balancing
+  double seam_step_grey = 0;        ///< root mean square over the seams: mean step between the two images of a pair
+  std::optional<GivenSeamlines> seamlines;              ///< nothing: the seams were found
+  std::map<ImageId, std::uint64_t> cells_not_followed;  ///< by images that a seamline names: cells they do not see
+  std::vector<ImageId> sources;                         ///< of ortho_source.tif: its 1 is the first of them
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = OrthoRecord;
+    visit("skipped_because", &R::skipped_because);
+    visit("cell_m", &R::cell_m);
+    visit("width", &R::width);
+    visit("height", &R::height);
+    visit("painted_cells", &R::painted_cells);
+    visit("empty_cells", &R::empty_cells);
+    visit("photographs_used", &R::images_used);
+    visit("seam_length_m", &R::seam_length_m);
+    visit("seam_difference_grey", &R::seam_difference_grey);
+    visit("seam_step_grey", &R::seam_step_grey);
+    visit("seamlines", &R::seamlines);
+    visit("cells_not_seen_by_their_seamlines_photograph", &R::cells_not_followed);
+    visit("sources", &R::sources);
+  }
+};
+
+struct ReportRecord {
+  static constexpr std::string_view kStep = "report";
+  std::string file;  ///< below the project folder
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("file", &ReportRecord::file);
+  }
+};
+
+/// The closed list of records.
+using StepOutcome = std::variant<ImportRecord, DetectRecord, MatchRecord, OrientationRecord, DensifyRecord,
+                                 SurfaceRecord, TerrainRecord, OrthoRecord, ReportRecord>;
+
+/// The name of the step that leaves such a record.
+[[nodiscard]] std::string_view step_of(const StepOutcome& outcome);
+
+/// Why the step made no product; nothing: it made them.
+[[nodiscard]] std::optional<std::string> skipped_because(const StepOutcome& outcome);
+
+/// The record as a byte string: its format, a fingerprint of its members, and these.
+[[nodiscard]] std::string packed(const StepOutcome& outcome);
+
+/// The record that packed() made of the outcome of `step`. Errors: kUnsupported when another version of the program
+/// wrote it, whose records have other members; kBadFormat when the bytes are damaged, or there is no such step.
+[[nodiscard]] Result<StepOutcome> unpacked_outcome(std::string_view step, std::string_view bytes);
+
+}  // namespace collinea
