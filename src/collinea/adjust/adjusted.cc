@@ -4,7 +4,7 @@
 namespace collinea {
 
 void apply(const Adjusted& adjusted, Block& block) {
-  for (const auto& [id, pose] : adjusted.cam_from_world) block.cam_from_world[id] = pose;
+  for (const auto& [id, pose] : adjusted.cam_from_world) set_pose(block, id, pose);
   for (const auto& [id, camera] : adjusted.cameras) block.cameras[id] = camera;
   auto known = block.points.begin();
   for (const auto& [id, position] : adjusted.points) {

@@ -23,7 +23,7 @@ std::optional<std::vector<int>> free_params(const std::string& calibration) {
 double weak_sigma(const Camera& camera, int param) {
   switch (param) {
     case Camera::kF:
-      return camera.sigma_f_px;
+      return camera.prior.sigma_f_px;
     case Camera::kCx:
     case Camera::kCy:
       return 0.03 * camera.width_px;

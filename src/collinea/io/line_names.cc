@@ -34,7 +34,7 @@ std::string escaped(std::string_view name) {
 bool has_control_character(std::string_view name) { return std::any_of(name.begin(), name.end(), is_control); }
 
 Result<> check_image_names(const Block& block, std::string_view format, bool hash_begins_remark) {
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     const std::string& name = block.images.at(id).file;
     const char* why = name.empty()                                  ? "is empty"
                       : has_control_character(name)                 ? "holds a line break, tab or control character"

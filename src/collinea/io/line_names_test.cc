@@ -23,11 +23,11 @@ Block block_with(const std::string& name) {
     block.images[{i}].file = i == 0 ? name : "other.jpg";
     block.images[{i}].camera = {0};
     // Looking down from 100 m.
-    block.cam_from_world[{i}] = {Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d(10.0 * i, 0, 100)};
+    set_pose(block, {i}, {Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d(10.0 * i, 0, 100)});
     Observation o;
     o.image = {i};
     o.point = {0};
-    o.pixel = project(block.cameras[{0}], block.cam_from_world[{i}] * Eigen::Vector3d(1, 2, 3)).value();
+    o.pixel = project(block.cameras[{0}], pose_of(block, {i}) * Eigen::Vector3d(1, 2, 3)).value();
     block.observations.push_back(o);
   }
   return block;

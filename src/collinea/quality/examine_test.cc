@@ -38,7 +38,7 @@ struct Series {
 double squared_pose_error(const Examined& adjusted, const Block& truth) {
   double sum = 0;
   for (const auto& [id, pose] : adjusted.cam_from_world) {
-    const Rigid3& exact = truth.cam_from_world.at(id);
+    const Rigid3 exact = pose_of(truth, id);
     Eigen::Matrix<double, 6, 1> error;
     error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
     sum += error.dot(adjusted.pose_covariance.at(id).inverse() * error);
@@ -91,7 +91,7 @@ TEST(Adjust, PlacesMeasuredWithoutErrorAreAsFarOffAsTheImagesMakeThem) {
     Block exact = truth;  // its measurements have no errors
     apply(*adjusted, exact);
     AdjustScope held;
-    for (const auto& [id, pose] : exact.cam_from_world) held.fixed_images.insert(id);
+    for (const auto& [id, pose] : oriented_images(exact)) held.fixed_images.insert(id);
     const auto intersected = examine(exact, held, examined(), kRun);
     ASSERT_TRUE(intersected) << intersected.error().message;
     const std::map<PointId, Eigen::Vector3d> found(intersected->points.begin(), intersected->points.end());
@@ -143,7 +143,7 @@ TEST(Adjust, FreeNetworkHasSevenDefectsAndResidualsThatDoNotDependOnTheFrame) {
   const Block block = test_block({.rows = 2, .points = 80, .sigma_px = 0.5});
   const Similarity3 moved_from_world{0.37, rotation_by({0.5, -1, 0.3}), {40, 8, -11}};
   Block other = block;
-  for (auto& [id, pose] : other.cam_from_world) pose = moved(pose, moved_from_world);
+  for (const auto& [id, pose] : oriented_images(other)) set_pose(other, id, moved(pose, moved_from_world));
   for (auto& [id, point] : other.points) point.position_in_world = moved_from_world * point.position_in_world;
   ExamineOptions options = examined();
   const auto a = examine(block, {}, options, kRun), b = examine(other, {}, options, kRun);
@@ -187,7 +187,7 @@ TEST(Adjust, TheSigmaOfATurnIsThatOfItsVerticals) {
   Block block = test_block({.rows = 1, .columns = 8, .sigma_px = 0.1});
   AdjustScope scope;
   std::uint32_t number = 0;
-  for (const auto& [id, pose] : block.cam_from_world) {
+  for (const auto& [id, pose] : oriented_images(block)) {
     // All the positions can tell of the turn about the line is put out of reach.
     block.images.at(id).position = PositionPrior{centre_of(pose), {0.2, 1e4, 1e4}};
     scope.verticals[id] = {pose.rotation * Eigen::Vector3d::UnitZ(), 0.02};
@@ -246,14 +246,15 @@ TEST(Adjust, CheckPointsDoNotUseImagesThatAreLeftOut) {
   for (ControlObservation& o : block.control_observations)
     if (o.image == lonely && o.point != check) o.image = ImageId{999};  // not oriented
   block.images[ImageId{999}] = block.images.at(lonely);
-  Rigid3& pose = block.cam_from_world.at(lonely);
+  Rigid3 pose = pose_of(block, lonely);
   pose.translation += Eigen::Vector3d(2, -1, 0);
+  set_pose(block, lonely, pose);
   ExamineOptions options = examined();
   const auto adjusted = examine(block, {}, options, kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   ASSERT_EQ(adjusted->images_left_out, std::vector<ImageId>{lonely});
   Block without = block;
-  without.cam_from_world.erase(lonely);
+  remove_pose(without, lonely);
   const auto expected = examine(without, {}, options, kRun);
   ASSERT_TRUE(expected) << expected.error().message;
   ASSERT_EQ(adjusted->control.size(), expected->control.size());

@@ -96,7 +96,7 @@ TEST(Shape, ExactTruthComesBack) {
     const Marked made = on_shape(kind, 0, 1, 0, 0.001);
     Block start = testing::disturbed(made.block, 0.003, 0.2);
     for (auto& [id, image] : start.images)
-      image.position = PositionPrior{centre_of(made.block.cam_from_world.at(id)), Eigen::Vector3d::Constant(0.001)};
+      image.position = PositionPrior{centre_of(pose_of(made.block, id)), Eigen::Vector3d::Constant(0.001)};
     const auto adjusted = examine(start, {}, tested(), kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     EXPECT_TRUE(adjusted->converged);

@@ -61,7 +61,7 @@ std::vector<ControlDifference> excluded_control(const Orientation& orientation, 
   Block measured;
   measured.cameras = orientation.block.cameras;
   measured.images = setup.images;
-  measured.cam_from_world = orientation.block.cam_from_world;
+  measured.poses = orientation.block.poses;
   measured.control_observations = setup.control_observations;
   std::vector<ControlDifference> excluded;
   for (const ControlId id : orientation.excluded_control) {
@@ -115,7 +115,7 @@ OrientationRecord record_of(const Orientation& orientation, const Block& setup) 
   const Adjusted& adjusted = orientation.adjusted;
   OrientationRecord record;
   record.images = setup.images.size();
-  record.oriented = orientation.block.cam_from_world.size();
+  record.oriented = count_oriented(orientation.block);
   record.tie_points = orientation.block.points.size();
   record.observations = orientation.block.observations.size();
   record.gross_measurements = std::uint64_t(orientation.gross_measurements);
