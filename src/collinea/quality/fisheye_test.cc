@@ -155,7 +155,7 @@ TEST(Fisheye, PointsBehindThePlaneOfTheCameraAreAdjusted) {
   for (const Observation& o : truth.observations)
     behind += (pose_of(truth, o.image) * truth.points.at(o.point).position_in_world).z() < 0;
   EXPECT_GT(behind, 50u);
-  const auto adjusted = examine(disturbed(truth, 0.003, 0.1), {}, {.calibration = "none", .loss = "none"}, {});
+  const auto adjusted = adjust(disturbed(truth, 0.003, 0.1), {}, {.calibration = "none", .loss = "none"}, {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_NEAR(adjusted->sigma0, 1, 4 / std::sqrt(2.0 * double(adjusted->redundancy)));
 }
