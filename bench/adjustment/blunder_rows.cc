@@ -86,7 +86,7 @@ class Trial {
 double mean_length(const Examined& adjusted, const Block& exact) {
   double sum = 0;
   for (const auto& [id, covariance] : adjusted.pose_covariance) {
-    const Eigen::Vector3d by = centre_of(adjusted.cam_from_world.at(id)) - centre_of(exact.cam_from_world.at(id));
+    const Eigen::Vector3d by = centre_of(adjusted.cam_from_world.at(id)) - centre_of(pose_of(exact, id));
     sum += by.dot(covariance.bottomRightCorner<3, 3>().inverse() * by) / 3;
   }
   return sum / static_cast<double>(adjusted.pose_covariance.size());

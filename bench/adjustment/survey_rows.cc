@@ -28,7 +28,7 @@ bool is_attitude(Group group) { return group >= Group::kAttitudeLevel; }
 // Attitudes of an inertial system, turned by its boresight.
 void add_attitudes(const Block& exact, const Eigen::Vector3d& boresight, AdjustScope& scope, Random& random) {
   const Eigen::Vector3d sigma(3e-4, 3e-4, 6e-4);
-  for (const auto& [id, pose] : exact.cam_from_world)
+  for (const auto& [id, pose] : oriented_images(exact))
     scope.attitudes[id] = {
         (rotation_by(boresight).conjugate() * pose.rotation * rotation_by(sigma.cwiseProduct(normal3(random))))
             .normalized(),
@@ -110,7 +110,8 @@ const Eigen::Vector3d kArm(0.3, -0.2, -0.5), kShift(0.4, -0.7, 1.1), kDrift(0.03
 // Strips without any across, each with a shift of its own, and no control: nothing parts the shifts from the block.
 Row without_cross_flight(const Run& run) {
   Block exact = exact_block(Layout::kCrossStrips, {.points = 300, .control = 4}, 4);
-  std::erase_if(exact.cam_from_world, [](const auto& one) { return one.first.value > 18; });
+  for (const auto& [id, pose] : oriented_images(exact))
+    if (id.value > 18) remove_pose(exact, id);
   std::erase_if(exact.observations, [](const auto& seen) { return seen.image.value > 18; });
   std::erase_if(exact.control_observations, [](const auto& seen) { return seen.image.value > 18; });
   Measured made = measured(exact, 4);
@@ -154,8 +155,7 @@ Rows instruments(const Effort& effort, const Run& run) {
     track.shift_sigma_m = track.drift_sigma_m = kUnknown;
     double time = -0.5 * static_cast<double>(made.block.images.size());
     for (auto& [id, image] : made.block.images) {
-      image.position->position_in_world +=
-          exact.cam_from_world.at(id).rotation.conjugate() * kArm + kShift + time * kDrift;
+      image.position->position_in_world += pose_of(exact, id).rotation.conjugate() * kArm + kShift + time * kDrift;
       track.time[id] = time++;
     }
     made.scope.position_tracks.push_back(track);

@@ -59,7 +59,7 @@ struct Errors {
   void take(const Examined& adjusted, const Block& exact) {
     const double variance = std::pow(sigma_scale(adjusted), 2);
     for (const auto& [id, pose] : adjusted.cam_from_world) {
-      const Rigid3& its = exact.cam_from_world.at(id);
+      const Rigid3 its = pose_of(exact, id);
       Eigen::Matrix<double, 6, 1> error;
       error << rotation_vector(pose.rotation.conjugate() * its.rotation), centre_of(its) - centre_of(pose);
       poses.add(error.dot(adjusted.pose_covariance.at(id).llt().solve(error)) / variance);

@@ -129,7 +129,7 @@ Rows weak_blocks(const Run& run) {
     Block exact = exact_block(one.layout, {.points = 300, .control = one.control}, 4);
     one.weaken(exact);
     Measured made = measured(exact, 4);
-    if (std::string_view(one.code) == "no_base") set_poses(made.block, exact.cam_from_world);
+    if (std::string_view(one.code) == "no_base") made.block.poses = exact.poses;
     ExamineOptions options{.adjust = {.calibration = one.calibration, .loss = "none", .position_loss = "none"}};
     const auto adjusted = examine(made.block, made.scope, options, run);
     Row row{std::string("weak: ") + one.what, "named, with a cure", adjusted ? "not named" : adjusted.error().message};
