@@ -9,6 +9,9 @@ demo: build
 test: build
 	@echo "== layers"
 	@python3 tools/check_layers.py
+	@python3 tools/check_flags.py
+	@echo "== manual"
+	@python3 tools/manual_options.py --check
 	@echo "== tests"
 	@ctest --preset release -j 2
 

@@ -24,12 +24,12 @@ Block small_block() {
     image.camera = {0};
     block.images[{i}] = image;
     const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{1.0 + i, -2.0, 30.0 * i});
-    block.cam_from_world[{i}] = {rotation, -(rotation * Eigen::Vector3d(20.0 * i, 5, 100))};
+    set_pose(block, {i}, {rotation, -(rotation * Eigen::Vector3d(20.0 * i, 5, 100))});
   }
   for (std::uint32_t p = 0; p < 2; ++p) {
     const Eigen::Vector3d position(5.0 + p, 7, p);
     block.points[{p}] = {position, {std::uint8_t(p), 7, 255}};
-    for (const auto& [id, pose] : block.cam_from_world) {
+    for (const auto& [id, pose] : oriented_images(block)) {
       Observation o;
       o.image = id;
       o.point = {p};

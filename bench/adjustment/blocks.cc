@@ -211,7 +211,7 @@ Measured measured(const Block& exact, std::uint64_t seed) {
     if (image.position) image.position->position_in_world += normal3(random).cwiseProduct(image.position->sigma_m);
   made.scope.first_cameras = exact.cameras;
   for (auto& [id, camera] : made.scope.first_cameras) {
-    const CameraSigmas sigmas = *calibration_named("brown_affinity", camera);
+    const CameraSigmas sigmas = calibration_sigmas(Calibration::kBrownAffinity, camera);
     for (std::size_t k = 0; k < sigmas.size(); ++k) camera.params[k] += sigmas[k] * random.normal();
   }
   for (auto& [id, camera] : made.block.cameras) camera.params[Camera::kF] *= 1 + 0.002 * random.normal();
@@ -225,8 +225,8 @@ Measured measured(const Block& exact, std::uint64_t seed) {
   return made;
 }
 
-ExamineOptions exact_options(const std::string& calibration) {
-  ExamineOptions options{.adjust = {.calibration = calibration, .loss = "none", .position_loss = "none"}};
+ExamineOptions exact_options(Calibration calibration) {
+  ExamineOptions options{.adjust = {.calibration = calibration, .loss = Loss::kNone, .position_loss = Loss::kNone}};
   options.adjust.relative_cost_change = options.adjust.parameter_change = 1e-13;
   options.adjust.step_sigmas = 1e-3;
   return options;

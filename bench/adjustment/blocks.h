@@ -38,6 +38,6 @@ struct Measured {
 [[nodiscard]] Measured measured(const Block& exact, std::uint64_t seed);
 
 /// Options that iterate until nothing changes any more, without losses.
-[[nodiscard]] ExamineOptions exact_options(const std::string& calibration);
+[[nodiscard]] ExamineOptions exact_options(Calibration calibration);
 
 }  // namespace collinea::bench

@@ -125,7 +125,7 @@ Rows blunders(const Effort& effort, const Run& run) {
   // have gone. Its own scatter would allow for what it spoils.
   std::vector<double> lengthened, allowed;
   int failed = 0;
-  ExamineOptions options = exact_options("brown");
+  ExamineOptions options = exact_options(Calibration::kBrown);
   options.reliability = true;
   for (int i = 0; i < effort.blunder_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(5000 + i);

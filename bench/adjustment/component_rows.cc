@@ -25,7 +25,7 @@ Rows variance_components(const Effort& effort, const Run& run) {
     for (std::size_t g = 0; g < kObservationGroups; ++g) wrong[g] = (g + static_cast<std::size_t>(i)) % 2 ? 3 : 1.0 / 3;
     const Measured made = measured(exact, seed);
     const Block told_wrongly = with_sigmas(made.block, wrong);
-    const auto found = estimate_variance_components(told_wrongly, made.scope, exact_options("brown"), run);
+    const auto found = estimate_variance_components(told_wrongly, made.scope, exact_options(Calibration::kBrown), run);
     if (!found || !found->converged) {
       ++failed;
       continue;

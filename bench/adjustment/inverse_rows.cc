@@ -29,7 +29,7 @@ Rows dense_inverse(const Run& run) {
   double worst[4] = {};
   for (const Layout layout : {Layout::kCrossStrips, Layout::kRing, Layout::kCorridor}) {
     const Measured made = measured(exact_block(layout, {.points = 90, .control = 5}, 7), 7);
-    ExamineOptions options = exact_options("brown");
+    ExamineOptions options = exact_options(Calibration::kBrown);
     options.point_covariances = true;
     const auto adjusted = examine(made.block, made.scope, options, run);
     if (!adjusted || !adjusted->undetermined.empty()) return {{"covariances", "", "not adjusted", false}};
@@ -90,7 +90,7 @@ DenseMatrix constrained_inverse(const DenseMatrix& matrix, const std::vector<int
 
 Rows free_network(const Run& run) {
   const Measured made = measured(exact_block(Layout::kRing, {.points = 70, .control = 0}, 11), 11);
-  ExamineOptions options = exact_options("brown");
+  ExamineOptions options = exact_options(Calibration::kBrown);
   options.point_covariances = true;
   const auto adjusted = examine(made.block, made.scope, options, run);
   if (!adjusted || adjusted->point_covariance.empty()) return {{"free network", "", "not adjusted", false}};

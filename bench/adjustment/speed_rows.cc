@@ -36,7 +36,7 @@ Rows large_block(const Effort& effort, const Run& run) {
   const std::string size = fmt::format("{} images, {} points, {} rays", made.block.images.size(),
                                        made.block.points.size(), made.block.observations.size());
   Rows table;
-  ExamineOptions options{.adjust = {.calibration = "brown"}};
+  ExamineOptions options{.adjust = {.calibration = Calibration::kBrown}};
   auto begin = std::chrono::steady_clock::now();
   double used = processor_seconds();
   auto estimate = adjust(made.block, made.scope, options.adjust, run);

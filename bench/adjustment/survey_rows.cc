@@ -42,7 +42,7 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
   std::map<bool, Counts> counts;  // of attitudes: true
   double alarms = 0, good = 0;
   int failed = 0;
-  ExamineOptions options = exact_options("focal_radial");
+  ExamineOptions options = exact_options(Calibration::kFocalRadial);
   options.reliability = true;
   options.test.false_alarm =
       0.005;  // so that enough of these few measurements are wrongly doubted to see that none are
@@ -122,7 +122,7 @@ Row without_cross_flight(const Run& run) {
     made.scope.position_tracks.push_back(track);
   }
   made.scope.use_control = false;
-  ExamineOptions options = exact_options("none");
+  ExamineOptions options = exact_options(Calibration::kNone);
   const auto adjusted = examine(made.block, made.scope, options, run);
   Row row{"strips without cross flight, each with a shift", "the correlation is named, with its cure",
           adjusted ? "not named" : adjusted.error().message};
@@ -161,7 +161,7 @@ Rows instruments(const Effort& effort, const Run& run) {
     made.scope.position_tracks.push_back(track);
     made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
     add_attitudes(exact, kTurn, made.scope, random);
-    ExamineOptions options = exact_options("focal_radial");
+    ExamineOptions options = exact_options(Calibration::kFocalRadial);
     const auto adjusted = examine(made.block, made.scope, options, run);
     if (!adjusted || !adjusted->undetermined.empty()) {
       ++failed;

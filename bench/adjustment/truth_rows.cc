@@ -107,7 +107,7 @@ Rows true_errors(const Effort& effort, const Run& run) {
     const auto seed = static_cast<std::uint64_t>(1000 + i);
     const Block exact = exact_block(layout, {}, seed);
     const Measured made = measured(exact, seed);
-    ExamineOptions options = exact_options("brown");
+    ExamineOptions options = exact_options(Calibration::kBrown);
     options.point_covariances = options.reliability = true;
     const auto adjusted = examine(made.block, made.scope, options, run);
     if (!adjusted || !adjusted->reliability || !adjusted->converged) {

@@ -55,7 +55,7 @@ void look_straight_down(Block& block) {
 struct Case {
   const char* what;
   const char* code;
-  const char* calibration;
+  Calibration calibration;
   Layout layout;
   int control;
   std::function<void(Block&)> weaken;
@@ -63,20 +63,21 @@ struct Case {
 
 std::vector<Case> cases() {
   return {
-      {"no datum", "no_datum", "none", Layout::kRing, 0, [](Block&) {}},
-      {"one control point (scale, attitude)", "datum_defect", "none", Layout::kRing, 1, [](Block&) {}},
-      {"two control points (turn about their line)", "datum_defect", "none", Layout::kRing, 2, [](Block&) {}},
-      {"control without heights", "datum_defect", "none", Layout::kCrossStrips, 8,
+      {"no datum", "no_datum", Calibration::kNone, Layout::kRing, 0, [](Block&) {}},
+      {"one control point (scale, attitude)", "datum_defect", Calibration::kNone, Layout::kRing, 1, [](Block&) {}},
+      {"two control points (turn about their line)", "datum_defect", Calibration::kNone, Layout::kRing, 2,
+       [](Block&) {}},
+      {"control without heights", "datum_defect", Calibration::kNone, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
          for (auto& [id, control] : block.control) control.sigma_m.z() = kInfinity;
        }},
-      {"control in height only", "datum_defect", "none", Layout::kCrossStrips, 8,
+      {"control in height only", "datum_defect", Calibration::kNone, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
          for (auto& [id, control] : block.control) control.sigma_m.head<2>().setConstant(kInfinity);
        }},
-      {"three control points nearly on a line", "weak_turn", "none", Layout::kRing, 3,
+      {"three control points nearly on a line", "weak_turn", Calibration::kNone, Layout::kRing, 3,
        [](Block& block) {
          double x = -4;
          for (auto& [id, control] : block.control) {
@@ -85,9 +86,9 @@ std::vector<Case> cases() {
          }
          project_again(block);
        }},
-      {"one strip, positions alone (roll)", "weak_turn", "none", Layout::kCrossStrips, 0,
+      {"one strip, positions alone (roll)", "weak_turn", Calibration::kNone, Layout::kCrossStrips, 0,
        [](Block& block) { keep_images(block, 6); }},
-      {"pairs without triple overlap", "scale_drifts", "none", Layout::kCrossStrips, 0,
+      {"pairs without triple overlap", "scale_drifts", Calibration::kNone, Layout::kCrossStrips, 0,
        [](Block& block) {
          forget_positions(block);
          keep_images(block, 6);
@@ -96,7 +97,7 @@ std::vector<Case> cases() {
            return seen.image.value > first.try_emplace(seen.point, seen.image.value).first->second + 1;
          });
        }},
-      {"images turned only", "no_base", "none", Layout::kCrossStrips, 8,
+      {"images turned only", "no_base", Calibration::kNone, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
          const Eigen::Vector3d place(50, 30, 60);
@@ -106,13 +107,13 @@ std::vector<Case> cases() {
          }
          project_again(block);
        }},
-      {"an image that hangs on two points", "images_left_out", "none", Layout::kCrossStrips, 0,
+      {"an image that hangs on two points", "images_left_out", Calibration::kNone, Layout::kCrossStrips, 0,
        [](Block& block) {
          int kept = 0;
          std::erase_if(block.observations,
                        [&](const Observation& seen) { return seen.image == ImageId{3} && kept++ >= 2; });
        }},
-      {"focal length and height over level ground", "focal_and_height", "focal", Layout::kCrossStrips, 8,
+      {"focal length and height over level ground", "focal_and_height", Calibration::kFocal, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
          keep_images(block, 18);
@@ -130,7 +131,8 @@ Rows weak_blocks(const Run& run) {
     one.weaken(exact);
     Measured made = measured(exact, 4);
     if (std::string_view(one.code) == "no_base") made.block.poses = exact.poses;
-    ExamineOptions options{.adjust = {.calibration = one.calibration, .loss = "none", .position_loss = "none"}};
+    ExamineOptions options{
+        .adjust = {.calibration = one.calibration, .loss = Loss::kNone, .position_loss = Loss::kNone}};
     const auto adjusted = examine(made.block, made.scope, options, run);
     Row row{std::string("weak: ") + one.what, "named, with a cure", adjusted ? "not named" : adjusted.error().message};
     if (adjusted)

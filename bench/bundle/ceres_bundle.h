@@ -21,8 +21,8 @@ struct CeresOutcome {
   double jacobian_seconds = 0, linear_seconds = 0;  ///< by the clock, as Ceres tells them
 };
 
-/// The adjustment of adjust() with calibration = "brown" and its default losses, as a problem of Ceres: points
-/// eliminated first, analytic derivatives of image points. Ends as soon as the cost is at most `wanted_cost`.
+/// The adjustment of adjust() with calibration = Calibration::kBrown and its default losses, as a problem of Ceres:
+/// points eliminated first, analytic derivatives of image points. Ends as soon as the cost is at most `wanted_cost`.
 [[nodiscard]] CeresOutcome ceres_bundle(const Block& block, const Block& first_cameras, CeresSolver solver, int threads,
                                         double wanted_cost);
 

@@ -94,7 +94,7 @@ void compare(const Block& exact, const StartErrors& errors, double wrong_share, 
   Result<Adjusted> ours;
   for (int i = 0; i < asked.repeats; ++i) {
     const double begin = cpu_seconds();
-    ours = adjust(block, {}, {.calibration = "brown"}, run);
+    ours = adjust(block, {}, {.calibration = Calibration::kBrown}, run);
     times.push_back(cpu_seconds() - begin);
   }
   if (!ours) {

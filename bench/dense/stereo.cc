@@ -177,8 +177,8 @@ int main(int argc, char** argv) {
     const std::string flag = argv[i], value = i + 1 < argc ? argv[i + 1] : "";
     if (flag == "--middlebury" && !value.empty()) {
       folder = value;
-    } else if (flag == "--cost" && !value.empty()) {
-      options.cost = value;
+    } else if (flag == "--cost" && from_word<StereoCost>(value)) {
+      options.cost = *from_word<StereoCost>(value);
     } else if (flag == "--rounds" && std::atoi(value.c_str()) > 0) {
       rounds = std::atoi(value.c_str());
     } else if (flag == "--threads" && std::atoi(value.c_str()) > 0) {
@@ -199,12 +199,12 @@ int main(int argc, char** argv) {
     if (wanted(name)) pairs.push_back([=] { return middlebury(folder / name, factor); });
   if (wanted("village"))
     pairs.push_back([] {
-      auto truth = make_survey({.gsd_m = 0.1, .width_px = 1024, .height_px = 768});
+      auto truth = make_survey({.gsd_m = 0.1, .camera = {.width_px = 1024, .height_px = 768}});
       return truth ? rendered("village, rendered", std::move(*truth), 12, 1024, 768) : std::nullopt;
     });
   if (wanted("facade"))
     pairs.push_back([] {
-      auto truth = make_facade({.width_px = 1024, .height_px = 768});
+      auto truth = make_facade({.camera = {.width_px = 1024, .height_px = 768}});
       return truth ? rendered("facade, rendered", std::move(*truth), 1.2, 1024, 768) : std::nullopt;
     });
   fmt::print(

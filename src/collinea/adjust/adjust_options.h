@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
+#include "collinea/adjust/calibration.h"
 #include "collinea/base/options.h"
+#include "collinea/math/robust.h"
 
 namespace collinea {
 
 /// How a bundle adjustment is done. Observations are whitened by their sigmas; all costs are sums of squares in sigmas.
 struct AdjustOptions {
-  std::string calibration = "focal_radial";
-  std::string loss = "huber";
+  Calibration calibration = Calibration::kFocalRadial;
+  Loss::Kind loss = Loss::kHuber;
   double loss_scale_sigmas = 2;
-  std::string position_loss = "huber";
+  Loss::Kind position_loss = Loss::kHuber;
   double position_loss_scale_sigmas = 3;
   int max_iterations = 50;
   double first_damping = 1e-4;
@@ -27,13 +27,11 @@ struct AdjustOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = AdjustOptions;
-    visit(Field{"calibration", &O::calibration, "",
-                "free camera parameters: none | focal | focal_radial (f k1 k2) | brown (f cx cy k1 k2 k3 p1 p2) | "
-                "brown_affinity (and b1 b2)"});
-    visit(Field{"loss", &O::loss, "", "robust loss of tie point observations: none | huber | cauchy"});
+    visit(Field{"calibration", &O::calibration, "", "free camera parameters"});
+    visit(Field{"loss", &O::loss, "", "robust loss of tie point observations"});
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
-    visit(Field{"position_loss", &O::position_loss, "", "robust loss of GNSS positions: none | huber | cauchy"});
+    visit(Field{"position_loss", &O::position_loss, "", "robust loss of GNSS positions"});
     visit(Field{"position_loss_scale_sigmas", &O::position_loss_scale_sigmas, "sigma",
                 "distance from which the loss of positions sets in", 0.01, 1e6});
     visit(Field{"max_iterations", &O::max_iterations, "1", "upper bound of linearisations", 1, 10000});

@@ -4,19 +4,26 @@
 #include <algorithm>
 #include <vector>
 
+#include "collinea/base/result.h"
+
 namespace collinea {
 namespace {
 
-std::optional<std::vector<int>> free_params(const std::string& calibration) {
+std::vector<int> free_params(Calibration calibration) {
   using C = Camera;
-  if (calibration == "none") return std::vector<int>{};
-  if (calibration == "focal") return std::vector<int>{C::kF};
-  if (calibration == "focal_radial") return std::vector<int>{C::kF, C::kK1, C::kK2};
-  std::vector<int> brown{C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kK4, C::kP1, C::kP2};
-  if (calibration == "brown") return brown;
-  brown.insert(brown.end(), {C::kB1, C::kB2});
-  if (calibration == "brown_affinity") return brown;
-  return std::nullopt;
+  switch (calibration) {
+    case Calibration::kNone:
+      return {};
+    case Calibration::kFocal:
+      return {C::kF};
+    case Calibration::kFocalRadial:
+      return {C::kF, C::kK1, C::kK2};
+    case Calibration::kBrown:
+      return {C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kK4, C::kP1, C::kP2};
+    case Calibration::kBrownAffinity:
+      return {C::kF, C::kCx, C::kCy, C::kK1, C::kK2, C::kK3, C::kK4, C::kP1, C::kP2, C::kB1, C::kB2};
+  }
+  bug("a calibration without parameters");
 }
 
 // Standard deviations of the weak observations of calibration.
@@ -43,14 +50,10 @@ double weak_sigma(const Camera& camera, int param) {
 
 }  // namespace
 
-bool is_calibration(const std::string& name) { return free_params(name).has_value(); }
-
-std::optional<CameraSigmas> calibration_named(const std::string& name, const Camera& first) {
-  const auto free = free_params(name);
-  if (!free) return std::nullopt;
+CameraSigmas calibration_sigmas(Calibration calibration, const Camera& first) {
   CameraSigmas sigmas{};
   const std::vector<int> has = params_of(first);
-  for (const int param : *free)
+  for (const int param : free_params(calibration))
     if (std::ranges::find(has, param) != has.end()) sigmas[static_cast<std::size_t>(param)] = weak_sigma(first, param);
   return sigmas;
 }

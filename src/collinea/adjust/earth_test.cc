@@ -94,7 +94,7 @@ double largest_height_error(const Adjusted& adjusted, const Block& truth) {
   return largest;
 }
 
-const AdjustOptions kPlain{.calibration = "none", .loss = "none", .position_loss = "none"};
+const AdjustOptions kPlain{.calibration = Calibration::kNone, .loss = Loss::kNone, .position_loss = Loss::kNone};
 
 // From map coordinates to the frame and back the points of 50 km agree to a tenth of a millimetre, and the bundle keeps
 // them: the frame is Cartesian. Had the map's coordinates been taken for Cartesian ones, the same rays would not meet:

@@ -39,8 +39,6 @@ class Gatherer {
       : block_(block), scope_(scope), options_(options) {}
 
   Result<ProblemAndStart> gather() {
-    if (!is_calibration(options_.calibration))
-      return fail(Errc::kBadInput, "calibration = \"" + options_.calibration + "\": no such set of parameters");
     number_images();
     COLLINEA_TRY(links_, ground_taking_part(block_, scope_));
     for (const std::uint32_t link : links_) wanted_.insert({block_.ground[link].from, block_.ground[link].to});
@@ -300,7 +298,7 @@ class Gatherer {
                   "no point is measured in two images that take part: there is nothing to adjust. Measure tie "
                   "points in a second image, or control points known in plan and height");
     if (std::none_of(candidates_.begin(), candidates_.end(), [](const Candidate& c) { return c.free && !c.out; }) &&
-        options_.calibration == "none" && scope_.camera_sigmas.empty() &&
+        options_.calibration == Calibration::kNone && scope_.camera_sigmas.empty() &&
         std::all_of(points_.begin(), points_.end(), [](auto& p) { return p.held; }))
       return fail(Errc::kIllPosed, "every image, camera and point is held: there is nothing to adjust");
     return {};
@@ -406,7 +404,7 @@ class Gatherer {
       const auto own = scope_.camera_sigmas.find(unknowns.id);
       const bool held = own == scope_.camera_sigmas.end() && !camera.prior.calibrate;
       const CameraSigmas sigmas =
-          own == scope_.camera_sigmas.end() ? *calibration_named(options_.calibration, given) : own->second;
+          own == scope_.camera_sigmas.end() ? calibration_sigmas(options_.calibration, given) : own->second;
       for (const int param : params_of(camera)) {
         const double sigma = sigmas[static_cast<std::size_t>(param)];
         if (!(sigma >= 0))
@@ -457,14 +455,9 @@ class Gatherer {
 }  // namespace
 
 Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, const AdjustOptions& options) {
-  const auto tie_loss = loss_named(options.loss, options.loss_scale_sigmas);
-  const auto position_loss = loss_named(options.position_loss, options.position_loss_scale_sigmas);
-  if (!tie_loss || !position_loss)
-    return fail(Errc::kBadInput,
-                "loss = \"" + (tie_loss ? options.position_loss : options.loss) + "\": there is no such loss");
   COLLINEA_TRY(ProblemAndStart gathered, Gatherer(block, scope, options).gather());
-  gathered.problem.tie_loss = *tie_loss;
-  gathered.problem.position_loss = *position_loss;
+  gathered.problem.tie_loss = {options.loss, options.loss_scale_sigmas, 1};
+  gathered.problem.position_loss = {options.position_loss, options.position_loss_scale_sigmas, 1};
   find_datum(gathered.problem, gathered.start);
   return gathered;
 }

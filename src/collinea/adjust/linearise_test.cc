@@ -144,8 +144,8 @@ TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
 }
 
 TEST(Loss, WeightAndCurvatureAreDerivativesOfTheCost) {
-  for (const char* name : {"none", "huber", "cauchy"}) {
-    Loss loss = *loss_named(name, 1.5);
+  for (const auto& [kind, word, meaning] : kLossWords) {
+    Loss loss{kind, 1.5};
     loss.least_curvature = -10;
     for (const double x : {0.4, 1.3, 1.7, 6.0}) {
       const double h = 1e-4, s = x * x;
@@ -154,7 +154,7 @@ TEST(Loss, WeightAndCurvatureAreDerivativesOfTheCost) {
       EXPECT_NEAR(loss.weight(s) * loss.curvature(s), (cost(x + h) - 2 * cost(x) + cost(x - h)) / (2 * h * h), 1e-6);
     }
   }
-  EXPECT_FALSE(loss_named("tukey", 1));
+  EXPECT_FALSE(from_word<Loss::Kind>("tukey"));
 }
 
 // The gradient is that of the cost whatever curvature is assumed; J^T r = -1/2 d(cost).

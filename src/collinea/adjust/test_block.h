@@ -34,10 +34,10 @@ inline Eigen::Vector3d normal3(Random& random) {
 }
 
 /// Least squares without any loss, to the last step.
-inline AdjustOptions plain(std::string calibration = "none") {
+inline AdjustOptions plain(Calibration calibration = Calibration::kNone) {
   AdjustOptions options;
-  options.calibration = std::move(calibration);
-  options.loss = options.position_loss = "none";
+  options.calibration = calibration;
+  options.loss = options.position_loss = Loss::kNone;
   options.relative_cost_change = 1e-12;
   options.parameter_change = 1e-13;
   options.step_sigmas = 0;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "collinea/app/commands.h"
-#include "collinea/app/console.h"
+#include "collinea/app/console_command.h"
 #include "collinea/jobs/adjust_project.h"
 
 namespace collinea {
@@ -14,73 +12,89 @@ struct Asked {
   std::string project;
   std::optional<std::string> import_file, export_file, output;
   AdjustProjectOptions options;
-  InstrumentOptions instruments;  ///< holds what the flags say; only those given change what orient did
-  std::vector<std::function<void(InstrumentOptions&)>> changes;
-  std::vector<std::pair<std::string, Given>> given;  ///< options of the adjustment
+  std::vector<std::pair<std::string_view, Given>> given;  ///< options of the adjustment
+  std::vector<std::pair<std::string_view, Given>> given_instruments;
   ConsoleOptions console;
 };
 
+// One line for the user.
+std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
+  const Examined& adjusted = report.adjusted;
+  std::string text =
+      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
+  if (const auto& tests = adjusted.reliability; !tests) {
+    text += "; no standard deviations: " + adjusted.undetermined;
+  } else {
+    text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
+    if (tests->unseen > 0)
+      text += fmt::format(", and {} more whose point lies where their image does not see it", tests->unseen);
+  }
+  for (const AdditionalTest& test : report.additional) {
+    const std::string dropped = dropped_names(test);
+    text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
+    if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
+  }
+  for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
+  return text + "; " + (folder / "adjustment.html").string();
+}
+
+Result<std::string> convert(const Asked& asked) {
+  for (const auto& given : {asked.given, asked.given_instruments})
+    for (const auto& [name, is_given] : given)
+      if (is_given())
+        return tl::unexpected(Error{Errc::kBadInput,
+                                    "the file is only converted, and nothing of how it will be adjusted is kept in it",
+                                    {OptionName{name}, "import"_option, "export"_option}});
+  if (asked.output) return fail(Errc::kBadInput, "adjust the file, or convert it", {"output"_option, "export"_option});
+  COLLINEA_TRY(convert_adjustment(*asked.import_file, *asked.export_file));
+  return *asked.export_file;
+}
+
 Result<std::string> adjust_as(const Asked& asked, const Run& run) {
   if (asked.import_file.has_value() != asked.project.empty())
-    return fail(Errc::kBadInput, "adjust what? Give a project folder, or a file by --import");
+    return fail(Errc::kBadInput, "adjust what? Give a project folder, or a file", {"import"_option});
   if (asked.import_file) {
-    if (asked.export_file) {
-      for (const auto& [name, given] : asked.given)
-        if (given())
-          return fail(Errc::kBadInput, name +
-                                           ": with --import and --export the file is only converted, and nothing of "
-                                           "how it will be adjusted is kept in it");
-      if (asked.output) return fail(Errc::kBadInput, "--output and --export: adjust the file, or convert it");
-      COLLINEA_TRY(convert_adjustment(*asked.import_file, *asked.export_file));
-      return *asked.export_file;
-    }
-    if (!asked.output) return fail(Errc::kBadInput, "--import needs --output, the folder for what comes of it");
-    return adjust_file(*asked.import_file, *asked.output, asked.options, run);
+    if (asked.export_file) return convert(asked);
+    if (!asked.output) return fail(Errc::kBadInput, "a file needs a folder for what comes of it", {"output"_option});
+    COLLINEA_TRY(const AdjustmentReport report, adjust_file(*asked.import_file, *asked.output, asked.options, run));
+    return outcome_text(report, *asked.output);
   }
-  if (asked.output) return fail(Errc::kBadInput, "--output belongs to --import; a project has its own folder");
+  if (asked.output)
+    return fail(Errc::kBadInput, "the output of a file needs the file; a project has its own folder",
+                {"output"_option, "import"_option});
   COLLINEA_TRY(const Project project, open_project(asked.project, run));
-  if (!asked.export_file) return adjust_project(project, asked.options);
+  if (!asked.export_file) {
+    COLLINEA_TRY(const AdjustmentReport report, adjust_project(project, asked.options));
+    return outcome_text(report, project.folder / "adjustment");
+  }
   COLLINEA_TRY(export_adjustment(project, asked.options, *asked.export_file));
   return *asked.export_file;
+}
+
+void declare(Flags& flags, Asked& asked) {
+  flags.positional("project", asked.project, "project folder", false);
+  flags.add("import", asked.import_file, "",
+            "adjust the measurements of this file instead: no project, no images (see adjustment-file)");
+  flags.add("output", asked.output, "", "with --import: folder for report and tables");
+  flags.add("export", asked.export_file, "",
+            "adjust nothing; write to this file what would be adjusted, as text for --import");
+  flags.add_all(asked.console, "run");
+  flags.add_all(asked.options, "adjust", [&](std::string_view group, const auto& field, const Given& given) {
+    (group == "instruments" ? asked.given_instruments : asked.given).emplace_back(field.name, given);
+  });
 }
 
 }  // namespace
 
 Command adjust_command() {
-  auto asked = std::make_shared<Asked>();
-  return {"adjust", "the bundle of an oriented project again: standard deviations, tests for blunders, reliability",
-          [asked](Flags& flags) {
-            flags.positional("project", asked->project, "project folder", false);
-            flags.add("import", asked->import_file, "",
-                      "adjust the measurements of this file instead: no project, no images (see adjustment-file)");
-            flags.add("output", asked->output, "", "with --import: folder for report and tables");
-            flags.add("export", asked->export_file, "",
-                      "adjust nothing; write to this file what would be adjusted, as text for --import");
-            flags.add_all(asked->console, "run");
-            const auto note = [asked](const auto& field, const Given& given) {
-              std::string name = "--" + std::string(field.name);
-              std::replace(name.begin(), name.end(), '_', '-');
-              asked->given.emplace_back(name, given);
-            };
-            flags.add_all(asked->options, "adjust", note);
-            flags.add_all(asked->instruments, "instruments", [&](const auto& field, const Given& given) {
-              note(field, given);
-              asked->changes.push_back([given, member = field.member, asked = asked.get()](InstrumentOptions& options) {
-                if (given()) options.*member = asked->instruments.*member;
-              });
-            });
-            asked->options.instruments = [asked = asked.get()](InstrumentOptions& options) {
-              for (const auto& change : asked->changes) change(options);
-            };
-          },
-          [asked] {
-            auto console = Console::create(asked->console);
-            if (!console) return complain(console.error());
-            const auto done = adjust_as(*asked, console->run());
-            if (!done) return console->complain(done.error());
-            fmt::print("{}\n", *done);
-            return 0;
-          }};
+  return console_command<Asked>(
+      "adjust", "the bundle of an oriented project again: standard deviations, tests for blunders, reliability",
+      declare, [](Asked& asked, Console& console) -> Result<std::string> {
+        for (const auto& [name, given] : asked.given_instruments)
+          if (given()) asked.options.changed_instruments.emplace(name);
+        COLLINEA_TRY(const std::string text, adjust_as(asked, console.run()));
+        return text + "\n";
+      });
 }
 
 }  // namespace collinea

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-
 #include "collinea/app/commands.h"
-#include "collinea/app/console.h"
+#include "collinea/app/console_command.h"
 #include "collinea/jobs/assess.h"
 
 namespace collinea {
@@ -12,23 +10,17 @@ Command assess_command() {
     std::string project, truth;
     ConsoleOptions console;
   };
-  auto asked = std::make_shared<Asked>();
-  return {"assess", "how far the products of a simulated block are from the truth",
-          [asked](Flags& flags) {
-            flags.positional("project", asked->project, "project folder");
-            flags.positional("truth", asked->truth, "folder truth/ beside the simulated photographs");
-            flags.add_all(asked->console, "run");
-          },
-          [asked] {
-            auto console = Console::create(asked->console);
-            if (!console) return complain(console.error());
-            const auto project = open_project(asked->project, console->run());
-            if (!project) return console->complain(project.error());
-            const auto text = assess_project(*project, asked->truth);
-            if (!text) return console->complain(text.error());
-            std::fputs(text->c_str(), stdout);
-            return 0;
-          }};
+  return console_command<Asked>(
+      "assess", "how far the products of a simulated block are from the truth",
+      [](Flags& flags, Asked& asked) {
+        flags.positional("project", asked.project, "project folder");
+        flags.positional("truth", asked.truth, "folder truth/ beside the simulated photographs");
+        flags.add_all(asked.console, "run");
+      },
+      [](Asked& asked, Console& console) -> Result<std::string> {
+        COLLINEA_TRY(const Project project, open_project(asked.project, console.run()));
+        return assess_project(project, asked.truth).map(table);
+      });
 }
 
 }  // namespace collinea

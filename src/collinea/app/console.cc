@@ -24,8 +24,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-enum class Show { kBar, kLines, kJson, kNone };
-
 std::string time_text(double seconds) {
   if (seconds < 100) return fmt::format("{:.0f} s", seconds);
   if (seconds < 6000) return fmt::format("{:.0f} min", seconds / 60);
@@ -47,7 +45,8 @@ void on_signal(int) {
 
 struct Console::State {
   std::mutex mutex;
-  Show show = Show::kLines;
+  ProgressForm show = ProgressForm::kLines;
+  OptionSpelling spelling;
   int threads = 1;
   std::stop_source stop;
   std::thread signals;  // waits for Ctrl-C
@@ -80,10 +79,10 @@ struct Console::State {
     last_shown = now;
     const double elapsed_s = std::chrono::duration<double>(now - stage_start).count();
     const double left_s = done > 0.01 ? elapsed_s * (1 - done) / done : -1;
-    if (show == Show::kJson) {
+    if (show == ProgressForm::kJson) {
       fmt::print(stderr, "{{\"stage\":\"{}\",\"done\":{:.4f},\"elapsed_s\":{:.1f},\"left_s\":{}}}\n",
                  json_escaped(name), done, elapsed_s, left_s < 0 ? "null" : fmt::format("{:.1f}", left_s));
-    } else if (show == Show::kBar) {
+    } else if (show == ProgressForm::kBar) {
       constexpr int kWidth = 32;
       const int full = std::clamp(static_cast<int>(done * kWidth + 0.5), 0, kWidth);
       fmt::print(stderr, "\r\x1b[K{:<24} [{:=<{}}{: <{}}] {:3.0f} %  {}", name, "", full, "", kWidth - full, 100 * done,
@@ -96,9 +95,9 @@ struct Console::State {
   void say(std::string_view line) {
     const std::lock_guard lock(mutex);
     clear_bar();
-    if (show == Show::kJson)
+    if (show == ProgressForm::kJson)
       fmt::print(stderr, "{{\"log\":\"{}\"}}\n", json_escaped(line));
-    else if (show != Show::kNone)
+    else if (show != ProgressForm::kNone)
       fmt::print(stderr, "{}\n", line);
     std::fflush(stderr);
     write_log(line);
@@ -160,22 +159,13 @@ Console::~Console() {
   if (state_) state_->unwatch_signals();
 }
 
-Result<Console> Console::create(const ConsoleOptions& options) {
+Result<Console> Console::create(const ConsoleOptions& options, OptionSpelling spelling) {
   COLLINEA_TRY(validate(options));
   Console console;
   State& state = *console.state_;
-  if (options.progress == "auto")
-    state.show = isatty(STDERR_FILENO) ? Show::kBar : Show::kLines;
-  else if (options.progress == "bar")
-    state.show = Show::kBar;
-  else if (options.progress == "lines")
-    state.show = Show::kLines;
-  else if (options.progress == "json")
-    state.show = Show::kJson;
-  else if (options.progress == "none")
-    state.show = Show::kNone;
-  else
-    return fail(Errc::kBadInput, "--progress " + options.progress + ": choose auto, bar, lines, json or none");
+  state.show = options.progress;
+  if (state.show == ProgressForm::kAuto) state.show = isatty(STDERR_FILENO) ? ProgressForm::kBar : ProgressForm::kLines;
+  state.spelling = std::move(spelling);
   const int available = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   state.threads = options.threads > 0 ? options.threads : available;
   state.watch_signals();
@@ -193,24 +183,34 @@ Run Console::run() {
   return {.stop = state->stop.get_token(),
           .progress = [state](std::string_view stage, double done) { state->progress(stage, done); },
           .log = [state](std::string_view line) { state->say(line); },
-          .threads = state->threads};
+          .threads = state->threads,
+          .spelling = state->spelling};
 }
 
 int Console::complain(const Error& error) {
   State& state = *state_;
   const int code = exit_code(error.code);
+  const std::string text = text_of(error, state.spelling);
   const std::lock_guard lock(state.mutex);
   state.clear_bar();
-  if (state.show == Show::kJson)
-    fmt::print(stderr, "{{\"error\":\"{}\",\"exit_code\":{}}}\n", json_escaped(error.message), code);
+  if (state.show == ProgressForm::kJson)
+    fmt::print(stderr, "{{\"error\":\"{}\",\"exit_code\":{}}}\n", json_escaped(text), code);
   else
-    fmt::print(stderr, "error: {}\n", error.message);
-  state.write_log("error: " + error.message);
+    fmt::print(stderr, "error: {}\n", text);
+  state.write_log("error: " + text);
   return code;
 }
 
-int complain(const Error& error) {
-  fmt::print(stderr, "error: {}\n", error.message);
+std::string text_of(const Error& error, const OptionSpelling& spelling) {
+  std::string names;
+  for (const OptionName& option : error.options)
+    names += (names.empty() ? "" : ", ") + (spelling ? spelling(option) : std::string(option.name));
+  if (names.empty()) return error.message;
+  return error.message + (error.options.size() == 1 ? " (option " : " (options ") + names + ")";
+}
+
+int complain(const Error& error, const OptionSpelling& spelling) {
+  fmt::print(stderr, "error: {}\n", text_of(error, spelling));
   return exit_code(error.code);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -11,15 +12,28 @@
 
 namespace collinea {
 
+/// How progress is shown.
+enum class ProgressForm { kAuto, kBar, kLines, kJson, kNone };
+inline constexpr Word<ProgressForm> kProgressFormWords[] = {
+    {ProgressForm::kAuto, "auto", "bar on a terminal, else lines"},
+    {ProgressForm::kBar, "bar"},
+    {ProgressForm::kLines, "lines"},
+    {ProgressForm::kJson, "json"},
+    {ProgressForm::kNone, "none"}};
+[[nodiscard]] constexpr std::span<const Word<ProgressForm>> words(ProgressForm) { return kProgressFormWords; }
+
+/// How a face writes the name of an option.
+using OptionSpelling = std::function<std::string(OptionName)>;
+
 /// What every long command asks of its user.
 struct ConsoleOptions {
-  std::string progress = "auto";
+  ProgressForm progress = ProgressForm::kAuto;
   int threads = 0;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = ConsoleOptions;
-    visit(Field{"progress", &O::progress, "", "auto, bar, lines, json or none; shown on stderr"});
+    visit(Field{"progress", &O::progress, "", "how progress is shown on stderr"});
     visit(Field{"threads", &O::threads, "1", "processor threads; 0 = all there are. Results do not depend on it", 0});
   }
 };
@@ -29,7 +43,7 @@ struct ConsoleOptions {
 /// and ends the program with the exit code of a stop when that takes longer than 1.5 s. One at a time.
 class Console {
  public:
-  static Result<Console> create(const ConsoleOptions& options);
+  static Result<Console> create(const ConsoleOptions& options, OptionSpelling spelling = {});
   /// Also writes every logged line to this file.
   void log_to(const std::filesystem::path& file);
   /// For the computation, without a seed of its own: refers to this console, which must outlive it.
@@ -48,6 +62,10 @@ class Console {
 };
 
 /// The same where there is no console: prints "error: ..." to stderr.
-int complain(const Error& error);
+int complain(const Error& error, const OptionSpelling& spelling = {});
+
+/// What went wrong, with the options that it is about: "give a CRS (option --crs)". Without a spelling they have their
+/// names.
+[[nodiscard]] std::string text_of(const Error& error, const OptionSpelling& spelling);
 
 }  // namespace collinea

@@ -35,7 +35,7 @@ TEST(JsonText, EveryPairOfBytesGivesValidJson) {
 }
 
 TEST(Console, CtrlCBecomesARequestToStop) {
-  auto console = Console::create({.progress = "none"});
+  auto console = Console::create({.progress = ProgressForm::kNone});
   ASSERT_TRUE(console);
   const collinea::Run run = console->run();
   EXPECT_FALSE(run.stopped());
@@ -45,7 +45,7 @@ TEST(Console, CtrlCBecomesARequestToStop) {
 
 TEST(Console, OneAfterTheOtherWorks) {
   for (int i = 0; i < 3; ++i) {
-    auto console = Console::create({.progress = "none", .threads = 3});
+    auto console = Console::create({.progress = ProgressForm::kNone, .threads = 3});
     ASSERT_TRUE(console);
     EXPECT_EQ(console->run().threads, 3);
     EXPECT_FALSE(console->run().stopped());
@@ -53,22 +53,32 @@ TEST(Console, OneAfterTheOtherWorks) {
 }
 
 TEST(Console, ErrorsAreShownInTheFormOfTheProgress) {
-  for (const char* progress : {"lines", "none", "bar", "json"}) {
+  for (const ProgressForm progress :
+       {ProgressForm::kLines, ProgressForm::kNone, ProgressForm::kBar, ProgressForm::kJson}) {
     ::testing::internal::CaptureStderr();
     auto console = Console::create({.progress = progress});
     ASSERT_TRUE(console);
     EXPECT_EQ(console->complain({Errc::kIllPosed, "no \"base\""}), 6);
     const std::string shown = ::testing::internal::GetCapturedStderr();
-    if (progress == std::string("json"))
+    if (progress == ProgressForm::kJson)
       EXPECT_EQ(nlohmann::json::parse(shown), (nlohmann::json{{"error", "no \"base\""}, {"exit_code", 6}}));
     else
-      EXPECT_EQ(shown, "error: no \"base\"\n") << progress;
+      EXPECT_EQ(shown, "error: no \"base\"\n") << word_of(progress);
   }
 }
 
+TEST(Console, ErrorsNameTheirOptionsAsTheFaceSpellsThem) {
+  const Error error{Errc::kBadInput, "which site?", {"east_m"_option, "area"_option}};
+  const auto spelling = [](OptionName option) { return "<" + std::string(option.name) + ">"; };
+  EXPECT_EQ(text_of(error, spelling), "which site? (options <east_m>, <area>)");
+  EXPECT_EQ(text_of({Errc::kBadInput, "no CRS", {"crs"_option}}, {}), "no CRS (option crs)");
+  EXPECT_EQ(text_of({Errc::kBadInput, "no CRS"}, spelling), "no CRS");
+}
+
 TEST(Console, OptionsOutOfRangeAreRefused) {
-  EXPECT_FALSE(Console::create({.progress = "loud"}));
-  EXPECT_FALSE(Console::create({.threads = -2}));
+  const auto refused = Console::create({.threads = -2});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().options, std::vector{"threads"_option});
 }
 
 }  // namespace

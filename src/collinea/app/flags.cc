@@ -11,28 +11,86 @@
 
 namespace collinea {
 
-std::string Flags::flag_of(std::string_view name) const {
-  const auto spelled = [](std::string text) {
-    std::replace(text.begin(), text.end(), '_', '-');
-    return "--" + text;
-  };
-  const std::string flag = spelled(std::string(name));
-  if (app_.get_option_no_throw(flag) == nullptr) return flag;
-  return spelled(group_ + "_" + std::string(name));
+namespace {
+
+std::string spelled_as_flag(std::string_view name) {
+  std::string text(name);
+  std::replace(text.begin(), text.end(), '_', '-');
+  return "--" + text;
+}
+
+// "robust loss: none | huber | cauchy (redescends)".
+std::string with_choices(std::string_view help, const std::vector<Choice>& choices) {
+  std::string text(help);
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    text += (i == 0 ? ": " : " | ") + std::string(choices[i].word);
+    if (!choices[i].meaning.empty()) text += " (" + std::string(choices[i].meaning) + ")";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string value_name_of(PathKind kind) {
+  switch (kind) {
+    case PathKind::kFile:
+    case PathKind::kOutput:
+      return "FILE";
+    case PathKind::kFolder:
+      return "FOLDER";
+    default:
+      return "PATH";
+  }
+}
+
+std::string Flags::spelled(OptionName option) const {
+  if (const auto known = flags_.find({std::string(option.group), std::string(option.name)}); known != flags_.end())
+    return known->second;
+  for (const auto& [name, flag] : flags_)
+    if (name.second == option.name) return flag;
+  return spelled_as_flag(option.name);
+}
+
+std::string Flags::new_flag(std::string_view name) {
+  std::string flag = spelled_as_flag(name);
+  if (app_.get_option_no_throw(flag) != nullptr) flag = spelled_as_flag(group_ + "_" + std::string(name));
+  flags_[{group_, std::string(name)}] = flag;
+  return flag;
+}
+
+Given Flags::finished(CLI::Option* option) {
+  if (!group_.empty()) option->group(group_);
+  return [option] { return option->count() > 0; };
 }
 
 template <class T>
 Given Flags::add_value(std::string_view name, T& value, std::string_view unit, std::string_view help) {
   std::string text(help);
   if (!unit.empty() && unit != "1") text += " [" + std::string(unit) + "]";
-  auto* option = app_.add_option(flag_of(name), value, text);
+  auto* option = app_.add_option(new_flag(name), value, text);
   if constexpr (requires { value.has_value(); }) {
     if (value) option->capture_default_str();
   } else {
     option->capture_default_str();
   }
-  if (!group_.empty()) option->group(group_);
-  return [option] { return option->count() > 0; };
+  return finished(option);
+}
+
+Given Flags::add_text(std::string_view name, std::string_view help, Text text) {
+  const std::string flag = new_flag(name);
+  auto* option = app_.add_option_function<std::string>(
+      flag, [take = text.take](const std::string& value) { take(value); }, with_choices(help, text.choices));
+  option->type_name(text.value_name)->default_str(text.shown);
+  if (!text.choices.empty())
+    option->check([choices = text.choices](const std::string& word) {
+      std::vector<std::string_view> known;
+      for (const Choice& choice : choices) {
+        if (choice.word == word) return std::string();
+        known.push_back(choice.word);
+      }
+      return "choose " + listed(known);
+    });
+  return finished(option);
 }
 
 void Flags::positional(std::string_view name, std::string& value, std::string_view help, bool required) {
@@ -40,15 +98,13 @@ void Flags::positional(std::string_view name, std::string& value, std::string_vi
 }
 
 void Flags::required(std::string_view short_form, std::string_view name, std::string& value, std::string_view help) {
-  app_.add_option(std::string(short_form) + "," + flag_of(name), value, std::string(help))->required();
+  app_.add_option(std::string(short_form) + "," + new_flag(name), value, std::string(help))->required();
 }
 
 Given Flags::add(std::string_view name, bool& value, std::string_view, std::string_view help) {
-  const std::string flag = flag_of(name);
-  auto* option = app_.add_flag(flag + ",!--no-" + flag.substr(2), value,
-                               std::string(help) + (value ? " (default: yes)" : " (default: no)"));
-  if (!group_.empty()) option->group(group_);
-  return [option] { return option->count() > 0; };
+  const std::string flag = new_flag(name);
+  return finished(app_.add_flag(flag + ",!--no-" + flag.substr(2), value,
+                                std::string(help) + (value ? " (default: yes)" : " (default: no)")));
 }
 
 Given Flags::add(std::string_view name, int& value, std::string_view unit, std::string_view help) {
@@ -61,11 +117,11 @@ Given Flags::add(std::string_view name, std::string& value, std::string_view uni
   return add_value(name, value, unit, help);
 }
 Given Flags::add(std::string_view name, std::uint64_t& value, std::string_view unit, std::string_view help) {
-  const std::string flag = flag_of(name);
   const Given given = add_value(name, value, unit, help);
-  app_.get_option(flag)->check([](const std::string& text) {  // otherwise -1 becomes 2^64 - 1
-    return text.starts_with('-') ? "must not be negative" : std::string();
-  });
+  app_.get_option(flags_.at({group_, std::string(name)}))
+      ->check([](const std::string& text) {  // otherwise -1 becomes 2^64 - 1
+        return text.starts_with('-') ? "must not be negative" : std::string();
+      });
   return given;
 }
 Given Flags::add(std::string_view name, std::optional<bool>& value, std::string_view unit, std::string_view help) {
@@ -91,10 +147,10 @@ int dispatch(int argc, char** argv, std::span<const Command> commands) {
       "collinea"};
   app.set_version_flag("--version", "collinea " COLLINEA_VERSION);
   app.require_subcommand(1);
+  std::vector<Flags> flags;
   for (const Command& command : commands) {
     CLI::App* sub = app.add_subcommand(command.name, command.summary);
-    Flags flags(*sub);
-    command.declare(flags);
+    command.declare(flags.emplace_back(*sub));
   }
   const std::string_view first = argc > 1 ? argv[1] : "";
   const bool known =
@@ -109,8 +165,8 @@ int dispatch(int argc, char** argv, std::span<const Command> commands) {
     const int code = app.exit(error);
     return code == 0 ? 0 : exit_code(Errc::kBadInput);
   }
-  for (const Command& command : commands)
-    if (app.got_subcommand(command.name)) return command.action();
+  for (std::size_t i = 0; i < commands.size(); ++i)
+    if (app.got_subcommand(commands[i].name)) return commands[i].action(flags[i]);
   return exit_code(Errc::kBadInput);
 }
 

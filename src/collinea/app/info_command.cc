@@ -18,7 +18,7 @@ Command info_command() {
             flags.positional("project", asked->project, "project folder");
             flags.add("json", asked->json, "", "as JSON, for machines");
           },
-          [asked] {
+          [asked](const Flags&) {
             const auto store = ProjectStore::open_to_read(asked->project);
             if (!store) return complain(store.error());
             const auto info = project_info(*store);

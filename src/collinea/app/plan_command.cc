@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-
 #include "collinea/app/commands.h"
-#include "collinea/app/console.h"
+#include "collinea/app/console_command.h"
 #include "collinea/jobs/plan_survey.h"
 
 namespace collinea {
@@ -16,25 +14,21 @@ Command plan_command() {
     MeasurementOptions measurements;
     ConsoleOptions console;
   };
-  auto asked = std::make_shared<Asked>();
-  return {"plan", "what precision a flight and its control would give, before anybody goes out",
-          [asked](Flags& flags) {
-            flags.positional("folder", asked->folder, "where report, tables and maps go; made when missing");
-            flags.add_all(asked->options, "plan");
-            flags.add_all(asked->flight, "flight");
-            flags.add_all(asked->layout, "control");
-            flags.add_all(asked->measurements, "measurements");
-            flags.add_all(asked->console, "run");
-          },
-          [asked] {
-            auto console = Console::create(asked->console);
-            if (!console) return complain(console.error());
-            const auto text = plan_survey(asked->flight, asked->layout, asked->measurements, asked->options,
-                                          asked->folder, console->run());
-            if (!text) return console->complain(text.error());
-            std::fputs(text->c_str(), stdout);
-            return 0;
-          }};
+  return console_command<Asked>(
+      "plan", "what precision a flight and its control would give, before anybody goes out",
+      [](Flags& flags, Asked& asked) {
+        flags.positional("folder", asked.folder, "where report, tables and maps go; made when missing");
+        flags.add_all(asked.options, "plan");
+        flags.add_all(asked.flight, "flight");
+        flags.add_all(asked.layout, "control");
+        flags.add_all(asked.measurements, "measurements");
+        flags.add_all(asked.console, "run");
+      },
+      [](Asked& asked, Console& console) -> Result<std::string> {
+        COLLINEA_TRY(const PlanReport report, plan_survey(asked.flight, asked.layout, asked.measurements, asked.options,
+                                                          asked.folder, console.run()));
+        return plan_text(report) + (std::filesystem::path(asked.folder) / "plan.html").string() + "\n";
+      });
 }
 
 }  // namespace collinea

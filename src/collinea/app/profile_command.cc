@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "collinea/app/commands.h"
-#include "collinea/app/console.h"
+#include "collinea/app/console_command.h"
 #include "collinea/jobs/measure.h"
 
 namespace collinea {
@@ -13,22 +13,19 @@ Command profile_command() {
     ProfileOptions options;
     ConsoleOptions console;
   };
-  auto asked = std::make_shared<Asked>();
-  return {"profile", "heights of surfaces along a line: table and chart",
-          [asked](Flags& flags) {
-            flags.positional("surface", asked->surface, "raster of heights, such as PROJECT/products/dsm.tif");
-            flags.positional("folder", asked->folder, "where profile.csv and profile.html go; made when missing");
-            flags.add_all(asked->options, "profile");
-            flags.add_all(asked->console, "run");
-          },
-          [asked] {
-            auto console = Console::create(asked->console);
-            if (!console) return complain(console.error());
-            const auto done = draw_profile(asked->surface, asked->options, asked->folder, console->run());
-            if (!done) return console->complain(done.error());
-            fmt::print("{}\n", *done);
-            return 0;
-          }};
+  return console_command<Asked>(
+      "profile", "heights of surfaces along a line: table and chart",
+      [](Flags& flags, Asked& asked) {
+        flags.positional("surface", asked.surface, "raster of heights, such as PROJECT/products/dsm.tif");
+        flags.positional("folder", asked.folder, "where profile.csv and profile.html go; made when missing");
+        flags.add_all(asked.options, "profile");
+        flags.add_all(asked.console, "run");
+      },
+      [](Asked& asked, Console& console) -> Result<std::string> {
+        COLLINEA_TRY(const Profile profile, draw_profile(asked.surface, asked.options, asked.folder, console.run()));
+        return fmt::format("{} places over {:.2f} m; {}\n", profile.distance_m.size(), profile.distance_m.back(),
+                           (std::filesystem::path(asked.folder) / "profile.html").string());
+      });
 }
 
 }  // namespace collinea

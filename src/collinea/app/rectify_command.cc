@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include "collinea/app/commands.h"
-#include "collinea/app/console.h"
+#include "collinea/app/console_command.h"
 #include "collinea/jobs/rectify_plane.h"
 
 namespace collinea {
+namespace {
+
+// What was drawn, and which options would tell more.
+std::string with_advice(const RectifiedReport& report) {
+  std::string text = rectified_text(report);
+  const auto& from = report.from_points;
+  if (!report.shift_per_depth) text += "with --focal-px it is known where the camera stood\n";
+  if (from && !from->is_lens_known)
+    text += "the lens is not known (--project, --orientation): its distortion stays in the picture\n";
+  return text;
+}
+
+}  // namespace
 
 Command rectify_command() {
   struct Asked {
@@ -13,22 +24,17 @@ Command rectify_command() {
     RectifyOptions options;
     ConsoleOptions console;
   };
-  auto asked = std::make_shared<Asked>();
-  return {"rectify", "a plane (a façade) at a metric scale, from a photograph or an oriented project",
-          [asked](Flags& flags) {
-            flags.positional("source", asked->source, "photograph, or folder of an oriented project");
-            flags.required("-o", "out", asked->out, "picture to be written: .tif (GeoTIFF) or .png (and .pgw)");
-            flags.add_all(asked->options, "rectify");
-            flags.add_all(asked->console, "run");
-          },
-          [asked] {
-            auto console = Console::create(asked->console);
-            if (!console) return complain(console.error());
-            const auto done = rectify_plane(asked->source, asked->out, asked->options, console->run());
-            if (!done) return console->complain(done.error());
-            fmt::print("{}", *done);
-            return 0;
-          }};
+  return console_command<Asked>(
+      "rectify", "a plane (a façade) at a metric scale, from a photograph or an oriented project",
+      [](Flags& flags, Asked& asked) {
+        flags.positional("source", asked.source, "photograph, or folder of an oriented project");
+        flags.required("-o", "out", asked.out, "picture to be written: .tif (GeoTIFF) or .png (and .pgw)");
+        flags.add_all(asked.options, "rectify");
+        flags.add_all(asked.console, "run");
+      },
+      [](Asked& asked, Console& console) {
+        return rectify_plane(asked.source, asked.out, asked.options, console.run()).map(with_advice);
+      });
 }
 
 }  // namespace collinea

@@ -1,51 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include "collinea/app/commands.h"
-#include "collinea/app/console.h"
+#include "collinea/app/console_command.h"
 #include "collinea/steps/simulated_project.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {
+namespace {
+
+enum class World { kAerial, kFacade };
+constexpr Word<World> kWorldWords[] = {{World::kAerial, "aerial", "a drone block"},
+                                       {World::kFacade, "facade", "a walk before a wall"}};
+constexpr std::span<const Word<World>> words(World) { return kWorldWords; }
+
+struct SceneOptions {
+  World scene = World::kAerial;
+  bool observations_only = false;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = SceneOptions;
+    visit(Field{"scene", &O::scene, "", "what is photographed"});
+    visit(Field{"observations_only", &O::observations_only, "",
+                "no photographs: the folder becomes a project with features and verified pairs, from which "
+                "`collinea orient` goes on (aerial only)"});
+  }
+};
+
+struct Asked {
+  std::string folder;
+  SceneOptions scene;
+  SurveyOptions aerial;
+  FacadeOptions facade;
+  ObservationOptions observations;
+  ConsoleOptions console;
+};
+
+Result<> simulate_as(const Asked& asked, const Run& run) {
+  const bool is_aerial = asked.scene.scene == World::kAerial;
+  if (asked.scene.observations_only && !is_aerial)
+    return fail(Errc::kBadInput, "only of an aerial block there are observations without photographs",
+                {"observations_only"_option, "scene"_option});
+  if (asked.scene.observations_only) return simulate_project(asked.aerial, asked.observations, asked.folder, run);
+  return is_aerial ? simulate(asked.aerial, asked.folder, run) : simulate(asked.facade, asked.folder, run);
+}
+
+}  // namespace
 
 Command simulate_command() {
-  struct Asked {
-    std::string folder, scene = "aerial";
-    SurveyOptions aerial;
-    FacadeOptions facade;
-    bool observations_only = false;
-    ObservationOptions observations;
-    ConsoleOptions console;
-  };
-  auto asked = std::make_shared<Asked>();
-  return {"simulate", "render a survey of a made-up world: photographs, control and the truth beside them",
-          [asked](Flags& flags) {
-            flags.positional("folder", asked->folder, "where images/, control.csv and truth/ go; made when missing");
-            flags.add("scene", asked->scene, "", "aerial (a drone block) or facade (a walk before a wall)");
-            flags.add("observations_only", asked->observations_only, "",
-                      "no photographs: the folder becomes a project with features and verified pairs, from which "
-                      "`collinea orient` goes on (aerial only)");
-            flags.add_all(asked->aerial, "aerial");
-            flags.add_all(asked->facade, "facade");
-            flags.add_all(asked->observations, "observations");
-            flags.add_all(asked->console, "run");
-          },
-          [asked] {
-            if (asked->scene != "aerial" && asked->scene != "facade")
-              return complain({Errc::kBadInput, "--scene " + asked->scene + ": choose aerial or facade"});
-            if (asked->observations_only && asked->scene != "aerial")
-              return complain({Errc::kBadInput, "--observations-only is for --scene aerial"});
-            auto console = Console::create(asked->console);
-            if (!console) return complain(console.error());
-            const Run run = console->run();
-            const auto done = asked->observations_only
-                                  ? simulate_project(asked->aerial, asked->observations, asked->folder, run)
-                              : asked->scene == "aerial" ? simulate(asked->aerial, asked->folder, run)
-                                                         : simulate(asked->facade, asked->folder, run);
-            if (!done) return console->complain(done.error());
-            run.say("block in " + asked->folder);
-            return 0;
-          }};
+  return console_command<Asked>(
+      "simulate", "render a survey of a made-up world: photographs, control and the truth beside them",
+      [](Flags& flags, Asked& asked) {
+        flags.positional("folder", asked.folder, "where images/, control.csv and truth/ go; made when missing");
+        flags.add_all(asked.scene, "scene");
+        flags.add_all(asked.aerial, "aerial");
+        flags.add_all(asked.facade, "facade");
+        flags.add_all(asked.observations, "observations");
+        flags.add_all(asked.console, "run");
+      },
+      [](Asked& asked, Console& console) -> Result<std::string> {
+        const Run run = console.run();
+        COLLINEA_TRY(simulate_as(asked, run));
+        run.say("block in " + asked.folder);
+        return std::string();
+      });
 }
 
 }  // namespace collinea

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include "collinea/app/commands.h"
-#include "collinea/app/console.h"
+#include "collinea/app/console_command.h"
 #include "collinea/jobs/stereo_pair.h"
 
 namespace collinea {
@@ -14,25 +12,23 @@ Command stereo_command() {
     StereoOptions stereo;
     ConsoleOptions console;
   };
-  auto asked = std::make_shared<Asked>();
-  return {"stereo", "match a single pair: disparities with sigmas, and a cloud",
-          [asked](Flags& flags) {
-            flags.positional("left", asked->left, "left picture");
-            flags.positional("right", asked->right, "right picture");
-            flags.required("-o", "out", asked->out, "folder for the results; made when missing");
-            flags.add_all(asked->pair, "pair");
-            flags.add_all(asked->stereo, "matching");
-            flags.add_all(asked->console, "run");
-          },
-          [asked] {
-            auto console = Console::create(asked->console);
-            if (!console) return complain(console.error());
-            const auto done =
-                match_stereo(asked->left, asked->right, asked->out, asked->pair, asked->stereo, console->run());
-            if (!done) return console->complain(done.error());
-            fmt::print("{}", *done);
-            return 0;
-          }};
+  return console_command<Asked>(
+      "stereo", "match a single pair: disparities with sigmas, and a cloud",
+      [](Flags& flags, Asked& asked) {
+        flags.positional("left", asked.left, "left picture");
+        flags.positional("right", asked.right, "right picture");
+        flags.required("-o", "out", asked.out, "folder for the results; made when missing");
+        flags.add_all(asked.pair, "pair");
+        flags.add_all(asked.stereo, "matching");
+        flags.add_all(asked.console, "run");
+      },
+      [](Asked& asked, Console& console) -> Result<std::string> {
+        COLLINEA_TRY(const StereoReport report,
+                     match_stereo(asked.left, asked.right, asked.out, asked.pair, asked.stereo, console.run()));
+        std::string text = stereo_text(report);
+        if (!report.cameras) text += "no cloud: the cameras are not known (--focal-px, --base-m)\n";
+        return text + "in " + asked.out + "\n";
+      });
 }
 
 }  // namespace collinea

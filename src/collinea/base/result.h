@@ -1,23 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <initializer_list>
 #include <source_location>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <utility>
+#include <vector>
 
 namespace collinea {
 
 enum class Errc { kBadInput, kNotFound, kBadFormat, kUnsupported, kIllPosed, kNotConverged, kCancelled };
 
+/// The name of a field of an options struct, as its description has it: "crs". Faces spell it as their users type it
+/// (--crs); no module below them does. Refers to text that lives as long as the program.
+struct OptionName {
+  std::string_view name;
+  std::string_view group = {};  ///< of options it belongs to, where another has the same name; empty: whichever has it
+
+  friend bool operator==(const OptionName&, const OptionName&) = default;
+};
+
+/// "crs"_option.
+[[nodiscard]] constexpr OptionName operator""_option(const char* name, std::size_t size) { return {{name, size}}; }
+
 /// What went wrong in the world outside our code, in words a user can act on.
 struct Error {
   Errc code;
   std::string message;
+  std::vector<OptionName> options = {};  ///< those that are wrong, or that would help; a face names them behind
 
   /// Adds the caller's view of the failure in front: "reading block.json: camera 3: no such model".
   [[nodiscard]] Error within(std::string_view doing) && {
     message.insert(0, std::string(doing) + ": ");
+    return std::move(*this);
+  }
+  /// Adds an option that it is about.
+  [[nodiscard]] Error about(OptionName option) && {
+    options.push_back(option);
     return std::move(*this);
   }
 };
@@ -26,8 +48,10 @@ struct Error {
 template <class T = void>
 using Result = tl::expected<T, Error>;
 
-[[nodiscard]] inline tl::unexpected<Error> fail(Errc code, std::string message) {
-  return tl::unexpected(Error{code, std::move(message)});
+/// Return this: fail(Errc::kBadInput, "the site has no extent: give its corners", {"area"_option}).
+[[nodiscard]] inline tl::unexpected<Error> fail(Errc code, std::string message,
+                                                std::initializer_list<OptionName> options = {}) {
+  return tl::unexpected(Error{code, std::move(message), options});
 }
 
 /// A broken promise between two pieces of our own code: always a bug, never a user's mistake.

@@ -8,10 +8,17 @@
 
 namespace collinea {
 
+/// What positions have in common that only control tells.
+enum class PositionShift { kNone, kBlock, kStrips };
+inline constexpr Word<PositionShift> kPositionShiftWords[] = {{PositionShift::kNone, "none"},
+                                                              {PositionShift::kBlock, "block", "one of all"},
+                                                              {PositionShift::kStrips, "strips", "one of each strip"}};
+[[nodiscard]] constexpr std::span<const Word<PositionShift>> words(PositionShift) { return kPositionShiftWords; }
+
 /// What receivers and inertial systems measure, and what of their mounting is to be found.
 struct InstrumentOptions {
   std::optional<std::string> lever_arm;
-  std::string position_shift = "none";
+  PositionShift position_shift = PositionShift::kNone;
   bool position_drift = false;
   bool time_offset = false;
   bool use_attitudes = false;
@@ -24,7 +31,7 @@ struct InstrumentOptions {
     visit(Field{"lever_arm", &O::lever_arm, "m",
                 "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none"});
     visit(Field{"position_shift", &O::position_shift, "",
-                "shift that the positions have in common, to be found with control: none | block | strips"});
+                "shift that the positions have in common, to be found with control"});
     visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
     visit(Field{"time_offset", &O::time_offset, "",
                 "find by how much later than the pictures their positions were taken, for each camera"});

@@ -5,7 +5,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
+
+#include "collinea/base/words.h"
 
 namespace collinea {
 
@@ -18,7 +21,13 @@ enum class AdditionalSet : std::uint8_t {
   kGruen,       ///< Gruen (1978), the same on 5 x 5 places: 44
   kFourier,     ///< Tang, Fritsch and Cramer (2012), first degree: 16
 };
-inline constexpr std::array<std::string_view, 5> kAdditionalNames = {"none", "polynomial", "ebner", "gruen", "fourier"};
+inline constexpr Word<AdditionalSet> kAdditionalWords[] = {{AdditionalSet::kNone, "none"},
+                                                           {AdditionalSet::kPolynomial, "polynomial"},
+                                                           {AdditionalSet::kEbner, "ebner"},
+                                                           {AdditionalSet::kGruen, "gruen"},
+                                                           {AdditionalSet::kFourier, "fourier"}};
+[[nodiscard]] constexpr std::span<const Word<AdditionalSet>> words(AdditionalSet) { return kAdditionalWords; }
+inline constexpr auto kAdditionalNames = only_words(kAdditionalWords);  ///< by the values
 inline constexpr std::size_t kMostAdditional = 44;
 
 [[nodiscard]] std::size_t count_of(AdditionalSet set);

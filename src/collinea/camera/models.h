@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "collinea/base/words.h"
 #include "collinea/camera/brown.h"
 #include "collinea/camera/brown_of_measured.h"
 #include "collinea/camera/equidistant.h"
@@ -36,6 +37,12 @@ inline constexpr auto kCameraModels = []<std::size_t... I>(std::index_sequence<I
 [[nodiscard]] constexpr std::string_view name_of(const CameraModel& model) {
   return std::visit([](const auto& one) { return one.kName; }, model);
 }
+inline constexpr auto kCameraModelWords = []<std::size_t... I>(std::index_sequence<I...>) {
+  return std::array<Word<CameraModel>, sizeof...(I)>{Word<CameraModel>{kCameraModels[I], name_of(kCameraModels[I])}...};
+}
+(std::make_index_sequence<kCameraModels.size()>{});
+/// Of options, see base/words.h.
+[[nodiscard]] constexpr std::span<const Word<CameraModel>> words(const CameraModel&) { return kCameraModelWords; }
 inline constexpr auto kCameraModelNames = []<std::size_t... I>(std::index_sequence<I...>) {
   return std::array<std::string_view, sizeof...(I)>{name_of(kCameraModels[I])...};
 }

@@ -76,13 +76,6 @@ bool fits_wkt_in_short_record(const std::string& wkt) { return wkt.size() + 1 <=
 
 }  // namespace
 
-std::optional<LasForm> las_form_of(std::string_view word) {
-  if (word == "las") return LasForm::kLas;
-  if (word == "laz") return LasForm::kLaz;
-  if (word == "copc") return LasForm::kCopc;
-  return {};
-}
-
 std::string las_file_name(std::string_view stem, LasForm form) {
   return std::string(stem) + (form == LasForm::kLas ? ".las" : form == LasForm::kLaz ? ".laz" : ".copc.laz");
 }

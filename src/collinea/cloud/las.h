@@ -14,6 +14,7 @@
 #include "collinea/base/result.h"
 #include "collinea/cloud/cloud_point.h"
 #include "collinea/cloud/copc.h"
+#include "collinea/cloud/las_form.h"
 #include "collinea/cloud/laz.h"
 
 namespace collinea {
@@ -30,11 +31,6 @@ struct LasHeader {
   std::vector<std::string> extra_names;  ///< of extra bytes
 };
 
-/// The forms of a cloud in the map: plain; compressed; compressed and sorted into an octree, so that programs read what
-/// they show. The same records in all of them.
-enum class LasForm { kLas, kLaz, kCopc };
-/// "las", "laz" or "copc"; nothing: another word.
-[[nodiscard]] std::optional<LasForm> las_form_of(std::string_view word);
 /// What its file is called by custom: `stem` with .las, .laz or .copc.laz.
 [[nodiscard]] std::string las_file_name(std::string_view stem, LasForm form);
 

@@ -10,6 +10,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
+#include "collinea/cloud/las_form.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
@@ -36,8 +37,14 @@ class DepthStore {
 /// pixel i of the result covers [i shrink, (i + 1) shrink) of the original). May be called from several threads.
 using PixelSource = std::function<Result<GreyImage>(ImageId image, int shrink)>;
 
+/// The size at which photographs are matched: the whole number by which they are reduced.
+enum class Resolution { kFull = 1, kHalf = 2, kQuarter = 4 };
+inline constexpr Word<Resolution> kResolutionWords[] = {
+    {Resolution::kFull, "full"}, {Resolution::kHalf, "half"}, {Resolution::kQuarter, "quarter"}};
+[[nodiscard]] constexpr std::span<const Word<Resolution>> words(Resolution) { return kResolutionWords; }
+
 struct DenseOptions {
-  std::optional<std::string> resolution;
+  std::optional<Resolution> resolution;
   int neighbours = 6;
   double depth_margin = 0.3;
   double min_correlation = 0.5;
@@ -46,14 +53,13 @@ struct DenseOptions {
   double max_reprojection_px = 1.0;
   double max_sigmas = 4;
   double memory_mb = 800;
-  std::string cloud = "las";
+  LasForm cloud = LasForm::kLas;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = DenseOptions;
-    visit(
-        Field{"resolution", &O::resolution, "",
-              "full, half or quarter of the photographs' size; nothing: the largest with at most 3.2 million pixels"});
+    visit(Field{"resolution", &O::resolution, "",
+                "of the photographs' size; nothing: the largest with at most 3.2 million pixels"});
     visit(Field{"neighbours", &O::neighbours, "1", "images each image is matched with", 1, 8});
     visit(Field{"depth_margin", &O::depth_margin, "1",
                 "how far the search reaches beyond the tie points, as a part of their range of inverse depths", 0, 10});
@@ -71,17 +77,12 @@ struct DenseOptions {
         "half of it for pictures kept at hand and half for matching costs (39 MB a thread, if that is more); then all "
         "of it for depth maps",
         10, 1e6});
-    visit(Field{"cloud", &O::cloud, "",
-                "form of the cloud in the map: las; laz (a sixth of the size, no loss); or copc (laz sorted into an "
-                "octree, of which viewers load what they show)"});
+    visit(Field{"cloud", &O::cloud, "", "form of the cloud in the map"});
   }
 };
 
 /// The options that depth maps depend on; all others, which only fusion reads, as by default.
 [[nodiscard]] DenseOptions options_of_matching(DenseOptions options);
-
-/// The whole number by which photographs are reduced at a resolution of this name; nothing when it is none.
-[[nodiscard]] std::optional<int> shrink_of(std::string_view resolution);
 
 /// By which whole number the photographs of a camera are reduced for matching.
 [[nodiscard]] Result<int> working_shrink(const Camera& camera, const DenseOptions& options);

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <string_view>
+#include <span>
 
+#include "collinea/base/options.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
 
 /// How unlike two pixels of a pair are. Census is the one to use; the others are there to be compared with it.
 enum class StereoCost : std::uint8_t { kCensus, kZncc, kRank, kSad, kSsd };
-inline constexpr std::array<std::string_view, 5> kStereoCostNames = {"census", "zncc", "rank", "sad", "ssd"};
+inline constexpr Word<StereoCost> kStereoCostWords[] = {{StereoCost::kCensus, "census"},
+                                                        {StereoCost::kZncc, "zncc"},
+                                                        {StereoCost::kRank, "rank"},
+                                                        {StereoCost::kSad, "sad"},
+                                                        {StereoCost::kSsd, "ssd"}};
+[[nodiscard]] constexpr std::span<const Word<StereoCost>> words(StereoCost) { return kStereoCostWords; }
 
 /// Disparities to search, both ends included [px]: column in the left picture less column in the right one.
 struct DisparityRange {

@@ -262,8 +262,8 @@ TEST(DepthMap, PictureThatDoesNotFitItsCameraIsRefused) {
 TEST(DepthMap, WordsForTheResolution) {
   const Camera camera = ideal_camera(4000, 6000, 4000);
   EXPECT_EQ(*working_shrink(camera, {}), 4);  // 24 MP; a half would still be 6
-  EXPECT_EQ(*working_shrink(camera, {.resolution = "half"}), 2);
-  EXPECT_FALSE(working_shrink(camera, {.resolution = "2"}));
+  EXPECT_EQ(*working_shrink(camera, {.resolution = Resolution::kHalf}), 2);
+  EXPECT_EQ(*working_shrink(camera, {.resolution = Resolution::kQuarter}), 4);
 }
 
 }  // namespace

@@ -16,13 +16,6 @@ constexpr float kSmoothReachPx = 1;  // neighbours that differ by more belong to
 constexpr int kMostDisparities = 2000;
 constexpr std::size_t kLargestVolume = 400'000'000;  // pixels times labels of a tile, a byte each
 
-Result<StereoCost> cost_named(const std::string& name) {
-  const auto at = std::find(kStereoCostNames.begin(), kStereoCostNames.end(), name);
-  if (at == kStereoCostNames.end())
-    return fail(Errc::kBadInput, "cost = " + name + " is none of census, zncc, rank, sad, ssd");
-  return StereoCost(at - kStereoCostNames.begin());
-}
-
 Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
                const StereoOptions& options) {
   COLLINEA_TRY(validate(options));
@@ -47,8 +40,7 @@ Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRan
 Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
                                 const StereoOptions& options, const Run& run) {
   COLLINEA_TRY(check(left, right, range, options));
-  COLLINEA_TRY(const StereoCost kind, cost_named(options.cost));
-  const dense::DisparityCosts costs(left, right, kind, run);
+  const dense::DisparityCosts costs(left, right, options.cost, run);
   const GreyImage small = dense::small_changes(left);
   FloatImage disparity(left.width, left.height);
   const auto tiles = dense::stereo_tiles(left.width, left.height, range.high - range.low + 1, kLargestVolume);

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
@@ -11,7 +15,7 @@
 namespace collinea {
 
 struct StereoOptions {
-  std::string cost = "census";
+  StereoCost cost = StereoCost::kCensus;
   int max_left_right_px = 1;
   int min_patch_px = 100;
   double min_correlation = 0.5;
@@ -21,7 +25,7 @@ struct StereoOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = StereoOptions;
-    visit(Field{"cost", &O::cost, "", "census, zncc, rank, sad or ssd: how unlike two pixels are"});
+    visit(Field{"cost", &O::cost, "", "how unlike two pixels are"});
     visit(Field{"max_left_right_px", &O::max_left_right_px, "px",
                 "largest difference between what is found from the left and from the right, in whole pixels", 0, 100});
     visit(Field{"min_patch_px", &O::min_patch_px, "px", "what hangs together less is left out", 0, 1e6});

@@ -101,15 +101,15 @@ TEST(Stereo, APlaneIsFoundToAFractionOfAPixel) {
 }
 
 TEST(Stereo, AllCostsFindAPlane) {
-  for (const std::string_view cost : kStereoCostNames) {
+  for (const auto& [cost, word, meaning] : kStereoCostWords) {
     const TestPair pair{.slope = 0.05};
     StereoOptions options;
     options.cost = cost;
     const auto map = pair.matched(options);
     ASSERT_TRUE(map) << map.error().message;
     const Errors e = errors_of(pair, *map);
-    EXPECT_GT(e.measured, 0.95 * e.possible) << cost;
-    EXPECT_LT(e.bad, 0.01 * e.measured) << cost;
+    EXPECT_GT(e.measured, 0.95 * e.possible) << word;
+    EXPECT_LT(e.bad, 0.01 * e.measured) << word;
   }
 }
 
@@ -204,7 +204,7 @@ TEST(Stereo, WhatCannotBeMatchedIsRefused) {
   EXPECT_EQ(code(match_pair(picture, picture, {kLowest, kHighest}, {}, {})), Errc::kBadInput);
   EXPECT_EQ(code(match_pair(picture, picture, {kLowest, kLowest + 9}, {}, {})), Errc::kBadInput);
   EXPECT_EQ(code(match_pair(picture, picture, {40, 49}, {}, {})), Errc::kBadInput);
-  EXPECT_EQ(code(match_pair(picture, picture, {0, 9}, {.cost = "colour"}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(picture, picture, {0, 9}, {.max_sigma_px = -1}, {})), Errc::kBadInput);
 }
 
 // Before it begins, and at any time while three threads are at work on it: it ends, and says that it was stopped unless

@@ -28,18 +28,8 @@ DenseOptions options_of_matching(DenseOptions options) {
   return options;
 }
 
-std::optional<int> shrink_of(std::string_view resolution) {
-  if (resolution == "full") return 1;
-  if (resolution == "half") return 2;
-  if (resolution == "quarter") return 4;
-  return std::nullopt;
-}
-
 Result<int> working_shrink(const Camera& camera, const DenseOptions& options) {
-  if (options.resolution) {
-    if (const auto shrink = shrink_of(*options.resolution)) return *shrink;
-    return fail(Errc::kBadInput, "resolution = " + *options.resolution + " is none of full, half, quarter");
-  }
+  if (options.resolution) return static_cast<int>(*options.resolution);
   int shrink = 1;
   while (shrink < 8 && double(camera.width_px) * camera.height_px / (shrink * shrink) > kDefaultPixels) shrink *= 2;
   return shrink;

@@ -88,9 +88,11 @@ tl::unexpected<Error> no_operation(pj_ctx* context, const MapCrs& map, const Mis
   const std::string folder = text(proj_context_get_user_writable_directory(context, 0));
   std::string cure = missing.url.empty() ? "Get it from who made it and put it into " : "Put it into ";
   cure += folder + (missing.url.empty() ? "" : " (projsync --file " + missing.name + " does so)");
-  if (map.has_height) cure += "; or name the file of a geoid grid, or ellipsoidal, by --heights";
-  return fail(Errc::kUnsupported,
-              map.name + " needs the grid " + missing.told() + ", which is not installed for PROJ. " + cure);
+  if (map.has_height) cure += "; or name the file of a geoid grid, or ellipsoidal, as what heights count from";
+  Error error{Errc::kUnsupported,
+              map.name + " needs the grid " + missing.told() + ", which is not installed for PROJ. " + cure};
+  if (map.has_height) error.options.push_back("heights"_option);
+  return tl::unexpected(std::move(error));
 }
 
 }  // namespace

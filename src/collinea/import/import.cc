@@ -84,16 +84,6 @@ Listing files_below(const fs::path& folder) {
   return listing;
 }
 
-Result<CameraModel> model_in(const std::string& name) {
-  std::string known;
-  for (const CameraModel& model : kCameraModels) {
-    if (is<BrownOfMeasured>(model)) continue;  // a way to write down a calibration, not a kind of lens
-    if (name == name_of(model)) return model;
-    known += (known.empty() ? "" : ", ") + std::string(name_of(model));
-  }
-  return fail(Errc::kBadInput, "--camera-model " + name + ": there are " + known);
-}
-
 // The distortion that follows fx, fy, cx, cy.
 std::vector<int> given_distortion(CameraModel model) {
   std::vector<int> distortion;
@@ -110,17 +100,21 @@ Result<std::vector<double>> numbers_in(const std::string& text, CameraModel mode
     double value = 0;
     const auto [next, error] = std::from_chars(at, end, value);
     if (error != std::errc() || (next < end && *next != ','))
-      return fail(Errc::kBadInput, "--camera-params " + text + ": expected numbers separated by commas");
+      return fail(Errc::kBadInput, "\"" + text + "\" is no camera: expected numbers separated by commas",
+                  {"camera_params"_option});
     numbers.push_back(value);
     at = next + (next < end ? 1 : 0);
   }
   if (const std::size_t most = 4 + given_distortion(model).size(); numbers.size() < 4 || numbers.size() > most)
-    return fail(Errc::kBadInput, fmt::format("--camera-params: expected fx,fy,cx,cy and up to {} distortion values",
-                                             most == 9 ? "five" : "four"));
+    return fail(Errc::kBadInput,
+                fmt::format("\"{}\" is no camera: expected fx,fy,cx,cy and up to {} distortion values", text,
+                            most == 9 ? "five" : "four"),
+                {"camera_params"_option});
   if (!std::all_of(numbers.begin(), numbers.end(), [](double value) { return std::isfinite(value); }))
-    return fail(Errc::kBadInput, "--camera-params " + text + ": every value must be a finite number");
+    return fail(Errc::kBadInput, "\"" + text + "\" is no camera: every value must be a finite number",
+                {"camera_params"_option});
   if (!(numbers[0] > 0 && numbers[1] > 0))
-    return fail(Errc::kBadInput, "--camera-params " + text + ": fx and fy must be positive");
+    return fail(Errc::kBadInput, "\"" + text + "\" is no camera: fx and fy must be positive", {"camera_params"_option});
   return numbers;
 }
 
@@ -132,17 +126,19 @@ Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
     if (!first) {
       first = &image;
       if (!inside(camera, {v[2], v[3]}))
-        return fail(Errc::kBadInput, fmt::format("--camera-params: the principal point {}, {} lies outside the "
-                                                 "pictures ({} x {} px)",
-                                                 v[2], v[3], camera.width_px, camera.height_px));
+        return fail(Errc::kBadInput,
+                    fmt::format("the principal point {}, {} of the given camera lies outside the pictures ({} x {} px)",
+                                v[2], v[3], camera.width_px, camera.height_px),
+                    {"camera_params"_option});
     }
     const Camera& of_first = block.cameras.at(first->camera);
     if (camera.width_px != of_first.width_px || camera.height_px != of_first.height_px)
       return fail(Errc::kBadInput,
-                  fmt::format("--camera-params gives one camera, but the pictures differ in size: {} has {} x {} px, "
+                  fmt::format("one camera is given, but the pictures differ in size: {} has {} x {} px, "
                               "{} has {} x {} px; keep those of one size in a folder of their own",
                               first->file, of_first.width_px, of_first.height_px, image.file, camera.width_px,
-                              camera.height_px));
+                              camera.height_px),
+                  {"camera_params"_option});
   }
   return {};
 }
@@ -361,13 +357,13 @@ Result<Systems> systems_of(const ImportOptions& options, const std::string& map,
   Systems systems{map, control};
   if (options.heights) {
     COLLINEA_TRY(systems.map, with_heights(map, *options.heights).map_error([](Error error) {
-      return std::move(error).within("--heights");
+      return std::move(error).about("heights"_option);
     }));
   }
   if (options.control_heights) {
     COLLINEA_TRY(systems.control,
                  with_heights(control.empty() ? map : control, *options.control_heights).map_error([](Error error) {
-                   return std::move(error).within("--control-heights");
+                   return std::move(error).about("control_heights"_option);
                  }));
   } else if (options.heights && !control.empty()) {
     COLLINEA_TRY(const bool said, says_heights(control));
@@ -388,7 +384,7 @@ bool has_positions(const Block& block) {
 Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, const ImportOptions& options) {
   if (options.gps_heights == "ellipsoidal" || !has_positions(imported.block)) return {};
   const Eigen::Vector3d middle = middle_of(imported.block);
-  const auto framed = [](Error error) { return std::move(error).within("--gps-heights"); };
+  const auto framed = [](Error error) { return std::move(error).about("gps_heights"_option); };
   COLLINEA_TRY(const std::string crs,
                with_heights(utm_crs(middle.x(), middle.y()), options.gps_heights).map_error(framed));
   COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, middle.x(), middle.y(), 0).map_error(framed));
@@ -400,7 +396,9 @@ Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, c
                                      {image.position->latitude_deg, image.position->longitude_deg, 0}))
                                  .z();
     if (!std::isfinite(raised_m))
-      return fail(Errc::kBadInput, "--gps-heights: the geoid grid does not reach the place of " + image.file);
+      return fail(Errc::kBadInput,
+                  "the geoid grid of the heights in the photographs does not reach the place of " + image.file,
+                  {"gps_heights"_option});
     image.position->height_m += raised_m;
     least = std::min(least, raised_m);
     most = std::max(most, raised_m);
@@ -418,14 +416,14 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, Contro
   std::string crs = options.crs.value_or(control.crs);
   if (options.crs)
     if (const auto known = check_crs(crs); !known)
-      return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\" (--crs)"));
+      return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\"").about("crs"_option));
   Eigen::Vector3d origin = middle_of(block);
   if (has_gps && crs.empty()) crs = utm_crs(origin.x(), origin.y());
   if (!has_gps) {
     if (!is_surveyed(control)) return add_control(imported, control, nullptr);
     if (crs.empty())
-      return fail(Errc::kBadInput,
-                  "the control file names no CRS and the photographs have no GPS: give --crs EPSG:code");
+      return fail(Errc::kBadInput, "the control file names no CRS and the photographs have no GPS: give one, EPSG:code",
+                  {"crs"_option});
   }
   COLLINEA_TRY(const Systems systems, systems_of(options, crs, control.crs));
   crs = systems.map;
@@ -439,7 +437,8 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, Contro
   origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
   COLLINEA_TRY(const LocalFrame frame,
                LocalFrame::create(crs, origin.x(), origin.y(), origin.z()).map_error([&](Error error) {
-                 return std::move(error).within("CRS \"" + crs + "\"" + (options.crs ? " (--crs)" : ""));
+                 Error framed = std::move(error).within("CRS \"" + crs + "\"");
+                 return options.crs ? std::move(framed).about("crs"_option) : framed;
                }));
   block.georeference = Georeference{crs, origin.x(), origin.y(), origin.z()};
   for (auto& [id, image] : block.images)
@@ -451,8 +450,8 @@ Result<> place_on_earth(Imported& imported, const ImportOptions& options, Contro
 
 Result<ControlFile> control_of(const ImportOptions& options) {
   if (!options.control && !options.check.empty())
-    return fail(Errc::kBadInput,
-                "--check " + options.check + ": there is no control file; give it with --control FILE");
+    return fail(Errc::kBadInput, "check points " + options.check + " are named, but there is no control file: give it",
+                {"check"_option, "control"_option});
   if (!options.control) return ControlFile{};
   COLLINEA_TRY(ControlFile control, read_control(*options.control, {.sigma_plan_m = options.control_sigma_m,
                                                                     .sigma_height_m = options.control_sigma_m,
@@ -465,7 +464,8 @@ Result<ControlFile> control_of(const ImportOptions& options) {
 }  // namespace
 
 Result<Imported> import_photos(const fs::path& photos, const ImportOptions& options, const Run& run) {
-  COLLINEA_TRY(const CameraModel model, model_in(options.camera_model));
+  COLLINEA_TRY(validate(options));
+  const CameraModel model = options.camera_model;
   std::optional<std::vector<double>> camera_params;
   if (options.camera_params) {
     COLLINEA_TRY(camera_params, numbers_in(*options.camera_params, model));

@@ -162,7 +162,7 @@ Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
       const auto known = by_name.find(*name);
       if (known == by_name.end())
         return bad(block.control.empty()
-                       ? "there is no point " + *name + ": points and where images show them come from --control"
+                       ? "there is no point " + *name + ": points and where images show them come from a control file"
                        : "there is no point " + *name + " in the control file");
       *id = known->second;
     }

@@ -138,7 +138,8 @@ class PositionImporter {
       return fail(
           Errc::kBadInput,
           "eastings and northings of which map? Write \"# collinea positions, EPSG:code\" in the first line, or "
-          "give --crs");
+          "give a CRS",
+          {"crs"_option});
     Eigen::Vector3d in_map = *row.in_map;
     const bool has_height = std::isfinite(in_map.z());
     if (!has_height) in_map.z() = 0;

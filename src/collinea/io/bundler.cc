@@ -196,8 +196,10 @@ Result<std::vector<std::string>> write_bundler(const std::filesystem::path& fold
   std::string cameras, names, points;
   for (const auto& [id, pose] : oriented_images(block)) {
     if (const Camera& camera = block.camera_of(id); is_fisheye(camera.model))
-      return fail(Errc::kUnsupported, "camera " + camera.name + " is a fisheye (" + std::string(name_of(camera.model)) +
-                                          "), which Bundler does not know; --format colmap does");
+      return fail(Errc::kUnsupported,
+                  "camera " + camera.name + " is a fisheye (" + std::string(name_of(camera.model)) +
+                      "), which Bundler does not know; a COLMAP model does",
+                  {"format"_option});
     const std::size_t row = row_of.size();
     row_of[id] = row;
     cameras += camera_text(block.camera_of(id), pose);

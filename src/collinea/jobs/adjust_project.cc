@@ -31,8 +31,9 @@ Result<OrientationRecord> orientation_of(const Project& project) {
 }
 
 // As orientation calibrated them. Where it held the poses of another program it also keeps what came with them.
-std::string calibration_of(const OrientationRecord& orientation) {
-  return orientation.holds_given_poses ? "none" : orientation.calibration.parameters;
+Calibration calibration_of(const OrientationRecord& orientation) {
+  if (orientation.holds_given_poses) return Calibration::kNone;
+  return from_word<Calibration>(orientation.calibration.parameters).value_or(Calibration::kNone);
 }
 
 // What orientation did without, or shall be done without, is compared all the same.
@@ -44,23 +45,25 @@ void choose_ground(Block& block, const OrientationRecord& orientation, bool use_
     if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
 }
 
+void change_instruments(const AdjustProjectOptions& asked, InstrumentOptions& instruments) {
+  assign_fields(asked.instruments, instruments,
+                [&](std::string_view name) { return asked.changed_instruments.contains(name); });
+}
+
 // As orientation used them, and what is asked otherwise.
 InstrumentOptions instruments_of(const OrientationRecord& orientation, const AdjustProjectOptions& asked) {
   InstrumentOptions instruments = orientation.instruments;
-  if (asked.instruments) asked.instruments(instruments);
+  change_instruments(asked, instruments);
   return instruments;
 }
 
-ExamineOptions options_of(const AdjustProjectOptions& asked, const std::string& calibration) {
+ExamineOptions options_of(const AdjustProjectOptions& asked, Calibration calibration) {
   ExamineOptions options;
   options.adjust.calibration = calibration;
   options.adjust.loss = options.adjust.position_loss = asked.loss;
   options.adjust.loss_scale_sigmas = asked.loss_scale_sigmas;
   options.reliability = options.point_covariances = true;
-  options.test.false_alarm = asked.false_alarm;
-  options.test.power = asked.power;
-  options.test.sigma0_known = asked.sigma0_known;
-  options.test.folds = asked.folds;
+  options.test = asked.tests;
   // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
   options.adjust.relative_cost_change = 1e-12;
   options.adjust.step_sigmas = 1e-3;
@@ -85,7 +88,9 @@ void judge_as_orient_did(const OrientationRecord& orientation, bool shift_positi
     text += fmt::format("{}positions shifted by {:+.2f}, {:+.2f}, {:+.2f} m", text.empty() ? "" : ", ", shift_m.x(),
                         shift_m.y(), shift_m.z());
   }
-  if (!text.empty()) run.say("note: as orientation found: " + text + "; --given-sigmas takes what was stated");
+  if (!text.empty())
+    run.say(fmt::format("note: as orientation found: {}; {} takes what was stated", text,
+                        run.spelled("given_sigmas"_option)));
 }
 
 /// All that is needed to adjust and to report.
@@ -105,13 +110,7 @@ std::vector<std::string> words_in(const std::string& list) {
 
 // Gives the cameras the additional set that was asked for, free or held. A camera with another set begins at zero.
 Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run& run) {
-  std::optional<AdditionalSet> wanted;
-  if (asked.additional != "auto") {
-    COLLINEA_TRY(wanted, additional_named(asked.additional).map_error([](Error error) {
-      error.message += "; auto keeps those that orient found";
-      return error;
-    }));
-  }
+  const std::optional<AdditionalSet>& wanted = asked.additional;
   const std::vector<std::string> held = words_in(asked.additional_held);
   std::set<std::string> instead;
   bool any = false;
@@ -132,18 +131,22 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
     if (own != task.scope.camera_sigmas.end())
       sigmas = own->second;
     else if (camera.prior.calibrate)
-      sigmas = calibration_named(task.options.adjust.calibration, first).value_or(CameraSigmas{});
+      sigmas = calibration_sigmas(task.options.adjust.calibration, first);
     const auto both = with_additional(sigmas, first, held);
     if (!both)
-      return fail(Errc::kBadInput, "additional_held = \"" + asked.additional_held + "\": the " +
-                                       std::to_string(count_of(camera.additional)) + " parameters of " +
-                                       std::string(kAdditionalNames[std::size_t(camera.additional)]) + " are a1 to a" +
-                                       std::to_string(count_of(camera.additional)));
+      return fail(Errc::kBadInput,
+                  "additional_held = \"" + asked.additional_held + "\": the " +
+                      std::to_string(count_of(camera.additional)) + " parameters of " +
+                      std::string(kAdditionalNames[std::size_t(camera.additional)]) + " are a1 to a" +
+                      std::to_string(count_of(camera.additional)),
+                  {"additional_held"_option});
     for (int k = 0; k < Camera::kParams; ++k)
       if (sigmas[std::size_t(k)] > 0 && (*both)[std::size_t(k)] == 0) instead.insert(param_name(k));
     task.scope.camera_sigmas[id] = *both;
   }
-  if (!held.empty() && !any) return fail(Errc::kBadInput, "additional_held needs additional parameters (--additional)");
+  if (!held.empty() && !any)
+    return fail(Errc::kBadInput, "additional parameters are to be held, but no camera has any",
+                {"additional_held"_option, "additional"_option});
   if (!instead.empty()) {
     std::string names;
     for (const std::string& one : instead) names += (names.empty() ? "" : ", ") + one;
@@ -164,41 +167,20 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
   const InstrumentOptions instruments = instruments_of(orientation, asked);
   if (task.scope.use_positions && task.scope.use_control) {
     ControlDiagnosis diagnosis = check_control(task.block, project.settings.seed);
-    if (instruments.position_shift != "none") expect_shift(diagnosis);
+    if (instruments.position_shift != PositionShift::kNone) expect_shift(diagnosis);
     apply(diagnosis, task.block);
   }
   if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
   if (task.scope.use_control && !asked.given_sigmas)
-    judge_as_orient_did(orientation, instruments.position_shift == "none", task.block, project.run);
+    judge_as_orient_did(orientation, instruments.position_shift == PositionShift::kNone, task.block, project.run);
   choose_ground(task.block, orientation, asked.use_ground);
   if (Result<> known = add_instruments(task.block, instruments, task.scope); !known)
     return tl::unexpected(known.error());
-  task.options = options_of(asked, asked.calibration == "auto" ? calibration_of(orientation) : asked.calibration);
+  task.options = options_of(asked, asked.calibration ? *asked.calibration : calibration_of(orientation));
   if (Result<> added = set_additional(asked, task, project.run); !added) return tl::unexpected(added.error());
   std::error_code error;
   task.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
   return task;
-}
-
-// One line for the user.
-std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
-  const Examined& adjusted = report.adjusted;
-  std::string text =
-      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
-  if (const auto& tests = adjusted.reliability; !tests) {
-    text += "; no standard deviations: " + adjusted.undetermined;
-  } else {
-    text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
-    if (tests->unseen > 0)
-      text += fmt::format(", and {} more whose point lies where their image does not see it", tests->unseen);
-  }
-  for (const AdditionalTest& test : report.additional) {
-    const std::string dropped = dropped_names(test);
-    text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
-    if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
-  }
-  for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
-  return text + "; " + (folder / "adjustment.html").string();
 }
 
 Result<> correct_rays(const AdjustProjectOptions& asked, Block& block, const Run& run) {
@@ -209,13 +191,13 @@ Result<> correct_rays(const AdjustProjectOptions& asked, Block& block, const Run
   return {};
 }
 
-Result<std::string> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
-                                const Run& run) {
+Result<AdjustmentReport> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
+                                     const Run& run) {
   if (Result<> corrected = correct_rays(asked, task.block, run); !corrected) return tl::unexpected(corrected.error());
   COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(task.block), task.scope, task.options, asked, run));
   report.title = task.title;
   COLLINEA_TRY(write_adjustment(report, folder));
-  return outcome_text(report, folder);
+  return report;
 }
 
 // Only what takes part: nothing of an image that orientation left out.
@@ -243,9 +225,8 @@ AdjustmentFile file_of(const Task& task) {
     file.given_cameras[id] = given;
     const auto own = task.scope.camera_sigmas.find(id);
     file.camera_sigmas[id] = own != task.scope.camera_sigmas.end() ? own->second
-                             : camera.prior.calibrate
-                                 ? calibration_named(task.options.adjust.calibration, given).value_or(CameraSigmas{})
-                                 : CameraSigmas{};
+                             : camera.prior.calibrate ? calibration_sigmas(task.options.adjust.calibration, given)
+                                                      : CameraSigmas{};
   }
   return file;
 }
@@ -283,17 +264,13 @@ Result<> complete(Block& block, const Run& run) {
 // Those of the file, but for what is asked otherwise.
 Result<> add_instruments_of_file(AdjustmentFile& file, const AdjustProjectOptions& asked, AdjustScope& scope) {
   Instruments& given = file.instruments;
-  const std::string as_given = "as the file says";
+  const bool is_shift_changed = asked.changed_instruments.contains("position_shift");
   InstrumentOptions options;
-  options.position_shift = given.position_tracks.empty() ? "none" : as_given;
   options.time_offset = !given.time_offset_sigma_s.empty();
   options.use_attitudes = !given.attitudes.empty();
-  if (asked.instruments) asked.instruments(options);
+  change_instruments(asked, options);
   if (options.lever_arm) given.lever_arms.clear();
-  if (options.position_shift == as_given)
-    options.position_shift = "none";
-  else
-    given.position_tracks.clear();
+  if (is_shift_changed) given.position_tracks.clear();
   if (!options.time_offset) given.time_offset_sigma_s.clear();
   if (!options.use_attitudes) given.attitudes.clear();
   options.time_offset &= given.time_offset_sigma_s.empty();
@@ -302,23 +279,21 @@ Result<> add_instruments_of_file(AdjustmentFile& file, const AdjustProjectOption
   return add_instruments(file.block, options, scope);
 }
 
-Result<> set_calibration(const std::string& asked, const AdjustmentFile& file, AdjustScope& scope) {
+void set_calibration(const std::optional<Calibration>& asked, const AdjustmentFile& file, AdjustScope& scope) {
   scope.camera_sigmas = file.camera_sigmas;
-  if (asked == "auto") return {};
+  if (!asked) return;
   for (auto& [id, sigmas] : scope.camera_sigmas) {
     Camera camera = file.given_cameras.at(id);
     camera.prior.sigma_f_px = 1;
-    const auto named = calibration_named(asked, camera);
-    if (!named) return fail(Errc::kBadInput, "calibration = \"" + asked + "\": no such set of parameters");
+    const CameraSigmas named = calibration_sigmas(*asked, camera);
     for (std::size_t k = 0; k < sigmas.size(); ++k)
-      sigmas[k] = (*named)[k] == 0 ? 0 : sigmas[k] > 0 ? sigmas[k] : std::numeric_limits<double>::infinity();
+      sigmas[k] = named[k] == 0 ? 0 : sigmas[k] > 0 ? sigmas[k] : std::numeric_limits<double>::infinity();
   }
-  return {};
 }
 
 }  // namespace
 
-Result<std::string> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
+Result<AdjustmentReport> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
   COLLINEA_TRY(Task task, task_of(project, asked));
   return adjust_task(std::move(task), asked, project.folder / "adjustment", project.run);
 }
@@ -326,20 +301,17 @@ Result<std::string> adjust_project(const Project& project, const AdjustProjectOp
 Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
                            const std::filesystem::path& file) {
   COLLINEA_TRY(const Task task, task_of(project, asked));
-  if (!calibration_named(task.options.adjust.calibration, Camera{}))
-    return fail(Errc::kBadInput,
-                "calibration = \"" + task.options.adjust.calibration + "\": no such set of parameters");
   return write_adjustment_file(file, file_of(task));
 }
 
-Result<std::string> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
-                                const AdjustProjectOptions& asked, const Run& run) {
+Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
+                                     const AdjustProjectOptions& asked, const Run& run) {
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
   if (asked.given_sigmas)
-    return fail(
-        Errc::kBadInput,
-        "given_sigmas is about what orient found control to be worth: a file tells its sigmas itself, and these "
-        "are taken");
+    return fail(Errc::kBadInput,
+                "a file states its sigmas itself, and these are taken: there is nothing that orient found control to "
+                "be worth",
+                {"given_sigmas"_option});
   COLLINEA_TRY(AdjustmentFile file, read_adjustment(path));
   if (Result<> completed = complete(file.block, run); !completed)
     return tl::unexpected(std::move(completed).error().within(path.string()));
@@ -350,8 +322,8 @@ Result<std::string> adjust_file(const std::filesystem::path& path, const std::fi
                       .corrected_cameras = file.corrected_cameras,
                       .use_positions = asked.use_positions,
                       .use_control = asked.use_control},
-            .options = options_of(asked, "none")};
-  if (Result<> set = set_calibration(asked.calibration, file, task.scope); !set) return tl::unexpected(set.error());
+            .options = options_of(asked, Calibration::kNone)};
+  set_calibration(asked.calibration, file, task.scope);
   if (!asked.use_ground)
     for (GroundObservation& measured : file.block.ground) measured.role = ControlRole::kCheck;
   if (Result<> known = add_instruments_of_file(file, asked, task.scope); !known) return tl::unexpected(known.error());

@@ -33,6 +33,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
     const auto done = adjust_project(*project, {.variance_components = components});
     ASSERT_TRUE(done) << done.error().message;
     const nlohmann::json report = report_in(folder / "block" / "adjustment");
+    EXPECT_EQ(report.at("sigma0").get<double>(), done->adjusted.sigma0);
     // Orientation left sigmas as the residuals show them: sigma0 is 1 within four of its standard deviations
     // (chi-squared with the redundancy); variance components are repeated until 1 %.
     const double bound = components ? 0.01 : 4 / std::sqrt(2 * report.at("redundancy").get<double>());
@@ -56,7 +57,7 @@ TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   auto project = open_small_survey(folder / "block");
   ASSERT_TRUE(project && bring_up_to(*project, "orient"));
   const auto report_of = [&](bool snoop) {
-    const auto done = adjust_project(*project, {.loss = "none", .snoop = snoop});
+    const auto done = adjust_project(*project, {.loss = Loss::kNone, .snoop = snoop});
     EXPECT_TRUE(done) << done.error().message;
     return report_in(folder / "block" / "adjustment");
   };
@@ -92,15 +93,16 @@ TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   }
 }
 
-TEST(AdjustProject, RefusesAnUnknownCalibration) {
+TEST(AdjustProject, RefusesOptionsOutOfRange) {
   const TestFolder folder;
   SurveyOptions survey;
   survey.images = 6;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 80});
   ASSERT_TRUE(project && bring_up_to(*project, "orient"));
-  const auto done = adjust_project(*project, {.calibration = "everything"});
+  const auto done = adjust_project(*project, {.tests = {.folds = 1}});
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kBadInput);
+  EXPECT_EQ(done.error().options, std::vector{"folds"_option});
 }
 
 }  // namespace

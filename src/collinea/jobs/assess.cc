@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/assess.h"
 
-#include "collinea/assess/assess.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {
 
-Result<std::string> assess_project(const Project& project, const std::filesystem::path& truth) {
+Result<Assessment> assess_project(const Project& project, const std::filesystem::path& truth) {
   COLLINEA_TRY(const TruthFolder known, read_truth(truth));
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   if (oriented_images(block).empty())
@@ -21,8 +20,7 @@ Result<std::string> assess_project(const Project& project, const std::filesystem
                            .dtm_state = products / "dtm_state.tif",
                            .ortho = products / "ortho.tif",
                            .ortho_source = products / "ortho_source.tif"};
-  COLLINEA_TRY(const Assessment assessment, assess(block, files, known, project.run));
-  return table(assessment);
+  return assess(block, files, known, project.run);
 }
 
 }  // namespace collinea

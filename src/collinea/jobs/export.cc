@@ -119,32 +119,45 @@ Result<> export_cloud(const Project& project, const std::filesystem::path& folde
   auto counted = for_each_piece(project.cloud(), project.run, [&](std::vector<CloudPoint>& points) -> Result<> {
     for (const CloudPoint& point : points) ++counts[tile_of(point, *tile_m)];
     if (counts.size() > kMostTiles)
-      return fail(Errc::kBadInput, "--tile-m is too small: there would be a million tiles");
+      return fail(Errc::kBadInput, "the tiles are too small: there would be a million", {"tile_m"_option});
     return {};
   });
   return counted ? write_tiles(project, folder, options, counts, *tile_m) : counted;
 }
 
+std::optional<LasForm> cloud_form_of(ExportFormat format) {
+  if (format == ExportFormat::kLas) return LasForm::kLas;
+  if (format == ExportFormat::kLaz) return LasForm::kLaz;
+  if (format == ExportFormat::kCopc) return LasForm::kCopc;
+  return std::nullopt;
+}
+
 }  // namespace
 
-Result<> export_block(Project& project, const std::filesystem::path& folder, const std::string& format,
-                      std::optional<double> tile_m) {
+Result<> export_block(Project& project, const std::filesystem::path& folder, const ExportOptions& options) {
+  COLLINEA_TRY(validate(options));
+  const std::optional<LasForm> cloud = cloud_form_of(options.format);
+  if (options.tile_m && !cloud)
+    return fail(Errc::kBadInput, "tiles are of clouds: las, laz or copc", {"tile_m"_option, "format"_option});
   COLLINEA_TRY(Block block, project.store.read_block());
-  if (tile_m && !las_form_of(format)) return fail(Errc::kBadInput, "--tile-m cuts clouds: --format las, laz or copc");
-  if (tile_m && !(*tile_m > 0)) return fail(Errc::kBadInput, "--tile-m: a length is wanted");
   if (oriented_images(block).empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
-  if (format == "colmap" || format == "bundler" || format == "ply")  // nothing else looks at the colours
+  if (cloud) return export_cloud(project, folder, *cloud, options.tile_m);
+  if (options.format != ExportFormat::kOpk)  // nothing else looks at the colours
     COLLINEA_TRY(colour_tie_points(project, block));
-  if (format == "colmap") return export_colmap(project, folder, block);
-  if (format == "bundler") return export_bundler(project, folder, block);
-  if (format == "opk") return write_opk(folder / "orientation.opk", block);
-  if (format == "ply") return export_tie_points(folder, block);
-  if (const auto form = las_form_of(format)) return export_cloud(project, folder, *form, tile_m);
-  return fail(Errc::kBadInput, "--format " + format + ": choose colmap, bundler, opk, ply, las, laz or copc");
+  switch (options.format) {
+    case ExportFormat::kColmap:
+      return export_colmap(project, folder, block);
+    case ExportFormat::kBundler:
+      return export_bundler(project, folder, block);
+    case ExportFormat::kOpk:
+      return write_opk(folder / "orientation.opk", block);
+    default:
+      return export_tie_points(folder, block);
+  }
 }
 
 }  // namespace collinea

@@ -5,15 +5,42 @@
 #include <optional>
 #include <string>
 
+#include "collinea/base/options.h"
 #include "collinea/project/project.h"
 
 namespace collinea {
 
-/// Writes the oriented block for other programs. Formats: "colmap" (text and binary model in the local world frame),
-/// "bundler" (bundle.out and list.txt, likewise), "opk" (omega, phi, kappa in the map), "ply" (tie points), "las",
-/// "laz" and "copc" (the dense cloud in the map, in that form whatever the project's is; with `tile_m` cut into squares
-/// of the map, one file each, listed in tiles.csv). Errors: not oriented yet, unknown format, disk.
-[[nodiscard]] Result<> export_block(Project& project, const std::filesystem::path& folder, const std::string& format,
-                                    std::optional<double> tile_m = {});
+/// What an oriented block is written as.
+enum class ExportFormat { kColmap, kBundler, kOpk, kPly, kLas, kLaz, kCopc };
+inline constexpr Word<ExportFormat> kExportFormatWords[] = {
+    {ExportFormat::kColmap, "colmap", "text and binary model"},
+    {ExportFormat::kBundler, "bundler"},
+    {ExportFormat::kOpk, "opk", "omega, phi, kappa"},
+    {ExportFormat::kPly, "ply", "tie points"},
+    {ExportFormat::kLas, "las", "dense cloud"},
+    {ExportFormat::kLaz, "laz", "the same, compressed"},
+    {ExportFormat::kCopc, "copc", "the same, in an octree"},
+};
+[[nodiscard]] constexpr std::span<const Word<ExportFormat>> words(ExportFormat) { return kExportFormatWords; }
+
+struct ExportOptions {
+  ExportFormat format = ExportFormat::kColmap;
+  std::optional<double> tile_m = {};
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = ExportOptions;
+    visit(Field{"format", &O::format, "", "what for"});
+    visit(Field{"tile_m", &O::tile_m, "m",
+                "of a cloud: cut it into squares of the map so large, a file each; nothing: one file", 1e-6, 1e9});
+  }
+};
+
+/// Writes the oriented block for other programs: a COLMAP model in the local world frame; bundle.out and list.txt for
+/// Bundler, likewise; omega, phi, kappa in the map; tie points; or the dense cloud in the map, in the form asked for
+/// whatever the project's is, with `tile_m` cut into squares of the map, one file each, listed in tiles.csv. Errors:
+/// not oriented yet, options, disk.
+[[nodiscard]] Result<> export_block(Project& project, const std::filesystem::path& folder,
+                                    const ExportOptions& options);
 
 }  // namespace collinea

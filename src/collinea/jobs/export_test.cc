@@ -25,7 +25,7 @@ TEST(Export, ATiePointOfVeryManyImagesHasTheLargestNumberThereIs) {
   ASSERT_TRUE(project) << project.error().message;
   ASSERT_TRUE(project->store.write_setup(block));
   ASSERT_TRUE(project->store.write_orientation(block));
-  ASSERT_TRUE(export_block(*project, folder / "out", "ply"));
+  ASSERT_TRUE(export_block(*project, folder / "out", {.format = ExportFormat::kPly}));
   const auto cloud = read_ply(folder / "out/tie_points.ply");
   ASSERT_TRUE(cloud) << cloud.error().message;
   ASSERT_EQ(cloud->size(), 1u);

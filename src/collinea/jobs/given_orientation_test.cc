@@ -37,8 +37,8 @@ class GivenOrientationTest : public ::testing::Test {
     const auto done = bring_up_to(project, "orient");
     ASSERT_TRUE(done) << done.error().message;
     block_ = *project.store.read_block();
-    for (const char* format : {"colmap", "bundler", "opk"})
-      ASSERT_TRUE(export_block(project, folder_ / format, format)) << format;
+    for (const ExportFormat format : {ExportFormat::kColmap, ExportFormat::kBundler, ExportFormat::kOpk})
+      ASSERT_TRUE(export_block(project, folder_ / std::string(word_of(format)), {.format = format})) << word_of(format);
   }
 
   Block oriented_from(const std::filesystem::path& given) {

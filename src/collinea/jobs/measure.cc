@@ -4,77 +4,40 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "collinea/base/file.h"
 #include "collinea/io/text.h"
 #include "collinea/report/profile_page.h"
+#include "collinea/report/volume_report.h"
 
 namespace collinea {
 namespace {
 
-using nlohmann::ordered_json;
-
-Result<std::optional<MapArea>> area_of(const std::optional<std::string>& file) {
+Result<std::optional<MapArea>> area_of(const std::optional<std::filesystem::path>& file) {
   if (!file) return std::nullopt;
   COLLINEA_TRY(const std::string text, read_file(*file));
   return parse_area(text).map([](MapArea area) { return std::optional(std::move(area)); }).map_error([&](Error e) {
-    return std::move(e).within(*file);
+    return std::move(e).within(file->string());
   });
 }
 
 Result<Volume> volume_of(const SurfaceFiles& surface, const std::string& base, const std::optional<MapArea>& area,
                          const VolumeOptions& options, const Run& run) {
-  if (base == "rim") {
+  if (from_word<VolumeBase>(base) == VolumeBase::kRim) {
     if (!area)
-      return fail(Errc::kBadInput,
-                  "volume over which area? Give --area with its corners, or --base with a height or "
-                  "another surface");
+      return fail(Errc::kBadInput, "volume over which area? Give its corners, or as base a height or another surface",
+                  {"area"_option, "base"_option});
     return volume_over_rim(surface, *area, options, run);
   }
   if (const auto level_m = finite_number(base)) return volume_over_level(surface, *level_m, area, options, run);
   return volume_over_surface(surface, with_sigmas_beside(base), area, options, run);
 }
 
-std::string text_of(const Volume& volume, bool with_sigmas_of_rasters) {
-  std::string text = fmt::format(
-      "above     {:.3f} m3\nbelow     {:.3f} m3\nnet       {:.3f} m3, standard deviation {:.3f} m3\n"
-      "area      {:.2f} m2{}\n",
-      volume.above_m3, volume.below_m3, volume.net_m3(), volume.sigma_m3(), volume.area_m2,
-      volume.missing_m2 > 0 ? fmt::format(", and {:.2f} m2 without heights", volume.missing_m2) : "");
-  text += fmt::format("of which  {:.3f} m3 by heights{}, {:.3f} m3 by a common shift, {:.3f} m3 by the plane\n",
-                      volume.sigma_heights_m3, with_sigmas_of_rasters ? "" : " (assumed)", volume.sigma_shift_m3,
-                      volume.sigma_base_m3);
-  if (volume.plane)
-    text += fmt::format(
-        "plane     {:.3f} m in the middle, rising {:.4f} to the east and {:.4f} to the north; the border "
-        "differs by {:.3f} m\n",
-        volume.plane->x(), volume.plane->y(), volume.plane->z(), volume.rim_rms_m);
-  return text;
-}
-
-ordered_json json_of(const Volume& volume) {
-  ordered_json j = {{"above_m3", volume.above_m3},
-                    {"below_m3", volume.below_m3},
-                    {"net_m3", volume.net_m3()},
-                    {"sigma_m3", volume.sigma_m3()},
-                    {"sigma_heights_m3", volume.sigma_heights_m3},
-                    {"sigma_shift_m3", volume.sigma_shift_m3},
-                    {"sigma_base_m3", volume.sigma_base_m3},
-                    {"area_m2", volume.area_m2},
-                    {"missing_m2", volume.missing_m2}};
-  if (volume.plane)
-    j["plane"] = {{"middle", {volume.middle.x(), volume.middle.y()}},
-                  {"height_m", volume.plane->x()},
-                  {"slope_east", volume.plane->y()},
-                  {"slope_north", volume.plane->z()},
-                  {"rim_rms_m", volume.rim_rms_m}};
-  return j;
-}
-
-// Numbers on the command line, or a file of them.
+// Numbers as they are written, or a file of them.
 Result<std::vector<Eigen::Vector2d>> line_of(const std::string& line) {
-  if (line.empty()) return fail(Errc::kBadInput, "a profile along what? Give --line east,north,east,north or a file");
+  if (line.empty())
+    return fail(Errc::kBadInput, "a profile along what? Give a line, east,north,east,north, or a file of it",
+                {"line"_option});
   std::vector<double> numbers;
   for (const std::string_view field : fields_of(line, ',')) {
     const auto value = finite_number(field);
@@ -85,7 +48,8 @@ Result<std::vector<Eigen::Vector2d>> line_of(const std::string& line) {
     numbers.push_back(*value);
   }
   if (numbers.size() < 4 || numbers.size() % 2)
-    return fail(Errc::kBadInput, "--line " + line + ": give east,north of two places and more");
+    return fail(Errc::kBadInput, "\"" + line + "\" is no line: give east,north of two places and more",
+                {"line"_option});
   std::vector<Eigen::Vector2d> places;
   for (std::size_t i = 0; i < numbers.size(); i += 2) places.emplace_back(numbers[i], numbers[i + 1]);
   return places;
@@ -106,18 +70,17 @@ std::string profile_csv(const Profile& profile, const std::vector<std::string>& 
 
 }  // namespace
 
-Result<std::string> measure_volume(const std::filesystem::path& surface, const MeasureVolumeOptions& asked,
-                                   const VolumeOptions& options, const Run& run) {
+Result<MeasuredVolume> measure_volume(const std::filesystem::path& surface, const MeasureVolumeOptions& asked,
+                                      const VolumeOptions& options, const Run& run) {
   COLLINEA_TRY(const std::optional<MapArea> area, area_of(asked.area));
   const SurfaceFiles files = with_sigmas_beside(surface);
   COLLINEA_TRY(const Volume volume, volume_of(files, asked.base, area, options, run));
-  if (asked.output)
-    COLLINEA_TRY(write_file(*asked.output, json_of(volume).dump(2) + "\n"));
-  return text_of(volume, files.sigma.has_value());
+  if (asked.output) COLLINEA_TRY(write_file(*asked.output, volume_json(volume)));
+  return MeasuredVolume{volume, !files.sigma.has_value()};
 }
 
-Result<std::string> draw_profile(const std::filesystem::path& surface, const ProfileOptions& options,
-                                 const std::filesystem::path& folder, const Run&) {
+Result<Profile> draw_profile(const std::filesystem::path& surface, const ProfileOptions& options,
+                             const std::filesystem::path& folder, const Run&) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(const std::vector<Eigen::Vector2d> line, line_of(options.line));
   std::vector<std::filesystem::path> files = {surface};
@@ -130,12 +93,10 @@ Result<std::string> draw_profile(const std::filesystem::path& surface, const Pro
     surfaces.push_back(std::move(samples));
     names.push_back(file.stem().string());
   }
-  COLLINEA_TRY(const Profile profile,
-               profile_along(line, options.step_m.value_or(surfaces[0].grid().cell_m), surfaces));
+  COLLINEA_TRY(Profile profile, profile_along(line, options.step_m.value_or(surfaces[0].grid().cell_m), surfaces));
   COLLINEA_TRY(write_file(folder / "profile.csv", profile_csv(profile, names)));
   COLLINEA_TRY(write_file(folder / "profile.html", profile_page(profile, names)));
-  return fmt::format("{} places over {:.2f} m; {}", profile.distance_m.size(), profile.distance_m.back(),
-                     (folder / "profile.html").string());
+  return profile;
 }
 
 }  // namespace collinea

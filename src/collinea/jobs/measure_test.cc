@@ -27,7 +27,7 @@ class Measured : public ::testing::Test {
     EXPECT_TRUE(
         write_file(folder_ / "area.csv", "easting, northing\n1005, 2002\n1015, 2002\n1015, 2008\n1005, 2008\n"));
   }
-  [[nodiscard]] Result<std::string> volume(const std::string& base, bool with_area) const {
+  [[nodiscard]] Result<MeasuredVolume> volume(const std::string& base, bool with_area) const {
     MeasureVolumeOptions asked{.base = base, .area = {}, .output = (folder_ / "volume.json").string()};
     if (with_area) asked.area = (folder_ / "area.csv").string();
     return measure_volume(folder_ / "dsm.tif", asked, {}, run_);
@@ -48,11 +48,12 @@ TEST_F(Measured, ABaseIsALevelASurfaceOrTheRim) {
   ASSERT_TRUE(rim) << rim.error().message;
   EXPECT_NEAR(written().at("net_m3").get<double>(), 0, 1e-3);
   EXPECT_NEAR(written().at("plane").at("height_m").get<double>(), 105, 1e-4);
-  EXPECT_NE(rim->find("plane"), std::string::npos);
+  EXPECT_TRUE(rim->volume.plane);
+  EXPECT_FALSE(rim->sigmas_assumed);
 }
 
 TEST_F(Measured, MistakesAreNamed) {
-  EXPECT_NE(volume("rim", false).error().message.find("--area"), std::string::npos);
+  EXPECT_NE(volume("rim", false).error().message.find("corners"), std::string::npos);
   EXPECT_NE(volume("nowhere.tif", false).error().message.find("nowhere.tif"), std::string::npos);
   ASSERT_TRUE(write_file(folder_ / "area.csv", "1, 2\n3, x\n"));
   EXPECT_NE(volume("102", true).error().message.find("line 2"), std::string::npos);
@@ -65,6 +66,7 @@ TEST_F(Measured, AProfileHasARowForEveryStepAndAColumnForEverySurface) {
   const ProfileOptions options{.line = "1002,2005,1012,2005", .others = (folder_ / "dtm.tif").string(), .step_m = 1.0};
   const auto done = draw_profile(folder_ / "dsm.tif", options, folder_ / "p", run_);
   ASSERT_TRUE(done) << done.error().message;
+  EXPECT_NEAR(done->distance_m.back(), 10, 1e-9);
   const std::string text = *read_file(folder_ / "p" / "profile.csv");
   const auto lines = lines_of(text);
   ASSERT_GE(lines.size(), 12u);

@@ -153,7 +153,7 @@ class InstrumentsTest : public OrientStepTest {
     survey.strips = 3;
     survey.images_per_strip = 5;
     survey.control_points = 6;
-    survey.gps_sigma_plan_m = survey.gps_sigma_height_m = 0.02;
+    survey.receiver.gps_sigma_plan_m = survey.receiver.gps_sigma_height_m = 0.02;
     auto project = open_simulated(folder_ / "block", survey, {.points_per_image = 120});
     ASSERT_TRUE(project) << project.error().message;
     project_ = *std::move(project);
@@ -191,7 +191,7 @@ class InstrumentsTest : public OrientStepTest {
 const Eigen::Vector3d InstrumentsTest::kShift(0.8, -0.5, 12);
 
 TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
-  project_->settings.orient.instruments.position_shift = "block";
+  project_->settings.orient.instruments.position_shift = PositionShift::kBlock;
   project_->settings.orient.instruments.time_offset = true;
   orient();
   EXPECT_TRUE(finds("the shift of positions of strip 1 is +0."));
@@ -202,16 +202,13 @@ TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
   expect_found(adjusted().at("extra_unknowns"));
   EXPECT_NEAR(adjusted().at("sigma0").get<double>(), 1, 0.1);
   // Without any of it: what orient found is left out, and the positions contradict.
-  const auto without = adjust_project(*project_, {.instruments = [](InstrumentOptions& instruments) {
-    instruments.position_shift = "none";
-    instruments.time_offset = false;
-  }});
+  const auto without = adjust_project(*project_, {.changed_instruments = {"position_shift", "time_offset"}});
   ASSERT_TRUE(without) << without.error().message;
   EXPECT_FALSE(adjusted().contains("extra_unknowns"));
 }
 
 TEST_F(InstrumentsTest, AShiftNeedsControl) {
-  project_->settings.orient.instruments.position_shift = "strips";
+  project_->settings.orient.instruments.position_shift = PositionShift::kStrips;
   project_->settings.orient.use_control = false;
   orient();
   EXPECT_TRUE(finds("no control point parts a shift of the positions"));
@@ -226,7 +223,7 @@ TEST_F(InstrumentsTest, WhatThePhotographsDoNotSayIsRefusedBeforeAnyWork) {
   const auto done = bring_up_to(*project_, "orient");
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kBadInput);
-  project_->settings.orient.instruments = {.position_shift = "stripes"};
+  project_->settings.orient.instruments = {.position_drift = true};  // of no shift
   EXPECT_FALSE(validate_settings(project_->settings));
 }
 

@@ -21,11 +21,11 @@ constexpr double kNoData = -9999;
 Result<MapArea> read_area(const PlanOptions& options) {
   if (!options.area) return MapArea{};
   COLLINEA_TRY(const std::string text, read_file(*options.area));
-  return parse_area(text).map_error([&](Error e) { return std::move(e).within(*options.area); });
+  return parse_area(text).map_error([&](Error e) { return std::move(e).within(options.area->string()); });
 }
 
 Result<std::vector<PlannedPoint>> points_of(const LayoutOptions& layout, const FlightPlan& plan) {
-  if (is_layout_word(layout.control)) return lay_out(layout, plan);
+  if (from_word<ControlPattern>(layout.control)) return lay_out(layout, plan);
   if (!is_there(layout.control)) return lay_out(layout, plan);  // tells which words there are
   COLLINEA_TRY(const ControlFile file, read_control(layout.control, {.sigma_plan_m = layout.control_sigma_plan_m,
                                                                      .sigma_height_m = layout.control_sigma_height_m}));
@@ -173,17 +173,16 @@ Result<> write_plan(const PlanReport& report, const std::optional<std::string>& 
                                                        {"control.csv", control_csv(report, crs)},
                                                        {"plan.json", plan_json(report)},
                                                        {"plan.html", plan_page(report)}};
-  for (const auto& [name, text] : files)
-    COLLINEA_TRY(write_file(folder / name, text));
+  for (const auto& [name, text] : files) COLLINEA_TRY(write_file(folder / name, text));
   COLLINEA_TRY(write_raster(report.precision, wkt, folder / "sigma.tif"));
   return write_geopackage(folder / "plan.gpkg", layers_of(report), wkt);
 }
 
 }  // namespace
 
-Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions& layout,
-                                const MeasurementOptions& measurements, const PlanOptions& options,
-                                const std::filesystem::path& folder, const Run& asked) {
+Result<PlanReport> plan_survey(const FlightOptions& flight, const LayoutOptions& layout,
+                               const MeasurementOptions& measurements, const PlanOptions& options,
+                               const std::filesystem::path& folder, const Run& asked) {
   COLLINEA_TRY(validate(options));
   Run run = asked;
   run.seed = std::uint64_t(options.seed);
@@ -219,7 +218,7 @@ Result<std::string> plan_survey(const FlightOptions& flight, const LayoutOptions
   std::error_code error;
   report.title = std::filesystem::absolute(folder, error).lexically_normal().filename().string();
   COLLINEA_TRY(write_plan(report, options.crs, crs.wkt, folder));
-  return plan_text(report) + (folder / "plan.html").string() + "\n";
+  return report;
 }
 
 }  // namespace collinea

@@ -39,9 +39,10 @@ Result<FoundPlane> plane_of_control(const Block& block, const std::string& asked
     const auto found = std::find_if(block.control.begin(), block.control.end(),
                                     [&](const auto& entry) { return entry.second.name == name; });
     if (found == block.control.end())
-      return fail(Errc::kNotFound, fmt::format("--control: the project has no point \"{}\"", name));
+      return fail(Errc::kNotFound, fmt::format("the project has no control point \"{}\"", name), {"control"_option});
     if (!found->second.sigma_m.allFinite())
-      return fail(Errc::kBadInput, fmt::format("--control: point {} was not surveyed in all three axes", name));
+      return fail(Errc::kBadInput, fmt::format("control point {} was not surveyed in all three axes", name),
+                  {"control"_option});
     points.push_back(found->second.position_in_world);
   }
   return plane_through(std::move(points));
@@ -83,9 +84,10 @@ Result<std::vector<CloudPoint>> points_in(const fs::path& cloud, const Vector3d&
 
 Result<FoundPlane> plane_of_region(const Project& project, const Places& places, const AskedPlane& asked) {
   COLLINEA_TRY(const auto n,
-               parse_numbers(*asked.region).map_error([](Error e) { return std::move(e).within("--region"); }));
+               parse_numbers(*asked.region).map_error([](Error e) { return std::move(e).about("region"_option); }));
   if ((n.size() != 4 && n.size() != 6) || !(n[2] > n[0] && n[3] > n[1]) || (n.size() == 6 && !(n[5] > n[4])))
-    return fail(Errc::kBadInput, "--region: west,south,east,north or west,south,east,north,lowest,highest are wanted");
+    return fail(Errc::kBadInput, "a region is west,south,east,north or west,south,east,north,lowest,highest",
+                {"region"_option});
   constexpr double kAny = std::numeric_limits<double>::infinity();
   const Vector3d lowest(n[0], n[1], n.size() == 6 ? n[4] : -kAny), highest(n[2], n[3], n.size() == 6 ? n[5] : kAny);
   if (!is_there(project.cloud()))
@@ -101,7 +103,8 @@ Result<FoundPlane> plane_of_region(const Project& project, const Places& places,
   }
   if (places.frame) places.frame->local_from_map(points);
   const double tolerance_m = asked.tolerance_m.value_or(3 * median(sigmas));
-  if (!(tolerance_m > 0)) return fail(Errc::kBadInput, "the cloud states no standard deviations: give --tolerance-m");
+  if (!(tolerance_m > 0))
+    return fail(Errc::kBadInput, "the cloud states no standard deviations: give a tolerance", {"tolerance_m"_option});
   const auto fit = find_plane(points, tolerance_m, project.run.seed);
   if (!fit)
     return fail(Errc::kIllPosed,
@@ -113,8 +116,10 @@ Result<FoundPlane> plane_of_region(const Project& project, const Places& places,
 
 Result<FoundPlane> plane_of(const Project& project, const Block& block, const Places& places, const AskedPlane& asked) {
   if (int(asked.control.has_value()) + int(asked.places.has_value()) + int(asked.region.has_value()) != 1)
-    return fail(Errc::kBadInput, "which plane? Give one of --control, --places and --region");
-  if (asked.tolerance_m && !asked.region) return fail(Errc::kBadInput, "--tolerance-m belongs to --region");
+    return fail(Errc::kBadInput, "which plane? Give control points, places or a region, one of them",
+                {"control"_option, "places"_option, "region"_option});
+  if (asked.tolerance_m && !asked.region)
+    return fail(Errc::kBadInput, "a tolerance belongs to a region", {"tolerance_m"_option});
   if (asked.control) return plane_of_control(block, *asked.control);
   if (asked.places) return plane_of_places(places, *asked.places);
   return plane_of_region(project, places, asked);

@@ -14,10 +14,10 @@ namespace collinea {
 
 /// What says which plane of an oriented project is meant: one of the three.
 struct AskedPlane {
-  std::optional<std::string> control;  ///< names of surveyed points, separated by commas
-  std::optional<std::string> places;   ///< file with easting, northing, height in each line
-  std::optional<std::string> region;   ///< west,south,east,north[,lowest,highest] of a part of the cloud
-  std::optional<double> tolerance_m;   ///< with region: largest distance of its points; nothing: 3 median sigmas
+  std::optional<std::string> control;           ///< names of surveyed points, separated by commas
+  std::optional<std::filesystem::path> places;  ///< file with easting, northing, height in each line
+  std::optional<std::string> region;            ///< west,south,east,north[,lowest,highest] of a part of the cloud
+  std::optional<double> tolerance_m;  ///< with region: largest distance of its points; nothing: 3 median sigmas
 };
 
 /// A plane of a project as it is drawn: its front is the side from which the photographs see it, the lower left corner

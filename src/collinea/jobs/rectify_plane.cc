@@ -28,21 +28,12 @@ using Eigen::Vector3d;
 
 constexpr double kWider = 0.1;  // of the points' extent, on each side
 
-Result<std::vector<double>> numbers_of(const std::string& text, const char* flag) {
-  return parse_numbers(text).map_error([&](Error e) { return std::move(e).within(flag); });
+Result<std::vector<double>> numbers_of(const std::string& text, OptionName option) {
+  return parse_numbers(text).map_error([&](Error e) { return std::move(e).about(option); });
 }
 
-// --- what is told of the result --------------------------------------------------------------------------------------
+// --- what is reported of the result ----------------------------------------------------------------------------------
 
-struct Told {
-  std::string text;
-  nlohmann::json json;
-};
-
-// A number at the middle of the extent and the largest at its corners.
-struct Spread {
-  double middle = 0, worst = 0;
-};
 template <class Measure>
 Spread spread_of(const PlaneExtent& extent, const Measure& measure) {
   Spread spread{measure(extent.at(0.5, 0.5)), 0};
@@ -51,13 +42,12 @@ Spread spread_of(const PlaneExtent& extent, const Measure& measure) {
   return spread;
 }
 
-nlohmann::json json_of(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 Result<PlaneExtent> extent_of(const RectifyOptions& options, const std::vector<Vector2d>& around) {
   if (options.extent) {
-    COLLINEA_TRY(const auto n, numbers_of(*options.extent, "--extent"));
+    COLLINEA_TRY(const auto n, numbers_of(*options.extent, "extent"_option));
     if (n.size() != 4 || !(n[2] > n[0] && n[3] > n[1]))
-      return fail(Errc::kBadInput, "--extent " + *options.extent + ": left,bottom,right,top are wanted");
+      return fail(Errc::kBadInput, "\"" + *options.extent + "\" is no extent: left,bottom,right,top are wanted",
+                  {"extent"_option});
     return PlaneExtent{{n[0], n[1]}, {n[2], n[3]}};
   }
   PlaneExtent extent{around[0], around[0]};
@@ -81,45 +71,31 @@ Result<double> cell_of(const RectifyOptions& options, const std::vector<PlaneVie
   return std::max(1.0, std::floor(pixel_m / unit)) * unit;
 }
 
-Result<Told> paint(const fs::path& out, const PlaneExtent& extent, const std::vector<PlaneView>& views,
-                   const std::vector<std::string>& names, const PixelSource& pixels, const RectifyOptions& options,
-                   const Run& run) {
+Result<RectifiedReport> paint(const fs::path& out, const PlaneExtent& extent, const std::vector<PlaneView>& views,
+                              const std::vector<std::string>& names, const PixelSource& pixels,
+                              const RectifyOptions& options, const Run& run) {
   COLLINEA_TRY(const double cell_m, cell_of(options, views, extent));
   COLLINEA_TRY(const MapGrid grid, plane_grid(extent, cell_m));
   COLLINEA_TRY(const RectifiedSummary summary, write_rectified(out, grid, views, pixels, run));
-  Told told;
-  const double share = double(summary.painted_cells) / double(summary.painted_cells + summary.empty_cells);
-  told.text = fmt::format("{}: {} x {} cells of {}, {:.1f} % painted\n", out.string(), grid.width, grid.height,
-                          metres_text(cell_m), 100 * share);
-  told.json = {{"cell_m", cell_m},
-               {"width", grid.width},
-               {"height", grid.height},
-               {"left_m", grid.west_m},
-               {"top_m", grid.north_m},
-               {"painted_share", share},
-               {"photographs", nlohmann::json::array()}};
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    if (summary.cells_of[v] == 0) continue;
-    nlohmann::json photo = {{"file", names[v]}, {"cells", summary.cells_of[v]}};
-    if (views[v].centre_over_plane) photo["centre_over_plane_m"] = json_of(*views[v].centre_over_plane);
-    told.json["photographs"].push_back(photo);
-  }
-  if (views[0].centre_over_plane) {
-    const Spread shift = spread_of(extent, [&](const Vector2d& p) { return shift_per_depth(views[0], p).value_or(0); });
-    told.text +=
-        fmt::format("off the plane: 10 cm of depth shift a place by {} in the middle, {} in the worst corner\n",
-                    metres_text(0.1 * shift.middle), metres_text(0.1 * shift.worst));
-    told.json["shift_per_depth"] = {{"middle", shift.middle}, {"worst_corner", shift.worst}};
-  } else {
-    told.text += "off the plane: not known, the view is too frontal to say where the camera stood (--focal-px)\n";
-  }
-  return told;
+  RectifiedReport report{.file = out,
+                         .cell_m = cell_m,
+                         .width = grid.width,
+                         .height = grid.height,
+                         .left_m = grid.west_m,
+                         .top_m = grid.north_m};
+  report.painted_share = double(summary.painted_cells) / double(summary.painted_cells + summary.empty_cells);
+  for (std::size_t v = 0; v < views.size(); ++v)
+    if (summary.cells_of[v] > 0) report.sources.push_back({names[v], summary.cells_of[v], views[v].centre_over_plane});
+  if (views[0].centre_over_plane)
+    report.shift_per_depth =
+        spread_of(extent, [&](const Vector2d& p) { return shift_per_depth(views[0], p).value_or(0); });
+  return report;
 }
 
-Result<std::string> finished(Told told, const fs::path& out) {
-  fs::path json = out;
-  COLLINEA_TRY(write_file(json.replace_extension(".json"), json_text(told.json, 2) + "\n"));
-  return told.text;
+Result<RectifiedReport> finished(RectifiedReport report) {
+  fs::path json = report.file;
+  COLLINEA_TRY(write_file(json.replace_extension(".json"), rectified_json(report)));
+  return report;
 }
 
 // --- from a photograph -----------------------------------------------------------------------------------------------
@@ -132,7 +108,8 @@ struct PhotoCamera {
 Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& options, const Run& run) {
   COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
   if (int(options.project.has_value()) + int(options.orientation.has_value()) + int(options.focal_px.has_value()) > 1)
-    return fail(Errc::kBadInput, "one of --project, --orientation and --focal-px says the camera, not several");
+    return fail(Errc::kBadInput, "one of a project, an orientation and a focal length says the camera, not several",
+                {"project"_option, "orientation"_option, "focal_px"_option});
   if (!options.project && !options.orientation) {
     const double focal_px = options.focal_px.value_or(std::max(header.width_px, header.height_px));
     return PhotoCamera{ideal_camera(focal_px, header.width_px, header.height_px), options.focal_px.has_value()};
@@ -151,14 +128,16 @@ Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& optio
 
 Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
   if (options.points.has_value() == options.rectangle.has_value())
-    return fail(Errc::kBadInput, "which plane? Give --points, or --rectangle with --size");
-  if (options.points && options.size) return fail(Errc::kBadInput, "--size belongs to --rectangle, not to --points");
+    return fail(Errc::kBadInput, "which plane? Give points of it, or a rectangle with its size",
+                {"points"_option, "rectangle"_option, "size"_option});
+  if (options.points && options.size)
+    return fail(Errc::kBadInput, "a size belongs to a rectangle, not to points", {"size"_option});
   const double sigma_px = options.sigma_px.value_or(0.5), sigma_m = options.sigma_m.value_or(0);
   std::vector<PlanePoint> points;
   if (options.points) {
     COLLINEA_TRY(const std::string text, read_file(*options.points));
     COLLINEA_TRY(const auto rows, parse_number_rows(text, true, 4, 6).map_error([&](Error e) {
-      return std::move(e).within(*options.points);
+      return std::move(e).within(options.points->string());
     }));
     for (const NumberRow& row : rows) {
       const auto& n = row.numbers;
@@ -167,11 +146,14 @@ Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
     }
     return points;
   }
-  if (!options.size) return fail(Errc::kBadInput, "--rectangle needs --size width,height in metres");
-  COLLINEA_TRY(const auto c, numbers_of(*options.rectangle, "--rectangle"));
-  COLLINEA_TRY(const auto s, numbers_of(*options.size, "--size"));
-  if (c.size() != 8) return fail(Errc::kBadInput, "--rectangle: column,row of four corners are wanted");
-  if (s.size() != 2 || !(s[0] > 0 && s[1] > 0)) return fail(Errc::kBadInput, "--size: width,height are wanted");
+  if (!options.size)
+    return fail(Errc::kBadInput, "a rectangle needs its size: width,height in metres", {"size"_option});
+  COLLINEA_TRY(const auto c, numbers_of(*options.rectangle, "rectangle"_option));
+  COLLINEA_TRY(const auto s, numbers_of(*options.size, "size"_option));
+  if (c.size() != 8)
+    return fail(Errc::kBadInput, "column,row of the four corners of a rectangle are wanted", {"rectangle"_option});
+  if (s.size() != 2 || !(s[0] > 0 && s[1] > 0))
+    return fail(Errc::kBadInput, "the size of a rectangle is width,height, both positive", {"size"_option});
   const Vector2d corners[4] = {{0, s[1]}, {s[0], s[1]}, {s[0], 0}, {0, 0}};
   const char* names[4] = {"upper left", "upper right", "lower right", "lower left"};
   for (std::size_t i = 0; i < 4; ++i)
@@ -180,46 +162,30 @@ Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
 }
 
 // What the homography is worth.
-void tell(const PlaneHomography& homography, const std::vector<PlanePoint>& points, const PlaneExtent& extent,
-          Told& told) {
-  std::size_t worst = 0;
-  auto& list = told.json["points"] = nlohmann::json::array();
+RectifiedReport::FromPoints worth_of(const PlaneHomography& homography, const std::vector<PlanePoint>& points,
+                                     const PlaneExtent& extent) {
+  RectifiedReport::FromPoints out;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& r = homography.residuals()[i];
-    if (r.in_sigmas > homography.residuals()[worst].in_sigmas) worst = i;
-    list.push_back({{"name", points[i].name},
-                    {"residual_px", {r.px.x(), r.px.y()}},
-                    {"residual_m", {r.m.x(), r.m.y()}},
-                    {"in_sigmas", r.in_sigmas}});
+    out.points.push_back({points[i].name, r.px, r.m, r.in_sigmas});
   }
   // Residuals larger than stated count; smaller ones may be luck.
   const double scale = std::max(1.0, homography.sigma0());
-  const Spread sigma = spread_of(extent, [&](const Vector2d& p) {
+  out.sigma_position_m = spread_of(extent, [&](const Vector2d& p) {
     return homography.matrix().row(2).dot(p.homogeneous()) > 0 ? scale * std::sqrt(homography.covariance_at(p).trace())
                                                                : std::numeric_limits<double>::infinity();
   });
-  told.json["redundancy"] = homography.redundancy();
-  told.json["sigma_position_m"] = {{"middle", sigma.middle}, {"worst_corner", sigma.worst}};
-  if (homography.redundancy() > 0) {
-    told.json["sigma0"] = homography.sigma0();
-    const auto& r = homography.residuals()[worst];
-    told.text += fmt::format("{} points, sigma0 {:.2f}; largest residual {:.2f} px, {} at point {}\n", points.size(),
-                             homography.sigma0(), r.px.norm(), metres_text(r.m.norm()), points[worst].name);
-    if (homography.residuals_too_large())
-      told.text +=
-          "the residuals are larger than the sigmas stated allow: a point is wrong, does not lie on the plane, "
-          "or the lens distorts (--project)\n";
-  } else {
-    told.text += "four points: nothing checks them\n";
-  }
-  told.text += fmt::format("standard deviation of a place by them: {} in the middle, {} in the worst corner\n",
-                           metres_text(sigma.middle), metres_text(sigma.worst));
+  out.redundancy = int(homography.redundancy());
+  out.sigma0 = homography.sigma0();
+  out.residuals_are_too_large = homography.redundancy() > 0 && homography.residuals_too_large();
+  return out;
 }
 
-Result<std::string> rectify_photo(const fs::path& photo, const fs::path& out, const RectifyOptions& options,
-                                  const Run& run) {
+Result<RectifiedReport> rectify_photo(const fs::path& photo, const fs::path& out, const RectifyOptions& options,
+                                      const Run& run) {
   if (options.control || options.places || options.region || options.tolerance_m)
-    return fail(Errc::kBadInput, "--control, --places, --region and --tolerance-m are for a project, not a photograph");
+    return fail(Errc::kBadInput, "control, places, a region and its tolerance are for a project, not a photograph",
+                {"control"_option, "places"_option, "region"_option, "tolerance_m"_option});
   COLLINEA_TRY(const auto points, plane_points(options));
   COLLINEA_TRY(const PhotoCamera used, camera_of(photo, options, run));
   COLLINEA_TRY(const PlaneHomography homography, PlaneHomography::fit(used.camera, points));
@@ -227,23 +193,19 @@ Result<std::string> rectify_photo(const fs::path& photo, const fs::path& out, co
   for (const PlanePoint& p : points) around.push_back(p.on_plane_m);
   COLLINEA_TRY(const PlaneExtent extent, extent_of(options, around));
   PlaneView view{ImageId{0}, used.camera, homography.matrix(), {}};
-  std::string lens;
+  RectifiedReport::FromPoints worth = worth_of(homography, points, extent);
+  worth.is_lens_known = options.project || options.orientation;
   if (used.known) {
     view.centre_over_plane = centre_over_plane(homography.matrix());
   } else if (const auto focal = homography.focal()) {
     view.centre_over_plane = centre_over_plane(homography.matrix(), focal->times);
-    lens = fmt::format("focal length from the perspective of the points: {:.0f} px, standard deviation {:.0f} px\n",
-                       focal->times * used.camera.focal_px(),
-                       focal->sigma * std::max(1.0, homography.sigma0()) * used.camera.focal_px());
+    worth.focal_px = focal->times * used.camera.focal_px();
+    worth.focal_sigma_px = focal->sigma * std::max(1.0, homography.sigma0()) * used.camera.focal_px();
   }
-  if (!options.project && !options.orientation)
-    lens += "the lens is not known (--project, --orientation): its distortion stays in the picture\n";
-  COLLINEA_TRY(Told told, paint(
-                              out, extent, {view}, {photo.filename().string()},
-                              [&](ImageId, int shrink) { return read_colour(photo, shrink); }, options, run));
-  tell(homography, points, extent, told);
-  told.text += lens;
-  return finished(std::move(told), out);
+  const auto pixels = [&](ImageId, int shrink) { return read_colour(photo, shrink); };
+  COLLINEA_TRY(RectifiedReport report, paint(out, extent, {view}, {photo.filename().string()}, pixels, options, run));
+  report.from_points = std::move(worth);
+  return finished(std::move(report));
 }
 
 // --- from a project --------------------------------------------------------------------------------------------------
@@ -261,17 +223,19 @@ std::vector<PlaneView> views_of_plane(const Block& block, const FramedPlane& pla
   return views;
 }
 
-Result<std::string> rectify_project(const fs::path& folder, const fs::path& out, const RectifyOptions& options,
-                                    const Run& run) {
+Result<RectifiedReport> rectify_project(const fs::path& folder, const fs::path& out, const RectifyOptions& options,
+                                        const Run& run) {
   if (options.points || options.rectangle || options.size || options.project || options.orientation || options.focal_px)
     return fail(Errc::kBadInput,
-                "--points, --rectangle, --size, --project, --orientation and --focal-px are for a "
-                "photograph, not a project");
+                "points, a rectangle and its size, a project, an orientation and a focal length are for a photograph, "
+                "not a project",
+                {"points"_option, "rectangle"_option, "size"_option, "project"_option, "orientation"_option,
+                 "focal_px"_option});
   if (options.sigma_px || options.sigma_m)
-    return fail(
-        Errc::kBadInput,
-        "--sigma-px and --sigma-m are of the points of a photograph; a project's plane is judged by how far its "
-        "points lie off it");
+    return fail(Errc::kBadInput,
+                "standard deviations are of the points of a photograph; a project's plane is judged by how far its "
+                "points lie off it",
+                {"sigma_px"_option, "sigma_m"_option});
   COLLINEA_TRY(const Project project, open_project(folder, run));
   COLLINEA_TRY(const Block block, project.store.read_block());
   if (oriented_images(block).empty())
@@ -287,35 +251,32 @@ Result<std::string> rectify_project(const fs::path& folder, const fs::path& out,
   const auto pixels = [&](ImageId image, int shrink) {
     return read_colour(project.photo(block.images.at(image)), shrink);
   };
-  COLLINEA_TRY(Told told, paint(out, extent, views, names, pixels, options, run));
-  told.text +=
-      fmt::format("plane of {} points of {}, {} off it (RMS)\n", plane.points, plane.of, metres_text(plane.rms_m));
-  const Spread shift = spread_of(extent, [&](const Vector2d& p) { return *shift_per_depth(views[0], p); });
-  told.text += fmt::format("so places are shifted by {} in the middle, {} in the worst corner (RMS)\n",
-                           metres_text(plane.rms_m * shift.middle), metres_text(plane.rms_m * shift.worst));
-  if (!places.metric) told.text += "the block has no scale: lengths are in its own unit, not in metres\n";
+  COLLINEA_TRY(RectifiedReport report, paint(out, extent, views, names, pixels, options, run));
   const auto on_map = [&](const Vector3d& p) { return places.frame ? places.frame->map_from_local(p) : p; };
-  told.json["plane"] = {{"points", plane.points},
-                        {"points_looked_at", plane.of},
-                        {"rms_m", plane.rms_m},
-                        {"origin_on_map", json_of(on_map(plane.frame.origin_in_world))},
-                        {"origin_in_world", json_of(plane.frame.origin_in_world)},
-                        {"x_axis_in_world", json_of(plane.frame.world_from_plane.col(0))},
-                        {"y_axis_in_world", json_of(plane.frame.world_from_plane.col(1))},
-                        {"normal_in_world", json_of(plane.frame.world_from_plane.col(2))}};
-  return finished(std::move(told), out);
+  report.is_metric = places.metric;
+  report.from_project = {
+      .points = plane.points,
+      .points_looked_at = plane.of,
+      .rms_m = plane.rms_m,
+      .origin_on_map = on_map(plane.frame.origin_in_world),
+      .origin_in_world = plane.frame.origin_in_world,
+      .x_axis_in_world = plane.frame.world_from_plane.col(0),
+      .y_axis_in_world = plane.frame.world_from_plane.col(1),
+      .normal_in_world = plane.frame.world_from_plane.col(2),
+      .shift_by_rms_per_m = spread_of(extent, [&](const Vector2d& p) { return *shift_per_depth(views[0], p); })};
+  return finished(std::move(report));
 }
 
 }  // namespace
 
-Result<std::string> rectify_plane(const fs::path& source, const fs::path& out, const RectifyOptions& options,
-                                  const Run& run) {
+Result<RectifiedReport> rectify_plane(const fs::path& source, const fs::path& out, const RectifyOptions& options,
+                                      const Run& run) {
   COLLINEA_TRY(validate(options));
   std::string extension = lower(out.extension().string());
   if (extension != ".tif" && extension != ".tiff" && extension != ".png")
     return fail(Errc::kBadInput, out.string() + ": the picture is a .tif or a .png");
   std::error_code error;
-  for (const std::optional<std::string>& read : {std::optional(source.string()), options.points, options.places})
+  for (const std::optional<fs::path>& read : {std::optional(source), options.points, options.places})
     for (const fs::path& made :
          {out, fs::path(out).replace_extension(".json"), fs::path(out).replace_extension(".pgw")})
       if (read && fs::equivalent(*read, made, error))

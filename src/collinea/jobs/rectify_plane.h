@@ -8,15 +8,19 @@
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
+#include "collinea/report/rectified_report.h"
 
 namespace collinea {
 
 /// What makes the plane of a photograph or of a block, and how it is drawn.
 struct RectifyOptions {
-  std::optional<std::string> points = {}, rectangle = {}, size = {};
-  std::optional<std::string> project = {}, orientation = {};
+  std::optional<std::filesystem::path> points = {};
+  std::optional<std::string> rectangle = {}, size = {};
+  std::optional<std::filesystem::path> project = {}, orientation = {};
   std::optional<double> focal_px = {};
-  std::optional<std::string> control = {}, places = {}, region = {};
+  std::optional<std::string> control = {};
+  std::optional<std::filesystem::path> places = {};
+  std::optional<std::string> region = {};
   std::optional<double> tolerance_m = {};
   std::optional<std::string> extent = {};
   std::optional<double> cell_m = {};
@@ -27,15 +31,18 @@ struct RectifyOptions {
     using O = RectifyOptions;
     visit(Field{"points", &O::points, "",
                 "of a photograph: file with name, column_px, row_px, x_m, y_m of four points of the plane or more in "
-                "each line, and sigma_px, sigma_m where they differ; x to the right, y up"});
+                "each line, and sigma_px, sigma_m where they differ; x to the right, y up"}
+              .leads_to(PathKind::kFile));
     visit(Field{"rectangle", &O::rectangle, "",
                 "of a photograph: column,row of the corners of a rectangle: upper left, upper right, lower right, "
                 "lower left"});
     visit(Field{"size", &O::size, "", "width,height of that rectangle in metres"});
-    visit(
-        Field{"project", &O::project, "",
-              "of a photograph: oriented project that holds it, for the lens distortion and the place of the camera"});
-    visit(Field{"orientation", &O::orientation, "", "the same from a folder with a COLMAP model (text or binary)"});
+    visit(Field{"project", &O::project, "",
+                "of a photograph: oriented project that holds it, for the lens distortion and the position of the "
+                "camera"}
+              .leads_to(PathKind::kFolder));
+    visit(Field{"orientation", &O::orientation, "", "the same from a folder with a COLMAP model (text or binary)"}
+              .leads_to(PathKind::kFolder));
     visit(Field{"focal_px", &O::focal_px, "px",
                 "focal length, where no project knows the camera: for the error off the plane; nothing: from the "
                 "perspective of the points",
@@ -43,7 +50,8 @@ struct RectifyOptions {
     visit(Field{"control", &O::control, "",
                 "of a project: names of three surveyed points of the plane or more, separated by commas"});
     visit(Field{"places", &O::places, "",
-                "of a project: file with easting, northing, height of three places of the plane or more"});
+                "of a project: file with easting, northing, height of three places of the plane or more"}
+              .leads_to(PathKind::kFile));
     visit(Field{"region", &O::region, "",
                 "of a project: west,south,east,north[,lowest,highest] of the part of the cloud in which the largest "
                 "plane is looked for"});
@@ -63,9 +71,9 @@ struct RectifyOptions {
 };
 
 /// Draws a plane at a metric scale, from a photograph (file) or an oriented project (folder), into `out` (.tif or .png)
-/// and tells its quality in a JSON file of the same name. Returns a few lines for people. Errors: options, files,
-/// geometry.
-[[nodiscard]] Result<std::string> rectify_plane(const std::filesystem::path& source, const std::filesystem::path& out,
-                                                const RectifyOptions& options, const Run& run);
+/// and states its quality in a JSON file of the same name. Errors: options, files, geometry.
+[[nodiscard]] Result<RectifiedReport> rectify_plane(const std::filesystem::path& source,
+                                                    const std::filesystem::path& out, const RectifyOptions& options,
+                                                    const Run& run);
 
 }  // namespace collinea

@@ -51,17 +51,13 @@ GreyImage without_zero(GreyImage picture) {
 
 Result<Prepared> rectified_pair(const fs::path& left, const fs::path& right, const StereoPairOptions& pair) {
   Prepared ready;
-  int shrink = 1;
-  if (pair.resolution) {
-    const auto asked = shrink_of(*pair.resolution);
-    if (!asked) return fail(Errc::kBadInput, "resolution = " + *pair.resolution + " is none of full, half, quarter");
-    shrink = *asked;
-  }
+  const int shrink = static_cast<int>(pair.resolution.value_or(Resolution::kFull));
   COLLINEA_TRY(GreyImage left_grey, read_grey(left, shrink));
   COLLINEA_TRY(GreyImage right_grey, read_grey(right, shrink));
   COLLINEA_TRY(ready.colours, read_colour(left, shrink));
   if (pair.focal_px.has_value() != pair.base_m.has_value())
-    return fail(Errc::kBadInput, "a cloud needs both --focal-px and --base-m");
+    return fail(Errc::kBadInput, "a cloud needs both the focal length and the base",
+                {"focal_px"_option, "base_m"_option});
   if (pair.focal_px)
     ready.cameras =
         epipolar_pair(*pair.focal_px / shrink, *pair.base_m, left_grey.width, right_grey.width, left_grey.height);
@@ -119,10 +115,13 @@ Result<Prepared> oriented_pair(const Block& block, const Side& left, const Side&
 Result<Prepared> prepared(const std::string& left, const std::string& right, const StereoPairOptions& pair,
                           const Run& run) {
   if (int(pair.rectified) + int(pair.project.has_value()) + int(pair.orientation.has_value()) != 1)
-    return fail(Errc::kBadInput, "say one of --project, --orientation and --rectified: where the orientation is");
+    return fail(Errc::kBadInput,
+                "where is the orientation? Name one: a project, a model, or that the pair is rectified",
+                {"project"_option, "orientation"_option, "rectified"_option});
   if (pair.rectified) return rectified_pair(left, right, pair);
   if (pair.focal_px || pair.base_m)
-    return fail(Errc::kBadInput, "--focal-px and --base-m are for --rectified; an orientation knows them");
+    return fail(Errc::kBadInput, "focal length and base are for a rectified pair; an orientation knows them",
+                {"focal_px"_option, "base_m"_option, "rectified"_option});
   Block block;
   fs::path folder;
   if (pair.project) {
@@ -149,8 +148,8 @@ Result<DisparityRange> range_for(const Prepared& ready, const StereoPairOptions&
   } else if (pair.rectified) {
     range = {0, std::max(ready.left.width / kPartOfWidth, 15)};
   } else if (!pair.min_disparity || !pair.max_disparity) {
-    return fail(Errc::kBadInput,
-                "too few tie points that both photographs show: say --min-disparity and --max-disparity");
+    return fail(Errc::kBadInput, "too few tie points that both photographs show: give the range of disparities",
+                {"min_disparity"_option, "max_disparity"_option});
   }
   if (pair.min_disparity) range.low = *pair.min_disparity;
   if (pair.max_disparity) range.high = *pair.max_disparity;
@@ -193,57 +192,22 @@ Result<std::size_t> write_cloud(const fs::path& path, const Prepared& ready, con
   return points.size();
 }
 
-// The camera as numbers: focal length, principal point, size.
-nlohmann::json told(const Camera& camera) {
-  return {{"f_px", camera.focal_px()},
-          {"cx_px", camera.params[Camera::kCx]},
-          {"cy_px", camera.params[Camera::kCy]},
-          {"width_px", camera.width_px},
-          {"height_px", camera.height_px}};
-}
-
-struct Summary {
-  std::size_t pixels = 0, measured = 0;
-  double median_sigma_px = 0;
-};
-
-Summary summary_of(const GreyImage& left, const DisparityMap& map) {
-  Summary summary;
+StereoReport report_of(const Prepared& ready, const DisparityRange& range, const DisparityMap& map) {
+  StereoReport report{.min_disparity_px = range.low, .max_disparity_px = range.high, .frame = ready.frame};
   std::vector<float> sigmas;
   for (std::size_t i = 0; i < map.sigma.data.size(); ++i) {
-    summary.pixels += left.data[i] != 0;
+    report.pixels += ready.left.data[i] != 0;
     if (!std::isnan(map.sigma.data[i])) sigmas.push_back(map.sigma.data[i]);
   }
-  summary.measured = sigmas.size();
-  if (sigmas.empty()) return summary;
-  summary.median_sigma_px = median(sigmas);
-  return summary;
-}
-
-nlohmann::json report(const Prepared& ready, const DisparityRange& range, const Summary& summary,
-                      const std::optional<std::size_t>& points) {
-  nlohmann::json json = {{"min_disparity_px", range.low},
-                         {"max_disparity_px", range.high},
-                         {"pixels", summary.pixels},
-                         {"measured", summary.measured},
-                         {"median_sigma_px", summary.median_sigma_px}};
-  if (!ready.cameras) return json;
-  const EpipolarPair& pair = *ready.cameras;
-  json["left"] = told(pair.left);
-  json["right"] = told(pair.right);
-  json["base_m"] = pair.base_m;
-  const auto& q = pair.left_from_world.rotation;
-  const Eigen::Vector3d centre = centre_of(pair.left_from_world);
-  json["left_from_world_quaternion_wxyz"] = {q.w(), q.x(), q.y(), q.z()};
-  json["left_centre_m"] = {centre.x(), centre.y(), centre.z()};
-  json["points"] = points.value_or(0);
-  return json;
+  report.measured = sigmas.size();
+  if (!sigmas.empty()) report.median_sigma_px = median(sigmas);
+  return report;
 }
 
 }  // namespace
 
-Result<std::string> match_stereo(const std::string& left, const std::string& right, const fs::path& folder,
-                                 const StereoPairOptions& pair, const StereoOptions& options, const Run& run) {
+Result<StereoReport> match_stereo(const std::string& left, const std::string& right, const fs::path& folder,
+                                  const StereoPairOptions& pair, const StereoOptions& options, const Run& run) {
   COLLINEA_TRY(validate(pair));
   COLLINEA_TRY(const Prepared ready, prepared(left, right, pair, run));
   COLLINEA_TRY(const DisparityRange range, range_for(ready, pair));
@@ -262,18 +226,14 @@ Result<std::string> match_stereo(const std::string& left, const std::string& rig
     return write_png(folder / "disparity.png", coloured(map.disparity));
   }();
   if (!written) return tl::unexpected(written.error());
-  std::optional<std::size_t> points;
+  StereoReport report = report_of(ready, range, map);
   if (ready.cameras) {
-    COLLINEA_TRY(points, write_cloud(folder / "cloud.ply", ready, map));
+    COLLINEA_TRY(const std::size_t points, write_cloud(folder / "cloud.ply", ready, map));
+    const EpipolarPair& known = *ready.cameras;
+    report.cameras = {known.left, known.right, known.left_from_world, known.base_m, points};
   }
-  const Summary summary = summary_of(ready.left, map);
-  COLLINEA_TRY(write_file(folder / "stereo.json", json_text(report(ready, range, summary, points), 2) + "\n"));
-  std::string text = fmt::format("measured: {:.1f} % of {} pixels, median sigma {:.2f} px\n",
-                                 summary.pixels ? 100.0 * double(summary.measured) / double(summary.pixels) : 0.0,
-                                 summary.pixels, summary.median_sigma_px);
-  text += points ? fmt::format("cloud: {} points, {}\n", *points, ready.frame)
-                 : "no cloud: the cameras are not known (--focal-px, --base-m)\n";
-  return text + "in " + folder.string() + "\n";
+  COLLINEA_TRY(write_file(folder / "stereo.json", stereo_json(report)));
+  return report;
 }
 
 }  // namespace collinea

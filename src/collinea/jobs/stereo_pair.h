@@ -5,24 +5,28 @@
 #include <optional>
 #include <string>
 
+#include "collinea/dense/depth_map.h"
 #include "collinea/dense/stereo.h"
+#include "collinea/report/stereo_report.h"
 
 namespace collinea {
 
 /// What a single pair is matched from and how.
 struct StereoPairOptions {
-  std::optional<std::string> project, orientation;
+  std::optional<std::filesystem::path> project, orientation;
   bool rectified = false;
   std::optional<int> min_disparity, max_disparity;
   std::optional<double> focal_px, base_m;
-  std::optional<std::string> resolution;
+  std::optional<Resolution> resolution;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = StereoPairOptions;
-    visit(Field{"project", &O::project, "", "oriented project that holds both photographs, named as there"});
+    visit(Field{"project", &O::project, "", "oriented project that holds both photographs, named as there"}.leads_to(
+        PathKind::kFolder));
     visit(Field{"orientation", &O::orientation, "",
-                "folder with a COLMAP model (text or binary) that holds both photographs; instead of a project"});
+                "folder with a COLMAP model (text or binary) that holds both photographs; instead of a project"}
+              .leads_to(PathKind::kFolder));
     visit(Field{"rectified", &O::rectified, "", "the pictures are an epipolar pair as they are"});
     visit(Field{"min_disparity", &O::min_disparity, "px",
                 "least column left less column right; nothing: 0 for rectified pairs, else from the tie points"});
@@ -31,8 +35,8 @@ struct StereoPairOptions {
     visit(Field{"focal_px", &O::focal_px, "px", "of a rectified pair: for the cloud", 1, 1e7});
     visit(Field{"base_m", &O::base_m, "m", "distance of the cameras of a rectified pair: for the cloud", 1e-9, 1e9});
     visit(Field{"resolution", &O::resolution, "",
-                "full, half or quarter of the photographs' size; nothing: full for rectified pairs, else the largest "
-                "with at most 3.2 million pixels"});
+                "of the photographs' size; nothing: full for rectified pairs, else the largest with at most 3.2 "
+                "million pixels"});
   }
 };
 
@@ -40,8 +44,8 @@ struct StereoPairOptions {
 /// (colours, black: nothing), cloud.ply where the cameras are known, stereo.json; and left.png, right.png when they
 /// were resampled. Returns a few lines for people. Errors: neither or both kinds of orientation, pictures not in it,
 /// geometry, disk.
-[[nodiscard]] Result<std::string> match_stereo(const std::string& left, const std::string& right,
-                                               const std::filesystem::path& folder, const StereoPairOptions& pair,
-                                               const StereoOptions& options, const Run& run);
+[[nodiscard]] Result<StereoReport> match_stereo(const std::string& left, const std::string& right,
+                                                const std::filesystem::path& folder, const StereoPairOptions& pair,
+                                                const StereoOptions& options, const Run& run);
 
 }  // namespace collinea

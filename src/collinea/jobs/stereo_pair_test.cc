@@ -89,6 +89,8 @@ TEST(StereoPair, RectifiedPicturesGiveDisparitiesAndACloudWhereTheCamerasAreKnow
   EXPECT_FALSE(is_there(photos.folder / "plain/cloud.ply"));
   EXPECT_TRUE(is_there(photos.folder / "plain/disparity.png"));
   EXPECT_TRUE(is_there(photos.folder / "plain/stereo.json"));
+  EXPECT_FALSE(plain->cameras);
+  EXPECT_GT(plain->measured, plain->pixels / 2);
   pair.focal_px = kFocal_px;
   pair.base_m = kBase_m;
   ASSERT_TRUE(match_stereo(photos.left, photos.right, photos.folder / "cloud", pair, {}, {}));

@@ -137,7 +137,7 @@ void add_by_position(const Block& setup, const PairOptions& options, PairSet& pa
 }  // namespace
 
 bool all_pairs_wanted(const Block& setup, const PairOptions& options) {
-  return options.pairs == "all" ||
+  return options.pairs == PairChoice::kAll ||
          setup.images.size() < static_cast<std::size_t>(std::max(0, options.exhaustive_below));
 }
 

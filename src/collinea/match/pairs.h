@@ -16,10 +16,13 @@ namespace collinea {
 using ImageIdPair = std::pair<ImageId, ImageId>;  ///< first < second
 
 /// What PairOptions::pairs may be.
-inline constexpr std::array<std::string_view, 2> kPairChoices = {"auto", "all"};
+enum class PairChoice { kAuto, kAll };
+inline constexpr Word<PairChoice> kPairChoiceWords[] = {
+    {PairChoice::kAuto, "auto", "each image with its best partners"}, {PairChoice::kAll, "all"}};
+[[nodiscard]] constexpr std::span<const Word<PairChoice>> words(PairChoice) { return kPairChoiceWords; }
 
 struct PairOptions {
-  std::string pairs = "auto";
+  PairChoice pairs = PairChoice::kAuto;
   int exhaustive_below = 10;
   int partners = 8;
   int sure_partners = 3;
@@ -35,8 +38,7 @@ struct PairOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = PairOptions;
-    visit(Field{"pairs", &O::pairs, "",
-                "which pairs are searched for matches: auto (each image with its best partners) or all"});
+    visit(Field{"pairs", &O::pairs, "", "which pairs are searched for matches"});
     visit(Field{"exhaustive_below", &O::exhaustive_below, "1",
                 "blocks of fewer images than this are matched all with all", 0});
     visit(Field{"partners", &O::partners, "1", "most partners that each image is searched with", 1, 1000});

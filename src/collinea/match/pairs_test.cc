@@ -60,7 +60,7 @@ TEST(AllPairs, AreForSmallBlocksAndForWhoAsks) {
   PairOptions options;
   EXPECT_TRUE(all_pairs_wanted(sequence(9), options));
   EXPECT_FALSE(all_pairs_wanted(sequence(10), options));
-  options.pairs = "all";
+  options.pairs = PairChoice::kAll;
   EXPECT_TRUE(all_pairs_wanted(sequence(500), options));
 }
 

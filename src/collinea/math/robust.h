@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <string_view>
+#include <span>
+
+#include "collinea/base/words.h"
 
 namespace collinea {
 
@@ -73,12 +74,8 @@ class CostSum {
   double sum_ = 0, product_ = 1;
 };
 
-/// The loss of that name; nothing when there is none.
-[[nodiscard]] inline std::optional<Loss> loss_named(std::string_view name, double scale) {
-  if (name == "none") return Loss{Loss::kNone, scale, 1};
-  if (name == "huber") return Loss{Loss::kHuber, scale, 1};
-  if (name == "cauchy") return Loss{Loss::kCauchy, scale, 1};
-  return std::nullopt;
-}
+inline constexpr Word<Loss::Kind> kLossWords[] = {
+    {Loss::kNone, "none"}, {Loss::kHuber, "huber"}, {Loss::kCauchy, "cauchy"}};
+[[nodiscard]] constexpr std::span<const Word<Loss::Kind>> words(Loss::Kind) { return kLossWords; }
 
 }  // namespace collinea

@@ -149,8 +149,8 @@ Block survey() {
 TEST(OrientGlobally, FindsWhatGrowthFinds) {
   testing::Matched matched = testing::matched(survey());
   matched.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
-  std::map<std::string, Block> found;
-  for (const char* mode : {"incremental", "global"}) {
+  std::map<OrientMode, Block> found;
+  for (const OrientMode mode : {OrientMode::kIncremental, OrientMode::kGlobal}) {
     OrientOptions options;
     options.mode = mode;
     const auto done = orient(matched.setup, matched.pairs, matched.source(), options, kRun);
@@ -158,23 +158,23 @@ TEST(OrientGlobally, FindsWhatGrowthFinds) {
     EXPECT_EQ(count_oriented(done->block), 28u);
     found[mode] = done->block;
   }
-  EXPECT_LT(testing::centre_rms_m(found.at("global"), found.at("incremental"), false), 0.01);
+  EXPECT_LT(testing::centre_rms_m(found.at(OrientMode::kGlobal), found.at(OrientMode::kIncremental), false), 0.01);
 }
 
 TEST(OrientGlobally, DoesNotDependOnThreads) {
   testing::Matched matched = testing::matched(survey());
   matched.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
   OrientOptions options;
-  options.mode = "global";
+  options.mode = OrientMode::kGlobal;
   std::vector<Block> found;
   for (const int threads : {1, 2}) {
     collinea::Run run;
     run.threads = threads;
     found.push_back(orient(matched.setup, matched.pairs, matched.source(), options, run)->block);
   }
-  for (const auto& [image, pose] : found[0].cam_from_world) {
-    EXPECT_EQ(pose.translation, found[1].cam_from_world.at(image).translation);
-    EXPECT_EQ(pose.rotation.coeffs(), found[1].cam_from_world.at(image).rotation.coeffs());
+  for (const auto& [image, pose] : oriented_images(found[0])) {
+    EXPECT_EQ(pose.translation, pose_of(found[1], image).translation);
+    EXPECT_EQ(pose.rotation.coeffs(), pose_of(found[1], image).rotation.coeffs());
   }
   ASSERT_EQ(found[0].observations.size(), found[1].observations.size());
 }
@@ -183,7 +183,7 @@ TEST(OrientGlobally, RefusesToBeginFromPositionsThatAreNotToBeUsed) {
   testing::Matched matched = testing::matched(survey());
   matched.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
   OrientOptions options;
-  options.mode = "global";
+  options.mode = OrientMode::kGlobal;
   options.use_positions = false;
   const auto done = orient(matched.setup, matched.pairs, matched.source(), options, kRun);
   ASSERT_FALSE(done);
@@ -193,7 +193,7 @@ TEST(OrientGlobally, RefusesToBeginFromPositionsThatAreNotToBeUsed) {
 TEST(OrientGlobally, SaysWhenPositionsDoNotFixTheBlock) {
   const testing::Matched matched = testing::matched(testing::test_block({.points = 600}));  // none
   OrientOptions options;
-  options.mode = "global";
+  options.mode = OrientMode::kGlobal;
   const auto done = orient(matched.setup, matched.pairs, matched.source(), options, kRun);
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kIllPosed);

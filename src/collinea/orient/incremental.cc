@@ -40,18 +40,18 @@ std::vector<const ImagePair*> initial_pairs(std::span<const ImagePair> pairs, co
 }
 
 // While the block grows, what is adjusted now is adjusted again: a coarse minimum is enough.
-AdjustOptions growing(std::string calibration, int max_iterations) {
-  return {.calibration = std::move(calibration), .max_iterations = max_iterations, .relative_cost_change = 1e-3};
+AdjustOptions growing(Calibration calibration, int max_iterations) {
+  return {.calibration = calibration, .max_iterations = max_iterations, .relative_cost_change = 1e-3};
 }
 
 // What a young block is adjusted with: the fewer images, the fewer camera parameters, because bad matches are still
 // among the good.
-std::string young_calibration(const OrientOptions& options, std::size_t images) {
-  if (options.calibration != "auto") return options.calibration;
-  if (images < 3) return "none";
-  if (images < 5) return "focal";
-  if (images < 8) return "focal_radial";
-  return "brown";
+Calibration young_calibration(const OrientOptions& options, std::size_t images) {
+  if (options.calibration) return *options.calibration;
+  if (images < 3) return Calibration::kNone;
+  if (images < 5) return Calibration::kFocal;
+  if (images < 8) return Calibration::kFocalRadial;
+  return Calibration::kBrown;
 }
 
 class Grower {
@@ -72,8 +72,7 @@ class Grower {
       if (add_next_image()) {
         run_.report("orient", double(block_.poses().size()) / double(std::max<std::size_t>(1, total())));
         const auto due = static_cast<std::size_t>(std::max(images_at_global_ + 1.0, images_at_global_ * kGlobalGrowth));
-        if (block_.poses().size() >= due)
-          COLLINEA_TRY(global(1));
+        if (block_.poses().size() >= due) COLLINEA_TRY(global(1));
         continue;
       }
       if (block_.poses().size() == images_at_global_ && stuck_) break;  // nothing new since the last full clean-up
@@ -92,7 +91,7 @@ class Grower {
       block_.forget();
       if (block_.start(pair->first, pair->second, pair->second_from_first) < kMinInitialPoints) continue;
       const auto adjusted = block_.adjust_all(
-          growing("none", 20), {.use_positions = false, .use_control = false, .use_ground = false}, run_);
+          growing(Calibration::kNone, 20), {.use_positions = false, .use_control = false, .use_ground = false}, run_);
       if (!adjusted) continue;
       block_.filter(options_.max_error_px, run_);
       if (block_.point_count() < kMinInitialPoints) continue;
@@ -152,7 +151,7 @@ class Grower {
     return {};
   }
 
-  [[nodiscard]] AdjustOptions local_options() const { return growing("none", 8); }
+  [[nodiscard]] AdjustOptions local_options() const { return growing(Calibration::kNone, 8); }
 
   struct Failure {
     int times = 0;
@@ -181,9 +180,8 @@ bool can_start(std::span<const ImagePair> pairs, const std::set<ImageId>& exclud
 }
 
 AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options) {
-  const bool calibrates = options.calibration == "auto" && reconstruction.poses().size() >= kImagesToCalibrate;
-  const std::string automatic = calibrates ? "brown" : "none";
-  return {.calibration = options.calibration == "auto" ? automatic : options.calibration,
+  const bool calibrates = reconstruction.poses().size() >= kImagesToCalibrate;
+  return {.calibration = options.calibration.value_or(calibrates ? Calibration::kBrown : Calibration::kNone),
           .loss = reconstruction.noise().loss,
           .loss_scale_sigmas = reconstruction.noise().loss_scale_sigmas};
 }

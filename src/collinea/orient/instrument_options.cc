@@ -26,9 +26,11 @@ Result<LeverArm> lever_arm_of(const std::string& text) {
     const auto [next, error] = std::from_chars(at, end, arm.antenna_in_cam_m[i]);
     const bool parted = i == 2 ? next == end : next < end && *next == ',';
     if (error != std::errc() || !parted || !std::isfinite(arm.antenna_in_cam_m[i]))
-      return fail(Errc::kBadInput, "lever_arm = \"" + text +
-                                       "\": give x,y,z in metres (right, down, forward in the camera), estimate or "
-                                       "none");
+      return fail(Errc::kBadInput,
+                  "lever_arm = \"" + text +
+                      "\": give x,y,z in metres (right, down, forward in the camera), estimate or "
+                      "none",
+                  {"lever_arm"_option});
     at = next + 1;
   }
   return arm;
@@ -47,18 +49,15 @@ bool has_lever_arm(const InstrumentOptions& asked) {
 }
 
 bool is_of_positions(const InstrumentOptions& asked) {
-  return has_lever_arm(asked) || asked.position_shift != "none" || asked.time_offset;
+  return has_lever_arm(asked) || asked.position_shift != PositionShift::kNone || asked.time_offset;
 }
 
 Result<> check_instruments(const InstrumentOptions& asked) {
   if (Result<> valid = validate(asked); !valid) return valid;
-  if (has_lever_arm(asked))
-    COLLINEA_TRY(lever_arm_of(*asked.lever_arm));
-  const std::string& shift = asked.position_shift;
-  if (shift != "none" && shift != "block" && shift != "strips")
-    return fail(Errc::kBadInput, "position_shift = \"" + shift + "\": choose none, block or strips");
-  if (asked.position_drift && shift == "none")
-    return fail(Errc::kBadInput, "position_drift needs a position_shift: block or strips");
+  if (has_lever_arm(asked)) COLLINEA_TRY(lever_arm_of(*asked.lever_arm));
+  if (asked.position_drift && asked.position_shift == PositionShift::kNone)
+    return fail(Errc::kBadInput, "a drift of positions needs a shift of the block or of its strips",
+                {"position_drift"_option, "position_shift"_option});
   return {};
 }
 
@@ -69,14 +68,15 @@ Result<> check_instruments(const InstrumentOptions& asked, const Block& block) {
     return std::any_of(images.begin(), images.end(), [&](const auto& one) { return has(one.second); });
   };
   if (is_of_positions(asked) && !any([](const Image& image) { return image.position.has_value(); }))
-    return fail(
-        Errc::kBadInput,
-        "lever arm, shift and time offset are of positions, and no photograph has one: give them (--positions)");
+    return fail(Errc::kBadInput,
+                "lever arm, shift and time offset are of positions, and no photograph has one: give a file of them",
+                {"positions"_option});
   if (asked.time_offset && any([](const Image& image) { return image.position && image.taken.empty(); }))
     return fail(Errc::kBadInput,
-                "time_offset needs the time at which every photograph with a position was taken, and not all say it");
+                "a time offset needs the time at which every photograph with a position was taken, and not all say it",
+                {"time_offset"_option});
   if (asked.use_attitudes && !any([](const Image& image) { return image.attitude.has_value(); }))
-    return fail(Errc::kBadInput, "no photograph says how its camera was turned");
+    return fail(Errc::kBadInput, "no photograph says how its camera was turned", {"use_attitudes"_option});
   return {};
 }
 
@@ -86,14 +86,16 @@ Result<> add_instruments(const Block& block, const InstrumentOptions& asked, Adj
     COLLINEA_TRY(const LeverArm arm, lever_arm_of(*asked.lever_arm));
     for (const auto& [id, camera] : block.cameras) scope.lever_arms[id] = arm;
   }
-  if (asked.position_shift != "none")
-    for (FlightStrip& strip : asked.position_shift == "block" ? one_strip(block) : flight_strips(block))
+  if (asked.position_shift != PositionShift::kNone)
+    for (FlightStrip& strip : asked.position_shift == PositionShift::kBlock ? one_strip(block) : flight_strips(block))
       scope.position_tracks.push_back(
           {std::move(strip), kNotKnown, asked.position_drift ? kNotKnown : Eigen::Vector3d(0, 0, 0)});
   if (asked.time_offset) {
     scope.velocity_m_s = flight_velocities(block);
     if (scope.velocity_m_s.empty())
-      return fail(Errc::kBadInput, "time_offset: the times at which the photographs were taken tell no velocity");
+      return fail(Errc::kBadInput,
+                  "the times at which the photographs were taken tell no velocity, and so no time offset",
+                  {"time_offset"_option});
     for (const auto& [id, camera] : block.cameras)
       scope.time_offset_sigma_s[id] = std::numeric_limits<double>::infinity();
   }

@@ -51,7 +51,7 @@ std::optional<TieNoise> fit_noise(const std::vector<double>& squared_px2) {
     const double likelihood = log_likelihood(q, nu, scale2);
     if (likelihood <= best_likelihood) break;  // it has one maximum
     best_likelihood = likelihood;
-    best = {std::sqrt(scale2 * nu / (nu + 2)), "cauchy", std::sqrt(nu + 2),
+    best = {std::sqrt(scale2 * nu / (nu + 2)), Loss::kCauchy, std::sqrt(nu + 2),
             std::sqrt((nu + 2) * (std::pow(kFalseAlarm, -2 / nu) - 1))};
   }
   return best;

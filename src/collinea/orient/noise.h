@@ -3,15 +3,16 @@
 
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
+
+#include "collinea/math/robust.h"
 
 namespace collinea {
 
 /// How precisely the images of tie points are measured: size and shape of their errors.
 struct TieNoise {
-  double sigma_px = 0.5;       ///< of each coordinate of a feature found at a scale of 2 px; others times sigma_factor
-  std::string loss = "huber";  ///< the shape, as AdjustOptions::loss has it
+  double sigma_px = 0.5;  ///< of each coordinate of a feature found at a scale of 2 px; others times sigma_factor
+  Loss::Kind loss = Loss::kHuber;  ///< the shape, as AdjustOptions::loss has it
   double loss_scale_sigmas = 2;
   /// Errors beyond are gross: no part of this distribution. Infinite where nothing tells.
   double gross_sigmas = std::numeric_limits<double>::infinity();

@@ -38,7 +38,7 @@ TEST(Noise, ScaleAndShapeOfAStudentDistributionAreFound) {
   for (const int nu : {2, 4, 10}) {
     const auto noise = fit_noise(squared_errors(nu));
     ASSERT_TRUE(noise);
-    EXPECT_EQ(noise->loss, "cauchy");
+    EXPECT_EQ(noise->loss, Loss::kCauchy);
     EXPECT_NEAR(degrees_of_freedom(*noise), nu, 1e-9);
     EXPECT_NEAR(scale_px(*noise), 0.2, 4 * 0.2 / std::sqrt(5000.0)) << nu;  // its deviation is about scale / sqrt(n)
   }

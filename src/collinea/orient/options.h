@@ -2,25 +2,33 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <optional>
-#include <string>
-#include <string_view>
+#include <span>
 
+#include "collinea/adjust/calibration.h"
 #include "collinea/base/options.h"
+#include "collinea/camera/additional.h"
 #include "collinea/orient/instrument_options.h"
 
 namespace collinea {
 
 /// What OrientOptions::calibration may be.
-inline constexpr std::array<std::string_view, 5> kCalibrations = {"auto", "none", "focal", "focal_radial", "brown"};
+inline constexpr std::array kOrientCalibrations = {Calibration::kNone, Calibration::kFocal, Calibration::kFocalRadial,
+                                                   Calibration::kBrown};
 
-/// What OrientOptions::mode may be.
-inline constexpr std::array<std::string_view, 3> kOrientModes = {"auto", "incremental", "global"};
+/// How a block begins.
+enum class OrientMode { kAuto, kIncremental, kGlobal };
+inline constexpr Word<OrientMode> kOrientModeWords[] = {
+    {OrientMode::kAuto, "auto", "global from 300 images on when nearly all have positions"},
+    {OrientMode::kIncremental, "incremental", "image after image"},
+    {OrientMode::kGlobal, "global", "all at once, from image positions"}};
+[[nodiscard]] constexpr std::span<const Word<OrientMode>> words(OrientMode) { return kOrientModeWords; }
 
 struct OrientOptions {
-  std::string mode = "auto";
-  std::string calibration = "auto";
-  std::string additional = "none";
+  OrientMode mode = OrientMode::kAuto;
+  std::optional<Calibration> calibration;
+  AdditionalSet additional = AdditionalSet::kNone;
   double max_error_px = 3;
   double min_angle_deg = 1.5;
   int min_points = 15;
@@ -29,22 +37,20 @@ struct OrientOptions {
   bool use_control = true;
   bool use_ground = true;
   bool remeasure = false;
-  std::optional<std::string> orientation;
+  std::optional<std::filesystem::path> orientation;
   bool refine_orientation = false;
-  InstrumentOptions instruments;  ///< a group of their own
+  InstrumentOptions instruments;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = OrientOptions;
-    visit(Field{"mode", &O::mode, "",
-                "how the block begins: incremental (image after image), global (all at once, from image positions), "
-                "auto (global from 300 images on when nearly all have positions)"});
-    visit(
-        Field{"calibration", &O::calibration, "",
-              "camera parameters to find: auto (all of brown from three images on), none, focal, focal_radial, brown"});
+    visit(Field{"mode", &O::mode, "", "how the block begins"});
+    visit(Field{"calibration", &O::calibration, "", "camera parameters to find"}
+              .or_auto("all of brown from three images on")
+              .one_of(kOrientCalibrations));
     visit(Field{"additional", &O::additional, "",
                 "additional parameters of every camera that is calibrated, on top of its model, found by the last "
-                "adjustments and used by all that follows: none | polynomial | ebner | gruen | fourier"});
+                "adjustments and used by all that follows"});
     visit(Field{"max_error_px", &O::max_error_px, "px", "largest residual of a tie point's image", 0.1});
     visit(Field{"min_angle_deg", &O::min_angle_deg, "deg", "smallest angle between two rays that fix a tie point", 0.01,
                 90});
@@ -56,12 +62,13 @@ struct OrientOptions {
     visit(Field{"remeasure", &O::remeasure, "",
                 "measure the images of the tie points once more, by least squares matching of the pictures: smaller "
                 "errors on rendered pictures, little change on photographs; sigmas come out too small"});
-    visit(
-        Field{"orientation", &O::orientation, "",
-              "take cameras and poses from another program: folder of a COLMAP model, Bundler's folder or bundle.out, "
-              "or a table of omega, phi, kappa"});
+    visit(Field{"orientation", &O::orientation, "",
+                "take cameras and poses from another program: folder of a COLMAP model, Bundler's folder or "
+                "bundle.out, or a table of omega, phi, kappa"}
+              .leads_to(PathKind::kFileOrFolder));
     visit(Field{"refine_orientation", &O::refine_orientation, "",
                 "adjust the orientation that was taken; otherwise it is held as it is"});
+    visit(Group{"instruments", &O::instruments});
   }
 };
 

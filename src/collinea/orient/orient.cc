@@ -54,7 +54,8 @@ std::vector<ImageId> images_of(const Reconstruction& part) {
 }
 
 bool begins_globally(const Block& setup, const OrientOptions& options) {
-  return options.mode == "global" || (options.mode == "auto" && options.use_positions && worth_global(setup));
+  return options.mode == OrientMode::kGlobal ||
+         (options.mode == OrientMode::kAuto && options.use_positions && worth_global(setup));
 }
 
 // Grows parts until no two images are left that fit together; the largest is kept.
@@ -64,10 +65,11 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
   Reconstruction& largest = parts.largest;
   if (begins_globally(setup, options)) {
     COLLINEA_TRY(parts.in_world, place_globally(largest, setup, pairs, options, run));
-    if (!parts.in_world && options.mode == "global")
+    if (!parts.in_world && options.mode == OrientMode::kGlobal)
       return fail(Errc::kIllPosed,
                   "the positions of the images do not fix the block (too few, all on one line, or they contradict "
-                  "the pairs): orient with --mode incremental");
+                  "the pairs): orient image after image",
+                  {"mode"_option});
   }
   COLLINEA_TRY(grow(largest, pairs, {}, options, run));
   if (largest.poses().size() < 2) return fail(Errc::kIllPosed, why_nothing(pairs));
@@ -119,12 +121,11 @@ std::size_t count_positions(const Block& block) {
 }
 
 // Of the cameras that moved in an adjustment: what was free, by the rule of adjust().
-CalibrationUsed calibration_used(const Adjusted& adjusted, const AdjustScope& scope, const std::string& parameters) {
+CalibrationUsed calibration_used(const Adjusted& adjusted, const AdjustScope& scope, Calibration parameters) {
   CalibrationUsed used;
   for (const auto& [id, camera] : adjusted.cameras) {
     const auto own = scope.camera_sigmas.find(id);
-    const CameraSigmas sigmas =
-        own != scope.camera_sigmas.end() ? own->second : calibration_named(parameters, camera).value_or(CameraSigmas{});
+    const CameraSigmas sigmas = own != scope.camera_sigmas.end() ? own->second : calibration_sigmas(parameters, camera);
     for (const int param : params_of(camera))
       if (sigmas[std::size_t(param)] > 0) used.free[id].push_back(param);
   }
@@ -176,14 +177,14 @@ class Orienter {
     AdjustScope held{.use_positions = false, .use_control = false, .use_ground = false};
     for (const auto& [image, pose] : part.poses()) held.fixed_images.insert(image);
     AdjustOptions adjust = settled_options(part, options_);
-    if (!given_->cameras.empty()) adjust.calibration = "none";
+    if (!given_->cameras.empty()) adjust.calibration = Calibration::kNone;
     for (int round = 0; round < kHeldRounds; ++round) {
       COLLINEA_TRY(part.adjust_all(adjust, held, run_));
       part.filter(options_.max_error_px, run_);
       part.extend_all(run_);
       if (const auto shown = part.shown_noise()) part.set_noise(*shown);
     }
-    if (options_.additional != "none")
+    if (options_.additional != AdditionalSet::kNone)
       result_.findings.push_back(
           "poses are held as given: no camera gets additional parameters; with "
           "--refine-orientation they do");
@@ -214,8 +215,8 @@ class Orienter {
     AdjustScope by_itself{
         .use_positions = in_world && options_.use_positions, .use_control = false, .use_ground = false};
     COLLINEA_TRY(Adjusted settled, settle(part, by_itself, options_, true, run_));
-    if (options_.additional != "none") {
-      COLLINEA_TRY(by_itself.camera_sigmas, add_parameters(part));
+    if (options_.additional != AdditionalSet::kNone) {
+      by_itself.camera_sigmas = add_parameters(part);
       COLLINEA_TRY(settled, settle(part, by_itself, options_, true, run_));
     }
     if (options_.remeasure && pictures_) {
@@ -248,9 +249,8 @@ class Orienter {
   }
 
   // What the lens does not describe: only now, since tie points are found without, and a few images do not tell it.
-  Result<std::map<CameraId, CameraSigmas>> add_parameters(Reconstruction& part) {
-    COLLINEA_TRY(auto sigmas,
-                 add_additional(options_.additional, settled_options(part, options_).calibration, setup_.cameras));
+  std::map<CameraId, CameraSigmas> add_parameters(Reconstruction& part) {
+    auto sigmas = add_additional(options_.additional, settled_options(part, options_).calibration, setup_.cameras);
     if (sigmas.empty())
       result_.findings.push_back("no camera is calibrated: none gets additional parameters");
     else
@@ -295,7 +295,7 @@ class Orienter {
     if (!result_.georeferenced || !scope.use_positions) {
       const bool of_positions = is_of_positions(asked);
       asked.lever_arm.reset();
-      asked.position_shift = "none";
+      asked.position_shift = PositionShift::kNone;
       asked.position_drift = asked.time_offset = false;
       if (of_positions)
         result_.findings.push_back("positions are not used here, and so no lever arm, shift or time offset of them");
@@ -305,8 +305,8 @@ class Orienter {
       result_.findings.push_back(
           "the block has no place on Earth, from which attitudes could be told: they are not used");
     }
-    if (asked.position_shift != "none" && !has_control(scope)) {
-      asked.position_shift = "none";
+    if (asked.position_shift != PositionShift::kNone && !has_control(scope)) {
+      asked.position_shift = PositionShift::kNone;
       asked.position_drift = false;
       result_.findings.push_back(
           "no control point parts a shift of the positions from the place of the block: they are taken as they are");
@@ -328,7 +328,7 @@ class Orienter {
   // Control against positions and points among each other.
   [[nodiscard]] ControlDiagnosis diagnose(const Block& block) const {
     ControlDiagnosis diagnosis = check_control(block, run_.seed);
-    if (options_.instruments.position_shift != "none") expect_shift(diagnosis);
+    if (options_.instruments.position_shift != PositionShift::kNone) expect_shift(diagnosis);
     return diagnosis;
   }
 
@@ -377,7 +377,8 @@ class Orienter {
     COLLINEA_TRY(settle(part, scope, options_, false, run_));
     COLLINEA_TRY(Examined tied, adjust_with_covariances(part, scope));
     if (control_misfit(setup_, tied) < kControlMisfit) return tied;
-    const bool is_unknown = result_.instruments.position_shift != "none";  // then the adjustment has found it
+    const bool is_unknown =
+        result_.instruments.position_shift != PositionShift::kNone;  // then the adjustment has found it
     Eigen::Vector3d shift_m = is_unknown ? Eigen::Vector3d(0, 0, 0) : shift_positions(setup_, tied);
     ByKind<double> taken{1, 1};
     for (int round = 0; round < kControlRounds; ++round) {
@@ -589,10 +590,11 @@ class Orienter {
 
 Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs, const KeypointSource& keypoints,
                            const OrientOptions& options, const Run& run, const PictureSource& pictures) {
-  if (options.mode == "global" && !options.use_positions)
+  if (options.mode == OrientMode::kGlobal && !options.use_positions)
     return fail(Errc::kBadInput,
-                "--mode global begins from the positions of the images, and these are not to be used: orient with "
-                "--mode incremental");
+                "a block that begins all at once begins from the positions of its images, and these are not to be "
+                "used: orient image after image",
+                {"mode"_option, "use_positions"_option});
   if (Result<> valid = check_instruments(options.instruments, setup); !valid) return tl::unexpected(valid.error());
   return Orienter(setup, keypoints, pictures, options, run).orient(pairs);
 }

@@ -11,8 +11,8 @@ namespace collinea {
 
 /// How cameras took part in an adjustment.
 struct CalibrationUsed {
-  /// The set of parameters by its name (AdjustOptions::calibration): "none" when no camera was calibrated.
-  std::string parameters = "none";
+  /// The set of parameters (AdjustOptions::calibration); none when no camera was calibrated.
+  Calibration parameters = Calibration::kNone;
   std::map<CameraId, std::vector<int>> free;  ///< of each camera that was calibrated, ascending: Camera::Param
 };
 

@@ -341,7 +341,7 @@ std::optional<TieNoise> Reconstruction::shown_noise() const {
 std::optional<int> Reconstruction::leave_out_gross(const Run& run) {
   if (std::isinf(noise_.gross_sigmas)) return std::nullopt;
   chosen_ = true;
-  noise_.loss = "none";
+  noise_.loss = Loss::kNone;
   const double gross_px = noise_.gross_sigmas * noise_.sigma_px;
   return filter([&](const Ray& ray, double share) { return gross_px * ray.sigma_factor * std::sqrt(share); }, run);
 }

@@ -65,12 +65,12 @@ TEST(Reconstruction, GrossErrorsLeaveForGoodAndTheLossWithThem) {
   }
   ASSERT_GT(moved, 10u);
   reconstruction->move_rays(before, places_px);
-  reconstruction->set_noise({.sigma_px = kSigma_px, .loss = "cauchy", .gross_sigmas = 10});
-  ASSERT_TRUE(reconstruction->adjust_all({.calibration = "none", .loss = "cauchy"}, {}, {}));
+  reconstruction->set_noise({.sigma_px = kSigma_px, .loss = Loss::kCauchy, .gross_sigmas = 10});
+  ASSERT_TRUE(reconstruction->adjust_all({.calibration = Calibration::kNone, .loss = Loss::kCauchy}, {}, {}));
   const auto gone = reconstruction->leave_out_gross({});
   ASSERT_TRUE(gone);
   EXPECT_GE(static_cast<std::size_t>(*gone), moved);
-  EXPECT_EQ(reconstruction->noise().loss, "none");
+  EXPECT_EQ(reconstruction->noise().loss, Loss::kNone);
   const auto left = [&] {
     std::size_t count = 0;
     const Block block = reconstruction->block();

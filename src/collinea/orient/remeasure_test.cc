@@ -16,7 +16,7 @@ constexpr std::uint32_t kImages = 4, kPoints = 60;
 
 // Three pictures of the floor z = 0, painted with waves, and one that cannot be read; places of features are off by
 // 0.3 px, poses and points are true.
-class PaintedFloor : public testing::Test {
+class PaintedFloor : public ::testing::Test {
  protected:
   PaintedFloor() {
     const CameraId camera{0};

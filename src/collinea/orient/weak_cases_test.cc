@@ -78,7 +78,7 @@ TEST(WeakCases, EveryCameraWithAnOpenFocalLengthIsNamed) {
   block.cameras[{2}] = block.cameras[{3}] = block.cameras.at({1});
   block.cameras[{2}].name = "second";
   block.cameras[{3}].name = "third";
-  Adjusted adjusted;
+  Examined adjusted;
   for (const auto& [id, camera] : block.cameras) {
     adjusted.camera_covariance[id].setZero(Camera::kParams, Camera::kParams);
     adjusted.camera_covariance[id](Camera::kF, Camera::kF) = id == CameraId{2} ? 1 : 50 * 50;

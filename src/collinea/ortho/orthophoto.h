@@ -21,7 +21,7 @@ struct OrthoOptions {
   std::optional<double> cell_m;  ///< nothing: the ground size of a pixel of the photographs
   int feather_cells = 12;
   bool balance = true;
-  std::optional<std::string> seamlines;
+  std::optional<std::filesystem::path> seamlines;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -29,10 +29,10 @@ struct OrthoOptions {
     visit(Field{"cell_m", &O::cell_m, "m", "cell of the orthophoto; else the ground size of a pixel", 1e-6});
     visit(Field{"feather_cells", &O::feather_cells, "cells",
                 "width of the zone along seams in which pictures are mixed", 2, 24});
-    visit(
-        Field{"seamlines", &O::seamlines, "",
-              "take each polygon of this GeoPackage from the photograph that its field \"photo\" names, wherever that "
-              "sees it (an edited products/seamlines.gpkg); nothing: find the seams"});
+    visit(Field{"seamlines", &O::seamlines, "",
+                "take each polygon of this GeoPackage from the photograph that its field \"photo\" names, wherever "
+                "that sees it (an edited products/seamlines.gpkg); nothing: find the seams"}
+              .leads_to(PathKind::kFile));
     visit(Field{"balance", &O::balance, "1", "make the brightness and colour of the photographs alike"});
   }
 };

@@ -56,23 +56,21 @@ std::vector<Vector2d> grid_of(const Frame& frame, const MapArea& area, int wante
 
 }  // namespace
 
-bool is_layout_word(const std::string& control) {
-  return control == "none" || control == "corners" || control == "corners_middle" || control == "grid";
-}
-
 Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& o, const FlightPlan& plan) {
   COLLINEA_TRY(validate(o));
-  if (!is_layout_word(o.control))
+  const auto pattern = from_word<ControlPattern>(o.control);
+  if (!pattern)
     return fail(Errc::kBadInput,
-                "control = \"" + o.control + "\": choose none, corners, corners_middle, grid or a file");
+                "control = \"" + o.control + "\": choose none, corners, corners_middle, grid or a file",
+                {"control"_option});
   const Frame frame(plan, o.control_inset_m);
   std::vector<Vector2d> places;
-  if (o.control == "grid") places = grid_of(frame, plan.area, o.control_points);
-  if (o.control.starts_with("corners")) {
+  if (pattern == ControlPattern::kGrid) places = grid_of(frame, plan.area, o.control_points);
+  if (pattern == ControlPattern::kCorners || pattern == ControlPattern::kCornersMiddle) {
     const Vector2d middle = frame.place(0.5, 0.5);
     for (const auto& [u, v] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}})
       places.push_back(drawn_into(plan.area, frame.place(u, v), middle));
-    if (o.control == "corners_middle") places.push_back(middle);
+    if (pattern == ControlPattern::kCornersMiddle) places.push_back(middle);
   }
   std::vector<PlannedPoint> points;
   for (const Vector2d& place : places)

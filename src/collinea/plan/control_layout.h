@@ -10,6 +10,14 @@
 
 namespace collinea {
 
+/// Places of control that follow from the area.
+enum class ControlPattern { kNone, kCorners, kCornersMiddle, kGrid };
+inline constexpr Word<ControlPattern> kControlPatternWords[] = {{ControlPattern::kNone, "none"},
+                                                                {ControlPattern::kCorners, "corners"},
+                                                                {ControlPattern::kCornersMiddle, "corners_middle"},
+                                                                {ControlPattern::kGrid, "grid"}};
+[[nodiscard]] constexpr std::span<const Word<ControlPattern>> words(ControlPattern) { return kControlPatternWords; }
+
 /// Where control is to be laid out, and how well it is surveyed.
 struct LayoutOptions {
   std::string control = "corners_middle";
@@ -22,7 +30,8 @@ struct LayoutOptions {
     using O = LayoutOptions;
     visit(Field{"control", &O::control, "",
                 "none | corners | corners_middle | grid (of about control_points) | a file as import takes it, whose "
-                "points with role check are foretold"});
+                "points with role check are predicted"}
+              .leads_to(PathKind::kFileOrWord));
     visit(Field{"control_points", &O::control_points, "1", "points of the grid", 1, 10000});
     visit(Field{"control_sigma_plan_m", &O::control_sigma_plan_m, "m",
                 "of surveyed east and north, where the file states none", 1e-5, 100});
@@ -43,7 +52,6 @@ struct PlannedPoint {
 /// The layout of the words; of a file see planned_points(). Corners: the four places of the area farthest out between
 /// the directions of the strips and across. Errors: options out of range, a word that is none.
 [[nodiscard]] Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& options, const FlightPlan& plan);
-[[nodiscard]] bool is_layout_word(const std::string& control);
 /// Those of a control file. Error: one has a covariance, which is not planned with.
 [[nodiscard]] Result<std::vector<PlannedPoint>> planned_points(const ControlFile& file);
 

@@ -110,12 +110,14 @@ Result<> add_cross_strips(FlightPlan& plan, const FlightOptions& options) {
 Result<MapArea> site_of(const FlightOptions& o, const MapArea& area) {
   if (area.empty()) {
     if (!o.east_m || !o.north_m)
-      return fail(Errc::kBadInput, "plan which site? Give --east-m and --north-m, or --area with its corners");
+      return fail(Errc::kBadInput, "plan which site? Give its extent to the east and north, or a file with its corners",
+                  {"east_m"_option, "north_m"_option, "area"_option});
     const double east = o.west_m + *o.east_m, north = o.south_m + *o.north_m;
     return MapArea{{o.west_m, o.south_m}, {east, o.south_m}, {east, north}, {o.west_m, north}};
   }
   if (o.east_m || o.north_m || o.west_m != 0 || o.south_m != 0)
-    return fail(Errc::kBadInput, "give an area or the extent of a rectangle, not both");
+    return fail(Errc::kBadInput, "give an area or the extent of a rectangle, not both",
+                {"area"_option, "east_m"_option, "north_m"_option});
   const double extent_m = std::max(extent(area, Vector2d::UnitX()).size(), extent(area, Vector2d::UnitY()).size());
   if (area.size() < 3 || !(size_m2(area) > 1e-6 * extent_m * extent_m))
     return fail(Errc::kBadInput, "the corners of the area enclose nothing");

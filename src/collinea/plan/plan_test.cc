@@ -104,7 +104,7 @@ TEST(FlightPlan, WhatCannotBeFlownIsSaid) {
     const auto plan = plan_flight(flight, area);
     return plan ? std::string() : plan.error().message;
   };
-  EXPECT_NE(error([](FlightOptions& o) { o.east_m.reset(); }).find("--area"), std::string::npos);
+  EXPECT_NE(error([](FlightOptions& o) { o.east_m.reset(); }).find("corners"), std::string::npos);
   EXPECT_NE(error([](FlightOptions& o) { o.east_m = 1e5, o.north_m = 1e5; }).find("20000"), std::string::npos);
   EXPECT_NE(error([](FlightOptions& o) { o.tilt_deg = 60; }).find("tilt_deg"), std::string::npos);
   EXPECT_NE(error([](FlightOptions& o) { o.gsd_m = -1; }).find("gsd_m"), std::string::npos);
@@ -157,7 +157,7 @@ TEST(ControlLayout, CornersOfASlantedSiteLieInIt) {
 TEST(Precision, IsThatOfAdjustingTheSimulatedBlock) {
   const Precision planned = precision_of(small_survey());
   PlannedBlock noisy = with_errors(planned.planned, 5);
-  const Adjusted adjusted = adjust(noisy.block, noisy.scope, noisy.options, kSerial).value();
+  const Examined adjusted = examine(noisy.block, noisy.scope, noisy.options, kSerial).value();
   EXPECT_EQ(adjusted.redundancy, planned.adjusted.redundancy);
   EXPECT_NEAR(adjusted.sigma0, 1, 4 / std::sqrt(2.0 * double(adjusted.redundancy)));
   ASSERT_EQ(adjusted.control.size(), planned.adjusted.control.size());
@@ -182,7 +182,7 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
   int camera_degrees = 0;
   for (int i = 0; i < kBlocks; ++i) {
     PlannedBlock noisy = with_errors(planned.planned, std::uint64_t(1000 + i));
-    const Adjusted adjusted = adjust(noisy.block, noisy.scope, noisy.options, kSerial).value();
+    const Examined adjusted = examine(noisy.block, noisy.scope, noisy.options, kSerial).value();
     ASSERT_TRUE(adjusted.converged);
     const std::size_t which = planned.adjusted.control.size() - 1 - std::size_t(i) % planned.cells.size();
     const ControlDifference& place = planned.adjusted.control[which];
@@ -250,7 +250,7 @@ TEST(Precision, AddingPositionsOrKnowingTheCameraMakesNothingWorse) {
   rtk.measurements.position_sigma_plan_m = 0.02;
   expect_nowhere_worse(precision_of(rtk), plain);
   Survey known = survey;
-  known.measurements.calibration = "none";
+  known.measurements.calibration = Calibration::kNone;
   expect_nowhere_worse(precision_of(known), plain);
 }
 
@@ -325,9 +325,6 @@ TEST(PlannedBlock, ControlOutOfSightAndUnknownWordsAreErrors) {
   ASSERT_FALSE(far);
   EXPECT_NE(far.error().message.find("far"), std::string::npos);
   survey = small_survey();
-  survey.measurements.calibration = "all";
-  EXPECT_FALSE(planned_block(survey.plan, survey.points, survey.measurements));
-  survey.measurements = small_measurements();
   survey.measurements.map_cell_m = 0.05;
   EXPECT_FALSE(planned_block(survey.plan, survey.points, survey.measurements));
   survey.measurements = small_measurements();
@@ -348,7 +345,7 @@ TEST(FlightPlan, AnAreaTakesNoCornerBesideIt) {
 
 TEST(Trials, ACameraWithoutUnknownsIsNotCompared) {
   Survey survey = small_survey();
-  survey.measurements.calibration = "none";
+  survey.measurements.calibration = Calibration::kNone;
   const auto trials = tried(precision_of(survey), 2, kSerial);
   ASSERT_TRUE(trials);
   EXPECT_EQ(trials->cameras, 0);

@@ -198,18 +198,18 @@ Result<PlannedBlock> planned_block(const FlightPlan& plan, const std::vector<Pla
                                    const MeasurementOptions& o) {
   COLLINEA_TRY(validate(o));
   if (!o.position_sigma_plan_m && (o.position_sigma_height_m || o.position_shift_m > 0))
-    return fail(Errc::kBadInput,
-                "position_sigma_height_m and position_shift_m are of measured projection centres: give "
-                "position_sigma_plan_m too");
+    return fail(
+        Errc::kBadInput,
+        "standard deviations of heights and of a shift are of measured projection centres: give that in plan too",
+        {"position_sigma_plan_m"_option});
   PlannedBlock planned;
   Box box;
   for (const Vector2d& corner : plan.area) box.add(corner);
   planned.origin = (box.low + box.high) / 2;
   planned.grid = precision_grid(plan.area, o.map_cell_m);
   if (planned.grid.size() > 100'000)
-    return fail(Errc::kBadInput, "map_cell_m makes a map of more than 100000 cells; larger ones are needed");
-  if (!calibration_named(o.calibration, plan.camera))
-    return fail(Errc::kBadInput, "calibration = \"" + o.calibration + "\": no such set of parameters");
+    return fail(Errc::kBadInput, "the map would have more than 100000 cells; larger ones are needed",
+                {"map_cell_m"_option});
   add_images(plan, o, planned);
   const Ground ground{plan.relief_m, std::max(plan.across_m, plan.along_m)};
   std::vector<Viewer> viewers;
@@ -224,7 +224,7 @@ Result<PlannedBlock> planned_block(const FlightPlan& plan, const std::vector<Pla
   add_cells(plan.area, o, ground, viewers, planned);
   planned.scope.first_cameras = planned.block.cameras;
   planned.options.adjust.calibration = o.calibration;
-  planned.options.adjust.loss = planned.options.adjust.position_loss = "none";
+  planned.options.adjust.loss = planned.options.adjust.position_loss = Loss::kNone;
   planned.options.point_covariances = true;
   return planned;
 }
@@ -249,7 +249,7 @@ PlannedBlock with_errors(PlannedBlock planned, std::uint64_t seed) {
     if (image.position)
       image.position->position_in_world += shift + image.position->sigma_m.cwiseProduct(normal3(random));
   for (auto& [id, camera] : planned.scope.first_cameras) {
-    const CameraSigmas sigmas = calibration_named(planned.options.adjust.calibration, camera).value_or(CameraSigmas{});
+    const CameraSigmas sigmas = calibration_sigmas(planned.options.adjust.calibration, camera);
     for (std::size_t k = 0; k < sigmas.size(); ++k)
       if (std::isfinite(sigmas[k])) camera.params[k] += sigmas[k] * random.normal();
   }

@@ -19,7 +19,7 @@ struct MeasurementOptions {
   double sigma_px = 0.5, control_sigma_px = 0.5;
   std::optional<double> position_sigma_plan_m = {}, position_sigma_height_m = {};
   double position_shift_m = 0;
-  std::string calibration = "brown";
+  Calibration calibration = Calibration::kBrown;
   double focal_sigma = 0.05;
   std::optional<double> map_cell_m = {};
 
@@ -40,8 +40,7 @@ struct MeasurementOptions {
               "standard deviation of a shift that all positions have in common: of the base station, the antenna, the "
               "geoid",
               0, 1000});
-    visit(Field{"calibration", &O::calibration, "",
-                "camera parameters found with the block: none | focal | focal_radial | brown | brown_affinity"});
+    visit(Field{"calibration", &O::calibration, "", "camera parameters found with the block"});
     visit(Field{"focal_sigma", &O::focal_sigma, "1", "standard deviation of the focal length before that, relative",
                 1e-6, 1});
     visit(Field{"map_cell_m", &O::map_cell_m, "m",

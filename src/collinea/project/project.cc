@@ -75,9 +75,7 @@ Error with_advice(Error error, const fs::path& folder) {
   return error;
 }
 
-fs::path Project::cloud() const {
-  return folder / "products" / las_file_name("cloud", *las_form_of(settings.densify.cloud));
-}
+fs::path Project::cloud() const { return folder / "products" / las_file_name("cloud", settings.densify.cloud); }
 
 Result<Project> create_project(const fs::path& folder, const Settings& settings, const Run& run) {
   COLLINEA_TRY(validate_settings(settings));
@@ -85,9 +83,9 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
   if (!fs::is_directory(settings.photos, error))
     return fail(Errc::kNotFound, settings.photos + " is not a folder of photographs");
   if (const auto& given = settings.orient.orientation; given && !is_there(*given))
-    return fail(Errc::kNotFound, "orient: orientation: " + *given + " does not exist");
+    return fail(Errc::kNotFound, "orient: " + given->string() + " does not exist", {"orientation"_option});
   if (const auto& given = settings.ortho.seamlines; given && !is_there(*given))
-    return fail(Errc::kNotFound, "ortho: seamlines: " + *given + " does not exist");
+    return fail(Errc::kNotFound, "ortho: " + given->string() + " does not exist", {"seamlines"_option});
   fs::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   COLLINEA_TRY(auto lock, ProjectLock::take(folder));

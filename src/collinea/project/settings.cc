@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/project/settings.h"
 
-#include <algorithm>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -10,8 +9,6 @@
 #include <utility>
 
 #include "collinea/base/file.h"
-#include "collinea/cloud/las.h"
-#include "collinea/orient/additional.h"
 #include "collinea/project/json_text.h"
 
 namespace collinea {
@@ -19,21 +16,33 @@ namespace {
 
 using nlohmann::json;
 
+// A value as project.json holds it: words of enumerations, "auto" or null for nothing.
 template <class T>
 json to_json(const T& value) {
-  if constexpr (requires { value.has_value(); })
-    return value ? json(*value) : json(nullptr);
+  if constexpr (Worded<T>)
+    return json(word_of(value));
+  else if constexpr (std::is_same_v<T, std::filesystem::path>)
+    return json(value.string());
   else
     return json(value);
 }
 
-template <class T>
-void from_json(const json& j, T& value) {
+template <class Owner, class T>
+json to_json(const Field<Owner, T>& field, const Owner& owner) {
+  const T& value = owner.*field.member;
   if constexpr (requires { value.has_value(); }) {
-    if (j.is_null())
-      value.reset();
-    else
-      from_json(j, value.emplace());
+    if (!value) return field.automatic ? json("auto") : json(nullptr);
+    return to_json(*value);
+  } else {
+    return to_json(value);
+  }
+}
+
+// Throws what the reader of the file turns into words.
+template <class T>
+T from_json(const json& j) {
+  if constexpr (std::is_same_v<T, std::filesystem::path>) {
+    return j.get<std::string>();
   } else {
     if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
       if (!j.is_number_integer()) throw std::invalid_argument("must be a whole number");
@@ -41,20 +50,41 @@ void from_json(const json& j, T& value) {
           j.is_number_unsigned() ? std::in_range<T>(j.get<std::uint64_t>()) : std::in_range<T>(j.get<std::int64_t>());
       if (!fits) throw std::invalid_argument(json_text(j) + " is out of range");
     }
-    value = j.get<T>();
+    return j.get<T>();
+  }
+}
+
+// The same; a word that is no choice is thrown as the Error that says so.
+template <class Owner, class T>
+void from_json(const json& j, const Field<Owner, T>& field, Owner& owner) {
+  using Value = OptionValue<T>;
+  T& value = owner.*field.member;
+  if constexpr (requires { value.has_value(); }) {
+    if (j.is_null() || (field.automatic && j == "auto")) return value.reset();
+  }
+  if constexpr (Worded<Value>) {
+    const auto word = j.get<std::string>();
+    const auto known = from_word<Value>(word);
+    if (!known) throw not_a_choice(field.name, word, field.choices());
+    value = *known;
+  } else {
+    value = from_json<Value>(j);
+    if constexpr (std::is_same_v<T, std::optional<std::filesystem::path>>)
+      if (value->empty()) value.reset();
   }
 }
 
 template <class Options>
 json options_to_json(const Options& options) {
   json j = json::object();
-  Options::describe([&](const auto& field) { j[std::string(field.name)] = to_json(options.*field.member); });
+  for_each_field(options,
+                 [&](const auto& field, const auto& owner) { j[std::string(field.name)] = to_json(field, owner); });
   return j;
 }
 
 void read_seed(const json& j, Settings& settings) {
   try {
-    from_json(j, settings.seed);
+    settings.seed = from_json<std::uint64_t>(j);
   } catch (const std::exception& error) {
     throw std::invalid_argument(std::string("seed: ") + error.what());
   }
@@ -64,12 +94,12 @@ void read_seed(const json& j, Settings& settings) {
 template <class Options>
 void options_from_json(const json& j, const std::string& group, Options& options) {
   std::set<std::string> known;
-  Options::describe([&](const auto& field) {
+  for_each_field(options, [&](const auto& field, auto& owner) {
     const std::string name(field.name);
     known.insert(name);
     if (!j.contains(name)) return;
     try {
-      from_json(j.at(name), options.*field.member);
+      from_json(j.at(name), field, owner);
     } catch (const std::exception& error) {
       throw std::invalid_argument("options." + group + "." + name + ": " + error.what());
     }
@@ -118,6 +148,8 @@ Result<Settings> read_settings(const std::filesystem::path& project) {
     for (const auto& [group, values] : options.items())
       if (!known.contains(group))
         throw std::invalid_argument("options." + group + ": there is no such group of options");
+  } catch (Error& error) {
+    return tl::unexpected(std::move(error).within(path.string()));
   } catch (const std::exception& error) {
     return fail(Errc::kBadFormat, path.string() + ": " + error.what() +
                                       "; correct it, or have it written anew with `collinea run PHOTOS -o PROJECT`");
@@ -135,32 +167,17 @@ Result<> validate_settings(const Settings& settings) {
     return fail(Errc::kBadInput, (can_be_kept(settings.photos) ? "a name among the options" : settings.photos) +
                                      " is not UTF-8, which is all that project.json can hold: rename it");
   Result<> verdict;
-  Settings::each(settings, [&](const char* step, const char*, const auto& group_options) {
+  Settings::each(settings, [&](const char* step, const char* group, const auto& group_options) {
     if (verdict)
-      verdict = validate(group_options).map_error([&](Error error) { return std::move(error).within(step); });
+      verdict = validate(group_options).map_error([&](Error error) {
+        for (OptionName& option : error.options) option.group = group;
+        return std::move(error).within(step);
+      });
   });
-  const std::string& calibration = settings.orient.calibration;
-  if (verdict && std::find(kCalibrations.begin(), kCalibrations.end(), calibration) == kCalibrations.end())
-    return fail(Errc::kBadInput,
-                "orient: calibration = \"" + calibration + "\": choose auto, none, focal, focal_radial or brown");
-  if (const auto set = additional_named(settings.orient.additional); verdict && !set)
-    return tl::unexpected(Error(set.error()).within("orient"));
   if (verdict)
     verdict = check_instruments(settings.orient.instruments).map_error([](Error error) {
       return std::move(error).within("orient");
     });
-  const std::string& pairs = settings.pairs.pairs;
-  if (verdict && std::find(kPairChoices.begin(), kPairChoices.end(), pairs) == kPairChoices.end())
-    return fail(Errc::kBadInput, "match: pairs = \"" + pairs + "\": choose auto or all");
-  const std::string& mode = settings.orient.mode;
-  if (verdict && std::find(kOrientModes.begin(), kOrientModes.end(), mode) == kOrientModes.end())
-    return fail(Errc::kBadInput, "orient: mode = \"" + mode + "\": choose auto, incremental or global");
-  const std::string& cloud = settings.densify.cloud;
-  if (verdict && !las_form_of(cloud))
-    return fail(Errc::kBadInput, "densify: cloud = \"" + cloud + "\": choose las, laz or copc");
-  const auto& resolution = settings.densify.resolution;
-  if (verdict && resolution && !shrink_of(*resolution))
-    return fail(Errc::kBadInput, "densify: resolution = \"" + *resolution + "\": choose full, half or quarter");
   return verdict;
 }
 
@@ -182,7 +199,7 @@ std::vector<std::pair<std::string, std::string>> chosen_options(const Settings& 
   std::vector<std::pair<std::string, std::string>> chosen;
   Settings::each(settings, [&](const char*, const char* group, const auto& options) {
     const json values = options_to_json(options);
-    std::decay_t<decltype(options)>::describe([&](const auto& field) {
+    for_each_field(options, [&](const auto& field, const auto&) {
       const std::string name(field.name);
       const json& value = values.at(name);
       if (value == defaults.at(group).at(name)) return;

@@ -42,8 +42,7 @@ struct Settings {
     visit("match", "pairs", self.pairs);
     visit("match", "match", self.match);
     visit("match", "verify", self.verify);
-    visit("orient", "orient", self.orient);
-    visit("orient", "instruments", self.orient.instruments);
+    for_each_group("orient", self.orient, [&](const char* group, auto& options) { visit("orient", group, options); });
     visit("densify", "densify", self.densify);
     visit("surface", "surface", self.surface);
     visit("terrain", "terrain", self.terrain);

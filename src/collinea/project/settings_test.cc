@@ -24,7 +24,7 @@ TEST(Settings, ComeBackAsTheyWereWritten) {
   settings.import.crs = "EPSG:25832";
   settings.import.check = "A2,A7";
   settings.import.gps_sigma_m = 0.1 + 0.2;  // no short decimal fraction
-  settings.orient.calibration = "focal";
+  settings.orient.calibration = Calibration::kFocal;
   settings.orient.use_positions = false;
   settings.orient.min_points = 23;
   settings.surface.cell_m = 0.25;
@@ -87,6 +87,65 @@ TEST(Settings, WhatIsWrongIsNamedWithItsPlace) {
     EXPECT_EQ(error.code, code) << text;
     EXPECT_NE(error.message.find(named), std::string::npos) << text << " -> " << error.message;
   }
+}
+
+// As written by earlier versions, whose words were strings.
+TEST(Settings, AnOlderProjectIsRead) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "project.json", R"({
+    "photos": "/p", "seed": 3,
+    "options": {
+      "import": {"camera_model": "kannala_brandt", "control": "/c/gcp.csv", "crs": null, "ground": null},
+      "pairs": {"pairs": "all"},
+      "orient": {"mode": "global", "calibration": "auto", "additional": "ebner", "orientation": "/m"},
+      "instruments": {"position_shift": "strips", "lever_arm": null},
+      "densify": {"resolution": "half", "cloud": "copc"},
+      "ortho": {"seamlines": ""}}})"));
+  const auto settings = read_settings(folder / "");
+  ASSERT_TRUE(settings) << settings.error().message;
+  EXPECT_EQ(settings->import.camera_model, CameraModel(KannalaBrandt{}));
+  EXPECT_EQ(settings->import.control, std::filesystem::path("/c/gcp.csv"));
+  EXPECT_EQ(settings->pairs.pairs, PairChoice::kAll);
+  EXPECT_EQ(settings->orient.mode, OrientMode::kGlobal);
+  EXPECT_FALSE(settings->orient.calibration);
+  EXPECT_EQ(settings->orient.additional, AdditionalSet::kEbner);
+  EXPECT_EQ(settings->orient.orientation, std::filesystem::path("/m"));
+  EXPECT_EQ(settings->orient.instruments.position_shift, PositionShift::kStrips);
+  EXPECT_EQ(settings->densify.resolution, Resolution::kHalf);
+  EXPECT_EQ(settings->densify.cloud, LasForm::kCopc);
+  EXPECT_FALSE(settings->ortho.seamlines);
+}
+
+// Every word that may be chosen is written, read and shown; every other is refused with the list.
+TEST(Settings, EveryChoiceGoesThroughProjectJson) {
+  const TestFolder folder;
+  int choices = 0;
+  Settings all;
+  Settings::each(all, [&](const char*, const std::string& group, auto& options) {
+    for_each_field(options, [&](const auto& field, auto&) {
+      const auto text = [&](std::string_view word) {
+        return R"({"photos": "/p", "options": {")" + group + R"(": {")" + std::string(field.name) + R"(": ")" +
+               std::string(word) + R"("}}})";
+      };
+      std::vector<std::string_view> known;
+      for (const Choice& choice : field.choices()) {
+        known.push_back(choice.word);
+        ++choices;
+        ASSERT_TRUE(write_file(folder / "project.json", text(choice.word)));
+        const auto settings = read_settings(folder / "");
+        ASSERT_TRUE(settings) << choice.word << ": " << settings.error().message;
+        ASSERT_TRUE(write_settings(folder / "", *settings));
+        EXPECT_NE(read_file(folder / "project.json")
+                      ->find("\"" + std::string(field.name) + "\": \"" + std::string(choice.word) + "\""),
+                  std::string::npos);
+      }
+      if (known.empty()) return;
+      const Error error = error_of(folder, text("nonsense"));
+      EXPECT_NE(error.message.find("choose " + listed(known)), std::string::npos) << error.message;
+      EXPECT_EQ(error.options, std::vector{OptionName{field.name}});
+    });
+  });
+  EXPECT_GT(choices, 25);
 }
 
 TEST(Settings, NamesThatAreNotUtf8AreRefusedBeforeTheyAreDamaged) {

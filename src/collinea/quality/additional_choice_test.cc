@@ -59,8 +59,8 @@ Block film_block(AdditionalSet set, const std::vector<std::pair<int, double>>& v
 
 ExamineOptions plain() {
   ExamineOptions options;
-  options.adjust.calibration = "none";
-  options.adjust.loss = options.adjust.position_loss = "none";
+  options.adjust.calibration = Calibration::kNone;
+  options.adjust.loss = options.adjust.position_loss = Loss::kNone;
   options.adjust.relative_cost_change = 1e-12;
   options.adjust.step_sigmas = 1e-6;
   return options;
@@ -176,7 +176,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
   Camera camera = block.cameras.begin()->second;
   const CameraId id = block.cameras.begin()->first;
   AdjustScope scope{.first_cameras = block.cameras};
-  scope.camera_sigmas[id] = *with_additional(*calibration_named("focal", camera), camera, {});
+  scope.camera_sigmas[id] = *with_additional(calibration_sigmas(Calibration::kFocal, camera), camera, {});
   const auto adjusted = examine(block, scope, plain(), {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   camera = adjusted->cameras.at(id);
@@ -237,7 +237,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
 
 TEST(AdditionalChoice, WhatTheSetSpansIsHeld) {
   Camera camera = testing::test_camera();
-  const CameraSigmas brown = *calibration_named("brown_affinity", camera);
+  const CameraSigmas brown = calibration_sigmas(Calibration::kBrownAffinity, camera);
   camera.additional = AdditionalSet::kEbner;
   const CameraSigmas ebner = *with_additional(brown, camera, {"a3"});
   for (const char* name : {"b1", "b2", "p1", "p2", "a3"})

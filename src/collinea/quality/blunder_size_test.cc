@@ -22,7 +22,8 @@ const Run kRun;
 constexpr int kMost = 1000;
 
 ExamineOptions options() {
-  return {.adjust = {.calibration = "none", .loss = "none", .position_loss = "none"}, .reliability = true};
+  return {.adjust = {.calibration = Calibration::kNone, .loss = Loss::kNone, .position_loss = Loss::kNone},
+          .reliability = true};
 }
 
 bool is_gone(const Snooped& snooped, const TestedObservation& one) {

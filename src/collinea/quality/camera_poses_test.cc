@@ -28,7 +28,7 @@ TEST(CameraPoses, ErrorsGoTogetherAsTold) {
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
     AdjustScope scope;
     const Block block = testing::measured_anew(truth, scope, seed);
-    ExamineOptions options = testing::examined("focal");
+    ExamineOptions options = testing::examined(Calibration::kFocal);
     const auto adjusted = examine(block, scope, options, kRun);
     ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
     ASSERT_EQ(adjusted->camera_pose_correlations.size(), 6u);
@@ -58,7 +58,7 @@ TEST(CameraPoses, ErrorsGoTogetherAsTold) {
 TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
   const Block block =
       testing::test_block({.points = 150, .relief_m = 0.5, .sigma_px = 0.5, .control = 9, .tilt_rad = 0.01});
-  ExamineOptions options = testing::examined("brown");
+  ExamineOptions options = testing::examined(Calibration::kBrown);
   const auto adjusted = examine(block, {}, options, kRun);
   ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
   EXPECT_EQ(adjusted->camera_pose_correlations.size(), 6 * 8u);
@@ -74,7 +74,7 @@ TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
 // In a free network they depend on the datum that is chosen.
 TEST(CameraPoses, NothingIsToldOfAFreeNetwork) {
   const Block block = testing::test_block({.points = 100, .sigma_px = 0.5});
-  ExamineOptions options = testing::examined("focal_radial");
+  ExamineOptions options = testing::examined(Calibration::kFocalRadial);
   const auto adjusted = examine(block, {}, options, kRun);
   ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
   EXPECT_TRUE(adjusted->camera_pose_correlations.empty());

@@ -13,8 +13,8 @@ namespace {
 
 using testing::test_block;
 
-ExamineOptions with_covariances(const char* calibration) {
-  return {.adjust = {.calibration = calibration, .loss = "none", .position_loss = "none"}};
+ExamineOptions with_covariances(Calibration calibration) {
+  return {.adjust = {.calibration = calibration, .loss = Loss::kNone, .position_loss = Loss::kNone}};
 }
 
 // One image over held points: the normal equations are the inverse of its covariance.
@@ -23,7 +23,7 @@ TEST(Conditioning, IsThatOfTheNormalEquationsWithOnesOnTheDiagonal) {
   AdjustScope scope{.use_control = false};
   for (const auto& [id, point] : block.points) scope.fixed_points.insert(id);
   scope.fixed_images.insert(ImageId{11});
-  const auto adjusted = examine(block, scope, with_covariances("none"), {});
+  const auto adjusted = examine(block, scope, with_covariances(Calibration::kNone), {});
   ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
   ASSERT_EQ(adjusted->cam_from_world.size(), 1u);
   const auto& [id, pose] = *adjusted->cam_from_world.begin();
@@ -39,8 +39,8 @@ TEST(Conditioning, IsThatOfTheNormalEquationsWithOnesOnTheDiagonal) {
 // A lens over level ground: focal length and height make up the worst combination.
 TEST(Conditioning, TheWorstCombinationIsNamed) {
   Block block = test_block({.rows = 3, .columns = 4, .points = 150, .relief_m = 0, .control = 9, .tilt_rad = 0});
-  const auto sound = examine(block, {}, with_covariances("none"), {});
-  const auto weak = examine(block, {}, with_covariances("brown"), {});
+  const auto sound = examine(block, {}, with_covariances(Calibration::kNone), {});
+  const auto weak = examine(block, {}, with_covariances(Calibration::kBrown), {});
   ASSERT_TRUE(sound && weak);
   EXPECT_GT(weak->conditioning.inflation, 3 * sound->conditioning.inflation);
   EXPECT_NE(weak->conditioning.mostly.find("camera test"), std::string::npos) << weak->conditioning.mostly;

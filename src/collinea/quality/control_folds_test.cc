@@ -18,8 +18,9 @@ using testing::test_block;
 const Run kRun;
 
 ExamineOptions tested(int folds) {
-  ExamineOptions options{.adjust = {.calibration = "focal_radial", .loss = "none", .position_loss = "none"},
-                         .reliability = true};
+  ExamineOptions options{
+      .adjust = {.calibration = Calibration::kFocalRadial, .loss = Loss::kNone, .position_loss = Loss::kNone},
+      .reliability = true};
   options.adjust.relative_cost_change = options.adjust.parameter_change = 1e-13;
   options.adjust.step_sigmas = 0;
   options.test.folds = folds;

@@ -15,7 +15,7 @@ namespace {
 using testing::test_block;
 
 ExamineOptions with_covariances() {
-  return {.adjust = {.calibration = "focal", .loss = "none", .position_loss = "none"}};
+  return {.adjust = {.calibration = Calibration::kFocal, .loss = Loss::kNone, .position_loss = Loss::kNone}};
 }
 
 /// Mean over independent blocks and its standard deviation, from their own spread: points of one block are correlated.

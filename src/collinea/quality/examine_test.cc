@@ -49,7 +49,7 @@ double squared_pose_error(const Examined& adjusted, const Block& truth) {
 // e' C^-1 e is chi-squared with 6 (pose), 3 (point) and 1 (f) degrees of freedom, so these are its means. Four standard
 // deviations of the mean: one false alarm in 16,000 seeds. A covariance of poses 10 % too large or small fails.
 TEST(Adjust, CovarianceMatchesTheRealErrors) {
-  ExamineOptions options = examined("focal");
+  ExamineOptions options = examined(Calibration::kFocal);
   options.point_covariances = true;
   Series poses, points, focal;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
@@ -80,7 +80,7 @@ TEST(Adjust, CovarianceMatchesTheRealErrors) {
 // Points measured without error in the adjusted images are off by what Examined::places says, and by nothing else:
 // chi-squared with 3 degrees of freedom, as above.
 TEST(Adjust, PlacesMeasuredWithoutErrorAreAsFarOffAsTheImagesMakeThem) {
-  ExamineOptions options = examined("focal");
+  ExamineOptions options = examined(Calibration::kFocal);
   Series places;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     const Block truth = test_block({.rows = 2, .columns = 3, .points = 60, .seed = seed});
@@ -115,7 +115,8 @@ TEST(Adjust, PlacesMeasuredWithoutErrorAreAsFarOffAsTheImagesMakeThem) {
 // poses in a free block, times sigma0, are as long as their covariance says. Without sigma0 they would be
 // 1.5 times too long.
 TEST(Adjust, Sigma0TurnsCovariancesOfARobustEstimateIntoTrueOnes) {
-  ExamineOptions options{.adjust = {.calibration = "none", .loss = "cauchy", .loss_scale_sigmas = std::sqrt(5.0)}};
+  ExamineOptions options{
+      .adjust = {.calibration = Calibration::kNone, .loss = Loss::kCauchy, .loss_scale_sigmas = std::sqrt(5.0)}};
   Series poses, bare;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     const Block truth = test_block({.rows = 2, .columns = 3, .points = 100, .seed = seed});

@@ -76,7 +76,8 @@ TEST_P(FisheyeBundle, FindsTheCamera) {
   start.cameras.begin()->second = first;
   for (auto& [id, point] : start.control) point.sigma_m.setConstant(0.01);
   const auto adjusted =
-      examine(start, {}, {.adjust = {.calibration = "brown", .loss = "none", .position_loss = "none"}}, {});
+      examine(start, {},
+              {.adjust = {.calibration = Calibration::kBrown, .loss = Loss::kNone, .position_loss = Loss::kNone}}, {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   const Camera& found = adjusted->cameras.begin()->second;
   const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
@@ -98,8 +99,9 @@ TEST_P(FisheyeBundle, CovariancesAreTrue) {
   int freedom = 0;
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
     const Block truth = block_of(camera, 0.5, seed, 80);
-    const auto adjusted = examine(truth, {.first_cameras = truth.cameras},
-                                  {.adjust = {.calibration = "brown", .loss = "none", .position_loss = "none"}}, {});
+    const auto adjusted = examine(
+        truth, {.first_cameras = truth.cameras},
+        {.adjust = {.calibration = Calibration::kBrown, .loss = Loss::kNone, .position_loss = Loss::kNone}}, {});
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     const MatrixPd& all = adjusted->camera_covariance.begin()->second;
     std::vector<int> free;
@@ -155,7 +157,7 @@ TEST(Fisheye, PointsBehindThePlaneOfTheCameraAreAdjusted) {
   for (const Observation& o : truth.observations)
     behind += (pose_of(truth, o.image) * truth.points.at(o.point).position_in_world).z() < 0;
   EXPECT_GT(behind, 50u);
-  const auto adjusted = adjust(disturbed(truth, 0.003, 0.1), {}, {.calibration = "none", .loss = "none"}, {});
+  const auto adjusted = adjust(disturbed(truth, 0.003, 0.1), {}, {.calibration = Calibration::kNone, .loss = Loss::kNone}, {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_NEAR(adjusted->sigma0, 1, 4 / std::sqrt(2.0 * double(adjusted->redundancy)));
 }

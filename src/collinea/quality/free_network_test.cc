@@ -19,7 +19,8 @@ const Run kRun;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ExamineOptions exactly() {
-  ExamineOptions options{.adjust = {.calibration = "none", .loss = "none", .position_loss = "none"}};
+  ExamineOptions options{
+      .adjust = {.calibration = Calibration::kNone, .loss = Loss::kNone, .position_loss = Loss::kNone}};
   options.adjust.relative_cost_change = options.adjust.parameter_change = 1e-13;
   options.adjust.step_sigmas = 1e-3;
   options.point_covariances = true;

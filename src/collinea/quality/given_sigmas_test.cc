@@ -17,10 +17,10 @@ using testing::test_block;
 const Run kRun;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-ExamineOptions exact(std::string calibration = "none") {
+ExamineOptions exact(Calibration calibration = Calibration::kNone) {
   ExamineOptions options;
-  options.adjust.calibration = std::move(calibration);
-  options.adjust.loss = options.adjust.position_loss = "none";
+  options.adjust.calibration = calibration;
+  options.adjust.loss = options.adjust.position_loss = Loss::kNone;
   options.adjust.relative_cost_change = 1e-13;
   options.adjust.parameter_change = 1e-13;
   options.adjust.step_sigmas = 0;
@@ -89,13 +89,12 @@ TEST(HeldControl, IsTestedAndReportedWithoutHarm) {
 TEST(CameraSigmas, OfANamedSetAreThatSet) {
   const Block block = disturbed(test_block({.sigma_px = 0.5, .control = 9}), 0.005, 0.3);
   AdjustScope scope{.first_cameras = block.cameras};
-  const auto named = examine(block, scope, exact("brown"), kRun);
-  scope.camera_sigmas[{1}] = *calibration_named("brown", block.cameras.at({1}));
-  const auto given = examine(block, scope, exact("none"), kRun);
+  const auto named = examine(block, scope, exact(Calibration::kBrown), kRun);
+  scope.camera_sigmas[{1}] = calibration_sigmas(Calibration::kBrown, block.cameras.at({1}));
+  const auto given = examine(block, scope, exact(Calibration::kNone), kRun);
   ASSERT_TRUE(named && given);
   EXPECT_EQ(named->cameras.at({1}).params, given->cameras.at({1}).params);
   EXPECT_EQ(named->observation_count, given->observation_count);
-  EXPECT_FALSE(calibration_named("everything", block.cameras.at({1})));
 }
 
 // Free: no observation of the parameter. Weighted: one, which pulls it. Held: not moved.
@@ -103,24 +102,24 @@ TEST(CameraSigmas, EachParameterTakesPartAsItIsAsked) {
   const Block block = test_block({.sigma_px = 0.5, .control = 9});
   AdjustScope scope{.first_cameras = block.cameras};
   scope.first_cameras.at({1}).params[Camera::kK1] += 0.1;
-  const auto none = examine(block, scope, exact("none"), kRun);
+  const auto none = examine(block, scope, exact(Calibration::kNone), kRun);
   CameraSigmas& sigmas = scope.camera_sigmas[{1}];
   sigmas.fill(0);
   sigmas[Camera::kF] = kInfinity;
-  const auto free = examine(block, scope, exact("none"), kRun);
+  const auto free = examine(block, scope, exact(Calibration::kNone), kRun);
   ASSERT_TRUE(none && free);
   EXPECT_EQ(free->redundancy, none->redundancy - 1);
   EXPECT_EQ(free->observation_count, none->observation_count);
   EXPECT_NE(free->cameras.at({1}).params[Camera::kF], block.cameras.at({1}).params[Camera::kF]);
   EXPECT_EQ(free->cameras.at({1}).params[Camera::kK1], block.cameras.at({1}).params[Camera::kK1]);
   sigmas[Camera::kK1] = 1e-6;
-  const auto weighted = examine(block, scope, exact("none"), kRun);
+  const auto weighted = examine(block, scope, exact(Calibration::kNone), kRun);
   ASSERT_TRUE(weighted);
   EXPECT_EQ(weighted->redundancy, free->redundancy);
   EXPECT_EQ(weighted->observation_count, free->observation_count + 1);
   EXPECT_NEAR(weighted->cameras.at({1}).params[Camera::kK1], block.cameras.at({1}).params[Camera::kK1] + 0.1, 1e-4);
   sigmas[Camera::kK1] = -1;
-  const auto wrong = examine(block, scope, exact("none"), kRun);
+  const auto wrong = examine(block, scope, exact(Calibration::kNone), kRun);
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code, Errc::kBadInput);
 }

@@ -90,9 +90,9 @@ TEST(Ground, OneDistanceGivesAFreeBlockItsScale) {
 TEST(Ground, PointsThatAreJoinedAreAdjustedLikeOthers) {
   Block block =
       test_block({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 6});
-  const auto without = examine(block, {}, tested("focal_radial"), kRun);
+  const auto without = examine(block, {}, tested(Calibration::kFocalRadial), kRun);
   block.ground.push_back({.from = {0}, .to = {4}, .value = 10, .sigma = 1e6});
-  const auto with = examine(block, {}, tested("focal_radial"), kRun);
+  const auto with = examine(block, {}, tested(Calibration::kFocalRadial), kRun);
   ASSERT_TRUE(without && with && without->reliability && with->reliability) << with->undetermined;
   EXPECT_EQ(with->unknown_count, without->unknown_count);
   EXPECT_EQ(with->redundancy, without->redundancy + 1);
@@ -142,7 +142,7 @@ TEST(Ground, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
     made.measure(GroundKind::kDistance, 1, 4, 0.01, &random);
     made.measure(GroundKind::kDistance, 2, 5, 1, &random);
     made.block.ground.back().role = ControlRole::kCheck;
-    ExamineOptions options = tested("focal");
+    ExamineOptions options = tested(Calibration::kFocal);
     options.test.sigma0_known = true;
     const auto adjusted = examine(made.block, {}, options, kRun);
     ASSERT_TRUE(adjusted && adjusted->ground.size() == 3) << i;
@@ -163,7 +163,7 @@ TEST(Ground, ABlunderInADistanceIsFound) {
   Random random(4);
   for (std::uint32_t i = 1; i < 7; ++i) made.measure(GroundKind::kDistance, 0, i, 0.005, &random);
   made.block.ground[3].value += 0.1;
-  const auto adjusted = examine(made.block, {}, tested("focal_radial"), kRun);
+  const auto adjusted = examine(made.block, {}, tested(Calibration::kFocalRadial), kRun);
   ASSERT_TRUE(adjusted && adjusted->reliability);
   ASSERT_FALSE(adjusted->reliability->suspects.empty());
   const TestedObservation& worst = adjusted->reliability->suspects[0];
@@ -211,8 +211,8 @@ TEST(Ground, ThreadsDoNotChangeABit) {
   for (std::uint32_t i = 1; i < 7; ++i) made.measure(GroundKind::kDistance, 0, i, 0.005);
   collinea::Run threads;
   threads.threads = 3;
-  const auto one = examine(made.block, {}, tested("focal_radial"), kRun),
-             three = examine(made.block, {}, tested("focal_radial"), threads);
+  const auto one = examine(made.block, {}, tested(Calibration::kFocalRadial), kRun),
+             three = examine(made.block, {}, tested(Calibration::kFocalRadial), threads);
   ASSERT_TRUE(one && three);
   EXPECT_EQ(one->final_cost, three->final_cost);
   EXPECT_EQ(one->ground[2].sigma, three->ground[2].sigma);

@@ -138,7 +138,7 @@ TEST(Network, StationsWithCoordinatesPlaceTheBlock) {
 TEST(Network, ErrorsOfStationsAndPointsAreAsLargeAsTheirSigmas) {
   constexpr int kBlocks = 60;
   double stations = 0, targets = 0, orientations = 0, residuals = 0, freedom = 0;
-  ExamineOptions options = tested("focal");
+  ExamineOptions options = tested(Calibration::kFocal);
   options.test.sigma0_known = true;
   for (int i = 0; i < kBlocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(i + 1);
@@ -184,7 +184,7 @@ TEST(Network, ABlunderIsFound) {
     for (std::size_t i = 0; i < made.block.ground.size() && wrong == made.block.ground.size(); ++i)
       if (made.block.ground[i].kind == kind && made.block.ground[i].to.value == 5) wrong = i;
     made.block.ground[wrong].value += kind == GroundKind::kDistance ? 0.1 : 0.003;
-    const auto adjusted = examine(made.block, {}, tested("focal"), kRun);
+    const auto adjusted = examine(made.block, {}, tested(Calibration::kFocal), kRun);
     ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
     EXPECT_EQ(adjusted->reliability->suspects[0].source, wrong);
     EXPECT_EQ(adjusted->reliability->suspects[0].group, group_of(kind));
@@ -203,8 +203,8 @@ TEST(Network, StationsThatNoImageShowsAreInTheDatumOfTheOthers) {
   });
   ASSERT_NE(looking, oriented.end());
   made.block.control_observations.push_back(
-      {station, looking->first,
-       *project(made.block.camera_of(looking->first), looking->second * made.truth.at(station)), 1e5});
+      {station, looking->image,
+       *project(made.block.camera_of(looking->image), looking->cam_from_world * made.truth.at(station)), 1e5});
   const auto seen = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(unseen && seen && unseen->undetermined.empty() && seen->undetermined.empty());
   ASSERT_EQ(unseen->rank_defect, 4);
@@ -261,7 +261,8 @@ TEST(Network, ABlockThatHangsOnStationsGoesAllTheWay) {
         set_pose(start, id, pose);
       }
       for (auto& [id, point] : start.points) point.position_in_world = moved(point.position_in_world);
-      const auto adjusted = adjust(start, {}, {.calibration = "none", .loss = "none", .position_loss = "none"}, kRun);
+      const auto adjusted = adjust(
+          start, {}, {.calibration = Calibration::kNone, .loss = Loss::kNone, .position_loss = Loss::kNone}, kRun);
       ASSERT_TRUE(adjusted) << adjusted.error().message;
       EXPECT_TRUE(adjusted->converged);
       EXPECT_EQ(adjusted->rank_defect, 0);

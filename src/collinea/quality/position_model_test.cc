@@ -131,7 +131,7 @@ TEST(PositionModel, ExactTruthComesBack) {
 TEST(PositionModel, ErrorsAreAsLargeAsTheirSigmas) {
   std::map<UnknownKind, double> squares;
   constexpr int kBlocks = 80;
-  ExamineOptions options = tested("focal");
+  ExamineOptions options = tested(Calibration::kFocal);
   options.test.sigma0_known = true;
   for (int i = 0; i < kBlocks; ++i) {
     Flight made = flight(0.5, 0.03, 0.003, static_cast<std::uint64_t>(i + 1));
@@ -184,7 +184,7 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
     image.position = PositionPrior{centre_of(pose_of(made.block, id)), Eigen::Vector3d::Constant(0.05)};
   made.block.cameras.begin()->second.prior.sigma_f_px = 1e4;
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
-  const auto adjusted = examine(made.block, made.scope, tested("focal"), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   std::string told = adjusted->undetermined;
   for (const std::string& line : adjusted->inseparable) told += line + "\n";
@@ -192,7 +192,7 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
             std::string::npos)
       << told;
   const Flight well = flight(0.5, 0.03, 0.003);
-  const auto separable = examine(well.block, well.scope, tested("focal"), kRun);
+  const auto separable = examine(well.block, well.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(separable);
   EXPECT_TRUE(separable->inseparable.empty()) << separable->inseparable[0];
 }
@@ -208,7 +208,7 @@ TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparabl
   }
   made.scope.lever_arms.clear();
   made.scope.position_tracks[0].drift_sigma_m.setZero();
-  const auto adjusted = examine(made.block, made.scope, tested("focal"), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   ASSERT_EQ(adjusted->inseparable.size(), 1u) << adjusted->undetermined;
   EXPECT_TRUE(
@@ -216,7 +216,7 @@ TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparabl
                                            "positions along the flight of strip 1 can hardly be separated"))
       << adjusted->inseparable[0];
   for (auto& [id, velocity] : made.scope.velocity_m_s) velocity = {7, 7, 0};  // then nothing tells them apart
-  const auto singular = examine(made.block, made.scope, tested("focal"), kRun);
+  const auto singular = examine(made.block, made.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(singular);
   EXPECT_TRUE(singular->undetermined.starts_with("the time offset of the positions of test is not determined"))
       << singular->undetermined;
@@ -241,7 +241,7 @@ TEST(PositionModel, ABlunderInAnAttitudeIsFound) {
   Flight made = flight(0.5, 0.03, 0.001);
   auto& wrong = made.scope.attitudes.at({15});
   wrong.cam_from_world = wrong.cam_from_world * rotation_by({0, 0, 0.02});
-  const auto adjusted = examine(made.block, made.scope, tested("focal"), kRun);
+  const auto adjusted = examine(made.block, made.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
   const TestedObservation& worst = adjusted->reliability->suspects[0];
   EXPECT_EQ(worst.group, ObservationGroup::kAttitudeHeading);

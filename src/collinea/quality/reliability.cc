@@ -52,7 +52,8 @@ class Examiner {
     out_.sigma0_known = options.sigma0_known;
     const bool known = options.sigma0_known || adjusted.redundancy < 1;
     sigma0_ = known ? 1 : std::max(adjusted.sigma0, 1e-12);
-    out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
+    out_.limit =
+        known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
     const double quantile = options.power > 0.5 ? normal_limit(2 * (1 - options.power)) : 0;
     out_.delta0 = normal_limit(options.false_alarm) + quantile;
   }

@@ -19,8 +19,9 @@ namespace {
 using testing::test_block;
 
 ExamineOptions tested() {
-  ExamineOptions options{.adjust = {.calibration = "focal_radial", .loss = "none", .position_loss = "none"},
-                         .reliability = true};
+  ExamineOptions options{
+      .adjust = {.calibration = Calibration::kFocalRadial, .loss = Loss::kNone, .position_loss = Loss::kNone},
+      .reliability = true};
   options.adjust.relative_cost_change = 1e-13;
   options.adjust.parameter_change = 1e-13;
   options.adjust.step_sigmas = 0;
@@ -74,7 +75,7 @@ TEST(Reliability, RedundancyNumbersAddUpToTheRedundancy) {
   for (const bool robust : {false, true})
     for (const bool control : {true, false}) {
       ExamineOptions options = tested();
-      if (robust) options.adjust.loss = "cauchy", options.adjust.position_loss = "huber";
+      if (robust) options.adjust.loss = Loss::kCauchy, options.adjust.position_loss = Loss::kHuber;
       AdjustScope scope{.use_positions = control, .use_control = control};
       const Examined adjusted = adjusted_of(test_block(small()), options, scope);
       const Reliability& found = *adjusted.reliability;
@@ -109,7 +110,7 @@ TEST(Reliability, VerticalsHaveTheirPartOfTheRedundancy) {
 
 TEST(Reliability, HeldPointsTestTheirRaysToo) {
   const Block block = test_block(small(2));
-  for (const char* calibration : {"none", "focal"}) {
+  for (const Calibration calibration : {Calibration::kNone, Calibration::kFocal}) {
     ExamineOptions options = tested();
     options.adjust.calibration = calibration;
     AdjustScope scope{.use_positions = false, .use_control = false};
@@ -234,7 +235,7 @@ TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
 // the residual from its start, and residuals of a point that a ray itself pulls are not normal: its variances come out
 // up to 7 % too small for tie points and 20 % for positions (less with more rays a point), tests reject a fifth less.
 TEST(Reliability, IsTrueUnderRobustLosses) {
-  for (const char* loss : {"huber", "cauchy"}) {
+  for (const Loss::Kind loss : {Loss::kHuber, Loss::kCauchy}) {
     ExamineOptions options = tested();
     options.adjust.loss = options.adjust.position_loss = loss;
     options.test.false_alarm = 0.01;
@@ -264,7 +265,7 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
     for (const std::size_t i : {std::size_t{0}, std::size_t(ObservationGroup::kPositionPlan),
                                 std::size_t(ObservationGroup::kPositionHeight), kSigma0, kLevel, kPose}) {
       const double mean = sum[i] / kBlocks, sigma = std::sqrt((squares[i] / kBlocks - mean * mean) / kBlocks);
-      const bool falls = loss == std::string_view("cauchy") && i != kPose;
+      const bool falls = loss == Loss::kCauchy && i != kPose;
       // Beside chance what is told above, with a tenth of it: 2 % of variances under Huber's loss (1 % of sigma0), 8 %
       // of tie points and 20 % of positions and of the level under Cauchy's; and never more than one.
       const double pulled = !falls ? 0.02 : i == 0 || i == kSigma0 ? 0.09 : 0.22;

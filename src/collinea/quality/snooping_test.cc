@@ -23,7 +23,9 @@ using testing::test_block;
 constexpr int kMost = 1000;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-ExamineOptions plain() { return {.adjust = {.calibration = "focal_radial", .loss = "none", .position_loss = "none"}}; }
+ExamineOptions plain() {
+  return {.adjust = {.calibration = Calibration::kFocalRadial, .loss = Loss::kNone, .position_loss = Loss::kNone}};
+}
 
 testing::TestBlockOptions small(std::uint64_t seed = 1) {
   return {
@@ -232,7 +234,7 @@ Surveyed surveyed(std::uint64_t seed) {
 // are found as theory says, within four binomial deviations, and of good ones no more go than the level allows.
 TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower) {
   ExamineOptions options = plain();
-  options.adjust.calibration = "none";
+  options.adjust.calibration = Calibration::kNone;
   options.reliability = true;
   std::map<bool, double> planted, found, expected, variance;  // false: on the ground, true: attitudes
   double good = 0, alarms = 0;

@@ -12,11 +12,11 @@
 namespace collinea::testing {
 
 /// Least squares without any loss, to the last step, with covariances.
-inline ExamineOptions examined(std::string calibration = "none") { return {.adjust = plain(std::move(calibration))}; }
+inline ExamineOptions examined(Calibration calibration = Calibration::kNone) { return {.adjust = plain(calibration)}; }
 
 /// The same with all tests of the observations.
-inline ExamineOptions tested(std::string calibration = "none") {
-  ExamineOptions options = examined(std::move(calibration));
+inline ExamineOptions tested(Calibration calibration = Calibration::kNone) {
+  ExamineOptions options = examined(calibration);
   options.reliability = true;
   return options;
 }

@@ -12,7 +12,9 @@ namespace {
 
 using testing::test_block;
 
-ExamineOptions plain() { return {.adjust = {.calibration = "focal", .loss = "none", .position_loss = "none"}}; }
+ExamineOptions plain() {
+  return {.adjust = {.calibration = Calibration::kFocal, .loss = Loss::kNone, .position_loss = Loss::kNone}};
+}
 
 constexpr double kSettled = 0.01;  // factors are repeated until none changes by more
 

@@ -20,8 +20,8 @@ using testing::test_block;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-ExamineOptions with_covariances(const std::string& calibration = "none") {
-  return {.adjust = {.calibration = calibration, .loss = "none", .position_loss = "none"}};
+ExamineOptions with_covariances(Calibration calibration = Calibration::kNone) {
+  return {.adjust = {.calibration = calibration, .loss = Loss::kNone, .position_loss = Loss::kNone}};
 }
 
 std::vector<Weakness> weaknesses_of(const Block& block, const ExamineOptions& options, const AdjustScope& scope = {}) {
@@ -120,9 +120,9 @@ TEST(Weakness, HealthyBlocksHaveNone) {
                               .position_sigma_m = 0.05,
                               .control = 9,
                               .seed = seed});
-    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances("brown"))), "");
+    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances(Calibration::kBrown))), "");
     for (auto& [id, image] : block.images) image.position.reset();
-    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances("focal_radial"))), "");
+    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances(Calibration::kFocalRadial))), "");
   }
 }
 
@@ -180,17 +180,17 @@ TEST(Weakness, HeightsOnly) {
 }
 
 TEST(Weakness, FocalLengthAndHeightOverLevelGround) {
-  const auto found = weaknesses_of(flat_nadir(9), with_covariances("focal"));
+  const auto found = weaknesses_of(flat_nadir(9), with_covariances(Calibration::kFocal));
   expect_named(found, "focal_and_height", "distance between images and object");
 }
 
 TEST(Weakness, PrincipalPointAndPlaceOverLevelGround) {
-  expect_named(weaknesses_of(flat_nadir(9), with_covariances("brown")), "camera_and_pose", "cx");
+  expect_named(weaknesses_of(flat_nadir(9), with_covariances(Calibration::kBrown)), "camera_and_pose", "cx");
 }
 
 TEST(Weakness, K3FromTheMiddleOfTheImages) {
   const Block block = flat_nadir(9, 0.13, 5);
-  expect_named(weaknesses_of(block, with_covariances("brown")), "parameter_not_determined", "k3");
+  expect_named(weaknesses_of(block, with_covariances(Calibration::kBrown)), "parameter_not_determined", "k3");
 }
 
 TEST(Weakness, ModelsWithoutTripleOverlap) {
@@ -318,7 +318,7 @@ TEST(Weakness, TwoCalibratedCamerasAreAsGoodAsTold) {
       camera.params[Camera::kK1] += 0.2 * random.normal();
       camera.params[Camera::kK2] += 0.5 * random.normal();
     }
-    const auto adjusted = examine(block, scope, with_covariances("focal_radial"), {});
+    const auto adjusted = examine(block, scope, with_covariances(Calibration::kFocalRadial), {});
     ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
     EXPECT_EQ(all_of(adjusted->weaknesses), "");
     ASSERT_EQ(adjusted->camera_covariance.size(), 2u);
@@ -355,7 +355,7 @@ TEST(Weakness, OfTwoCamerasTheWeakOneIsNamed) {
   };
   std::erase_if(block.observations, beside);
   std::erase_if(block.control_observations, beside);
-  const auto found = weaknesses_of(block, with_covariances("brown"));
+  const auto found = weaknesses_of(block, with_covariances(Calibration::kBrown));
   expect_named(found, "parameter_not_determined", "of camera second");
   for (const Weakness& weak : found) EXPECT_EQ(weak.what.find("camera test"), std::string::npos) << weak.what;
 }

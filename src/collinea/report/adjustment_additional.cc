@@ -21,8 +21,8 @@ std::string_view set_of(const AdjustmentReport& report, const AdditionalTest& te
 std::string proposal(const AdditionalTest& test) {
   const std::string dropped = dropped_names(test);
   if (dropped.empty()) return "All are significant: keep them.";
-  std::string text = test.kept == 0 ? "None is significant: do without (--additional none)."
-                                    : fmt::format("Keep {} of {}; hold the others: --additional-held {}.", test.kept,
+  std::string text = test.kept == 0 ? "None is significant: do without them."
+                                    : fmt::format("Keep {} of {}; hold the others: {}.", test.kept,
                                                   test.parameters.size(), dropped);
   if (test.dropped_chance < 1e-3)
     text += " Together those are significant all the same (F-test): a smaller or another set may say the same.";

@@ -34,7 +34,7 @@ AdjustmentReport report_of_one() {
   block.points[{7}].position_in_world = {5, 6, 7};
   block.observations = {{ImageId{3}, PointId{7}, 0, {100, 100}, 1}};
   block.control[{1}] = {"K1", ControlRole::kCheck, {}, {1, 2, 3}, {0.01, 0.01, 0.01}};
-  Adjusted& adjusted = report.adjusted;
+  Examined& adjusted = report.adjusted;
   adjusted.sigma0 = kSigma0;
   adjusted.redundancy = 10;
   adjusted.cam_from_world[{3}] = pose_of(block, {3});

@@ -24,7 +24,7 @@ std::string in_quotes(std::string_view text) {
   return out + "\"";
 }
 
-std::string number(double value) { return std::isfinite(value) ? fmt::format(",{:.12g}", value) : ","; }
+std::string csv_field(double value) { return std::isfinite(value) ? fmt::format(",{:.12g}", value) : ","; }
 
 std::string cameras_csv(const AdjustmentReport& report) {
   std::string text = "camera,parameter,unit,value,sigma\n";
@@ -33,8 +33,8 @@ std::string cameras_csv(const AdjustmentReport& report) {
     const bool known = covariance != report.adjusted.camera_covariance.end();
     const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was held
     for (const int k : params_of(camera))
-      text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) + number(camera.params[k]) +
-              number(known ? std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted) : unknown) + "\n";
+      text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) + csv_field(camera.params[k]) +
+              csv_field(known ? std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted) : unknown) + "\n";
   }
   return text;
 }
@@ -51,7 +51,7 @@ std::string ground_csv(const AdjustmentReport& report) {
             (measured.is_angle() ? ",deg" : ",m") + (one.used ? ",control" : ",check");
     for (const double value : {measured.value, measured.sigma, one.adjusted, one.sigma * sigma_scale(report.adjusted),
                                one.difference, one.difference_sigma})
-      text += number(unit * value);
+      text += csv_field(unit * value);
     text += "\n";
   }
   return text;
@@ -61,7 +61,7 @@ std::string unknowns_csv(const AdjustmentReport& report) {
   std::string text = "unknown,unit,value,sigma\n";
   for (const EstimatedUnknown& one : shown_unknowns(report.adjusted))
     text += in_quotes(name_of_extra(report.block, one.kind, one.owner, one.axis)) + "," + unit_of(one.kind) +
-            number(in_unit(one.kind, one.value)) + number(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) +
+            csv_field(in_unit(one.kind, one.value)) + csv_field(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) +
             "\n";
   return text;
 }
@@ -76,7 +76,7 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
             in_quotes(kObservationGroupNames[static_cast<std::size_t>(one.group)]) + "," + unit_of(one);
     for (const double value : {one.residual, one.sigma, one.redundancy, one.w, one.blunder, one.least_blunder,
                                one.effect, one.effect_in_sigmas})
-      text += number(value);
+      text += csv_field(value);
     text += "\n";
   }
   return text;

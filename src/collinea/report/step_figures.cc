@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "collinea/base/words.h"
 #include "collinea/report/json_values.h"
 #include "collinea/store/packed_fields.h"
 
@@ -53,6 +54,8 @@ json value_of(const T& value, const Block& block) {
     return number(value);
   } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
     return value;
+  } else if constexpr (Worded<T>) {
+    return std::string(word_of(value));
   } else if constexpr (is_id<T>) {
     return name_of(value, block);
   } else if constexpr (is_optional<T>) {

@@ -118,7 +118,7 @@ class CloudFiles {
     las.lowest = of_ties.lowest;
     las.highest = of_ties.highest;
     if (places.frame) las.wkt = places.frame->wkt1();
-    las.form = *las_form_of(project.settings.densify.cloud);
+    las.form = project.settings.densify.cloud;
     las.run = project.run;
     // A new cloud has no classes: the step that writes them must not count as done.
     for (const char* earlier : {"cloud.las", "cloud.laz", "cloud.copc.laz", "dtm.tif"})

@@ -86,7 +86,7 @@ std::vector<GroundDifference> ground_of(const Orientation& orientation) {
 }
 
 // Where the covariance gives no number nothing is kept.
-std::vector<HeightPrecision> height_precision_of(const Adjusted& adjusted) {
+std::vector<HeightPrecision> height_precision_of(const Examined& adjusted) {
   std::vector<HeightPrecision> list;
   for (const PlacePrecision& place : adjusted.places) {
     const double sigma_m = std::sqrt(std::max(0.0, place.covariance_m2(2, 2))) * sigma_scale(adjusted);
@@ -97,7 +97,7 @@ std::vector<HeightPrecision> height_precision_of(const Adjusted& adjusted) {
 
 CalibrationRecord calibration_of(const Orientation& orientation) {
   CalibrationRecord record;
-  record.parameters = orientation.calibration.parameters;
+  record.parameters = word_of(orientation.calibration.parameters);
   for (const auto& [camera, params] : orientation.calibration.free)
     record.free[camera].assign(params.begin(), params.end());
   const double scale = sigma_scale(orientation.adjusted);
@@ -112,7 +112,7 @@ CalibrationRecord calibration_of(const Orientation& orientation) {
 }  // namespace
 
 OrientationRecord record_of(const Orientation& orientation, const Block& setup) {
-  const Adjusted& adjusted = orientation.adjusted;
+  const Examined& adjusted = orientation.adjusted;
   OrientationRecord record;
   record.images = setup.images.size();
   record.oriented = count_oriented(orientation.block);

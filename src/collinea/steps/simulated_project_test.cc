@@ -37,7 +37,7 @@ TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
   const Block block = *project->store.read_block();
   ASSERT_EQ(count_oriented(block), 20u);
   const auto truth = read_truth(folder / "block");
-  const auto adjusted = examine(block, {}, {.adjust = {.calibration = "brown"}}, {});
+  const auto adjusted = examine(block, {}, {.adjust = {.calibration = Calibration::kBrown}}, {});
   ASSERT_TRUE(truth && adjusted);
   double squares = 0, variance_m2 = 0;
   for (const auto& [id, covariance] : adjusted->pose_covariance) {
@@ -78,31 +78,32 @@ TEST(SimulatedProject, KeepsWhichParametersWereFree) {
   survey.images = 12;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, {});
   ASSERT_TRUE(project) << project.error().message;
-  for (const auto& [asked, used, count] :
-       {std::tuple{"none", "none", 0}, {"focal", "focal", 1}, {"auto", "brown", 8}}) {
+  const std::tuple<std::optional<Calibration>, const char*, int> cases[] = {
+      {Calibration::kNone, "none", 0}, {Calibration::kFocal, "focal", 1}, {std::nullopt, "brown", 8}};
+  for (const auto& [asked, used, count] : cases) {
     project->settings.orient.calibration = asked;
     ASSERT_TRUE(bring_up_to(*project, "orient"));
     const CalibrationRecord record = project->store.read_outcome<OrientationRecord>()->calibration;
     EXPECT_EQ(record.parameters, used);
-    ASSERT_EQ(record.free.size(), count > 0 ? 1u : 0u) << asked;
+    ASSERT_EQ(record.free.size(), count > 0 ? 1u : 0u) << used;
     if (count == 0) continue;
     const auto& [camera, free] = *record.free.begin();
-    EXPECT_EQ(int(free.size()), count) << asked;
-    for (const std::uint32_t param : free) EXPECT_GT(record.sigma.at(camera).at(param), 0) << asked << " " << param;
+    EXPECT_EQ(int(free.size()), count) << used;
+    for (const std::uint32_t param : free) EXPECT_GT(record.sigma.at(camera).at(param), 0) << used << " " << param;
     const auto& sigma = record.sigma.at(camera);
-    EXPECT_EQ(std::count_if(sigma.begin(), sigma.end(), [](double one) { return one > 0; }), count) << asked;
+    EXPECT_EQ(std::count_if(sigma.begin(), sigma.end(), [](double one) { return one > 0; }), count) << used;
   }
 }
 
 // A fisheye of 122 degrees from corner to corner, known at first as a lens without distortion and a focal length 5 %
 // off: the errors of its camera are as large as its standard deviations say.
 TEST(SimulatedProject, OfAFisheyeIsOriented) {
-  for (const char* model : {"equidistant", "kannala_brandt"}) {
+  for (const CameraModel& model : {CameraModel(Equidistant{}), CameraModel(KannalaBrandt{})}) {
     const TestFolder folder;
     SurveyOptions survey;
     survey.images = 16;
-    survey.camera_model = model;
-    survey.focal_px = 1200;
+    survey.camera.camera_model = model;
+    survey.camera.focal_px = 1200;
     auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0},
                                   collinea::Run{.threads = 2});
     ASSERT_TRUE(project) << project.error().message;
@@ -115,16 +116,16 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     ASSERT_TRUE(setup);
     AdjustScope scope;
     scope.first_cameras = setup->cameras;
-    const auto adjusted = examine(block, scope, {.adjust = {.calibration = "brown"}}, {});
+    const auto adjusted = examine(block, scope, {.adjust = {.calibration = Calibration::kBrown}}, {});
     ASSERT_TRUE(truth && adjusted);
     const Camera& found = block.cameras.begin()->second;
-    EXPECT_EQ(name_of(found.model), model);
+    EXPECT_TRUE(found.model == model) << name_of(model);
     const MatrixPd& covariance = adjusted->camera_covariance.begin()->second;
     for (const int k : params_of(found)) {
       const double sigma = adjusted->sigma0 * std::sqrt(covariance(k, k));
       if (!(sigma > 0)) continue;
       EXPECT_NEAR(found.params[std::size_t(k)], truth->camera.params[std::size_t(k)], 4.5 * sigma)
-          << model << " " << param_name(k);
+          << name_of(model) << " " << param_name(k);
     }
     EXPECT_NEAR(found.focal_px(), 1200, 3);  // 0.25 %; it began 60 px off
   }

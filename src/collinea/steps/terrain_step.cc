@@ -23,7 +23,7 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
   LasWriter::Options options;
   options.wkt = reader.header().wkt;
   options.like = reader.header();
-  options.form = *las_form_of(project.settings.densify.cloud);
+  options.form = project.settings.densify.cloud;
   options.run = project.run;
   COLLINEA_TRY(LasWriter writer, LasWriter::create(project.cloud(), options));
   std::uint64_t count = 0, done = 0;

@@ -42,13 +42,13 @@ class SmallProject : public ::testing::Test {
     options.strips = 2;
     options.images_per_strip = 3;
     options.cross_strips = 0;
-    options.width_px = 400;
-    options.height_px = 300;
+    options.camera.width_px = 400;
+    options.camera.height_px = 300;
     options.gsd_m = 0.2;
-    options.principal_x_px = options.principal_y_px = 1;
+    options.camera.principal_x_px = options.camera.principal_y_px = 1;
     options.control_points = 4;
     options.check_points = 2;
-    options.gps_sigma_plan_m = 0.5;
+    options.receiver.gps_sigma_plan_m = 0.5;
     const auto truth = make_survey(options);
     ASSERT_TRUE(truth) << truth.error().message;
     std::filesystem::create_directories(root_ / "images");

@@ -68,8 +68,9 @@ std::vector<Mark> places_on_wall(const Scene& scene, const FacadeScene& wall, do
 
 Result<Truth> make_facade(const FacadeOptions& o, const Run& run) {
   COLLINEA_TRY(validate(o));
-  COLLINEA_TRY(LocalFrame frame, LocalFrame::create(o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m));
-  COLLINEA_TRY(const Camera camera, true_camera(o, 0.78));
+  COLLINEA_TRY(LocalFrame frame,
+               LocalFrame::create(o.site.crs, o.site.latitude_deg, o.site.longitude_deg, o.site.ground_height_m));
+  COLLINEA_TRY(const Camera camera, true_camera(o.camera, 0.78));
   FacadeScene wall;
   wall.seed = std::uint64_t(o.seed);
   wall.yard_m = std::max(30.0, 1.6 * o.distance_m);
@@ -78,16 +79,17 @@ Result<Truth> make_facade(const FacadeOptions& o, const Run& run) {
               .block = {},
               .marks_in_world = {},
               .exposure = {},
-              .optics = optics_of(o),
+              .optics = optics_of(o.light),
               .mapped = {}};
-  truth.block.georeference = Georeference{o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m};
+  truth.block.georeference =
+      Georeference{o.site.crs, o.site.latitude_deg, o.site.longitude_deg, o.site.ground_height_m};
   truth.gsd_m = o.distance_m / camera.focal_px();
   truth.nominal_focal_px = camera.focal_px() / kFocalError;
   truth.lens_mm = 4.9;
   truth.seed = wall.seed;
   const std::vector<Rigid3> poses = walk(o, wall);
-  add_images(truth, camera, poses, o.exposure_sigma);
-  if (o.gps) add_positions(truth, o.gps_sigma_plan_m, o.gps_sigma_height_m);
+  add_images(truth, camera, poses, o.light.exposure_sigma);
+  if (o.receiver.gps) add_positions(truth, o.receiver.gps_sigma_plan_m, o.receiver.gps_sigma_height_m);
   MarkOptions marks;
   marks.control_points = o.control_points;
   marks.check_points = o.check_points;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "collinea/math/random.h"
+#include "collinea/synthetic/survey.h"
 #include "collinea/synthetic/truth.h"
 
 namespace collinea {
@@ -41,14 +42,10 @@ struct MarkOptions {
 [[nodiscard]] double bounded_normal(Random& random);
 
 /// The camera of either kind of survey. Without a given focal length it is `share` of the width.
-/// Errors: no such model, a picture wider than can be rendered.
-template <class Options>
-[[nodiscard]] Result<Camera> true_camera(const Options& o, double share) {
+/// Errors: a picture wider than can be rendered.
+[[nodiscard]] inline Result<Camera> true_camera(const SurveyCamera& o, double share) {
   Camera camera = ideal_camera(o.focal_px.value_or(share * o.width_px), o.width_px, o.height_px);
-  const auto model = model_named(o.camera_model);
-  if (!model)
-    return fail(Errc::kBadInput, "camera_model = \"" + o.camera_model + "\": there is no such model of cameras");
-  camera.model = *model;
+  camera.model = o.camera_model;
   auto& p = camera.params;
   p[Camera::kCx] += o.principal_x_px;
   p[Camera::kCy] += o.principal_y_px;
@@ -61,15 +58,13 @@ template <class Options>
     if (!in_plane(camera, corner))
       return fail(Errc::kBadInput,
                   "the corners of the pictures see more than 80 degrees from the axis, which is not "
-                  "rendered: a longer focal length (focal_px) is needed");
+                  "rendered: a longer focal length is needed",
+                  {"focal_px"_option});
   camera.name = "Collinea Synthetic";
   camera.prior.source = Provenance::kTrue;
   return camera;
 }
 
-template <class Options>
-[[nodiscard]] Optics optics_of(const Options& o) {
-  return {o.blur_px, o.noise_grey, o.vignetting};
-}
+[[nodiscard]] inline Optics optics_of(const SurveyLight& o) { return {o.blur_px, o.noise_grey, o.vignetting}; }
 
 }  // namespace collinea

@@ -14,8 +14,8 @@ SurveyOptions tiny_survey() {
   SurveyOptions o;
   o.images = 3;
   o.gsd_m = 0.1;
-  o.width_px = 320;
-  o.height_px = 240;
+  o.camera.width_px = 320;
+  o.camera.height_px = 240;
   o.control_points = 2;
   o.check_points = 2;
   return o;
@@ -36,7 +36,7 @@ TEST(Render, DoesNotDependOnThreads) {
 // / 2.2).
 TEST(Render, WhiteBalanceChangesRedAndBlueOfAPictureAsAWhole) {
   SurveyOptions o = tiny_survey();
-  o.noise_grey = 0;
+  o.light.noise_grey = 0;
   const ColourImage plain = picture_of(*make_survey(o), ImageId{1});
   o.white_balance_sigma = 0.1;
   const Truth truth = *make_survey(o);
@@ -69,9 +69,9 @@ TEST(Render, UsesTheWholeRangeOfGreys) {
 // Two exposures that differ by noise alone; rounding to whole levels adds 1/12 to each variance.
 TEST(Render, NoiseHasItsStandardDeviation) {
   SurveyOptions o = tiny_survey();
-  o.noise_grey = 0;
+  o.light.noise_grey = 0;
   const ColourImage clean = picture_of(*make_survey(o), ImageId{1});
-  o.noise_grey = 3;
+  o.light.noise_grey = 3;
   const ColourImage noisy = picture_of(*make_survey(o), ImageId{1});
   double sum = 0, squares = 0, n = 0;
   for (std::size_t i = 0; i < clean.data.size(); i += 3) {
@@ -89,7 +89,7 @@ TEST(Render, NoiseHasItsStandardDeviation) {
 // projected: within a step of the search and the ground's own asymmetry outside the board.
 TEST(Render, MarksAppearWhereTheyAreProjected) {
   SurveyOptions o = tiny_survey();
-  o.noise_grey = 0;
+  o.light.noise_grey = 0;
   const Truth truth = *make_survey(o);
   int looked_at = 0;
   for (const auto& [id, mark] : truth.marks_in_world) {

@@ -40,12 +40,12 @@ void choose_strips(Plan& plan, int images) {
 
 Result<Plan> plan_of(const SurveyOptions& o) {
   Plan plan;
-  COLLINEA_TRY(plan.camera, true_camera(o, 0.67));
+  COLLINEA_TRY(plan.camera, true_camera(o.camera, 0.67));
   const double focal = plan.camera.focal_px();
   plan.height_m = o.height_m.value_or(o.gsd_m * focal);
   plan.gsd_m = plan.height_m / focal;
-  plan.across_m = o.width_px * plan.gsd_m;
-  plan.along_m = o.height_px * plan.gsd_m;
+  plan.across_m = o.camera.width_px * plan.gsd_m;
+  plan.along_m = o.camera.height_px * plan.gsd_m;
   plan.base_m = (1 - o.forward_overlap) * plan.along_m;
   plan.spacing_m = (1 - o.side_overlap) * plan.across_m;
   plan.strips = o.strips;
@@ -172,7 +172,8 @@ Result<> mark_control(Truth& truth, const SurveyOptions& o, const Area& mapped, 
 
 Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
   COLLINEA_TRY(validate(o));
-  COLLINEA_TRY(LocalFrame frame, LocalFrame::create(o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m));
+  COLLINEA_TRY(LocalFrame frame,
+               LocalFrame::create(o.site.crs, o.site.latitude_deg, o.site.longitude_deg, o.site.ground_height_m));
   COLLINEA_TRY(const Plan plan, plan_of(o));
   const auto seed = std::uint64_t(o.seed);
   const std::vector<Station> stations = stations_of(plan);
@@ -190,15 +191,16 @@ Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
               .block = {},
               .marks_in_world = {},
               .exposure = {},
-              .optics = optics_of(o),
+              .optics = optics_of(o.light),
               .mapped = std::pair(mapped.low, mapped.high)};
-  truth.block.georeference = Georeference{o.crs, o.latitude_deg, o.longitude_deg, o.ground_height_m};
+  truth.block.georeference =
+      Georeference{o.site.crs, o.site.latitude_deg, o.site.longitude_deg, o.site.ground_height_m};
   truth.gsd_m = plan.gsd_m;
   truth.nominal_focal_px = plan.camera.focal_px() / kFocalError;
   truth.seed = seed;
-  add_images(truth, plan.camera, poses, o.exposure_sigma, o.white_balance_sigma);
-  if (o.gps) {
-    add_positions(truth, o.gps_sigma_plan_m, o.gps_sigma_height_m);
+  add_images(truth, plan.camera, poses, o.light.exposure_sigma, o.white_balance_sigma);
+  if (o.receiver.gps) {
+    add_positions(truth, o.receiver.gps_sigma_plan_m, o.receiver.gps_sigma_height_m);
     add_attitudes(truth, kGimbalSigma_deg);
   }
   COLLINEA_TRY(mark_control(truth, o, mapped, run));

@@ -5,9 +5,81 @@
 #include <string>
 
 #include "collinea/base/options.h"
+#include "collinea/camera/camera.h"
 #include "collinea/synthetic/truth.h"
 
 namespace collinea {
+
+/// The camera of a survey.
+struct SurveyCamera {
+  int width_px = 2048, height_px = 1536;
+  std::optional<double> focal_px = {};
+  CameraModel camera_model = Brown{};
+  double k1 = -0.055, k2 = 0.028, k3 = -0.008, k4 = 0.0012, p1 = 0.0007, p2 = -0.0004;
+  double principal_x_px = 6.5, principal_y_px = -9.2;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = SurveyCamera;
+    visit(Field{"width_px", &O::width_px, "px", "width of the images", 64, 20000});
+    visit(Field{"height_px", &O::height_px, "px", "height of the images", 64, 20000});
+    visit(Field{"focal_px", &O::focal_px, "px",
+                "focal length; nothing: of the width 0.67 from the air, 0.78 before a wall", 10, 100000});
+    visit(Field{"camera_model", &O::camera_model, "", "projection"});
+    visit(Field{"k1", &O::k1, "1", "radial distortion", -0.5, 0.5});
+    visit(Field{"k2", &O::k2, "1", "radial distortion", -0.5, 0.5});
+    visit(Field{"k3", &O::k3, "1", "radial distortion", -0.5, 0.5});
+    visit(Field{"k4", &O::k4, "1", "radial distortion, of kannala_brandt only", -0.5, 0.5});
+    visit(Field{"p1", &O::p1, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
+    visit(Field{"p2", &O::p2, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
+    visit(Field{"principal_x_px", &O::principal_x_px, "px", "principal point, right of the middle", -500, 500});
+    visit(Field{"principal_y_px", &O::principal_y_px, "px", "principal point, below the middle", -500, 500});
+  }
+};
+
+/// What becomes of the light on its way into the file.
+struct SurveyLight {
+  double exposure_sigma = 0.1, vignetting = 0.25, noise_grey = 1.5, blur_px = 0.6;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = SurveyLight;
+    visit(Field{"exposure_sigma", &O::exposure_sigma, "1", "standard deviation of the exposure, relative", 0, 0.5});
+    visit(Field{"vignetting", &O::vignetting, "1", "share of the light lost in the corners", 0, 0.9});
+    visit(Field{"noise_grey", &O::noise_grey, "grey", "standard deviation of the image noise", 0, 50});
+    visit(Field{"blur_px", &O::blur_px, "px", "standard deviation of the blur", 0, 5});
+  }
+};
+
+/// The GNSS receiver of a survey.
+struct SurveyReceiver {
+  bool gps = true;
+  double gps_sigma_plan_m = 1.5, gps_sigma_height_m = 2.5;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = SurveyReceiver;
+    visit(Field{"gps", &O::gps, "1", "write positions, of an aerial block attitudes too, into the photographs"});
+    visit(Field{"gps_sigma_plan_m", &O::gps_sigma_plan_m, "m", "error of the written east and north", 0, 100});
+    visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "error of the written height", 0, 100});
+  }
+};
+
+/// Where on Earth a made-up world lies.
+struct SurveySite {
+  std::string crs = "EPSG:32633";
+  double latitude_deg = 48.2, longitude_deg = 15.63, ground_height_m = 310;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = SurveySite;
+    visit(Field{"crs", &O::crs, "1", "coordinate reference system of the map"});
+    visit(Field{"latitude_deg", &O::latitude_deg, "deg", "origin of the world frame", -89, 89});
+    visit(Field{"longitude_deg", &O::longitude_deg, "deg", "origin of the world frame", -180, 180});
+    visit(Field{"ground_height_m", &O::ground_height_m, "m", "ellipsoidal height of the origin, on the ground", -500,
+                9000});
+  }
+};
 
 /// An aerial block over made-up country.
 struct SurveyOptions {
@@ -16,20 +88,15 @@ struct SurveyOptions {
   double forward_overlap = 0.75, side_overlap = 0.65;
   double gsd_m = 0.05;
   std::optional<double> height_m = {};
-  int width_px = 2048, height_px = 1536;
-  std::optional<double> focal_px = {};
-  std::string camera_model = "brown";
-  double k1 = -0.055, k2 = 0.028, k3 = -0.008, k4 = 0.0012, p1 = 0.0007, p2 = -0.0004;
-  double principal_x_px = 6.5, principal_y_px = -9.2;
+  SurveyCamera camera;
   double attitude_jitter_deg = 1.5, position_jitter_m = 0.8;
-  double exposure_sigma = 0.1, white_balance_sigma = 0, vignetting = 0.25, noise_grey = 1.5, blur_px = 0.6;
-  bool gps = true;
-  double gps_sigma_plan_m = 1.5, gps_sigma_height_m = 2.5;
+  SurveyLight light;
+  double white_balance_sigma = 0;
+  SurveyReceiver receiver;
   int control_points = 6, check_points = 12;
   double control_sigma_plan_m = 0.01, control_sigma_height_m = 0.015, measurement_sigma_px = 0.25;
   double relief_m = 8, building_area_m2 = 1400;
-  std::string crs = "EPSG:32633";
-  double latitude_deg = 48.2, longitude_deg = 15.63, ground_height_m = 310;
+  SurveySite site;
   int seed = 1;
 
   template <class Visit>
@@ -45,31 +112,14 @@ struct SurveyOptions {
     visit(Field{"gsd_m", &O::gsd_m, "m", "size of a pixel on the ground; not used when height_m is given", 0.001, 10});
     visit(Field{"height_m", &O::height_m, "m", "flying height above ground; nothing: from gsd_m and the focal length",
                 1, 10000});
-    visit(Field{"width_px", &O::width_px, "px", "width of the images", 64, 20000});
-    visit(Field{"height_px", &O::height_px, "px", "height of the images", 64, 20000});
-    visit(Field{"focal_px", &O::focal_px, "px", "focal length; nothing: 0.67 of the width", 10, 100000});
-    visit(Field{"camera_model", &O::camera_model, "",
-                "projection: brown, brown_of_measured, equidistant, equisolid, kannala_brandt"});
-    visit(Field{"k1", &O::k1, "1", "radial distortion", -0.5, 0.5});
-    visit(Field{"k2", &O::k2, "1", "radial distortion", -0.5, 0.5});
-    visit(Field{"k3", &O::k3, "1", "radial distortion", -0.5, 0.5});
-    visit(Field{"k4", &O::k4, "1", "radial distortion, of kannala_brandt only", -0.5, 0.5});
-    visit(Field{"p1", &O::p1, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
-    visit(Field{"p2", &O::p2, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
-    visit(Field{"principal_x_px", &O::principal_x_px, "px", "principal point, right of the middle", -500, 500});
-    visit(Field{"principal_y_px", &O::principal_y_px, "px", "principal point, below the middle", -500, 500});
+    visit(Part{&O::camera});
     visit(Field{"attitude_jitter_deg", &O::attitude_jitter_deg, "deg", "standard deviation of the camera's tilts", 0,
                 10});
     visit(Field{"position_jitter_m", &O::position_jitter_m, "m", "standard deviation from the planned station", 0, 50});
-    visit(Field{"exposure_sigma", &O::exposure_sigma, "1", "standard deviation of the exposure, relative", 0, 0.5});
+    visit(Part{&O::light});
     visit(Field{"white_balance_sigma", &O::white_balance_sigma, "1",
                 "standard deviation of the exposure of red and of blue by itself, relative", 0, 0.5});
-    visit(Field{"vignetting", &O::vignetting, "1", "share of the light lost in the corners", 0, 0.9});
-    visit(Field{"noise_grey", &O::noise_grey, "grey", "standard deviation of the image noise", 0, 50});
-    visit(Field{"blur_px", &O::blur_px, "px", "standard deviation of the blur", 0, 5});
-    visit(Field{"gps", &O::gps, "1", "write positions and attitudes into the photographs"});
-    visit(Field{"gps_sigma_plan_m", &O::gps_sigma_plan_m, "m", "error of the written east and north", 0, 100});
-    visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "error of the written height", 0, 100});
+    visit(Part{&O::receiver});
     visit(Field{"control_points", &O::control_points, "1", "survey marks used as control", 0, 10000});
     visit(Field{"check_points", &O::check_points, "1", "survey marks kept for checking", 0, 10000});
     visit(Field{"control_sigma_plan_m", &O::control_sigma_plan_m, "m", "error of surveyed east and north", 0, 10});
@@ -78,11 +128,7 @@ struct SurveyOptions {
                 0, 10});
     visit(Field{"relief_m", &O::relief_m, "m", "range of terrain heights", 0, 500});
     visit(Field{"building_area_m2", &O::building_area_m2, "m2", "land for one building; 0: no buildings", 0, 1e9});
-    visit(Field{"crs", &O::crs, "1", "coordinate reference system of the map"});
-    visit(Field{"latitude_deg", &O::latitude_deg, "deg", "origin of the world frame", -89, 89});
-    visit(Field{"longitude_deg", &O::longitude_deg, "deg", "origin of the world frame", -180, 180});
-    visit(Field{"ground_height_m", &O::ground_height_m, "m", "ellipsoidal height of the origin, on the ground", -500,
-                9000});
+    visit(Part{&O::site});
     visit(Field{"seed", &O::seed, "1", "all that is random follows from it", 0});
   }
 };
@@ -95,19 +141,13 @@ struct FacadeOptions {
   int stations = 12;
   double distance_m = 13, arc_deg = 76;
   double low_m = 1.7, high_m = 5.0;
-  int width_px = 2048, height_px = 1536;
-  std::optional<double> focal_px = {};
-  std::string camera_model = "brown";
-  double k1 = -0.055, k2 = 0.028, k3 = -0.008, k4 = 0.0012, p1 = 0.0007, p2 = -0.0004;
-  double principal_x_px = 6.5, principal_y_px = -9.2;
+  SurveyCamera camera;
   double attitude_jitter_deg = 2, position_jitter_m = 0.15;
-  double exposure_sigma = 0.1, vignetting = 0.25, noise_grey = 1.5, blur_px = 0.6;
-  bool gps = false;
-  double gps_sigma_plan_m = 3, gps_sigma_height_m = 5;
+  SurveyLight light;
+  SurveyReceiver receiver{.gps = false, .gps_sigma_plan_m = 3, .gps_sigma_height_m = 5};
   int control_points = 5, check_points = 7;
   double control_sigma_m = 0.003, measurement_sigma_px = 0.25;
-  std::string crs = "EPSG:32633";
-  double latitude_deg = 48.2, longitude_deg = 15.63, ground_height_m = 310;
+  SurveySite site;
   int seed = 1;
 
   template <class Visit>
@@ -118,39 +158,18 @@ struct FacadeOptions {
     visit(Field{"arc_deg", &O::arc_deg, "deg", "opening of the arc", 1, 140});
     visit(Field{"low_m", &O::low_m, "m", "camera height in hand", 0.3, 10});
     visit(Field{"high_m", &O::high_m, "m", "camera height on the pole", 0.3, 20});
-    visit(Field{"width_px", &O::width_px, "px", "width of the images", 64, 20000});
-    visit(Field{"height_px", &O::height_px, "px", "height of the images", 64, 20000});
-    visit(Field{"focal_px", &O::focal_px, "px", "focal length; nothing: 0.78 of the width", 10, 100000});
-    visit(Field{"camera_model", &O::camera_model, "",
-                "projection: brown, brown_of_measured, equidistant, equisolid, kannala_brandt"});
-    visit(Field{"k1", &O::k1, "1", "radial distortion", -0.5, 0.5});
-    visit(Field{"k2", &O::k2, "1", "radial distortion", -0.5, 0.5});
-    visit(Field{"k3", &O::k3, "1", "radial distortion", -0.5, 0.5});
-    visit(Field{"k4", &O::k4, "1", "radial distortion, of kannala_brandt only", -0.5, 0.5});
-    visit(Field{"p1", &O::p1, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
-    visit(Field{"p2", &O::p2, "1", "decentring distortion, not of kannala_brandt", -0.05, 0.05});
-    visit(Field{"principal_x_px", &O::principal_x_px, "px", "principal point, right of the middle", -500, 500});
-    visit(Field{"principal_y_px", &O::principal_y_px, "px", "principal point, below the middle", -500, 500});
+    visit(Part{&O::camera});
     visit(
         Field{"attitude_jitter_deg", &O::attitude_jitter_deg, "deg", "standard deviation of the hand's tilts", 0, 10});
     visit(Field{"position_jitter_m", &O::position_jitter_m, "m", "standard deviation from the planned station", 0, 2});
-    visit(Field{"exposure_sigma", &O::exposure_sigma, "1", "standard deviation of the exposure, relative", 0, 0.5});
-    visit(Field{"vignetting", &O::vignetting, "1", "share of the light lost in the corners", 0, 0.9});
-    visit(Field{"noise_grey", &O::noise_grey, "grey", "standard deviation of the image noise", 0, 50});
-    visit(Field{"blur_px", &O::blur_px, "px", "standard deviation of the blur", 0, 5});
-    visit(Field{"gps", &O::gps, "1", "write positions into the photographs"});
-    visit(Field{"gps_sigma_plan_m", &O::gps_sigma_plan_m, "m", "error of the written east and north", 0, 100});
-    visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "error of the written height", 0, 100});
+    visit(Part{&O::light});
+    visit(Part{&O::receiver});
     visit(Field{"control_points", &O::control_points, "1", "survey marks used as control", 0, 1000});
     visit(Field{"check_points", &O::check_points, "1", "survey marks kept for checking", 0, 1000});
     visit(Field{"control_sigma_m", &O::control_sigma_m, "m", "error of surveyed coordinates", 0, 1});
     visit(Field{"measurement_sigma_px", &O::measurement_sigma_px, "px", "error of measured image coordinates of marks",
                 0, 10});
-    visit(Field{"crs", &O::crs, "1", "coordinate reference system of the map"});
-    visit(Field{"latitude_deg", &O::latitude_deg, "deg", "origin of the world frame", -89, 89});
-    visit(Field{"longitude_deg", &O::longitude_deg, "deg", "origin of the world frame", -180, 180});
-    visit(Field{"ground_height_m", &O::ground_height_m, "m", "ellipsoidal height of the origin, on the ground", -500,
-                9000});
+    visit(Part{&O::site});
     visit(Field{"seed", &O::seed, "1", "all that is random follows from it", 0});
   }
 };

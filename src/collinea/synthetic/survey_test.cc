@@ -15,8 +15,8 @@ namespace {
 SurveyOptions small_survey() {
   SurveyOptions o;
   o.gsd_m = 0.2;
-  o.width_px = 512;
-  o.height_px = 384;
+  o.camera.width_px = 512;
+  o.camera.height_px = 384;
   return o;
 }
 
@@ -25,7 +25,7 @@ const Truth& survey() {
   return truth;
 }
 const Truth& facade() {
-  static const Truth truth = *make_facade({.stations = 5, .width_px = 512, .height_px = 384});
+  static const Truth truth = *make_facade({.stations = 5, .camera = {.width_px = 512, .height_px = 384}});
   return truth;
 }
 
@@ -54,7 +54,7 @@ TEST(Survey, TheSameOptionsGiveTheSameTruth) {
 TEST(Survey, NeighboursOverlapAsPlanned) {
   SurveyOptions o = small_survey();
   o.attitude_jitter_deg = o.position_jitter_m = 0;
-  o.k1 = o.k2 = o.k3 = o.p1 = o.p2 = o.relief_m = 0;
+  o.camera.k1 = o.camera.k2 = o.camera.k3 = o.camera.p1 = o.camera.p2 = o.relief_m = 0;
   o.building_area_m2 = 0;
   const Truth truth = *make_survey(o);
   const auto place = [&](std::uint32_t i) { return centre_of(pose_of(truth.block, ImageId{i})); };
@@ -147,7 +147,7 @@ TEST(Survey, SurveyedCoordinatesHaveTheirSigma) {
 TEST(Survey, ExactMeasurementsAreStatedWithASigmaThatCanBeUsed) {
   SurveyOptions o = small_survey();
   o.control_sigma_plan_m = o.control_sigma_height_m = o.measurement_sigma_px = 0;
-  o.gps_sigma_plan_m = o.gps_sigma_height_m = 0;
+  o.receiver.gps_sigma_plan_m = o.receiver.gps_sigma_height_m = 0;
   const Truth truth = *make_survey(o);
   ASSERT_FALSE(truth.block.control_observations.empty());
   for (const auto& [id, point] : truth.block.control) {
@@ -229,16 +229,14 @@ TEST(Survey, NonsenseIsRefusedInWords) {
   o.forward_overlap = 2;
   EXPECT_FALSE(make_survey(o));
   o = small_survey();
-  o.crs = "EPSG:4326";
+  o.site.crs = "EPSG:4326";
   EXPECT_FALSE(make_survey(o));
   o = small_survey();
-  o.focal_px = 60;  // sees beyond the horizon
+  o.camera.focal_px = 60;  // sees beyond the horizon
   EXPECT_FALSE(make_survey(o));
   o = small_survey();
-  o.camera_model = "fisheye";
-  EXPECT_NE(make_survey(o).error().message.find("no such model"), std::string::npos);
-  o.camera_model = "equidistant";
-  o.focal_px = 0.3 * o.width_px;
+  o.camera.camera_model = Equidistant{};
+  o.camera.focal_px = 0.3 * o.camera.width_px;
   EXPECT_NE(make_survey(o).error().message.find("80 degrees"), std::string::npos);
 }
 

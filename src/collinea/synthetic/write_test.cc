@@ -18,8 +18,8 @@ SurveyOptions tiny_survey() {
   SurveyOptions o;
   o.images = 12;
   o.gsd_m = 0.3;
-  o.width_px = 160;
-  o.height_px = 120;
+  o.camera.width_px = 160;
+  o.camera.height_px = 120;
   o.control_points = 3;
   o.check_points = 2;
   return o;
@@ -36,7 +36,7 @@ TEST(Write, WhatWasWrittenIsReadBack) {
 
   EXPECT_EQ(read->camera.params, truth.block.cameras.begin()->second.params);
   EXPECT_EQ(read->camera.width_px, 160);
-  EXPECT_EQ(read->georeference.crs, options.crs);
+  EXPECT_EQ(read->georeference.crs, options.site.crs);
   ASSERT_EQ(read->cam_from_world.size(), 12u);
   for (const auto& [id, image] : truth.block.images) {
     const Eigen::Vector3d centre = centre_of(pose_of(truth.block, id));
@@ -87,7 +87,8 @@ TEST(Write, WhatAnEarlierSimulationLeftGoes) {
   SurveyOptions options = tiny_survey();
   ASSERT_TRUE(simulate(options, folder / "survey", {}));
   ASSERT_TRUE(write_file(folder / "survey/images/IMG_0999.jpg", "the user's own"));
-  const FacadeOptions facade{.stations = 4, .width_px = 160, .height_px = 120, .control_points = 0, .check_points = 0};
+  const FacadeOptions facade{
+      .stations = 4, .camera = {.width_px = 160, .height_px = 120}, .control_points = 0, .check_points = 0};
   const auto done = simulate(facade, folder / "survey", {});
   ASSERT_TRUE(done) << done.error().message;
   const auto read = read_truth(folder / "survey");
