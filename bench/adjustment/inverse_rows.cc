@@ -32,7 +32,7 @@ Rows dense_inverse(const Run& run) {
     ExamineOptions options = exact_options(Calibration::kBrown);
     options.point_covariances = true;
     const auto adjusted = examine(made.block, made.scope, options, run);
-    if (!adjusted || !adjusted->undetermined.empty()) return {{"covariances", "", "not adjusted", false}};
+    if (!adjusted || adjusted->undetermined) return {{"covariances", "", "not adjusted", false}};
     const DenseNormals normals = dense_normals(made.block, *adjusted, made.scope, kBrown);
     const DenseMatrix inverse = inverse_of(normals.matrix);
     const auto compare = [&](int kind, const Eigen::MatrixXd& is, int row) {

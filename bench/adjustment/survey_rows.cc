@@ -12,6 +12,7 @@
 #include "collinea/adjust/survey_block.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/quality/snooping.h"
+#include "collinea/report/finding_words.h"
 #include "rows.h"
 
 namespace collinea::bench {
@@ -127,7 +128,7 @@ Row without_cross_flight(const Run& run) {
   Row row{"strips without cross flight, each with a shift", "the correlation is named, with its cure",
           adjusted ? "not named" : adjusted.error().message};
   if (adjusted && !adjusted->inseparable.empty()) {
-    row.measured = adjusted->inseparable.front();
+    row.measured = sentence_of(adjusted->inseparable.front(), made.block);
     row.ok = row.measured.find("shift") != std::string::npos && row.measured.find("cross") != std::string::npos;
   }
   return row;
@@ -163,7 +164,7 @@ Rows instruments(const Effort& effort, const Run& run) {
     add_attitudes(exact, kTurn, made.scope, random);
     ExamineOptions options = exact_options(Calibration::kFocalRadial);
     const auto adjusted = examine(made.block, made.scope, options, run);
-    if (!adjusted || !adjusted->undetermined.empty()) {
+    if (!adjusted || adjusted->undetermined) {
       ++failed;
       continue;
     }

@@ -7,6 +7,7 @@
 
 #include "blocks.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/report/finding_words.h"
 #include "rows.h"
 
 namespace collinea::bench {
@@ -59,7 +60,7 @@ struct Errors {
   void take(const Examined& adjusted, const Block& exact) {
     const double variance = std::pow(sigma_scale(adjusted), 2);
     for (const auto& [id, pose] : adjusted.cam_from_world) {
-      const Rigid3 its = pose_of(exact, id);
+      const Rigid3& its = pose_of(exact, id);
       Eigen::Matrix<double, 6, 1> error;
       error << rotation_vector(pose.rotation.conjugate() * its.rotation), centre_of(its) - centre_of(pose);
       poses.add(error.dot(adjusted.pose_covariance.at(id).llt().solve(error)) / variance);
@@ -115,7 +116,7 @@ Rows true_errors(const Effort& effort, const Run& run) {
       continue;
     }
     alarms += !adjusted->weaknesses.empty();
-    if (!adjusted->weaknesses.empty()) named = adjusted->weaknesses.front().what;
+    if (!adjusted->weaknesses.empty()) named = what_of(adjusted->weaknesses.front(), made.block);
     of_layout[static_cast<std::size_t>(i % 3)].take(*adjusted, exact);
     all.take(*adjusted, exact);
   }

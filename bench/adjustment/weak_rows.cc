@@ -7,6 +7,7 @@
 #include <map>
 
 #include "blocks.h"
+#include "collinea/report/finding_words.h"
 #include "rows.h"
 
 namespace collinea::bench {
@@ -136,9 +137,9 @@ Rows weak_blocks(const Run& run) {
     const auto adjusted = examine(made.block, made.scope, options, run);
     Row row{std::string("weak: ") + one.what, "named, with a cure", adjusted ? "not named" : adjusted.error().message};
     if (adjusted)
-      for (const Weakness& weak : adjusted->weaknesses)
-        if (weak.code == one.code && !weak.cure.empty()) {
-          row.measured = weak.what;
+      for (const Finding& weak : adjusted->weaknesses)
+        if (word_of(weak.code) == one.code && !weak.remedies.empty()) {
+          row.measured = what_of(weak, made.block);
           row.ok = true;
           break;
         }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "collinea/adjust/datum_sources.h"
 #include "collinea/adjust/unknowns.h"
 #include "collinea/block/block.h"
 #include "collinea/block/differences.h"
@@ -45,7 +46,7 @@ struct Adjusted {
   long redundancy = 0;                            ///< observations (priors too) minus unknowns plus rank defect
   long observation_count = 0, unknown_count = 0;  ///< coordinates (of rays that see their point); single unknowns
   int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or held images fix it
-  std::string datum;    ///< what fixes place, attitude and scale, in words
+  DatumSources datum;   ///< what fixes position, attitude and scale
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;  ///< sum of squared whitened residuals after the loss
   bool converged = false;

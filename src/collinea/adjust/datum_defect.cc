@@ -274,27 +274,17 @@ DatumConstraint constraint(const Part& part, const State& state, const std::vect
   return result;
 }
 
-std::string describe_datum(const std::vector<Part>& parts, int defect) {
-  bool held = false, positions = false, control = false, verticals = false, ground = false;
+DatumSources sources_of(const std::vector<Part>& parts) {
+  DatumSources sources;
   for (const Part& part : parts) {
-    ground |= part.ground;
-    held |= part.held, positions |= part.positions;
-    control |= part.control, verticals |= part.verticals;
+    sources.ground |= part.ground;
+    sources.fixed |= part.held;
+    sources.positions |= part.positions;
+    sources.control |= part.control;
+    sources.attitudes |= part.verticals;
   }
-  std::string text;
-  const auto name = [&](bool there, const char* what) {
-    if (there) text += (text.empty() ? "" : ", ") + std::string(what);
-  };
-  name(control, "control points");
-  name(positions, "camera positions");
-  name(verticals, "attitudes");
-  name(ground, "measurements on the ground");
-  name(held, "held images or points");
-  if (defect == 0) return text.empty() ? "nothing to be fixed" : text;
-  text = text.empty() ? "free network" : "partly " + text;
-  text += " (" + std::to_string(defect) + " degrees of freedom kept by inner constraints";
-  if (parts.size() > 1) text += ", " + std::to_string(parts.size()) + " unconnected parts";
-  return text + ")";
+  sources.parts = static_cast<int>(parts.size());
+  return sources;
 }
 
 }  // namespace
@@ -328,7 +318,7 @@ void find_datum(Problem& problem, const State& start) {
   bool held = false;
   for (std::size_t p = 0; p < problem.point_count(); ++p) held = held || problem.point(p).held;
   problem.moves_as_one = parts.size() == 1 && !held && problem.images.size() == parts.front().poses.size();
-  problem.datum_text = describe_datum(parts, problem.rank_defect);
+  problem.datum_sources = sources_of(parts);
 }
 
 }  // namespace collinea::bundle

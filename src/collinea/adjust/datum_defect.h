@@ -5,7 +5,7 @@
 
 namespace collinea::bundle {
 
-/// Fills datum, rank_defect and datum_text.
+/// Fills datum, rank_defect and datum_sources.
 void find_datum(Problem& problem, const State& start);
 
 }  // namespace collinea::bundle

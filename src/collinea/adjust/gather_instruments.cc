@@ -3,6 +3,7 @@
 #include <map>
 
 #include "collinea/adjust/gather_parts.h"
+#include "collinea/block/subject_label.h"
 
 namespace collinea::bundle {
 namespace {
@@ -45,8 +46,8 @@ class InstrumentLayout {
                            const Eigen::Vector3d& sigma) {
     if ((sigma.array() == 0).all()) return -1;
     if (!(sigma.minCoeff() > 0) || !given.allFinite())
-      return fail(Errc::kBadInput, name_of_extra(block_, kind, owner, 0) +
-                                       ": needs finite values with standard deviations that are all zero or all "
+      return fail(Errc::kBadInput, label_of(subject_of(kind, owner, 0), block_) +
+                                       " needs finite values with standard deviations that are all zero or all "
                                        "positive (infinite: not known)");
     auto& extras = problem_.extras;
     for (std::size_t i = 0; i < extras.size(); ++i)
@@ -93,7 +94,7 @@ class InstrumentLayout {
       if (sigma == scope_.time_offset_sigma_s.end() || sigma->second == 0 || velocity == scope_.velocity_m_s.end())
         continue;
       if (!(sigma->second > 0) || !velocity->second.allFinite())
-        return fail(Errc::kBadInput, name_of_extra(block_, UnknownKind::kTimeOffset, camera.value, 0) +
+        return fail(Errc::kBadInput, label_of(subject_of(UnknownKind::kTimeOffset, camera.value, 0), block_) +
                                          " needs a standard deviation from 0 (infinite: not known) and finite "
                                          "velocities");
       const auto [its, is_new] = number.emplace(camera, static_cast<int>(problem_.extras.size()));

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/camera/core.h"
-
 namespace collinea::bundle {
 namespace {
 

@@ -183,7 +183,7 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
   adjusted.observation_count = problem.observation_count;
   adjusted.unknown_count = problem.unknown_count;
   adjusted.rank_defect = problem.rank_defect;
-  adjusted.datum = problem.datum_text;
+  adjusted.datum = problem.datum_sources;
   const double left = static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count);
   problem.tie_loss.information = tie.information(1 - left);
   problem.position_loss.information = positions.information(1 - left);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/adjust/datum_sources.h"
 #include "collinea/adjust/ground_model.h"
 #include "collinea/adjust/lens.h"
 #include "collinea/adjust/unknowns.h"
@@ -171,7 +172,7 @@ struct Problem {
   std::vector<int> part_of_pose;   ///< images connected by points, as numbers of parts
   std::vector<int> part_of_point;  ///< those that no image shows are of the part they are measured from; -1: of none
   int rank_defect = 0;
-  std::string datum_text;
+  DatumSources datum_sources;
   std::vector<ImageId> images_left_out;
   bool moves_as_one = false;      ///< one connected part, nothing held: the block can be moved as a whole
   std::size_t first_control = 0;  ///< no point before this one is a control point

@@ -3,9 +3,8 @@
 
 #include <cstdint>
 #include <limits>
-#include <string>
 
-#include "collinea/block/block.h"
+#include "collinea/base/finding.h"
 
 namespace collinea {
 
@@ -34,7 +33,7 @@ struct EstimatedUnknown {
   double sigma = std::numeric_limits<double>::quiet_NaN();  ///< by the given sigmas; with covariances
 };
 
-/// "the orientation of set-up 3", "the height of the antenna".
-[[nodiscard]] std::string name_of_extra(const Block& block, UnknownKind kind, std::uint32_t owner, int axis);
+/// What that unknown is of; `report` names it: "the orientation of set-up 3".
+[[nodiscard]] Subject subject_of(UnknownKind kind, std::uint32_t owner, int axis);
 
 }  // namespace collinea

@@ -4,6 +4,7 @@
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/jobs/adjust_project.h"
+#include "collinea/report/finding_words.h"
 
 namespace collinea {
 namespace {
@@ -20,10 +21,11 @@ struct Asked {
 // One line for the user.
 std::string outcome_text(const AdjustmentReport& report, const std::filesystem::path& folder) {
   const Examined& adjusted = report.adjusted;
-  std::string text =
-      fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy, adjusted.datum);
+  std::string text = fmt::format("sigma0 {:.3f}, redundancy {}, datum: {}", adjusted.sigma0, adjusted.redundancy,
+                                 words_of(adjusted.datum, adjusted.rank_defect));
   if (const auto& tests = adjusted.reliability; !tests) {
-    text += "; no standard deviations: " + adjusted.undetermined;
+    text += "; no standard deviations" +
+            (adjusted.undetermined ? ": " + sentence_of(*adjusted.undetermined, report.block) : "");
   } else {
     text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
     if (tests->unseen > 0)
@@ -34,7 +36,7 @@ std::string outcome_text(const AdjustmentReport& report, const std::filesystem::
     text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
     if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
   }
-  for (const std::string& pair : adjusted.inseparable) text += "; " + pair;
+  for (const Finding& pair : adjusted.inseparable) text += "; " + sentence_of(pair, report.block);
   return text + "; " + (folder / "adjustment.html").string();
 }
 

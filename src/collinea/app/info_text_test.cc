@@ -31,8 +31,8 @@ ProjectInfo oriented() {
                            .mean_reprojection_px = 0.45678,
                            .pixel_size = 0.0204,
                            .metric = true,
-                           .gauge = "map",
-                           .findings = {"look at P3"}};
+                           .gauge = {.map = "EPSG:32633", .by_control = true},
+                           .findings = {finding_of(FindingCode::kLocalGauge)}};
   record.control_rmse_m = {0.01, 0.0204, std::nullopt};
   record.not_oriented = {{1}};
   ControlDifference& used = record.control.emplace_back();
@@ -74,9 +74,11 @@ TEST(InfoText, TheOrientationIsToldUnderItsKeys) {
   EXPECT_EQ(info.at("gsd_m"), 0.0204);
   EXPECT_EQ(info.at("control_rmse_m").dump(), "[0.01,0.0204,null]");
   EXPECT_TRUE(info.at("check_rmse_m").is_null());
-  EXPECT_EQ(info.at("gauge"), "map");
+  EXPECT_EQ(info.at("gauge"), "map EPSG:32633, fixed by control points");
   EXPECT_EQ(info.at("not_oriented").dump(), R"(["b.jpg"])");
-  EXPECT_EQ(info.at("findings").dump(), R"(["look at P3"])");
+  ASSERT_EQ(info.at("findings").size(), 1u);
+  EXPECT_EQ(info.at("findings").at(0).at("code"), "local_gauge");
+  EXPECT_EQ(info.at("findings").at(0).at("severity"), "note");
   EXPECT_EQ(info.at("calibration"), "none");
   ASSERT_EQ(info.at("steps").size(), 2u);
   EXPECT_EQ(info.at("steps").at(0).at("name"), "detect");
@@ -104,7 +106,7 @@ TEST(InfoText, PeopleReadTheSameFigures) {
         "tie points             30 with 75 observations", "mean reprojection      0.4568 px",
         "ground sample          0.0204 m", "control RMSE           0.010 / 0.020 / - m (east / north / height)",
         "check RMSE             none", "step detect                 1.5 s      2.5 CPU-s      3 MB",
-        "note                   look at P3"})
+        "note                   Positions and control do not fix"})
     EXPECT_NE(text.find(std::string(line) + "\n"), std::string::npos) << line << "\n" << text;
 }
 

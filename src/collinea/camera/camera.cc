@@ -7,11 +7,17 @@
 #include <variant>
 
 #include "collinea/base/result.h"
-#include "collinea/camera/core.h"
 #include "collinea/camera/internal/fisheye_projection.h"
 
 namespace collinea {
 namespace {
+
+CameraCore core_of(const Camera& camera) {
+  return {camera.params.data(),
+          camera.model,
+          camera.additional,
+          {static_cast<double>(camera.width_px), static_cast<double>(camera.height_px)}};
+}
 
 std::optional<Eigen::Vector2d> project_without_additional(const CameraCore& camera, const Eigen::Vector3d& point_in_cam,
                                                           Matrix23* by_point, Matrix2P* by_params) {
@@ -97,9 +103,10 @@ std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector
 
 std::optional<Eigen::Vector2d> project(const CameraCore& camera, const Eigen::Vector3d& point_in_cam,
                                        Matrix23* by_point, Matrix2P* by_params) {
+  if (camera.additional == AdditionalSet::kNone) [[likely]]
+    return project_without_additional(camera, point_in_cam, by_point, by_params);
   const auto pixel = project_without_additional(camera, point_in_cam, by_point, by_params);
-  if (camera.additional == AdditionalSet::kNone || !pixel) [[likely]]
-    return pixel;
+  if (!pixel) return pixel;
   const AdditionalShift shift = additional_shift(camera.additional, additional_of(camera), camera.size, *pixel);
   const Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Identity() + shift.by_pixel;
   if (by_point) *by_point = by_pixel * *by_point;

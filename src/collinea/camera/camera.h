@@ -66,6 +66,18 @@ void scale_params(Camera& camera, double times);
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam,
                                                      Matrix23* by_point, Matrix2P* by_params);
 
+/// What the mathematics needs of a camera, without its words: others may keep the numbers.
+struct CameraCore {
+  const double* params;  ///< Camera::params
+  CameraModel model;
+  AdditionalSet additional;
+  PictureExtent size;
+};
+
+/// project() of the camera with that core.
+[[nodiscard]] std::optional<Eigen::Vector2d> project(const CameraCore& camera, const Eigen::Vector3d& point_in_cam,
+                                                     Matrix23* by_point, Matrix2P* by_params);
+
 /// The undistorted image coordinates (X/Z, Y/Z) of a pixel: the inverse of project. As exact as its model says.
 /// Of a fisheye the rays beyond kWidestPlane_rad have no such coordinates that are of use: they get those of that
 /// angle, in their direction; see in_plane().
@@ -73,9 +85,6 @@ void scale_params(Camera& camera, double times);
 
 /// The pixel freed from the shift of the additional parameters.
 [[nodiscard]] Eigen::Vector2d without_additional(const Camera& camera, const Eigen::Vector2d& pixel);
-
-/// 80 degrees from the axis: X/Z is 5.7 there and grows 33 times as fast as the angle.
-inline constexpr double kWidestPlane_rad = 1.3962634015954636;
 
 /// Whether normalized() is that of the pixel's ray.
 [[nodiscard]] bool in_plane(const Camera& camera, const Eigen::Vector2d& pixel);

@@ -297,10 +297,10 @@ class Importer {
     camera.name = camera_name(header);
     if (camera.prior.source == Provenance::kAssumed)
       result.findings.push_back(
-          fmt::format("{} ({} x {} px): {} focal length in the files; {:.0f} px assumed, to be found by "
-                      "self-calibration",
-                      camera.name, header.width_px, header.height_px, states_focal(header) ? "an impossible" : "no",
-                      camera.focal_px()));
+          finding_of(states_focal(header) ? FindingCode::kFocalImpossible : FindingCode::kFocalAssumed, {id},
+                     {{FigureName::kWidth, double(header.width_px)},
+                      {FigureName::kHeight, double(header.height_px)},
+                      {FigureName::kFocal, camera.focal_px()}}));
     result.block.cameras[id] = camera;
     return id;
   }
@@ -404,9 +404,9 @@ Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, c
     most = std::max(most, raised_m);
   }
   if (least > most) return {};
-  imported.findings.push_back(
-      fmt::format("heights of the photographs count from {}: {:.2f} to {:.2f} m over the ellipsoid here",
-                  frame.crs_name().substr(frame.crs_name().find(" + ") + 3), least, most));
+  const std::string heights = frame.crs_name().substr(frame.crs_name().find(" + ") + 3);
+  imported.findings.push_back(finding_of(FindingCode::kHeightsCountFrom, {Subject::crs(heights)},
+                                         {{FigureName::kLowest, least}, {FigureName::kHighest, most}}));
   return {};
 }
 

@@ -75,9 +75,10 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
       continue;
     }
     if (!inside(block.camera_of(*image), row.pixel)) {
-      imported.findings.push_back(
-          fmt::format("control {} in {} (line {}): pixel {:.1f}, {:.1f} lies outside the picture; left out", row.point,
-                      row.file, row.line, row.pixel.x(), row.pixel.y()));
+      imported.findings.push_back(finding_of(FindingCode::kControlOutsideImage, {by_name.at(row.point), *image},
+                                             {{FigureName::kPixelX, row.pixel.x()},
+                                              {FigureName::kPixelY, row.pixel.y()},
+                                              {FigureName::kLine, double(row.line)}}));
       continue;
     }
     const ControlId point = by_name.at(row.point);
@@ -85,17 +86,15 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
   }
   for (const auto& [file, rows] : missing)
     imported.findings.push_back(
-        fmt::format("control file: no photograph is called {} ({} measurements left out)", file, rows));
+        finding_of(FindingCode::kControlImageMissing, {Subject::file(file)}, {{FigureName::kCount, double(rows)}}));
   return {};
 }
 
 // With one ray a control point still holds its image, but nobody would notice a mistake in it.
-std::string hardly_seen(const ControlPoint& point, int images) {
-  if (images == 0) return fmt::format("control {} is seen in no image: it cannot be used", point.name);
-  if (point.role == ControlRole::kCheck)
-    return fmt::format("check point {} is seen in 1 image: it cannot be compared", point.name);
-  return fmt::format("control {} is seen in 1 image: a mistake in it would not show, measure it in another",
-                     point.name);
+Finding hardly_seen(ControlId id, const ControlPoint& point, int images) {
+  if (images == 0) return finding_of(FindingCode::kControlUnseen, {id});
+  if (point.role == ControlRole::kCheck) return finding_of(FindingCode::kCheckSeenOnce, {id});
+  return finding_of(FindingCode::kControlSeenOnce, {id}, {}, {RemedyCode::kMeasureInAnother});
 }
 
 void name_unseen_control(Imported& imported) {
@@ -105,7 +104,7 @@ void name_unseen_control(Imported& imported) {
   std::set<ControlId> on_ground;  // there it may be placed without any image
   for (const GroundObservation& one : block.ground) on_ground.insert({one.from, one.to});
   for (const auto& [id, point] : block.control)
-    if (seen[id] < 2 && !on_ground.contains(id)) imported.findings.push_back(hardly_seen(point, seen[id]));
+    if (seen[id] < 2 && !on_ground.contains(id)) imported.findings.push_back(hardly_seen(id, point, seen[id]));
 }
 
 namespace {

@@ -84,24 +84,26 @@ class PositionImporter {
       return fail(Errc::kBadInput, fmt::format("{}: none of its {} images is among the photographs; the first is {}",
                                                path.string(), file.rows.size(), first_missing));
     if (missing > 0)
-      say(fmt::format("{}: {} of {} images are not among the photographs, the first: {}{}", name, missing,
-                      file.rows.size(), first_missing,
-                      ambiguous.empty() ? ""
-                                        : "; several photographs end in one number: keep those of each flight in a "
-                                          "folder that is called like the beginning of the file's name"));
+      say(ambiguous.empty() ? FindingCode::kPositionsOfOthers : FindingCode::kPositionsAmbiguous,
+          {Subject::file(name), Subject::file(first_missing)}, missing, file.rows.size());
     if (found.size() < block_.images.size())
-      say(fmt::format("{}: {} of {} photographs are not in it and keep what their headers say", name,
-                      block_.images.size() - found.size(), block_.images.size()));
+      say(FindingCode::kPositionsNotStated, {Subject::file(name)}, block_.images.size() - found.size(),
+          block_.images.size());
     // Clocks of cameras and of GPS differ: one of them for all.
     if (timed == found.size() && found.size() == block_.images.size())
       for (const auto& [id, taken] : times_) block_.images.at(id).taken = taken;
     else if (timed > 0)
-      say(name + ": times are taken from the headers, because it does not tell those of all photographs");
+      imported_.findings.push_back(finding_of(FindingCode::kTimesOfHeaders, {Subject::file(name)}));
     return std::move(placed_);
   }
 
  private:
-  void say(std::string finding) { imported_.findings.push_back(std::move(finding)); }
+  void say(FindingCode code, std::vector<Subject> subjects, std::size_t count, std::size_t of) {
+    imported_.findings.push_back(
+        finding_of(code, std::move(subjects), {{FigureName::kCount, double(count)}, {FigureName::kOf, double(of)}}));
+    if (code == FindingCode::kPositionsAmbiguous)
+      imported_.findings.back().remedies = {RemedyCode::kFolderOfEachFlight};
+  }
 
   Result<> take(const PositionFileRow& row, const std::string& crs, ImageId id) {
     Image& image = block_.images.at(id);

@@ -33,7 +33,9 @@ TEST(ImportPositions, PlacesOfAMapBecomeGeographicWithTheSigmasOfTheFile) {
   EXPECT_EQ(imported.block.images.at({1}).position->sigma_m, Eigen::Vector3d(2, 2, 4));  // by default
   EXPECT_TRUE(imported.block.images.at({0}).taken.empty());                              // the others have no time
   ASSERT_EQ(imported.findings.size(), 3u);
-  EXPECT_EQ(imported.findings[0], "gnss.csv: 1 of 3 images are not among the photographs, the first: z.jpg");
+  EXPECT_EQ(imported.findings[0],
+            finding_of(FindingCode::kPositionsOfOthers, {Subject::file("gnss.csv"), Subject::file("z.jpg")},
+                       {{FigureName::kCount, 1}, {FigureName::kOf, 3}}));
 }
 
 // Three degrees east of the central meridian grid north is 2.2 degrees off true north.

@@ -9,6 +9,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/block/subject_label.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/geodesy/local_frame.h"
@@ -44,9 +45,12 @@ void put_photo(const std::filesystem::path& path, const PhotoHeader* header, int
   ASSERT_TRUE(write_jpeg(path, picture, 90, header));
 }
 
-bool mentions(const std::vector<std::string>& texts, const std::string& part) {
-  return std::any_of(texts.begin(), texts.end(),
-                     [&](const std::string& text) { return text.find(part) != std::string::npos; });
+// What the findings of that code say, one a line.
+std::string labels_of(const Imported& imported, FindingCode code) {
+  std::string text;
+  for (const Finding& one : imported.findings)
+    if (one.code == code) text += label_of(one, imported.block) + "\n";
+  return text;
 }
 
 std::string reason_for(const Imported& imported, const std::string& file) {
@@ -101,8 +105,10 @@ TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
     put_photo(folder / file, &header);
   const auto imported = import_photos(folder / "", {}, {});
   ASSERT_TRUE(imported) << imported.error().message;
-  EXPECT_TRUE(mentions(imported->findings, "unknown camera (120 x 90 px): no focal length in the files; 144 px"));
-  EXPECT_TRUE(mentions(imported->findings, "Maker Model (120 x 90 px): an impossible focal length in the files; 144"));
+  EXPECT_EQ(labels_of(*imported, FindingCode::kFocalAssumed),
+            "focal_assumed: camera unknown camera; width_px 120; height_px 90; focal_px 144\n");
+  EXPECT_EQ(labels_of(*imported, FindingCode::kFocalImpossible),
+            "focal_impossible: camera Maker Model; width_px 120; height_px 90; focal_px 144\n");
 }
 
 TEST(ImportFocal, AGivenCameraIsHeldFixed) {
@@ -365,14 +371,16 @@ image, B, IMG_9.jpg, 11, 20
 )");
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->block.control_observations.size(), 1u);
-  EXPECT_TRUE(
-      mentions(imported->findings, "control A in IMG_2.jpg (line 6): pixel 500.0, 20.0 lies outside the picture"));
-  EXPECT_TRUE(mentions(imported->findings, "no photograph is called IMG_9.jpg (2 measurements left out)"));
-  EXPECT_TRUE(mentions(imported->findings, "control A is seen in 1 image: a mistake in it would not show"));
-  EXPECT_TRUE(mentions(imported->findings, "control C is seen in no image: it cannot be used"));
+  EXPECT_EQ(labels_of(*imported, FindingCode::kControlOutsideImage),
+            "control_outside_image: control_point A, image IMG_2.jpg; x_px 500; y_px 20; line 6\n");
+  EXPECT_EQ(labels_of(*imported, FindingCode::kControlImageMissing),
+            "control_image_missing: file IMG_9.jpg; count 2\n");
+  EXPECT_EQ(labels_of(*imported, FindingCode::kControlSeenOnce), "control_seen_once: control_point A\n");
+  EXPECT_NE(labels_of(*imported, FindingCode::kControlUnseen).find("control_unseen: control_point C\n"),
+            std::string::npos);
   const auto check = import_with_control(kControl + "image, C, IMG_1.jpg, 10, 20\n");
   ASSERT_TRUE(check) << check.error().message;
-  EXPECT_TRUE(mentions(check->findings, "check point C is seen in 1 image: it cannot be compared"));
+  EXPECT_EQ(labels_of(*check, FindingCode::kCheckSeenOnce), "check_seen_once: control_point C\n");
 }
 
 TEST(ImportControl, PointsOfAnotherZoneComeToTheMapAskedFor) {
@@ -528,7 +536,7 @@ TEST_F(ImportHeights, HeightsOfTheMapAreThoseOfControlThatStatesNone) {
 TEST_F(ImportHeights, HeightsOfThePhotographsMayCountFromAGeoid) {
   options_.gps_heights = (folder_ / "geoid.gtx").string();
   EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -2 * geoid_m_, 1e-3);
-  EXPECT_TRUE(mentions(imported_.findings, "heights of the photographs")) << imported_.findings.size();
+  EXPECT_FALSE(labels_of(imported_, FindingCode::kHeightsCountFrom).empty());
   options_.heights = options_.gps_heights;
   EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -geoid_m_, 1e-3);
 }
@@ -547,7 +555,7 @@ TEST_F(ImportHeights, HeightsOfAPositionFileAreThoseOfItsMap) {
   EXPECT_NEAR(raised_m, 400, 1e-3);
   options_.gps_heights = *options_.heights;
   EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), 0, 1e-3);
-  EXPECT_FALSE(mentions(imported_.findings, "heights of the photographs"));
+  EXPECT_TRUE(labels_of(imported_, FindingCode::kHeightsCountFrom).empty());
 }
 
 TEST_F(ImportHeights, WhatIsWrongIsNamedByItsOption) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/base/options.h"
 #include "collinea/block/block.h"
 
@@ -80,7 +81,7 @@ struct Imported {
   Block block;
   std::vector<std::string> file_hash;  ///< of each image's bytes, in the order of Block::images
   std::vector<SkippedPhoto> skipped;
-  std::vector<std::string> findings;  ///< what the user should know: assumed focal lengths, control in no image, ...
+  std::vector<Finding> findings;  ///< assumed focal lengths, control in no image, ...
 };
 
 }  // namespace collinea

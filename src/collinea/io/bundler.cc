@@ -190,7 +190,7 @@ Result<> take_point(Numbers& numbers, PointId id, Block& block) {
 
 }  // namespace
 
-Result<std::vector<std::string>> write_bundler(const std::filesystem::path& folder, const Block& block) {
+Result<std::vector<Finding>> write_bundler(const std::filesystem::path& folder, const Block& block) {
   COLLINEA_TRY(check_image_names(block, "Bundler's list"));
   std::map<ImageId, std::size_t> row_of;
   std::string cameras, names, points;
@@ -212,13 +212,10 @@ Result<std::vector<std::string>> write_bundler(const std::filesystem::path& fold
       "# Bundle file v0.3\n" + std::to_string(row_of.size()) + " " + std::to_string(views.size()) + "\n";
   COLLINEA_TRY(write_file(folder / kListFile, names));
   COLLINEA_TRY(write_file(folder / kBundleFile, head + cameras + points));
-  std::vector<std::string> remarks;
+  std::vector<Finding> findings;
   if (largest_change_px > 1e-3)
-    remarks.push_back(
-        "Bundler's camera has its principal point in the middle and two radial terms: observations were "
-        "corrected by up to " +
-        fixed(largest_change_px, 3) + " px for what it cannot hold; the pictures were not");
-  return remarks;
+    findings.push_back(finding_of(FindingCode::kDistortionFitted, {}, {{FigureName::kOffsetPx, largest_change_px}}));
+  return findings;
 }
 
 Result<Block> read_bundler(const std::filesystem::path& folder,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
 
@@ -15,9 +16,9 @@ namespace collinea {
 /// list.txt with the file names, in the order of the ids. Bundler's camera frame is x right, y up, z backward; its
 /// image coordinates count from the middle of the picture, y up; its camera has one focal length and two radial terms
 /// about that middle. What it cannot hold is taken into the observations: they are written as such a camera would have
-/// measured them; the tie points are as they are. Returns remarks on what was changed so; none when nothing was.
+/// measured them; the tie points are as they are. Returns what was changed so; none when nothing was.
 /// Errors: a name that does not fit into a line (check_image_names), a fisheye.
-[[nodiscard]] Result<std::vector<std::string>> write_bundler(const std::filesystem::path& folder, const Block& block);
+[[nodiscard]] Result<std::vector<Finding>> write_bundler(const std::filesystem::path& folder, const Block& block);
 
 /// A picture's size in pixels: Bundler's files do not say it, but its coordinates count from the middle.
 struct PictureSize {

@@ -28,13 +28,13 @@ Result<std::map<CameraId, ExportedCamera>> exported_cameras(const Block& block) 
   return cameras;
 }
 
-std::vector<std::string> remarks_on(const Block& block, const std::map<CameraId, ExportedCamera>& used) {
-  std::vector<std::string> remarks;
-  for (const auto& [id, camera] : used) remarks.insert(remarks.end(), camera.remarks.begin(), camera.remarks.end());
+std::vector<Finding> findings_on(const Block& block, const std::map<CameraId, ExportedCamera>& used) {
+  std::vector<Finding> findings;
+  for (const auto& [id, camera] : used) findings.insert(findings.end(), camera.findings.begin(), camera.findings.end());
   if (count_oriented(block) < block.images.size())
-    remarks.push_back(std::to_string(block.images.size() - count_oriented(block)) +
-                      " images without orientation are left out");
-  return remarks;
+    findings.push_back(finding_of(FindingCode::kImagesNotExported, {},
+                                  {{FigureName::kCount, double(block.images.size() - count_oriented(block))}}));
+  return findings;
 }
 
 Model model_of(const Block& block, const std::map<CameraId, ExportedCamera>& used) {
@@ -153,8 +153,8 @@ Result<Rows> parsed_file(const std::filesystem::path& path, Result<Rows> (*parse
 
 }  // namespace
 
-Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folder, const Block& block,
-                                              ColmapEncoding encoding) {
+Result<std::vector<Finding>> write_colmap(const std::filesystem::path& folder, const Block& block,
+                                          ColmapEncoding encoding) {
   COLLINEA_TRY(check_image_names(block, "a COLMAP model"));
   COLLINEA_TRY(const auto used, exported_cameras(block));
   const Model model = model_of(block, used);
@@ -165,7 +165,7 @@ Result<std::vector<std::string>> write_colmap(const std::filesystem::path& folde
        {"images", text ? images_text(model) : images_binary(model)},
        {"points3D", text ? points_text(model) : points_binary(model)}}};
   for (const auto& [name, bytes] : files) COLLINEA_TRY(write_file(folder / (name + end), bytes));
-  return remarks_on(block, used);
+  return findings_on(block, used);
 }
 
 Result<Block> read_colmap(const std::filesystem::path& folder) {

@@ -100,9 +100,8 @@ Result<ExportedCamera> exported(CameraId id, const Camera& camera) {
   result.as_exported = theirs.camera;
   const bool fisheye = is_fisheye(camera.model);
   if (theirs.is_fitted)
-    result.remarks.push_back("camera " + camera.name + ": its " + std::string(name_of(camera.model)) +
-                             " projection is fitted by a polynomial of the angle, to " +
-                             fixed(largest_difference_px(kept, result.as_exported), 4) + " px");
+    result.findings.push_back(finding_of(FindingCode::kProjectionFitted, {id},
+                                         {{FigureName::kOffsetPx, largest_difference_px(kept, result.as_exported)}}));
   const auto& p = result.as_exported.params;
   const double f = p[Camera::kF], b2 = camera.params[Camera::kB2];
   const bool decentred = p[Camera::kP1] != 0 || p[Camera::kP2] != 0;
@@ -120,13 +119,12 @@ Result<ExportedCamera> exported(CameraId id, const Camera& camera) {
     v.insert(v.end(), {p[Camera::kP2], p[Camera::kP1], p[Camera::kK3], p[Camera::kK4], 0, 0});
   const double worst = std::abs(b2) / f * camera.height_px / 2;
   if (worst > 1e-6)
-    result.remarks.push_back("camera " + camera.name + ": its shear b2 = " + fixed(b2, 3) + " px is left out, up to " +
-                             fixed(worst, 3) + " px at the picture's edge");
+    result.findings.push_back(
+        finding_of(FindingCode::kShearDropped, {id}, {{FigureName::kValue, b2}, {FigureName::kOffsetPx, worst}}));
   if (camera.additional != AdditionalSet::kNone)
-    result.remarks.push_back("camera " + camera.name + ": its additional parameters (" +
-                             std::string(kAdditionalNames[std::size_t(camera.additional)]) +
-                             ") are left out of the camera, up to " + fixed(largest_additional_px(camera), 3) +
-                             " px; the image coordinates of tie points are freed from them, the pictures are not");
+    result.findings.push_back(finding_of(FindingCode::kAdditionalDropped, {id},
+                                         {{FigureName::kOffsetPx, largest_additional_px(camera)}}, {},
+                                         std::string(kAdditionalNames[std::size_t(camera.additional)])));
   return result;
 }
 

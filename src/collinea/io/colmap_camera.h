@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
 #include "collinea/io/colmap_model.h"
@@ -14,7 +15,7 @@ namespace collinea::colmap {
 struct ExportedCamera {
   CameraRow row;
   Camera as_exported;  ///< where COLMAP will see points
-  std::vector<std::string> remarks;
+  std::vector<Finding> findings;
 };
 
 /// FULL_OPENCV; of a fisheye OPENCV_FISHEYE, or THIN_PRISM_FISHEYE where it has decentring. An equisolid lens is

@@ -37,13 +37,13 @@ Block block_with(const std::string& name) {
 using Trip = Result<std::string> (*)(const Block& block, const TestFolder& folder);
 
 Result<std::string> through_colmap(const Block& block, const TestFolder& folder) {
-  COLLINEA_TRY(const auto remarks, write_colmap(folder / "colmap", block, ColmapEncoding::kText));
+  COLLINEA_TRY(const auto findings, write_colmap(folder / "colmap", block, ColmapEncoding::kText));
   COLLINEA_TRY(const Block back, read_colmap(folder / "colmap"));
   return back.images.at({0}).file;
 }
 
 Result<std::string> through_bundler(const Block& block, const TestFolder& folder) {
-  COLLINEA_TRY(const auto remarks, write_bundler(folder / "bundler", block));
+  COLLINEA_TRY(const auto findings, write_bundler(folder / "bundler", block));
   COLLINEA_TRY(const Block back, read_bundler(folder / "bundler", [](const std::string&) -> Result<PictureSize> {
                  return PictureSize{1200, 800};
                }));

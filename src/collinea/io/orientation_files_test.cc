@@ -83,9 +83,9 @@ TEST_F(OrientationFiles, AColmapModelComesBackExactlyFromTextAndFromBinary) {
   ASSERT_GT(block.points.size(), 50u);
   for (const auto encoding : {ColmapEncoding::kText, ColmapEncoding::kBinary}) {
     fs::remove_all(folder_);
-    const auto remarks = write_colmap(folder_, block, encoding);
-    ASSERT_TRUE(remarks) << remarks.error().message;
-    EXPECT_TRUE(remarks->empty());
+    const auto findings = write_colmap(folder_, block, encoding);
+    ASSERT_TRUE(findings) << findings.error().message;
+    EXPECT_TRUE(findings->empty());
     const auto back = read_colmap(folder_);
     ASSERT_TRUE(back) << back.error().message;
     ASSERT_EQ(back->images.size(), 3u);
@@ -145,10 +145,11 @@ TEST_F(OrientationFiles, WhatColmapCannotHoldIsSaid) {
   Block block = nadir_block();
   block.cameras[{0}].params[Camera::kB2] = 0.5;
   remove_pose(block, {2});
-  const auto remarks = write_colmap(folder_, block, ColmapEncoding::kText);
-  ASSERT_TRUE(remarks);
-  ASSERT_EQ(remarks->size(), 2u);
-  EXPECT_NE(remarks->at(0).find("0.200 px"), std::string::npos);  // 0.5 / 1000 * 400
+  const auto findings = write_colmap(folder_, block, ColmapEncoding::kText);
+  ASSERT_TRUE(findings);
+  ASSERT_EQ(findings->size(), 2u);
+  EXPECT_EQ(findings->at(0).code, FindingCode::kShearDropped);
+  EXPECT_NEAR(findings->at(0).figure(FigureName::kOffsetPx).value_or(0), 0.2, 5e-4);  // 0.5 / 1000 * 400
 }
 
 // Whatever the fisheye, COLMAP's camera sees the points where ours does.
@@ -164,9 +165,9 @@ TEST_F(OrientationFiles, FisheyesComeBackFromColmap) {
       camera.params[Camera::kK4] = 0.003;
     }
     fs::remove_all(folder_);
-    const auto remarks = write_colmap(folder_, block, ColmapEncoding::kText);
-    ASSERT_TRUE(remarks) << remarks.error().message;
-    EXPECT_EQ(remarks->size(), is<Equisolid>(model) ? 1u : 0u);
+    const auto findings = write_colmap(folder_, block, ColmapEncoding::kText);
+    ASSERT_TRUE(findings) << findings.error().message;
+    EXPECT_EQ(findings->size(), is<Equisolid>(model) ? 1u : 0u);
     const auto back = read_colmap(folder_);
     ASSERT_EQ(bool(back), !is<Equisolid>(model));  // fitted, it has k4 beside p1 and p2
     if (!back) continue;
@@ -191,10 +192,11 @@ TEST_F(OrientationFiles, ColmapGetsImageCoordinatesFreedFromAdditionalParameters
   camera.params[Camera::kParams + 5] = 2;
   for (Observation& o : block.observations)
     o.pixel = *project(camera, pose_of(block, o.image) * block.points.at(o.point).position_in_world);
-  const auto remarks = write_colmap(folder_, block, ColmapEncoding::kText);
-  ASSERT_TRUE(remarks);
-  ASSERT_EQ(remarks->size(), 1u);
-  EXPECT_NE(remarks->at(0).find("ebner"), std::string::npos);
+  const auto findings = write_colmap(folder_, block, ColmapEncoding::kText);
+  ASSERT_TRUE(findings);
+  ASSERT_EQ(findings->size(), 1u);
+  EXPECT_EQ(findings->at(0).code, FindingCode::kAdditionalDropped);
+  EXPECT_NE(findings->at(0).detail.find("ebner"), std::string::npos);
   const auto back = read_colmap(folder_);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->cameras.begin()->second.params, plain.params);
@@ -326,9 +328,9 @@ TEST_F(OrientationFiles, WhatIsWrongInAnOpkTableIsNamedByItsLine) {
 // Bundler's documentation, in its own words: P = R X + t, p = -P / P.z, p' = f r(p) p, from the middle, y up.
 TEST_F(OrientationFiles, BundlerFilesMeanWhatBundlerMeans) {
   const Block block = nadir_block();
-  const auto remarks = write_bundler(folder_, block);
-  ASSERT_TRUE(remarks) << remarks.error().message;
-  EXPECT_EQ(remarks->size(), 1u);  // principal point and tangential terms were taken into the observations
+  const auto findings = write_bundler(folder_, block);
+  ASSERT_TRUE(findings) << findings.error().message;
+  EXPECT_EQ(findings->size(), 1u);  // principal point and tangential terms were taken into the observations
   std::ifstream file(folder_ / "bundle.out");
   std::string line;
   std::getline(file, line);
@@ -369,9 +371,9 @@ TEST_F(OrientationFiles, ABundlerModelComesBackExactly) {
   auto& p = block.cameras[{0}].params;
   for (const int param : {Camera::kK3, Camera::kP1, Camera::kP2, Camera::kB1}) p[param] = 0;
   p[Camera::kCx] = 600;
-  const auto remarks = write_bundler(folder_, block);
-  ASSERT_TRUE(remarks);
-  EXPECT_TRUE(remarks->empty());
+  const auto findings = write_bundler(folder_, block);
+  ASSERT_TRUE(findings);
+  EXPECT_TRUE(findings->empty());
   const auto back = read_bundler(folder_, [](const std::string&) { return PictureSize{1200, 800}; });
   ASSERT_TRUE(back) << back.error().message;
   ASSERT_EQ(back->images.size(), 3u);

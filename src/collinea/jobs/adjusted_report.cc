@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/adjusted_report.h"
+#include "collinea/report/finding_words.h"
 
 #include <fmt/format.h>
 
@@ -44,7 +45,7 @@ Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, 
   }
   report.additional_level = asked.additional_level;
   report.additional = test_additional(report.block, report.adjusted, options.test.sigma0_known, asked.additional_level);
-  for (const Weakness& weak : report.adjusted.weaknesses) run.say("note: " + weak.what + "; cure: " + weak.cure);
+  for (const Finding& weak : report.adjusted.weaknesses) run.say("note: " + sentence_of(weak, report.block));
   apply(report.adjusted, report.block);
   return report;
 }

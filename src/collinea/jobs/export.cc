@@ -14,6 +14,7 @@
 #include "collinea/io/colmap.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/text.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/steps/cloud_pieces.h"
 #include "collinea/steps/colours.h"
 
@@ -22,17 +23,17 @@ namespace {
 
 Result<> export_colmap(const Project& project, const std::filesystem::path& folder, const Block& block) {
   for (const ColmapEncoding encoding : {ColmapEncoding::kText, ColmapEncoding::kBinary}) {
-    const auto remarks = write_colmap(folder, block, encoding);
-    if (!remarks) return tl::unexpected(remarks.error());
+    const auto findings = write_colmap(folder, block, encoding);
+    if (!findings) return tl::unexpected(findings.error());
     if (encoding == ColmapEncoding::kText)
-      for (const std::string& remark : *remarks) project.run.say("note: " + remark);
+      for (const Finding& finding : *findings) project.run.say("note: " + sentence_of(finding, block));
   }
   return {};
 }
 
 Result<> export_bundler(const Project& project, const std::filesystem::path& folder, const Block& block) {
-  COLLINEA_TRY(const auto remarks, write_bundler(folder, block));
-  for (const std::string& remark : remarks) project.run.say("note: " + remark);
+  COLLINEA_TRY(const auto findings, write_bundler(folder, block));
+  for (const Finding& finding : findings) project.run.say("note: " + sentence_of(finding, block));
   return {};
 }
 

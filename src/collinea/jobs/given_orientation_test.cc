@@ -47,7 +47,8 @@ class GivenOrientationTest : public ::testing::Test {
     const auto done = bring_up_to(project, "orient");
     EXPECT_TRUE(done) << done.error().message;
     const auto record = project.store.read_outcome<OrientationRecord>();
-    EXPECT_TRUE(record && record->findings.front().find("taken from " + given.string()) != std::string::npos);
+    EXPECT_TRUE(record && record->findings.front().subjects == std::vector{Subject::file(given.string())});
+    EXPECT_EQ(record->findings.front().code, FindingCode::kOrientationHeld);
     return *project.store.read_block();
   }
 

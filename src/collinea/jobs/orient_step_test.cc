@@ -11,6 +11,7 @@
 #include "collinea/jobs/adjust_project.h"
 #include "collinea/orient/flight_strips.h"
 #include "collinea/orient/orient.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/steps/flow.h"
 #include "collinea/steps/step.h"
 #include "collinea/steps/test_project.h"
@@ -42,9 +43,9 @@ class OrientStepTest : public testing::Test {
     return *found;
   }
   [[nodiscard]] bool finds(std::string_view words) const {
-    const std::vector<std::string> findings = record().findings;
+    const std::vector<Finding> findings = record().findings;
     return std::any_of(findings.begin(), findings.end(),
-                       [&](const std::string& one) { return one.find(words) != std::string::npos; });
+                       [&](const Finding& one) { return sentence_of(one, setup_).find(words) != std::string::npos; });
   }
   [[nodiscard]] nlohmann::json report() {
     const auto written = report_step(*project_, "inputs");
@@ -124,8 +125,8 @@ TEST_F(OrientStepTest, DistancesMakeABlockWithoutPlaceMetric) {
   EXPECT_FALSE(told.georeferenced);
   EXPECT_TRUE(told.metric);
   EXPECT_TRUE(told.gsd_m());
-  EXPECT_NE(told.gauge.find("scale by 2 distances"), std::string::npos);
-  EXPECT_TRUE(finds("contradicts the others"));
+  EXPECT_EQ(told.gauge.distances, 2u);
+  EXPECT_TRUE(finds("contradicts the other distances"));
   const nlohmann::json shown = report();
   EXPECT_EQ(shown.at("length_unit"), "m");
   ASSERT_EQ(shown.at("ground").size(), 4u);
@@ -194,8 +195,8 @@ TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
   project_->settings.orient.instruments.position_shift = PositionShift::kBlock;
   project_->settings.orient.instruments.time_offset = true;
   orient();
-  EXPECT_TRUE(finds("the shift of positions of strip 1 is +0."));
-  EXPECT_TRUE(finds("the time offset of positions of"));
+  EXPECT_TRUE(finds("The shift of positions of strip 1 is +0."));
+  EXPECT_TRUE(finds("The time offset of positions of"));
   EXPECT_FALSE(finds("GPS heights lie"));  // that is the shift
   const auto done = adjust_project(*project_, {});
   ASSERT_TRUE(done) << done.error().message;
@@ -211,7 +212,7 @@ TEST_F(InstrumentsTest, AShiftNeedsControl) {
   project_->settings.orient.instruments.position_shift = PositionShift::kStrips;
   project_->settings.orient.use_control = false;
   orient();
-  EXPECT_TRUE(finds("no control point parts a shift of the positions"));
+  EXPECT_TRUE(finds("No control point separates a shift of the positions"));
   ASSERT_TRUE(adjust_project(*project_, {}));
   EXPECT_FALSE(adjusted().contains("extra_unknowns"));  // adjust takes over what orient did, not what it was asked for
 }

@@ -20,14 +20,14 @@ std::map<CameraId, CameraSigmas> add_additional(AdditionalSet set, Calibration c
   return sigmas;
 }
 
-std::vector<std::string> additional_findings(const Block& block, const Examined& adjusted) {
+std::vector<Finding> additional_findings(const Block& block, const Examined& adjusted) {
   constexpr double kLevel = 0.01;
-  std::vector<std::string> findings;
+  std::vector<Finding> findings;
   for (const AdditionalTest& test : test_additional(block, adjusted, false, kLevel))
-    findings.push_back(
-        fmt::format("{}: {} of {} additional parameters are significant; collinea adjust tells which, and how alike "
-                    "they are",
-                    block.cameras.at(test.camera).name, test.kept, test.parameters.size()));
+    findings.push_back(finding_of(FindingCode::kAdditionalSignificant, {test.camera},
+                                  {{FigureName::kCount, static_cast<double>(test.kept)},
+                                   {FigureName::kOf, static_cast<double>(test.parameters.size())}},
+                                  {RemedyCode::kSeeAdjustment}));
   return findings;
 }
 

@@ -15,6 +15,6 @@ namespace collinea {
                                                               std::map<CameraId, Camera>& cameras);
 
 /// How many of them are there for a reason, a line for each camera.
-[[nodiscard]] std::vector<std::string> additional_findings(const Block& block, const Examined& adjusted);
+[[nodiscard]] std::vector<Finding> additional_findings(const Block& block, const Examined& adjusted);
 
 }  // namespace collinea

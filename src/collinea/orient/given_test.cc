@@ -38,9 +38,9 @@ TEST(OrientAsGiven, PosesAndCamerasStayToTheBitAndPointsAreIntersected) {
   EXPECT_EQ(found->block.cameras.begin()->second.params, input.truth.cameras.begin()->second.params);
   EXPECT_GT(found->block.points.size(), 450u);
   EXPECT_NEAR(found->adjusted.sigma0, 1, 0.15);
-  EXPECT_TRUE(found->findings.empty()) << found->findings.front();
+  EXPECT_TRUE(found->findings.empty()) << word_of(found->findings.front().code);
   EXPECT_FALSE(found->georeferenced);
-  EXPECT_NE(found->gauge.find("as given by elsewhere"), std::string::npos) << found->gauge;
+  EXPECT_EQ(found->gauge, (Gauge{.given_by = "elsewhere"}));
 }
 
 TEST(OrientAsGiven, ImagesThatAreNotGivenAreNamed) {
@@ -121,7 +121,8 @@ TEST(OrientAsGiven, PosesThatFitFewMatchesAreDoubted) {
   const auto found = take(input, given);
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_FALSE(found->findings.empty());
-  EXPECT_NE(found->findings.front().find("measurements of tie points fit the poses of elsewhere"), std::string::npos);
+  EXPECT_EQ(found->findings.front().code, FindingCode::kFewFitGiven);
+  EXPECT_EQ(found->findings.front().subjects, std::vector{Subject::file("elsewhere")});
 }
 
 // One pose of eight is turned by a quarter of a right angle: nothing its image shows fits there.
@@ -140,13 +141,14 @@ TEST(OrientAsGiven, AnImageWhosePoseNothingFitsIsNotOriented) {
   EXPECT_EQ(count_oriented(refined->block), 7u);
   EXPECT_TRUE(refined->adjusted.images_left_out.empty());
   EXPECT_TRUE(refined->excluded_control.empty());
-  ASSERT_EQ(refined->findings.size(), 1u) << refined->findings.back();
-  EXPECT_NE(refined->findings[0].find("1 image could not be oriented, the first: IMG_2.jpg"), std::string::npos);
+  ASSERT_EQ(refined->findings.size(), 1u);
+  EXPECT_EQ(refined->findings[0], finding_of(FindingCode::kImagesAlone, {wrong}, {{FigureName::kCount, 1}}));
   const auto held = take(input, given);
   ASSERT_TRUE(held) << held.error().message;
   EXPECT_EQ(count_oriented(held->block), 8u);
-  EXPECT_TRUE(std::any_of(held->findings.begin(), held->findings.end(), [](const std::string& finding) {
-    return finding.find("fit the pose of 1 image, the first: IMG_2.jpg") != std::string::npos;
+  EXPECT_TRUE(std::any_of(held->findings.begin(), held->findings.end(), [&](const Finding& finding) {
+    return finding.code == FindingCode::kLooseGiven && finding.subjects == std::vector<Subject>{wrong} &&
+           finding.figure(FigureName::kCount) == 1;
   }));
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <set>
-#include <string>
 #include <vector>
 
 #include "collinea/adjust/bundle.h"
@@ -10,8 +9,8 @@
 namespace collinea {
 
 /// What was measured on the ground (Block::ground of `setup`) and differs from the adjusted block by more than chance
-/// explains, a line each, worst first. What is `excluded` was doubted before.
-[[nodiscard]] std::vector<std::string> ground_findings(const Block& setup, const Adjusted& adjusted,
-                                                       const std::set<std::size_t>& excluded);
+/// explains, worst first. What is `excluded` was doubted before.
+[[nodiscard]] std::vector<Finding> ground_findings(const Block& setup, const Adjusted& adjusted,
+                                                   const std::set<std::size_t>& excluded);
 
 }  // namespace collinea

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/orient/ground_scale.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -57,11 +55,6 @@ const Ratio& middle_of(const std::vector<Ratio>& ratios) {
                            [&](const Ratio& a, const Ratio& b) { return cost(a) < cost(b); });
 }
 
-std::string name_of(const Block& block, std::size_t place) {
-  const GroundObservation& one = block.ground[place];
-  return block.control.at(one.from).name + " - " + block.control.at(one.to).name;
-}
-
 }  // namespace
 
 std::optional<GroundScale> ground_scale(const Block& block) {
@@ -74,16 +67,16 @@ std::optional<GroundScale> ground_scale(const Block& block) {
     const double off = ratio.value / middle.value - 1;
     if (distance(ratio, middle) > 1) {
       if (ratios.size() == 2) {
-        found.findings.push_back(
-            fmt::format("the distances {} and {} contradict each other by {:.2g} %: one of them, or a point of it, is "
-                        "wrong; a third distance would tell which",
-                        name_of(block, ratios[0].place), name_of(block, ratios[1].place), 100 * std::abs(off)));
+        found.findings.push_back(finding_of(FindingCode::kDistancesContradict,
+                                            {Subject::ground(ratios[0].place), Subject::ground(ratios[1].place)},
+                                            {{FigureName::kRelative, std::abs(off)}}, {RemedyCode::kAddDistance}));
       } else {
         found.excluded.push_back(ratio.place);
-        found.findings.push_back(fmt::format(
-            "the distance {} contradicts the others by {:.2g} % ({:.3g} m): it is not "
-            "used; look at its length and at the marks in the images",
-            name_of(block, ratio.place), 100 * std::abs(off), std::abs(off) * block.ground[ratio.place].value));
+        found.findings.push_back(
+            finding_of(FindingCode::kDistanceWrong, {Subject::ground(ratio.place)},
+                       {{FigureName::kRelative, std::abs(off)},
+                        {FigureName::kDifference, std::abs(off) * block.ground[ratio.place].value}},
+                       {RemedyCode::kLookAtDistance}));
         continue;
       }
     }

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/block/block.h"
 
 namespace collinea {
@@ -15,7 +15,7 @@ struct GroundScale {
   double sigma = 0;                   ///< relative, by the sigmas of distances and image measurements
   int distances = 0;                  ///< that agree on it
   std::vector<std::size_t> excluded;  ///< places in Block::ground of distances that contradict the others
-  std::vector<std::string> findings;  ///< the same in words
+  std::vector<Finding> findings;
 };
 
 /// The weighted mean of given over intersected length of the distances that agree with the one that most agree with:

@@ -39,8 +39,10 @@ TEST(GroundScale, AWrongDistanceIsNamedAndLeftOut) {
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->scale, 2, 1e-8);
   ASSERT_EQ(found->excluded, std::vector<std::size_t>{2});
-  EXPECT_NE(found->findings.at(0).find("gcp0 - gcp3 contradicts the others by 5 %"), std::string::npos)
-      << found->findings[0];
+  ASSERT_EQ(found->findings.size(), 1u);
+  EXPECT_EQ(found->findings[0].code, FindingCode::kDistanceWrong);
+  EXPECT_EQ(found->findings[0].subjects, std::vector{Subject::ground(2)});
+  EXPECT_NEAR(found->findings[0].figure(FigureName::kRelative).value_or(0), 0.05, 1e-6);
 }
 
 TEST(GroundScale, OfTwoThatContradictEachOtherNoneIsToldWrong) {
@@ -50,7 +52,8 @@ TEST(GroundScale, OfTwoThatContradictEachOtherNoneIsToldWrong) {
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->excluded.empty());
   EXPECT_EQ(found->distances, 2);
-  EXPECT_EQ(found->findings.size(), 1u);
+  ASSERT_EQ(found->findings.size(), 1u);
+  EXPECT_EQ(found->findings[0].code, FindingCode::kDistancesContradict);
 }
 
 TEST(GroundScale, NeedsPointsThatTwoImagesShow) {

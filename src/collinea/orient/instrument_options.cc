@@ -109,13 +109,10 @@ Result<> add_instruments(const Block& block, const InstrumentOptions& asked, Adj
 }
 
 void expect_shift(ControlDiagnosis& diagnosis) {
-  const auto found = [&](const char* code) {
-    return std::any_of(diagnosis.findings.begin(), diagnosis.findings.end(),
-                       [&](const Finding& finding) { return finding.code == code; });
-  };
-  if (found("position_crs")) return;
+  const auto is_of_crs = [](const Finding& finding) { return finding.code == FindingCode::kPositionCrs; };
+  if (std::any_of(diagnosis.findings.begin(), diagnosis.findings.end(), is_of_crs)) return;
   std::erase_if(diagnosis.findings, [](const Finding& finding) {
-    return finding.code == "position_heights" || finding.code == "position_offset";
+    return finding.code == FindingCode::kPositionHeights || finding.code == FindingCode::kPositionOffset;
   });
   diagnosis.position_height_shift_m = 0;
   diagnosis.positions_unusable = false;

@@ -26,7 +26,7 @@ constexpr double kOutlier = 3;  // sigmas
 struct Level {
   Eigen::Vector3d up_in_block;
   double sigma_rad;
-  std::string by;
+  LevelSource by;
 };
 
 std::optional<Level> by_attitudes(const Block& block) {
@@ -36,8 +36,7 @@ std::optional<Level> by_attitudes(const Block& block) {
   for (const auto& [id, vertical] : verticals) sum += pose_of(block, id).rotation.conjugate() * vertical.up_in_cam;
   const auto count = static_cast<double>(verticals.size());
   if (sum.norm() < 0.95 * count) return std::nullopt;  // they contradict each other
-  return Level{sum.normalized(), verticals.begin()->second.sigma_rad / std::sqrt(count),
-               "the attitudes the camera wrote"};
+  return Level{sum.normalized(), verticals.begin()->second.sigma_rad / std::sqrt(count), LevelSource::kAttitudes};
 }
 
 // Mean and mean products of the pictures' axes in the block.
@@ -65,17 +64,17 @@ std::vector<Level> levels_of(const Block& block) {
   if (const auto level = by_attitudes(block)) levels.push_back(*level);
   const Views views = views_of(block);
   const double share = 1 / static_cast<double>(count_oriented(block));
-  const auto add = [&](const Eigen::Vector3d& up, double scatter_rad, const char* by) {
+  const auto add = [&](const Eigen::Vector3d& up, double scatter_rad, LevelSource by) {
     if (up.norm() > 0.1) levels.push_back({up.normalized(), std::hypot(kHeld_rad, scatter_rad * std::sqrt(share)), by});
   };
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(views.right);
   const Eigen::Vector3d square = axes.eigenvectors().col(0), held = views.down + views.forward;
   if (axes.eigenvalues()[1] > 4 * axes.eigenvalues()[0] + 1e-3)
     add(square.dot(held) > 0 ? Eigen::Vector3d(-square) : square, std::sqrt(std::max(0.0, axes.eigenvalues()[0])),
-        "the horizontal edges of the pictures");
+        LevelSource::kEdges);
   const auto scatter = [](const Eigen::Vector3d& mean) { return std::acos(std::clamp(mean.norm(), 0.0, 1.0)); };
-  add(-views.forward, scatter(views.forward), "the mean view down");
-  add(-views.down, scatter(views.down), "the mean lower edge of the pictures");
+  add(-views.forward, scatter(views.forward), LevelSource::kView);
+  add(-views.down, scatter(views.down), LevelSource::kLowerEdges);
   return levels;
 }
 

@@ -7,6 +7,7 @@
 
 #include "collinea/adjust/bundle.h"
 #include "collinea/block/block.h"
+#include "collinea/block/gauge.h"
 #include "collinea/geometry/similarity3.h"
 
 namespace collinea {
@@ -16,7 +17,7 @@ namespace collinea {
 struct LevelDatum {
   Similarity3 world_from_block;
   std::map<ImageId, GivenVertical> verticals;  ///< observations that keep it level in the adjustment
-  std::string level_by;                        ///< what told level, in words
+  LevelSource level_by = LevelSource::kNone;   ///< what told level
   double level_sigma_rad = 0;
   double turn_sigma_rad = 0;  ///< of north, and of the scale as a part of it: by the sigmas of the positions
   std::size_t positions = 0, heights = 0;

@@ -32,7 +32,7 @@ TEST(LevelDatum, AWalkRoundAThingIsLevelledByTheEdgesOfItsPictures) {
   }
   const auto found = level_datum(block);
   ASSERT_TRUE(found);
-  EXPECT_NE(found->level_by.find("edges"), std::string::npos) << found->level_by;
+  EXPECT_EQ(found->level_by, LevelSource::kEdges);
   EXPECT_NEAR(found->world_from_block.scale, 3, 1e-6);
   EXPECT_LT(found->world_from_block.rotation.angularDistance(world_from_block.rotation), 1e-6);
   EXPECT_LT((found->world_from_block.translation - world_from_block.translation).head<2>().norm(), 1e-6);

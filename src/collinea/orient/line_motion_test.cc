@@ -70,20 +70,20 @@ TEST(LineMotion, ATurnIsFoundInItsImage) {
   }
 }
 
-std::vector<std::string> findings_after_orientation(const std::vector<Turn>& turns) {
+std::vector<Finding> findings_after_orientation(const std::vector<Turn>& turns) {
   const auto input = testing::matched(walk_round(turns));
   const auto found = orient(input.setup, input.pairs, input.source(), {}, {});
   EXPECT_TRUE(found) << found.error().message;
-  return found ? found->findings : std::vector<std::string>{};
+  return found ? found->findings : std::vector<Finding>{};
 }
 
 TEST(LineMotion, IsNamedWhenTheHandMoved) {
   Random random(8);
   std::vector<Turn> turns;
   for (std::uint32_t i = 0; i < 12; ++i) turns.push_back({ImageId{i}, 0.004 * testing::normal3(random), false});
-  const auto named = [](const std::vector<std::string>& findings) {
+  const auto named = [](const std::vector<Finding>& findings) {
     return std::any_of(findings.begin(), findings.end(),
-                       [](const std::string& text) { return text.find("rolling shutter") != std::string::npos; });
+                       [](const Finding& one) { return one.code == FindingCode::kMovedWhileRead; });
   };
   EXPECT_TRUE(named(findings_after_orientation(turns)));
   EXPECT_FALSE(named(findings_after_orientation({})));

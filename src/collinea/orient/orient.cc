@@ -133,6 +133,19 @@ CalibrationUsed calibration_used(const Adjusted& adjusted, const AdjustScope& sc
   return used;
 }
 
+FindingCode finding_of_level(LevelSource level) {
+  switch (level) {
+    case LevelSource::kEdges:
+      return FindingCode::kLevelByEdges;
+    case LevelSource::kView:
+      return FindingCode::kLevelByView;
+    case LevelSource::kLowerEdges:
+      return FindingCode::kLevelByLowerEdges;
+    default:
+      return FindingCode::kLevelByAttitudes;
+  }
+}
+
 class Orienter {
  public:
   Orienter(const Block& setup, const KeypointSource& keypoints, const PictureSource& pictures,
@@ -163,10 +176,8 @@ class Orienter {
                                        ": they are not of these photographs, or their cameras are wrong");
     const auto rays = part.ray_count();
     if (static_cast<double>(rays.active) < kFewFit * static_cast<double>(rays.all))
-      result_.findings.push_back(fmt::format(
-          "only {} of {} measurements of tie points fit the poses of {}: these are of other photographs, or "
-          "in another convention, or their cameras are wrong",
-          rays.active, rays.all, given.source));
+      add(FindingCode::kFewFitGiven, {Subject::file(given.source)},
+          {{FigureName::kCount, static_cast<double>(rays.active)}, {FigureName::kOf, static_cast<double>(rays.all)}});
     if (options_.refine_orientation) return settle_in_world(part, pairs, false);
     return hold(part);
   }
@@ -185,9 +196,7 @@ class Orienter {
       if (const auto shown = part.shown_noise()) part.set_noise(*shown);
     }
     if (options_.additional != AdditionalSet::kNone)
-      result_.findings.push_back(
-          "poses are held as given: no camera gets additional parameters; with "
-          "--refine-orientation they do");
+      add(FindingCode::kAdditionalHeld, {}, {}, {OptionField{"orient", "refine_orientation", ""}});
     doubt_loose(part);
     place(part);
     COLLINEA_TRY(Adjusted adjusted, part.adjust_all(adjust, held, run_));
@@ -205,9 +214,9 @@ class Orienter {
     for (const auto& [image, pose] : part.poses())
       if (part.active_rays(image) < options_.min_points) loose.push_back(image);
     if (!loose.empty())
-      result_.findings.push_back(fmt::format(
-          "fewer than {} tie points fit the pose of {} image{}, the first: {}. Nothing here speaks for these poses",
-          options_.min_points, loose.size(), loose.size() == 1 ? "" : "s", setup_.images.at(loose.front()).file));
+      add(FindingCode::kLooseGiven, {loose.front()},
+          {{FigureName::kLimit, static_cast<double>(options_.min_points)},
+           {FigureName::kCount, static_cast<double>(loose.size())}});
   }
 
   Result<Orientation> settle_in_world(Reconstruction& part, std::span<const ImagePair> pairs, bool in_world) {
@@ -241,10 +250,8 @@ class Orienter {
     }
     result_.calibration = calibration_used(result_.adjusted, scope, settled_options(part, options_).calibration);
     finish(part);
-    for (std::string& finding : additional_findings(result_.block, result_.adjusted))
-      result_.findings.push_back(std::move(finding));
-    for (std::string& finding : weak_cases(result_.block, setup_, pairs, result_.adjusted))
-      result_.findings.push_back(std::move(finding));
+    add(additional_findings(result_.block, result_.adjusted));
+    add(weak_cases(result_.block, setup_, pairs, result_.adjusted));
     return std::move(result_);
   }
 
@@ -252,7 +259,7 @@ class Orienter {
   std::map<CameraId, CameraSigmas> add_parameters(Reconstruction& part) {
     auto sigmas = add_additional(options_.additional, settled_options(part, options_).calibration, setup_.cameras);
     if (sigmas.empty())
-      result_.findings.push_back("no camera is calibrated: none gets additional parameters");
+      add(FindingCode::kAdditionalUncalibrated);
     else
       part.set_additional(setup_.cameras.at(sigmas.begin()->first).additional);
     return sigmas;
@@ -297,19 +304,16 @@ class Orienter {
       asked.lever_arm.reset();
       asked.position_shift = PositionShift::kNone;
       asked.position_drift = asked.time_offset = false;
-      if (of_positions)
-        result_.findings.push_back("positions are not used here, and so no lever arm, shift or time offset of them");
+      if (of_positions) add(FindingCode::kPositionsUnused);
     }
     if (!result_.georeferenced && asked.use_attitudes) {
       asked.use_attitudes = false;
-      result_.findings.push_back(
-          "the block has no place on Earth, from which attitudes could be told: they are not used");
+      add(FindingCode::kAttitudesUnused);
     }
     if (asked.position_shift != PositionShift::kNone && !has_control(scope)) {
       asked.position_shift = PositionShift::kNone;
       asked.position_drift = false;
-      result_.findings.push_back(
-          "no control point parts a shift of the positions from the place of the block: they are taken as they are");
+      add(FindingCode::kShiftUnused);
     }
     result_.instruments = asked;
     return add_instruments(part.block(), asked, scope);
@@ -338,12 +342,14 @@ class Orienter {
     if (diagnosis.axes_swapped)
       if (auto control = with_exchanged_axes()) {
         for (const Finding& finding : diagnosis.findings)
-          if (finding.code == "control_axes_swapped")
-            result_.findings.push_back(finding.message + "; they are used exchanged back");
+          if (finding.code == FindingCode::kControlAxesSwapped) {
+            result_.findings.push_back(finding);
+            add(FindingCode::kControlAxesExchanged);
+          }
         block.control = setup_.control = *std::move(control);
         diagnosis = diagnose(block);
       }
-    for (const Finding& finding : diagnosis.findings) result_.findings.push_back(finding.message);
+    add(diagnosis.findings);
     result_.excluded_control = diagnosis.excluded_points;
     apply(diagnosis, setup_);
     if (diagnosis.axes_swapped) setup_.control_observations.clear();
@@ -364,10 +370,8 @@ class Orienter {
     if (factor < kControlMisfit) return;
     for (ControlObservation& seen : setup_.control_observations) sigma_px = std::max(sigma_px, seen.sigma_px *= factor);
     result_.sigma_factors[std::size_t(ObservationGroup::kControlImages)] = factor;
-    result_.findings.push_back(
-        fmt::format("image measurements of control points miss each other by {:.1f} times their sigma; it is taken as "
-                    "{:.2g} px. Look for marks that do not show the same place in all images",
-                    factor, sigma_px));
+    add(FindingCode::kControlMeasurementSigma, {}, {{FigureName::kRatio, factor}, {FigureName::kSigmaPx, sigma_px}},
+        {RemedyCode::kLookForMarks});
   }
 
   // Adjusts with positions and control. Coordinates of control that contradict the block, and themselves, by many times
@@ -404,11 +408,8 @@ class Orienter {
 
   void say_how_positions_were_shifted(const Eigen::Vector3d& shift_m) {
     if (shift_m.isZero()) return;
-    result_.findings.push_back(
-        fmt::format("control points contradict the positions of the images, which were shifted by {:+.2f} m east, "
-                    "{:+.2f} m north and {:+.2f} m up: control decides the place of the block. Their differences are "
-                    "told without this shift",
-                    shift_m.x(), shift_m.y(), shift_m.z()));
+    add(FindingCode::kPositionsShifted, {},
+        {{FigureName::kEast, shift_m.x()}, {FigureName::kNorth, shift_m.y()}, {FigureName::kUp, shift_m.z()}});
   }
 
   void say_what_control_shows(const ByKind<double>& taken) {
@@ -419,10 +420,8 @@ class Orienter {
         for (int axis = 0; axis < 3; ++axis)
           if (point.role == ControlRole::kControl && kind_of(axis) == kind && std::isfinite(point.sigma_m[axis]))
             sigma_m = std::max(sigma_m, point.sigma_m[axis]);
-      result_.findings.push_back(fmt::format(
-          "control points contradict the images by {:.1f} times their sigma in {}; it is taken as {:.2g} m. "
-          "Look for wrong points, or state the sigma they really have",
-          taken[kind], kind == kPlan ? "plan" : "height", sigma_m));
+      add(kind == kPlan ? FindingCode::kControlSigmaPlan : FindingCode::kControlSigmaHeight, {},
+          {{FigureName::kRatio, taken[kind]}, {FigureName::kSigma, sigma_m}}, {RemedyCode::kLookForPoints});
     }
   }
 
@@ -442,8 +441,7 @@ class Orienter {
     const bool knows_better = setup_.georeference && !in_map && (options_.use_positions || options_.use_control);
     if (knows_better) return false;
     result_.georeferenced = in_map;
-    result_.gauge = in_map ? fmt::format("map {}, as given by {}", setup_.georeference->crs, given_->source)
-                           : fmt::format("local gauge, as given by {}", given_->source);
+    result_.gauge = {.map = in_map ? setup_.georeference->crs : "", .given_by = given_->source};
     return true;
   }
 
@@ -471,24 +469,16 @@ class Orienter {
     if (!found) {
       scope.use_positions = scope.use_control = false;
       if (!given_) part.move_world(readable_gauge(part, setup_));
-      result_.gauge =
-          given_
-              ? fmt::format("local gauge, as given by {}", given_->source)
-              : "local gauge without scale, place or north: the unit is the first base, z is up as the pictures stand";
+      if (given_) result_.gauge.given_by = given_->source;
       scope.use_ground = scope.use_ground && scale_by_distances(part);
-      if (setup_.georeference)
-        result_.findings.push_back(
-            "positions and control do not fix the place of the block (fewer than three, or all on one line): local "
-            "gauge");
+      if (setup_.georeference) add(FindingCode::kLocalGauge);
       return scope;
     }
     part.move_world(found->world_from_block);
     in_datum_ = {found->control.begin(), found->control.end()};
     result_.georeferenced = true;
     const std::size_t positions = scope.use_positions ? count_positions(part.block()) : 0;
-    std::string by = found->by_control ? "control points" : "";
-    if (positions) by += (by.empty() ? "" : " and ") + fmt::format("{} image positions", positions);
-    result_.gauge = fmt::format("map {}, fixed by {}", setup_.georeference->crs, by);
+    result_.gauge = {.map = setup_.georeference->crs, .by_control = found->by_control, .positions = positions};
     return scope;
   }
 
@@ -498,14 +488,13 @@ class Orienter {
     if (!found) return false;
     for (const std::size_t place : found->excluded) setup_.ground[place].role = ControlRole::kCheck;
     result_.excluded_ground.insert(found->excluded.begin(), found->excluded.end());
-    result_.findings.insert(result_.findings.end(), found->findings.begin(), found->findings.end());
+    add(found->findings);
     Similarity3 scaled;
     scaled.scale = found->scale;
     part.move_world(scaled);
     result_.metric = true;
-    result_.gauge = fmt::format("local gauge in metres, {}scale by {} distance{}",
-                                given_ ? "as given by " + given_->source + " but for its " : "", found->distances,
-                                found->distances == 1 ? "" : "s");
+    result_.gauge = {.given_by = given_ ? given_->source : "",
+                     .distances = static_cast<std::uint64_t>(found->distances)};
     return true;
   }
 
@@ -516,11 +505,10 @@ class Orienter {
     part.move_world(*found);
     scope.verticals = verticals_by_attitude(part.block());
     result_.georeferenced = true;
-    result_.gauge = fmt::format("map {}, fixed by {} image positions on one line and the attitudes of the camera",
-                                setup_.georeference->crs, count_positions(part.block()));
-    result_.findings.push_back(
-        "image positions lie on one line: the tilt across it is that of the attitudes the camera wrote, good to about "
-        "a degree. A second strip or three control points would fix it");
+    result_.gauge = {.map = setup_.georeference->crs,
+                     .positions = count_positions(part.block()),
+                     .position_use = PositionUse::kOnLine};
+    add(FindingCode::kPositionsOnLine, {}, {}, {RemedyCode::kAddStripOrControl});
     return true;
   }
 
@@ -531,18 +519,18 @@ class Orienter {
     part.move_world(found->world_from_block);
     scope.verticals = found->verticals;
     result_.georeferenced = true;
-    result_.gauge = fmt::format("map {}, fixed by {} image positions{}, level by {}", setup_.georeference->crs,
-                                found->positions, found->heights ? "" : " in plan", found->level_by);
-    result_.findings.push_back(fmt::format(
-        "image positions {}: what is level comes from {}, good to about {:.0f} degrees; the scale is good to {:.2g} %, "
-        "north to {:.2g} degrees. Three control points would fix all of it",
-        found->heights ? "reach too little for their errors to tell how the block is tilted" : "have no heights",
-        found->level_by, std::max(1.0, found->level_sigma_rad * kDegrees), 100 * found->turn_sigma_rad,
-        found->turn_sigma_rad * kDegrees));
+    result_.gauge = {.map = setup_.georeference->crs,
+                     .positions = found->positions,
+                     .position_use = found->heights ? PositionUse::kSpace : PositionUse::kPlan,
+                     .level = found->level_by};
+    add(finding_of_level(found->level_by), {},
+        {{FigureName::kHeights, static_cast<double>(found->heights)},
+         {FigureName::kSigmaAngle, found->level_sigma_rad * kDegrees},
+         {FigureName::kSigmaScale, found->turn_sigma_rad},
+         {FigureName::kSigmaAzimuth, found->turn_sigma_rad * kDegrees}},
+        {RemedyCode::kGiveThreeControlPoints});
     result_.relative_heights = found->heights == 0;
-    if (result_.relative_heights)
-      result_.findings.push_back(
-          "heights are relative: zero is that of the middle camera, because no image has a height");
+    if (result_.relative_heights) add(FindingCode::kHeightsRelative);
     return true;
   }
 
@@ -559,21 +547,25 @@ class Orienter {
 
   void finish(Reconstruction& part) {
     result_.metric |= result_.georeferenced;
-    for (std::string& finding : ground_findings(setup_, result_.adjusted, result_.excluded_ground))
-      result_.findings.push_back(std::move(finding));
+    add(ground_findings(setup_, result_.adjusted, result_.excluded_ground));
     result_.block = part.block();
-    for (std::string& finding : instrument_findings(result_.block, result_.adjusted))
-      result_.findings.push_back(std::move(finding));
+    add(instrument_findings(result_.adjusted));
     result_.alone = left_alone();
     result_.gsd_m = median_pixel_m(result_.block);
     for (const auto& other : result_.other_parts)
-      result_.findings.push_back(fmt::format("{} images hang together but not with the block: {} ... {}", other.size(),
-                                             setup_.images.at(other.front()).file,
-                                             setup_.images.at(other.back()).file));
+      add(FindingCode::kPartApart, {other.front(), other.back()},
+          {{FigureName::kCount, static_cast<double>(other.size())}});
     if (!result_.alone.empty())
-      result_.findings.push_back(fmt::format("{} image{} could not be oriented, the first: {}", result_.alone.size(),
-                                             result_.alone.size() == 1 ? "" : "s",
-                                             setup_.images.at(result_.alone.front()).file));
+      add(FindingCode::kImagesAlone, {result_.alone.front()},
+          {{FigureName::kCount, static_cast<double>(result_.alone.size())}});
+  }
+
+  void add(FindingCode code, std::vector<Subject> subjects = {}, std::vector<Figure> figures = {},
+           std::vector<Remedy> remedies = {}) {
+    result_.findings.push_back(finding_of(code, std::move(subjects), std::move(figures), std::move(remedies)));
+  }
+  void add(const std::vector<Finding>& findings) {
+    result_.findings.insert(result_.findings.end(), findings.begin(), findings.end());
   }
 
   const KeypointSource& keypoints_;

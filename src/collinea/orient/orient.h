@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "collinea/block/gauge.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/reconstruction.h"
 #include "collinea/orient/remeasure.h"
@@ -23,11 +24,11 @@ struct Orientation {
   bool georeferenced = false;                     ///< false: gauge without place, see adjusted.datum
   bool metric = false;                            ///< lengths are in metres: georeferenced, or scaled by distances
   bool relative_heights = false;                  ///< georeferenced in plan, but nothing told a height
-  std::string gauge;                              ///< what fixes place, attitude and scale, in words
+  Gauge gauge;                                    ///< what fixes position, attitude and scale
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
   std::vector<ImageId> alone;                     ///< images that are in no part
   int gross_measurements = 0;                     ///< of tie points, left out before the final least squares
-  std::vector<std::string> findings;              ///< what the user should know, blunders in control among them
+  std::vector<Finding> findings;                  ///< gross errors in control among them
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
   std::set<std::size_t> excluded_ground;          ///< the same of Block::ground
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows

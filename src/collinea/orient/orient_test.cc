@@ -29,9 +29,8 @@ Result<Orientation> orient(const Matched& input, const Run& run = {}) {
   return orient(input.setup, input.pairs, input.source(), {}, run);
 }
 
-bool mentions(const std::vector<std::string>& texts, const std::string& part) {
-  return std::any_of(texts.begin(), texts.end(),
-                     [&](const std::string& text) { return text.find(part) != std::string::npos; });
+bool mentions(const std::vector<Finding>& findings, FindingCode code) {
+  return std::any_of(findings.begin(), findings.end(), [&](const Finding& one) { return one.code == code; });
 }
 
 TEST(Orient, ExactMatchesGiveTheExactBlock) {
@@ -77,7 +76,7 @@ TEST(Orient, AdditionalParametersUnbendThePictures) {
   // The same noise: that more is unknown costs something, but not half as much again.
   EXPECT_LT(centre_rms_m(with->block, bent.truth, true), 1.5 * best);
   EXPECT_GT(centre_rms_m(without->block, bent.truth, true), 3 * kPixel_m);  // by which the picture is bent
-  EXPECT_TRUE(mentions(with->findings, "of 12 additional parameters are significant"));
+  EXPECT_TRUE(mentions(with->findings, FindingCode::kAdditionalSignificant));
 }
 
 TEST(Orient, WithoutReadablePicturesNothingIsMeasuredAnew) {
@@ -162,7 +161,7 @@ TEST(Orient, TheLargestOfTwoPartsIsKeptAndTheOtherIsNamed) {
   EXPECT_EQ(found->other_parts[0].size(), 4u);
   for (const ImageId image : found->other_parts[0]) EXPECT_GE(image.value, 1000u);
   EXPECT_TRUE(found->alone.empty());
-  EXPECT_TRUE(mentions(found->findings, "4 images hang together but not with the block"));
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kPartApart));
 }
 
 // The pair with the most matches starts the first part, and the second, before the block of eight comes up.
@@ -183,7 +182,7 @@ TEST(Orient, AnImageThatMatchesNothingIsNamed) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->alone, std::vector{ImageId{77}});
-  EXPECT_TRUE(mentions(found->findings, "stranger.jpg"));
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kImagesAlone));
 }
 
 TEST(Orient, PositionsBringTheBlockToTheMap) {
@@ -191,7 +190,7 @@ TEST(Orient, PositionsBringTheBlockToTheMap) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_TRUE(found->georeferenced);
-  EXPECT_NE(found->gauge.find("8 image positions"), std::string::npos) << found->gauge;
+  EXPECT_EQ(found->gauge.positions, 8u);
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 3 * 0.3);
   EXPECT_NEAR(found->gsd_m, kPixel_m, 0.15 * kPixel_m);
 }
@@ -203,7 +202,7 @@ TEST(Orient, ControlDecidesAgainstPositionsThatAreFarOff) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_TRUE(found->georeferenced);
-  EXPECT_NE(found->gauge.find("control"), std::string::npos) << found->gauge;
+  EXPECT_TRUE(found->gauge.by_control);
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
 }
 
@@ -227,7 +226,7 @@ TEST(Orient, AWronglySurveyedPointIsNamedAndNotUsed) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->excluded_control, std::set{wrong});
-  EXPECT_TRUE(mentions(found->findings, "gcp4"));
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kControlPoint));
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
 }
 
@@ -244,12 +243,13 @@ TEST(Orient, ControlWithExchangedColumnsIsNamedAndUsedTheRightWayRound) {
   bad_mark.pixel.x() += 60;
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_TRUE(mentions(found->findings, "columns are in the other order; they are used exchanged back"));
-  const auto named = std::count_if(found->findings.begin(), found->findings.end(), [](const std::string& finding) {
-    return finding.find("this measurement is not used") != std::string::npos;
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kControlAxesSwapped));
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kControlAxesExchanged));
+  const auto named = std::count_if(found->findings.begin(), found->findings.end(), [](const Finding& finding) {
+    return finding.code == FindingCode::kControlMeasurement;
   });
   EXPECT_EQ(named, 1);
-  EXPECT_NE(found->gauge.find("control points"), std::string::npos) << found->gauge;
+  EXPECT_TRUE(found->gauge.by_control);
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 5 * kPixel_m);
 }
 
@@ -262,17 +262,17 @@ TEST(Orient, SloppyMarksAreWeighedByWhatTheyShowAndTheCoordinatesAreNotBlamed) {
   }
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_TRUE(mentions(found->findings, "image measurements of control points miss each other"));
-  EXPECT_FALSE(mentions(found->findings, "control points contradict"));
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kControlMeasurementSigma));
+  EXPECT_FALSE(mentions(found->findings, FindingCode::kControlSigmaPlan));
+  EXPECT_FALSE(mentions(found->findings, FindingCode::kControlSigmaHeight));
+  EXPECT_FALSE(mentions(found->findings, FindingCode::kPositionsShifted));
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 10 * kPixel_m);  // marks err by 4 pixels
 }
 
-// The sigma that a finding says control is given, in plan or in height [m].
-std::optional<double> sigma_said(const std::vector<std::string>& findings, const std::string& kind) {
-  const std::string before = "times their sigma in " + kind + "; it is taken as ";
-  for (const std::string& finding : findings)
-    if (const auto at = finding.find(before); at != std::string::npos)
-      return std::stod(finding.substr(at + before.size()));
+// The sigma that a finding states control is given, in plan or in height [m].
+std::optional<double> sigma_stated(const std::vector<Finding>& findings, FindingCode code) {
+  for (const Finding& finding : findings)
+    if (finding.code == code) return finding.figure(FigureName::kSigma);
   return std::nullopt;
 }
 
@@ -300,12 +300,12 @@ TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
     }
     const auto found = orient(input);
     ASSERT_TRUE(found) << found.error().message;
-    const auto plan_m = sigma_said(found->findings, "plan");
-    const double height_m = sigma_said(found->findings, "height").value_or(kStated_m);
+    const auto plan_m = sigma_stated(found->findings, FindingCode::kControlSigmaPlan);
+    const double height_m = sigma_stated(found->findings, FindingCode::kControlSigmaHeight).value_or(kStated_m);
     ASSERT_TRUE(plan_m);
     plan += *plan_m * *plan_m / kBlocks;
     height += height_m * height_m / kBlocks;
-    EXPECT_TRUE(mentions(found->findings, "contradict the positions"));
+    EXPECT_TRUE(mentions(found->findings, FindingCode::kPositionsShifted));
     for (const ControlDifference& control : found->adjusted.control) {
       if (!control.used) continue;
       shift_m += control.difference_m.x() / (6 * kBlocks);
@@ -330,8 +330,8 @@ TEST(Orient, ControlThatIsWrongInPlanIsBelievedInHeight) {
   }
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_TRUE(sigma_said(found->findings, "plan"));
-  EXPECT_FALSE(sigma_said(found->findings, "height"));
+  EXPECT_TRUE(sigma_stated(found->findings, FindingCode::kControlSigmaPlan));
+  EXPECT_FALSE(sigma_stated(found->findings, FindingCode::kControlSigmaHeight));
   for (const ControlDifference& control : found->adjusted.control)
     if (control.used) {
       EXPECT_LT(std::abs(control.difference_m.z()), 4 * height_m.at(control.point));
@@ -343,7 +343,7 @@ TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->georeferenced);
-  EXPECT_NE(found->gauge.find("local gauge"), std::string::npos) << found->gauge;
+  EXPECT_EQ(found->gauge, Gauge{});
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& [image, pose] : oriented_images(found->block)) middle += centre_of(pose) / 8;
   EXPECT_LT(middle.norm(), 0.1);
@@ -371,7 +371,7 @@ TEST(Orient, TwoPositionsDoNotFixThePlaceAndThisIsSaid) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->georeferenced);
-  EXPECT_TRUE(mentions(found->findings, "do not fix the place"));
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kLocalGauge));
 }
 
 TEST(Orient, ASingleStripGetsItsTiltFromTheAttitudes) {
@@ -379,8 +379,8 @@ TEST(Orient, ASingleStripGetsItsTiltFromTheAttitudes) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_TRUE(found->georeferenced);
-  EXPECT_NE(found->gauge.find("attitudes"), std::string::npos) << found->gauge;
-  EXPECT_TRUE(mentions(found->findings, "on one line"));
+  EXPECT_EQ(found->gauge.position_use, PositionUse::kOnLine);
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kPositionsOnLine));
   EXPECT_LT(centre_rms_m(found->block, input.truth, false), 2 * 3);
   for (const auto& [image, pose] : oriented_images(found->block))
     EXPECT_LT((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(), 0.05)
@@ -393,7 +393,7 @@ TEST(Orient, ASingleStripWithoutAttitudesKeepsItsOwnGauge) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->georeferenced);
-  EXPECT_TRUE(mentions(found->findings, "all on one line"));
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kLocalGauge));
 }
 
 // A degree of error that all attitudes of a flight down have in common, in a random direction.
@@ -459,8 +459,10 @@ TEST(Orient, PositionsWithoutHeightsPlaceTheBlockInPlan) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_TRUE(found->georeferenced);
-  EXPECT_NE(found->gauge.find("8 image positions in plan, level by"), std::string::npos) << found->gauge;
-  EXPECT_TRUE(mentions(found->findings, "heights are relative"));
+  EXPECT_EQ(found->gauge.positions, 8u);
+  EXPECT_EQ(found->gauge.position_use, PositionUse::kPlan);
+  EXPECT_NE(found->gauge.level, LevelSource::kNone);
+  EXPECT_TRUE(mentions(found->findings, FindingCode::kHeightsRelative));
   for (const auto& [image, pose] : oriented_images(found->block))
     EXPECT_LT((centre_of(pose) - centre_of(pose_of(input.truth, image))).head<2>().norm(), 1) << image.value;
   EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitZ()), 0, 1.5);
@@ -475,8 +477,11 @@ TEST(Orient, PositionsTooVagueToTellTheTiltLeaveItToThePictures) {
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_TRUE(found->georeferenced);
-  EXPECT_NE(found->gauge.find("level by"), std::string::npos) << found->gauge;
-  EXPECT_TRUE(mentions(found->findings, "north to"));
+  EXPECT_NE(found->gauge.level, LevelSource::kNone);
+  EXPECT_TRUE(std::any_of(found->findings.begin(), found->findings.end(), [](const Finding& one) {
+    return one.code >= FindingCode::kLevelByEdges && one.code <= FindingCode::kLevelByAttitudes &&
+           one.figure(FigureName::kSigmaAzimuth) > 0;
+  }));
   EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitX()), 0, 9);
   EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitY()), 0, 9);
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/orient/weak_cases.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -85,41 +83,33 @@ bool moves_along_view(const Block& block, const std::map<Pair, std::size_t>& com
   return cosines.size() + 1 >= kLeastImages && median(cosines) > kAlong;
 }
 
-std::vector<std::string> undetermined_focals(const Block& setup, const Examined& adjusted, bool flat, bool along) {
-  std::vector<std::string> findings;
+std::vector<Finding> undetermined_focals(const Block& setup, const Examined& adjusted, bool flat, bool along) {
+  std::vector<Finding> findings;
   for (const auto& [id, covariance] : adjusted.camera_covariance) {
     const Camera& before = setup.cameras.at(id);
     const double sigma_px = std::sqrt(covariance(Camera::kF, Camera::kF));
     if (!(sigma_px > kHardlyDetermined * before.prior.sigma_f_px)) continue;
-    const char* cause = flat    ? "the scene is flat and seen from one direction"
-                        : along ? "the camera moved along its view"
-                                : "the photographs are too few or too much alike";
-    findings.push_back(fmt::format(
-        "the focal length of {} is hardly determined by the images ({:.1f} %): {}. Distances across the view are as "
-        "wrong "
-        "as it is. Give a calibrated camera (--camera-params), add photographs from other distances or turned by 90 "
-        "degrees and oblique ones, or use control points at different heights",
-        before.name.empty() ? "the camera" : before.name, 100 * sigma_px / before.focal_px(), cause));
+    const FindingCode code = flat    ? FindingCode::kFocalOfFlatScene
+                             : along ? FindingCode::kFocalAlongView
+                                     : FindingCode::kFocalOfFewImages;
+    findings.push_back(finding_of(
+        code, {id}, {{FigureName::kRelative, sigma_px / before.focal_px()}},
+        {RemedyCode::kCalibrateCamera, OptionField{"import", "camera_params", ""}, RemedyCode::kAddDistances}));
   }
   return findings;
 }
 
-std::optional<std::string> moved_while_read(const Block& block) {
+std::optional<Finding> moved_while_read(const Block& block) {
   const LineMotion motion = line_motion(block);
   if (motion.explained < kMoved || motion.images.size() < kLeastImages) return std::nullopt;
-  std::string worst;
-  for (std::size_t i = 0; i < std::min(kNamed, motion.images.size()); ++i)
-    worst += (i ? ", " : "") + block.images.at(motion.images[i].image).file;
-  return fmt::format(
-      "the camera turned while photographs were read out line by line (rolling shutter): {:.0f} % of the squared "
-      "residuals of tie points go with the line, most in {}. The adjustment takes a photograph as taken at one "
-      "instant, so the model is strained there. Hold the camera still for each photograph, or use one with a global "
-      "shutter",
-      100 * motion.explained, worst);
+  std::vector<Subject> worst;
+  for (std::size_t i = 0; i < std::min(kNamed, motion.images.size()); ++i) worst.emplace_back(motion.images[i].image);
+  return finding_of(FindingCode::kMovedWhileRead, worst, {{FigureName::kShare, motion.explained}},
+                    {RemedyCode::kHoldStill});
 }
 
-std::optional<std::string> contradicting_pairs(const Block& block, std::span<const ImagePair> pairs,
-                                               const std::map<Pair, std::size_t>& common, bool moved) {
+std::optional<Finding> contradicting_pairs(const Block& block, std::span<const ImagePair> pairs,
+                                           const std::map<Pair, std::size_t>& common, bool moved) {
   std::size_t count = 0;
   const ImagePair* worst = nullptr;
   for (const ImagePair& pair : pairs) {
@@ -132,13 +122,11 @@ std::optional<std::string> contradicting_pairs(const Block& block, std::span<con
     if (!worst || pair.matches.size() > worst->matches.size()) worst = &pair;
   }
   if (!worst) return std::nullopt;
-  return fmt::format(
-      "{} pair{} of images agree between themselves but not with the block, most of all {} and {} ({} matches): "
-      "{}repeated "
-      "structure (windows, rows of trees), or things that moved. Such matches were left out. Should the model be "
-      "folded or doubled, take these photographs out or add some that show the places apart",
-      count, count == 1 ? "" : "s", block.images.at(worst->first).file, block.images.at(worst->second).file,
-      worst->matches.size(), moved ? "the rolling shutter, " : "");
+  return finding_of(moved ? FindingCode::kPairsContradictWhileRead : FindingCode::kPairsContradict,
+                    {worst->first, worst->second},
+                    {{FigureName::kCount, static_cast<double>(count)},
+                     {FigureName::kMatches, static_cast<double>(worst->matches.size())}},
+                    {RemedyCode::kTakeRepeatsOut});
 }
 
 using Vector10d = Eigen::Matrix<double, 10, 1>;
@@ -192,27 +180,20 @@ bool on_critical_surface(const std::vector<Eigen::Vector3d>& points, const std::
 
 }  // namespace
 
-std::vector<std::string> weak_cases(const Block& oriented, const Block& setup, std::span<const ImagePair> pairs,
-                                    const Examined& adjusted) {
+std::vector<Finding> weak_cases(const Block& oriented, const Block& setup, std::span<const ImagePair> pairs,
+                                const Examined& adjusted) {
   const std::vector<Eigen::Vector3d> points = some_points(oriented), centres = centres_of(oriented);
   if (points.size() < kLeastPoints || centres.size() < 2) return {};
   const auto common = common_points(oriented);
   const bool flat = relief(oriented, points) < kFlat, along = moves_along_view(oriented, common);
-  std::vector<std::string> findings = undetermined_focals(setup, adjusted, flat, along);
-  if (along)
-    findings.emplace_back(
-        "the camera moved along its view: rays meet at small angles, and distances ahead are weak, most of all in the "
-        "middle of the pictures. Photographs from the side, or looking sideways, would fix them");
+  std::vector<Finding> findings = undetermined_focals(setup, adjusted, flat, along);
+  if (along) findings.push_back(finding_of(FindingCode::kMovedAlongView, {}, {}, {RemedyCode::kAddSideViews}));
   const auto moved = moved_while_read(oriented);
   if (moved) findings.push_back(*moved);
   if (auto pairs_against = contradicting_pairs(oriented, pairs, common, moved.has_value()))
     findings.push_back(*pairs_against);
   if (!flat && on_critical_surface(points, centres))
-    findings.emplace_back(
-        "tie points and projection centres lie on one curved surface (cylinder, cone, hyperboloid): a critical "
-        "surface, "
-        "on which other shapes explain the images as well. Photographs from off that surface, or control, would "
-        "decide");
+    findings.push_back(finding_of(FindingCode::kCriticalSurface, {}, {}, {RemedyCode::kLeaveSurface}));
   return findings;
 }
 

@@ -11,7 +11,7 @@
 
 namespace collinea {
 
-/// What makes an oriented block weaker than its residuals look, in words: what it is, what it means and what to do.
+/// What makes an oriented block weaker than its residuals look:
 ///   - a camera whose focal length the images hardly determine, with the cause: flat scene, motion along the view
 ///   - motion along the view: rays meet at small angles
 ///   - rolling shutter: the camera turned while pictures were read out, see line_motion
@@ -19,8 +19,8 @@ namespace collinea {
 ///   - a critical surface: tie points and projection centres on one ruled quadric, where another block fits as well
 ///     (Krames 1941, Maybank 1993)
 /// `setup` has the cameras before adjustment; `adjusted` belongs to `oriented`, with covariances of cameras.
-[[nodiscard]] std::vector<std::string> weak_cases(const Block& oriented, const Block& setup,
-                                                  std::span<const ImagePair> pairs, const Examined& adjusted);
+[[nodiscard]] std::vector<Finding> weak_cases(const Block& oriented, const Block& setup,
+                                              std::span<const ImagePair> pairs, const Examined& adjusted);
 
 /// Why no two images could start a block: no overlap, one place of exposure (panorama), or too little parallax.
 [[nodiscard]] std::string why_nothing(std::span<const ImagePair> pairs);

@@ -284,7 +284,7 @@ TEST(Precision, ABlockWithoutControlSaysThatItHasNoDatum) {
   const Precision free = precision_of(small_survey("none"));
   EXPECT_EQ(free.adjusted.rank_defect, 7);
   ASSERT_FALSE(free.adjusted.weaknesses.empty());
-  EXPECT_EQ(free.adjusted.weaknesses[0].code, "no_datum");
+  EXPECT_EQ(free.adjusted.weaknesses[0].code, FindingCode::kNoDatum);
 }
 
 TEST(Precision, TheEngineAnswersInSigmasThatWereGiven) {

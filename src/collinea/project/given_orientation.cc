@@ -40,10 +40,10 @@ void take_common(const std::map<CameraId, std::vector<Camera>>& cameras, ReadOri
                      [](const Camera& a, const Camera& b) { return a.focal_px() < b.focal_px(); });
     read.given.cameras[id] = sorted[sorted.size() / 2];
     if (sorted.back().focal_px() / sorted.front().focal_px() < 1 + kSameFocal) continue;
-    read.remarks.push_back(fmt::format(
-        "{} gives the images of {} different cameras (f from {:.1f} to {:.1f} px); the middle one is taken for all, "
-        "and poses fit it only roughly: --refine-orientation adjusts them",
-        read.given.source, sorted.front().name, sorted.front().focal_px(), sorted.back().focal_px()));
+    read.findings.push_back(finding_of(
+        FindingCode::kCamerasMerged, {Subject::file(read.given.source), id},
+        {{FigureName::kFocalLowest, sorted.front().focal_px()}, {FigureName::kFocalHighest, sorted.back().focal_px()}},
+        {OptionField{"orient", "refine_orientation", ""}}));
   }
 }
 

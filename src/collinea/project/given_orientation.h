@@ -5,15 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/base/result.h"
 #include "collinea/orient/given.h"
 
 namespace collinea {
 
-/// An orientation read from files, and remarks on what could not be taken as it is there.
+/// An orientation read from files, and what could not be taken as it is there.
 struct ReadOrientation {
   GivenOrientation given;
-  std::vector<std::string> remarks;
+  std::vector<Finding> findings;
 };
 
 /// Reads the orientation of images of `setup` (named by path or file name) from a folder with a COLMAP model, from a

@@ -30,7 +30,7 @@ TEST(CameraPoses, ErrorsGoTogetherAsTold) {
     const Block block = testing::measured_anew(truth, scope, seed);
     ExamineOptions options = testing::examined(Calibration::kFocal);
     const auto adjusted = examine(block, scope, options, kRun);
-    ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
+    ASSERT_TRUE(adjusted && !adjusted->undetermined);
     ASSERT_EQ(adjusted->camera_pose_correlations.size(), 6u);
     for (Pair& pair : pairs) {
       const CameraPoseCorrelation& one = adjusted->camera_pose_correlations[static_cast<std::size_t>(pair.of_pose)];
@@ -60,7 +60,7 @@ TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
       testing::test_block({.points = 150, .relief_m = 0.5, .sigma_px = 0.5, .control = 9, .tilt_rad = 0.01});
   ExamineOptions options = testing::examined(Calibration::kBrown);
   const auto adjusted = examine(block, {}, options, kRun);
-  ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
+  ASSERT_TRUE(adjusted && !adjusted->undetermined);
   EXPECT_EQ(adjusted->camera_pose_correlations.size(), 6 * 8u);
   int with_height = 0;
   for (const CameraPoseCorrelation& one : adjusted->camera_pose_correlations) {
@@ -76,7 +76,7 @@ TEST(CameraPoses, NothingIsToldOfAFreeNetwork) {
   const Block block = testing::test_block({.points = 100, .sigma_px = 0.5});
   ExamineOptions options = testing::examined(Calibration::kFocalRadial);
   const auto adjusted = examine(block, {}, options, kRun);
-  ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
+  ASSERT_TRUE(adjusted && !adjusted->undetermined);
   EXPECT_TRUE(adjusted->camera_pose_correlations.empty());
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/quality/conditioning.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,39 +17,35 @@ constexpr std::size_t kNamed = 3;
 constexpr double kLeastShare = 0.05;  // of the combination, to be named
 
 // The unknowns with the largest shares, all images and each parameter taken together.
-std::string shares_of(const Block& block, const Problem& problem, const Eigen::VectorXd& vector) {
-  std::map<std::string, double> shares;
-  for (int row = 0; row < static_cast<int>(vector.size()); ++row) {
-    const double share = vector[row] * vector[row];
-    if (row >= 6 * problem.poses)
-      shares[name_of_unknown(block, problem, row)] += share;
-    else
-      shares[row % 6 < 3 ? "the attitudes of the images" : "the positions of the images"] += share;
-  }
-  std::vector<std::pair<double, std::string>> largest;
-  for (const auto& [name, share] : shares) largest.emplace_back(share, name);
-  std::stable_sort(largest.begin(), largest.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kNamed, largest.size()) && largest[i].first > kLeastShare; ++i)
-    text += fmt::format("{}{} ({:.0f} %)", i > 0 ? ", " : "", largest[i].second, 100 * largest[i].first);
-  return text;
+std::vector<UnknownShare> shares_of(const Problem& problem, const Eigen::VectorXd& vector) {
+  const auto of_images = [](int row) {
+    return Subject(SubjectKind::kImage, Subject::kAll, row % 6 < 3 ? Aspect::kAttitude : Aspect::kPosition);
+  };
+  std::map<Subject, double> shares;
+  for (int row = 0; row < static_cast<int>(vector.size()); ++row)
+    shares[row < 6 * problem.poses ? of_images(row) : subject_of_row(problem, row)] += vector[row] * vector[row];
+  std::vector<UnknownShare> largest;
+  for (const auto& [unknown, share] : shares)
+    if (share > kLeastShare) largest.push_back({unknown, share});
+  std::stable_sort(largest.begin(), largest.end(), [](const auto& a, const auto& b) { return a.share > b.share; });
+  if (largest.size() > kNamed) largest.resize(kNamed);
+  return largest;
 }
 
 }  // namespace
 
-std::string name_of_unknown(const Block& block, const Problem& problem, int row) {
-  if (row < 6 * problem.poses)
-    return (row % 6 < 3 ? "the attitude of " : "the position of ") + block.images.at(problem.images[row / 6].id).file;
-  for (const ProblemCamera& camera : problem.cameras)
-    if (const int k = row - 6 * problem.poses - camera.border; k >= 0 && k < static_cast<int>(camera.free.size()))
-      return param_name(camera.free[k]) + " of camera " + block.cameras.at(camera.id).name;
+Subject subject_of_row(const Problem& problem, int row) {
+  if (row < 6 * problem.poses) return {problem.images[row / 6].id, row % 6 < 3 ? Aspect::kAttitude : Aspect::kPosition};
   const int in_border = row - 6 * problem.poses;
+  for (const ProblemCamera& camera : problem.cameras)
+    if (const int k = in_border - camera.border; k >= 0 && k < static_cast<int>(camera.free.size()))
+      return {camera.id, Aspect::kParameter, camera.free[k]};
   if (const auto k = static_cast<std::size_t>(in_border - problem.first_extra); k < problem.extras.size())
-    return name_of_extra(block, problem.extras[k].kind, problem.extras[k].owner, problem.extras[k].axis);
+    return subject_of(problem.extras[k].kind, problem.extras[k].owner, problem.extras[k].axis);
   for (const std::uint32_t p : problem.joined)
     if (const int k = in_border - problem.point(p).joined; k >= 0 && k < 3)
-      return "the position of " + block.control.at(ControlId{problem.point(p).id}).name;
-  return "an unknown";
+      return {ControlId{problem.point(p).id}, Aspect::kPosition};
+  return {};
 }
 
 }  // namespace bundle
@@ -80,7 +74,7 @@ Conditioning conditioning_of(const Solved& solved, const bundle::TileCholesky& f
     found.inflation = vector.norm();
     if (std::abs(found.inflation - before) < bundle::kSettled * found.inflation) break;
   }
-  found.mostly = bundle::shares_of(solved.block(), problem, vector.normalized());
+  found.mostly = bundle::shares_of(problem, vector.normalized());
   return found;
 }
 

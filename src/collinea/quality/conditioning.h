@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "collinea/adjust/solved.h"
+#include "collinea/base/finding.h"
 #include "collinea/base/run.h"
 #include "collinea/math/tile_cholesky.h"
 
 namespace collinea {
+
+/// What an unknown contributes to a combination of unknowns.
+struct UnknownShare {
+  Subject unknown;
+  double share = 0;  ///< of the sum of squares, 0 to 1
+};
 
 /// How well images, cameras and what stands in the border can be told apart.
 struct Conditioning {
@@ -16,13 +22,13 @@ struct Conditioning {
   /// known: 1 / the least eigenvalue of the reduced normal equations with each unknown in units of its own weight. Of
   /// sixteen digits its logarithm is lost. 0: not known.
   double inflation = 0;
-  std::string mostly;  ///< what that combination consists of, in words
+  std::vector<UnknownShare> mostly;  ///< the up to three unknowns that this combination consists of most, descending
 };
 
 namespace bundle {
 
-/// "the attitude of IMG_3.jpg", "k1 of camera X": what a row of the reduced normal equations stands for.
-[[nodiscard]] std::string name_of_unknown(const Block& block, const Problem& problem, int row);
+/// The unknown that a row of the reduced normal equations stands for: the attitude of an image, k1 of a camera.
+[[nodiscard]] Subject subject_of_row(const Problem& problem, int row);
 
 }  // namespace bundle
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/quality/control_check.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -106,26 +104,23 @@ bool axes_are_swapped(const Block& block, const std::vector<Place>& places, std:
 
 // --- coordinates of points
 
-Finding wrong_point(const ControlPoint& control, ControlId id, const Eigen::Vector3d& off, std::string_view than) {
-  Finding finding{"control_point", {}, id, {}, off.norm()};
-  const std::string_view where = std::hypot(off.x(), off.y()) < 0.2 * std::abs(off.z())   ? "in height "
-                                 : std::abs(off.z()) < 0.2 * std::hypot(off.x(), off.y()) ? "in plan "
-                                                                                          : "";
-  finding.message = fmt::format("the coordinates of {} are {}{:.{}f} m off {}; the point is not used", control.name,
-                                where, off.norm(), off.norm() < 10 ? 2 : 1, than);
-  return finding;
+Finding wrong_point(FindingCode code, ControlId id, const Eigen::Vector3d& off) {
+  return finding_of(code, {id},
+                    {{FigureName::kOffset, off.norm()},
+                     {FigureName::kOffsetPlan, std::hypot(off.x(), off.y())},
+                     {FigureName::kOffsetHeight, off.z()}});
 }
 
-void exclude(const Block& block, std::vector<Place>& places, std::size_t i, const Eigen::Vector3d& off,
-             std::string_view than, ControlDiagnosis& diagnosis) {
+void exclude(std::vector<Place>& places, std::size_t i, const Eigen::Vector3d& off, FindingCode code,
+             ControlDiagnosis& diagnosis) {
   const ControlId id = places[i].id;
-  diagnosis.findings.push_back(wrong_point(block.control.at(id), id, off, than));
+  diagnosis.findings.push_back(wrong_point(code, id, off));
   diagnosis.excluded_points.insert(id);
   places.erase(places.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
 // Leave-one-out: the point without which the others fit best goes when it is far off that fit.
-void check_points_among_each_other(const Block& block, std::vector<Place>& places, ControlDiagnosis& diagnosis) {
+void check_points_among_each_other(std::vector<Place>& places, ControlDiagnosis& diagnosis) {
   while (places.size() >= 4) {
     double least = std::numeric_limits<double>::infinity(), scale = 1;
     std::size_t worst = places.size();
@@ -149,12 +144,12 @@ void check_points_among_each_other(const Block& block, std::vector<Place>& place
     const double bending = 2e-3 * size_m(pairs_of(places));
     const double sigma_m = std::hypot(places[worst].pair.sigma_m, scale * places[worst].sigma_in_block);
     if (off.norm() < std::max({times * least, 10 * sigma_m, bending})) return;
-    exclude(block, places, worst, off, "what the other points say", diagnosis);
+    exclude(places, worst, off, FindingCode::kControlPoint, diagnosis);
   }
 }
 
 // Check points far off what the control says: for the user to know, nothing is excluded.
-void name_wrong_check_points(const Block& block, const std::vector<Place>& places, const std::vector<Place>& checks,
+void name_wrong_check_points(const std::vector<Place>& places, const std::vector<Place>& checks,
                              ControlDiagnosis& diagnosis) {
   const std::vector<PlacePair> pairs = pairs_of(places);
   const auto similarity = bundle::span_a_plane(pairs) ? fit(pairs) : std::nullopt;
@@ -163,10 +158,7 @@ void name_wrong_check_points(const Block& block, const std::vector<Place>& place
   for (const Place& place : checks) {
     const Eigen::Vector3d off = place.pair.in_world - *similarity * place.pair.in_block;
     if (off.norm() < std::max(limit_m, 10 * place.pair.sigma_m)) continue;
-    Finding finding{"check_point", {}, place.id, {}, off.norm()};
-    finding.message = fmt::format("check point {} is {:.1f} m off what the control points say",
-                                  block.control.at(place.id).name, off.norm());
-    diagnosis.findings.push_back(finding);
+    diagnosis.findings.push_back(finding_of(FindingCode::kCheckPoint, {place.id}, {{FigureName::kOffset, off.norm()}}));
   }
 }
 
@@ -184,17 +176,14 @@ void check_points_by_positions(const Block& block, std::vector<Place>& places, C
   if (places.size() == 2) {
     const double apart = (off[0] - off[1]).norm();
     if (apart < limit) return;
-    Finding finding{"control_inconsistent", {}, {}, {}, apart};
-    finding.message =
-        fmt::format("{} and {} contradict each other by {:.1f} m by the camera positions; one of them is wrong",
-                    block.control.at(places[0].id).name, block.control.at(places[1].id).name, apart);
-    diagnosis.findings.push_back(finding);
+    diagnosis.findings.push_back(
+        finding_of(FindingCode::kControlInconsistent, {places[0].id, places[1].id}, {{FigureName::kOffset, apart}}));
     return;
   }
   for (std::size_t i = 0; i < 3; ++i) {
     const Eigen::Vector3d &one = off[(i + 1) % 3], &other = off[(i + 2) % 3], shift = (one + other) / 2;
     if ((one - other).norm() < limit / 2 && (off[i] - shift).norm() > limit) {
-      exclude(block, places, i, off[i] - shift, "what the other points and the camera positions say", diagnosis);
+      exclude(places, i, off[i] - shift, FindingCode::kControlPointByPositions, diagnosis);
       return;
     }
   }
@@ -258,31 +247,20 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
     return std::max({least, 3 * sigma, 5 * spread / std::sqrt(count)});
   };
   if (plan > limit(scatter.head<2>().norm(), 500)) {
-    Finding finding{"position_crs", {}, {}, {}, plan};
-    finding.message = fmt::format(
-        "the positions of the images lie {:.1f} km from the control: the coordinate system of the control is "
-        "not the one that was named, or its columns are mixed up; positions are not used",
-        plan / 1000);
-    diagnosis.findings.push_back(finding);
+    diagnosis.findings.push_back(finding_of(FindingCode::kPositionCrs, {}, {{FigureName::kOffset, plan}}));
     diagnosis.positions_unusable = true;
     return;
   }
   if (plan > limit(scatter.head<2>().norm(), 10)) {
-    Finding finding{"position_offset", {}, {}, {}, plan};
-    finding.message = fmt::format(
-        "the positions of the images lie {:.1f} m off the control in plan (east {:+.1f}, north {:+.1f}); "
-        "control is used, positions are not",
-        plan, off.x(), off.y());
-    diagnosis.findings.push_back(finding);
+    diagnosis.findings.push_back(
+        finding_of(FindingCode::kPositionOffset, {},
+                   {{FigureName::kOffset, plan}, {FigureName::kEast, off.x()}, {FigureName::kNorth, off.y()}}));
     diagnosis.positions_unusable = true;
   }
   if (std::abs(off.z()) > std::max({1.0, 1.5 * sigma, 5 * scatter.z() / std::sqrt(count)})) {
-    Finding finding{"position_heights", {}, {}, {}, std::abs(off.z())};
-    finding.message = fmt::format(
-        "GPS heights lie {:.1f} m {} the control heights (another height reference? --gps-heights or --control-heights "
-        "tells it); heights of control are used",
-        std::abs(off.z()), off.z() > 0 ? "above" : "below");
-    diagnosis.findings.push_back(finding);
+    diagnosis.findings.push_back(
+        finding_of(FindingCode::kPositionHeights, {}, {{FigureName::kUp, off.z()}},
+                   {OptionField{"import", "gps_heights", ""}, OptionField{"import", "control_heights", ""}}));
     diagnosis.position_height_shift_m = -off.z();
   }
 }
@@ -301,10 +279,7 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
                       std::sqrt(met.covariance.trace() / 3)});
   }
   if (axes_are_swapped(block, places, seed)) {
-    Finding finding{"control_axes_swapped", {}, {}, {}, 0};
-    finding.message =
-        "the control fits the images only with eastings and northings exchanged: its columns are in the other order";
-    diagnosis.findings.push_back(finding);
+    diagnosis.findings.push_back(finding_of(FindingCode::kControlAxesSwapped));
     diagnosis.axes_swapped = true;
     return diagnosis;
   }
@@ -314,9 +289,9 @@ ControlDiagnosis check_control(const Block& block, std::uint64_t seed) {
   });
   const std::vector<Place> checks(first_check, places.end());
   places.erase(first_check, places.end());
-  check_points_among_each_other(block, places, diagnosis);
+  check_points_among_each_other(places, diagnosis);
   check_points_by_positions(block, places, diagnosis, seed);
-  name_wrong_check_points(block, places, checks, diagnosis);
+  name_wrong_check_points(places, checks, diagnosis);
   check_positions(block, places, diagnosis, seed);
   return diagnosis;
 }

@@ -2,36 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <set>
-#include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/block/block.h"
 
 namespace collinea {
 
-/// Something that is wrong, or looks wrong, with control or with the positions of the images, in words for a surveyor.
-struct Finding {
-  /// "control_measurement": one image measurement does not meet the others; excluded
-  /// "control_measurements_disagree": two rays of a point that miss each other; the point is excluded
-  /// "control_point": the coordinates of a point contradict the others; the point is excluded
-  /// "check_point": the coordinates of a check point contradict the control; it stays in the comparison
-  /// "control_inconsistent": the points contradict each other and nobody can tell which is wrong
-  /// "control_axes_swapped": eastings and northings are exchanged
-  /// "position_heights": GNSS heights are off the control heights by a constant
-  /// "position_offset": GNSS positions are off the control by a constant in plan
-  /// "position_crs": by so much that one of the two is in another coordinate system
-  std::string code;
-  std::string message;
-  std::optional<ControlId> point;
-  std::optional<ImageId> image;
-  double size = 0;  ///< of what is wrong, of measurements [px], of others [m]
-};
-
 /// What was found and what should be done about it before the block is adjusted.
 struct ControlDiagnosis {
-  std::vector<Finding> findings;
+  std::vector<Finding> findings;                ///< codes kControlMeasurement to kPositionCrs
   std::set<std::size_t> excluded_observations;  ///< places in Block::control_observations
   std::set<ControlId> excluded_points;
   double position_height_shift_m = 0;  ///< to be added to the heights of Image::position

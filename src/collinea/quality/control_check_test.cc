@@ -8,6 +8,7 @@
 
 #include "collinea/adjust/bundle.h"
 #include "collinea/adjust/test_block.h"
+#include "collinea/block/subject_label.h"
 
 namespace collinea {
 namespace {
@@ -30,8 +31,9 @@ std::size_t place_of(const Block& block, ControlId id, int which) {
 
 TEST(CheckControl, GoodControlGivesNoFinding) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const ControlDiagnosis diagnosis = check_control(block_with_control(9, true, seed));
-    for (const Finding& finding : diagnosis.findings) ADD_FAILURE() << seed << ": " << finding.message;
+    const Block block = block_with_control(9, true, seed);
+    const ControlDiagnosis diagnosis = check_control(block);
+    for (const Finding& finding : diagnosis.findings) ADD_FAILURE() << seed << ": " << label_of(finding, block);
   }
 }
 
@@ -44,11 +46,10 @@ TEST(CheckControl, NamesTheWrongMeasurementAndTheImage) {
   const ControlDiagnosis diagnosis = check_control(block);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
   const Finding& finding = diagnosis.findings.front();
-  EXPECT_EQ(finding.code, "control_measurement");
-  EXPECT_EQ(finding.point, id);
-  EXPECT_EQ(finding.image, block.control_observations[place].image);
-  EXPECT_NEAR(finding.size, 35, 4);
-  EXPECT_NE(finding.message.find("gcp4 in IMG_"), std::string::npos);
+  EXPECT_EQ(finding.code, FindingCode::kControlMeasurement);
+  EXPECT_EQ(finding.subjects, (std::vector<Subject>{id, block.control_observations[place].image}));
+  EXPECT_EQ(finding.severity, Severity::kWrong);
+  EXPECT_NEAR(finding.figure(FigureName::kOffsetPx).value_or(0), 35, 4);
   EXPECT_EQ(diagnosis.excluded_observations, std::set<std::size_t>{place});
   EXPECT_TRUE(diagnosis.excluded_points.empty());
   Block mended = block;
@@ -70,7 +71,7 @@ TEST(CheckControl, TwoRaysThatMissAreNotUsed) {
   block.control_observations[place_of(block, id, 0)].pixel += 90 * across;
   const ControlDiagnosis diagnosis = check_control(block);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
-  EXPECT_EQ(diagnosis.findings.front().code, "control_measurements_disagree");
+  EXPECT_EQ(diagnosis.findings.front().code, FindingCode::kControlMeasurementsDisagree);
   EXPECT_EQ(diagnosis.excluded_points, std::set<ControlId>{id});
 }
 
@@ -83,11 +84,11 @@ TEST(CheckControl, APointAHundredMetresOffIsNamed) {
     block.control.at(id).position_in_map.x() += 100;
     const ControlDiagnosis diagnosis = check_control(block);
     ASSERT_EQ(diagnosis.findings.size(), 1u) << count;
-    EXPECT_EQ(diagnosis.findings.front().code, "control_point");
-    EXPECT_EQ(diagnosis.findings.front().point, id);
-    EXPECT_NEAR(diagnosis.findings.front().size, 100, 2);
-    EXPECT_NE(diagnosis.findings.front().message.find("in plan"), std::string::npos)
-        << diagnosis.findings.front().message;
+    EXPECT_EQ(diagnosis.findings.front().code, FindingCode::kControlPoint);
+    EXPECT_EQ(diagnosis.findings.front().subjects, std::vector<Subject>{id});
+    EXPECT_NEAR(diagnosis.findings.front().figure(FigureName::kOffset).value_or(0), 100, 2);
+    EXPECT_NEAR(diagnosis.findings.front().figure(FigureName::kOffsetPlan).value_or(0), 100, 2);
+    EXPECT_LT(std::abs(diagnosis.findings.front().figure(FigureName::kOffsetHeight).value_or(100)), 20);
     EXPECT_EQ(diagnosis.excluded_points, std::set<ControlId>{id});
   }
 }
@@ -99,8 +100,8 @@ TEST(CheckControl, ACheckPointFarOffIsNamedButDecidesNothing) {
   block.control.at(id).position_in_world.x() += 100;
   const ControlDiagnosis diagnosis = check_control(block);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
-  EXPECT_EQ(diagnosis.findings.front().code, "check_point");
-  EXPECT_EQ(diagnosis.findings.front().point, id);
+  EXPECT_EQ(diagnosis.findings.front().code, FindingCode::kCheckPoint);
+  EXPECT_EQ(diagnosis.findings.front().subjects, std::vector<Subject>{id});
   EXPECT_TRUE(diagnosis.excluded_points.empty());
 }
 
@@ -138,7 +139,7 @@ TEST(CheckControl, ExchangedAxesAreFoundInReliefAndOnFlatGround) {
   const ControlDiagnosis diagnosis = check_control(flat);
   EXPECT_TRUE(diagnosis.axes_swapped);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
-  EXPECT_EQ(diagnosis.findings.front().code, "control_axes_swapped");
+  EXPECT_EQ(diagnosis.findings.front().code, FindingCode::kControlAxesSwapped);
 }
 
 // Six cameras look 20 degrees down over flat ground, held upside down: the pixels are stored with the sky below.
@@ -176,8 +177,8 @@ TEST(CheckControl, PositionHeightsOffByAConstantAreShifted) {
     for (auto& [id, image] : block.images) image.position->position_in_world.z() -= 73.1;
     const ControlDiagnosis diagnosis = check_control(block);
     ASSERT_EQ(diagnosis.findings.size(), 1u) << count;
-    EXPECT_EQ(diagnosis.findings.front().code, "position_heights");
-    EXPECT_NE(diagnosis.findings.front().message.find("below the control heights"), std::string::npos);
+    EXPECT_EQ(diagnosis.findings.front().code, FindingCode::kPositionHeights);
+    EXPECT_NEAR(diagnosis.findings.front().figure(FigureName::kUp).value_or(0), -73.1, 3);
     EXPECT_NEAR(diagnosis.position_height_shift_m, 73.1, 3);  // positions of 2 m
     EXPECT_FALSE(diagnosis.positions_unusable);
     Block mended = block;
@@ -191,8 +192,8 @@ TEST(CheckControl, KilometresApartIsAnotherCoordinateSystem) {
   for (auto& [id, control] : block.control) control.position_in_world += Eigen::Vector3d(2500, -800, 0);
   const ControlDiagnosis diagnosis = check_control(block);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
-  EXPECT_EQ(diagnosis.findings.front().code, "position_crs");
-  EXPECT_NEAR(diagnosis.findings.front().size, 2625, 5);
+  EXPECT_EQ(diagnosis.findings.front().code, FindingCode::kPositionCrs);
+  EXPECT_NEAR(diagnosis.findings.front().figure(FigureName::kOffset).value_or(0), 2625, 5);
   EXPECT_TRUE(diagnosis.positions_unusable);
 }
 
@@ -206,8 +207,8 @@ TEST(CheckControl, PositionsWithoutHeightsAreComparedInPlanOnly) {
   for (auto& [id, image] : block.images) image.position->position_in_world.y() += 40;
   const ControlDiagnosis diagnosis = check_control(block);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
-  EXPECT_EQ(diagnosis.findings.front().code, "position_offset");
-  EXPECT_NEAR(diagnosis.findings.front().size, 40, 3);
+  EXPECT_EQ(diagnosis.findings.front().code, FindingCode::kPositionOffset);
+  EXPECT_NEAR(diagnosis.findings.front().figure(FigureName::kOffset).value_or(0), 40, 3);
   EXPECT_EQ(diagnosis.position_height_shift_m, 0);
 }
 

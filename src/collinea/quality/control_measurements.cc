@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/quality/control_measurements.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -49,23 +47,6 @@ bool is_wrong(const Suspect& suspect, double sigma_px, std::size_t lines) {
   return suspect.off_px > std::max({kSigmas * sigma_px, kLeast_px, times * suspect.rest_px});
 }
 
-Finding wrong_measurement(const Block& block, const ControlPoint& control, ControlId id, ImageId image, double off_px) {
-  Finding finding{"control_measurement", {}, id, image, off_px};
-  finding.message =
-      fmt::format("{} in {} is off by {:.0f} px: the other images see it elsewhere; this measurement is not used",
-                  control.name, block.images.at(image).file, off_px);
-  return finding;
-}
-
-Finding disagreement(const ControlPoint& control, ControlId id, std::size_t images, double off_px) {
-  Finding finding{"control_measurements_disagree", {}, id, {}, off_px};
-  finding.message = fmt::format(
-      "the measurements of {} in {} images miss each other by up to {:.0f} px, and too few are "
-      "there to tell which is wrong; the point is not used",
-      control.name, images, off_px);
-  return finding;
-}
-
 }  // namespace
 
 std::map<ControlId, Intersection> intersect_control(const Block& block, ControlDiagnosis& diagnosis) {
@@ -77,7 +58,8 @@ std::map<ControlId, Intersection> intersect_control(const Block& block, ControlD
       const auto suspect = worst_of(lines);
       if (!suspect || !is_wrong(*suspect, lines[suspect->line].sigma_px, lines.size())) break;
       const ImageId image = block.control_observations[places[suspect->line]].image;
-      diagnosis.findings.push_back(wrong_measurement(block, control, id, image, suspect->off_px));
+      diagnosis.findings.push_back(
+          finding_of(FindingCode::kControlMeasurement, {id, image}, {{FigureName::kOffsetPx, suspect->off_px}}));
       diagnosis.excluded_observations.insert(places[suspect->line]);
       lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(suspect->line));
       places.erase(places.begin() + static_cast<std::ptrdiff_t>(suspect->line));
@@ -87,7 +69,9 @@ std::map<ControlId, Intersection> intersect_control(const Block& block, ControlD
     const double largest = largest_residual_px(*met);
     // A bent block leaves some pixels; far more than that is a wrong measurement.
     if (lines.size() <= 3 && largest > std::max(2 * kSigmas * lines.front().sigma_px, 4 * kLeast_px)) {
-      diagnosis.findings.push_back(disagreement(control, id, lines.size(), 2 * largest));
+      diagnosis.findings.push_back(
+          finding_of(FindingCode::kControlMeasurementsDisagree, {id},
+                     {{FigureName::kOffsetPx, 2 * largest}, {FigureName::kCount, static_cast<double>(lines.size())}}));
       diagnosis.excluded_points.insert(id);
       continue;
     }

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "collinea/adjust/bundle.h"
@@ -35,11 +34,10 @@ struct Examined : Adjusted {
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points; when asked for
   std::vector<PlacePrecision> places;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
   std::vector<CameraPoseCorrelation> camera_pose_correlations;  ///< where the datum is complete
-  /// Pairs of unknowns that hardly differ in what they do (correlation beyond 0.99), and what helps.
-  std::vector<std::string> inseparable;
-  std::string undetermined;  ///< what is not determined; empty when everything is
+  std::vector<Finding> inseparable;  ///< pairs of unknowns that hardly differ in what they do (correlation beyond 0.99)
+  std::optional<Finding> undetermined;  ///< what is not determined; nothing when everything is
   Conditioning conditioning;
-  std::vector<Weakness> weaknesses;        ///< none: everything is well determined
+  std::vector<Finding> weaknesses;         ///< none: everything is well determined
   std::optional<Reliability> reliability;  ///< when asked for
 };
 

@@ -17,17 +17,16 @@ constexpr double kInseparable = 0.99;  // correlation: the sigma of each is seve
 bool is_along_axis(const ExtraUnknown& extra) { return extra.kind == UnknownKind::kLeverArm && extra.axis == 2; }
 
 // What would part an unknown from another one, or (other = nullptr) from a parameter of a camera.
-const char* cure_of(const ExtraUnknown& extra, const ExtraUnknown* other) {
-  if (extra.kind == UnknownKind::kTimeOffset)
-    return "fly strips in the opposite direction under one shift, or give one of them";
-  if (is_of_shape(extra.kind)) return "give control, or points that are further apart";
+std::vector<Remedy> remedies_of(const ExtraUnknown& extra, const ExtraUnknown* other) {
+  if (extra.kind == UnknownKind::kTimeOffset) return {RemedyCode::kFlyBack, RemedyCode::kGiveOne};
+  if (is_of_shape(extra.kind)) return {RemedyCode::kSpreadShapePoints};
   if (is_along_axis(extra) || (other && is_along_axis(*other)))
-    return "add strips at another height or oblique images, or give one of them";
-  if (extra.kind == UnknownKind::kOrientation) return "measure to more points from there";
+    return {RemedyCode::kAddHeightsOrOblique, RemedyCode::kGiveOne};
+  if (extra.kind == UnknownKind::kOrientation) return {RemedyCode::kMeasureMoreFromSetup};
   if (extra.kind == UnknownKind::kLeverArm || (other && other->kind == UnknownKind::kLeverArm) ||
       extra.kind == UnknownKind::kBoresight)
-    return "add strips in the opposite direction and across, or give one of them";
-  return "add cross strips, or control in every strip";
+    return {RemedyCode::kFlyBackAndAcross, RemedyCode::kGiveOne};
+  return {RemedyCode::kAddCrossStripOrControl};
 }
 
 // What name_inseparable_offsets() says, and what only follows from it: axes of one shift that an offset ties together.
@@ -36,8 +35,7 @@ bool parted_elsewhere(const ExtraUnknown& one, const ExtraUnknown& other, bool o
   return offsets && one.kind == other.kind && one.owner == other.owner;
 }
 
-void name_inseparable(const Block& block, const Problem& problem, TileCholesky& inverse,
-                      std::vector<std::string>& pairs) {
+void name_inseparable(const Problem& problem, TileCholesky& inverse, std::vector<Finding>& pairs) {
   const int border = 6 * problem.poses;
   const bool offsets = !pairs.empty();
   for (int i = 0; i < static_cast<int>(problem.extras.size()); ++i) {
@@ -48,18 +46,17 @@ void name_inseparable(const Block& block, const Problem& problem, TileCholesky& 
       if (k >= 0 && parted_elsewhere(extra, problem.extras[static_cast<std::size_t>(k)], offsets)) continue;
       const double correlation = inverse.at(row, other) / std::sqrt(inverse.at(row, row) * inverse.at(other, other));
       if (!(std::abs(correlation) > kInseparable)) continue;
-      pairs.push_back(name_of_unknown(block, problem, row) + " and " + name_of_unknown(block, problem, other) +
-                      " can hardly be separated (correlation " +
-                      std::to_string(correlation).substr(0, correlation < 0 ? 6 : 5) +
-                      "): " + cure_of(extra, k < 0 ? nullptr : &problem.extras[static_cast<std::size_t>(k)]));
+      pairs.push_back(finding_of(FindingCode::kInseparable,
+                                 {subject_of_row(problem, row), subject_of_row(problem, other)},
+                                 {{FigureName::kCorrelation, correlation}},
+                                 remedies_of(extra, k < 0 ? nullptr : &problem.extras[static_cast<std::size_t>(k)])));
     }
   }
 }
 
 // A time offset moves the antenna along the flight, which need not be an axis: what of it a shift, a drift or a lever
 // arm can stand for is its multiple correlation with the three.
-void name_inseparable_offsets(const Block& block, const Problem& problem, TileCholesky& inverse,
-                              std::vector<std::string>& pairs) {
+void name_inseparable_offsets(const Problem& problem, TileCholesky& inverse, std::vector<Finding>& pairs) {
   const int first = 6 * problem.poses + problem.first_extra;
   for (std::size_t i = 0; i < problem.extras.size(); ++i) {
     if (problem.extras[i].kind != UnknownKind::kTimeOffset) continue;
@@ -77,11 +74,11 @@ void name_inseparable_offsets(const Block& block, const Problem& problem, TileCh
       const Eigen::Vector3d coupling = scale.asDiagonal() * with / std::sqrt(inverse.at(row, row));
       const double square = coupling.dot(correlations.ldlt().solve(coupling));
       if (!(square > kInseparable * kInseparable)) continue;
-      std::string name = name_of_extra(block, other.kind, other.owner, 0);
-      const std::size_t axis = name.find(other.kind == UnknownKind::kLeverArm ? " to the right" : " in east");
-      name.replace(axis, other.kind == UnknownKind::kLeverArm ? 13 : 8, " along the flight");
-      pairs.push_back(name_of_unknown(block, problem, row) + " and " + name + " can hardly be separated (correlation " +
-                      std::to_string(std::sqrt(square)).substr(0, 5) + "): " + cure_of(problem.extras[i], &other));
+      Subject along = subject_of(other.kind, other.owner, 0);
+      along.axis = Subject::kAlongFlight;
+      pairs.push_back(finding_of(FindingCode::kInseparable, {subject_of_row(problem, row), along},
+                                 {{FigureName::kCorrelation, std::sqrt(square)}},
+                                 remedies_of(problem.extras[i], &other)));
     }
   }
 }
@@ -89,19 +86,19 @@ void name_inseparable_offsets(const Block& block, const Problem& problem, TileCh
 }  // namespace
 }  // namespace bundle
 
-std::vector<std::string> inseparable_unknowns(const Solved& solved, bundle::TileCholesky& inverse) {
-  std::vector<std::string> pairs;
-  bundle::name_inseparable_offsets(solved.block(), solved.problem(), inverse, pairs);
-  bundle::name_inseparable(solved.block(), solved.problem(), inverse, pairs);
+std::vector<Finding> inseparable_unknowns(const Solved& solved, bundle::TileCholesky& inverse) {
+  std::vector<Finding> pairs;
+  bundle::name_inseparable_offsets(solved.problem(), inverse, pairs);
+  bundle::name_inseparable(solved.problem(), inverse, pairs);
   return pairs;
 }
 
-std::string undetermined_unknown(const Solved& solved, int row) {
+Finding undetermined_unknown(const Solved& solved, int row) {
   const bundle::Problem& problem = solved.problem();
-  std::string text = bundle::name_of_unknown(solved.block(), problem, row) + " is not determined by the observations";
+  Finding finding = finding_of(FindingCode::kUndetermined, {bundle::subject_of_row(problem, row)});
   const auto extra = static_cast<std::size_t>(row - 6 * problem.poses - problem.first_extra);
-  if (extra < problem.extras.size()) text += std::string(": ") + bundle::cure_of(problem.extras[extra], nullptr);
-  return text;
+  if (extra < problem.extras.size()) finding.remedies = bundle::remedies_of(problem.extras[extra], nullptr);
+  return finding;
 }
 
 }  // namespace collinea

@@ -9,6 +9,7 @@
 
 #include "collinea/adjust/gather_parts.h"
 #include "collinea/adjust/ground_model.h"
+#include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/test_examine.h"
 
@@ -131,7 +132,7 @@ TEST(Network, StationsWithCoordinatesPlaceTheBlock) {
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 0);
   EXPECT_LT(testing::largest_centre_error(*adjusted, made.block), 1e-9);
-  EXPECT_TRUE(adjusted->undetermined.empty()) << adjusted->undetermined;
+  EXPECT_TRUE(!adjusted->undetermined);
 }
 
 // Stations, targets and orientations over their covariances, of 60 blocks that the stations place.
@@ -153,7 +154,7 @@ TEST(Network, ErrorsOfStationsAndPointsAreAsLargeAsTheirSigmas) {
     scope.first_cameras = made.block.cameras;
     scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
     const auto adjusted = examine(made.block, scope, options, kRun);
-    ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
+    ASSERT_TRUE(adjusted && !adjusted->undetermined);
     double of_targets = 0;
     for (const ControlDifference& point : adjusted->control) {
       const Eigen::Vector3d error = *point.position_in_world - made.truth.at(point.point);
@@ -206,7 +207,7 @@ TEST(Network, StationsThatNoImageShowsAreInTheDatumOfTheOthers) {
       {station, looking->image,
        *project(made.block.camera_of(looking->image), looking->cam_from_world * made.truth.at(station)), 1e5});
   const auto seen = examine(made.block, {}, tested(), kRun);
-  ASSERT_TRUE(unseen && seen && unseen->undetermined.empty() && seen->undetermined.empty());
+  ASSERT_TRUE(unseen && seen && !unseen->undetermined && !seen->undetermined);
   ASSERT_EQ(unseen->rank_defect, 4);
   const auto of_station = [&](const Examined& adjusted) {
     for (const ControlDifference& one : adjusted.control)
@@ -225,16 +226,17 @@ TEST(Network, WhatItLeavesOpenIsNamed) {
     const auto adjusted = examine(made.block, {}, tested(), kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     const auto named = std::find_if(adjusted->weaknesses.begin(), adjusted->weaknesses.end(),
-                                    [](const Weakness& one) { return one.code == "datum_defect"; });
+                                    [](const Finding& one) { return one.code == FindingCode::kDatumDefect; });
     ASSERT_NE(named, adjusted->weaknesses.end());
-    EXPECT_NE(named->what.find(what), std::string::npos) << named->what;
+    EXPECT_NE(label_of(*named, made.block).find(what), std::string::npos) << label_of(*named, made.block);
+    EXPECT_GT(named->figure(FigureName::kSteepness).value_or(0), 0.9);
   };
-  says("the turn about the vertical and the place");
+  says("datum_defect: rotation of block, position of block;");
   ControlPoint& station = made.block.control.at({Network::kFirst});
   station.position_in_world = made.truth.at({Network::kFirst});
   for (const double sigma : {0.002, 0.0}) {
     station.sigma_m.setConstant(sigma);
-    says("the turn about the vertical (there is one control point: station0)");
+    says("datum_defect: rotation of block, control_point station0;");
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "collinea/adjust/gather.h"
 #include "collinea/adjust/observation_kinds.h"
+#include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/test_examine.h"
 #include "collinea/quality/variance_components.h"
@@ -120,7 +121,8 @@ TEST(PositionModel, ExactTruthComesBack) {
   EXPECT_EQ(adjusted->rank_defect, 0);
   ASSERT_EQ(adjusted->extras.size(), 13u);
   for (const EstimatedUnknown& extra : adjusted->extras)
-    EXPECT_NEAR(extra.value, truth_of(extra.kind)[extra.axis], 1e-6) << name_of_extra(start, extra.kind, 1, extra.axis);
+    EXPECT_NEAR(extra.value, truth_of(extra.kind)[extra.axis], 1e-6)
+        << label_of(subject_of(extra.kind, 1, extra.axis), start);
   for (const auto& [id, pose] : adjusted->cam_from_world)
     EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
   EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-4);
@@ -139,10 +141,10 @@ TEST(PositionModel, ErrorsAreAsLargeAsTheirSigmas) {
     made.scope.first_cameras = made.block.cameras;
     made.scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
     const auto adjusted = examine(made.block, made.scope, options, kRun);
-    ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
+    ASSERT_TRUE(adjusted && !adjusted->undetermined);
     for (const EstimatedUnknown& extra : adjusted->extras) {
       const double ratio = (extra.value - truth_of(extra.kind)[extra.axis]) / extra.sigma;
-      EXPECT_LT(std::abs(ratio), 4.5) << name_of_extra(made.block, extra.kind, 1, extra.axis);
+      EXPECT_LT(std::abs(ratio), 4.5) << label_of(subject_of(extra.kind, 1, extra.axis), made.block);
       squares[extra.kind] += ratio * ratio / (extra.kind == UnknownKind::kTimeOffset ? 1 : 3);
     }
   }
@@ -186,15 +188,14 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
   const auto adjusted = examine(made.block, made.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
-  std::string told = adjusted->undetermined;
-  for (const std::string& line : adjusted->inseparable) told += line + "\n";
-  EXPECT_NE(told.find("the lever arm along the axis of test and f of camera test can hardly be separated"),
-            std::string::npos)
+  std::string told = label_of(adjusted->undetermined, made.block);
+  for (const Finding& pair : adjusted->inseparable) told += label_of(pair, made.block) + "\n";
+  EXPECT_NE(told.find("inseparable: lever_arm of camera test, f of camera test; correlation"), std::string::npos)
       << told;
   const Flight well = flight(0.5, 0.03, 0.003);
   const auto separable = examine(well.block, well.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(separable);
-  EXPECT_TRUE(separable->inseparable.empty()) << separable->inseparable[0];
+  EXPECT_TRUE(separable->inseparable.empty()) << label_of(separable->inseparable[0], well.block);
 }
 
 // One way over the country, diagonally: what the clock is late looks like a shift along the flight.
@@ -210,16 +211,20 @@ TEST(PositionModel, ATimeOffsetAndAShiftOfOneFlightDirectionAreNamedAsInseparabl
   made.scope.position_tracks[0].drift_sigma_m.setZero();
   const auto adjusted = examine(made.block, made.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
-  ASSERT_EQ(adjusted->inseparable.size(), 1u) << adjusted->undetermined;
-  EXPECT_TRUE(
-      adjusted->inseparable[0].starts_with("the time offset of the positions of test and the shift of "
-                                           "positions along the flight of strip 1 can hardly be separated"))
-      << adjusted->inseparable[0];
+  ASSERT_EQ(adjusted->inseparable.size(), 1u);
+  const Finding& pair = adjusted->inseparable[0];
+  EXPECT_EQ(label_of(pair.subjects[0], made.block), "time_offset of camera test");
+  EXPECT_EQ(pair.subjects[1].kind, SubjectKind::kStrip);
+  EXPECT_EQ(pair.subjects[1].aspect, Aspect::kShift);
+  EXPECT_EQ(pair.subjects[1].axis, Subject::kAlongFlight);
+  EXPECT_EQ(pair.subjects[1].id, 0u);
+  EXPECT_GT(pair.figure(FigureName::kCorrelation).value_or(0), 0.99);
+  EXPECT_FALSE(pair.remedies.empty());
   for (auto& [id, velocity] : made.scope.velocity_m_s) velocity = {7, 7, 0};  // then nothing tells them apart
   const auto singular = examine(made.block, made.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(singular);
-  EXPECT_TRUE(singular->undetermined.starts_with("the time offset of the positions of test is not determined"))
-      << singular->undetermined;
+  ASSERT_TRUE(singular->undetermined);
+  EXPECT_EQ(label_of(singular->undetermined->subjects[0], made.block), "time_offset of camera test");
 }
 
 TEST(PositionModel, ATimeOffsetThatIsKnownToBeSmallHolds) {

@@ -119,7 +119,7 @@ TEST(Shape, ErrorsAreAsLargeAsTheirSigmas) {
     for (int i = 0; i < kBlocks; ++i) {
       const Marked made = on_shape(kind, kSigma_m, static_cast<std::uint64_t>(i + 1));
       const auto adjusted = examine(made.block, {}, options, kRun);
-      ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
+      ASSERT_TRUE(adjusted && !adjusted->undetermined);
       double of_block = 0;
       for (const ControlDifference& point : adjusted->control) {
         const Eigen::Vector3d error = *point.position_in_world - made.truth.at(point.point);
@@ -140,7 +140,7 @@ TEST(Shape, APlaneHelpsItsPoints) {
   Marked made = on_shape(GroundKind::kOnPlane, kSigma_m, 2);
   const auto with = examine(made.block, {}, tested(), kRun);
   const auto without = examine(made.block, {.use_ground = false}, tested(), kRun);
-  ASSERT_TRUE(with && without && with->undetermined.empty());
+  ASSERT_TRUE(with && without && !with->undetermined);
   EXPECT_TRUE(without->ground.empty());
   for (std::size_t i = 0; i < with->control.size(); ++i)
     EXPECT_LT(with->control[i].covariance_m2->trace(), without->control[i].covariance_m2->trace());
@@ -192,7 +192,7 @@ TEST(Shape, WhatSaysNothingIsLeftOutAndNamed) {
     const auto adjusted = examine(made.block, {}, tested(), kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     EXPECT_TRUE(adjusted->ground.empty());
-    EXPECT_TRUE(adjusted->undetermined.empty());
+    EXPECT_TRUE(!adjusted->undetermined);
     ASSERT_EQ(adjusted->weaknesses.size(), 1u);
     EXPECT_EQ(adjusted->weaknesses[0].code, "ground_left_out");
   }

@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 
+#include "collinea/block/subject_label.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/quality/control_check.h"
 
@@ -78,7 +79,9 @@ class Snooper {
         take_back();
         continue;
       }
-      if (!determined) return fail(Errc::kIllPosed, "data snooping: " + adjusted->undetermined);
+      if (!determined)
+        return fail(Errc::kIllPosed,
+                    "data snooping: " + (adjusted ? label_of(adjusted->undetermined, out_.block) : ""));
       if (mistakes_another(*adjusted)) {
         take_back();
         continue;
@@ -204,7 +207,9 @@ class Snooper {
       const ControlObservation& seen = given_.control_observations[place];
       double off_px = 0;
       for (const Finding& finding : diagnosis.findings)
-        if (finding.point == seen.point && finding.image == seen.image) off_px = std::max(off_px, finding.size);
+        if (finding.code == FindingCode::kControlMeasurement && finding.subjects[0].control() == seen.point &&
+            finding.subjects[1].image() == seen.image)
+          off_px = std::max(off_px, finding.figure(FigureName::kOffsetPx).value_or(0));
       if (off_px < kGross * seen.sigma_px || static_cast<int>(out_.taken_out.size()) >= most_) continue;
       gross.push_back(static_cast<std::uint32_t>(place));
       TakenOut gone{Group::kControlImages, seen.image, {}, seen.point};

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/block/subject_label.h"
+
 namespace collinea {
 namespace {
 
@@ -60,7 +62,7 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
     }
     COLLINEA_TRY(found.adjusted, examine(scaled, around, asked, run));
     if (!found.adjusted.reliability)
-      return fail(Errc::kIllPosed, "variance components: " + found.adjusted.undetermined);
+      return fail(Errc::kIllPosed, "variance components: " + label_of(found.adjusted.undetermined, block));
     double largest = 0;
     SigmaFactors next = found.factors;
     for (std::size_t g = 0; g < kObservationGroups; ++g) {

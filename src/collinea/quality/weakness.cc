@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/quality/weakness.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -26,10 +24,9 @@ namespace {
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
-constexpr std::array<const char*, 5> kImitatingMotions = {
-    "the distance between images and object", "the tilt of the images about their x axis",
-    "the tilt of the images about their y axis", "the place of the images along their x axis",
-    "the place of the images along their y axis"};
+// Motions of the images of a camera that its parameters can stand for.
+constexpr std::array kImitatingMotions = {Aspect::kDistance, Aspect::kTiltX, Aspect::kTiltY, Aspect::kPositionX,
+                                          Aspect::kPositionY};
 constexpr double kDegrees = 180 / std::numbers::pi;
 // A motion of the whole block that moves its edge by so many standard deviations of what fixes the block.
 constexpr double kWeakMotion = 5;
@@ -42,43 +39,33 @@ constexpr double kWeakImage = 5;  // times the median standard deviation
 // Standard deviation of the distance to a point over the distance. A parallax that is not ten times its own standard
 // deviation may be the errors of the measurements alone, to which the places of the images were fitted.
 constexpr double kDepthUnknown = 0.1;
-constexpr std::size_t kMostCameras = 3, kSampledPoints = 300, kNamed = 6;
+constexpr std::size_t kMostCameras = 3, kSampledPoints = 300;
 
-std::string direction_text(const Eigen::Vector3d& axis) {
-  if (std::abs(axis.z()) > 0.9) return "the vertical";
-  double azimuth = std::fmod(std::atan2(axis.x(), axis.y()) * kDegrees + 360, 180);
-  if (azimuth > 179.5) azimuth = 0;
-  return fmt::format("a{} axis with the azimuth {:.0f} degrees", std::abs(axis.z()) < 0.3 ? " level" : "n inclined",
-                     azimuth);
+// Azimuth of an axis, either way along it, and how steep it is.
+std::vector<Figure> figures_of_axis(const Eigen::Vector3d& axis) {
+  double azimuth_deg = std::fmod(std::atan2(axis.x(), axis.y()) * kDegrees + 360, 180);
+  if (azimuth_deg > 179.5) azimuth_deg = 0;
+  return {{FigureName::kAzimuth, azimuth_deg}, {FigureName::kSteepness, std::abs(axis.z())}};
 }
 
-std::string joined(const std::vector<std::string>& parts) {
-  std::string text;
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
-  return text;
-}
+std::vector<Subject> subjects_of(const std::vector<ImageId>& images) { return {images.begin(), images.end()}; }
 
-// The first of many.
-std::string some_of(std::vector<std::string> names) {
-  if (names.size() > kNamed) {
-    const std::string more = fmt::format("{} more", names.size() - kNamed);
-    names.resize(kNamed);
-    names.push_back(more);
-  }
-  return joined(names);
-}
+Figure count_of(std::size_t count) { return {FigureName::kCount, static_cast<double>(count)}; }
 
 }  // namespace
 
-void WeaknessFinder::add(std::string code, std::string what, std::string cure, double size) {
-  weaknesses_.push_back({std::move(code), std::move(what), std::move(cure), size});
+void WeaknessFinder::add(Finding finding) { weaknesses_.push_back(std::move(finding)); }
+
+bool WeaknessFinder::has(std::initializer_list<FindingCode> codes) const {
+  return std::any_of(weaknesses_.begin(), weaknesses_.end(), [&](const Finding& weak) {
+    return std::find(codes.begin(), codes.end(), weak.code) != codes.end();
+  });
 }
 
-std::string WeaknessFinder::files(const std::vector<int>& images) const {
-  std::vector<std::string> names;
-  for (const int image : images) names.push_back(block_.images.at(problem_.images[image].id).file);
-  return some_of(std::move(names));
+std::vector<Subject> WeaknessFinder::subjects(const std::vector<int>& images) const {
+  std::vector<Subject> all;
+  for (const int image : images) all.emplace_back(problem_.images[image].id);
+  return all;
 }
 
 void WeaknessFinder::look_at_observations() {
@@ -86,21 +73,13 @@ void WeaknessFinder::look_at_observations() {
   for (const DatumConstraint& unseen : problem_.datum) of_part[unseen.part].push_back(&unseen);
   for (const auto& [part, unseen] : of_part) name_unseen(unseen, of_part.size() == 1);
   if (!adjusted_.images_left_out.empty()) {
-    std::vector<std::string> names;
-    for (const ImageId id : adjusted_.images_left_out) names.push_back(block_.images.at(id).file);
-    add("images_left_out",
-        some_of(std::move(names)) + " cannot be determined: fewer than three of their points are known elsewhere",
-        "measure more tie points that they share with other images, or control in them",
-        static_cast<double>(adjusted_.images_left_out.size()));
+    add(finding_of(FindingCode::kImagesLeftOut, subjects_of(adjusted_.images_left_out),
+                   {count_of(adjusted_.images_left_out.size())}, {RemedyCode::kMeasureTiePoints}));
   }
   if (const std::size_t count = problem_.ground_left_out; count > 0)
-    add("ground_left_out",
-        fmt::format("{} of {} measurements on the ground take no part: too few images show their points, or these do "
-                    "not determine their plane, line or height and one point more",
-                    count, block_.ground.size()),
-        "measure their points in two images and more; name a point more on each line (three) and plane (four, not on "
-        "a line)",
-        static_cast<double>(count));
+    add(finding_of(FindingCode::kGroundLeftOut, {},
+                   {count_of(count), {FigureName::kOf, static_cast<double>(block_.ground.size())}},
+                   {RemedyCode::kMeasureGroundPoints}));
 }
 
 // The variance of the logarithm of a point's distance from the first of its images; infinite where nothing tells it.
@@ -158,12 +137,8 @@ void WeaknessFinder::look_at_bases(TileCholesky* inverse, const Run& run) {
   for (int i = 0; i < problem_.poses; ++i)
     if (points[i] > 0 && 2 * deep[i] > points[i]) turned.push_back(i);
   if (!turned.empty())
-    add("no_base",
-        files(turned) +
-            " look from nearly one place: turned only, so that the distances of their points, and the scale "
-            "of what hangs on them, are not determined",
-        "images of the same things from other places, at a tenth of the distance and more apart; or leave these out",
-        static_cast<double>(turned.size()));
+    add(finding_of(FindingCode::kNoBase, subjects(turned), {count_of(turned.size())},
+                   {RemedyCode::kAddImagesFromElsewhere}));
 }
 
 // The control of a part whose coordinates take part.
@@ -178,83 +153,88 @@ WeaknessFinder::KnownInPart WeaknessFinder::known_in(int part) const {
     const Eigen::Map<const Eigen::Array3d> inverse_sigma(problem_.control[point.control].inverse_sigma);
     if (!point.held && !(inverse_sigma > 0).any()) continue;
     known.whole = known.whole && (point.held || (inverse_sigma > 0).all());
-    known.control.push_back(block_.control.at(ControlId{point.id}).name);
+    known.control.push_back(ControlId{point.id});
   }
-  std::sort(known.control.begin(), known.control.end());
+  std::sort(known.control.begin(), known.control.end(),
+            [&](ControlId a, ControlId b) { return block_.control.at(a).name < block_.control.at(b).name; });
   known.control_alone = std::none_of(problem_.positions.begin(), problem_.positions.end(), [&](const auto& position) {
     return is_in(position.image) && position.axes() > 0;
   });
   return known;
 }
 
-// The motions that nothing observes: first what turns and scales, then what is only shifted.
+namespace {
+
+// What of a block's position, attitude and scale nothing fixes, and for each what would.
+struct Unfixed {
+  std::vector<Subject> what;
+  std::vector<Remedy> remedies;
+  std::vector<Figure> figures;  // of an axis
+
+  void add(Aspect aspect, RemedyCode remedy) {
+    what.emplace_back(aspect);
+    remedies.emplace_back(remedy);
+  }
+};
+
+// Of motions that scale and rotate: log scale in the last row of `space`, rotations in the three before.
+void name_rotations(const Eigen::MatrixXd& space, Unfixed& unfixed) {
+  if (space.row(3).norm() > 0.3) unfixed.add(Aspect::kScale, RemedyCode::kGiveScale);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> axes(space.topRows(3), Eigen::ComputeFullU);
+  int turns = 0;
+  while (turns < std::min<int>(3, static_cast<int>(axes.singularValues().size())) && axes.singularValues()[turns] > 0.3)
+    ++turns;
+  const bool upright = turns == 2 && std::abs(axes.matrixU()(2, 2)) > 0.9;
+  if (turns == 3) {
+    unfixed.add(Aspect::kAttitude, RemedyCode::kGiveControlForAttitude);
+  } else if (upright) {
+    unfixed.add(Aspect::kTilt, RemedyCode::kGiveHeightsForTilt);
+  } else if (turns == 2) {
+    unfixed.add(Aspect::kTwoRotations, RemedyCode::kGiveControlOffLine);
+  } else if (turns == 1) {
+    unfixed.add(Aspect::kRotation, RemedyCode::kGiveControlOffThatLine);
+    unfixed.figures = figures_of_axis(axes.matrixU().col(0));
+  }
+}
+
+void name_shifts(const Eigen::MatrixXd& shifts, Unfixed& unfixed) {
+  if (shifts.cols() == 3)
+    unfixed.add(Aspect::kPosition, RemedyCode::kGivePosition);
+  else if (shifts.cols() == 1 && std::abs(shifts(2, 0)) > 0.9 * shifts.norm())
+    unfixed.add(Aspect::kHeight, RemedyCode::kGiveHeight);
+  else if (shifts.row(2).norm() < 0.1 * shifts.norm())
+    unfixed.add(Aspect::kPlan, RemedyCode::kGivePlan);
+  else
+    unfixed.add(Aspect::kSomeShift, RemedyCode::kGiveMoreCoordinates);
+}
+
+}  // namespace
+
+// The motions that nothing observes: first what turns and scales, then what is only shifted. Subjects are these, then
+// the control points that alone are known, then an image of the part when there are others.
 void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole) {
   const auto count = static_cast<int>(unseen.size());
-  const std::string which = whole ? "" : fmt::format(" of the part with {}", files({unseen.front()->poses.front()}));
-  const KnownInPart known = known_in(unseen.front()->part);
+  const std::vector<Subject> which = whole ? std::vector<Subject>() : subjects({unseen.front()->poses.front()});
+  const Figure defect{FigureName::kDefect, static_cast<double>(count)};
   if (count == 7) {
-    add("no_datum", "nothing fixes place, attitude and scale" + which + ": a free network",
-        "three control points off one line, positions of three images off one line, or (for the scale alone) a known "
-        "distance",
-        7);
+    add(finding_of(FindingCode::kNoDatum, which, {defect}, {RemedyCode::kFixDatum}));
     return;
   }
+  const KnownInPart known = known_in(unseen.front()->part);
   Eigen::MatrixXd motions(7, count);
   for (int k = 0; k < count; ++k) motions.col(k) = unseen[static_cast<std::size_t>(k)]->motion;
   const Eigen::JacobiSVD<Eigen::MatrixXd> turning(motions.bottomRows(4), Eigen::ComputeFullU | Eigen::ComputeFullV);
   int rank = 0;
   while (rank < std::min(4, count) && turning.singularValues()[rank] > 1e-4) ++rank;
-  const Eigen::MatrixXd space = turning.matrixU().leftCols(rank);
-  std::vector<std::string> what, cure;
-  if (rank > 0) {
-    if (space.row(3).norm() > 0.3) {
-      what.push_back("the scale");
-      cure.push_back("a known distance, a second control point or positions of images for the scale");
-    }
-    const Eigen::JacobiSVD<Eigen::MatrixXd> axes(space.topRows(3), Eigen::ComputeFullU);
-    int turns = 0;
-    while (turns < std::min<int>(3, static_cast<int>(axes.singularValues().size())) &&
-           axes.singularValues()[turns] > 0.3)
-      ++turns;
-    const bool upright = turns == 2 && std::abs(axes.matrixU()(2, 2)) > 0.9;
-    if (turns == 3) {
-      what.push_back("the attitude");
-      cure.push_back("two more control points, off one line, for the attitude");
-    } else if (upright) {
-      what.push_back("the tilt");
-      cure.push_back("heights of three control points off one line, or positions with heights, for the tilt");
-    } else if (turns == 2) {
-      what.push_back("two of three turns");
-      cure.push_back("control points off one line for the attitude");
-    } else if (turns == 1) {
-      const Eigen::Vector3d axis = axes.matrixU().col(0);
-      if (known.control_alone && known.whole && known.control.size() == 2)
-        what.push_back("the turn about the line through " + known.control[0] + " and " + known.control[1]);
-      else
-        what.push_back("the turn about " + direction_text(axis) +
-                       (std::abs(axis.z()) > 0.9 ? "" : ", the line on which all that is known lies"));
-      cure.push_back("a control point, or positions of images, off that line");
-    }
-  }
-  if (count > rank) {
-    const Eigen::MatrixXd shifts = (motions * turning.matrixV().rightCols(count - rank)).topRows(3);
-    if (count - rank == 3) {
-      what.push_back("the place");
-      cure.push_back("coordinates of control or positions of images");
-    } else if (count - rank == 1 && std::abs(shifts(2, 0)) > 0.9 * shifts.norm()) {
-      what.push_back("the height");
-      cure.push_back("the height of a control point, or positions with heights");
-    } else if (shifts.row(2).norm() < 0.1 * shifts.norm()) {
-      what.push_back("the place in plan");
-      cure.push_back("eastings and northings of control, or positions of images");
-    } else {
-      what.push_back("a shift");
-      cure.push_back("more coordinates of control");
-    }
-  }
-  if (known.control_alone && known.control.size() == 1)
-    what.back() += " (there is one control point: " + known.control[0] + ")";
-  add("datum_defect", "nothing fixes " + joined(what) + which, joined(cure), count);
+  Unfixed unfixed;
+  if (rank > 0) name_rotations(turning.matrixU().leftCols(rank), unfixed);
+  if (count > rank) name_shifts((motions * turning.matrixV().rightCols(count - rank)).topRows(3), unfixed);
+  Finding finding = finding_of(FindingCode::kDatumDefect, unfixed.what, {defect}, unfixed.remedies);
+  finding.figures.insert(finding.figures.end(), unfixed.figures.begin(), unfixed.figures.end());
+  if (known.control_alone && (known.control.size() == 1 || (known.control.size() == 2 && known.whole)))
+    finding.subjects.insert(finding.subjects.end(), known.control.begin(), known.control.end());
+  finding.subjects.insert(finding.subjects.end(), which.begin(), which.end());
+  add(std::move(finding));
 }
 
 // Images through which alone two parts hang together: each part has its own scale.
@@ -289,11 +269,8 @@ void WeaknessFinder::name_hinges() {
   }
   if (hinges.empty()) return;
   std::sort(hinges.begin(), hinges.end(), [&](int a, int b) { return problem_.images[a].id < problem_.images[b].id; });
-  add("scale_drifts",
-      "no point is seen on both sides of " + files(hinges) +
-          ": the models hang together in pairs, without triple overlap, and each has its own scale",
-      "points seen in three images and more (an overlap of 60 %), or control or positions in every pair",
-      static_cast<double>(hinges.size()));
+  add(finding_of(FindingCode::kScaleDrifts, subjects(hinges), {count_of(hinges.size())},
+                 {RemedyCode::kAddTripleOverlap}));
 }
 
 void WeaknessFinder::look_at_loose_images(Solved& solved, const Run& run) {
@@ -338,13 +315,9 @@ void WeaknessFinder::look_at_loose_images(Solved& solved, const Run& run) {
   std::vector<int> loose;
   for (const auto& [moved, image] : by_image)
     if (moved > 0.1 * by_image.front().first && moved > 0) loose.push_back(image);
-  if (loose.empty() || std::any_of(weaknesses_.begin(), weaknesses_.end(),
-                                   [](const Weakness& w) { return w.code == "scale_drifts" || w.code == "no_base"; }))
-    return;
-  add("loose_images",
-      "some images can move against the others without any measurement noticing; most of all " + files(loose),
-      "more tie points, well spread, between these images and the others, or control in them",
-      static_cast<double>(loose.size()));
+  if (loose.empty() || has({FindingCode::kScaleDrifts, FindingCode::kNoBase})) return;
+  add(finding_of(FindingCode::kLooseImages, subjects(loose), {count_of(loose.size())},
+                 {RemedyCode::kMeasureTiePointsBetween}));
 }
 
 std::vector<double> WeaknessFinder::solved(const TileCholesky& factor, std::vector<double> right) const {
@@ -361,9 +334,8 @@ void WeaknessFinder::look_at_correlations(const TileCholesky& factor) {
   for (std::size_t k = 0; k < std::min(kMostCameras, order.size()); ++k)
     if (!problem_.cameras[order[k]].free.empty() && images[order[k]] > 0) look_at_camera(factor, order[k]);
   // What a camera leaves open moves the block too: that is named already.
-  const bool by_camera = std::any_of(weaknesses_.begin(), weaknesses_.end(), [](const Weakness& w) {
-    return w.code == "focal_and_height" || w.code == "camera_and_pose" || w.code == "parameter_not_determined";
-  });
+  const bool by_camera =
+      has({FindingCode::kFocalAndHeight, FindingCode::kCameraAndPose, FindingCode::kParameterNotDetermined});
   if (problem_.poses > 1 && !by_camera) look_at_motions(factor);
   look_at_scale(factor);
 }
@@ -413,27 +385,22 @@ void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
     const double upright = scales ? 1 : std::abs(axis.z()), level = std::sqrt(std::max(0.0, 1 - upright * upright));
     const double reference = std::hypot(upright * reference_sigma(false), level * reference_sigma(true));
     if (!(reference > 0) || !(sigma * size > kWeakMotion * reference)) continue;
-    const std::string known = fmt::format(
-        "which shifts what lies {:.3g} m from the middle by {:.2g} m, while what fixes "
-        "it is known to {:.2g} m",
-        size, sigma * size, reference);
-    if (scales)
-      add("weak_scale", fmt::format("the scale is known to {:.2g} only, {}", sigma, known),
-          "a longer known distance, control farther apart, or positions of images", sigma);
-    else
-      add("weak_turn",
-          fmt::format("the turn of the block about {} is known to {:.2g} degrees only, {}: all that fixes it lies near "
-                      "that line",
-                      direction_text(axis), sigma * kDegrees, known),
-          std::abs(axis.z()) > 0.9 ? "control or positions farther apart in plan"
-                                   : "control off that line, a parallel or cross strip, or attitudes of the images",
-          sigma);
+    const std::array known = {Figure{FigureName::kExtent, size}, Figure{FigureName::kMotion, sigma * size},
+                              Figure{FigureName::kReference, reference}};
+    Finding weak =
+        scales
+            ? finding_of(FindingCode::kWeakScale, {}, {{FigureName::kSigmaScale, sigma}}, {RemedyCode::kWidenControl})
+            : finding_of(FindingCode::kWeakTurn, {}, figures_of_axis(axis),
+                         {std::abs(axis.z()) > 0.9 ? RemedyCode::kWidenControlInPlan : RemedyCode::kAddCrossStrip});
+    if (!scales) weak.figures.push_back({FigureName::kSigmaAngle, sigma * kDegrees});
+    weak.figures.insert(weak.figures.end(), known.begin(), known.end());
+    add(std::move(weak));
   }
 }
 
 void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t number) {
   const ProblemCamera& camera = problem_.cameras[number];
-  FreeCamera free{camera, block_.cameras.at(camera.id).name, 6 * problem_.poses + camera.border, {}};
+  FreeCamera free{camera, 6 * problem_.poses + camera.border, {}};
   const int count = free.count(), unknowns = 6 * problem_.poses + problem_.border;
   free.cofactor.resize(count, count);
   for (int k = 0; k < count; ++k) {
@@ -492,49 +459,46 @@ bool WeaknessFinder::name_imitation(const TileCholesky& factor, const FreeCamera
   const Eigen::VectorXd with_camera = Eigen::Map<const Eigen::VectorXd>(x.data() + free.first, free.count());
   const double left = variance - with_camera.dot(free.cofactor.inverse() * with_camera);
   if (!(variance > kInflation * kInflation * std::max(left, 0.0))) return false;
-  std::vector<std::string> mixed;
-  double strongest = 0;
+  Finding mixed = finding_of(which == 0 ? FindingCode::kFocalAndHeight : FindingCode::kCameraAndPose,
+                             {{free.camera.id, kImitatingMotions[which]}},
+                             {{FigureName::kRatio, std::sqrt(variance / std::max(left, 1e-12 * variance))}});
   for (int k = 0; k < free.count(); ++k) {
     const double correlation = with_camera[k] / std::sqrt(variance * free.cofactor(k, k));
-    strongest = std::max(strongest, std::abs(correlation));
-    if (std::abs(correlation) > 0.8) mixed.push_back(fmt::format("{} ({:+.3f})", free.parameter(k), correlation));
+    if (!(std::abs(correlation) > 0.8)) continue;
+    mixed.subjects.push_back(free.parameter(k));
+    mixed.figures.push_back({FigureName::kCorrelation, correlation});
   }
-  if (mixed.empty()) mixed.push_back("its parameters together");
-  add(which == 0 ? "focal_and_height" : "camera_and_pose",
-      fmt::format("{} and {} of camera {} can hardly be separated (correlations in brackets): the former is known "
-                  "{:.0f} times worse than with a known camera",
-                  kImitatingMotions[which], joined(mixed), free.name,
-                  std::sqrt(variance / std::max(left, 1e-12 * variance))),
-      which == 0 ? "images at different heights or oblique ones, control or relief at different heights, or a "
-                   "calibrated camera (--calibration none)"
-                 : "strips flown across or back (images turned by 90 and 180 degrees), relief, or fewer parameters",
-      strongest);
+  if (which == 0)
+    mixed.remedies = {RemedyCode::kVaryHeights, RemedyCode::kCalibrateCamera,
+                      OptionField{"orient", "calibration", "none"}};
+  else
+    mixed.remedies = {RemedyCode::kTurnImages, RemedyCode::kFewerParameters};
+  add(std::move(mixed));
   return true;
 }
 
 // Parameters that owe their values to the weak observations.
 void WeaknessFinder::name_what_is_owed(const FreeCamera& free, bool imitated) {
-  std::vector<std::string> owed;
+  std::vector<Subject> owed;
   bool focal = false, decentred = false;
   for (int k = 0; k < free.count(); ++k) {
     const int param = free.camera.free[static_cast<std::size_t>(k)];
     const double prior = free.camera.inverse_sigma[param];
     if (!(prior * prior * free.cofactor(k, k) > kShareOfPrior)) continue;
-    owed.emplace_back(free.parameter(k));
+    owed.push_back(free.parameter(k));
     focal |= param == Camera::kF;
     decentred |= param == Camera::kCx || param == Camera::kCy || param == Camera::kP1 || param == Camera::kP2;
   }
   if (owed.empty()) return;
-  add("parameter_not_determined",
-      fmt::format("the measurements do not determine {} of camera {}: {} the value to what was assumed before{}",
-                  joined(owed), free.name, owed.size() > 1 ? "they owe" : "it owes",
-                  focal && imitated ? "; height and focal length cannot be separated" : ""),
-      focal
-          ? "images at different heights or oblique ones, relief, control at different heights, or a calibrated camera"
-      : decentred ? "images turned by 90 and 180 degrees about their axes, relief, or fewer parameters "
-                    "(--calibration focal_radial)"
-                  : "points out to the corners of the images, or fewer parameters (--calibration focal)",
-      static_cast<double>(owed.size()));
+  Finding finding = finding_of(FindingCode::kParameterNotDetermined, owed, {count_of(owed.size())});
+  if (focal)
+    finding.remedies = {RemedyCode::kVaryHeights, RemedyCode::kCalibrateCamera};
+  else if (decentred)
+    finding.remedies = {RemedyCode::kTurnImages, OptionField{"orient", "calibration", "focal_radial"}};
+  else
+    finding.remedies = {RemedyCode::kReachCorners, OptionField{"orient", "calibration", "focal"}};
+  if (focal && imitated) finding.subjects.push_back({free.camera.id, Aspect::kDistance});
+  add(std::move(finding));
 }
 
 void WeaknessFinder::look_at_images(const std::map<ImageId, Eigen::Matrix<double, 6, 6>>& pose_covariance) {
@@ -554,11 +518,12 @@ void WeaknessFinder::look_at_images(const std::map<ImageId, Eigen::Matrix<double
   for (const auto& [sigma, image] : sigmas)
     if (sigma > kWeakImage * typical) weak.push_back(image);
   if (weak.empty()) return;
-  add("weak_images",
-      fmt::format("{} {} more than five times worse than the others: {:.2g} m against {:.2g} m", files(weak),
-                  weak.size() > 1 ? "are known" : "is known", sigmas.front().first * sigma_scale(adjusted_),
-                  typical * sigma_scale(adjusted_)),
-      "more tie points, well spread over them, that other images see too", sigmas.front().first / typical);
+  add(finding_of(FindingCode::kWeakImages, subjects(weak),
+                 {count_of(weak.size()),
+                  {FigureName::kRatio, sigmas.front().first / typical},
+                  {FigureName::kSigma, sigmas.front().first * sigma_scale(adjusted_)},
+                  {FigureName::kTypicalSigma, typical * sigma_scale(adjusted_)}},
+                 {RemedyCode::kSpreadTiePoints}));
 }
 
 }  // namespace collinea::bundle

@@ -2,24 +2,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <initializer_list>
 #include <map>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "collinea/adjust/solved.h"
+#include "collinea/base/finding.h"
 #include "collinea/base/run.h"
 
 namespace collinea {
-
-/// Something that the observations determine badly or not at all, in words.
-struct Weakness {
-  /// no_datum, datum_defect, weak_turn, weak_scale, focal_and_height, camera_and_pose, parameter_not_determined,
-  /// scale_drifts, loose_images, no_base, images_left_out, ground_left_out, weak_images
-  std::string code;
-  std::string what, cure;
-  double size = 0;  ///< motions, parameters or images; of a weak motion its standard deviation, of a mixture its
-                    ///< correlation
-};
 
 namespace bundle {
 
@@ -45,14 +37,15 @@ class WeaknessFinder {
   /// Images known far worse than the others.
   void look_at_images(const std::map<ImageId, Eigen::Matrix<double, 6, 6>>& pose_covariance);
   /// All that was found so far; none: everything is well determined.
-  [[nodiscard]] std::vector<Weakness> take() { return std::move(weaknesses_); }
+  [[nodiscard]] std::vector<Finding> take() { return std::move(weaknesses_); }
 
  private:
-  void add(std::string code, std::string what, std::string cure, double size = 0);
+  void add(Finding finding);
+  [[nodiscard]] bool has(std::initializer_list<FindingCode> codes) const;
   struct KnownInPart {
-    std::vector<std::string> control;  // names, sorted
-    bool whole = true;                 // on all three axes
-    bool control_alone = true;         // no positions
+    std::vector<ControlId> control;  // sorted by name
+    bool whole = true;               // on all three axes
+    bool control_alone = true;       // no positions
   };
   [[nodiscard]] KnownInPart known_in(int part) const;
   [[nodiscard]] double variance_of_distance(std::size_t point, TileCholesky* inverse) const;
@@ -63,12 +56,13 @@ class WeaknessFinder {
   /// A camera with its free parameters: their place among the reduced unknowns, and their cofactors.
   struct FreeCamera {
     const ProblemCamera& camera;
-    std::string name;
     int first;
     Eigen::MatrixXd cofactor;
 
     [[nodiscard]] int count() const { return static_cast<int>(camera.free.size()); }
-    [[nodiscard]] std::string parameter(int k) const { return param_name(camera.free[static_cast<std::size_t>(k)]); }
+    [[nodiscard]] Subject parameter(int k) const {
+      return {camera.id, Aspect::kParameter, camera.free[static_cast<std::size_t>(k)]};
+    }
   };
   void look_at_camera(const TileCholesky& factor, std::size_t camera);
   [[nodiscard]] std::vector<Eigen::VectorXd> motions_like_a_camera(std::size_t camera) const;
@@ -76,14 +70,14 @@ class WeaknessFinder {
                       const Eigen::VectorXd& motion);
   void name_what_is_owed(const FreeCamera& free, bool imitated);
   [[nodiscard]] double reference_sigma(bool height) const;
-  [[nodiscard]] std::string files(const std::vector<int>& images) const;
+  [[nodiscard]] std::vector<Subject> subjects(const std::vector<int>& images) const;
   [[nodiscard]] std::vector<double> solved(const TileCholesky& factor, std::vector<double> right) const;
 
   const Block& block_;
   const Problem& problem_;
   const State& state_;
   const Adjusted& adjusted_;
-  std::vector<Weakness> weaknesses_;
+  std::vector<Finding> weaknesses_;
   std::vector<double> with_scale_;  // covariance of the reduced unknowns with the scale
   double scale_variance_ = 0;
 };

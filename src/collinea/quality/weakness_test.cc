@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "collinea/block/subject_label.h"
 #include "collinea/quality/test_examine.h"
 
 namespace collinea {
@@ -24,24 +25,35 @@ ExamineOptions with_covariances(Calibration calibration = Calibration::kNone) {
   return {.adjust = {.calibration = calibration, .loss = Loss::kNone, .position_loss = Loss::kNone}};
 }
 
-std::vector<Weakness> weaknesses_of(const Block& block, const ExamineOptions& options, const AdjustScope& scope = {}) {
+std::vector<Finding> weaknesses_of(const Block& block, const ExamineOptions& options, const AdjustScope& scope = {}) {
   const auto adjusted = examine(block, scope, options, {});
   EXPECT_TRUE(adjusted) << adjusted.error().message;
-  return adjusted ? adjusted->weaknesses : std::vector<Weakness>{};
+  return adjusted ? adjusted->weaknesses : std::vector<Finding>{};
 }
 
-std::string all_of(const std::vector<Weakness>& weaknesses) {
+std::string all_of(const std::vector<Finding>& weaknesses, const Block& block) {
   std::string text;
-  for (const Weakness& weak : weaknesses) text += weak.code + ": " + weak.what + " | " + weak.cure + "\n";
+  for (const Finding& weak : weaknesses) text += label_of(weak, block) + "\n";
   return text;
 }
 
-// The one with that code must say `words` and name a cure.
-void expect_named(const std::vector<Weakness>& weaknesses, const std::string& code, const std::string& words) {
+// The one with that code must have such a label and name a remedy.
+void expect_named(const Block& block, const std::vector<Finding>& weaknesses, FindingCode code,
+                  const std::string& label) {
   const auto its = std::find_if(weaknesses.begin(), weaknesses.end(), [&](const auto& w) { return w.code == code; });
-  ASSERT_NE(its, weaknesses.end()) << code << " is missing:\n" << all_of(weaknesses);
-  EXPECT_NE(its->what.find(words), std::string::npos) << all_of(weaknesses);
-  EXPECT_FALSE(its->cure.empty());
+  ASSERT_NE(its, weaknesses.end()) << word_of(code) << " is missing:\n" << all_of(weaknesses, block);
+  EXPECT_NE(label_of(*its, block).find(label), std::string::npos) << all_of(weaknesses, block);
+  EXPECT_FALSE(its->remedies.empty());
+}
+
+// Of the weak rotations one is about a level axis of that azimuth.
+void expect_level_axis(const Block& block, const std::vector<Finding>& weaknesses, double azimuth_deg) {
+  const auto its = std::find_if(weaknesses.begin(), weaknesses.end(),
+                                [](const auto& w) { return w.code == FindingCode::kWeakTurn; });
+  ASSERT_NE(its, weaknesses.end()) << all_of(weaknesses, block);
+  EXPECT_NEAR(its->figure(FigureName::kAzimuth).value_or(kInfinity), azimuth_deg, 0.5);
+  EXPECT_LT(its->figure(FigureName::kSteepness).value_or(kInfinity), 0.3);
+  EXPECT_FALSE(its->remedies.empty());
 }
 
 testing::TestBlockOptions usual(int control = 0) {
@@ -120,14 +132,15 @@ TEST(Weakness, HealthyBlocksHaveNone) {
                               .position_sigma_m = 0.05,
                               .control = 9,
                               .seed = seed});
-    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances(Calibration::kBrown))), "");
+    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances(Calibration::kBrown)), block), "");
     for (auto& [id, image] : block.images) image.position.reset();
-    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances(Calibration::kFocalRadial))), "");
+    EXPECT_EQ(all_of(weaknesses_of(block, with_covariances(Calibration::kFocalRadial)), block), "");
   }
 }
 
 TEST(Weakness, NoDatum) {
-  expect_named(weaknesses_of(test_block(usual()), with_covariances()), "no_datum", "free network");
+  const Block block = test_block(usual());
+  expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kNoDatum, "degrees_of_freedom 7");
 }
 
 TEST(Weakness, NoScale) {  // place and attitude are known
@@ -137,22 +150,23 @@ TEST(Weakness, NoScale) {  // place and attitude are known
   for (const auto& [id, pose] : oriented_images(block))
     scope.verticals[id] = {pose.rotation * Eigen::Vector3d::UnitZ(), 0.01};
   const auto found = weaknesses_of(block, with_covariances(), scope);
-  expect_named(found, "datum_defect", "the scale");
-  expect_named(found, "datum_defect", "the turn about the vertical");
+  expect_named(block, found, FindingCode::kDatumDefect, "scale of block");
+  expect_named(block, found, FindingCode::kDatumDefect, "rotation of block");
 }
 
 TEST(Weakness, OneControlPoint) {
   Block block = test_block(usual(6));
   keep_control(block, 1);
   const auto found = weaknesses_of(block, with_covariances());
-  expect_named(found, "datum_defect", "the scale and the attitude");
-  expect_named(found, "datum_defect", "one control point: gcp0");
+  expect_named(block, found, FindingCode::kDatumDefect, "scale of block, attitude of block");
+  expect_named(block, found, FindingCode::kDatumDefect, "control_point gcp0;");
 }
 
 TEST(Weakness, TwoControlPoints) {
   Block block = test_block(usual(6));
   keep_control(block, 2);
-  expect_named(weaknesses_of(block, with_covariances()), "datum_defect", "the line through gcp0 and gcp1");
+  expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kDatumDefect,
+               "rotation of block, control_point gcp0, control_point gcp1");
 }
 
 TEST(Weakness, ControlOnALine) {
@@ -164,33 +178,36 @@ TEST(Weakness, ControlOnALine) {
     ++number;
   }
   measure_again(block);
-  expect_named(weaknesses_of(block, with_covariances()), "weak_turn", "azimuth 90");
+  expect_level_axis(block, weaknesses_of(block, with_covariances()), 90);
 }
 
 TEST(Weakness, ControlWithoutHeights) {
   Block block = test_block(usual(9));
   for (auto& [id, control] : block.control) control.sigma_m.z() = kInfinity;
-  expect_named(weaknesses_of(block, with_covariances()), "datum_defect", "the height");
+  expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kDatumDefect, "height of block");
 }
 
 TEST(Weakness, HeightsOnly) {
   Block block = test_block(usual(9));
   for (auto& [id, control] : block.control) control.sigma_m.head<2>().setConstant(kInfinity);
-  expect_named(weaknesses_of(block, with_covariances()), "datum_defect", "the place in plan");
+  expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kDatumDefect, "plan of block");
 }
 
 TEST(Weakness, FocalLengthAndHeightOverLevelGround) {
-  const auto found = weaknesses_of(flat_nadir(9), with_covariances(Calibration::kFocal));
-  expect_named(found, "focal_and_height", "distance between images and object");
+  const Block block = flat_nadir(9);
+  const auto found = weaknesses_of(block, with_covariances(Calibration::kFocal));
+  expect_named(block, found, FindingCode::kFocalAndHeight, "distance of camera test");
 }
 
 TEST(Weakness, PrincipalPointAndPlaceOverLevelGround) {
-  expect_named(weaknesses_of(flat_nadir(9), with_covariances(Calibration::kBrown)), "camera_and_pose", "cx");
+  expect_named(flat_nadir(9), weaknesses_of(flat_nadir(9), with_covariances(Calibration::kBrown)),
+               FindingCode::kCameraAndPose, "cx of camera test");
 }
 
 TEST(Weakness, K3FromTheMiddleOfTheImages) {
   const Block block = flat_nadir(9, 0.13, 5);
-  expect_named(weaknesses_of(block, with_covariances(Calibration::kBrown)), "parameter_not_determined", "k3");
+  expect_named(block, weaknesses_of(block, with_covariances(Calibration::kBrown)), FindingCode::kParameterNotDetermined,
+               "k3 of camera test");
 }
 
 TEST(Weakness, ModelsWithoutTripleOverlap) {
@@ -204,7 +221,7 @@ TEST(Weakness, ModelsWithoutTripleOverlap) {
   std::erase_if(block.control_observations, [&](const ControlObservation& seen) {
     return seen.image.value > 11;  // all control in the first pair
   });
-  expect_named(weaknesses_of(block, with_covariances()), "scale_drifts", "triple overlap");
+  expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kScaleDrifts, "image IMG_");
 }
 
 TEST(Weakness, ImagesTurnedOnly) {
@@ -215,7 +232,7 @@ TEST(Weakness, ImagesTurnedOnly) {
     set_pose(block, id, pose);
   }
   measure_again(block);
-  expect_named(weaknesses_of(block, with_covariances()), "no_base", "turned only");
+  expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kNoBase, "image IMG_0.jpg");
 }
 
 // Control in the images gives their places to centimetres, and with them bases that are nothing but its errors.
@@ -231,7 +248,7 @@ TEST(Weakness, ImagesTurnedOnlyAmongControl) {
       set_pose(block, id, pose);
     }
     measure_again(block);
-    expect_named(weaknesses_of(block, with_covariances()), "no_base", "turned only");
+    expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kNoBase, "image IMG_0.jpg");
   }
 }
 
@@ -239,7 +256,7 @@ TEST(Weakness, ImagesTurnedOnlyAmongControl) {
 TEST(Weakness, ABlockOfUncertainScaleHasBases) {
   const Block block =
       test_block({.rows = 3, .columns = 4, .points = 150, .sigma_px = 0.5, .position_sigma_m = 30, .tilt_rad = 0.05});
-  for (const Weakness& weak : weaknesses_of(block, with_covariances())) EXPECT_NE(weak.code, "no_base") << weak.what;
+  for (const Finding& weak : weaknesses_of(block, with_covariances())) EXPECT_NE(weak.code, FindingCode::kNoBase);
 }
 
 TEST(Weakness, ControlInACornerLeavesScaleAndTurnsWeak) {
@@ -251,8 +268,8 @@ TEST(Weakness, ControlInACornerLeavesScaleAndTurnsWeak) {
     control.position_in_world = corner + Eigen::Vector3d(number % 2, number / 2, 0.3 * (number % 3)), ++number;
   measure_again(block);
   const auto found = weaknesses_of(block, with_covariances());
-  expect_named(found, "weak_scale", "the scale is known to");
-  expect_named(found, "weak_turn", "the turn of the block");
+  expect_named(block, found, FindingCode::kWeakScale, "sigma_scale");
+  expect_named(block, found, FindingCode::kWeakTurn, "sigma_deg");
 }
 
 // The control of the other part does not help.
@@ -290,7 +307,7 @@ TEST(Weakness, AnotherPartsControlDoesNotCount) {
     block.control_observations.push_back(seen);
   }
   const auto found = weaknesses_of(block, with_covariances());
-  expect_named(found, "datum_defect", "there is one control point: lone");
+  expect_named(block, found, FindingCode::kDatumDefect, "control_point lone");
 }
 
 // Every other image of a second camera.
@@ -319,8 +336,8 @@ TEST(Weakness, TwoCalibratedCamerasAreAsGoodAsTold) {
       camera.params[Camera::kK2] += 0.5 * random.normal();
     }
     const auto adjusted = examine(block, scope, with_covariances(Calibration::kFocalRadial), {});
-    ASSERT_TRUE(adjusted && adjusted->undetermined.empty());
-    EXPECT_EQ(all_of(adjusted->weaknesses), "");
+    ASSERT_TRUE(adjusted && !adjusted->undetermined);
+    EXPECT_EQ(all_of(adjusted->weaknesses, block), "");
     ASSERT_EQ(adjusted->camera_covariance.size(), 2u);
     double both = 0;
     for (const auto& [id, camera] : adjusted->cameras) {
@@ -356,14 +373,14 @@ TEST(Weakness, OfTwoCamerasTheWeakOneIsNamed) {
   std::erase_if(block.observations, beside);
   std::erase_if(block.control_observations, beside);
   const auto found = weaknesses_of(block, with_covariances(Calibration::kBrown));
-  expect_named(found, "parameter_not_determined", "of camera second");
-  for (const Weakness& weak : found) EXPECT_EQ(weak.what.find("camera test"), std::string::npos) << weak.what;
+  expect_named(block, found, FindingCode::kParameterNotDetermined, "of camera second");
+  EXPECT_EQ(all_of(found, block).find("camera test"), std::string::npos) << all_of(found, block);
 }
 
 TEST(Weakness, AStripWithPositionsAlone) {
   const Block block =
       test_block({.rows = 1, .columns = 10, .points = 300, .sigma_px = 0.5, .position_sigma_m = 0.5, .tilt_rad = 0.02});
-  expect_named(weaknesses_of(block, with_covariances()), "weak_turn", "azimuth 90");
+  expect_level_axis(block, weaknesses_of(block, with_covariances()), 90);
 }
 
 TEST(Weakness, ImagesThatHangOnTooLittle) {
@@ -372,7 +389,7 @@ TEST(Weakness, ImagesThatHangOnTooLittle) {
   std::erase_if(block.control_observations, [&](const ControlObservation& seen) { return seen.image == lonely; });
   int kept = 0;
   std::erase_if(block.observations, [&](const Observation& seen) { return seen.image == lonely && kept++ >= 2; });
-  expect_named(weaknesses_of(block, with_covariances()), "images_left_out", "IMG_2.jpg");
+  expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kImagesLeftOut, "IMG_2.jpg");
   block = test_block(usual(9));
   std::erase_if(block.control_observations, [&](const ControlObservation& seen) { return seen.image == lonely; });
   std::vector<double> from_corner;
@@ -382,7 +399,7 @@ TEST(Weakness, ImagesThatHangOnTooLittle) {
   std::erase_if(block.observations, [&](const Observation& seen) {
     return seen.image == lonely && seen.pixel.norm() > from_corner[4];  // five points are left
   });
-  expect_named(weaknesses_of(block, with_covariances()), "weak_images", "IMG_2.jpg");
+  expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kWeakImages, "IMG_2.jpg");
 }
 
 TEST(Weakness, ASingleImageIsRefusedWithItsCure) {

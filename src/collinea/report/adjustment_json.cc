@@ -4,6 +4,8 @@
 #include "collinea/block/ground_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
+#include "collinea/report/finding_json.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/report/json_values.h"
 
 namespace collinea {
@@ -68,7 +70,7 @@ json cameras(const AdjustmentReport& report) {
 json unknowns(const AdjustmentReport& report) {
   json list = json::array();
   for (const EstimatedUnknown& one : shown_unknowns(report.adjusted))
-    list.push_back({{"unknown", name_of_extra(report.block, one.kind, one.owner, one.axis)},
+    list.push_back({{"unknown", words_of(subject_of(one.kind, one.owner, one.axis), report.block)},
                     {"unit", unit_of(one.kind)},
                     {"value", number(in_unit(one.kind, one.value))},
                     {"sigma", number(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted))}});
@@ -153,27 +155,29 @@ json reliability(const AdjustmentReport& report, const Reliability& tests) {
 
 std::string adjustment_json(const AdjustmentReport& report) {
   const Examined& adjusted = report.adjusted;
-  json j = {{"sigma0", adjusted.sigma0},
-            {"redundancy", adjusted.redundancy},
-            {"observations", adjusted.observation_count},
-            {"unknowns", adjusted.unknown_count},
-            {"rank_defect", adjusted.rank_defect},
-            {"datum", adjusted.datum},
-            {"converged", adjusted.converged},
-            {"iterations", adjusted.iterations},
-            {"initial_cost", number(adjusted.initial_cost)},
-            {"final_cost", number(adjusted.final_cost)},
-            {"last_step_sigmas", number(adjusted.last_step_sigmas)},
-            {"conditioning",
-             {{"inflation", number(adjusted.conditioning.inflation)}, {"mostly", adjusted.conditioning.mostly}}},
-            {"undetermined", adjusted.undetermined},
-            {"cameras", cameras(report)},
-            {"control_points", control(report)},
-            {"accuracy", accuracy_json(report)}};
+  json j = {
+      {"sigma0", adjusted.sigma0},
+      {"redundancy", adjusted.redundancy},
+      {"observations", adjusted.observation_count},
+      {"unknowns", adjusted.unknown_count},
+      {"rank_defect", adjusted.rank_defect},
+      {"datum", words_of(adjusted.datum, adjusted.rank_defect)},
+      {"converged", adjusted.converged},
+      {"iterations", adjusted.iterations},
+      {"initial_cost", number(adjusted.initial_cost)},
+      {"final_cost", number(adjusted.final_cost)},
+      {"last_step_sigmas", number(adjusted.last_step_sigmas)},
+      {"conditioning",
+       {{"inflation", number(adjusted.conditioning.inflation)},
+        {"mostly", words_of(adjusted.conditioning, report.block)}}},
+      {"undetermined", adjusted.undetermined ? finding_json(*adjusted.undetermined, report.block) : json(nullptr)},
+      {"cameras", cameras(report)},
+      {"control_points", control(report)},
+      {"accuracy", accuracy_json(report)}};
   if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
   if (!adjusted.extras.empty()) j["extra_unknowns"] = unknowns(report);
   if (!report.additional.empty()) j["additional"] = additional_json(report);
-  if (!adjusted.inseparable.empty()) j["inseparable"] = adjusted.inseparable;
+  if (!adjusted.inseparable.empty()) j["inseparable"] = findings_json(adjusted.inseparable, report.block);
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);
   if (!adjusted.pose_covariance.empty()) {
     j["pose_correlations"] = pose_correlation_json(report);
@@ -181,10 +185,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
     j["weakest"] = weak_json(report);
   }
   j["residuals"] = residual_json(report);
-  j["weaknesses"] = json::array();
-  for (const Weakness& weak : adjusted.weaknesses)
-    j["weaknesses"].push_back(
-        {{"code", weak.code}, {"what", weak.what}, {"cure", weak.cure}, {"size", number(weak.size)}});
+  j["weaknesses"] = findings_json(adjusted.weaknesses, report.block);
   if (report.snooped) j["snooping"] = snooping_json(report);
   return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }

@@ -8,6 +8,7 @@
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/report/page.h"
 #include "collinea/report/svg.h"
 
@@ -27,7 +28,8 @@ std::string head(std::initializer_list<const char*> titles) {
   return html + "</tr></thead><tbody>\n";
 }
 
-std::string summary(const Examined& adjusted) {
+std::string summary(const AdjustmentReport& report) {
+  const Examined& adjusted = report.adjusted;
   std::string html = "<section><h2>Adjustment</h2>\n" + head({"", ""});
   const auto row = [&](const char* name, const std::string& value) {
     html += "<tr>" + text_cell(name) + "<td>" + escaped(value) + "</td></tr>\n";
@@ -36,7 +38,7 @@ std::string summary(const Examined& adjusted) {
   row("observations", std::to_string(adjusted.observation_count));
   row("unknowns", std::to_string(adjusted.unknown_count));
   row("redundancy", std::to_string(adjusted.redundancy));
-  row("datum", adjusted.datum);
+  row("datum", words_of(adjusted.datum, adjusted.rank_defect));
   row("converged",
       fmt::format("{}, {} iterations; weighted squares from {:.6g} to {:.6g}", adjusted.converged ? "yes" : "no",
                   adjusted.iterations, adjusted.initial_cost, adjusted.final_cost));
@@ -45,14 +47,15 @@ std::string summary(const Examined& adjusted) {
     row("conditioning",
         fmt::format("the worst combination of unknowns has {:.2g} times the variance that it would have "
                     "if all else were known; it is mostly {}",
-                    adjusted.conditioning.inflation, adjusted.conditioning.mostly));
+                    adjusted.conditioning.inflation, words_of(adjusted.conditioning, report.block)));
   html += "</tbody></table>\n";
-  if (!adjusted.undetermined.empty())
-    html += "<p>There are no standard deviations: " + escaped(adjusted.undetermined) + ".</p>\n";
+  if (adjusted.undetermined)
+    html +=
+        "<p>There are no standard deviations. " + escaped(sentence_of(*adjusted.undetermined, report.block)) + "</p>\n";
   if (!adjusted.weaknesses.empty()) {
     html += "<h2>What is weak</h2>\n<ul>";
-    for (const Weakness& weak : adjusted.weaknesses)
-      html += "<li>" + escaped(weak.what) + ".<br>Cure: " + escaped(weak.cure) + ".</li>\n";
+    for (const Finding& weak : adjusted.weaknesses)
+      html += "<li>" + escaped(what_of(weak, report.block)) + "<br>Remedy: " + escaped(remedy_of(weak)) + "</li>\n";
     html += "</ul>\n";
   }
   return html + "</section>\n";
@@ -101,10 +104,11 @@ std::string unknowns_table(const AdjustmentReport& report) {
   const std::vector<EstimatedUnknown> unknowns = shown_unknowns(report.adjusted);
   if (unknowns.empty()) return "";
   std::string html = "<section><h2>Lever arms, shifts, time offsets, boresight, orientations</h2>\n";
-  for (const std::string& pair : report.adjusted.inseparable) html += "<p>" + escaped(pair) + ".</p>\n";
+  for (const Finding& pair : report.adjusted.inseparable)
+    html += "<p>" + escaped(sentence_of(pair, report.block)) + "</p>\n";
   html += head({"unknown", "unit", "value", "&sigma;"});
   for (const EstimatedUnknown& one : unknowns)
-    html += "<tr>" + text_cell(name_of_extra(report.block, one.kind, one.owner, one.axis)) +
+    html += "<tr>" + text_cell(words_of(subject_of(one.kind, one.owner, one.axis), report.block)) +
             text_cell(unit_of(one.kind)) + cell(in_unit(one.kind, one.value), kDecimals) +
             cell(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted), kDecimals) + "</tr>\n";
   return html + "</tbody></table></section>\n";
@@ -219,7 +223,7 @@ std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProd
                      ": adjustment</title>\n<style>" + kStyleSheet +
                      "</style></head>\n<body><main>\n<header><div><h1>" + title +
                      "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
-  html += summary(report.adjusted) + snooping_section(report) + control_table(report) + accuracy_section(report) +
+  html += summary(report) + snooping_section(report) + control_table(report) + accuracy_section(report) +
           precision_section(report, products) + ground_table(report) + unknowns_table(report) +
           additional_section(report);
   if (report.adjusted.reliability) {

@@ -11,6 +11,7 @@
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"
+#include "collinea/report/finding_words.h"
 
 namespace collinea {
 namespace {
@@ -33,7 +34,8 @@ std::string cameras_csv(const AdjustmentReport& report) {
     const bool known = covariance != report.adjusted.camera_covariance.end();
     const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was held
     for (const int k : params_of(camera))
-      text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) + csv_field(camera.params[k]) +
+      text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) +
+              csv_field(camera.params[k]) +
               csv_field(known ? std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted) : unknown) + "\n";
   }
   return text;
@@ -60,9 +62,9 @@ std::string ground_csv(const AdjustmentReport& report) {
 std::string unknowns_csv(const AdjustmentReport& report) {
   std::string text = "unknown,unit,value,sigma\n";
   for (const EstimatedUnknown& one : shown_unknowns(report.adjusted))
-    text += in_quotes(name_of_extra(report.block, one.kind, one.owner, one.axis)) + "," + unit_of(one.kind) +
-            csv_field(in_unit(one.kind, one.value)) + csv_field(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) +
-            "\n";
+    text += in_quotes(words_of(subject_of(one.kind, one.owner, one.axis), report.block)) + "," + unit_of(one.kind) +
+            csv_field(in_unit(one.kind, one.value)) +
+            csv_field(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted)) + "\n";
   return text;
 }
 
@@ -170,8 +172,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"products.json", products_json(report, products)},
                                                        {"adjustment.json", adjustment_json(report)},
                                                        {"adjustment.html", adjustment_page(report, products)}};
-  for (const auto& [name, text] : files)
-    COLLINEA_TRY(write_file(folder / name, text));
+  for (const auto& [name, text] : files) COLLINEA_TRY(write_file(folder / name, text));
   COLLINEA_TRY(write_products(report, products, folder / "adjustment.gpkg"));
   if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
   return remove_file(folder / "taken_out.csv");  // of an earlier adjustment

@@ -23,7 +23,7 @@ TEST(WriteAdjustment, ACalibratedCameraWithoutCovarianceHasNoSigmasAndAHeldOneHa
   report.block.cameras[{1}].name = "free";
   report.block.cameras[{2}].name = "held";
   report.adjusted.cameras[{1}] = report.block.cameras[{1}];
-  report.adjusted.undetermined = "the scale";
+  report.adjusted.undetermined = finding_of(FindingCode::kUndetermined, {Subject(Aspect::kScale)});
   ASSERT_TRUE(write_adjustment(report, folder / "out"));
   const std::string table = *read_file(folder / "out" / "cameras.csv");
   EXPECT_NE(table.find("\"free\",f,px,1500,\n"), std::string::npos) << table;
@@ -64,12 +64,16 @@ TEST(WriteAdjustment, ASystematicResidualIsSignificantAndScatterIsNot) {
   EXPECT_NE(adjustment_page(report, {}).find("Systematic residuals"), std::string::npos);
 }
 
-TEST(WriteAdjustment, WhatIsWeakIsToldWithItsCure) {
+TEST(WriteAdjustment, WhatIsWeakIsStatedWithItsRemedy) {
   AdjustmentReport report;
-  report.adjusted.weaknesses.push_back({"no_datum", "nothing fixes the scale", "a known distance", 1});
+  report.adjusted.weaknesses.push_back(finding_of(FindingCode::kDatumDefect, {Subject(Aspect::kScale)},
+                                                  {{FigureName::kDefect, 1}}, {RemedyCode::kGiveScale}));
   const auto weak = nlohmann::json::parse(adjustment_json(report)).at("weaknesses");
-  EXPECT_EQ(weak.at(0).at("cure"), "a known distance");
-  EXPECT_NE(adjustment_page(report, {}).find("Cure: a known distance"), std::string::npos);
+  EXPECT_EQ(weak.at(0).at("code"), "datum_defect");
+  EXPECT_EQ(weak.at(0).at("severity"), "weak");
+  EXPECT_EQ(weak.at(0).at("what"), "Nothing fixes the scale.");
+  EXPECT_NE(weak.at(0).at("remedy").get<std::string>().find("known distance"), std::string::npos);
+  EXPECT_NE(adjustment_page(report, {}).find("Remedy: Give a known distance"), std::string::npos);
 }
 
 // Errors of 3 and 4 cm in plan and of 5 and 1 cm in height; survey 1 cm on each axis; control and points that are

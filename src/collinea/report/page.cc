@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "collinea/math/median.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/report/svg.h"
 
 namespace collinea {
@@ -66,7 +67,7 @@ std::string statement_section(const ReportInput& input, const ReportSummary& s) 
   }
   html += "</section>\n";
   std::vector<std::string> cautions = s.cautions;
-  cautions.insert(cautions.end(), input.findings.begin(), input.findings.end());
+  for (const Finding& finding : input.findings) cautions.push_back(sentence_of(finding, input.block));
   if (!cautions.empty()) {
     html += "<ul class=\"cautions\">\n";
     for (const std::string& caution : cautions) html += "<li>" + escaped(caution) + "</li>\n";
@@ -131,7 +132,7 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
     html += fact("coordinate system",
                  input.metric ? "none: a local frame in metres" : "none: a local frame in units of the model", true);
   if (input.georeferenced && !input.height_reference.empty()) html += fact("heights", input.height_reference, true);
-  if (!input.gauge.empty()) html += fact("place, attitude and scale are fixed by", input.gauge, true);
+  if (input.gauge) html += fact("position, attitude and scale are fixed by", words_of(*input.gauge), true);
   return html + "</dl>\n";
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/report/finding_json.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/plan_report.h"
 
@@ -74,10 +76,12 @@ std::string plan_json(const PlanReport& report) {
   json j = {
       {"flight", flight_json(report.plan)},
       {"crs", report.crs_name},
-      {"datum", precision.adjusted.datum},
+      {"datum", words_of(precision.adjusted.datum, precision.adjusted.rank_defect)},
       {"rank_defect", precision.adjusted.rank_defect},
       {"redundancy", precision.adjusted.redundancy},
-      {"undetermined", precision.adjusted.undetermined},
+      {"undetermined", precision.adjusted.undetermined
+                           ? finding_json(*precision.adjusted.undetermined, precision.planned.block)
+                           : json(nullptr)},
       {"area", area_json(precision.area)},
       {"points", points_json(report)},
       {"tie_points", json::array()},
@@ -102,8 +106,7 @@ std::string plan_json(const PlanReport& report) {
                                    {"by_rule_m", rule.value_m},
                                    {"by_adjustment_m", number(rule.foretold_m.value_or(std::nan("")))}});
   for (const Custom& custom : report.customs) j["customs"].push_back({{"what", custom.what}, {"kept", custom.kept}});
-  for (const Weakness& weak : precision.adjusted.weaknesses)
-    j["weaknesses"].push_back({{"code", weak.code}, {"what", weak.what}, {"cure", weak.cure}});
+  j["weaknesses"] = findings_json(precision.adjusted.weaknesses, report.precision.planned.block);
   if (report.trials)
     j["trials"] = {{"blocks", report.trials->blocks},
                    {"ratio", vector(report.trials->cell_ratio)},
@@ -124,7 +127,11 @@ std::string plan_text(const PlanReport& report) {
       plan.images.size(), plan.strips, plan.cross_strips > 0 ? fmt::format(" and {} across", plan.cross_strips) : "",
       plan.height_m, 1000 * plan.gsd_m, plan.path_m / 1000, plan.base_m, plan.spacing_m, control);
   if (report.precision.cells.empty())
-    return text + "expected   nothing: " + report.precision.adjusted.undetermined + "\n";
+    return text + "expected   nothing. " +
+           (report.precision.adjusted.undetermined
+                ? sentence_of(*report.precision.adjusted.undetermined, report.precision.planned.block)
+                : "") +
+           "\n";
   const auto sigmas = [](const AreaSigma& its) {
     return fmt::format("plan {:.1f} mm (worst {:.1f}), height {:.1f} mm (worst {:.1f})", 1000 * plan_rms(its.rms_m),
                        1000 * its.worst_plan_m, 1000 * its.rms_m.z(), 1000 * its.worst_height_m);
@@ -145,8 +152,8 @@ std::string plan_text(const PlanReport& report) {
         fmt::format("simulated  errors of {} blocks over what was foretold: east {:.2f}, north {:.2f}, height {:.2f}\n",
                     report.trials->blocks, report.trials->cell_ratio.x(), report.trials->cell_ratio.y(),
                     report.trials->cell_ratio.z());
-  for (const Weakness& weak : report.precision.adjusted.weaknesses)
-    text += "weak       " + weak.what + "; cure: " + weak.cure + "\n";
+  for (const Finding& weak : report.precision.adjusted.weaknesses)
+    text += "weak       " + sentence_of(weak, report.precision.planned.block) + "\n";
   for (const Custom& custom : report.customs)
     if (!custom.kept) text += "custom     not " + custom.what + "\n";
   if (area.empty > 0)

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "collinea/report/cells.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/report/page.h"
 #include "collinea/report/plan_report.h"
 #include "collinea/report/svg.h"
@@ -35,8 +36,11 @@ std::string statement(const PlanReport& report) {
                        number_text(1000 * worst_m, kMm));
   };
   if (report.precision.cells.empty())
-    return "<div class=\"statement unverified\"><p>No standard deviations can be foretold: " +
-           escaped(report.precision.adjusted.undetermined) + ".</p></div>\n";
+    return "<div class=\"statement unverified\"><p>No standard deviations can be foretold. " +
+           escaped((report.precision.adjusted.undetermined
+                        ? sentence_of(*report.precision.adjusted.undetermined, report.precision.planned.block)
+                        : "")) +
+           "</p></div>\n";
   const bool free = report.precision.adjusted.rank_defect > 0;
   return fmt::format(
       "<div class=\"statement{}\"><p class=\"kind\">{}Expected standard deviation of a well-defined point on the "
@@ -68,8 +72,9 @@ std::string facts(const PlanReport& report) {
 
 std::string cautions(const PlanReport& report) {
   std::string html;
-  for (const Weakness& weak : report.precision.adjusted.weaknesses)
-    html += "<li>" + escaped(weak.what) + ".<br>Cure: " + escaped(weak.cure) + ".</li>\n";
+  for (const Finding& weak : report.precision.adjusted.weaknesses)
+    html += "<li>" + escaped(what_of(weak, report.precision.planned.block)) +
+            "<br>Remedy: " + escaped(remedy_of(weak)) + "</li>\n";
   if (report.precision.area.empty > 0)
     html += fmt::format("<li>{} of {} cells of the map are seen in fewer than two images.</li>\n",
                         report.precision.area.empty, report.precision.area.cells);

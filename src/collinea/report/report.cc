@@ -13,12 +13,12 @@ constexpr int kPreviewSide_px = 900;
 using MakePreview = Result<Preview> (*)(const std::filesystem::path&, int);
 
 // A preview is a help, not a figure: when it cannot be made the report says so and goes on.
-std::optional<Preview> preview(MakePreview make, const std::filesystem::path& file,
-                               std::vector<std::string>& findings) {
+std::optional<Preview> preview(MakePreview make, const std::filesystem::path& file, std::vector<Finding>& findings) {
   if (file.empty()) return std::nullopt;
   Result<Preview> made = make(file, kPreviewSide_px);
   if (made) return *std::move(made);
-  findings.push_back("no preview of " + file.filename().string() + ": " + made.error().message);
+  findings.push_back(
+      finding_of(FindingCode::kNoPreview, {Subject::file(file.filename().string())}, {}, {}, made.error().message));
   return std::nullopt;
 }
 

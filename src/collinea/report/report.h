@@ -10,8 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
+#include "collinea/block/gauge.h"
 #include "collinea/store/project_store.h"
 
 namespace collinea {
@@ -43,10 +45,10 @@ struct ReportInput {
   bool metric = false;                ///< false: lengths are in units of the model, not metres
   std::string crs_name;               ///< "WGS 84 / UTM zone 33N"
   std::string height_reference;       ///< what heights refer to: "above the WGS 84 ellipsoid"; empty: the CRS says it
-  std::string gauge;                  ///< what fixes place, attitude and scale, in words
+  std::optional<Gauge> gauge;         ///< what fixes position, attitude and scale
   std::optional<double> gsd_m;        ///< ground size of a pixel
   std::vector<SkippedImage> skipped;  ///< photographs that are not in the block, and why
-  std::vector<std::string> findings;  ///< what the user should know
+  std::vector<Finding> findings;
   std::vector<StepRecord> steps;
   std::vector<ReportProduct> products;
   std::filesystem::path dsm, ortho;                           ///< GeoTIFFs to show; empty: none

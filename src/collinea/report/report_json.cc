@@ -3,6 +3,7 @@
 
 #include "collinea/block/ground_words.h"
 #include "collinea/report/cells.h"
+#include "collinea/report/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/step_figures.h"
 
@@ -148,11 +149,11 @@ std::string report_json(const ReportInput& input, const ReportSummary& s) {
                        {"date", input.date},
                        {"statement", s.statement},
                        {"cautions", s.cautions},
-                       {"findings", input.findings},
+                       {"findings", findings_json(input.findings, input.block)},
                        {"georeferenced", input.georeferenced},
                        {"crs", input.block.georeference ? json(input.block.georeference->crs) : json(nullptr)},
                        {"crs_name", input.crs_name},
-                       {"gauge", input.gauge},
+                       {"gauge", input.gauge ? json(words_of(*input.gauge)) : json(nullptr)},
                        {"length_unit", s.unit},
                        {"images", input.block.images.size()},
                        {"oriented", count_oriented(input.block)},

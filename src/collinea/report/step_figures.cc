@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "collinea/base/words.h"
+#include "collinea/report/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/store/packed_fields.h"
 
@@ -50,7 +51,11 @@ json object_of(const T& record, const Block& block) {
 template <class T>
 json value_of(const T& value, const Block& block) {
   using namespace packing;
-  if constexpr (std::is_floating_point_v<T>) {
+  if constexpr (std::is_same_v<T, Finding>) {
+    return finding_json(value, block);
+  } else if constexpr (std::is_same_v<T, Gauge>) {
+    return words_of(value);
+  } else if constexpr (std::is_floating_point_v<T>) {
     return number(value);
   } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
     return value;
@@ -88,7 +93,7 @@ json figures_of_record(const OrientationRecord& record, const Block& block) {
 }  // namespace
 
 json figures_of(const StepOutcome& outcome, const Block& block) {
-  if (const auto why = skipped_because(outcome)) return {{"skipped_because", *why}};
+  if (const auto why = skipped_because(outcome)) return {{"skipped_because", finding_json(*why, block)}};
   json figures = std::visit([&](const auto& record) { return figures_of_record(record, block); }, outcome);
   figures.erase("skipped_because");
   return figures;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "collinea/report/finding_words.h"
+
 namespace collinea {
 namespace {
 
@@ -25,7 +27,7 @@ std::string words(const MatchRecord& r) {
 
 std::string words(const OrientationRecord& r) {
   return fmt::format("{} of {} images, {} tie points, mean residual {:.2f} px, {}", r.oriented, r.images, r.tie_points,
-                     r.mean_reprojection_px, r.gauge);
+                     r.mean_reprojection_px, words_of(r.gauge));
 }
 
 std::string words(const DensifyRecord& r) { return fmt::format("{} depth maps, {} points", r.depth_maps, r.points); }
@@ -63,7 +65,7 @@ std::string words(const ReportRecord& r) { return r.file; }
 }  // namespace
 
 std::string summary_of(const StepOutcome& outcome) {
-  if (const auto why = skipped_because(outcome)) return *why;
+  if (const auto why = skipped_because(outcome)) return sentence_of(*why, {});
   return std::visit([](const auto& record) { return words(record); }, outcome);
 }
 

@@ -100,11 +100,12 @@ inline void add_control(double width, double height, Random& random, ReportInput
 inline void add_words(ReportInput& input) {
   input.skipped = {{"100MEDIA/DJI_0999.JPG", "truncated: ends after 12 % of its rows"},
                    {"notes.txt", "not a photograph"}};
-  input.findings = {"Control point P3 lies 0.4 m outside the images' footprints."};
+  input.findings = {finding_of(FindingCode::kCheckPoint, {ControlId{0}}, {{FigureName::kOffset, 0.4}})};
   input.steps = {{"a", "b", 0.8, 1.2, 9e7, ImportRecord{.images = 40}},
                  {"b", "c", 31.2, 60.1, 8e8, DetectRecord{.images = 40, .features = 1000}},
                  {"c", "d", 12.5, 20.4, 6e8, OrientationRecord{.oriented = 39, .pixel_size = 0.5}},
-                 {"d", "e", 1.5, 2.4, 1e8, SurfaceRecord{.skipped_because = "the images look up"}}};
+                 {"d", "e", 1.5, 2.4, 1e8,
+                  SurfaceRecord{.skipped_because = finding_of(FindingCode::kNotDownwards, {Product::kSurfaceModel})}}};
   input.products = {{"Surface model", "products/dsm.tif", 12'345'678, "cells of 3.0 cm, 4021 x 3877"},
                     {"Point cloud", "products/cloud.las", 1'412'345'678, "34.4 million points, LAS 1.4"}};
   input.options = {{"orient.calibration", "brown"}, {"seed", "1"}};
@@ -123,7 +124,7 @@ inline ReportInput report_of_test_flight(int strips, int per_strip, int points) 
   input.block.georeference = Georeference{"EPSG:32633", 45, 15, 100};
   input.georeferenced = input.metric = true;
   input.crs_name = "WGS 84 / UTM zone 33N";
-  input.gauge = "control points and image positions";
+  input.gauge = Gauge{.map = "EPSG:32633", .by_control = true, .positions = 40};
   const double width = 12.0 * (per_strip - 1), height = 22.0 * (strips - 1);
   test_flight::add_camera(input);
   test_flight::add_images(strips, per_strip, random, input);

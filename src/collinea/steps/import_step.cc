@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "collinea/base/hash.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/steps/import_record.h"
 #include "collinea/steps/step.h"
 
@@ -43,7 +44,7 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
     record.skipped.push_back({photo.file, photo.reason});
     project.run.say(fmt::format("skipped {}: {}", photo.file, photo.reason));
   }
-  for (const std::string& finding : imported.findings) project.run.say("note: " + finding);
+  for (const Finding& finding : imported.findings) project.run.say("note: " + sentence_of(finding, imported.block));
   return StepOutput{hash_of_pictures(imported), record};
 }
 

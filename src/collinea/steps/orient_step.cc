@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/orient/orient.h"
-
-#include <fmt/format.h>
+#include "collinea/report/finding_words.h"
 
 #include "collinea/project/given_orientation.h"
 #include "collinea/raster/photo.h"
@@ -20,12 +19,14 @@ Result<Orientation> orientation_of(Project& project, const Block& setup, const s
   COLLINEA_TRY(const ReadOrientation read, read_orientation(*options.orientation, setup));
   COLLINEA_TRY(Orientation orientation,
                orient_as_given(setup, pairs, keypoints, read.given, options, project.run, pictures));
-  orientation.findings.insert(orientation.findings.begin(), read.remarks.begin(), read.remarks.end());
-  orientation.findings.insert(orientation.findings.begin(),
-                              fmt::format("{} of the {} images is taken from {}{}",
-                                          read.given.cameras.empty() ? "orientation" : "orientation and camera",
-                                          read.given.cam_from_world.size(), read.given.source,
-                                          options.refine_orientation ? ", and adjusted" : ", and held as given"));
+  orientation.findings.insert(orientation.findings.begin(), read.findings.begin(), read.findings.end());
+  orientation.findings.insert(
+      orientation.findings.begin(),
+      finding_of(options.refine_orientation ? FindingCode::kOrientationTaken : FindingCode::kOrientationHeld,
+                 {Subject::file(read.given.source)},
+                 {{FigureName::kCount, double(read.given.cam_from_world.size())},
+                  {FigureName::kOf, double(setup.images.size())},
+                  {FigureName::kCameras, double(read.given.cameras.size())}}));
   return orientation;
 }
 
@@ -36,7 +37,7 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(const std::vector<ImagePair> pairs, project.store.read_pairs());
   COLLINEA_TRY(Orientation orientation, orientation_of(project, setup, pairs));
   COLLINEA_TRY(project.store.write_orientation(orientation.block));
-  for (const std::string& finding : orientation.findings) project.run.say("note: " + finding);
+  for (const Finding& finding : orientation.findings) project.run.say("note: " + sentence_of(finding, setup));
   return StepOutput{inputs_hash, record_of(orientation, setup)};
 }
 

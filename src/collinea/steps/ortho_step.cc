@@ -44,7 +44,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   if (!looks_down(block))
     return StepOutput{inputs_hash,
-                      OrthoRecord{.skipped_because = "the images do not look down on the scene: no orthophoto"}};
+                      OrthoRecord{.skipped_because = finding_of(FindingCode::kNotDownwards, {Product::kOrthophoto})}};
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto products = project.folder / "products";
   COLLINEA_TRY(const HeightField surface, open_height_field(products / "dsm.tif", products / "dsm_sigma.tif"));

@@ -39,8 +39,8 @@ Result<std::vector<PlaceSigma>> orientation_sigmas(const Project& project, const
 Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   if (!looks_down(block))
-    return StepOutput{inputs_hash,
-                      SurfaceRecord{.skipped_because = "the images do not look down on the scene: no surface model"}};
+    return StepOutput{inputs_hash, SurfaceRecord{.skipped_because =
+                                                     finding_of(FindingCode::kNotDownwards, {Product::kSurfaceModel})}};
   COLLINEA_TRY(const Places places, places_of(project, block));
   COLLINEA_TRY(const std::vector<PlaceSigma> sigmas, orientation_sigmas(project, places.frame_or_null()));
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));

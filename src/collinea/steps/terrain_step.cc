@@ -49,13 +49,13 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
 Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   const auto products = project.folder / "products";
-  const auto without = [&](const std::string& why) -> Result<StepOutput> {
+  const auto without = [&](FindingCode why) -> Result<StepOutput> {
     for (const char* earlier : {"contours.gpkg", "contours.dxf"}) COLLINEA_TRY(remove_file(products / earlier));
-    return StepOutput{inputs_hash, TerrainRecord{.skipped_because = why + ": no terrain model"}};
+    return StepOutput{inputs_hash, TerrainRecord{.skipped_because = finding_of(why, {Product::kTerrainModel})}};
   };
-  if (!looks_down(block)) return without("the images do not look down on the scene");
+  if (!looks_down(block)) return without(FindingCode::kNotDownwards);
   COLLINEA_TRY(const Places places, places_of(project, block));
-  if (!places.metric) return without("the block has no scale, so that the size of objects is not known");
+  if (!places.metric) return without(FindingCode::kNoScale);
   const DsmFiles dsm{products / "dsm.tif",
                      products / "dsm_sigma.tif",
                      products / "dsm_state.tif",
@@ -65,7 +65,7 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
                        products / "contours.gpkg", products / "dtm_sigma_relative.tif"};
   const BlockCacheLimit cache(kCacheOfPieces);
   const auto made = build_dtm(dsm, files, project.settings.terrain, project.run);
-  if (!made && made.error().code == Errc::kIllPosed) return without(made.error().message);
+  if (!made && made.error().code == Errc::kIllPosed) return without(FindingCode::kNoGround);
   if (!made) return tl::unexpected(made.error());
   const DtmSummary& summary = made->summary;
   give_back_freed_memory();

@@ -217,10 +217,10 @@ Result<> write_cameras(Database& db, const std::string& table, const std::map<Ca
   for (const auto& [id, camera] : cameras) {
     Packer sigma;
     sigma.put(camera.prior.sigma_f_px);
+    const std::string parameters = parameters_text(camera);  // texts are bound where they lie, until the row is written
     insert.bind(id.value).bind_text(camera.name).bind(camera.width_px).bind(camera.height_px);
-    insert.bind_text(std::string(name_of(camera.model)));
-    insert.bind_text(std::string(kAdditionalNames[std::size_t(camera.additional)]));
-    insert.bind_text(parameters_text(camera)).bind_text(std::string(camera.prior.source_name()));
+    insert.bind_text(name_of(camera.model)).bind_text(kAdditionalNames[std::size_t(camera.additional)]);
+    insert.bind_text(parameters).bind_text(camera.prior.source_name());
     COLLINEA_TRY(insert.bind(int(camera.prior.calibrate)).bind_blob(sigma.bytes()).run());
   }
   return {};

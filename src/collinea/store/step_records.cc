@@ -55,9 +55,9 @@ std::string_view step_of(const StepOutcome& outcome) {
   return std::visit([](const auto& record) { return record.kStep; }, outcome);
 }
 
-std::optional<std::string> skipped_because(const StepOutcome& outcome) {
+std::optional<Finding> skipped_because(const StepOutcome& outcome) {
   return std::visit(
-      [](const auto& record) -> std::optional<std::string> {
+      [](const auto& record) -> std::optional<Finding> {
         if constexpr (requires { record.skipped_because; })
           return record.skipped_because;
         else

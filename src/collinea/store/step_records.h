@@ -12,9 +12,11 @@
 #include <variant>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/base/result.h"
 #include "collinea/block/differences.h"
 #include "collinea/block/features.h"
+#include "collinea/block/gauge.h"
 #include "collinea/block/instrument_options.h"
 
 namespace collinea {
@@ -41,7 +43,7 @@ struct ImportRecord {
   std::uint64_t images = 0, cameras = 0, positions = 0, control_points = 0, ground_measurements = 0;
   std::optional<std::string> crs;     ///< of maps and control; nothing: no map
   std::vector<SkippedImage> skipped;  ///< files that are no images, or of no use
-  std::vector<std::string> findings;  ///< what the user should know
+  std::vector<Finding> findings;
 
   template <class Visit>
   static void fields(Visit&& visit) {
@@ -151,7 +153,7 @@ struct OrientationRecord {
   bool metric = false;             ///< lengths are in metres
   bool relative_heights = false;   ///< georeferenced in plan, but nothing told a height
   bool holds_given_poses = false;  ///< poses are those of another program, not adjusted
-  std::string gauge;               ///< what fixes place, attitude and scale, in words
+  Gauge gauge;                     ///< what fixes position, attitude and scale
   std::optional<AxisValues> control_rmse_m, check_rmse_m, position_rms_m;  ///< nothing: no such point took part
   std::vector<double> sigma_factors;          ///< what the given sigmas were multiplied by, by ObservationGroup
   Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
@@ -164,7 +166,7 @@ struct OrientationRecord {
   std::vector<GroundDifference> ground;
   std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; sigma0 held
-  std::vector<std::string> findings;                  ///< what the user should know
+  std::vector<Finding> findings;
 
   /// Ground size of a pixel; nothing without a scale.
   [[nodiscard]] std::optional<double> gsd_m() const { return metric ? std::optional(pixel_size) : std::nullopt; }
@@ -221,7 +223,7 @@ struct DensifyRecord {
 /// The surface model. Where the step had nothing to make, `skipped_because` says why and all else is 0.
 struct SurfaceRecord {
   static constexpr std::string_view kStep = "surface";
-  std::optional<std::string> skipped_because;
+  std::optional<Finding> skipped_because;
   double cell_m = 0;
   std::int32_t width = 0, height = 0;                        ///< cells
   std::uint64_t points = 0, points_dropped = 0;              ///< dropped: not finite, or far from all others
@@ -250,7 +252,7 @@ struct SurfaceRecord {
 /// The terrain model; as SurfaceRecord.
 struct TerrainRecord {
   static constexpr std::string_view kStep = "terrain";
-  std::optional<std::string> skipped_because;
+  std::optional<Finding> skipped_because;
   double cell_m = 0;
   std::int32_t width = 0, height = 0;                      ///< cells
   std::uint64_t ground_cells = 0, interpolated_cells = 0;  ///< the others are empty
@@ -296,7 +298,7 @@ struct GivenSeamlines {
 /// The orthophoto; as SurfaceRecord.
 struct OrthoRecord {
   static constexpr std::string_view kStep = "ortho";
-  std::optional<std::string> skipped_because;
+  std::optional<Finding> skipped_because;
   double cell_m = 0;
   std::int32_t width = 0, height = 0;  ///< cells
   std::uint64_t painted_cells = 0, empty_cells = 0;
@@ -345,7 +347,7 @@ using StepOutcome = std::variant<ImportRecord, DetectRecord, MatchRecord, Orient
 [[nodiscard]] std::string_view step_of(const StepOutcome& outcome);
 
 /// Why the step made no product; nothing: it made them.
-[[nodiscard]] std::optional<std::string> skipped_because(const StepOutcome& outcome);
+[[nodiscard]] std::optional<Finding> skipped_because(const StepOutcome& outcome);
 
 /// The record as a byte string: its format, a fingerprint of its members, and these.
 [[nodiscard]] std::string packed(const StepOutcome& outcome);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/camera/camera.h"
 #include "collinea/camera/fisheye.h"
 #include "collinea/camera/internal/distortion.h"
 

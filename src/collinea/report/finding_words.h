@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "collinea/adjust/datum_sources.h"
+#include "collinea/base/finding.h"
+#include "collinea/block/block.h"
+#include "collinea/block/gauge.h"
+#include "collinea/quality/conditioning.h"
+
+namespace collinea {
+
+/// Words for findings: the only place where a finding becomes a sentence. Short declarative sentences: the finding
+/// first, then the figure, then what to do.
+
+/// How a face spells an option: the command line as "--calibration none". Empty: "option calibration = none".
+using SpellOption = std::function<std::string(const OptionField&)>;
+
+/// "the lever arm to the right of FC6310", "k1 of camera FC6310", "the attitudes of the images", "IMG_3.jpg".
+[[nodiscard]] std::string words_of(const Subject& subject, const Block& block);
+
+/// The subjects one after the other: "A.jpg, B.jpg and C.jpg"; of many the first six and how many more there are.
+[[nodiscard]] std::string words_of(const std::vector<Subject>& subjects, const Block& block);
+
+/// The finding and its figures, one sentence or two: "Check point P7 is 0.8 m off the control points."
+[[nodiscard]] std::string what_of(const Finding& finding, const Block& block);
+
+/// What to do, one sentence: "Give a calibrated camera, or set option calibration = none."; "" when there is nothing.
+[[nodiscard]] std::string remedy_of(const Finding& finding, const SpellOption& spell = {});
+
+/// Both.
+[[nodiscard]] std::string sentence_of(const Finding& finding, const Block& block, const SpellOption& spell = {});
+
+/// What fixes position, attitude and scale: "control points, positions of images", "free network (7 degrees of
+/// freedom kept by inner constraints)".
+[[nodiscard]] std::string words_of(const DatumSources& datum, int rank_defect);
+
+/// "the horizontal edges of the images".
+[[nodiscard]] std::string words_of(LevelSource level);
+
+/// "map EPSG:25832, fixed by control points and 24 image positions", "local gauge, as given by model/".
+[[nodiscard]] std::string words_of(const Gauge& gauge);
+
+/// What the worst combination of unknowns consists of: "k1 of camera X (64 %), the attitudes of the images (21 %)".
+[[nodiscard]] std::string words_of(const Conditioning& conditioning, const Block& block);
+
+}  // namespace collinea
