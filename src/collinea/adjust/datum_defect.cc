@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "collinea/adjust/gauge.h"
+#include "collinea/adjust/observation_kinds.h"
 #include "collinea/math/median.h"
 
 namespace collinea::bundle {

@@ -8,6 +8,7 @@
 
 #include "collinea/adjust/datum_defect.h"
 #include "collinea/adjust/gather_parts.h"
+#include "collinea/adjust/observation_kinds.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/math/ordering.h"
@@ -428,23 +429,15 @@ class Gatherer {
 
   void count() {
     Problem& problem = out_.problem;
-    problem.observation_count = 2 * static_cast<long>(problem.rays.size());
-    for (const ProblemCamera& camera : problem.cameras)
-      for (const double inverse_sigma : camera.inverse_sigma) problem.observation_count += inverse_sigma > 0;
-    for (const GivenPosition& position : problem.positions) problem.observation_count += position.axes();
-    for (const GivenTurn& given : problem.attitudes)
-      problem.observation_count += (given.inverse_sigma.array() > 0).count();
-    problem.observation_count += 2 * static_cast<long>(problem.verticals.size());
-    for (const ExtraUnknown& extra : problem.extras) problem.observation_count += extra.inverse_sigma > 0;
-    for (const GroundLink& link : problem.ground) problem.observation_count += link.inverse_sigma > 0;
     problem.unknown_count = 6L * problem.poses + problem.border;
     for (std::size_t p = 0; p < problem.point_count(); ++p) {
       problem.unknown_count += problem.point(p).eliminated() ? 3 : 0;
       if (problem.first_control == p && problem.point(p).control < 0) ++problem.first_control;
-      if (const int control = problem.point(p).control; control >= 0)
-        for (const double inverse_sigma : problem.control[control].inverse_sigma)
-          problem.observation_count += inverse_sigma > 0;
     }
+    problem.observation_count = 2 * static_cast<long>(problem.rays.size());
+    for_each_kind([&]<class Kind>() {
+      Kind::for_each(problem, [&](const auto& item) { problem.observation_count += Kind::count(problem, item); });
+    });
   }
 
   const Block& block_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "collinea/adjust/gather_parts.h"
+#include "collinea/adjust/kind_geodetic.h"
 #include "collinea/block/ground_words.h"
 
 namespace collinea::bundle {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "collinea/adjust/linearise.h"
+#include "collinea/adjust/observation_kinds.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/geometry/similarity3.h"
 
@@ -156,18 +156,11 @@ bool is_plain(const Problem& problem) {
 // All that a motion of the whole block changes.
 double cost_of_place(const Problem& problem, const State& state) {
   double cost = 0;
-  for (const GivenPosition& position : problem.positions)
-    cost += problem.position_loss.cost(
-        (position.given - antenna_of(state, position)).cwiseProduct(position.inverse_sigma).squaredNorm());
-  for (const GivenUp& given : problem.verticals)
-    cost += given.residual(z_in_cam(state.frames[given.image])).squaredNorm();
-  for (std::size_t p = problem.first_control; p < problem.point_count(); ++p)
-    if (const int control = problem.point(p).control; control >= 0)
-      cost += PointNormals().add(problem.control[control], &state.points[3 * p]);
-  for (const GroundLink& link : problem.ground)
-    cost += std::pow(ground_residual(link.observation, model_of(problem, link, state)) * link.inverse_sigma, 2);
-  for (const GivenTurn& given : problem.attitudes)
-    cost += residual_of(state, given).cwiseProduct(given.inverse_sigma).squaredNorm();
+  for_each_kind([&]<class Kind>() {
+    if constexpr (Kind::kIsOfPlace)
+      Kind::for_each(problem,
+                     [&](const auto& item) { cost += Kind::loss(problem).cost(Kind::squared(problem, state, item)); });
+  });
   return cost;
 }
 

@@ -2,37 +2,25 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <optional>
 #include <vector>
 
-#include "collinea/block/ground.h"
+#include "collinea/adjust/geodetic_kinds.h"
 
 namespace collinea {
 
-/// A measurement on the ground as points and unknowns of its own foretell it, with its derivatives.
-struct GroundModel {
-  double computed = 0;                                                                 ///< [m] or [rad]
-  Eigen::Vector3d by_from = Eigen::Vector3d::Zero(), by_to = Eigen::Vector3d::Zero();  ///< [1] or [rad/m]
-  std::array<double, 3> by_extra{};  ///< unknowns of its own: orientation of the set-up, or of a shape
-  int extras = 0;                    ///< how many of them
-};
-
-/// Where a shape that points lie on begins: a frame of three axes in the world, seen from which it is described.
-struct GroundShape {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< by columns; of a plane the last is the normal, of a line:
-                                                       ///< sideways, upwards, along it
-};
-
 /// The numbers that describe a shape against its frame, and how many of them one of its observations sees.
 [[nodiscard]] constexpr int unknowns_of_shape(GroundKind kind) {
-  return kind == GroundKind::kAtHeight ? 1 : kind == GroundKind::kOnPlane ? 3 : 4;
+  return kind == GroundKind::kAtHeight  ? geodetic::CommonHeight::kUnknowns
+         : kind == GroundKind::kOnPlane ? geodetic::OnPlane::kUnknowns
+                                        : geodetic::OnLine::kUnknowns;
 }
 
 /// The fewest points that determine a shape.
 [[nodiscard]] constexpr int points_of_shape(GroundKind kind) {
-  return kind == GroundKind::kAtHeight ? 1 : kind == GroundKind::kOnPlane ? 3 : 2;
+  return kind == GroundKind::kAtHeight  ? geodetic::CommonHeight::kPoints
+         : kind == GroundKind::kOnPlane ? geodetic::OnPlane::kPoints
+                                        : geodetic::OnLine::kPoints;
 }
 
 /// The frame of the shape that fits points best; all its unknowns then are zero, but for a common height, which counts

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
 #include <utility>
 
+#include "collinea/adjust/observation_kinds.h"
 #include "collinea/base/parallel.h"
-#include "collinea/geometry/rotation.h"
 
 namespace collinea::bundle {
 namespace {
@@ -157,6 +158,31 @@ void Normals::index_rows() {
   }
 }
 
+// The normal equations as a sink of observations.
+class Normals::Sink final : public ObservationSink {
+ public:
+  explicit Sink(Normals& normals) : normals_(normals) {}
+  void add(const Row& row, double inverse_sigma, double residual) override {
+    normals_.add_observation(row, inverse_sigma, residual);
+  }
+  void add_to_pose(int row, int column, double value) override {
+    normals_.matrix_.at(row, column) += value;
+    if (row == column) normals_.diagonal_[static_cast<std::size_t>(row)] += value;
+  }
+  void add_to_right(int row, double value) override { normals_.right_[static_cast<std::size_t>(row)] += value; }
+
+ private:
+  Normals& normals_;
+};
+
+template <class Kind>
+double Normals::add_kind(const State& state) {
+  double cost = 0;
+  Sink sink(*this);
+  Kind::for_each(problem_, [&](const auto& item) { cost += Kind::add(problem_, state, item, sink); });
+  return cost;
+}
+
 double Normals::accumulate(const State& state, double lambda, const Run& run, double datum_stiffness) {
   matrix_.clear();
   std::fill(right_.begin(), right_.end(), 0.0);
@@ -183,8 +209,13 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
     for (std::size_t i = 0; i < border_.right.size(); ++i) border_.diagonal[i] += chunks_[c].diagonal[i];
     border_.cost += chunks_[c].cost;
   }
-  const double cost = border_.cost + add_positions(state) + add_verticals(state) + add_weak_cameras(state) +
-                      add_extras(state) + add_joined(state) + add_ground(state) + add_attitudes(state);
+  double cost = border_.cost;
+  for_each_kind([&]<class Kind>() {
+    if constexpr (std::is_same_v<Kind, ControlCoordinate>)
+      cost += add_joined(state);
+    else
+      cost += add_kind<Kind>(state);
+  });
   add_datum(datum_stiffness);
   assemble(lambda);
   return cost;
@@ -331,83 +362,9 @@ void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
   }
 }
 
-double Normals::add_positions(const State& state) {
-  double cost = 0;
-  for (const GivenPosition& position : problem_.positions) {
-    const Eigen::Vector3d residual =
-        (position.given - antenna_of(state, position)).cwiseProduct(position.inverse_sigma);
-    const double s = residual.squaredNorm(), weight = problem_.position_loss.weight(s);
-    cost += problem_.position_loss.cost(s);
-    if (!position.plain()) {
-      const double root = std::sqrt(weight);
-      for (int axis = 0; axis < 3; ++axis)
-        add_observation(row_of(problem_, state, position, axis), root * position.inverse_sigma[axis],
-                        root * residual[axis]);
-      continue;
-    }
-    for (int c = 0; c < 3; ++c) {
-      const int row = 6 * static_cast<int>(position.image) + 3 + c;
-      const double w = position.inverse_sigma[c];
-      matrix_.at(row, row) += weight * w * w;
-      diagonal_[static_cast<std::size_t>(row)] += weight * w * w;
-      right_[static_cast<std::size_t>(row)] += weight * w * residual[c];
-    }
-  }
-  return cost;
-}
-
-double Normals::add_verticals(const State& state) {
-  double cost = 0;
-  for (const GivenUp& given : problem_.verticals) {
-    const Eigen::Vector3d up = z_in_cam(state.frames[given.image]), residual = given.residual(up);
-    cost += residual.squaredNorm();
-    const Eigen::Matrix3d by_turn = -given.inverse_sigma * skew(up);  // of the computed direction
-    const Eigen::Matrix3d square = by_turn.transpose() * by_turn;
-    const Eigen::Vector3d right = by_turn.transpose() * residual;
-    const int first = 6 * static_cast<int>(given.image);
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c <= r; ++c) matrix_.at(first + r, first + c) += square(r, c);
-      diagonal_[static_cast<std::size_t>(first + r)] += square(r, r);
-      right_[static_cast<std::size_t>(first + r)] += right[r];
-    }
-  }
-  return cost;
-}
-
-double Normals::add_weak_cameras(const State& state) {
-  double cost = 0;
-  for (std::size_t i = 0; i < problem_.cameras.size(); ++i) {
-    const ProblemCamera& camera = problem_.cameras[i];
-    for (std::size_t k = 0; k < camera.free.size(); ++k) {
-      const int param = camera.free[k];
-      const double w = camera.inverse_sigma[param], residual = (camera.given[param] - state.cameras[i][param]) * w;
-      const std::size_t row = static_cast<std::size_t>(camera.border) + k;
-      border_.matrix[row * static_cast<std::size_t>(problem_.border) + row] += w * w;
-      border_.diagonal[row] += w * w;
-      border_.right[row] += w * residual;
-      cost += residual * residual;
-    }
-  }
-  return cost;
-}
-
 void Normals::add_to_border(int row, int column, double value) {
   border_.matrix[static_cast<std::size_t>(std::max(row, column)) * static_cast<std::size_t>(problem_.border) +
                  static_cast<std::size_t>(std::min(row, column))] += value;
-}
-
-double Normals::add_extras(const State& state) {
-  double cost = 0;
-  for (std::size_t i = 0; i < problem_.extras.size(); ++i) {
-    const ExtraUnknown& extra = problem_.extras[i];
-    const double w = extra.inverse_sigma, residual = (extra.given - state.extras[i]) * w;
-    const int row = problem_.first_extra + static_cast<int>(i);
-    add_to_border(row, row, w * w);
-    border_.diagonal[static_cast<std::size_t>(row)] += w * w;
-    border_.right[static_cast<std::size_t>(row)] += w * residual;
-    cost += residual * residual;
-  }
-  return cost;
 }
 
 // Points that keep their unknowns: what their rays say of images and cameras alone is there already.
@@ -449,29 +406,6 @@ double Normals::add_joined(const State& state) {
       border_.right[row] += normals.right[c];
       border_.diagonal[row] += normals.v[kElement[c][c]];
     }
-  }
-  return cost;
-}
-
-double Normals::add_ground(const State& state) {
-  double cost = 0;
-  for (const GroundLink& link : problem_.ground) {
-    if (!(link.inverse_sigma > 0)) continue;
-    const GroundModel model = model_of(problem_, link, state);
-    const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
-    cost += residual * residual;
-    add_observation(row_of(problem_, link, model), link.inverse_sigma, residual);
-  }
-  return cost;
-}
-
-double Normals::add_attitudes(const State& state) {
-  double cost = 0;
-  for (const GivenTurn& given : problem_.attitudes) {
-    const Eigen::Vector3d residual = residual_of(state, given).cwiseProduct(given.inverse_sigma);
-    cost += residual.squaredNorm();
-    for (int axis = 0; axis < 3; ++axis)
-      add_observation(row_of(problem_, state, given, axis), given.inverse_sigma[axis], residual[axis]);
   }
   return cost;
 }

@@ -55,13 +55,10 @@ class Normals {
   void add_row(const Batch& batch, const BatchRow& row);
   void add_pose_ray(const Batch& batch, std::uint32_t ray, double* const* tile_of, std::vector<double*>& blocks);
   void add_pose_cameras(const Batch& batch, std::uint32_t ray);
-  double add_positions(const State& state);
-  double add_verticals(const State& state);
-  double add_weak_cameras(const State& state);
-  double add_extras(const State& state);
+  class Sink;
+  template <class Kind>
+  double add_kind(const State& state);
   double add_joined(const State& state);
-  double add_ground(const State& state);
-  double add_attitudes(const State& state);
   void add_observation(const Row& row, double weight, double residual);
   void add_to_border(int row, int column, double value);
   void add_datum(double stiffness);

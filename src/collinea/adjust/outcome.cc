@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "collinea/adjust/linearise.h"
+#include "collinea/adjust/observation_kinds.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/math/robust_squares.h"
 
@@ -75,69 +76,25 @@ RaySums write_residuals(const Problem& problem, const State& state, RobustSquare
   return rays;
 }
 
-// Not the differences on axes that were not given.
-void write_positions(const Problem& problem, const State& state, RobustSquares& squares, Adjusted& adjusted) {
-  for (const GivenPosition& position : problem.positions) {
-    Eigen::Vector3d difference = antenna_of(state, position) - position.given;
-    const double s = difference.cwiseProduct(position.inverse_sigma).squaredNorm();
-    difference = (position.inverse_sigma.array() > 0).select(difference, kUnknown.x());
-    adjusted.positions.push_back({problem.images[position.image].id, difference, problem.position_loss.weight(s)});
-    if (const int axes = position.axes(); axes > 0) squares.add(s, axes);
-  }
-  std::sort(adjusted.positions.begin(), adjusted.positions.end(), [](auto& a, auto& b) { return a.image < b.image; });
-}
-
-// What was measured on the ground; answers the weighted squares.
-double write_ground(const Problem& problem, const State& state, Adjusted& adjusted) {
-  double sum = 0;
-  for (const GroundLink& link : problem.ground) {
-    const double difference = -ground_residual(link.observation, model_of(problem, link, state));
-    adjusted.ground.push_back({.observation = link.source,
-                               .used = link.inverse_sigma > 0,
-                               .adjusted = link.observation.value + difference,
-                               .difference = difference});
-    sum += std::pow(difference * link.inverse_sigma, 2);
-  }
-  return sum;
-}
-
-double write_attitudes(const Problem& problem, const State& state, Adjusted& adjusted) {
-  double sum = 0;
-  for (const GivenTurn& given : problem.attitudes) {
-    const Eigen::Vector3d residual = residual_of(state, given);
-    adjusted.attitudes.push_back({problem.images[given.image].id, -residual});
-    sum += residual.cwiseProduct(given.inverse_sigma).squaredNorm();
-  }
-  std::sort(adjusted.attitudes.begin(), adjusted.attitudes.end(), [](auto& a, auto& b) { return a.image < b.image; });
-  return sum;
-}
-
-double write_extras(const Problem& problem, const State& state, Adjusted& adjusted) {
-  double sum = 0;
+void write_extras(const Problem& problem, const State& state, Adjusted& adjusted) {
   for (std::size_t i = 0; i < problem.extras.size(); ++i) {
     const ExtraUnknown& extra = problem.extras[i];
     adjusted.extras.push_back({extra.kind, extra.owner, extra.axis, state.extras[i]});
-    sum += std::pow((state.extras[i] - extra.given) * extra.inverse_sigma, 2);
   }
-  return sum;
 }
 
-double vertical_squares(const Problem& problem, const State& state) {
+// The sum of squares of a kind, with a loss that which normal residuals would have.
+template <class Kind>
+double squares_of(const Problem& problem, const State& state, RobustSquares& robust) {
   double sum = 0;
-  for (const GivenUp& given : problem.verticals)
-    sum += given.residual(z_in_cam(state.frames[given.image])).squaredNorm();
-  return sum;
-}
-
-double weak_camera_squares(const Problem& problem, const State& state) {
-  double sum = 0;
-  for (std::size_t i = 0; i < problem.cameras.size(); ++i)
-    for (const int param : problem.cameras[i].free) {
-      const double residual =
-          (state.cameras[i][param] - problem.cameras[i].given[param]) * problem.cameras[i].inverse_sigma[param];
-      sum += residual * residual;
-    }
-  return sum;
+  Kind::for_each(problem, [&](const auto& item) {
+    const double s = Kind::squared(problem, state, item);
+    if (!Kind::kIsRobust)
+      sum += s;
+    else if (const long given = Kind::count(problem, item); given > 0)
+      robust.add(s, static_cast<int>(given));
+  });
+  return Kind::kIsRobust ? robust.squares() : sum;
 }
 
 // The sight lines of a control point in the images that take part or are held, with their places in
@@ -161,16 +118,14 @@ std::vector<SightLine> adjusted_sight_lines(const Block& block, const Adjusted& 
   return lines;
 }
 
-// Control and check points; answers the weighted squares of the control coordinates.
-double write_control(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
-                     Adjusted& adjusted) {
+// Control and check points.
+void write_control(const Block& block, const AdjustScope& scope, const Problem& problem, const State& state,
+                   Adjusted& adjusted) {
   std::map<ControlId, Eigen::Vector3d> estimated;
-  double sum = 0;
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
     const ProblemPoint& point = problem.point(p);
     if (point.control < 0) continue;
     estimated[ControlId{point.id}] = Eigen::Vector3d(&state.points[3 * p]);
-    sum += PointNormals().add(problem.control[point.control], &state.points[3 * p]);
   }
   adjusted.control_residuals_px.assign(block.control_observations.size(), kUnknown);
   for (const auto& [id, control] : block.control) {
@@ -200,7 +155,6 @@ double write_control(const Block& block, const AdjustScope& scope, const Problem
     }
     adjusted.control.push_back(difference);
   }
-  return sum;
 }
 
 }  // namespace
@@ -217,14 +171,13 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
   write_unknowns(block, problem, state, adjusted);
   const RaySums rays = write_residuals(problem, state, tie, adjusted);
   problem.observation_count -= 2 * rays.unseen;
-  write_positions(problem, state, positions, adjusted);
-  double squares = rays.squares + tie.squares() + positions.squares();
-  squares += vertical_squares(problem, state);
-  squares += weak_camera_squares(problem, state);
-  squares += write_control(block, scope, problem, state, adjusted);
-  squares += write_ground(problem, state, adjusted);
-  squares += write_extras(problem, state, adjusted);
-  squares += write_attitudes(problem, state, adjusted);
+  for_each_kind([&]<class Kind>() {
+    if constexpr (requires { Kind::tabulate(problem, state, adjusted); }) Kind::tabulate(problem, state, adjusted);
+  });
+  write_control(block, scope, problem, state, adjusted);
+  write_extras(problem, state, adjusted);
+  double squares = rays.squares + tie.squares();
+  for_each_kind<kInSquares>([&]<class Kind>() { squares += squares_of<Kind>(problem, state, positions); });
   adjusted.redundancy = problem.redundancy();
   adjusted.sigma0 = adjusted.redundancy > 0 ? std::sqrt(squares / static_cast<double>(adjusted.redundancy)) : 0;
   adjusted.observation_count = problem.observation_count;

@@ -210,19 +210,19 @@ struct RowPart {
 };
 using Row = std::vector<RowPart>;
 
-/// A measurement on the ground as the unknowns foretell it.
-[[nodiscard]] GroundModel model_of(const Problem& problem, const GroundLink& link, const State& state);
-[[nodiscard]] Row row_of(const Problem& problem, const GroundLink& link, const GroundModel& model);
+/// The rotation cam_from_world of an image.
+[[nodiscard]] inline Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation_in(const State& state,
+                                                                                                std::uint32_t image) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(state.frames[image].data());
+}
 
-/// Where the antenna says it is: the projection centre, and what lies between.
-[[nodiscard]] Eigen::Vector3d antenna_of(const State& state, const GivenPosition& position);
-/// Its derivative along one axis of the world.
-[[nodiscard]] Row row_of(const Problem& problem, const State& state, const GivenPosition& position, int axis);
-
-/// Given minus adjusted attitude, as a turn in the world.
-[[nodiscard]] Eigen::Vector3d residual_of(const State& state, const GivenTurn& given);
-/// The derivative of the adjusted one about one axis of the world.
-[[nodiscard]] Row row_of(const Problem& problem, const State& state, const GivenTurn& given, int axis);
+/// Three unknowns of Problem::extras, and the derivatives of an observation by them.
+[[nodiscard]] inline Eigen::Vector3d extra3(const State& state, int first) {
+  return Eigen::Map<const Eigen::Vector3d>(&state.extras[static_cast<std::size_t>(first)]);
+}
+inline void add_extra(const Problem& problem, int first, const Eigen::RowVector3d& derivative, Row& row) {
+  for (int c = 0; c < 3; ++c) row.push_back({6 * problem.poses + problem.first_extra + first + c, derivative[c]});
+}
 
 [[nodiscard]] Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre);
 

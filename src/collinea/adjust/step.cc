@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "collinea/adjust/linearise.h"
+#include "collinea/adjust/observation_kinds.h"
 #include "collinea/base/parallel.h"
 #include "collinea/geometry/rotation.h"
 
@@ -187,90 +189,18 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
   return sums;
 }
 
-// What a step changes of an observation, by the linear model.
-double change_of(const Row& row, const Step& step) {
-  double change = 0;
-  for (const RowPart& part : row) change += part.derivative * step.reduced[static_cast<std::size_t>(part.row)];
-  return change;
-}
-
-Sums of_positions(const Problem& problem, const State& state, const State& next, const Step& step) {
+// Observations that are no image points: what they cost after the step, and what the linear model predicts to be
+// gained.
+template <class Kind>
+Sums of_kind(const Problem& problem, const State& state, const State& next, const Step& step) {
   Sums sums;
-  for (const GivenPosition& position : problem.positions) {
-    const Eigen::Vector3d residual =
-        (position.given - antenna_of(state, position)).cwiseProduct(position.inverse_sigma);
-    Eigen::Vector3d d(&step.reduced[6ul * position.image + 3]);
-    if (!position.plain())
-      for (int axis = 0; axis < 3; ++axis) d[axis] = change_of(row_of(problem, state, position, axis), step);
-    const double s = residual.squaredNorm();
-    sums.cost += problem.position_loss.cost(
-        (position.given - antenna_of(next, position)).cwiseProduct(position.inverse_sigma).squaredNorm());
-    sums.promised +=
-        problem.position_loss.weight(s) * (s - (residual - d.cwiseProduct(position.inverse_sigma)).squaredNorm());
-  }
-  return sums;
-}
-
-Sums of_attitudes(const Problem& problem, const State& state, const State& next, const Step& step) {
-  Sums sums;
-  for (const GivenTurn& given : problem.attitudes) {
-    const Eigen::Vector3d residual = residual_of(state, given);
-    Eigen::Vector3d left = residual;
-    for (int axis = 0; axis < 3; ++axis) left[axis] -= change_of(row_of(problem, state, given, axis), step);
-    sums.cost += residual_of(next, given).cwiseProduct(given.inverse_sigma).squaredNorm();
-    sums.promised +=
-        residual.cwiseProduct(given.inverse_sigma).squaredNorm() - left.cwiseProduct(given.inverse_sigma).squaredNorm();
-  }
-  return sums;
-}
-
-Sums of_verticals(const Problem& problem, const State& state, const State& next, const Step& step) {
-  Sums sums;
-  for (const GivenUp& given : problem.verticals) {
-    const Eigen::Vector3d up = z_in_cam(state.frames[given.image]), residual = given.residual(up);
-    const Eigen::Vector3d turn(&step.reduced[6ul * given.image]);
-    sums.cost += given.residual(z_in_cam(next.frames[given.image])).squaredNorm();
-    sums.promised += residual.squaredNorm() - (residual - given.inverse_sigma * turn.cross(up)).squaredNorm();
-  }
-  return sums;
-}
-
-Sums of_weak_cameras(const Problem& problem, const State& state, const State& next) {
-  Sums sums;
-  for (std::size_t i = 0; i < problem.cameras.size(); ++i)
-    for (const int param : problem.cameras[i].free) {
-      const ProblemCamera& camera = problem.cameras[i];
-      const double before = (camera.given[param] - state.cameras[i][param]) * camera.inverse_sigma[param];
-      const double after = (camera.given[param] - next.cameras[i][param]) * camera.inverse_sigma[param];
-      sums.cost += after * after;
-      sums.promised += before * before - after * after;
-    }
-  return sums;
-}
-
-Sums of_extras(const Problem& problem, const State& state, const State& next) {
-  Sums sums;
-  for (std::size_t i = 0; i < problem.extras.size(); ++i) {
-    const ExtraUnknown& extra = problem.extras[i];
-    const double before = (extra.given - state.extras[i]) * extra.inverse_sigma;
-    const double after = (extra.given - next.extras[i]) * extra.inverse_sigma;
-    sums.cost += after * after;
-    sums.promised += before * before - after * after;
-  }
-  return sums;
-}
-
-Sums of_ground(const Problem& problem, const State& state, const State& next, const Step& step) {
-  Sums sums;
-  for (const GroundLink& link : problem.ground) {
-    if (!(link.inverse_sigma > 0)) continue;
-    const GroundModel model = model_of(problem, link, state);
-    const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
-    const double left = residual - link.inverse_sigma * change_of(row_of(problem, link, model), step);
-    const double after = ground_residual(link.observation, model_of(problem, link, next)) * link.inverse_sigma;
-    sums.cost += after * after;
-    sums.promised += residual * residual - left * left;
-  }
+  const Loss loss = Kind::loss(problem);
+  Kind::for_each(problem, [&](const auto& item) {
+    const double s = Kind::whitened(problem, state, item).squaredNorm();
+    const double left = Kind::predicted(problem, state, next, step.reduced, item).squaredNorm();
+    sums.cost += loss.cost(Kind::whitened(problem, next, item).squaredNorm());
+    sums.promised += loss.weight(s) * (s - left);
+  });
   return sums;
 }
 
@@ -288,12 +218,9 @@ State moved(const Problem& problem, const State& state, double lambda, Step& ste
       sums[item].promised += one.promised;
     }
   });
-  sums.push_back(of_positions(problem, state, next, step));
-  sums.push_back(of_verticals(problem, state, next, step));
-  sums.push_back(of_weak_cameras(problem, state, next));
-  sums.push_back(of_extras(problem, state, next));
-  sums.push_back(of_ground(problem, state, next, step));
-  sums.push_back(of_attitudes(problem, state, next, step));
+  for_each_kind([&]<class Kind>() {  // coordinates of control were counted with their points
+    if constexpr (!std::is_same_v<Kind, ControlCoordinate>) sums.push_back(of_kind<Kind>(problem, state, next, step));
+  });
   step.cost = step.promised = 0;
   for (const Sums& one : sums) {
     step.cost += one.cost;

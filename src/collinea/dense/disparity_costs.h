@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "collinea/base/run.h"
-#include "collinea/dense/stereo.h"
+#include "collinea/dense/disparity_map.h"
 
 namespace collinea::dense {
 

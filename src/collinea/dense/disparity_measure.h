@@ -2,8 +2,8 @@
 #pragma once
 
 #include "collinea/base/run.h"
+#include "collinea/dense/disparity_map.h"
 #include "collinea/dense/measure_kernels.h"
-#include "collinea/dense/stereo.h"
 
 namespace collinea::dense {
 

@@ -5,9 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "collinea/base/result.h"
+#include "collinea/base/run.h"
 #include "collinea/block/block.h"
-#include "collinea/dense/fuse.h"
-#include "collinea/dense/stereo.h"
+#include "collinea/dense/disparity_map.h"
+#include "collinea/dense/fused_point.h"
 
 namespace collinea {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/dense/epipolar_pair.h"
+#include "collinea/dense/stereo.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -9,18 +8,10 @@
 
 #include "collinea/base/run.h"
 #include "collinea/dense/depth_map.h"
+#include "collinea/dense/fused_point.h"
 #include "collinea/dense/neighbours.h"
 
 namespace collinea {
-
-/// A point of the surface on which several depth maps agree.
-struct FusedPoint {
-  Eigen::Vector3d position_in_world;  ///< [m, or the unit of the gauge]
-  Eigen::Vector3f normal_in_world;    ///< unit length, towards the cameras
-  std::array<std::uint8_t, 3> colour{};
-  float sigma = 0;          ///< along the ray of the image it is written for [as position]; poses taken as exact
-  std::uint8_t images = 0;  ///< whose depth maps agree
-};
 
 /// The colours of a photograph as it was taken, at 1/shrink of its size as in PixelSource.
 using ColourSource = std::function<Result<ColourImage>(ImageId image, int shrink)>;

@@ -9,23 +9,10 @@
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
+#include "collinea/dense/disparity_map.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
-
-/// How unlike two pixels of a pair are. Census is the one to use; the others are there to be compared with it.
-enum class StereoCost : std::uint8_t { kCensus, kZncc, kRank, kSad, kSsd };
-inline constexpr Word<StereoCost> kStereoCostWords[] = {{StereoCost::kCensus, "census"},
-                                                        {StereoCost::kZncc, "zncc"},
-                                                        {StereoCost::kRank, "rank"},
-                                                        {StereoCost::kSad, "sad"},
-                                                        {StereoCost::kSsd, "ssd"}};
-[[nodiscard]] constexpr std::span<const Word<StereoCost>> words(StereoCost) { return kStereoCostWords; }
-
-/// Disparities to search, both ends included [px]: column in the left picture less column in the right one.
-struct DisparityRange {
-  int low = 0, high = 63;
-};
 
 struct StereoOptions {
   StereoCost cost = StereoCost::kCensus;
@@ -47,13 +34,6 @@ struct StereoOptions {
                 "largest standard deviation of an accepted disparity; less texture is left empty", 0.01, 100});
     visit(Field{"fill", &O::fill, "", "fill what is left out from what lies around it; no sigma tells where"});
   }
-};
-
-/// What the left picture sees, pixel by pixel; NaN where it cannot be measured (texture, occlusion, beyond the right
-/// picture).
-struct DisparityMap {
-  FloatImage disparity;  ///< [px]
-  FloatImage sigma;      ///< standard deviation [px]; NaN where the disparity was filled in
 };
 
 /// Both pictures rectified: what is in row y of one is in row y of the other. Grey value 0 means "nothing there".

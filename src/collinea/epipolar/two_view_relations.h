@@ -8,7 +8,7 @@
 
 #include "collinea/camera/camera.h"
 #include "collinea/epipolar/point_pairs.h"
-#include "collinea/epipolar/two_view.h"
+#include "collinea/epipolar/verify_options.h"
 #include "collinea/geometry/rigid3.h"
 #include "collinea/math/random.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "collinea/geodesy/local_frame.h"
-#include "collinea/import/import.h"
+#include "collinea/import/imported.h"
 #include "collinea/io/control_file.h"
 
 namespace collinea {

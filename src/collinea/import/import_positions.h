@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "collinea/import/import.h"
+#include "collinea/import/imported.h"
 #include "collinea/io/position_file.h"
 
 namespace collinea {

@@ -3,7 +3,6 @@
 
 #include "collinea/base/result.h"
 #include "collinea/match/descriptors_kernels.h"
-#include "collinea/match/guided.h"
 
 namespace collinea {
 namespace {

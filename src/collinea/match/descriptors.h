@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -29,5 +30,12 @@ struct MatchOptions {
 /// Cost: count_a * count_b * 128 byte products, well below 0.1 s for 8192 x 8192 on one core with AVX-512.
 [[nodiscard]] std::vector<Match> match_descriptors(std::span<const Descriptor> a, std::span<const Descriptor> b,
                                                    const MatchOptions& options);
+
+/// match_descriptors among the pairs that may be at all: descriptor i of a with candidates[begin[i]] to
+/// candidates[begin[i + 1] - 1] of b, each once. Nearest and second nearest are those among the candidates, in both
+/// directions; where there is no second, one at max_distance takes its place.
+[[nodiscard]] std::vector<Match> match_among(std::span<const Descriptor> a, std::span<const Descriptor> b,
+                                             std::span<const std::uint32_t> begin,
+                                             std::span<const std::uint32_t> candidates, const MatchOptions& options);
 
 }  // namespace collinea

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/match/guided.h"
+#include "collinea/match/descriptors.h"
 
 #include <gtest/gtest.h>
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "collinea/block/gauge.h"
+#include "collinea/orient/given.h"
 #include "collinea/orient/reconstruction.h"
 #include "collinea/orient/remeasure.h"
 #include "collinea/quality/examine.h"
@@ -46,5 +47,15 @@ struct Orientation {
 [[nodiscard]] Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
                                          const KeypointSource& keypoints, const OrientOptions& options, const Run& run,
                                          const PictureSource& pictures = {});
+
+/// Intersects the tie points of the pairs with the poses as they are given; images without a pose stay out. With
+/// options.refine_orientation the block is then adjusted (and options.remeasure followed) as one that was grown here.
+/// Without, poses stay as they are, up to one similarity that brings a model from an arbitrary frame to the map, by
+/// positions or control; a model that agrees with these as it lies is left there, and control is then only compared.
+/// Control that fixed the similarity counts as used. Errors: no pose, no tie point; cancelled.
+[[nodiscard]] Result<Orientation> orient_as_given(const Block& setup, std::span<const ImagePair> pairs,
+                                                  const KeypointSource& keypoints, const GivenOrientation& given,
+                                                  const OrientOptions& options, const Run& run,
+                                                  const PictureSource& pictures = {});
 
 }  // namespace collinea

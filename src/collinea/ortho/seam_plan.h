@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "collinea/ortho/ortho_scene.h"
+#include "collinea/ortho/seam_window.h"
 #include "collinea/ortho/seamlines.h"
 
 namespace collinea {
 
 /// Which view each place of the orthophoto is to be taken from, if that view sees it: found, or given.
 struct SeamPlan {
-  static constexpr int kCoarse = 4;  ///< cells of the orthophoto along a cell of the plan
+  static constexpr int kCoarse = SeamWindow::kCoarse;  ///< cells of the orthophoto along a cell of the plan
 
   Raster<std::uint16_t> source;    ///< found: 1 + index of the view; 0: none
   std::vector<SeamPolygon> given;  ///< instead, when source is empty

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/ortho/seam_plan.h"
 #include "collinea/ortho/view_costs.h"
 
 namespace collinea {
@@ -276,7 +275,7 @@ Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const SeamLo
   for (int j = 0; j < window.blocks_down(); ++j)
     for (int i = 0; i < window.blocks_across(); ++i) looker.look(i, j);
   COLLINEA_TRY(colour(coarse, *patch, views, window, run));
-  const auto per_cell = float(coarse.grid.cell_m / (SeamPlan::kCoarse * look.cell_m));
+  const auto per_cell = float(coarse.grid.cell_m / (SeamWindow::kCoarse * look.cell_m));
   for (int j = 0; j < window.blocks_down(); ++j)
     for (int i = 0; i < window.blocks_across(); ++i)
       price_doubts(looker.sights[std::size_t(j * window.blocks_across() + i)], per_cell, window.block(i, j));

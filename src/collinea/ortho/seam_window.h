@@ -15,6 +15,7 @@ namespace collinea {
 /// costs and shows in each cell. Prices are in kPrice per unit of seam energy.
 class SeamWindow {
  public:
+  static constexpr int kCoarse = 4;  ///< cells of the orthophoto along a cell of the plan
   static constexpr int kBlock = OrthoPatch::kBlock;
   static constexpr int kPrice = 256;
   static constexpr int kForbidden = std::numeric_limits<int>::max();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/adjust/kind_geodetic.h"
 #include "collinea/base/parallel.h"
 #include "collinea/quality/point_cofactor.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "collinea/adjust/gather.h"
+#include "collinea/adjust/observation_kinds.h"
 #include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/test_examine.h"

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
+#include "collinea/adjust/observation_kinds.h"
 #include "collinea/base/parallel.h"
-#include "collinea/geometry/rotation.h"
 #include "collinea/math/quantiles.h"
 #include "collinea/math/robust_squares.h"
 #include "collinea/quality/covariance.h"
@@ -64,14 +65,7 @@ class Examiner {
     for (std::size_t p = 0; p < problem_.point_count(); ++p) take_rays(p, block);
     out_.tie_redundancy.reserve(adjusted_.observations.size());
     for (const std::uint32_t source : adjusted_.observations) out_.tie_redundancy.push_back(by_source_[source]);
-    for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p)
-      if (problem_.point(p).control >= 0 && !problem_.point(p).held) take_control(p);
-    take_positions();
-    take_verticals();
-    take_weak_cameras();
-    take_ground();
-    take_attitudes();
-    take_extras();
+    for_each_kind<kInTests>([&]<class Kind>() { take_kind<Kind>(); });
     sums(ObservationGroup::kTieImages).squares = tie_.squares();
     trim();
     return std::move(out_);
@@ -198,97 +192,61 @@ class Examiner {
       out_.left_out.push_back(one);
   }
 
-  // Plan and height share the loss, which is of the whole length, and so what it makes of their squares.
-  void take_positions() {
-    RobustSquares all(problem_.position_loss);
-    for (const GivenPosition& position : problem_.positions) {
-      const Eigen::Vector3d residual = position.given - antenna_of(state_, position);
-      const double s = residual.cwiseProduct(position.inverse_sigma).squaredNorm();
-      const double weight = problem_.position_loss.weight(s);
-      if (position.axes() > 0) all.add(s, position.axes());
-      for (int axis = 0; axis < 3; ++axis) {
-        const double w = position.inverse_sigma[axis];
-        if (!(w > 0)) continue;
-        const int row = 6 * static_cast<int>(position.image) + 3 + axis;
-        TestedObservation one;
-        one.group = axis < 2 ? ObservationGroup::kPositionPlan : ObservationGroup::kPositionHeight;
-        one.source = problem_.images[position.image].id.value;
-        one.axis = axis;
-        one.residual = residual[axis];
-        one.sigma = 1 / w;
-        sums(one.group).squares += weight / problem_.position_loss.information * std::pow(residual[axis] * w, 2);
-        const double cofactor =
-            position.plain() ? inverse_.at(row, row) : variance_of(row_of(problem_, state_, position, axis), inverse_);
-        test(one, weight * w * w * cofactor, weight);
-      }
-    }
-    if (!(all.weighted() > 0)) return;
-    for (const ObservationGroup group : {ObservationGroup::kPositionPlan, ObservationGroup::kPositionHeight})
-      sums(group).squares *= all.squares() / all.weighted();
+  template <class Kind>
+  void take_kind() {
+    if constexpr (std::is_same_v<Kind, ControlCoordinate>)
+      for_each<Kind>([&](std::size_t p) {
+        if (!problem_.point(p).held) take_control(p);
+      });
+    else if constexpr (std::is_same_v<Kind, Vertical>)
+      for_each<Kind>([&](const GivenUp& given) { take_vertical(given); });
+    else if constexpr (Kind::kIsTested)
+      test_kind<Kind>();
+    else
+      for_each_row<Kind>(problem_, state_, [&](const auto&, int, const ObservationRow& row) {
+        out_.redundancy_sum += 1 - row.inverse_sigma * row.inverse_sigma * variance_of(row.derivatives, inverse_);
+      });
   }
 
-  // Each is two observations, across the direction; along it the derivative is zero.
-  void take_verticals() {
-    for (const GivenUp& given : problem_.verticals) {
-      const Eigen::Matrix3d by_turn = given.inverse_sigma * skew(z_in_cam(state_.frames[given.image]));
-      const int row = 6 * static_cast<int>(given.image);
-      Eigen::Matrix3d cofactor;
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) cofactor(r, c) = inverse_.at(row + std::max(r, c), row + std::min(r, c));
-      out_.redundancy_sum += 2 - (by_turn * cofactor * by_turn.transpose()).trace();
-    }
+  template <class Kind, class Visit>
+  void for_each(Visit&& visit) {
+    Kind::for_each(problem_, visit);
   }
 
-  void take_weak_cameras() {
-    for (std::size_t i = 0; i < problem_.cameras.size(); ++i) {
-      const ProblemCamera& camera = problem_.cameras[i];
-      for (std::size_t k = 0; k < camera.free.size(); ++k) {
-        const int row = 6 * problem_.poses + camera.border + static_cast<int>(k), param = camera.free[k];
-        const double w = camera.inverse_sigma[param];
-        if (w > 0) out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
-      }
-    }
-  }
-
-  void take_ground() {
-    for (const GroundLink& link : problem_.ground) {
-      if (!(link.inverse_sigma > 0)) continue;
-      const GroundModel model = model_of(problem_, link, state_);
+  template <class Kind>
+  void test_kind() {
+    const Loss loss = Kind::loss(problem_);
+    for_each_row<Kind>(problem_, state_, [&](const auto& item, int axis, const ObservationRow& row) {
       TestedObservation one;
-      one.group = group_of(link.observation.kind);
-      one.source = link.source;
-      one.residual = ground_residual(link.observation, model);
-      one.sigma = link.observation.sigma;
-      sums(one.group).squares += std::pow(one.residual * link.inverse_sigma, 2);
-      const double variance = variance_of(row_of(problem_, link, model), inverse_);
-      test(one, variance * link.inverse_sigma * link.inverse_sigma, 1);
-    }
+      one.group = Kind::group(item, axis);
+      one.source = Kind::source(problem_, item);
+      one.axis = axis;
+      one.residual = row.residual;
+      one.sigma = Kind::sigma(problem_, item, axis);
+      sums(one.group).squares += row.weight / loss.information * std::pow(row.residual * row.inverse_sigma, 2);
+      test(one, Kind::leverage(row.weight, row.inverse_sigma, variance_of(row.derivatives, inverse_)), row.weight);
+    });
+    if constexpr (Kind::kIsRobust) scale_squares<Kind>(loss);
   }
 
-  void take_attitudes() {
-    for (const GivenTurn& given : problem_.attitudes) {
-      const Eigen::Vector3d residual = residual_of(state_, given);
-      for (int axis = 0; axis < 3; ++axis) {
-        const double w = given.inverse_sigma[axis];
-        if (!(w > 0)) continue;
-        TestedObservation one;
-        one.group = axis < 2 ? ObservationGroup::kAttitudeLevel : ObservationGroup::kAttitudeHeading;
-        one.source = problem_.images[given.image].id.value;
-        one.axis = axis;
-        one.residual = residual[axis];
-        one.sigma = 1 / w;
-        sums(one.group).squares += std::pow(residual[axis] * w, 2);
-        test(one, w * w * variance_of(row_of(problem_, state_, given, axis), inverse_), 1);
-      }
-    }
+  // The groups of a kind share its loss, which is of the whole length, and so what it makes of their squares.
+  template <class Kind>
+  void scale_squares(const Loss& loss) {
+    RobustSquares all(loss);
+    for_each<Kind>([&](const auto& item) {
+      if (const long given = Kind::count(problem_, item); given > 0)
+        all.add(Kind::squared(problem_, state_, item), static_cast<int>(given));
+    });
+    if (!(all.weighted() > 0)) return;
+    for (const ObservationGroup group : Kind::kGroups) sums(group).squares *= all.squares() / all.weighted();
   }
 
-  void take_extras() {
-    for (std::size_t i = 0; i < problem_.extras.size(); ++i) {
-      const double w = problem_.extras[i].inverse_sigma;
-      const int row = 6 * problem_.poses + problem_.first_extra + static_cast<int>(i);
-      if (w > 0) out_.redundancy_sum += 1 - w * w * inverse_.at(row, row);
-    }
+  void take_vertical(const GivenUp& given) {
+    const int row = 6 * static_cast<int>(given.image);
+    Eigen::Matrix3d cofactor;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) cofactor(r, c) = inverse_.at(row + std::max(r, c), row + std::min(r, c));
+    out_.redundancy_sum += Vertical::redundancy(state_, given, cofactor);
   }
 
   const Problem& problem_;

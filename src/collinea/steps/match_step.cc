@@ -9,7 +9,7 @@
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/epipolar/guide.h"
-#include "collinea/match/guided.h"
+#include "collinea/match/descriptors.h"
 #include "collinea/match/partners.h"
 #include "collinea/match/retrieval.h"
 #include "collinea/steps/image_cache.h"

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/geodetic_kinds.h"
+
+namespace collinea::geodetic {
+
+GroundModel CommonHeight::model(const ShapePoint& at) {
+  GroundModel model;
+  model.computed = height_of(at.point, at.level_at_origin) - at.unknowns[0];
+  model.by_from = up_at(at.point, at.level_at_origin);
+  model.by_extra[0] = -1;
+  model.extras = 1;
+  return model;
+}
+
+}  // namespace collinea::geodetic

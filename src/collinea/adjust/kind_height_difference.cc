@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/geodetic_kinds.h"
+
+namespace collinea::geodetic {
+
+GroundModel HeightDifference::model(const Sight& sight) {
+  GroundModel model;
+  model.computed = height_of(sight.to, sight.level_at_origin) - height_of(sight.from, sight.level_at_origin);
+  model.by_to = sight.up_there;
+  model.by_from = -sight.up;
+  return model;
+}
+
+}  // namespace collinea::geodetic

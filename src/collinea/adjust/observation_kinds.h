@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <tuple>
+#include <utility>
+
+#include "collinea/adjust/kind_attitude.h"
+#include "collinea/adjust/kind_control_coordinate.h"
+#include "collinea/adjust/kind_geodetic.h"
+#include "collinea/adjust/kind_gnss_position.h"
+#include "collinea/adjust/kind_prior.h"
+#include "collinea/adjust/kind_vertical.h"
+
+namespace collinea::bundle {
+
+/// All kinds of observations beside image points, in the order in which they enter the normal equations. A new kind is
+/// its file, its place here, and its table in Problem.
+using ObservationKinds =
+    std::tuple<GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate, Geodetic, Attitude>;
+
+/// The order in which their squares are summed up to sigma0, and in which they are tested: sums of floating point
+/// numbers depend on it.
+inline constexpr std::array kInNormals = {0, 1, 2, 3, 4, 5, 6};
+inline constexpr std::array kInSquares = {0, 1, 2, 4, 5, 3, 6};
+inline constexpr std::array kInTests = {4, 0, 1, 2, 5, 6, 3};
+static_assert(kInNormals.size() == std::tuple_size_v<ObservationKinds>);
+static_assert(kInSquares.size() == kInNormals.size() && kInTests.size() == kInNormals.size());
+
+/// Calls visit.operator()<Kind>() for each kind.
+template <const auto& order = kInNormals, class Visit>
+void for_each_kind(Visit&& visit) {
+  [&]<std::size_t... i>(std::index_sequence<i...>) {
+    (visit.template operator()<std::tuple_element_t<order[i], ObservationKinds>>(), ...);
+  }
+  (std::make_index_sequence<order.size()>{});
+}
+
+/// One coordinate of an observation at the current unknowns.
+struct ObservationRow {
+  double residual = 0;  ///< given minus computed [m], [rad] or the unit of a parameter
+  double inverse_sigma = 0;
+  double weight = 1;  ///< by the robust loss
+  Row derivatives;    ///< of the computed coordinate, by the reduced unknowns
+};
+
+/// Visits every given coordinate of a kind as visit(item, axis, row).
+template <class Kind, class Visit>
+void for_each_row(const Problem& problem, const State& state, Visit&& visit) {
+  Kind::for_each(problem, [&](const auto& item) {
+    const typename Kind::Vector residual = Kind::residual(problem, state, item),
+                                inverse_sigma = Kind::inverse_sigma(problem, item);
+    const double weight = Kind::loss(problem).weight(Kind::squared(problem, state, item));
+    for (int axis = 0; axis < Kind::kSize; ++axis)
+      if (inverse_sigma[axis] > 0)
+        visit(item, axis,
+              ObservationRow{residual[axis], inverse_sigma[axis], weight, Kind::row(problem, state, item, axis)});
+  });
+}
+
+}  // namespace collinea::bundle
