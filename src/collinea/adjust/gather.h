@@ -5,6 +5,7 @@
 #include "collinea/adjust/adjust_scope.h"
 #include "collinea/adjust/problem.h"
 #include "collinea/base/result.h"
+#include "collinea/block/block.h"
 
 namespace collinea::bundle {
 

@@ -34,7 +34,7 @@ testing::TestBlockOptions small(std::uint64_t seed = 1) {
 
 Examined adjusted_of(const Block& block, const ExamineOptions& options, const AdjustScope& scope = {}) {
   auto adjusted = examine(block, scope, options, {});
-  EXPECT_TRUE(adjusted && adjusted->reliability) << (adjusted ? adjusted->undetermined : adjusted.error().message);
+  EXPECT_TRUE(adjusted && adjusted->reliability) << (adjusted ? "something is not determined" : adjusted.error().message);
   return std::move(*adjusted);
 }
 

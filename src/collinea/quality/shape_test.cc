@@ -194,7 +194,7 @@ TEST(Shape, WhatSaysNothingIsLeftOutAndNamed) {
     EXPECT_TRUE(adjusted->ground.empty());
     EXPECT_TRUE(!adjusted->undetermined);
     ASSERT_EQ(adjusted->weaknesses.size(), 1u);
-    EXPECT_EQ(adjusted->weaknesses[0].code, "ground_left_out");
+    EXPECT_EQ(adjusted->weaknesses[0].code, FindingCode::kGroundLeftOut);
   }
   // A line is no plane.
   Marked line = on_shape(GroundKind::kOnLine, 0, 1);

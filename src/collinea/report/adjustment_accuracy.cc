@@ -17,15 +17,15 @@ constexpr int kEnoughPoints = 30;  // no fewer for a tested class (ASPRS 2023)
 constexpr int kDecimals = 4;
 
 // Root mean squares over check points [m]: in plan of both axes together, or in height.
-struct Part {
+struct Share {
   int points = 0;
   double fit = 0;     // of the differences
   double survey = 0;  // of the standard deviations of the survey
   [[nodiscard]] double accuracy() const { return std::hypot(fit, survey); }
 };
 
-Part part_of(const AdjustmentReport& report, int first_axis, int last_axis) {
-  Part part;
+Share part_of(const AdjustmentReport& report, int first_axis, int last_axis) {
+  Share part;
   double fit = 0, survey = 0;
   const auto& control = report.adjusted.control;
   const bool any_used = std::any_of(control.begin(), control.end(), [](const auto& one) { return one.used; });
@@ -49,14 +49,14 @@ Part part_of(const AdjustmentReport& report, int first_axis, int last_axis) {
   return part;
 }
 
-json json_of(const Part& part) {
+json json_of(const Share& part) {
   return {{"check_points", part.points},
           {"fit_rmse_m", number(part.fit)},
           {"survey_rmse_m", number(part.survey)},
           {"rmse_m", number(part.accuracy())}};
 }
 
-std::string row(const char* name, const Part& part) {
+std::string row(const char* name, const Share& part) {
   if (part.points == 0) return "";
   return "<tr>" + text_cell(name) + fmt::format("<td>{}</td>", part.points) + cell(part.fit, kDecimals) +
          cell(part.survey, kDecimals) + cell(part.accuracy(), kDecimals) + "</tr>\n";
@@ -65,7 +65,7 @@ std::string row(const char* name, const Part& part) {
 }  // namespace
 
 std::string accuracy_section(const AdjustmentReport& report) {
-  const Part plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
+  const Share plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
   if (plan.points + height.points == 0) return "";
   std::string html =
       "<section><h2>Accuracy at check points</h2>\n<p>Root mean squares by the ASPRS Positional Accuracy Standards for "
@@ -86,7 +86,7 @@ std::string accuracy_section(const AdjustmentReport& report) {
 }
 
 json accuracy_json(const AdjustmentReport& report) {
-  const Part plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
+  const Share plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
   json j = {{"standard", "ASPRS 2023"}, {"enough_check_points", std::min(plan.points, height.points) >= kEnoughPoints}};
   if (plan.points > 0) j["horizontal"] = json_of(plan);
   if (height.points > 0) j["vertical"] = json_of(height);
