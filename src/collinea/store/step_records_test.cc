@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "collinea/math/random.h"
+#include "collinea/store/finding_values.h"
 #include "collinea/store/packed_fields.h"
 
 namespace collinea {
@@ -196,6 +197,13 @@ TEST(StepRecords, AChoiceThatThereIsNotIsDamage) {
   bytes[0] = 77;  // Calibration comes first
   Unpacker damaged(bytes);
   EXPECT_FALSE(unpack(damaged, record));
+}
+
+TEST(StepRecords, AFindingThatThereIsNotIsDamage) {
+  ImportRecord record{.findings = {finding_of(FindingCode::kFocalAssumed)}};
+  EXPECT_TRUE(unpacked_outcome("import", packed(record)));
+  record.findings.front().code = FindingCode(kFindingCodes);
+  EXPECT_EQ(unpacked_outcome("import", packed(record)).error().code, Errc::kBadFormat);
 }
 
 TEST(StepRecords, PairsAreCountedByWhatTheyAre) {
