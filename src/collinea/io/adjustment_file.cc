@@ -65,7 +65,7 @@ Result<> check_name(std::string_view what, std::string_view name) {
   std::string without_tabs(name);
   std::erase(without_tabs, '\t');
   if (!has_control_character(without_tabs)) return {};
-  return fail(Errc::kUnsupported, "the name of " + std::string(what) + " \"" + escaped(name) +
+  return fail(Errc::kUnsupported, "the name of " + std::string(what) + " \"" + escaped_name(name) +
                                       "\" holds a line break or control character, which an adjustment file cannot "
                                       "hold: rename it");
 }

@@ -127,7 +127,7 @@ Result<> take_points(const Model& model, IdRule image_id, IdRule point_id, Block
       o.pixel = image->second->seen[element.index].pixel;
       if (!o.pixel.allFinite())
         return fail(Errc::kBadFormat,
-                    "point " + std::to_string(row.id) + " is seen nowhere in image " + escaped(image->second->name));
+                    "point " + std::to_string(row.id) + " is seen nowhere in image " + escaped_name(image->second->name));
       block.observations.push_back(o);
     }
   }

@@ -14,7 +14,7 @@ bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x
 
 }  // namespace
 
-std::string escaped(std::string_view name) {
+std::string escaped_name(std::string_view name) {
   std::string shown;
   for (const char c : name) {
     if (c == '\n')
@@ -43,7 +43,7 @@ Result<> check_image_names(const Block& block, std::string_view format, bool has
                                                                     : nullptr;
     if (why)
       return fail(Errc::kUnsupported, fmt::format("the name of image \"{}\" {}, which {} cannot hold: rename the file",
-                                                  escaped(name), why, format));
+                                                  escaped_name(name), why, format));
   }
   return {};
 }

@@ -12,7 +12,7 @@ namespace collinea {
 // Names in text files that give every thing a line: file systems allow line breaks in names, those formats do not.
 
 /// Line breaks, tabs and other control characters of a name as \n, \t, \x1b, for messages; bytes above 0x7f are left.
-[[nodiscard]] std::string escaped(std::string_view name);
+[[nodiscard]] std::string escaped_name(std::string_view name);
 
 [[nodiscard]] bool has_control_character(std::string_view name);
 

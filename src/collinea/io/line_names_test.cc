@@ -113,7 +113,7 @@ TEST(LineNames, WhatALineWouldLoseIsRefused) {
 }
 
 TEST(LineNames, EscapedShowsWhatCannotBeSeen) {
-  EXPECT_EQ(escaped("a\tb\r\n\x7f \xc3\xa4"), "a\\tb\\r\\n\\x7f \xc3\xa4");
+  EXPECT_EQ(escaped_name("a\tb\r\n\x7f \xc3\xa4"), "a\\tb\\r\\n\\x7f \xc3\xa4");
   EXPECT_TRUE(has_control_character("\x7f"));
   EXPECT_FALSE(has_control_character("\xc3\xa4 #"));
 }
