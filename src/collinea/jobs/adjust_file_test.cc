@@ -95,7 +95,8 @@ TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
 TEST(AdjustFile, SigmasOfAFileAreThoseThatAreGiven) {
   const auto done = adjust_file("nowhere.txt", "nowhere", {.given_sigmas = true}, {});
   ASSERT_FALSE(done);
-  EXPECT_TRUE(done.error().message.starts_with("given_sigmas is about what orient found")) << done.error().message;
+  EXPECT_TRUE(done.error().message.starts_with("a file states its sigmas itself")) << done.error().message;
+  EXPECT_EQ(done.error().options, std::vector{"given_sigmas"_option});
 }
 
 TEST(AdjustFile, ErrorsNameTheFileAndTheLine) {

@@ -191,7 +191,7 @@ void PlaneOfAProject::planes_that_cannot_be_drawn_are_refused_in_words() {
   EXPECT_NE(why({.control = names, .sigma_px = 1.0}).find("standard deviations are of the points"), std::string::npos);
   EXPECT_NE(why({.control = names, .sigma_m = 0.0}).find("standard deviations are of the points"), std::string::npos);
   EXPECT_NE(why({.focal_px = 100.0, .control = names}).find("for a photograph"), std::string::npos);
-  EXPECT_NE(why({.control = "nobody," + names}).find("no point \"nobody\""), std::string::npos);
+  EXPECT_NE(why({.control = "nobody," + names}).find("no control point \"nobody\""), std::string::npos);
   EXPECT_NE(why({.region = "0,0,1,1"}).find("0 points"), std::string::npos);
   EXPECT_FALSE(fs::exists(root_ / "refused.tif"));
 }

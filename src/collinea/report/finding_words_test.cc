@@ -27,8 +27,10 @@ Finding sample_of(FindingCode code) {
   for (const FigureName name : figures_of(code)) finding.figures.push_back({name, value += 1.25});
   if (code == FindingCode::kDatumDefect) {
     finding.subjects = {Subject(Aspect::kScale), Subject(Aspect::kRotation)};
-  } else if (code == FindingCode::kFocalAndHeight || code == FindingCode::kCameraAndPose) {
+  } else if (code == FindingCode::kFocalAndHeight) {
     finding.subjects = {Subject(CameraId{0}, Aspect::kDistance), Subject(CameraId{0}, Aspect::kParameter, Camera::kF)};
+  } else if (code == FindingCode::kCameraAndPose) {
+    finding.subjects = {Subject(CameraId{0}, Aspect::kDistance), Subject(CameraId{0}, Aspect::kParameter, Camera::kCx)};
   } else if (code == FindingCode::kParameterNotDetermined) {
     finding.subjects = {Subject(CameraId{0}, Aspect::kParameter, Camera::kK1)};
   } else if (code == FindingCode::kInstrument) {
