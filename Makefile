@@ -13,6 +13,7 @@ test: configured
 	@tools/build.py
 	@echo "== layers"
 	@python3 tools/check_layers.py
+	@python3 tools/check_circles.py
 	@python3 tools/check_flags.py
 	@python3 tools/check_words.py
 	@echo "== manual"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/adjust_project.h"
+#include "collinea/report/write_adjustment.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/jobs/adjust_project.h"
+#include "collinea/jobs/adjust_project_options.h"
 #include "collinea/report/adjustment_report.h"
 
 namespace collinea {

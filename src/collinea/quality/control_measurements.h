@@ -4,7 +4,7 @@
 #include <map>
 
 #include "collinea/epipolar/intersect.h"
-#include "collinea/quality/control_check.h"
+#include "collinea/quality/control_diagnosis.h"
 
 namespace collinea::bundle {
 

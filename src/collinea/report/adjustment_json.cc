@@ -7,6 +7,7 @@
 #include "collinea/report/finding_json.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/report/json_values.h"
+#include "collinea/report/write_adjustment.h"
 
 namespace collinea {
 namespace {

@@ -11,6 +11,7 @@
 #include "collinea/report/finding_words.h"
 #include "collinea/report/page.h"
 #include "collinea/report/svg.h"
+#include "collinea/report/write_adjustment.h"
 
 namespace collinea {
 namespace {

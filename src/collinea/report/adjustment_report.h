@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -23,17 +22,7 @@ struct AdjustmentReport {
   std::optional<Snooped> snooped;                ///< when blunders were taken out; its `adjusted` may have been moved
 };
 
-/// Writes into the folder: adjustment.html (for people), adjustment.json (the same figures), and the tables poses.csv,
-/// cameras.csv, points.csv, control.csv, ground.csv, unknowns.csv (beside those of images, cameras and points), images,
-/// points, control and cameras once more in products.json and but for the cameras in adjustment.gpkg, observations.csv
-/// (control, positions and ground, each with its test), suspects.csv and, after snooping, taken_out.csv. Lengths in
-/// metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ does not know.
-[[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder);
-
 // Its parts.
-struct AdjustmentProducts;
-[[nodiscard]] std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProducts& products);
-[[nodiscard]] std::string adjustment_json(const AdjustmentReport& report);
 
 /// By what the sigmas of a group should be multiplied; NaN where too little redundancy tells nothing.
 [[nodiscard]] double shown_factor(const GroupSums& sums);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/adjustment_report.h"
+#include "collinea/report/write_adjustment.h"
 
 #include <gtest/gtest.h>
 

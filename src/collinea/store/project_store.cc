@@ -181,7 +181,7 @@ Result<bool> has_step_records(Database& db) {
 
 }  // namespace
 
-ProjectStore::ProjectStore() : state_(std::make_unique<State>()) {}
+ProjectStore::ProjectStore() : state_(std::make_unique<ProjectStoreState>()) {}
 ProjectStore::ProjectStore(ProjectStore&&) noexcept = default;
 ProjectStore& ProjectStore::operator=(ProjectStore&&) noexcept = default;
 ProjectStore::~ProjectStore() = default;

@@ -29,6 +29,8 @@ struct StepRecord {
 
 using TakeTie = std::function<void(PointId id, const TiePoint& point, std::span<const Observation> observations)>;
 
+struct ProjectStoreState;
+
 /// block.db of a project folder: SQLite in WAL mode, every call one transaction. May be used from several threads
 /// at once (calls are serialised inside). A killed program loses at most the call in work.
 class ProjectStore {
@@ -101,8 +103,7 @@ class ProjectStore {
 
  private:
   ProjectStore();
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<ProjectStoreState> state_;
 };
 
 }  // namespace collinea

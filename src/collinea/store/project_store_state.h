@@ -6,13 +6,13 @@
 #include <string>
 #include <utility>
 
-#include "collinea/store/project_store.h"
+#include "collinea/base/result.h"
 #include "collinea/store/sqlite.h"
 
 namespace collinea {
 
-/// The connection behind a ProjectStore; shared by its two source files.
-struct ProjectStore::State {
+/// The connection behind a ProjectStore; shared by its source files.
+struct ProjectStoreState {
   std::filesystem::path folder;
   std::mutex mutex;
   sqlite::Database database;

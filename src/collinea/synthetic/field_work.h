@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collinea/math/random.h"
-#include "collinea/synthetic/survey.h"
+#include "collinea/synthetic/survey_parts.h"
 #include "collinea/synthetic/truth.h"
 
 namespace collinea {

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "collinea/base/finding.h"
+#include "collinea/base/result.h"
+#include "collinea/block/block.h"
+#include "collinea/block/gauge.h"
+#include "collinea/store/project_store.h"
+
+namespace collinea {
+
+/// A file that was made for the user.
+struct ReportProduct {
+  std::string name;  ///< "Surface model", ...
+  std::string file;  ///< relative to the project folder
+  std::uint64_t bytes = 0;
+  std::string what;  ///< "cells of 3.0 cm, 4021 x 3877", "12.3 million points"
+};
+
+/// All that a report tells. Residuals of tie points are computed from `block`; images of `block` without a pose are
+/// listed as not oriented. Empty lists and missing values leave their part of the report out.
+struct ReportInput {
+  std::string title;                         ///< of the project
+  std::string date;                          ///< as it shall be printed; empty: none
+  Block block;                               ///< as adjusted
+  std::map<CameraId, Camera> first_cameras;  ///< before the adjustment
+  std::map<CameraId, std::array<double, Camera::kAllParams>>
+      camera_sigma;                                   ///< of Camera::params; 0 or NaN: held or unknown
+  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up
+  std::vector<ControlDifference> control;
+  std::vector<PositionDifference> positions;
+  std::vector<GroundDifference> ground;
+  double sigma0 = std::numeric_limits<double>::quiet_NaN();
+  long redundancy = 0;
+  bool georeferenced = false;         ///< false: a local frame
+  bool metric = false;                ///< false: lengths are in units of the model, not metres
+  std::string crs_name;               ///< "WGS 84 / UTM zone 33N"
+  std::string height_reference;       ///< what heights refer to: "above the WGS 84 ellipsoid"; empty: the CRS says it
+  std::optional<Gauge> gauge;         ///< what fixes position, attitude and scale
+  std::optional<double> gsd_m;        ///< ground size of a pixel
+  std::vector<SkippedImage> skipped;  ///< photographs that are not in the block, and why
+  std::vector<Finding> findings;
+  std::vector<StepRecord> steps;
+  std::vector<ReportProduct> products;
+  std::filesystem::path dsm, ortho;                           ///< GeoTIFFs to show; empty: none
+  std::vector<std::pair<std::string, std::string>> options;   ///< name, value: those that were chosen
+  std::vector<std::pair<std::string, std::string>> versions;  ///< program and libraries
+};
+
+}  // namespace collinea
