@@ -16,8 +16,8 @@ Raster<std::uint8_t> stripes(int channels) {
   return image;
 }
 
-PhotoHeader drone_header() {
-  PhotoHeader header;
+ImageHeader drone_header() {
+  ImageHeader header;
   header.maker = "DJI";
   header.model = "FC6310";
   header.focal_mm = 8.8;
@@ -36,7 +36,7 @@ PhotoHeader drone_header() {
 
 std::string jpeg_with_header() {
   const std::filesystem::path path = folder() / "seed.jpg";
-  const PhotoHeader header = drone_header();
+  const ImageHeader header = drone_header();
   (void)write_jpeg(path, stripes(3), 80, &header);
   return bytes_of(path);
 }
@@ -102,7 +102,7 @@ std::vector<Target> image_targets() {
       {"png", accepts_png, {png(1), png(3), png(4)}},
       {"tiff", [](std::string_view bytes) { return decodes(file_of(bytes, "a.tif")); }, tiff_seeds()},
       {"image_header",
-       [](std::string_view bytes) { return read_photo_header(file_of(bytes, "header.jpg")).has_value(); },
+       [](std::string_view bytes) { return read_image_header(file_of(bytes, "header.jpg")).has_value(); },
        {jpeg_with_header(), png(3), tiff_seeds().front()}},
       {"float_tiff",
        [](std::string_view bytes) { return read_float_tiff(file_of(bytes, "depth.tif")).has_value(); },

@@ -72,7 +72,7 @@ bool accepts_colmap_binary(std::string_view bytes) {
 }
 
 bool accepts_bundler(std::string_view bytes) {
-  const auto size_of = [](const std::string&) -> Result<PictureSize> { return PictureSize{1200, 800}; };
+  const auto size_of = [](const std::string&) -> Result<ImageSize> { return ImageSize{1200, 800}; };
   return accepted(read_bundler(unpacked(bytes, "bundler", kBundlerFiles), size_of));
 }
 

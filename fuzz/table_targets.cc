@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "collinea/io/control_file.h"
-#include "collinea/io/ground_file.h"
+#include "collinea/io/geodetic_file.h"
 #include "collinea/io/map_area.h"
 #include "collinea/io/number_rows.h"
 #include "collinea/io/position_file.h"
@@ -22,9 +22,9 @@ bool accepts_control(std::string_view bytes) {
 }
 
 bool accepts_ground(std::string_view bytes) {
-  const auto rows = parse_ground(bytes);
+  const auto rows = parse_geodetic(bytes);
   if (!rows) return false;
-  for (const GroundFileRow& row : *rows) COLLINEA_CHECK(std::isfinite(row.value) && row.sigma > 0);
+  for (const GeodeticFileRow& row : *rows) COLLINEA_CHECK(std::isfinite(row.value) && row.sigma > 0);
   return true;
 }
 

@@ -17,7 +17,7 @@ constexpr double kControlSigma_m = 0.03;
 Rows variance_components(const Effort& effort, const Run& run) {
   std::array<double, kObservationGroups> sum{}, squares{}, blocks{}, told{};
   int failed = 0, rounds = 0;
-  for (int i = 0; i < effort.blunder_blocks; ++i) {
+  for (int i = 0; i < effort.gross_error_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(3000 + i);
     Block exact = exact_block(Layout::kCrossStrips, {.points = 300, .control = 30}, seed);
     for (auto& [id, control] : exact.control) control.sigma_m.setConstant(kControlSigma_m);
@@ -53,7 +53,7 @@ Rows variance_components(const Effort& effort, const Run& run) {
          std::abs(mean - 1) < 0.05 && scatter < 1.33 * expected && scatter > 0.67 * expected});
   }
   rows.push_back({"variance components settle", "in all blocks",
-                  fmt::format("{} of {} not; at most {} rounds", failed, effort.blunder_blocks, rounds), failed == 0});
+                  fmt::format("{} of {} not; at most {} rounds", failed, effort.gross_error_blocks, rounds), failed == 0});
   return rows;
 }
 

@@ -49,8 +49,8 @@ int main(int argc, char** argv) {
       {"published", [&] { return script("published_adjustments.py"); }},
       {"truth", [&] { return true_errors(effort, run); }},
       {"inverse", [&] { return dense_inverse(run); }},
-      {"blunders", [&] { return blunders(effort, run); }},
-      {"survey", [&] { return survey_blunders(effort, run); }},
+      {"gross_errors", [&] { return gross_errors(effort, run); }},
+      {"survey", [&] { return survey_gross_errors(effort, run); }},
       {"components", [&] { return variance_components(effort, run); }},
       {"instruments", [&] { return instruments(effort, run); }},
       {"weak", [&] { return weak_blocks(run); }},
@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string word(words[i]);
     if (word == "--quick") {
-      effort = {.blocks = blocks.value_or(180), .blunder_blocks = 4, .large_images = 100, .large_points = 20000};
+      effort = {.blocks = blocks.value_or(180), .gross_error_blocks = 4, .large_images = 100, .large_points = 20000};
       continue;
     }
     if (word != "--threads" && word != "--blocks" && word != "--only") return refuse(word + ": no such option");

@@ -18,7 +18,7 @@ using Rows = std::vector<Row>;
 /// How much is simulated. With fewer blocks than these, bounds that are shares of all errors are wider.
 struct Effort {
   int blocks = 1800;        ///< of the comparison with real errors
-  int blunder_blocks = 40;  ///< and of variance components and instruments
+  int gross_error_blocks = 40;  ///< and of variance components and instruments
   int large_images = 1000, large_points = 200000;
 
   [[nodiscard]] bool all_blocks() const { return blocks >= Effort{}.blocks; }
@@ -27,11 +27,11 @@ struct Effort {
 [[nodiscard]] Rows true_errors(const Effort& effort, const Run& run);
 [[nodiscard]] Rows dense_inverse(const Run& run);
 [[nodiscard]] Rows free_network(const Run& run);
-[[nodiscard]] Rows blunders(const Effort& effort, const Run& run);
+[[nodiscard]] Rows gross_errors(const Effort& effort, const Run& run);
 [[nodiscard]] Rows variance_components(const Effort& effort, const Run& run);
 [[nodiscard]] Rows weak_blocks(const Run& run);
-/// Blunders in measurements on the ground and in attitudes.
-[[nodiscard]] Rows survey_blunders(const Effort& effort, const Run& run);
+/// GrossErrors in measurements on the ground and in attitudes.
+[[nodiscard]] Rows survey_gross_errors(const Effort& effort, const Run& run);
 /// Lever arm, shift, drift and boresight.
 [[nodiscard]] Rows instruments(const Effort& effort, const Run& run);
 /// Rows of a program beside this one that prints them.

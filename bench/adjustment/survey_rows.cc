@@ -39,7 +39,7 @@ void add_attitudes(const Block& exact, const Eigen::Vector3d& boresight, AdjustS
 
 }  // namespace
 
-Rows survey_blunders(const Effort& effort, const Run& run) {
+Rows survey_gross_errors(const Effort& effort, const Run& run) {
   std::map<bool, Counts> counts;  // of attitudes: true
   double alarms = 0, good = 0;
   int failed = 0;
@@ -47,7 +47,7 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
   options.reliability = true;
   options.test.false_alarm =
       0.005;  // so that enough of these few measurements are wrongly doubted to see that none are
-  for (int i = 0; i < effort.blunder_blocks; ++i) {
+  for (int i = 0; i < effort.gross_error_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(8000 + i);
     const Block exact = exact_block(Layout::kCrossStrips, {.points = 150, .control = 8}, seed);
     Measured made = measured(exact, seed);
@@ -69,7 +69,7 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
       for (int planted = 0; planted < 2;) {
         const TestedObservation& one = all[random.below(static_cast<std::uint32_t>(all.size()))];
         if (!wrong.insert({one.group, one.source}).second) continue;
-        const double sigmas = (random.uniform() < 0.5 ? -1 : 1) * random.uniform(kLeastBlunder, kLargestBlunder);
+        const double sigmas = (random.uniform() < 0.5 ? -1 : 1) * random.uniform(kMinimalDetectableBias, kLargestGrossError);
         if (attitude) {
           Eigen::Quaterniond& given = made.scope.attitudes.at(ImageId{one.source}).cam_from_world;
           given = (given * rotation_by(sigmas * one.sigma * Eigen::Vector3d::Unit(one.axis))).normalized();
@@ -80,12 +80,12 @@ Rows survey_blunders(const Effort& effort, const Run& run) {
         ++planted;
       }
     }
-    const auto snooped = snoop(made.block, made.scope, options, kMostTakenOut, run);
+    const auto snooped = snoop(made.block, made.scope, options, kMostRejected, run);
     if (!snooped || !snooped->finished) {
       ++failed;
       continue;
     }
-    for (const TakenOut& gone : snooped->taken_out) {
+    for (const Rejected& gone : snooped->rejected) {
       if (!is_ground(gone.group) && !is_attitude(gone.group)) continue;
       const bool attitude = is_attitude(gone.group);
       const bool right = wrong.contains({gone.group, attitude ? gone.image.value : gone.ground});
@@ -147,7 +147,7 @@ Rows instruments(const Effort& effort, const Run& run) {
                                         {UnknownKind::kDrift, {"drift [m an image]", kDrift}},
                                         {UnknownKind::kBoresight, {"boresight [rad]", kTurn}}};
   int failed = 0;
-  for (int i = 0; i < effort.blunder_blocks; ++i) {
+  for (int i = 0; i < effort.gross_error_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(9000 + i);
     const Block exact = exact_block(Layout::kCrossStrips, {.points = 200, .control = 8}, seed);
     Measured made = measured(exact, seed);
@@ -168,7 +168,7 @@ Rows instruments(const Effort& effort, const Run& run) {
       ++failed;
       continue;
     }
-    for (const EstimatedUnknown& one : adjusted->extras) {
+    for (const EstimatedUnknown& one : adjusted->auxiliaries) {
       Found& its = found.at(one.kind);
       const double sigma = one.sigma * sigma_scale(*adjusted), t = (one.value - its.truth[one.axis]) / sigma;
       its.squares += t * t;

@@ -36,8 +36,8 @@ struct Adjusted {
   std::vector<ControlDifference> control;             ///< every control and check point with a ray, and those that
                                                       ///< measurements on the ground alone determine, ascending
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
-  std::vector<GroundDifference> ground;               ///< those whose two points take part, ascending
-  std::vector<EstimatedUnknown> extras;               ///< unknowns beside images, cameras and points
+  std::vector<GeodeticDifference> ground;               ///< those whose two points take part, ascending
+  std::vector<EstimatedUnknown> auxiliaries;               ///< unknowns beside images, cameras and points
   std::vector<AttitudeDifference> attitudes;          ///< ascending
   std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
 

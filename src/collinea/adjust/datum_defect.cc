@@ -128,7 +128,7 @@ bool is_unseen(const Problem& problem, std::uint32_t point) {
 void extend_parts(const Problem& problem, std::vector<int>& part_of_point) {
   for (bool found = true; found;) {
     found = false;
-    for (const GroundLink& link : problem.ground)
+    for (const GeodeticLink& link : problem.ground)
       for (const auto& [a, b] : {std::pair(link.from, link.to), std::pair(link.to, link.from)})
         if (part_of_point[a] >= 0 && part_of_point[b] < 0 && is_unseen(problem, b)) {
           part_of_point[b] = part_of_point[a];
@@ -138,11 +138,11 @@ void extend_parts(const Problem& problem, std::vector<int>& part_of_point) {
 }
 
 // Observations by unknowns of their own see what these leave: their rows by the motions and by those unknowns.
-class SeenWithExtras {
+class SeenWithAuxiliaries {
  public:
-  SeenWithExtras(const Problem& problem, std::size_t parts) : problem_(problem) {
-    for (std::size_t k = 0; k < problem.extras.size(); ++k)
-      add_column(problem.first_extra + static_cast<int>(k), problem.extras[k].inverse_sigma > 0);
+  SeenWithAuxiliaries(const Problem& problem, std::size_t parts) : problem_(problem) {
+    for (std::size_t k = 0; k < problem.auxiliaries.size(); ++k)
+      add_column(problem.first_extra + static_cast<int>(k), problem.auxiliaries[k].inverse_sigma > 0);
     for (const std::uint32_t p : problem.joined) {
       const ProblemPoint& point = problem.point(p);
       if (!is_unseen(problem, p)) continue;
@@ -201,12 +201,12 @@ class SeenWithExtras {
 void gather_other_motions(const Problem& problem, const State& state, const std::vector<int>& part,
                           std::vector<Part>& parts) {
   const std::vector<int>& part_of_point = problem.part_of_point;
-  SeenWithExtras all(problem, parts.size());
-  for (const GroundLink& link : problem.ground) {
+  SeenWithAuxiliaries all(problem, parts.size());
+  for (const GeodeticLink& link : problem.ground) {
     const int its = part_of_point[link.from];
     if (!(link.inverse_sigma > 0) || its < 0 || its != part_of_point[link.to]) continue;
     const Part& one = parts[its];
-    const GroundModel model = model_of(problem, link, state);
+    const GeodeticModel model = model_of(problem, link, state);
     Eigen::Matrix<double, 1, 7> seen = Eigen::Matrix<double, 1, 7>::Zero();
     for (const auto& [point, derivative] : {std::pair(link.from, &model.by_from), std::pair(link.to, &model.by_to)})
       if (!is_unseen(problem, point))
@@ -300,7 +300,7 @@ void find_datum(Problem& problem, const State& start) {
   gather_observed_motions(problem, start, part, part_of_point, parts);
   extend_parts(problem, part_of_point);
   problem.part_of_point = std::move(part_of_point);
-  if (!problem.extras.empty() || !problem.ground.empty() || !problem.attitudes.empty())
+  if (!problem.auxiliaries.empty() || !problem.ground.empty() || !problem.attitudes.empty())
     gather_other_motions(problem, start, part, parts);
   for (const Part& one : parts) {
     problem.extent_m = std::max(problem.extent_m, one.size);

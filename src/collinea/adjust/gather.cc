@@ -46,7 +46,7 @@ class Gatherer {
     if (Result<> taken = take_control(); !taken) return tl::unexpected(taken.error());
     const std::size_t measured = links_.size();
     drop_weak();
-    out_.problem.ground_left_out = measured - links_.size();
+    out_.problem.geodetic_left_out = measured - links_.size();
     if (Result<> enough = check_there_is_something(); !enough) return tl::unexpected(enough.error());
     order_images();
     order_points();
@@ -173,7 +173,7 @@ class Gatherer {
       lines[id] = sight_lines(block_, id);
       if (const auto start = start_of(control, is_control, lines[id])) starts[id] = *start;
     }
-    if (!links_.empty()) find_places_by_ground(block_, links_, starts);
+    if (!links_.empty()) find_positions_by_geodetic(block_, links_, starts);
     for (const auto& [id, its_lines] : lines) {
       const auto start = starts.find(id);
       if (start == starts.end() || !start->second.allFinite()) continue;  // there is no place to begin at

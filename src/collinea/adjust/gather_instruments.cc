@@ -49,13 +49,13 @@ class InstrumentLayout {
       return fail(Errc::kBadInput, label_of(subject_of(kind, owner, 0), block_) +
                                        " needs finite values with standard deviations that are all zero or all "
                                        "positive (infinite: not known)");
-    auto& extras = problem_.extras;
-    for (std::size_t i = 0; i < extras.size(); ++i)
-      if (extras[i].kind == kind && extras[i].owner == owner) return static_cast<int>(i);
-    const auto first = static_cast<int>(extras.size());
+    auto& auxiliaries = problem_.auxiliaries;
+    for (std::size_t i = 0; i < auxiliaries.size(); ++i)
+      if (auxiliaries[i].kind == kind && auxiliaries[i].owner == owner) return static_cast<int>(i);
+    const auto first = static_cast<int>(auxiliaries.size());
     for (int axis = 0; axis < 3; ++axis) {
-      extras.push_back({kind, owner, axis, given[axis], 1 / sigma[axis]});
-      start_.extras.push_back(given[axis]);
+      auxiliaries.push_back({kind, owner, axis, given[axis], 1 / sigma[axis]});
+      start_.auxiliaries.push_back(given[axis]);
     }
     return first;
   }
@@ -97,10 +97,10 @@ class InstrumentLayout {
         return fail(Errc::kBadInput, label_of(subject_of(UnknownKind::kTimeOffset, camera.value, 0), block_) +
                                          " needs a standard deviation from 0 (infinite: not known) and finite "
                                          "velocities");
-      const auto [its, is_new] = number.emplace(camera, static_cast<int>(problem_.extras.size()));
+      const auto [its, is_new] = number.emplace(camera, static_cast<int>(problem_.auxiliaries.size()));
       if (is_new) {
-        problem_.extras.push_back({UnknownKind::kTimeOffset, camera.value, 0, 0, 1 / sigma->second});
-        start_.extras.push_back(0);
+        problem_.auxiliaries.push_back({UnknownKind::kTimeOffset, camera.value, 0, 0, 1 / sigma->second});
+        start_.auxiliaries.push_back(0);
       }
       position.time_offset = its->second;
       position.velocity = velocity->second;

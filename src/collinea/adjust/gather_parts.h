@@ -33,7 +33,7 @@ void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(C
 
 /// Approximate places of points that have none, from those that have: set-ups by what they measured to two such points
 /// or more, targets by direction, zenith angle and distance from a set-up, or by directions and zenith angles of two.
-void find_places_by_ground(const Block& block, const std::vector<std::uint32_t>& links,
+void find_positions_by_geodetic(const Block& block, const std::vector<std::uint32_t>& links,
                            std::map<ControlId, Eigen::Vector3d>& places);
 
 /// Points that are measured between get their unknowns in the border, behind all others. Directions of one set-up have

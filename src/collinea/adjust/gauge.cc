@@ -26,7 +26,7 @@ double heading_of(const Similarity3& moved) {
 Eigen::Vector3d at_height(double height, const Eigen::Vector3d& centre) { return {centre.x(), centre.y(), height}; }
 
 // An unknown of set-ups or shapes of a block that was moved as a whole. Planes and lines stay where they are.
-double moved_extra(const ExtraUnknown& extra, double value, const Similarity3& moved, const Eigen::Vector3d& centre) {
+double moved_extra(const AuxiliaryUnknown& extra, double value, const Similarity3& moved, const Eigen::Vector3d& centre) {
   if (extra.kind == UnknownKind::kOrientation) return value - heading_of(moved);
   if (extra.kind == UnknownKind::kHeight) return (moved * at_height(value, centre)).z();
   return value;
@@ -44,29 +44,29 @@ void add_ground(const Problem& problem, const State& state, const Similarity3& m
   const auto motion_at = [&](const Eigen::Vector3d& place) -> Matrix37 {
     return size * motion_of(place, centre, size);
   };
-  for (const GroundLink& link : problem.ground) {
+  for (const GeodeticLink& link : problem.ground) {
     if (!(link.inverse_sigma > 0)) continue;
     const auto place = [&](std::uint32_t p) { return moved * Eigen::Vector3d(&state.points[3ul * p]); };
     const Eigen::Vector3d from = place(link.from), to = place(link.to);
     std::array<double, 3> extra{};
-    const ExtraUnknown* own = nullptr;
-    for (int k = 0; k < 3 && link.extra >= 0 && static_cast<std::size_t>(link.extra + k) < state.extras.size(); ++k) {
+    const AuxiliaryUnknown* own = nullptr;
+    for (int k = 0; k < 3 && link.extra >= 0 && static_cast<std::size_t>(link.extra + k) < state.auxiliaries.size(); ++k) {
       const auto i = static_cast<std::size_t>(link.extra + k);
-      extra[static_cast<std::size_t>(k)] = moved_extra(problem.extras[i], state.extras[i], moved, centre);
-      if (k == 0) own = &problem.extras[i];
+      extra[static_cast<std::size_t>(k)] = moved_extra(problem.auxiliaries[i], state.auxiliaries[i], moved, centre);
+      if (k == 0) own = &problem.auxiliaries[i];
     }
-    const GroundModel model = link.shape >= 0
+    const GeodeticModel model = link.shape >= 0
                                   ? shape_model(link.observation, problem.shapes[static_cast<std::size_t>(link.shape)],
                                                 extra.data(), from, problem.level_at_origin)
-                                  : ground_model(link.observation, from, to, extra[0], problem.level_at_origin);
+                                  : geodetic_model(link.observation, from, to, extra[0], problem.level_at_origin);
     Eigen::Matrix<double, 1, 7> row = model.by_from.transpose() * motion_at(from);
     if (link.to != link.from) row += model.by_to.transpose() * motion_at(to);
     if (own && own->kind == UnknownKind::kOrientation) row[5] -= model.by_extra[0];
     if (own && own->kind == UnknownKind::kHeight)
       row += model.by_extra[0] *
-             motion_at(moved * at_height(state.extras[static_cast<std::size_t>(link.extra)], centre)).row(2);
+             motion_at(moved * at_height(state.auxiliaries[static_cast<std::size_t>(link.extra)], centre)).row(2);
     row *= link.inverse_sigma;
-    const double residual = ground_residual(link.observation, model) * link.inverse_sigma;
+    const double residual = geodetic_residual(link.observation, model) * link.inverse_sigma;
     normals.matrix += row.transpose() * row;
     normals.right += row.transpose() * residual;
     normals.cost += residual * residual;
@@ -134,8 +134,8 @@ Similarity3 after(const Similarity3& moved, const Vector7& motion, const Eigen::
 }
 
 void transform(const Problem& problem, State& state, const Similarity3& moved, const Eigen::Vector3d& centre) {
-  for (std::size_t i = 0; i < state.extras.size(); ++i)
-    state.extras[i] = moved_extra(problem.extras[i], state.extras[i], moved, centre);
+  for (std::size_t i = 0; i < state.auxiliaries.size(); ++i)
+    state.auxiliaries[i] = moved_extra(problem.auxiliaries[i], state.auxiliaries[i], moved, centre);
   for (std::size_t i = 0; i < state.frames.size(); ++i) {
     const Eigen::Vector3d there = moved * centre_in(state, i);
     state.rotations[i] = (state.rotations[i] * moved.rotation.conjugate()).normalized();

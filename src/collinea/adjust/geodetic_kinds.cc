@@ -21,7 +21,7 @@ double height_of(const Eigen::Vector3d& point, bool level_at_origin) {
   return (point.squaredNorm() + 2 * kEarthRadius_m * point.z()) / (radius + kEarthRadius_m);
 }
 
-void derive_by_line(GroundModel& model, const Eigen::Vector3d& derivative) {
+void derive_by_line(GeodeticModel& model, const Eigen::Vector3d& derivative) {
   model.by_to = derivative;
   model.by_from = -derivative;
 }

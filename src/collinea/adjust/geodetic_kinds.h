@@ -7,22 +7,22 @@
 
 #include "collinea/block/ground.h"
 
-// The kinds of geodetic measurements and constraints, one for each GroundKind: the computed value and its derivatives.
-// Each is in the file of its name. A new one is its file, a struct here, a case in ground_model() or shape_model(), and
-// a GroundKind. Up is the z axis of the world or, `level_at_origin`, the plumb line of a sphere that touches it there.
+// The kinds of geodetic measurements and constraints, one for each GeodeticKind: the computed value and its derivatives.
+// Each is in the file of its name. A new one is its file, a struct here, a case in geodetic_model() or shape_model(), and
+// a GeodeticKind. Up is the z axis of the world or, `level_at_origin`, the plumb line of a sphere that touches it there.
 
 namespace collinea {
 
 /// A measurement on the ground as points and unknowns of its own foretell it, with its derivatives.
-struct GroundModel {
+struct GeodeticModel {
   double computed = 0;                                                                 ///< [m] or [rad]
   Eigen::Vector3d by_from = Eigen::Vector3d::Zero(), by_to = Eigen::Vector3d::Zero();  ///< [1] or [rad/m]
   std::array<double, 3> by_extra{};  ///< unknowns of its own: orientation of the set-up, or of a shape
-  int extras = 0;                    ///< how many of them
+  int auxiliaries = 0;                    ///< how many of them
 };
 
 /// Where a shape that points lie on begins: a frame of three axes in the world, seen from which it is described.
-struct GroundShape {
+struct GeodeticShape {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< by columns; of a plane the last is the normal, of a line:
                                                        ///< sideways, upwards, along it
@@ -32,7 +32,7 @@ namespace geodetic {
 
 /// What a measurement sees of its two points.
 struct Sight {
-  const GroundObservation& observation;
+  const GeodeticObservation& observation;
   Eigen::Vector3d from, to;      ///< the points
   Eigen::Vector3d up, up_there;  ///< at each
   Eigen::Vector3d line;          ///< from the instrument to the target
@@ -42,28 +42,28 @@ struct Sight {
 
 /// Slope distance between instrument and target [m].
 struct Distance {
-  static GroundModel model(const Sight& sight);
+  static GeodeticModel model(const Sight& sight);
 };
 
 /// Height of the second point over the first [m].
 struct HeightDifference {
-  static GroundModel model(const Sight& sight);
+  static GeodeticModel model(const Sight& sight);
 };
 
 /// Horizontal direction, clockwise from zero of the circle [rad]. Unknown of its own: the orientation of the set-up.
 struct Direction {
-  static GroundModel model(const Sight& sight);
+  static GeodeticModel model(const Sight& sight);
 };
 
 /// Angle between the plumb line and the line of sight [rad]; with refraction (k = 0.13) where the Earth is curved.
 struct ZenithAngle {
-  static GroundModel model(const Sight& sight);
+  static GeodeticModel model(const Sight& sight);
 };
 
 /// A point that lies on a shape, and what describes the shape against its frame.
 struct ShapePoint {
-  const GroundObservation& observation;
-  const GroundShape& shape;
+  const GeodeticObservation& observation;
+  const GeodeticShape& shape;
   const double* unknowns;
   Eigen::Vector3d point;
   bool level_at_origin = false;
@@ -83,21 +83,21 @@ struct ShapeSpread {
 /// A point at a height that it has in common with others [m]. Unknown: the height.
 struct CommonHeight {
   static constexpr int kUnknowns = 1, kPoints = 1;
-  static GroundModel model(const ShapePoint& at);
+  static GeodeticModel model(const ShapePoint& at);
 };
 
 /// A point on a plane [m]. Unknowns: the offset along the normal of the frame and two tilts.
 struct OnPlane {
   static constexpr int kUnknowns = 3, kPoints = 3;
-  static GroundModel model(const ShapePoint& at);
+  static GeodeticModel model(const ShapePoint& at);
   /// The axes of the plane's frame; nothing where the points lie on a line.
   static std::optional<Eigen::Matrix3d> axes(const ShapeSpread& spread);
 };
 
-/// A point on a line, sideways or upwards of it (GroundObservation::axis) [m]. Unknowns: two offsets and two tilts.
+/// A point on a line, sideways or upwards of it (GeodeticObservation::axis) [m]. Unknowns: two offsets and two tilts.
 struct OnLine {
   static constexpr int kUnknowns = 4, kPoints = 2;
-  static GroundModel model(const ShapePoint& at);
+  static GeodeticModel model(const ShapePoint& at);
   static std::optional<Eigen::Matrix3d> axes(const ShapeSpread& spread);
 };
 
@@ -109,7 +109,7 @@ inline constexpr double kEarthRadius_m = 6371000;
 [[nodiscard]] double height_of(const Eigen::Vector3d& point, bool level_at_origin);
 
 /// Sets both derivatives of a value that depends on the line of sight alone.
-void derive_by_line(GroundModel& model, const Eigen::Vector3d& derivative);
+void derive_by_line(GeodeticModel& model, const Eigen::Vector3d& derivative);
 
 }  // namespace geodetic
 }  // namespace collinea

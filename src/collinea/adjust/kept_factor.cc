@@ -35,7 +35,7 @@ void KeptFactor::meet(const Problem& problem) {
   for (const ProblemCamera& camera : problem.cameras)
     for (const int parameter : camera.free)
       unknowns_.others.push_back({kCamera, camera.id.value, static_cast<std::uint32_t>(parameter)});
-  for (const ExtraUnknown& extra : problem.extras)
+  for (const AuxiliaryUnknown& extra : problem.auxiliaries)
     unknowns_.others.push_back(
         {kExtra + static_cast<std::uint32_t>(extra.kind), extra.owner, static_cast<std::uint32_t>(extra.axis)});
   for (const std::uint32_t p : problem.joined)

@@ -3,12 +3,12 @@
 
 namespace collinea::geodetic {
 
-GroundModel CommonHeight::model(const ShapePoint& at) {
-  GroundModel model;
+GeodeticModel CommonHeight::model(const ShapePoint& at) {
+  GeodeticModel model;
   model.computed = height_of(at.point, at.level_at_origin) - at.unknowns[0];
   model.by_from = up_at(at.point, at.level_at_origin);
   model.by_extra[0] = -1;
-  model.extras = 1;
+  model.auxiliaries = 1;
   return model;
 }
 

@@ -4,8 +4,8 @@
 namespace collinea::geodetic {
 
 // d|l| = (l / |l|) dl
-GroundModel Distance::model(const Sight& sight) {
-  GroundModel model;
+GeodeticModel Distance::model(const Sight& sight) {
+  GeodeticModel model;
   model.computed = sight.line.norm();
   if (model.computed > 0) derive_by_line(model, sight.line / model.computed);
   return model;

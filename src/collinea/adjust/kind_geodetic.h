@@ -2,18 +2,18 @@
 #pragma once
 
 #include "collinea/adjust/adjusted.h"
-#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/geodetic_model.h"
 #include "collinea/adjust/observation.h"
 #include "collinea/adjust/observation_group.h"
 
 namespace collinea::bundle {
 
 /// A measurement between two points (distance, height difference, direction, zenith angle), or that a point lies at a
-/// common height, on a plane or on a line: GroundKind says which, its model is in the file of that name
-/// (ground_model(), shape_model()). The points keep their unknowns; directions have the orientation of their set-up in
+/// common height, on a plane or on a line: GeodeticKind says which, its model is in the file of that name
+/// (geodetic_model(), shape_model()). The points keep their unknowns; directions have the orientation of their set-up in
 /// common, points of a shape its unknowns. What is only compared does not take part.
 struct Geodetic : ObservationKind<Geodetic, 1> {
-  using Item = GroundLink;
+  using Item = GeodeticLink;
 
   template <class Visit>
   static void for_each(const Problem& problem, Visit&& visit) {
@@ -35,7 +35,7 @@ struct Geodetic : ObservationKind<Geodetic, 1> {
 };
 
 /// A measurement as the unknowns predict it, and its derivatives by them.
-[[nodiscard]] GroundModel model_of(const Problem& problem, const GroundLink& link, const State& state);
-[[nodiscard]] Row row_of(const Problem& problem, const GroundLink& link, const GroundModel& model);
+[[nodiscard]] GeodeticModel model_of(const Problem& problem, const GeodeticLink& link, const State& state);
+[[nodiscard]] Row row_of(const Problem& problem, const GeodeticLink& link, const GeodeticModel& model);
 
 }  // namespace collinea::bundle

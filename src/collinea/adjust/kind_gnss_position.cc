@@ -23,7 +23,7 @@ Eigen::Vector3d antenna_of(const State& state, const GivenPosition& position) {
   if (position.shift >= 0) antenna += extra3(state, position.shift);
   if (position.drift >= 0) antenna += position.time * extra3(state, position.drift);
   if (position.time_offset >= 0)
-    antenna += state.extras[static_cast<std::size_t>(position.time_offset)] * position.velocity;
+    antenna += state.auxiliaries[static_cast<std::size_t>(position.time_offset)] * position.velocity;
   return antenna;
 }
 

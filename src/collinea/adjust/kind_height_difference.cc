@@ -3,8 +3,8 @@
 
 namespace collinea::geodetic {
 
-GroundModel HeightDifference::model(const Sight& sight) {
-  GroundModel model;
+GeodeticModel HeightDifference::model(const Sight& sight) {
+  GeodeticModel model;
   model.computed = height_of(sight.to, sight.level_at_origin) - height_of(sight.from, sight.level_at_origin);
   model.by_to = sight.up_there;
   model.by_from = -sight.up;

@@ -6,14 +6,14 @@
 namespace collinea::geodetic {
 
 // The distance across the line along one of its axes, less an offset and what the tilt makes of the way along it.
-GroundModel OnLine::model(const ShapePoint& at) {
-  GroundModel model;
+GeodeticModel OnLine::model(const ShapePoint& at) {
+  GeodeticModel model;
   const Eigen::Vector3d local = at.local();
   const int axis = at.observation.axis;
   model.computed = local[axis] - at.unknowns[0] - at.unknowns[1] * local.z();
   model.by_from = at.shape.axes.col(axis) - at.unknowns[1] * at.shape.axes.col(2);
   model.by_extra = {-1, -local.z(), 0};
-  model.extras = 2;
+  model.auxiliaries = 2;
   return model;
 }
 

@@ -6,15 +6,15 @@
 namespace collinea::geodetic {
 
 // The distance along the tilted normal (t1, t2, 1) of the frame, less the offset.
-GroundModel OnPlane::model(const ShapePoint& at) {
-  GroundModel model;
+GeodeticModel OnPlane::model(const ShapePoint& at) {
+  GeodeticModel model;
   const Eigen::Vector3d local = at.local(), across(at.unknowns[1], at.unknowns[2], 1);
   const double length = across.norm(), height = across.dot(local) / length;
   model.computed = height - at.unknowns[0];
   model.by_from = at.shape.axes * (across / length);
   model.by_extra = {-1, (local.x() - height * at.unknowns[1] / length) / length,
                     (local.y() - height * at.unknowns[2] / length) / length};
-  model.extras = 3;
+  model.auxiliaries = 3;
   return model;
 }
 

@@ -54,12 +54,12 @@ struct AuxiliaryPrior : Prior<AuxiliaryPrior> {
 
   template <class Visit>
   static void for_each(const Problem& problem, Visit&& visit) {
-    for (Item i = 0; i < problem.extras.size(); ++i) visit(i);
+    for (Item i = 0; i < problem.auxiliaries.size(); ++i) visit(i);
   }
   static Vector residual(const Problem& problem, const State& state, Item i) {
-    return Vector(problem.extras[i].given - state.extras[i]);
+    return Vector(problem.auxiliaries[i].given - state.auxiliaries[i]);
   }
-  static Vector inverse_sigma(const Problem& problem, Item i) { return Vector(problem.extras[i].inverse_sigma); }
+  static Vector inverse_sigma(const Problem& problem, Item i) { return Vector(problem.auxiliaries[i].inverse_sigma); }
   static Row row(const Problem& problem, const State&, Item i, int) {
     return {{6 * problem.poses + problem.first_extra + static_cast<int>(i), 1}};
   }

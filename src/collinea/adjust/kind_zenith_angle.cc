@@ -12,8 +12,8 @@ constexpr double kRefraction = 0.13;  // radius of the Earth over that of the li
 }  // namespace
 
 // z = atan2(s, h) with the level length s and the height h of the line of sight: dz = (h ds - s dh) / (s^2 + h^2).
-GroundModel ZenithAngle::model(const Sight& sight) {
-  GroundModel model;
+GeodeticModel ZenithAngle::model(const Sight& sight) {
+  GeodeticModel model;
   const double height = sight.line.dot(sight.up);
   const Eigen::Vector3d level = sight.line - height * sight.up;
   const double across = level.norm(), squared = sight.line.squaredNorm();

@@ -30,7 +30,7 @@ struct Lens {
   // Of kGeneral:
   CameraModel model;
   AdditionalSet additional = AdditionalSet::kNone;
-  PictureExtent size;
+  ImageExtent size;
   std::array<double, Camera::kAllParams> params{};
 };
 

@@ -50,7 +50,7 @@ inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNa
 }
 
 /// The group of a measurement on the ground.
-[[nodiscard]] constexpr ObservationGroup group_of(GroundKind kind) {
+[[nodiscard]] constexpr ObservationGroup group_of(GeodeticKind kind) {
   return static_cast<ObservationGroup>(static_cast<std::size_t>(ObservationGroup::kDistance) +
                                        static_cast<std::size_t>(kind));
 }

@@ -76,10 +76,10 @@ RaySums write_residuals(const Problem& problem, const State& state, RobustSquare
   return rays;
 }
 
-void write_extras(const Problem& problem, const State& state, Adjusted& adjusted) {
-  for (std::size_t i = 0; i < problem.extras.size(); ++i) {
-    const ExtraUnknown& extra = problem.extras[i];
-    adjusted.extras.push_back({extra.kind, extra.owner, extra.axis, state.extras[i]});
+void write_auxiliaries(const Problem& problem, const State& state, Adjusted& adjusted) {
+  for (std::size_t i = 0; i < problem.auxiliaries.size(); ++i) {
+    const AuxiliaryUnknown& extra = problem.auxiliaries[i];
+    adjusted.auxiliaries.push_back({extra.kind, extra.owner, extra.axis, state.auxiliaries[i]});
   }
 }
 
@@ -175,7 +175,7 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
     if constexpr (requires { Kind::tabulate(problem, state, adjusted); }) Kind::tabulate(problem, state, adjusted);
   });
   write_control(block, scope, problem, state, adjusted);
-  write_extras(problem, state, adjusted);
+  write_auxiliaries(problem, state, adjusted);
   double squares = rays.squares + tie.squares();
   for_each_kind<kInSquares>([&]<class Kind>() { squares += squares_of<Kind>(problem, state, positions); });
   adjusted.redundancy = problem.redundancy();

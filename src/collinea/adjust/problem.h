@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "collinea/adjust/datum_sources.h"
-#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/geodetic_model.h"
 #include "collinea/adjust/lens.h"
 #include "collinea/adjust/unknowns.h"
 #include "collinea/math/robust.h"
@@ -56,7 +56,7 @@ struct ProblemPoint {
 };
 
 /// An unknown beside poses, cameras and points. It has a place in the border, behind those of the cameras.
-struct ExtraUnknown {
+struct AuxiliaryUnknown {
   UnknownKind kind;
   std::uint32_t owner;  ///< of a CameraId, or a number in AdjustScope::position_tracks, of a set-up or of a shape
   int axis = 0;
@@ -64,8 +64,8 @@ struct ExtraUnknown {
 };
 
 /// A measurement between two joined points, or of one that lies on a shape.
-struct GroundLink {
-  GroundObservation observation;
+struct GeodeticLink {
+  GeodeticObservation observation;
   std::uint32_t source;      ///< place in Block::ground
   std::uint32_t from, to;    ///< numbers in Problem::points
   int extra = -1;            ///< first of its own unknowns in Problem::extras; -1: none
@@ -161,13 +161,13 @@ struct Problem {
   std::vector<GivenPosition> positions;
   std::vector<GivenUp> verticals;
   std::vector<GivenTurn> attitudes;
-  std::vector<ExtraUnknown> extras;
+  std::vector<AuxiliaryUnknown> auxiliaries;
   int first_extra = 0;                ///< of the border
   std::vector<std::uint32_t> joined;  ///< numbers of points, ascending
-  std::vector<GroundLink> ground;
-  std::vector<GroundShape> shapes;
-  std::size_t ground_left_out = 0;  ///< of Block::ground, because of points that take no part or determine no shape
-  bool level_at_origin = false;     ///< see ground_model()
+  std::vector<GeodeticLink> ground;
+  std::vector<GeodeticShape> shapes;
+  std::size_t geodetic_left_out = 0;  ///< of Block::ground, because of points that take no part or determine no shape
+  bool level_at_origin = false;     ///< see geodetic_model()
   std::vector<DatumConstraint> datum;
   std::vector<int> part_of_pose;   ///< images connected by points, as numbers of parts
   std::vector<int> part_of_point;  ///< those that no image shows are of the part they are measured from; -1: of none
@@ -197,7 +197,7 @@ struct State {
   std::vector<std::array<double, Camera::kAllParams>> cameras;
   std::vector<Lens> lenses;
   std::vector<double> points;  ///< 3 of each point
-  std::vector<double> extras;  ///< parallel to Problem::extras
+  std::vector<double> auxiliaries;  ///< parallel to Problem::extras
 };
 
 /// The world's z axis in the camera.
@@ -218,7 +218,7 @@ using Row = std::vector<RowPart>;
 
 /// Three unknowns of Problem::extras, and the derivatives of an observation by them.
 [[nodiscard]] inline Eigen::Vector3d extra3(const State& state, int first) {
-  return Eigen::Map<const Eigen::Vector3d>(&state.extras[static_cast<std::size_t>(first)]);
+  return Eigen::Map<const Eigen::Vector3d>(&state.auxiliaries[static_cast<std::size_t>(first)]);
 }
 inline void add_extra(const Problem& problem, int first, const Eigen::RowVector3d& derivative, Row& row) {
   for (int c = 0; c < 3; ++c) row.push_back({6 * problem.poses + problem.first_extra + first + c, derivative[c]});

@@ -39,8 +39,8 @@ State with_reduced_moved(const Problem& problem, const State& state, Step& step)
       next.cameras[i][camera.free[k]] += by_camera[camera.border + static_cast<int>(k)];
     if (!camera.free.empty()) next.lenses[i] = lens_with(state.lenses[i], next.cameras[i].data());
   }
-  for (std::size_t i = 0; i < problem.extras.size(); ++i)
-    next.extras[i] += by_camera[problem.first_extra + static_cast<int>(i)];
+  for (std::size_t i = 0; i < problem.auxiliaries.size(); ++i)
+    next.auxiliaries[i] += by_camera[problem.first_extra + static_cast<int>(i)];
   for (const std::uint32_t p : problem.joined)
     for (int c = 0; c < 3; ++c)
       next.points[3ul * p + static_cast<std::size_t>(c)] += by_camera[problem.point(p).joined + c];

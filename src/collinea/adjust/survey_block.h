@@ -19,24 +19,24 @@ struct Surveyed {
 inline void measure_on_ground(const Block& exact, Block& block, const std::vector<ControlId>& ids, double length_m,
                               double angle_rad, Random& random) {
   const auto place = [&](ControlId id) { return exact.control.at(id).position_in_world; };
-  const auto add = [&](GroundKind kind, ControlId from, ControlId to) {
-    GroundObservation one{.kind = kind, .from = from, .to = to};
+  const auto add = [&](GeodeticKind kind, ControlId from, ControlId to) {
+    GeodeticObservation one{.kind = kind, .from = from, .to = to};
     one.sigma = one.is_angle() ? angle_rad : length_m;
-    if (kind == GroundKind::kDirection) one.setup = 1;
-    if (kind == GroundKind::kAtHeight) one.setup = 2;
-    const double computed = kind == GroundKind::kAtHeight
+    if (kind == GeodeticKind::kDirection) one.setup = 1;
+    if (kind == GeodeticKind::kAtHeight) one.setup = 2;
+    const double computed = kind == GeodeticKind::kAtHeight
                                 ? place(from).z() - 3
-                                : ground_model(one, place(from), place(to), 0.3, false).computed;
+                                : geodetic_model(one, place(from), place(to), 0.3, false).computed;
     one.value = computed + one.sigma * random.normal();
     block.ground.push_back(one);
   };
   for (std::size_t i = 1; i < ids.size(); ++i) {
-    add(GroundKind::kDistance, ids[i - 1], ids[i]);
-    add(GroundKind::kHeightDifference, ids[0], ids[i]);
-    add(GroundKind::kDirection, ids[0], ids[i]);
-    add(GroundKind::kZenithAngle, ids[0], ids[i]);
+    add(GeodeticKind::kDistance, ids[i - 1], ids[i]);
+    add(GeodeticKind::kHeightDifference, ids[0], ids[i]);
+    add(GeodeticKind::kDirection, ids[0], ids[i]);
+    add(GeodeticKind::kZenithAngle, ids[0], ids[i]);
   }
-  for (const ControlId id : ids) add(GroundKind::kAtHeight, id, id);
+  for (const ControlId id : ids) add(GeodeticKind::kAtHeight, id, id);
 }
 
 /// Points 0 to 5 surveyed with coordinates and instruments; of the others, without coordinates, five are at one height,
@@ -60,7 +60,7 @@ inline Surveyed surveyed_every_way(std::uint64_t seed, double px = 1) {
   std::vector<ControlId> ids;
   for (std::uint32_t i = 0; i < kHeights; ++i) ids.push_back({i});
   measure_on_ground(made.block, made.block, ids, kSigma_m, kSigma_rad, random);
-  const auto shape = [&](GroundKind kind, std::uint32_t from, std::uint32_t to, int axes) {
+  const auto shape = [&](GeodeticKind kind, std::uint32_t from, std::uint32_t to, int axes) {
     for (std::uint32_t i = from; i < to; ++i)
       for (int axis = 0; axis < axes; ++axis)
         made.block.ground.push_back({.kind = kind,
@@ -71,9 +71,9 @@ inline Surveyed surveyed_every_way(std::uint64_t seed, double px = 1) {
                                      .setup = 0,
                                      .axis = axis});
   };
-  shape(GroundKind::kAtHeight, kHeights, kPlane, 1);
-  shape(GroundKind::kOnPlane, kPlane, kLine, 1);
-  shape(GroundKind::kOnLine, kLine, kAll, 2);
+  shape(GeodeticKind::kAtHeight, kHeights, kPlane, 1);
+  shape(GeodeticKind::kOnPlane, kPlane, kLine, 1);
+  shape(GeodeticKind::kOnLine, kLine, kAll, 2);
   for (auto& [id, control] : made.block.control) {
     control.role = ControlRole::kControl;
     if (id.value < kHeights) control.sigma_m.setConstant(0.01);

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "collinea/adjust/bundle.h"
-#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/geodetic_model.h"
 #include "collinea/block/block.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/math/random.h"
@@ -149,9 +149,9 @@ struct Marked {
   Block block;
   std::map<ControlId, Eigen::Vector3d> truth;
 
-  void measure(GroundKind kind, std::uint32_t from, std::uint32_t to, double sigma, Random* random = nullptr) {
-    GroundObservation one{.kind = kind, .from = {from}, .to = {to}, .sigma = sigma};
-    one.value = ground_model(one, truth.at(one.from), truth.at(one.to), 0, false).computed;
+  void measure(GeodeticKind kind, std::uint32_t from, std::uint32_t to, double sigma, Random* random = nullptr) {
+    GeodeticObservation one{.kind = kind, .from = {from}, .to = {to}, .sigma = sigma};
+    one.value = geodetic_model(one, truth.at(one.from), truth.at(one.to), 0, false).computed;
     if (random) one.value += sigma * random->normal();
     block.ground.push_back(one);
   }

@@ -74,14 +74,14 @@ Result<TerrainErrors> assess_terrain(const ProductFiles& products, const TruthFo
 }
 
 Result<OrthoErrors> assess_ortho(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
-  PictureField product, expected;
+  ImageField product, expected;
   COLLINEA_TRY(product.read, byte_reader(products.ortho, &product.grid));
   COLLINEA_TRY(expected.read, byte_reader(truth.ortho, &expected.grid));
   return ortho_errors(product, expected, run);
 }
 
 Result<ColourErrors> assess_colours(const ProductFiles& products, const TruthFolder& truth, const Run& run) {
-  PictureField product, expected;
+  ImageField product, expected;
   COLLINEA_TRY(product.read, byte_reader(products.ortho, &product.grid));
   COLLINEA_TRY(expected.read, byte_reader(truth.ortho, &expected.grid));
   SourceReader sources;

@@ -46,7 +46,7 @@ struct Strip {
 
 class Comparison {
  public:
-  Comparison(const PictureField& product, const SourceReader& sources, const PictureField& truth)
+  Comparison(const ImageField& product, const SourceReader& sources, const ImageField& truth)
       : product_(product), sources_(sources), truth_(truth) {}
 
   template <class Visit>
@@ -92,9 +92,9 @@ class Comparison {
   [[nodiscard]] double truth_x(double column) const { return truth_.grid.column_of(product_.grid.east_of(column)); }
   [[nodiscard]] double truth_y(double row) const { return truth_.grid.row_of(product_.grid.north_of(row)); }
 
-  const PictureField& product_;
+  const ImageField& product_;
   const SourceReader& sources_;
-  const PictureField& truth_;
+  const ImageField& truth_;
 };
 
 void add_gains(const Comparison& comparison, const Strip& strip, Gains& gains) {
@@ -161,7 +161,7 @@ void add_pixels(const Comparison& comparison, const Strip& strip, const std::arr
 
 }  // namespace
 
-Result<ColourErrors> colour_errors(const PictureField& product, const SourceReader& sources, const PictureField& truth,
+Result<ColourErrors> colour_errors(const ImageField& product, const SourceReader& sources, const ImageField& truth,
                                    const Run& run) {
   const Comparison comparison(product, sources, truth);
   ColourErrors errors;

@@ -25,7 +25,7 @@ struct ColourErrors {
 /// as a whole, and divided off. A pixel shows the wrong surface when one of its channels lies by more than 25 grey
 /// levels outside of what the truth holds within 2 pixels around. Both need three channels at least. Errors: reading;
 /// nothing in common; cancelled.
-[[nodiscard]] Result<ColourErrors> colour_errors(const PictureField& product, const SourceReader& sources,
-                                                 const PictureField& truth, const Run& run);
+[[nodiscard]] Result<ColourErrors> colour_errors(const ImageField& product, const SourceReader& sources,
+                                                 const ImageField& truth, const Run& run);
 
 }  // namespace collinea

@@ -10,8 +10,8 @@ namespace {
 
 using Paint = std::function<std::array<double, 3>(double x, double y)>;
 
-PictureField picture_of(double cell_m, int side, const Paint& paint) {
-  PictureField field;
+ImageField picture_of(double cell_m, int side, const Paint& paint) {
+  ImageField field;
   field.grid = {0, side * cell_m, cell_m, side, side, ""};
   field.read = [=, grid = field.grid](int column, int row, int width, int height) -> Result<Raster<std::uint8_t>> {
     Raster<std::uint8_t> picture(width, height, 4, 255);
@@ -59,7 +59,7 @@ TEST(ColourErrors, TellsBrightnessFromTheWrongSurface) {
 }
 
 TEST(ColourErrors, NothingInCommonIsAnError) {
-  PictureField far = picture_of(0.1, 50, ground);
+  ImageField far = picture_of(0.1, 50, ground);
   far.grid.west_m += 1000;
   EXPECT_FALSE(colour_errors(far, nullptr, picture_of(0.1, 50, ground), collinea::Run{}));
 }

@@ -358,8 +358,8 @@ TEST(SurfaceErrors, RastersThatDoNotMeetAreAnError) {
   EXPECT_FALSE(surface_errors(away, nullptr, field_of(0.1, 50, height_at), {}, nullptr, collinea::Run{}));
 }
 
-PictureField picture_of(double cell_m, int side, double shift_x_m, double shift_y_m) {
-  PictureField field;
+ImageField picture_of(double cell_m, int side, double shift_x_m, double shift_y_m) {
+  ImageField field;
   field.grid = {0, side * cell_m, cell_m, side, side, ""};
   field.read = [grid = field.grid, shift_x_m, shift_y_m](int column, int row, int width,
                                                          int rows) -> Result<Raster<std::uint8_t>> {
@@ -389,7 +389,7 @@ TEST(OrthoErrors, AShiftIsFoundToAFewHundredthsOfAPixel) {
 }
 
 TEST(OrthoErrors, WhatIsFurtherAwayThanTheSearchFails) {
-  PictureField grey = picture_of(0.1, 400, 0, 0);
+  ImageField grey = picture_of(0.1, 400, 0, 0);
   grey.read = [](int, int, int width, int rows) -> Result<Raster<std::uint8_t>> {
     return Raster<std::uint8_t>(width, rows, 1, 99);
   };

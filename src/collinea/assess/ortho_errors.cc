@@ -31,7 +31,7 @@ FloatImage grey_of(const Raster<std::uint8_t>& picture) {
 }
 
 // A window of a picture, cells of `grid` from (column, row); what lies outside the picture is nothing.
-Result<FloatImage> grey_window(const PictureField& field, int column, int row, int width, int height) {
+Result<FloatImage> grey_window(const ImageField& field, int column, int row, int width, int height) {
   FloatImage grey(width, height, 1, kNothing);
   const int left = std::max(0, column), top = std::max(0, row);
   const int right = std::min(field.grid.width, column + width), bottom = std::min(field.grid.height, row + height);
@@ -43,7 +43,7 @@ Result<FloatImage> grey_window(const PictureField& field, int column, int row, i
 }
 
 // The truth at the pixel centres of a strip of the product.
-Result<FloatImage> resampled(const PictureField& truth, const MapGrid& product, int row, int height) {
+Result<FloatImage> resampled(const ImageField& truth, const MapGrid& product, int row, int height) {
   const auto x_of = [&](double column) { return truth.grid.column_of(product.east_of(column)); };
   const auto y_of = [&](double r) { return truth.grid.row_of(product.north_of(r)); };
   const int left = int(std::floor(x_of(0))) - 2, right = int(std::ceil(x_of(product.width))) + 2;
@@ -139,7 +139,7 @@ OrthoErrors summary_of(const std::vector<Shift>& shifts, std::size_t windows, do
 
 }  // namespace
 
-Result<OrthoErrors> ortho_errors(const PictureField& product, const PictureField& truth, const Run& run) {
+Result<OrthoErrors> ortho_errors(const ImageField& product, const ImageField& truth, const Run& run) {
   constexpr int kReach = kHalf + kSearch + 1;
   std::vector<Shift> shifts;
   std::size_t windows = 0;

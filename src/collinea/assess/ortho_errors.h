@@ -12,7 +12,7 @@
 namespace collinea {
 
 /// A picture on the map, read by windows inside the raster; 1, 3 or 4 channels, the fourth is alpha.
-struct PictureField {
+struct ImageField {
   MapGrid grid;
   std::function<Result<Raster<std::uint8_t>>(int column, int row, int width, int height)> read;
 };
@@ -30,6 +30,6 @@ struct OrthoErrors {
 /// The shift of an orthophoto against the true one: windows of 31 x 31 pixels every 48 pixels with texture in all
 /// directions, searched up to 6 pixels away by normalised cross-correlation with a parabola through the peak. Windows
 /// that touch transparent pixels are left out. Errors: reading; no textured window in common; cancelled.
-[[nodiscard]] Result<OrthoErrors> ortho_errors(const PictureField& product, const PictureField& truth, const Run& run);
+[[nodiscard]] Result<OrthoErrors> ortho_errors(const ImageField& product, const ImageField& truth, const Run& run);
 
 }  // namespace collinea

@@ -81,7 +81,7 @@ constexpr CodeRow kCodes[] = {
     {C::kLooseImages, "loose_images", kWeak, F::kCount},
     {C::kNoBase, "no_base", kWeak, F::kCount},
     {C::kImagesLeftOut, "images_left_out", kWeak, F::kCount},
-    {C::kGroundLeftOut, "ground_left_out", kWeak, F::kCount, F::kOf},
+    {C::kGeodeticLeftOut, "geodetic_left_out", kWeak, F::kCount, F::kOf},
     {C::kWeakImages, "weak_images", kWeak, F::kCount, F::kRatio, F::kSigma, F::kTypicalSigma},
     {C::kInseparable, "inseparable", kWeak, F::kCorrelation},
     {C::kUndetermined, "undetermined", kWeak},

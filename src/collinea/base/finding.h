@@ -86,7 +86,7 @@ enum class FindingCode : std::uint8_t {
   kLooseImages,             ///< images that can move against the others
   kNoBase,                  ///< images from nearly one position
   kImagesLeftOut,           ///< images with too few observations
-  kGroundLeftOut,           ///< geodetic observations whose points are not determined
+  kGeodeticLeftOut,           ///< geodetic observations whose points are not determined
   kWeakImages,              ///< images known far worse than the others
   kInseparable,             ///< two unknowns that hardly differ in their effect
   kUndetermined,            ///< an unknown that the observations do not determine: no standard deviations

@@ -112,7 +112,7 @@ struct Block {
   std::vector<Observation> observations;  ///< of tie points; sorted by (point, image)
   std::map<ControlId, ControlPoint> control;
   std::vector<ControlObservation> control_observations;
-  std::vector<GroundObservation> ground;  ///< measured between control points, or known of them
+  std::vector<GeodeticObservation> ground;  ///< measured between control points, or known of them
 
   [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras.at(images.at(image).camera); }
 };

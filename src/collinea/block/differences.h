@@ -59,7 +59,7 @@ struct PositionDifference {
 };
 
 /// A measurement on the ground after the adjustment.
-struct GroundDifference {
+struct GeodeticDifference {
   std::uint32_t observation = 0;  ///< index in Block::ground
   bool used = false;              ///< it took part; false: only compared
   bool excluded = false;          ///< it contradicts the others and was left out; then not used
@@ -71,7 +71,7 @@ struct GroundDifference {
 
   template <class Visit>
   static void fields(Visit&& visit) {
-    using D = GroundDifference;
+    using D = GeodeticDifference;
     visit("observation", &D::observation);
     visit("used", &D::used);
     visit("excluded", &D::excluded);

@@ -11,7 +11,7 @@
 namespace collinea {
 
 /// What is measured on the ground between two points, or known of the shape that a point lies on.
-enum class GroundKind : std::uint8_t {
+enum class GeodeticKind : std::uint8_t {
   kDistance,          ///< in space, tape, scale bar or total station [m]
   kHeightDifference,  ///< height of `to` minus that of `from` [m]; 0 for equal heights
   kDirection,         ///< reading of the horizontal circle at `from`, clockwise [rad]
@@ -20,18 +20,18 @@ enum class GroundKind : std::uint8_t {
   kOnPlane,           ///< `from` off the plane of a group [m]
   kOnLine,            ///< `from` off the line of a group, across it on one of two axes [m]
 };
-inline constexpr std::size_t kGroundKinds = 7;
-inline constexpr std::array<const char*, kGroundKinds> kGroundKindNames = {
+inline constexpr std::size_t kGeodeticKinds = 7;
+inline constexpr std::array<const char*, kGeodeticKinds> kGeodeticKindNames = {
     "distance", "height difference", "direction", "zenith angle", "height", "plane", "line"};
 
 enum class ControlRole { kControl, kCheck };
 
 /// One measurement between two control points, which need no coordinates of their own; or that `from` (and `to`, which
 /// is the same) lies on a shape.
-struct GroundObservation {
+struct GeodeticObservation {
   static constexpr std::uint32_t kNoSetup = ~std::uint32_t{0};
 
-  GroundKind kind = GroundKind::kDistance;
+  GeodeticKind kind = GeodeticKind::kDistance;
   std::string name;  ///< as its file calls it; may be empty
   ControlId from, to;
   double value = 0, sigma = 0;               ///< [m], or [rad] for angles
@@ -42,8 +42,8 @@ struct GroundObservation {
   double instrument_height_m = 0, target_height_m = 0;  ///< above the marks
   int axis = 0;  ///< of kOnLine: 0 sideways (east off a plumb line), 1 upwards (north off a plumb line)
 
-  [[nodiscard]] bool is_angle() const { return kind == GroundKind::kDirection || kind == GroundKind::kZenithAngle; }
-  [[nodiscard]] bool is_of_shape() const { return kind >= GroundKind::kAtHeight; }
+  [[nodiscard]] bool is_angle() const { return kind == GeodeticKind::kDirection || kind == GeodeticKind::kZenithAngle; }
+  [[nodiscard]] bool is_of_shape() const { return kind >= GeodeticKind::kAtHeight; }
 };
 
 }  // namespace collinea

@@ -9,15 +9,15 @@ namespace {
 std::string number_of(const Subject& subject) { return std::to_string(subject.id + 1); }
 
 // As the observations of it call it.
-std::string name_of_shape(const Subject& subject, const Block& block, GroundKind kind) {
-  for (const GroundObservation& one : block.ground)
+std::string name_of_shape(const Subject& subject, const Block& block, GeodeticKind kind) {
+  for (const GeodeticObservation& one : block.ground)
     if (one.kind == kind && one.setup == subject.id && !one.name.empty()) return one.name;
   return number_of(subject);
 }
 
 std::string name_of_ground(const Subject& subject, const Block& block) {
   if (subject.id >= block.ground.size()) return number_of(subject);
-  const GroundObservation& one = block.ground[subject.id];
+  const GeodeticObservation& one = block.ground[subject.id];
   const std::string& from = block.control.at(one.from).name;
   return one.is_of_shape() ? from : from + " - " + block.control.at(one.to).name;
 }
@@ -45,11 +45,11 @@ std::string name_in_block(const Subject& subject, const Block& block) {
     case SubjectKind::kGround:
       return name_of_ground(subject, block);
     case SubjectKind::kLevel:
-      return name_of_shape(subject, block, GroundKind::kAtHeight);
+      return name_of_shape(subject, block, GeodeticKind::kAtHeight);
     case SubjectKind::kPlane:
-      return name_of_shape(subject, block, GroundKind::kOnPlane);
+      return name_of_shape(subject, block, GeodeticKind::kOnPlane);
     case SubjectKind::kLine:
-      return name_of_shape(subject, block, GroundKind::kOnLine);
+      return name_of_shape(subject, block, GeodeticKind::kOnLine);
     case SubjectKind::kProduct:
       return std::string(word_of(static_cast<Product>(subject.id)));
     default:

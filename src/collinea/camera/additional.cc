@@ -95,7 +95,7 @@ struct Place {
   double width, height;  // of the longer side
 };
 
-Place place_of(PictureExtent size, const Eigen::Vector2d& pixel) {
+Place place_of(ImageExtent size, const Eigen::Vector2d& pixel) {
   const double half_width = std::max(1.0, size.width_px) / 2, half_height = std::max(1.0, size.height_px) / 2;
   const double longer = std::max(half_width, half_height);
   return {(pixel.x() - half_width) / half_width,
@@ -144,7 +144,7 @@ std::size_t count_of(AdditionalSet set) {
   return set == AdditionalSet::kFourier ? 4 * kWaves.size() : products(set).size();
 }
 
-AdditionalShift additional_shift(AdditionalSet set, const double* values, PictureExtent size,
+AdditionalShift additional_shift(AdditionalSet set, const double* values, ImageExtent size,
                                  const Eigen::Vector2d& pixel) {
   AdditionalShift sum;
   if (set == AdditionalSet::kNone) return sum;
@@ -160,7 +160,7 @@ AdditionalShift additional_shift(AdditionalSet set, const double* values, Pictur
   return sum;
 }
 
-void additional_effect(AdditionalSet set, PictureExtent size, const Eigen::Vector2d& pixel, AdditionalEffect& effect) {
+void additional_effect(AdditionalSet set, ImageExtent size, const Eigen::Vector2d& pixel, AdditionalEffect& effect) {
   if (set == AdditionalSet::kNone) return;
   for_each(set, place_of(size, pixel), [&](std::size_t k, double column, double row, double, double, double, double) {
     effect.column[k] = column;

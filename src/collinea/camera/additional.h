@@ -44,12 +44,12 @@ struct AdditionalShift {
 };
 
 /// The picture over which the functions are normalised: from its middle, in halves of its sides, -1 to 1.
-struct PictureExtent {
+struct ImageExtent {
   double width_px = 1, height_px = 1;
 };
 
-[[nodiscard]] AdditionalShift additional_shift(AdditionalSet set, const double* values, PictureExtent size,
+[[nodiscard]] AdditionalShift additional_shift(AdditionalSet set, const double* values, ImageExtent size,
                                                const Eigen::Vector2d& pixel);
-void additional_effect(AdditionalSet set, PictureExtent size, const Eigen::Vector2d& pixel, AdditionalEffect& effect);
+void additional_effect(AdditionalSet set, ImageExtent size, const Eigen::Vector2d& pixel, AdditionalEffect& effect);
 
 }  // namespace collinea

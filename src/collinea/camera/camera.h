@@ -71,7 +71,7 @@ struct CameraCore {
   const double* params;  ///< Camera::params
   CameraModel model;
   AdditionalSet additional;
-  PictureExtent size;
+  ImageExtent size;
 };
 
 /// project() of the camera with that core.

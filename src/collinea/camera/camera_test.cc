@@ -321,7 +321,7 @@ TEST(Additional, EbnerIsThatOfHisPaper) {
 TEST(Additional, FunctionsAreOrthogonalOnTheirPlaces) {
   const std::pair<AdditionalSet, int> sets[] = {{AdditionalSet::kEbner, 3}, {AdditionalSet::kGruen, 5}};
   for (const auto& [set, places] : sets)
-    for (const PictureExtent size : {PictureExtent{1000, 1000}, PictureExtent{1500, 1000}}) {
+    for (const ImageExtent size : {ImageExtent{1000, 1000}, ImageExtent{1500, 1000}}) {
       const auto count = Eigen::Index(count_of(set));
       const int coordinates = 2 * places * places;
       Eigen::MatrixXd functions(coordinates, count + 6);

@@ -14,7 +14,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/dense/depth_cache.h"
 #include "collinea/dense/pinhole.h"
-#include "collinea/dense/working_pictures.h"
+#include "collinea/dense/working_images.h"
 
 namespace collinea {
 namespace {
@@ -163,7 +163,7 @@ class Fusion {
       COLLINEA_TRY(one(image));
       run_.report("fuse", double(++done) / double(images_.size()));
     }
-    if (lacking_.maps > 0) tell_room();
+    if (lacking_.maps > 0) state_budget();
     return std::move(report_);
   }
 
@@ -227,7 +227,7 @@ class Fusion {
     return {};
   }
 
-  void tell_room() const {
+  void state_budget() const {
     run_.say("fuse: memory_mb = " + std::to_string(std::lround(options_.memory_mb)) + " has room for " +
              std::to_string(lacking_.room) + " of the " + std::to_string(lacking_.maps) +
              " depth maps that overlap one; all of them take " +

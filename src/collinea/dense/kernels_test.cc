@@ -18,7 +18,7 @@
 namespace collinea::dense {
 namespace {
 
-GreyImage random_picture(int width, int height, std::uint64_t seed) {
+GreyImage random_image(int width, int height, std::uint64_t seed) {
   GreyImage picture(width, height);
   Random random(seed);
   for (auto& value : picture.data) value = std::uint8_t(1 + random.below(255));
@@ -29,7 +29,7 @@ GreyImage random_picture(int width, int height, std::uint64_t seed) {
 Transfer shift(float dx, float dy) { return {{1, 0, dx, 0, 1, dy, 0, 0, 1}, {1, 0, 0}}; }
 
 TEST(Sample, IsBilinearInterpolation) {
-  const GreyImage picture = random_picture(80, 70, 1);
+  const GreyImage picture = random_image(80, 70, 1);
   const Quads quads = quads_of(picture);
   const auto carried = std::make_unique<Carried>();
   const std::vector<float> w(kRegion, 0);
@@ -47,7 +47,7 @@ TEST(Sample, IsBilinearInterpolation) {
 }
 
 TEST(Sample, OutsideThereIsNothing) {
-  const GreyImage picture = random_picture(60, 60, 2);
+  const GreyImage picture = random_image(60, 60, 2);
   const Quads quads = quads_of(picture);
   const auto carried = std::make_unique<Carried>();
   const std::vector<float> w(kRegion, 0);
@@ -283,16 +283,16 @@ Level level_of(const GreyImage& picture) {
 
 // A view `aside` to the right whose picture, of chance, shows the whole reference at depths around 10.
 View view_of_chance(float aside, std::uint64_t seed) {
-  View view{quads_of(random_picture(160, 90, seed)), shift(30 + 10 * aside, 12), {aside, 0, 0}};
+  View view{quads_of(random_image(160, 90, seed)), shift(30 + 10 * aside, 12), {aside, 0, 0}};
   view.transfer.b = {-100 * aside, 0, 0};
   return view;
 }
 
 FloatImage surface_by(const std::vector<View>& views) {
-  const GreyImage picture = random_picture(64, 64, 11);
+  const GreyImage picture = random_image(64, 64, 11);
   Level level = level_of(picture);
   level.views = views;
-  SharedRoom costs(usual_bytes_to_match());
+  SharedBudget costs(usual_bytes_to_match());
   return match_level(level, labels_around_plane(64, 64, level.step, 0.1f, 0, 0, -8, 8), costs, {});
 }
 
@@ -306,14 +306,14 @@ TEST(MatchLevel, ViewsAtWideAnglesHaveNoSayWhereTwoOthersSee) {
 // A strip of five tiles, matched in three threads.
 TEST(MatchLevel, TilesThatDoNotFitIntoTheRoomWaitAndComeOutTheSame) {
   constexpr int kWidth = 3200, kHeight = 40;
-  const GreyImage picture = random_picture(kWidth, kHeight, 11);
+  const GreyImage picture = random_image(kWidth, kHeight, 11);
   Level level = level_of(picture);
   level.views = {view_of_chance(1, 12), view_of_chance(-1, 13)};
   const Labels labels = labels_around_plane(kWidth, kHeight, level.step, 0.1f, 0, 0, -8, 8);
   const std::size_t all = bytes_to_match(labels, {0, 0, labels.columns, labels.rows});
   collinea::Run run;
   run.threads = 3;
-  SharedRoom one(1), many(all * 2);
+  SharedBudget one(1), many(all * 2);
   const FloatImage waited = match_level(level, labels, one, run), free = match_level(level, labels, many, run);
   EXPECT_LT(one.most_held(), all / 3);
   EXPECT_GT(one.most_held(), all / 6);
@@ -321,23 +321,23 @@ TEST(MatchLevel, TilesThatDoNotFitIntoTheRoomWaitAndComeOutTheSame) {
 }
 
 // A patch of nine pixels, 0.5 above the rest.
-TEST(RemoveSpecks, StandardDeviationsJoinWhatTheyCannotTellApart) {
+TEST(RemoveSpeckles, StandardDeviationsJoinWhatTheyCannotTellApart) {
   FloatImage surface(30, 20, 1, 1);
   for (int y = 5; y < 8; ++y)
     for (int x = 10; x < 13; ++x) surface.at(x, y) = 1.5f;
   FloatImage exact = surface, uncertain = surface, certain = surface;
-  remove_specks(exact, 0.1f, 40);
+  remove_speckles(exact, 0.1f, 40);
   EXPECT_TRUE(std::isnan(exact.at(11, 6)));
   EXPECT_EQ(exact.at(9, 6), 1);
   const FloatImage large(30, 20, 1, 0.11f), small(30, 20, 1, 0.09f);  // 0.1 + 2 (0.11 + 0.11) = 0.54; 0.46
-  remove_specks(uncertain, 0.1f, 40, &large);
+  remove_speckles(uncertain, 0.1f, 40, &large);
   EXPECT_EQ(uncertain.data, surface.data);
-  remove_specks(certain, 0.1f, 40, &small);
+  remove_speckles(certain, 0.1f, 40, &small);
   EXPECT_TRUE(std::isnan(certain.at(11, 6)));
 }
 
 // Every patch filled in turn, pixel by pixel.
-FloatImage without_specks(const FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma) {
+FloatImage without_speckles(const FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma) {
   FloatImage result = surface;
   std::vector<char> seen(surface.data.size(), 0);
   for (std::size_t first = 0; first < seen.size(); ++first) {
@@ -361,7 +361,7 @@ FloatImage without_specks(const FloatImage& surface, float reach, int min_pixels
   return result;
 }
 
-TEST(RemoveSpecks, EqualsFillingPatches) {
+TEST(RemoveSpeckles, EqualsFillingPatches) {
   Random random(12);
   for (const int width : {1, 63, 64, 65, 150})
     for (const double reach : {1.1, 1.5, 2.1}) {  // values 0 to 4 as well: few large patches, and many small ones
@@ -370,8 +370,8 @@ TEST(RemoveSpecks, EqualsFillingPatches) {
       for (auto& value : sigma.data) value = float(random.uniform(0, 0.3));
       for (const FloatImage* known : {static_cast<FloatImage*>(nullptr), &sigma}) {
         FloatImage found = surface;
-        remove_specks(found, float(reach), 20, known);
-        const FloatImage plain = without_specks(surface, float(reach), 20, known);
+        remove_speckles(found, float(reach), 20, known);
+        const FloatImage plain = without_speckles(surface, float(reach), 20, known);
         for (std::size_t i = 0; i < plain.data.size(); ++i) {
           EXPECT_EQ(std::isnan(found.data[i]), std::isnan(plain.data[i])) << width << ' ' << i;
           if (!std::isnan(plain.data[i])) {
@@ -384,7 +384,7 @@ TEST(RemoveSpecks, EqualsFillingPatches) {
 
 TEST(TextureAround, IsTheMeanOfTwoDifferences) {
   for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {64, 9}, {90, 40}}) {
-    const GreyImage picture = random_picture(width, height, 5);
+    const GreyImage picture = random_image(width, height, 5);
     const auto texture = [&](int x, int y) {
       const int own = picture.at(x, y), right = picture.at(std::min(x + 1, width - 1), y),
                 below = picture.at(x, std::min(y + 1, height - 1));

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "collinea/base/run.h"
-#include "collinea/base/shared_room.h"
+#include "collinea/base/shared_budget.h"
 #include "collinea/dense/labels.h"
 #include "collinea/dense/match_kernels.h"
 
@@ -46,7 +46,7 @@ void place_views(const Level& level, float low, float high, CellScene& scene);
 /// better half of the views (Kang et al. 2001), semi-global aggregation in tiles, best label. Inverse depth per pixel;
 /// NaN where the picture is empty; everything else gets a value, right or wrong. Result is not to be used when
 /// run.stopped(). Costs of all labels of a tile are in memory together: what they take is taken from `costs`.
-[[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, SharedRoom& costs, const Run& run);
+[[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, SharedBudget& costs, const Run& run);
 
 /// The bytes a tile takes where the coarser level is smooth, as it is of most ground: 39 MB. At most it is twelve times
 /// that.
@@ -66,6 +66,6 @@ struct Refined {
 
 /// Empties connected patches of fewer than `min_pixels`. Neighbours belong together when they differ by at most `reach`
 /// plus, when `sigma` is given, twice the standard deviations of both.
-void remove_specks(FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma = nullptr);
+void remove_speckles(FloatImage& surface, float reach, int min_pixels, const FloatImage* sigma = nullptr);
 
 }  // namespace collinea::dense

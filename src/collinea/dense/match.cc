@@ -12,7 +12,7 @@
 #include "collinea/dense/overview.h"
 #include "collinea/dense/pinhole.h"
 #include "collinea/dense/rims.h"
-#include "collinea/dense/texture_place.h"
+#include "collinea/dense/texture_centroid.h"
 #include "collinea/math/median.h"
 
 namespace collinea {
@@ -48,13 +48,13 @@ Eigen::Matrix3d calibration(const Camera& camera) {
 }
 
 // A tie point as matching sees it: its place on the working picture and its inverse depth.
-struct Sounding {
+struct DepthSample {
   double x, y, w;
 };
 
-Result<std::vector<Sounding>> soundings(const TieView& ties, ImageId image, const Camera& camera) {
+Result<std::vector<DepthSample>> depth_samples(const TieView& ties, ImageId image, const Camera& camera) {
   COLLINEA_TRY(const auto seen, ties.seen_by(image));
-  std::vector<Sounding> result;
+  std::vector<DepthSample> result;
   for (const Eigen::Vector3d& point_in_cam : seen) {
     const auto pixel = project(camera, point_in_cam);
     if (pixel && inside(camera, *pixel)) result.push_back({pixel->x(), pixel->y(), 1 / point_in_cam.z()});
@@ -67,17 +67,17 @@ struct StartSurface {
   double a = 0, b = 0, c = 0, low = 0, high = 0;
 };
 
-StartSurface spread_around(double a, double b, double c, const std::vector<Sounding>& soundings) {
+StartSurface spread_around(double a, double b, double c, const std::vector<DepthSample>& depth_samples) {
   std::vector<double> rest;
-  for (const Sounding& s : soundings) rest.push_back(s.w - a * s.x - b * s.y - c);
+  for (const DepthSample& s : depth_samples) rest.push_back(s.w - a * s.x - b * s.y - c);
   return {a, b, c, quantile(rest, 0.005), quantile(rest, 0.995)};
 }
 
-StartSurface start_surface(const std::vector<Sounding>& soundings, double margin) {
-  const StartSurface level = spread_around(0, 0, 0, soundings);
+StartSurface start_surface(const std::vector<DepthSample>& depth_samples, double margin) {
+  const StartSurface level = spread_around(0, 0, 0, depth_samples);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const Sounding& s : soundings) {
+  for (const DepthSample& s : depth_samples) {
     if (s.w < level.low || s.w > level.high) continue;
     const Eigen::Vector3d row(s.x, s.y, 1);
     normal += row * row.transpose();
@@ -86,7 +86,7 @@ StartSurface start_surface(const std::vector<Sounding>& soundings, double margin
   const Eigen::Vector3d plane = normal.ldlt().solve(right);
   StartSurface best = level;
   if (plane.allFinite()) {
-    const StartSurface tilted = spread_around(plane.x(), plane.y(), plane.z(), soundings);
+    const StartSurface tilted = spread_around(plane.x(), plane.y(), plane.z(), depth_samples);
     if (tilted.high - tilted.low < kPlanePart * (level.high - level.low)) best = tilted;
   }
   const double reach = margin * (level.high - level.low);
@@ -96,9 +96,9 @@ StartSurface start_surface(const std::vector<Sounding>& soundings, double margin
 }
 
 // Pixels in the neighbour per unit of inverse depth, in the middle of the soundings.
-double sensitivity(const Eigen::Matrix3d& h, const Eigen::Vector3d& b, const std::vector<Sounding>& soundings) {
+double sensitivity(const Eigen::Matrix3d& h, const Eigen::Vector3d& b, const std::vector<DepthSample>& depth_samples) {
   std::vector<double> all;
-  for (const Sounding& s : soundings) {
+  for (const DepthSample& s : depth_samples) {
     const Eigen::Vector3d p = h * Eigen::Vector3d(s.x, s.y, 1) + s.w * b;
     if (!(p.z() > 0)) continue;
     const Eigen::Vector2d by_w = (b.head<2>() - p.head<2>() / p.z() * b.z()) / p.z();
@@ -109,7 +109,7 @@ double sensitivity(const Eigen::Matrix3d& h, const Eigen::Vector3d& b, const std
 
 // Everything about the pair that does not depend on the level.
 struct Neighbour {
-  std::shared_ptr<const WorkingPicture> picture;
+  std::shared_ptr<const WorkingImage> picture;
   Rigid3 from_reference;  // neighbour_cam_from_reference_cam
   int level_offset = 0;   // so much coarser its pyramid is used, that pixels on the ground are alike
 
@@ -119,10 +119,10 @@ struct Neighbour {
 };
 
 int level_offset(const Camera& reference, const Camera& camera, const Rigid3& from_reference,
-                 const std::vector<Sounding>& soundings) {
+                 const std::vector<DepthSample>& depth_samples) {
   const dense::Pinhole pinhole(reference);
   std::vector<double> ratio;
-  for (const Sounding& s : soundings) {
+  for (const DepthSample& s : depth_samples) {
     const double z = (from_reference * (pinhole.ray(s.x, s.y) / s.w)).z();
     if (z > 0) ratio.push_back(camera.focal_px() / z / (reference.focal_px() * s.w));
   }
@@ -188,14 +188,14 @@ void fill_from(const dense::Refined& coarse, int factor, const FloatImage& surfa
 
 class Matching {
  public:
-  Matching(const DenseOptions& options, SharedRoom& costs, const Run& run)
+  Matching(const DenseOptions& options, SharedBudget& costs, const Run& run)
       : options_(options), costs_(costs), run_(run) {}
 
-  Result<> prepare(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures) {
+  Result<> prepare(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures) {
     const std::string& file = block.images.at(image).file;
     COLLINEA_TRY(reference_, pictures.picture(image));
-    COLLINEA_TRY(soundings_, soundings(ties, image, reference_->camera));
-    if (soundings_.size() < kFewestTiePoints) return fail(Errc::kIllPosed, file + ": too few tie points to match it");
+    COLLINEA_TRY(depth_samples_, depth_samples(ties, image, reference_->camera));
+    if (depth_samples_.size() < kFewestTiePoints) return fail(Errc::kIllPosed, file + ": too few tie points to match it");
     const Rigid3& pose = pose_of(block, image);
     COLLINEA_TRY(const auto others, ties.neighbours(image, options_.neighbours));
     for (const ImageId id : others) {
@@ -204,11 +204,11 @@ class Matching {
       COLLINEA_TRY(neighbour.picture, pictures.picture(id));
       neighbour.from_reference = pose_of(block, id) * inverse(pose);
       neighbour.level_offset =
-          level_offset(reference_->camera, neighbour.picture->camera, neighbour.from_reference, soundings_);
+          level_offset(reference_->camera, neighbour.picture->camera, neighbour.from_reference, depth_samples_);
       neighbours_.push_back(std::move(neighbour));
     }
     if (neighbours_.empty()) return fail(Errc::kIllPosed, file + ": no other image sees its tie points");
-    start_ = start_surface(soundings_, options_.depth_margin);
+    start_ = start_surface(depth_samples_, options_.depth_margin);
     return {};
   }
 
@@ -282,8 +282,8 @@ class Matching {
     const Eigen::Matrix3d own = calibration(camera_of_level(reference_->camera, l)), back = own.inverse();
     level.focal_px = float(own(0, 0)), level.cx = float(own(0, 2)), level.cy = float(own(1, 2));
     const double scale = std::ldexp(1.0, -l);
-    std::vector<Sounding> here = soundings_;
-    for (Sounding& s : here) s.x *= scale, s.y *= scale;
+    std::vector<DepthSample> here = depth_samples_;
+    for (DepthSample& s : here) s.x *= scale, s.y *= scale;
     std::vector<double> px_per_w;
     for (const Neighbour& n : neighbours_) {
       const Eigen::Matrix3d k = calibration(camera_of_level(n.picture->camera, n.level_for(l)));
@@ -331,7 +331,7 @@ class Matching {
   }
 
   static Labels next_labels(FloatImage coarse, const Level& level) {
-    dense::remove_specks(coarse, 3 * level.step, kSmallestCoarsePatch);  // a coarse label is two fine ones
+    dense::remove_speckles(coarse, 3 * level.step, kSmallestCoarsePatch);  // a coarse label is two fine ones
     dense::fill_holes(coarse);
     return dense::labels_around(dense::median3(coarse), level.picture->width, level.picture->height, level.step,
                                 kMargin);
@@ -343,7 +343,7 @@ class Matching {
     Level finest = level_at(0);
     dense::Refined result;
     FloatImage finer, finest_surface;
-    dense::TexturePlace finest_place;
+    dense::TextureCentroid finest_place;
     for (int l = 0; l < kMeasuredLevels && !surfaces[std::size_t(l)].empty(); ++l) {
       Level coarse = l == 0 ? Level() : level_at(l);
       Level& level = l == 0 ? finest : coarse;
@@ -358,7 +358,7 @@ class Matching {
       level.views.clear();  // what follows looks at no other picture
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       keep_good(level, surface, certainty, options_, refined);
-      dense::TexturePlace place = dense::texture_place(*level.picture);
+      dense::TextureCentroid place = dense::texture_centroid(*level.picture);
       dense::keep_textured(place, kAgreeing * level.step, refined.inverse_depth);
       if (l == 0) {
         result = std::move(refined);
@@ -370,13 +370,13 @@ class Matching {
       if (l == 0) finest_surface = finer;
     }
     if (!agreed.empty()) dense::fill_rough(finest, finest_place, agreed, result);
-    dense::empty_false_rims(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth, run_);
+    dense::empty_foreground_fattening(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth, run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
     return finished(finest, result);
   }
 
   DepthMap finished(const Level& level, dense::Refined& refined) const {
-    dense::remove_specks(refined.inverse_depth, kOneSurface * level.step, kSmallestPatch, &refined.sigma);
+    dense::remove_speckles(refined.inverse_depth, kOneSurface * level.step, kSmallestPatch, &refined.sigma);
     DepthMap map{reference_->camera, std::move(refined.inverse_depth), std::move(refined.sigma)};
     for (std::size_t i = 0; i < map.depth.data.size(); ++i) {
       const float z = 1 / map.depth.data[i];
@@ -387,16 +387,16 @@ class Matching {
   }
 
   const DenseOptions& options_;
-  SharedRoom& costs_;
+  SharedBudget& costs_;
   const Run& run_;
-  std::shared_ptr<const WorkingPicture> reference_;
-  std::vector<Sounding> soundings_;
+  std::shared_ptr<const WorkingImage> reference_;
+  std::vector<DepthSample> depth_samples_;
   std::vector<Neighbour> neighbours_;
   StartSurface start_;
 };
 
-Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
-                          SharedRoom& costs, const DenseOptions& options, const Run& run) {
+Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures,
+                          SharedBudget& costs, const DenseOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
   if (!is_oriented(block, image)) return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
   Matching matching(options, costs, run);
@@ -406,19 +406,19 @@ Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties
 
 }  // namespace
 
-SharedRoom room_for_costs(const DenseOptions& options, int at_once) {
-  return SharedRoom(std::max(std::size_t(options.memory_mb * 1e6 / 2),
+SharedBudget budget_for_costs(const DenseOptions& options, int at_once) {
+  return SharedBudget(std::max(std::size_t(options.memory_mb * 1e6 / 2),
                              std::size_t(std::max(1, at_once)) * dense::usual_bytes_to_match()));
 }
 
-Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
-                          SharedRoom& costs, const DenseOptions& options, const Run& run) {
+Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures,
+                          SharedBudget& costs, const DenseOptions& options, const Run& run) {
   COLLINEA_TRY(const Matching matching, prepared(block, image, ties, pictures, costs, options, run));
   return matching.overview();
 }
 
-Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingPictures& pictures,
-                           SharedRoom& costs, DepthStore* overviews, const DenseOptions& options, const Run& run) {
+Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures,
+                           SharedBudget& costs, DepthStore* overviews, const DenseOptions& options, const Run& run) {
   COLLINEA_TRY(Matching matching, prepared(block, image, ties, pictures, costs, options, run));
   FloatImage agreed;
   if (overviews && overviews->has(image)) {
@@ -430,8 +430,8 @@ Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& tie
 Result<DepthMap> depth_map(const Block& block, ImageId image, const PixelSource& pixels, const DenseOptions& options,
                            const Run& run) {
   const TieView ties(block);
-  WorkingPictures pictures(block, pixels, options);
-  SharedRoom costs = room_for_costs(options, 1);
+  WorkingImages pictures(block, pixels, options);
+  SharedBudget costs = budget_for_costs(options, 1);
   return depth_map(block, image, ties, pictures, costs, nullptr, options, run);
 }
 

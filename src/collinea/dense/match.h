@@ -2,21 +2,21 @@
 #pragma once
 
 #include "collinea/base/run.h"
-#include "collinea/base/shared_room.h"
+#include "collinea/base/shared_budget.h"
 #include "collinea/dense/depth_map.h"
 #include "collinea/dense/neighbours.h"
-#include "collinea/dense/working_pictures.h"
+#include "collinea/dense/working_images.h"
 
 namespace collinea {
 
 /// Room for the costs of up to `at_once` images that are matched side by side: half of options.memory_mb, or what they
 /// take where the ground is smooth, if that is more. Those of rough ground wait for one another.
-[[nodiscard]] SharedRoom room_for_costs(const DenseOptions& options, int at_once);
+[[nodiscard]] SharedBudget budget_for_costs(const DenseOptions& options, int at_once);
 
 /// A first, coarse idea of the surface, from small pictures. Every pixel with a grey value has a depth, right or wrong:
 /// only together the overviews of several images tell which. Errors as of depth_map.
 [[nodiscard]] Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties,
-                                        WorkingPictures& pictures, SharedRoom& costs, const DenseOptions& options,
+                                        WorkingImages& pictures, SharedBudget& costs, const DenseOptions& options,
                                         const Run& run);
 
 /// The depth of every pixel of one oriented image, measured against its neighbours: coarse to fine, at each level a
@@ -31,7 +31,7 @@ namespace collinea {
 /// leave the threads to this function, with the same result. Errors: kIllPosed when the image has no neighbours or too
 /// few tie points, kCancelled, what the pictures say.
 [[nodiscard]] Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties,
-                                         WorkingPictures& pictures, SharedRoom& costs, DepthStore* overviews,
+                                         WorkingImages& pictures, SharedBudget& costs, DepthStore* overviews,
                                          const DenseOptions& options, const Run& run);
 
 /// The same for a single image, with nothing kept.

@@ -123,9 +123,9 @@ void take_winners(const Level& level, const Labels& labels, const Volume& volume
 }
 
 void match_tile(const Level& level, const Labels& labels, const Smoothness& smoothness, const CellRange& tile,
-                SharedRoom& costs, const Run& run, FloatImage& result) {
+                SharedBudget& costs, const Run& run, FloatImage& result) {
   const CellRange range = widened(tile, labels);
-  const SharedRoom::Part part = costs.take(bytes_to_match(labels, range));
+  const SharedBudget::Part part = costs.take(bytes_to_match(labels, range));
   if (run.stopped()) return;
   Volume volume = volume_for(labels, range);
   const auto scratch = std::make_unique<CostScratch>();
@@ -168,7 +168,7 @@ std::size_t usual_bytes_to_match() {
   return kCells * kCells * kCellPixels * kStride * (sizeof(std::uint8_t) + sizeof(std::uint16_t));
 }
 
-FloatImage match_level(const Level& level, const Labels& labels, SharedRoom& costs, const Run& run) {
+FloatImage match_level(const Level& level, const Labels& labels, SharedBudget& costs, const Run& run) {
   FloatImage result(labels.width, labels.height, 1, std::numeric_limits<float>::quiet_NaN());
   const Smoothness smoothness = smoothness_for(*level.picture);
   const int across = (labels.columns + kTileCells - 1) / kTileCells, down = (labels.rows + kTileCells - 1) / kTileCells;

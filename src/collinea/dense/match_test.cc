@@ -70,7 +70,7 @@ TEST(DepthMap, SlopingPlaneIsRecoveredToATenthOfAPixel) {
   EXPECT_GT(e.part_measured(), 0.9);  // the frame of 3 px that has no full window is 7 %
 }
 
-TEST(DepthMap, DistortionIsTakenOut) {
+TEST(DepthMap, DistortionIsRejected) {
   Camera camera = Scene::camera();
   camera.params[Camera::kK1] = -0.12;
   camera.params[Camera::kP1] = 0.002;
@@ -153,8 +153,8 @@ TEST(Overview, OfALongStripIsTheSmallestPictureThereIs) {
   scene.add_ties(0.15);
   const TieView ties(scene.block);
   const PixelSource pixels = scene.pixels();
-  WorkingPictures pictures(scene.block, pixels, {});
-  SharedRoom costs = room_for_costs({}, 1);
+  WorkingImages pictures(scene.block, pixels, {});
+  SharedBudget costs = budget_for_costs({}, 1);
   const auto map = overview(scene.block, kFirst, ties, pictures, costs, {}, {});
   ASSERT_TRUE(map) << map.error().message;
   EXPECT_EQ(map->depth.width, 750);

@@ -162,7 +162,7 @@ FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& oth
   return result;
 }
 
-void fill_rough(const Level& finest, const TexturePlace& place, const FloatImage& agreed, Refined& result) {
+void fill_rough(const Level& finest, const TextureCentroid& place, const FloatImage& agreed, Refined& result) {
   const FloatImage surface = median3(agreed);
   const int factor = int(std::lround(double(finest.picture->width) / agreed.width));
   const float px = float(factor) * finest.step / finest.parallax_px;

@@ -5,7 +5,7 @@
 
 #include "collinea/dense/depth_map.h"
 #include "collinea/dense/level.h"
-#include "collinea/dense/texture_place.h"
+#include "collinea/dense/texture_centroid.h"
 #include "collinea/geometry/rigid3.h"
 
 namespace collinea::dense {
@@ -26,6 +26,6 @@ struct PlacedMap {
 /// Leaves and grass look different from everywhere: windows do not correlate, though small pictures agree on the
 /// surface. Where `result`, of the finest level, has nothing and the picture has texture, and not only beside
 /// (`place`), it gets the surface `agreed` upon, with a sigma from the size of its pixels and its roughness.
-void fill_rough(const Level& finest, const TexturePlace& place, const FloatImage& agreed, Refined& result);
+void fill_rough(const Level& finest, const TextureCentroid& place, const FloatImage& agreed, Refined& result);
 
 }  // namespace collinea::dense

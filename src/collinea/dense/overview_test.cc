@@ -94,7 +94,7 @@ TEST(FillRough, GivesTexturedHolesTheAgreedSurface) {
   result.inverse_depth.at(5, 5) = 0.2f;
   FloatImage agreed(20, 10, 1, 0.1f);
   for (int j = 0; j < 10; ++j) agreed.at(5, j) = kNaN;
-  fill_rough(level, texture_place(picture), agreed, result);
+  fill_rough(level, texture_centroid(picture), agreed, result);
   EXPECT_FLOAT_EQ(result.inverse_depth.at(5, 5), 0.2f);  // measured: stays
   EXPECT_FLOAT_EQ(result.inverse_depth.at(10, 20), 0.1f);
   EXPECT_NEAR(result.sigma.at(10, 20), 0.4f * 4 * 0.001f, 1e-6f);

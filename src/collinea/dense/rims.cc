@@ -82,7 +82,7 @@ Mask rims(const FloatImage& surface, const FloatImage& sigma, float reach, const
 
 }  // namespace
 
-void empty_false_rims(const GreyImage& picture, float reach, const FloatImage& sigma, FloatImage& surface,
+void empty_foreground_fattening(const GreyImage& picture, float reach, const FloatImage& sigma, FloatImage& surface,
                       const Run& run) {
   const int width = surface.width, height = surface.height;
   const Mask rim = rims(surface, sigma, reach, run);

@@ -13,7 +13,7 @@ namespace collinea::dense {
 /// what lies behind, by more than `reach`. Only what breaks off by that and two `sigma` is a rim. Pixels that are more
 /// like what is behind are emptied; those that have too little of either around stay. Result is not to be used when
 /// run.stopped().
-void empty_false_rims(const GreyImage& picture, float reach, const FloatImage& sigma, FloatImage& surface,
+void empty_foreground_fattening(const GreyImage& picture, float reach, const FloatImage& sigma, FloatImage& surface,
                       const Run& run);
 
 }  // namespace collinea::dense

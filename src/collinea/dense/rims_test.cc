@@ -43,7 +43,7 @@ int empty_pixels(const FloatImage& surface, int from, int to) {
 TEST(Rims, WhatStandsOutOverAnEdgeGoesAndNothingElse) {
   for (const auto& [front, behind] : {std::pair(90.0, 160.0), std::pair(160.0, 90.0)}) {
     FloatImage surface = step_at(kEdge + 3);
-    empty_false_rims(picture_of(front, behind), kReach, kSigma, surface, {});
+    empty_foreground_fattening(picture_of(front, behind), kReach, kSigma, surface, {});
     EXPECT_EQ(empty_pixels(surface, kEdge, kEdge + 3), 3 * kSide);
     EXPECT_EQ(empty_pixels(surface, 0, kEdge) + empty_pixels(surface, kEdge + 3, kSide), 0);
   }
@@ -51,7 +51,7 @@ TEST(Rims, WhatStandsOutOverAnEdgeGoesAndNothingElse) {
 
 TEST(Rims, AnEdgeAtItsPlaceStays) {
   FloatImage surface = step_at(kEdge);
-  empty_false_rims(picture_of(90, 160), kReach, kSigma, surface, {});
+  empty_foreground_fattening(picture_of(90, 160), kReach, kSigma, surface, {});
   EXPECT_EQ(empty_pixels(surface, 0, kSide), 0);
 }
 
@@ -59,7 +59,7 @@ TEST(Rims, ASlopeIsNoEdge) {
   FloatImage surface = step_at(kSide);
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x) surface.at(x, y) = 4 - 0.05f * float(x);
-  empty_false_rims(picture_of(90, 160), kReach, kSigma, surface, {});
+  empty_foreground_fattening(picture_of(90, 160), kReach, kSigma, surface, {});
   EXPECT_EQ(empty_pixels(surface, 0, kSide), 0);
 }
 
@@ -68,7 +68,7 @@ TEST(Rims, ASlopeIsNoEdge) {
 TEST(Rims, WhatMayBeNoiseIsNoEdge) {
   for (const auto& [sigma, emptied] : {std::pair(0.07f, 3 * kSide), std::pair(0.08f, 0)}) {
     FloatImage surface = step_at(kEdge + 3, 0.25f);
-    empty_false_rims(picture_of(90, 160), kReach, FloatImage(kSide, kSide, 1, sigma), surface, {});
+    empty_foreground_fattening(picture_of(90, 160), kReach, FloatImage(kSide, kSide, 1, sigma), surface, {});
     EXPECT_EQ(empty_pixels(surface, kEdge, kEdge + 3), emptied) << sigma;
     EXPECT_EQ(empty_pixels(surface, 0, kSide), emptied) << sigma;
   }
@@ -80,7 +80,7 @@ TEST(Rims, AThinPoleStays) {
   for (int y = 0; y < kSide; ++y)
     for (int x = kEdge; x < kEdge + 3; ++x) surface.at(x, y) = 2;
   const FloatImage before = surface;
-  empty_false_rims(picture_of(90, 160), kReach, kSigma, surface, {});
+  empty_foreground_fattening(picture_of(90, 160), kReach, kSigma, surface, {});
   EXPECT_EQ(surface.data, before.data);
 }
 
@@ -101,8 +101,8 @@ TEST(Rims, EmptyPixelsChangeNothingAroundThem) {
       for (int y = 1; y + 1 < kSide; y += 3) surface.at(x, y) = std::numeric_limits<float>::quiet_NaN();
   };
   make_holes(holed);
-  empty_false_rims(picture, kReach, kSigma, holed, {});
-  empty_false_rims(picture, kReach, kSigma, whole, {});
+  empty_foreground_fattening(picture, kReach, kSigma, holed, {});
+  empty_foreground_fattening(picture, kReach, kSigma, whole, {});
   EXPECT_EQ(empty_pixels(whole, 0, kSide), 3 * kSide);
   make_holes(whole);
   expect_same(holed, whole);
@@ -115,7 +115,7 @@ TEST(Rims, EmptyPixelsAreNotBehind) {
     for (int x = kEdge + 3; x < kSide; ++x)
       if (x > kEdge + 3 || y % 15 != 7) surface.at(x, y) = std::numeric_limits<float>::quiet_NaN();
   const FloatImage before = surface;
-  empty_false_rims(picture_of(90, 160), kReach, kSigma, surface, {});
+  empty_foreground_fattening(picture_of(90, 160), kReach, kSigma, surface, {});
   expect_same(surface, before);
 }
 
@@ -125,8 +125,8 @@ TEST(Rims, ThreadsDoNotMatter) {
   FloatImage surface = step_at(kEdge + 2), other = surface;
   collinea::Run one, four;
   one.threads = 1, four.threads = 4;
-  empty_false_rims(picture, kReach, kSigma, surface, one);
-  empty_false_rims(picture, kReach, kSigma, other, four);
+  empty_foreground_fattening(picture, kReach, kSigma, surface, one);
+  empty_foreground_fattening(picture, kReach, kSigma, other, four);
   expect_same(other, surface);
   EXPECT_GT(empty_pixels(surface, 0, kSide), 0);
   EXPECT_LT(empty_pixels(surface, kEdge - 3, kEdge + 2), 5 * kSide);

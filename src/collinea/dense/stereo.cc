@@ -48,7 +48,7 @@ Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, c
     dense::match_tile(costs, left, right.width, small, range, options.max_left_right_px, tile, run, disparity);
     if (run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
   }
-  dense::remove_specks(disparity, 1.0f, options.min_patch_px);
+  dense::remove_speckles(disparity, 1.0f, options.min_patch_px);
   const FloatImage surface = dense::smooth_surface(disparity, kSmoothReachPx, run);
   const dense::Acceptance acceptance{dense::kSigmaScale, dense::kSigmaFloorPx, dense::kSmoothSigmaPx,
                                      float(options.min_correlation), float(options.max_sigma_px)};

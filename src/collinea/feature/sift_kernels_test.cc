@@ -20,7 +20,7 @@ namespace {
 constexpr int kWidth = 150, kHeight = 120;
 
 // A smooth random picture with room after its last row.
-std::vector<float> smooth_picture(std::uint64_t seed) {
+std::vector<float> smooth_image(std::uint64_t seed) {
   Random random(seed);
   std::vector<float> pixels(kWidth * kHeight + kRowSlack);
   for (float& pixel : pixels) pixel = static_cast<float>(random.uniform(0, 255));
@@ -43,7 +43,7 @@ class EveryTarget : public testing::TestWithParam<std::int64_t> {
     hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().DeInit();
   }
-  std::vector<float> pixels = smooth_picture(1);
+  std::vector<float> pixels = smooth_image(1);
   BlurredImage image{pixels.data(), kWidth, kWidth, kHeight};
   [[nodiscard]] double at(int x, int y) const { return pixels[std::size_t(y * kWidth + x)]; }
 };
@@ -92,7 +92,7 @@ TEST_P(EveryTarget, BytesAndDifferencesAreExact) {
 }
 
 TEST_P(EveryTarget, ExtremaAreThoseOfTheDefinition) {
-  const std::vector<float> planes[3] = {smooth_picture(2), smooth_picture(3), smooth_picture(4)};
+  const std::vector<float> planes[3] = {smooth_image(2), smooth_image(3), smooth_image(4)};
   int total = 0;
   for (int y = 1; y + 1 < kHeight; ++y) {
     // About a mean of zero, so that there are peaks and pits; below the middle plane's amplitude, so that there are

@@ -32,7 +32,7 @@ constexpr double kFullFrameDiagonal_mm = 43.2666;
 
 struct Photo {
   std::string file;
-  Result<PhotoHeader> header = fail(Errc::kNotFound, "not read");
+  Result<ImageHeader> header = fail(Errc::kNotFound, "not read");
   Result<std::uint64_t> hash = fail(Errc::kNotFound, "not read");
 };
 
@@ -178,7 +178,7 @@ UsualFocal usual_focal(CameraModel model, double diagonal_px, double longer_px) 
   return {0.12, per_diagonal * diagonal_px / longer_px};
 }
 
-Camera camera_from_header(const PhotoHeader& header, CameraModel model) {
+Camera camera_from_header(const ImageHeader& header, CameraModel model) {
   const double diagonal_px = std::hypot(header.width_px, header.height_px);
   double focal_px = 0, relative_sigma = kExifFocalSigma;
   Provenance source = Provenance::kUnknown;
@@ -209,11 +209,11 @@ Camera camera_from_header(const PhotoHeader& header, CameraModel model) {
   return camera;
 }
 
-bool states_focal(const PhotoHeader& header) {
+bool states_focal(const ImageHeader& header) {
   return (header.focal_mm && header.pixel_pitch_mm) || header.focal_35mm_mm;
 }
 
-std::string camera_name(const PhotoHeader& header) {
+std::string camera_name(const ImageHeader& header) {
   std::string name = header.maker;
   if (!header.model.empty()) name += (name.empty() ? "" : " ") + header.model;
   if (name.empty()) name = "unknown camera";
@@ -222,7 +222,7 @@ std::string camera_name(const PhotoHeader& header) {
   return name;
 }
 
-std::optional<PositionPrior> position_prior(const PhotoHeader& header, const ImportOptions& options) {
+std::optional<PositionPrior> position_prior(const ImageHeader& header, const ImportOptions& options) {
   if (!header.latitude_deg || !header.longitude_deg) return std::nullopt;
   const double plan = options.gps_sigma_m, height = options.gps_sigma_height_m;
   PositionPrior prior{};
@@ -242,7 +242,7 @@ std::vector<Photo> read_headers(const fs::path& folder, const std::vector<std::s
   std::atomic<std::size_t> done = 0;
   parallel_for(run, files.size(), [&](std::size_t i) {
     photos[i].file = files[i];
-    photos[i].header = read_photo_header(folder / files[i]);
+    photos[i].header = read_image_header(folder / files[i]);
     photos[i].hash = hash_of_file(folder / files[i]);
     run.report("import", double(++done) / double(files.size()));
   });
@@ -280,7 +280,7 @@ class Importer {
  private:
   void skip(const std::string& file, const std::string& reason) { result.skipped.push_back({file, reason}); }
 
-  CameraId camera_of(const PhotoHeader& header) {
+  CameraId camera_of(const ImageHeader& header) {
     const Key key{header.maker,
                   header.model,
                   header.serial,

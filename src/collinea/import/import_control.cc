@@ -7,10 +7,10 @@
 #include <cmath>
 #include <set>
 
-#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/geodetic_model.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/import/image_names.h"
-#include "collinea/io/ground_file.h"
+#include "collinea/io/geodetic_file.h"
 
 namespace collinea {
 namespace {
@@ -102,7 +102,7 @@ void name_unseen_control(Imported& imported) {
   std::map<ControlId, int> seen;
   for (const ControlObservation& observation : block.control_observations) ++seen[observation.point];
   std::set<ControlId> on_ground;  // there it may be placed without any image
-  for (const GroundObservation& one : block.ground) on_ground.insert({one.from, one.to});
+  for (const GeodeticObservation& one : block.ground) on_ground.insert({one.from, one.to});
   for (const auto& [id, point] : block.control)
     if (seen[id] < 2 && !on_ground.contains(id)) imported.findings.push_back(hardly_seen(id, point, seen[id]));
 }
@@ -111,8 +111,8 @@ namespace {
 
 // A shape that any points of that number lie on says nothing.
 Result<> check_shapes(const Block& block, const std::filesystem::path& file) {
-  std::map<std::pair<GroundKind, std::uint32_t>, std::pair<std::string, std::set<ControlId>>> shapes;
-  for (const GroundObservation& one : block.ground) {
+  std::map<std::pair<GeodeticKind, std::uint32_t>, std::pair<std::string, std::set<ControlId>>> shapes;
+  for (const GeodeticObservation& one : block.ground) {
     if (!one.is_of_shape()) continue;
     auto& [name, points] = shapes[{one.kind, one.setup}];
     name = one.name;
@@ -123,7 +123,7 @@ Result<> check_shapes(const Block& block, const std::filesystem::path& file) {
     const auto least = static_cast<std::size_t>(points_of_shape(key.first)) + 1;
     if (points.size() < least)
       return fail(Errc::kBadInput, fmt::format("{}: {} {} has {} point{}, which says nothing: name at least {}",
-                                               file.string(), kGroundKindNames[static_cast<std::size_t>(key.first)],
+                                               file.string(), kGeodeticKindNames[static_cast<std::size_t>(key.first)],
                                                name, points.size(), points.size() == 1 ? "" : "s", least));
   }
   return {};
@@ -132,29 +132,29 @@ Result<> check_shapes(const Block& block, const std::filesystem::path& file) {
 /// Shapes of one kind by their names.
 class ShapeNumbers {
  public:
-  std::uint32_t number_of(GroundKind kind, const std::string& name) {
+  std::uint32_t number_of(GeodeticKind kind, const std::string& name) {
     auto& numbers = numbers_[kind];
     return numbers.try_emplace(name, static_cast<std::uint32_t>(numbers.size())).first->second;
   }
 
  private:
-  std::map<GroundKind, std::map<std::string, std::uint32_t>> numbers_;
+  std::map<GeodeticKind, std::map<std::string, std::uint32_t>> numbers_;
 };
 
 }  // namespace
 
 Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
   Block& block = imported.block;
-  COLLINEA_TRY(const std::vector<GroundFileRow> rows, read_ground(file));
+  COLLINEA_TRY(const std::vector<GeodeticFileRow> rows, read_ground(file));
   std::map<std::string, ControlId> by_name;
   for (const auto& [id, point] : block.control) by_name[point.name] = id;
   std::map<std::string, std::pair<std::uint32_t, ControlId>> setups;
   ShapeNumbers shapes;
-  for (const GroundFileRow& row : rows) {
+  for (const GeodeticFileRow& row : rows) {
     const auto bad = [&](const std::string& what) {
       return fail(Errc::kBadInput, fmt::format("{}: line {}: {}", file.string(), row.line, what));
     };
-    GroundObservation one{.kind = row.kind, .name = row.name, .value = row.value, .sigma = row.sigma, .role = row.role};
+    GeodeticObservation one{.kind = row.kind, .name = row.name, .value = row.value, .sigma = row.sigma, .role = row.role};
     one.instrument_height_m = row.instrument_height_m;
     one.target_height_m = row.target_height_m;
     for (const auto& [name, id] : {std::pair(&row.from, &one.from), std::pair(&row.to, &one.to)}) {
@@ -165,7 +165,7 @@ Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
                        : "there is no point " + *name + " in the control file");
       *id = known->second;
     }
-    if (row.kind == GroundKind::kDirection) {
+    if (row.kind == GeodeticKind::kDirection) {
       const auto [its, is_new] = setups.try_emplace(row.setup.empty() ? "on " + row.from : row.setup,
                                                     static_cast<std::uint32_t>(setups.size()), one.from);
       if (its->second.second != one.from)

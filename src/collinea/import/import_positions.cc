@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "collinea/block/picture_axes.h"
+#include "collinea/block/image_axes.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/geodesy/heights.h"
 #include "collinea/geodesy/local_frame.h"

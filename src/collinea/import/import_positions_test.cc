@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "collinea/base/file.h"
-#include "collinea/block/picture_axes.h"
+#include "collinea/block/image_axes.h"
 #include "collinea/block/world_frame.h"
 
 namespace collinea {

@@ -19,8 +19,8 @@
 namespace collinea {
 namespace {
 
-PhotoHeader drone_header() {
-  PhotoHeader header;
+ImageHeader drone_header() {
+  ImageHeader header;
   header.maker = "Maker";
   header.model = "Model";
   header.focal_mm = 8.8;
@@ -28,8 +28,8 @@ PhotoHeader drone_header() {
   return header;
 }
 
-PhotoHeader at_place(double latitude_deg, double longitude_deg) {
-  PhotoHeader header = drone_header();
+ImageHeader at_place(double latitude_deg, double longitude_deg) {
+  ImageHeader header = drone_header();
   header.latitude_deg = latitude_deg;
   header.longitude_deg = longitude_deg;
   header.height_m = 400;
@@ -37,7 +37,7 @@ PhotoHeader at_place(double latitude_deg, double longitude_deg) {
 }
 
 // No two pictures have the same bytes.
-void put_photo(const std::filesystem::path& path, const PhotoHeader* header, int width_px = 120, int height_px = 90) {
+void put_photo(const std::filesystem::path& path, const ImageHeader* header, int width_px = 120, int height_px = 90) {
   static std::uint8_t shade = 0;
   Raster<std::uint8_t> picture(width_px, height_px, 1);
   std::fill(picture.data.begin(), picture.data.end(), ++shade);
@@ -60,7 +60,7 @@ std::string reason_for(const Imported& imported, const std::string& file) {
 }
 
 // The camera that a picture of 120 x 90 pixels with this header gets.
-Camera camera_of(const PhotoHeader& header) {
+Camera camera_of(const ImageHeader& header) {
   const TestFolder folder;
   put_photo(folder / "a.jpg", &header);
   put_photo(folder / "b.jpg", &header);
@@ -74,7 +74,7 @@ constexpr double kDiagonal_px = 150;               // of 120 x 90
 constexpr double kFullFrameDiagonal_mm = 43.2666;  // of 36 x 24
 
 TEST(ImportFocal, TheEquivalentIsMeasuredOnTheDiagonal) {
-  PhotoHeader header = drone_header();
+  ImageHeader header = drone_header();
   header.focal_mm.reset();
   const Camera camera = camera_of(header);
   EXPECT_NEAR(camera.focal_px(), 24 * kDiagonal_px / kFullFrameDiagonal_mm, 1e-9);
@@ -83,25 +83,25 @@ TEST(ImportFocal, TheEquivalentIsMeasuredOnTheDiagonal) {
 }
 
 TEST(ImportFocal, WithoutAnyItIsAssumedAndHardlyKnown) {
-  const Camera camera = camera_of(PhotoHeader{});
+  const Camera camera = camera_of(ImageHeader{});
   EXPECT_NEAR(camera.focal_px(), 1.2 * 120, 1e-9);
   EXPECT_GE(camera.prior.sigma_f_px, 0.3 * camera.focal_px());
   EXPECT_EQ(camera.prior.source, Provenance::kAssumed);
 }
 
 TEST(ImportFocal, AnImpossibleOneIsNotBelieved) {
-  PhotoHeader header = drone_header();
+  ImageHeader header = drone_header();
   header.focal_mm.reset();
   header.focal_35mm_mm = 3000;
   EXPECT_EQ(camera_of(header).prior.source_name(), "assumed");
 }
 
 TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
-  PhotoHeader impossible = drone_header();
+  ImageHeader impossible = drone_header();
   impossible.focal_mm.reset();
   impossible.focal_35mm_mm = 3000;
   const TestFolder folder;
-  for (const auto& [file, header] : {std::pair("a.jpg", PhotoHeader{}), std::pair("b.jpg", impossible)})
+  for (const auto& [file, header] : {std::pair("a.jpg", ImageHeader{}), std::pair("b.jpg", impossible)})
     put_photo(folder / file, &header);
   const auto imported = import_photos(folder / "", {}, {});
   ASSERT_TRUE(imported) << imported.error().message;
@@ -175,7 +175,7 @@ TEST(ImportFocal, AGivenCameraFitsPicturesOfOneSizeOnly) {
 
 TEST(Import, OneCameraForPicturesOfOneBodyLensAndSize) {
   const TestFolder folder;
-  PhotoHeader header = drone_header(), zoomed = header, other_body = header;
+  ImageHeader header = drone_header(), zoomed = header, other_body = header;
   zoomed.focal_mm = 20;
   zoomed.focal_35mm_mm = 55;
   other_body.serial = "2";
@@ -194,7 +194,7 @@ TEST(Import, OneCameraForPicturesOfOneBodyLensAndSize) {
 
 TEST(Import, BrokenDuplicateAndTinyFilesAreNamedAndTheRestGoesOn) {
   const TestFolder folder;
-  const PhotoHeader header = drone_header();
+  const ImageHeader header = drone_header();
   put_photo(folder / "a.jpg", &header);
   put_photo(folder / "sub/b.jpg", &header);
   std::filesystem::copy_file(folder / "a.jpg", folder / "copy.jpg");
@@ -242,8 +242,8 @@ TEST(Import, FewerThanTwoPhotosAreAnErrorThatSaysWhere) {
 
 TEST(Import, PositionsGetTheUtmZoneAndStatedSigmasWin) {
   const TestFolder folder;
-  const PhotoHeader plain = at_place(48.2, 15.6);
-  PhotoHeader precise = at_place(48.2005, 15.6), flat = at_place(48.2, 15.6005);
+  const ImageHeader plain = at_place(48.2, 15.6);
+  ImageHeader precise = at_place(48.2005, 15.6), flat = at_place(48.2, 15.6005);
   precise.sigma_east_m = 0.02;
   precise.sigma_north_m = 0.03;
   precise.sigma_height_m = 0.05;
@@ -267,7 +267,7 @@ TEST(Import, PositionsGetTheUtmZoneAndStatedSigmasWin) {
 
 TEST(Import, PicturesOnBothSidesOfTheDateLineAreBesideEachOther) {
   const TestFolder folder;
-  const PhotoHeader west = at_place(-17, 179.999), east = at_place(-17, -179.997);
+  const ImageHeader west = at_place(-17, 179.999), east = at_place(-17, -179.997);
   put_photo(folder / "1.jpg", &west);
   put_photo(folder / "2.jpg", &east);
   const auto imported = import_photos(folder / "", {}, {});
@@ -301,7 +301,7 @@ TEST(Import, WithoutPositionsAndControlThereIsNoMap) {
 Result<Imported> import_with_control(const std::string& text, ImportOptions options = {},
                                      const std::string& ground = "") {
   const TestFolder folder;
-  const PhotoHeader header = drone_header();
+  const ImageHeader header = drone_header();
   for (const char* file : {"IMG_1.jpg", "IMG_2.jpg", "sub/IMG_3.JPG"}) put_photo(folder / file, &header);
   EXPECT_TRUE(write_file(folder / "control.csv", text));
   options.control = (folder / "control.csv").string();
@@ -430,7 +430,7 @@ image, B, IMG_1.jpg, 30, 20
 image, B, IMG_2.jpg, 32, 20
 )";
 
-TEST(ImportGround, PointsWithoutCoordinatesNeedNoMap) {
+TEST(ImportGeodetic, PointsWithoutCoordinatesNeedNoMap) {
   const auto imported = import_with_control(kMarks, {}, "from,to,distance_m,sigma_m\nA,B,2.5,0.001\n");
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_FALSE(imported->block.georeference);
@@ -440,7 +440,7 @@ TEST(ImportGround, PointsWithoutCoordinatesNeedNoMap) {
   EXPECT_EQ(imported->block.ground[0].to, ControlId{1});
 }
 
-TEST(ImportGround, DirectionsOfOneSetupShareIt) {
+TEST(ImportGeodetic, DirectionsOfOneSetupShareIt) {
   const auto imported = import_with_control(kMarks, {},
                                             "from,to,setup,direction_gon,sigma_direction_mgon\n"
                                             "A,B,,10,1\nA,B,,20,1\nB,A,x,30,1\n");
@@ -449,7 +449,7 @@ TEST(ImportGround, DirectionsOfOneSetupShareIt) {
   EXPECT_NE(imported->block.ground[0].setup, imported->block.ground[2].setup);
 }
 
-TEST(ImportGround, WhatDoesNotFitIsNamedWithFileAndLine) {
+TEST(ImportGeodetic, WhatDoesNotFitIsNamedWithFileAndLine) {
   const auto message = [](const std::string& ground) {
     const auto imported = import_with_control(kMarks, {}, ground);
     return imported ? "accepted" : imported.error().message;
@@ -487,7 +487,7 @@ TEST(SourcesFingerprint, ChangesWithPhotosAndControlOnly) {
 class ImportHeights : public ::testing::Test {
  protected:
   ImportHeights() {
-    const PhotoHeader header = at_place(48.2, 15.6);
+    const ImageHeader header = at_place(48.2, 15.6);
     for (const char* file : {"a.jpg", "b.jpg"}) put_photo(folder_ / "photos" / file, &header);
     write_test_geoid(folder_ / "geoid.gtx");
     geoid_m_ = test_geoid_m(48.2, 15.6);

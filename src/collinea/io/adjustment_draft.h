@@ -30,7 +30,7 @@ struct AdjustmentDraft {
   struct Ground {
     std::size_t line;
     std::string from, to;
-    GroundObservation measured;
+    GeodeticObservation measured;
   };
 
   struct Tie {
@@ -46,7 +46,7 @@ struct AdjustmentDraft {
   std::vector<Measured> measured;
   std::vector<Ground> ground;
   InstrumentLines instruments;
-  std::map<GroundKind, std::map<std::string, std::uint32_t>> shapes;
+  std::map<GeodeticKind, std::map<std::string, std::uint32_t>> shapes;
   std::vector<std::pair<std::size_t, ControlId>> in_map;  // lines and points
   std::vector<Tie> ties;
 };

@@ -77,7 +77,7 @@ Result<> check_names(const Block& block) {
     COLLINEA_TRY(check_name("the time of an image", image.taken));
   }
   for (const auto& [id, point] : block.control) COLLINEA_TRY(check_name("control point", point.name));
-  for (const GroundObservation& one : block.ground) COLLINEA_TRY(check_name("shape", one.name));
+  for (const GeodeticObservation& one : block.ground) COLLINEA_TRY(check_name("shape", one.name));
   return {};
 }
 
@@ -106,20 +106,20 @@ std::map<Id, std::string> unique_names(const Things& things, const Name& name_of
   return names;
 }
 
-std::string ground_line(const GroundObservation& one, const std::map<ControlId, std::string>& names) {
+std::string ground_line(const GeodeticObservation& one, const std::map<ControlId, std::string>& names) {
   const char* role = one.role == ControlRole::kCheck ? " check" : " control";
   if (one.is_of_shape())
-    return "lies_on " + ground_word(std::size_t(one.kind)) + " " +
+    return "lies_on " + geodetic_word(std::size_t(one.kind)) + " " +
            in_quotes(one.name.empty() ? std::to_string(one.setup + 1) : one.name) + " " + names.at(one.from) + " " +
            exact(one.sigma) + role +
-           (one.kind != GroundKind::kOnLine ? "\n"
+           (one.kind != GeodeticKind::kOnLine ? "\n"
             : one.axis == 0                 ? " sideways\n"
                                             : " upwards\n");
   const double unit = one.is_angle() ? kDegree : 1;
-  std::string text = "ground " + ground_word(std::size_t(one.kind)) + " " + names.at(one.from) + " " +
+  std::string text = "ground " + geodetic_word(std::size_t(one.kind)) + " " + names.at(one.from) + " " +
                      names.at(one.to) + " " + exact(one.value / unit) + " " + exact(one.sigma / unit) + role;
-  if (one.setup != GroundObservation::kNoSetup || one.instrument_height_m != 0 || one.target_height_m != 0)
-    text += " " + (one.setup == GroundObservation::kNoSetup ? "-" : std::to_string(one.setup)) + " " +
+  if (one.setup != GeodeticObservation::kNoSetup || one.instrument_height_m != 0 || one.target_height_m != 0)
+    text += " " + (one.setup == GeodeticObservation::kNoSetup ? "-" : std::to_string(one.setup)) + " " +
             exact(one.instrument_height_m) + " " + exact(one.target_height_m);
   return text + "\n";
 }
@@ -201,7 +201,7 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
             words(point.position_in_world) + words(point.sigma_m) + "\n";
     if (!point.correlation.isZero(0)) text += "control_correlation " + control.at(id) + words(point.correlation) + "\n";
   }
-  for (const GroundObservation& one : block.ground) text += ground_line(one, control);
+  for (const GeodeticObservation& one : block.ground) text += ground_line(one, control);
   for (const auto& [id, point] : block.points)
     text += "point " + std::to_string(id.value) + words(point.position_in_world) + "\n";
   text += "\n";

@@ -102,14 +102,14 @@ AdjustmentFile random_file() {
   }
   for (std::uint32_t i = 0; i < 6; ++i)
     block.control_observations.push_back({{i % 3}, {i}, {random.uniform(0, 4000), random.uniform(0, 3000)}, 0.25});
-  for (std::size_t kind = 0; kind < kGroundKinds; ++kind) {
-    GroundObservation one{
-        .kind = GroundKind(kind), .from = {0}, .to = {2}, .value = 1 + random.uniform(), .sigma = 0.01};
+  for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind) {
+    GeodeticObservation one{
+        .kind = GeodeticKind(kind), .from = {0}, .to = {2}, .value = 1 + random.uniform(), .sigma = 0.01};
     if (kind == 1) one.role = ControlRole::kCheck;
     if (kind > 1) one.setup = 3, one.instrument_height_m = 1.51;
     if (one.is_of_shape()) {
       one = {.kind = one.kind, .name = "the wall", .from = {1}, .to = {1}, .sigma = 0.02, .setup = 0};
-      if (one.kind == GroundKind::kOnLine) one.axis = 1, one.role = ControlRole::kCheck;
+      if (one.kind == GeodeticKind::kOnLine) one.axis = 1, one.role = ControlRole::kCheck;
     }
     block.ground.push_back(one);
   }
@@ -160,9 +160,9 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
     EXPECT_EQ(back->block.control.at(id).correlation, control.correlation);
     EXPECT_EQ(back->block.control.at(id).position_in_world.y(), control.position_in_world.y());
   }
-  ASSERT_EQ(back->block.ground.size(), kGroundKinds);
-  for (std::size_t i = 0; i < kGroundKinds; ++i) {
-    const GroundObservation &one = back->block.ground[i], &before = file.block.ground[i];
+  ASSERT_EQ(back->block.ground.size(), kGeodeticKinds);
+  for (std::size_t i = 0; i < kGeodeticKinds; ++i) {
+    const GeodeticObservation &one = back->block.ground[i], &before = file.block.ground[i];
     EXPECT_EQ(one.kind, before.kind);
     EXPECT_EQ(one.from, before.from);
     EXPECT_EQ(one.to, before.to);

@@ -78,7 +78,7 @@ Result<> take_time(const Line& line, Draft& draft) {
   return {};
 }
 
-Result<> take_role(const Line& line, std::size_t i, GroundObservation& one) {
+Result<> take_role(const Line& line, std::size_t i, GeodeticObservation& one) {
   if (line.words[i] != "control" && line.words[i] != "check")
     return bad_line(line.number, shown(line.words[i]) + " is no role: control or check");
   if (line.words[i] == "check") one.role = ControlRole::kCheck;
@@ -87,24 +87,24 @@ Result<> take_role(const Line& line, std::size_t i, GroundObservation& one) {
 
 // Shapes of one kind are numbered in the order of the file.
 Result<> take_shape(const Line& line, Draft& draft) {
-  constexpr GroundKind kKinds[] = {GroundKind::kOnPlane, GroundKind::kOnLine, GroundKind::kAtHeight};
+  constexpr GeodeticKind kKinds[] = {GeodeticKind::kOnPlane, GeodeticKind::kOnLine, GeodeticKind::kAtHeight};
   const auto kind = std::find_if(std::begin(kKinds), std::end(kKinds),
-                                 [&](GroundKind one) { return line.words[1] == ground_word(std::size_t(one)); });
+                                 [&](GeodeticKind one) { return line.words[1] == geodetic_word(std::size_t(one)); });
   if (kind == std::end(kKinds))
     return bad_line(line.number, shown(line.words[1]) + " is no shape; there are: plane line height");
   auto& numbers = draft.shapes[*kind];
   Ground ground{line.number, line.words[3], line.words[3], {.kind = *kind, .name = line.words[2]}};
-  GroundObservation& one = ground.measured;
+  GeodeticObservation& one = ground.measured;
   one.setup = numbers.try_emplace(line.words[2], std::uint32_t(numbers.size())).first->second;
   COLLINEA_TRY(one.sigma, finite(line, 4, "a standard deviation"));
   if (!(one.sigma > 0)) return bad_line(line.number, "the standard deviation of a measurement is above 0");
   COLLINEA_TRY(take_role(line, 5, one));
   const std::string axis = line.count() > 5 ? line.words[6] : "";
-  if ((axis != "" && axis != "sideways" && axis != "upwards") || (axis != "" && *kind != GroundKind::kOnLine))
+  if ((axis != "" && axis != "sideways" && axis != "upwards") || (axis != "" && *kind != GeodeticKind::kOnLine))
     return bad_line(line.number, "behind the role stands nothing, or of a line sideways or upwards");
   if (axis != "upwards") draft.ground.push_back(ground);
   ground.measured.axis = 1;
-  if (*kind == GroundKind::kOnLine && axis != "sideways") draft.ground.push_back(ground);
+  if (*kind == GeodeticKind::kOnLine && axis != "sideways") draft.ground.push_back(ground);
   return {};
 }
 
@@ -275,23 +275,23 @@ Result<> take_correlation(const Line& line, Draft& draft) {
 
 Result<> take_ground(const Line& line, Draft& draft) {
   std::size_t kind = 0;
-  constexpr auto kMeasured = std::size_t(GroundKind::kAtHeight);  // what lies on shapes has lines of its own
-  while (kind < kMeasured && line.words[1] != ground_word(kind)) ++kind;
+  constexpr auto kMeasured = std::size_t(GeodeticKind::kAtHeight);  // what lies on shapes has lines of its own
+  while (kind < kMeasured && line.words[1] != geodetic_word(kind)) ++kind;
   if (kind == kMeasured) {
     std::string known;
-    for (std::size_t k = 0; k < kMeasured; ++k) known += " " + ground_word(k);
+    for (std::size_t k = 0; k < kMeasured; ++k) known += " " + geodetic_word(k);
     return bad_line(line.number, shown(line.words[1]) + " is measured by nobody; there are:" + known);
   }
   if (line.count() != 6 && line.count() != 9)
     return bad_line(line.number,
                     "behind the role stand set-up, height of the instrument and of the target, or nothing");
-  Ground ground{line.number, line.words[2], line.words[3], {.kind = GroundKind(kind)}};
-  GroundObservation& one = ground.measured;
+  Ground ground{line.number, line.words[2], line.words[3], {.kind = GeodeticKind(kind)}};
+  GeodeticObservation& one = ground.measured;
   const double unit = one.is_angle() ? kDegree : 1;
   COLLINEA_TRY(one.value, finite(line, 4, "a value"));
   COLLINEA_TRY(one.sigma, finite(line, 5, "a standard deviation"));
   if (!(one.sigma > 0)) return bad_line(line.number, "the standard deviation of a measurement is above 0");
-  if (kind == std::size_t(GroundKind::kDistance) && !(one.value > 0))
+  if (kind == std::size_t(GeodeticKind::kDistance) && !(one.value > 0))
     return bad_line(line.number, "a distance is above 0 [m]");
   one.value *= unit, one.sigma *= unit;
   COLLINEA_TRY(take_role(line, 6, one));
@@ -299,14 +299,14 @@ Result<> take_ground(const Line& line, Draft& draft) {
   if (line.count() > 6) {
     if (line.words[7] != "-") {
       const auto setup = integer(line.words[7]);
-      if (!setup || *setup < 0 || *setup >= std::int64_t(GroundObservation::kNoSetup))
+      if (!setup || *setup < 0 || *setup >= std::int64_t(GeodeticObservation::kNoSetup))
         return bad_line(line.number, shown(line.words[7]) + " is no set-up: a whole number from 0, or -");
       one.setup = std::uint32_t(*setup);
     }
     COLLINEA_TRY(one.instrument_height_m, finite(line, 8, "a height"));
     COLLINEA_TRY(one.target_height_m, finite(line, 9, "a height"));
   }
-  if (one.kind == GroundKind::kDirection && one.setup == GroundObservation::kNoSetup)
+  if (one.kind == GeodeticKind::kDirection && one.setup == GeodeticObservation::kNoSetup)
     return bad_line(line.number, "a direction belongs to a set-up: the instrument's orientation is found for each");
   draft.ground.push_back(std::move(ground));
   return {};

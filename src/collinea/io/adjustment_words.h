@@ -16,8 +16,8 @@ inline constexpr std::string_view kAdjustmentTitle = "collinea-adjustment";
 inline constexpr double kDegree = std::numbers::pi / 180;
 
 /// A kind of measurement on the ground as one word.
-[[nodiscard]] inline std::string ground_word(std::size_t kind) {
-  std::string word = kGroundKindNames[kind];
+[[nodiscard]] inline std::string geodetic_word(std::size_t kind) {
+  std::string word = kGeodeticKindNames[kind];
   std::replace(word.begin(), word.end(), ' ', '_');
   return word;
 }

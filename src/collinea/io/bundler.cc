@@ -143,7 +143,7 @@ Result<std::vector<std::string>> names_of(const std::filesystem::path& path) {
   return names;
 }
 
-Result<> take_camera(Numbers& numbers, const std::string& name, PictureSize size, ImageId id, Block& block) {
+Result<> take_camera(Numbers& numbers, const std::string& name, ImageSize size, ImageId id, Block& block) {
   std::array<double, 15> v{};
   COLLINEA_TRY(numbers.take(v, "a camera"));
   Camera camera = ideal_camera(v[0], size.width_px, size.height_px);
@@ -219,7 +219,7 @@ Result<std::vector<Finding>> write_bundler(const std::filesystem::path& folder, 
 }
 
 Result<Block> read_bundler(const std::filesystem::path& folder,
-                           const std::function<Result<PictureSize>(const std::string&)>& size_of) {
+                           const std::function<Result<ImageSize>(const std::string&)>& size_of) {
   const std::filesystem::path path = folder / kBundleFile;
   COLLINEA_TRY(const std::vector<std::string> names, names_of(folder / kListFile));
   COLLINEA_TRY(const std::string text, read_file(path));
@@ -231,7 +231,7 @@ Result<Block> read_bundler(const std::filesystem::path& folder,
                          std::to_string(names.size()) + " images");
   Block block;
   for (std::uint32_t i = 0; i < cameras; ++i) {
-    COLLINEA_TRY(const PictureSize size, size_of(names[i]));
+    COLLINEA_TRY(const ImageSize size, size_of(names[i]));
     COLLINEA_TRY(take_camera(numbers, names[i], size, {i}, block));
   }
   for (std::uint32_t i = 0; i < points; ++i) COLLINEA_TRY(take_point(numbers, {i}, block));

@@ -21,7 +21,7 @@ namespace collinea {
 [[nodiscard]] Result<std::vector<Finding>> write_bundler(const std::filesystem::path& folder, const Block& block);
 
 /// A picture's size in pixels: Bundler's files do not say it, but its coordinates count from the middle.
-struct PictureSize {
+struct ImageSize {
   int width_px = 0, height_px = 0;
 };
 
@@ -29,6 +29,6 @@ struct PictureSize {
 /// of its own. `size_of` tells the size of a picture by its name in the list. Cameras with focal length 0 were not
 /// oriented: their images are in the block, without pose. Errors name file and line.
 [[nodiscard]] Result<Block> read_bundler(const std::filesystem::path& folder,
-                                         const std::function<Result<PictureSize>(const std::string&)>& size_of);
+                                         const std::function<Result<ImageSize>(const std::string&)>& size_of);
 
 }  // namespace collinea

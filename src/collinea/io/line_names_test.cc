@@ -44,8 +44,8 @@ Result<std::string> through_colmap(const Block& block, const TestFolder& folder)
 
 Result<std::string> through_bundler(const Block& block, const TestFolder& folder) {
   COLLINEA_TRY(const auto findings, write_bundler(folder / "bundler", block));
-  COLLINEA_TRY(const Block back, read_bundler(folder / "bundler", [](const std::string&) -> Result<PictureSize> {
-                 return PictureSize{1200, 800};
+  COLLINEA_TRY(const Block back, read_bundler(folder / "bundler", [](const std::string&) -> Result<ImageSize> {
+                 return ImageSize{1200, 800};
                }));
   return back.images.at({0}).file;
 }

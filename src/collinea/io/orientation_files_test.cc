@@ -374,7 +374,7 @@ TEST_F(OrientationFiles, ABundlerModelComesBackExactly) {
   const auto findings = write_bundler(folder_, block);
   ASSERT_TRUE(findings);
   EXPECT_TRUE(findings->empty());
-  const auto back = read_bundler(folder_, [](const std::string&) { return PictureSize{1200, 800}; });
+  const auto back = read_bundler(folder_, [](const std::string&) { return ImageSize{1200, 800}; });
   ASSERT_TRUE(back) << back.error().message;
   ASSERT_EQ(back->images.size(), 3u);
   for (const auto& [id, pose] : oriented_images(block)) {
@@ -397,7 +397,7 @@ TEST_F(OrientationFiles, ABundlerModelComesBackExactly) {
 
 TEST_F(OrientationFiles, WhatIsWrongInABundlerFileIsNamedByItsLine) {
   fs::create_directories(folder_);
-  const auto size_of = [](const std::string&) { return PictureSize{100, 80}; };
+  const auto size_of = [](const std::string&) { return ImageSize{100, 80}; };
   const std::string good = "90 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n";
   const auto error_of = [&](const std::string& text) {
     EXPECT_TRUE(write_file(folder_ / "list.txt", "my photo.jpg 0 90.5\n"));
@@ -430,7 +430,7 @@ TEST_F(OrientationFiles, NoBytesCrashTheBundlerAndOpkReaders) {
     if (trial % 2) bytes.resize(random.below(std::uint32_t(bytes.size())));
     ASSERT_TRUE(write_file(path, bytes));
     refused += trial % 3 == 2 ? !read_opk(path) : !read_bundler(folder_, [](const std::string&) {
-      return PictureSize{1200, 800};
+      return ImageSize{1200, 800};
     });
     ASSERT_TRUE(write_file(path, whole));
   }

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "collinea/base/file.h"
-#include "collinea/block/picture_axes.h"
+#include "collinea/block/image_axes.h"
 #include "collinea/io/text.h"
 #include "collinea/io/titled_table.h"
 

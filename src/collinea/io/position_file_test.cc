@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "collinea/block/picture_axes.h"
+#include "collinea/block/image_axes.h"
 #include "collinea/io/test_damage.h"
 
 namespace collinea {

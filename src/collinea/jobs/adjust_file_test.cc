@@ -56,9 +56,9 @@ TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
   const json ours = report_in(folder / "block" / "adjustment"), again = report_in(folder / "out");
   EXPECT_EQ(ours.at("redundancy"), again.at("redundancy"));
   EXPECT_EQ(ours.at("unknowns"), again.at("unknowns"));
-  ASSERT_EQ(ours.contains("extra_unknowns"), GetParam());
+  ASSERT_EQ(ours.contains("auxiliary_unknowns"), GetParam());
   if (GetParam()) {
-    const json &own = ours.at("extra_unknowns"), &others = again.at("extra_unknowns");
+    const json &own = ours.at("auxiliary_unknowns"), &others = again.at("auxiliary_unknowns");
     ASSERT_EQ(own.size(), 13u);  // arm, shift, drift and boresight of three axes each, and the time offset
     ASSERT_EQ(others.size(), own.size());
     for (std::size_t i = 0; i < own.size(); ++i) {
@@ -74,7 +74,7 @@ TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
                      .changed_instruments = {"lever_arm", "position_shift", "time_offset", "use_attitudes"}},
                     {});
     ASSERT_TRUE(without) << without.error().message;
-    EXPECT_FALSE(report_in(folder / "out").contains("extra_unknowns"));
+    EXPECT_FALSE(report_in(folder / "out").contains("auxiliary_unknowns"));
     ASSERT_TRUE(adjust_file(file, folder / "out", {}, {}));
   }
   EXPECT_NEAR(ours.at("sigma0").get<double>(), again.at("sigma0").get<double>(), 1e-9);

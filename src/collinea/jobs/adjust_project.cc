@@ -39,7 +39,7 @@ Calibration calibration_of(const OrientationRecord& orientation) {
 // What orientation did without, or shall be done without, is compared all the same.
 void choose_ground(Block& block, const OrientationRecord& orientation, bool use_ground) {
   std::set<std::size_t> used;
-  for (const GroundDifference& one : orientation.ground)
+  for (const GeodeticDifference& one : orientation.ground)
     if (one.used) used.insert(one.observation);
   for (std::size_t i = 0; i < block.ground.size(); ++i)
     if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
@@ -325,7 +325,7 @@ Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const st
             .options = options_of(asked, Calibration::kNone)};
   set_calibration(asked.calibration, file, task.scope);
   if (!asked.use_ground)
-    for (GroundObservation& measured : file.block.ground) measured.role = ControlRole::kCheck;
+    for (GeodeticObservation& measured : file.block.ground) measured.role = ControlRole::kCheck;
   if (Result<> known = add_instruments_of_file(file, asked, task.scope); !known) return tl::unexpected(known.error());
   task.block = std::move(file.block);
   if (Result<> added = set_additional(asked, task, run); !added) return tl::unexpected(added.error());

@@ -51,7 +51,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
   for (const auto& [id, pose] : oriented_images(before)) EXPECT_EQ(pose.translation, pose_of(after, id).translation);
 }
 
-// Blunders in the oriented block of a project: they are taken out, told, and do not spoil what is written.
+// GrossErrors in the oriented block of a project: they are taken out, told, and do not spoil what is written.
 TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   const TestFolder folder;
   auto project = open_small_survey(folder / "block");
@@ -88,7 +88,7 @@ TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   for (const std::string& name : wrong) {
     EXPECT_NE(table.find(name), std::string::npos) << name;
     bool told = false;
-    for (const auto& gone : snooping.at("taken_out")) told |= gone.at("observation") == name;
+    for (const auto& gone : snooping.at("rejected")) told |= gone.at("observation") == name;
     EXPECT_TRUE(told) << name;
   }
 }

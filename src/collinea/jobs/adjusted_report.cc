@@ -9,10 +9,10 @@ namespace {
 
 void say_what_went(const Snooped& snooped, const Run& run) {
   constexpr std::size_t kShown = 5;
-  for (std::size_t i = 0; i < std::min(kShown, snooped.taken_out.size()); ++i)
-    run.say("note: taken out: " + told(snooped.taken_out[i], snooped.block));
-  if (snooped.taken_out.size() > kShown)
-    run.say(fmt::format("note: {} observations taken out in all; taken_out.csv lists them", snooped.taken_out.size()));
+  for (std::size_t i = 0; i < std::min(kShown, snooped.rejected.size()); ++i)
+    run.say("note: taken out: " + told(snooped.rejected[i], snooped.block));
+  if (snooped.rejected.size() > kShown)
+    run.say(fmt::format("note: {} observations taken out in all; taken_out.csv lists them", snooped.rejected.size()));
   for (std::size_t i = 0; i < std::min(kShown, snooped.kept.size()); ++i)
     run.say(fmt::format("note: {} is suspect but stays: {}", name_of(snooped.kept[i].observation, snooped.block),
                         words_of(snooped.kept[i].reason)));

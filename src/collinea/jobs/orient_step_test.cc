@@ -200,12 +200,12 @@ TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
   EXPECT_FALSE(finds("GPS heights lie"));  // that is the shift
   const auto done = adjust_project(*project_, {});
   ASSERT_TRUE(done) << done.error().message;
-  expect_found(adjusted().at("extra_unknowns"));
+  expect_found(adjusted().at("auxiliary_unknowns"));
   EXPECT_NEAR(adjusted().at("sigma0").get<double>(), 1, 0.1);
   // Without any of it: what orient found is left out, and the positions contradict.
   const auto without = adjust_project(*project_, {.changed_instruments = {"position_shift", "time_offset"}});
   ASSERT_TRUE(without) << without.error().message;
-  EXPECT_FALSE(adjusted().contains("extra_unknowns"));
+  EXPECT_FALSE(adjusted().contains("auxiliary_unknowns"));
 }
 
 TEST_F(InstrumentsTest, AShiftNeedsControl) {
@@ -214,7 +214,7 @@ TEST_F(InstrumentsTest, AShiftNeedsControl) {
   orient();
   EXPECT_TRUE(finds("No control point separates a shift of the positions"));
   ASSERT_TRUE(adjust_project(*project_, {}));
-  EXPECT_FALSE(adjusted().contains("extra_unknowns"));  // adjust takes over what orient did, not what it was asked for
+  EXPECT_FALSE(adjusted().contains("auxiliary_unknowns"));  // adjust takes over what orient did, not what it was asked for
 }
 
 TEST_F(InstrumentsTest, WhatThePhotographsDoNotSayIsRefusedBeforeAnyWork) {

@@ -56,7 +56,7 @@ Result<std::optional<Gain>> one_more_cross_strip(FlightOptions flight, const Map
     return std::nullopt;
   }
   COLLINEA_TRY(PlannedBlock planned, planned_block(*plan, points, measurements));
-  COLLINEA_TRY(const Precision with, foretold(std::move(planned), run));
+  COLLINEA_TRY(const Precision with, predicted(std::move(planned), run));
   return Gain{"one more cross strip", {}, with.area};
 }
 
@@ -66,7 +66,7 @@ Result<Gain> with_positions(const FlightPlan& plan, const std::vector<PlannedPoi
   measurements.position_sigma_plan_m = 0.02;
   measurements.position_sigma_height_m = 0.03;
   COLLINEA_TRY(PlannedBlock planned, planned_block(plan, points, measurements));
-  COLLINEA_TRY(const Precision with, foretold(std::move(planned), run));
+  COLLINEA_TRY(const Precision with, predicted(std::move(planned), run));
   return Gain{"projection centres by RTK (20, 20, 30 mm)", {}, with.area};
 }
 
@@ -196,7 +196,7 @@ Result<PlanReport> plan_survey(const FlightOptions& flight, const LayoutOptions&
   COLLINEA_TRY(report.points, points_of(layout, report.plan));
   COLLINEA_TRY(PlannedBlock planned, planned_block(report.plan, report.points, measurements));
   run.say(fmt::format("adjusting {} images, {} tie points", planned.block.images.size(), planned.block.points.size()));
-  COLLINEA_TRY(report.precision, foretold(std::move(planned), run));
+  COLLINEA_TRY(report.precision, predicted(std::move(planned), run));
   if (options.gains && !report.precision.cells.empty()) {
     const Eigen::Vector3d survey(layout.control_sigma_plan_m, layout.control_sigma_plan_m,
                                  layout.control_sigma_height_m);

@@ -106,7 +106,7 @@ struct PhotoCamera {
 };
 
 Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& options, const Run& run) {
-  COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
+  COLLINEA_TRY(const ImageHeader header, read_image_header(photo));
   if (int(options.project.has_value()) + int(options.orientation.has_value()) + int(options.focal_px.has_value()) > 1)
     return fail(Errc::kBadInput, "one of a project, an orientation and a focal length says the camera, not several",
                 {"project"_option, "orientation"_option, "focal_px"_option});

@@ -10,7 +10,7 @@
 #include "collinea/base/file.h"
 #include "collinea/cloud/ply.h"
 #include "collinea/dense/epipolar_pair.h"
-#include "collinea/dense/working_pictures.h"
+#include "collinea/dense/working_images.h"
 #include "collinea/import/image_names.h"
 #include "collinea/io/colmap.h"
 #include "collinea/math/median.h"
@@ -76,7 +76,7 @@ struct Side {
 
 Result<Side> side_of(const Block& block, ImageId image, const fs::path& photo, const StereoPairOptions& pair) {
   if (!is_oriented(block, image)) return fail(Errc::kIllPosed, photo.string() + " is not oriented");
-  COLLINEA_TRY(const PhotoHeader header, read_photo_header(photo));
+  COLLINEA_TRY(const ImageHeader header, read_image_header(photo));
   COLLINEA_TRY(const Camera whole,
                fitted_to(block.camera_of(image), header.width_px, header.height_px, photo.string()));
   COLLINEA_TRY(const int shrink, shrink_for(whole, pair));

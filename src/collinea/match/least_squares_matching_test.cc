@@ -57,7 +57,7 @@ GreyImage picture_of(const std::function<double(const Vector2d&)>& grey, double 
 }
 
 // What is at place + warp * offset in the other picture is at kMiddle + offset in the reference.
-GreyImage other_picture(const Texture& texture, const Placement& placement, double gain = 1, double offset = 0,
+GreyImage other_image(const Texture& texture, const Placement& placement, double gain = 1, double offset = 0,
                         double noise_grey = 0, std::uint64_t seed = 2) {
   const Matrix2d back = placement.warp.inverse();
   return picture_of(
@@ -80,7 +80,7 @@ TEST(LeastSquaresMatching, FindsShiftsOfPartsOfAPixel) {
   ASSERT_TRUE(window);
   for (int i = 0; i < 16; ++i) {
     const Placement truth{kMiddle + Vector2d(i % 4, i / 4) * 0.25, Matrix2d::Identity()};
-    const auto found = found_in(other_picture(texture, truth), *window, {kMiddle, Matrix2d::Identity()});
+    const auto found = found_in(other_image(texture, truth), *window, {kMiddle, Matrix2d::Identity()});
     ASSERT_TRUE(found);
     EXPECT_LT((found->placement.place_px - truth.place_px).norm(), 0.01);  // grey values are whole numbers
     EXPECT_GT(found->correlation, 0.99);
@@ -93,7 +93,7 @@ TEST(LeastSquaresMatching, FindsTheAffineMapUnderOtherLight) {
   ASSERT_TRUE(window);
   Placement truth{kMiddle + Vector2d(0.6, -0.45), {}};
   truth.warp << 0.93, -0.17, 0.11, 1.12;
-  const auto found = found_in(other_picture(texture, truth, 0.6, 40), *window, {kMiddle, Matrix2d::Identity()});
+  const auto found = found_in(other_image(texture, truth, 0.6, 40), *window, {kMiddle, Matrix2d::Identity()});
   ASSERT_TRUE(found);
   EXPECT_LT((found->placement.place_px - truth.place_px).norm(), 0.02);
   EXPECT_LT((found->placement.warp - truth.warp).norm(), 0.01);
@@ -105,7 +105,7 @@ TEST(LeastSquaresMatching, LevelsOfAPyramidHaveTheSamePlaces) {
       ReferenceWindow::of(*cut_patch(picture_of(texture), 2, 2 * kMiddle), 2 * kMiddle);  // pixels of two
   ASSERT_TRUE(window);
   const Placement truth{2 * kMiddle + Vector2d(0.9, -0.7), Matrix2d::Identity()};
-  const GreyImage other = other_picture(texture, {truth.place_px / 2, truth.warp});
+  const GreyImage other = other_image(texture, {truth.place_px / 2, truth.warp});
   const auto found = window->find(*cut_patch(other, 2, truth.place_px), {2 * kMiddle, Matrix2d::Identity()}, 4);
   ASSERT_TRUE(found);
   EXPECT_LT((found->placement.place_px - truth.place_px).norm(), 0.02);
@@ -125,7 +125,7 @@ TEST(LeastSquaresMatching, CovarianceMatchesTheRealErrors) {
     ASSERT_TRUE(window);
     const Placement truth{kMiddle + Vector2d(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)),
                           Matrix2d::Identity()};
-    const auto found = found_in(other_picture(texture, truth, 1, 0, kNoise_grey, 5000 + trial), *window,
+    const auto found = found_in(other_image(texture, truth, 1, 0, kNoise_grey, 5000 + trial), *window,
                                 {kMiddle, Matrix2d::Identity()});
     ASSERT_TRUE(found);
     const Vector2d error = found->placement.place_px - truth.place_px;
@@ -147,7 +147,7 @@ TEST(LeastSquaresMatching, RefusesAnotherTextureAndDistantPlaces) {
   const Placement start{kMiddle, Matrix2d::Identity()};
   EXPECT_FALSE(found_in(picture_of(Texture(4)), *window, start));
   EXPECT_FALSE(found_in(picture_of([](const Vector2d&) { return 90; }), *window, start));
-  const GreyImage moved = other_picture(texture, {kMiddle + Vector2d(1.2, 0), Matrix2d::Identity()});
+  const GreyImage moved = other_image(texture, {kMiddle + Vector2d(1.2, 0), Matrix2d::Identity()});
   EXPECT_TRUE(found_in(moved, *window, start, 1.5));
   EXPECT_FALSE(found_in(moved, *window, start, 1));
   EXPECT_FALSE(found_in(moved, *window, {Vector2d(5, 30), Matrix2d::Identity()}));  // not all of it is there
@@ -158,7 +158,7 @@ TEST(LeastSquaresMatching, RefusesAnotherTextureAndDistantPlaces) {
 TEST(LeastSquaresMatching, EveryProcessorGivesTheSameBits) {
   const Texture texture(9);
   const GreyImage reference = picture_of(texture, 3);
-  const GreyImage other = other_picture(texture, {kMiddle + Vector2d(0.3, 0.4), Matrix2d::Identity()}, 1, 0, 3);
+  const GreyImage other = other_image(texture, {kMiddle + Vector2d(0.3, 0.4), Matrix2d::Identity()}, 1, 0, 3);
   std::vector<Vector2d> places;
   const std::int64_t supported = hwy::SupportedTargets();
   for (int bit = 0; bit < 63; ++bit) {

@@ -62,7 +62,7 @@ TEST(RobustSquares, InformationMakesTheNormalEquationsTrue) {
   for (const auto kind : {Loss::kHuber, Loss::kCauchy})
     for (const bool long_tails : {false, true}) {
       Random random(5);
-      double real = 0, foretold = 0;
+      double real = 0, predicted = 0;
       constexpr int kMeans = 4000, kVectors = 100;
       for (int m = 0; m < kMeans; ++m) {
         std::vector<std::pair<double, double>> errors;
@@ -85,9 +85,9 @@ TEST(RobustSquares, InformationMakesTheNormalEquationsTrue) {
         RobustSquares squares(loss);
         for (const auto& [x, y] : errors) squares.add(std::pow(x - mean_x, 2) + std::pow(y - mean_y, 2), 2);
         real += mean_x * mean_x + mean_y * mean_y;
-        foretold += 2 * squares.squares() / (2 * kVectors - 2) / (squares.information(1.0 / kVectors) * weights);
+        predicted += 2 * squares.squares() / (2 * kVectors - 2) / (squares.information(1.0 / kVectors) * weights);
       }
-      EXPECT_NEAR(real / foretold, 1, 4 * 0.016 + 0.01) << kind << long_tails;
+      EXPECT_NEAR(real / predicted, 1, 4 * 0.016 + 0.01) << kind << long_tails;
     }
 }
 

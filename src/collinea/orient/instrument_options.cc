@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "collinea/block/picture_axes.h"
+#include "collinea/block/image_axes.h"
 #include "collinea/orient/flight_strips.h"
 
 namespace collinea {

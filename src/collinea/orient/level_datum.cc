@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "collinea/block/picture_axes.h"
+#include "collinea/block/image_axes.h"
 #include "collinea/math/median.h"
 #include "collinea/orient/strip_datum.h"
 

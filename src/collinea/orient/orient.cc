@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "collinea/block/picture_axes.h"
+#include "collinea/block/image_axes.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/geometry/robust_similarity.h"
@@ -19,8 +19,8 @@
 #include "collinea/orient/datum.h"
 #include "collinea/orient/given.h"
 #include "collinea/orient/global.h"
-#include "collinea/orient/ground_findings.h"
-#include "collinea/orient/ground_scale.h"
+#include "collinea/orient/geodetic_findings.h"
+#include "collinea/orient/geodetic_scale.h"
 #include "collinea/orient/incremental.h"
 #include "collinea/orient/instrument_findings.h"
 #include "collinea/orient/level_datum.h"
@@ -484,10 +484,10 @@ class Orienter {
 
   // A block without place gets at least its scale. Distances that contradict the others are left out, for good.
   bool scale_by_distances(Reconstruction& part) {
-    const auto found = ground_scale(part.block());
+    const auto found = geodetic_scale(part.block());
     if (!found) return false;
     for (const std::size_t place : found->excluded) setup_.ground[place].role = ControlRole::kCheck;
-    result_.excluded_ground.insert(found->excluded.begin(), found->excluded.end());
+    result_.excluded_geodetic.insert(found->excluded.begin(), found->excluded.end());
     add(found->findings);
     Similarity3 scaled;
     scaled.scale = found->scale;
@@ -547,7 +547,7 @@ class Orienter {
 
   void finish(Reconstruction& part) {
     result_.metric |= result_.georeferenced;
-    add(ground_findings(setup_, result_.adjusted, result_.excluded_ground));
+    add(geodetic_findings(setup_, result_.adjusted, result_.excluded_geodetic));
     result_.block = part.block();
     add(instrument_findings(result_.adjusted));
     result_.alone = left_alone();

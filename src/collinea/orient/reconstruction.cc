@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "collinea/base/parallel.h"
-#include "collinea/epipolar/triangulate.h"
+#include "collinea/epipolar/intersect_rays.h"
 #include "collinea/match/tracks.h"
 #include "collinea/orient/resection.h"
 
@@ -244,7 +244,7 @@ bool Reconstruction::intersect(TrackState& track) const {
     focal_px.push_back(pixels_per_unit(camera, directions.back()));
   }
   if (used.size() < 2) return false;
-  const auto found = robust_triangulate(poses, directions, focal_px, kAcceptFactor * options_.max_error_px,
+  const auto found = robust_intersect(poses, directions, focal_px, kAcceptFactor * options_.max_error_px,
                                         options_.min_angle_deg * std::numbers::pi / 180);
   if (!found) return false;
   track.point = found->point_in_world;

@@ -142,16 +142,16 @@ Result<PlaneHomography> PlaneHomography::fit(const Camera& camera, std::span<con
     return fail(Errc::kIllPosed,
                 "no view of a plane shows the points so: two of them may be exchanged, or one is wrong by far");
   };
-  const auto white_plane = whitening(on_plane), white_picture = whitening(on_picture);
-  if (!white_plane || !white_picture) return open();
+  const auto white_plane = whitening(on_plane), white_image = whitening(on_picture);
+  if (!white_plane || !white_image) return open();
   std::vector<Vector2d> from, to;
   for (std::size_t i = 0; i < points.size(); ++i) {
     from.push_back(mapped(*white_plane, on_plane[i]));
-    to.push_back(mapped(*white_picture, on_picture[i]));
+    to.push_back(mapped(*white_image, on_picture[i]));
   }
   const auto direct = direct_solution(from, to);
   if (!direct) return open();
-  Matrix3d start = white_picture->inverse() * *direct;
+  Matrix3d start = white_image->inverse() * *direct;
   // The horizon of the plane runs through the middle of the points.
   if (!(std::abs(start(2, 2)) > 1e-6 * start.row(2).norm())) return impossible();
   start /= start(2, 2);

@@ -88,7 +88,7 @@ bool Visibility::hidden(const View& view, int x, int y) const {
                                view.centre_in_map.z());
 }
 
-bool Visibility::whole_block_on_picture(const View& view, int block_x, int block_y) const {
+bool Visibility::whole_block_on_image(const View& view, int block_x, int block_y) const {
   const float low_m = block_low_.at(block_x, block_y), high_m = block_high_.at(block_x, block_y);
   for (int corner = 0; corner < 8; ++corner) {
     const double x = (block_x + (corner & 1)) * kBlock, y = (block_y + (corner >> 1 & 1)) * kBlock;
@@ -131,7 +131,7 @@ Visibility::State Visibility::raw_state(std::size_t view, int block_x, int block
   State& state = layer.raw[block];
   if (state != State::kUnknown) return state;
   if (std::isnan(block_low_.at(block_x, block_y))) return state = State::kAll;
-  if (whole_block_on_picture(*views_[view], block_x, block_y)) {
+  if (whole_block_on_image(*views_[view], block_x, block_y)) {
     layer.pictured[block] = State::kAll;
     if (clear_towards(*views_[view], block_x, block_y, block_low_.at(block_x, block_y),
                       block_high_.at(block_x, block_y)))

@@ -103,7 +103,7 @@ class Visibility {
 
   [[nodiscard]] bool on_picture(std::size_t view, int x, int y) const;
   [[nodiscard]] bool hidden(const View& view, int x, int y) const;
-  [[nodiscard]] bool whole_block_on_picture(const View& view, int block_x, int block_y) const;
+  [[nodiscard]] bool whole_block_on_image(const View& view, int block_x, int block_y) const;
   [[nodiscard]] bool clear_towards(const View& view, int block_x, int block_y, float low_m, float high_m) const;
   int hidden_around(std::size_t view, int x, int y, int radius);
   State raw_state(std::size_t view, int block_x, int block_y);

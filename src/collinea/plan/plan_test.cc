@@ -36,7 +36,7 @@ Survey small_survey(const std::string& control = "corners_middle") {
 }
 
 Precision precision_of(const Survey& survey) {
-  return foretold(planned_block(survey.plan, survey.points, survey.measurements).value(), kSerial).value();
+  return predicted(planned_block(survey.plan, survey.points, survey.measurements).value(), kSerial).value();
 }
 
 TEST(FlightPlan, OverlapsAreThoseAskedForAndTheBorderIsReached) {
@@ -310,7 +310,7 @@ TEST(Precision, PlacesThatOnlyOneImageShowsAreCountedNotMadeUp) {
   survey.measurements.points_per_image = 200;
   const auto planned = planned_block(survey.plan, survey.points, survey.measurements);
   ASSERT_TRUE(planned);
-  const auto precision = foretold(*planned, kSerial);
+  const auto precision = predicted(*planned, kSerial);
   if (precision) {
     EXPECT_GT(precision->area.empty, 0u);
   } else {

@@ -124,9 +124,9 @@ double chi2(const Matrix& covariance, const Vector& error) {
 }
 
 // The free parameters of a camera against its true ones.
-void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, int& degrees) {
+void compare_cameras(const Precision& predicted, const Adjusted& one, Sum& sum, int& degrees) {
   for (const auto& [id, camera] : one.cameras) {
-    const MatrixPd& covariance = foretold.adjusted.camera_covariance.at(id);
+    const MatrixPd& covariance = predicted.adjusted.camera_covariance.at(id);
     std::vector<int> free;
     for (const int k : params_of(camera))
       if (covariance(k, k) > 0) free.push_back(k);
@@ -135,7 +135,7 @@ void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, i
     Eigen::VectorXd error(degrees);
     for (int i = 0; i < degrees; ++i)
       error[i] = camera.params[std::size_t(free[std::size_t(i)])] -
-                 foretold.planned.block.cameras.at(id).params[std::size_t(free[std::size_t(i)])];
+                 predicted.planned.block.cameras.at(id).params[std::size_t(free[std::size_t(i)])];
     const Eigen::MatrixXd its = covariance(free, free);
     // Parameters of very unlike size: each in its own standard deviations.
     const Eigen::VectorXd scale = its.diagonal().cwiseSqrt().cwiseInverse();
@@ -145,20 +145,20 @@ void compare_cameras(const Precision& foretold, const Adjusted& one, Sum& sum, i
   }
 }
 
-void compare_poses(const Precision& foretold, const Adjusted& one, Sum& sum) {
+void compare_poses(const Precision& predicted, const Adjusted& one, Sum& sum) {
   for (const auto& [id, pose] : one.cam_from_world) {
-    const Rigid3& truth = pose_of(foretold.planned.block, id);
+    const Rigid3& truth = pose_of(predicted.planned.block, id);
     Eigen::Matrix<double, 6, 1> error;
     error.head<3>() = rotation_vector(truth.rotation.conjugate() * pose.rotation);
     error.tail<3>() = centre_of(pose) - centre_of(truth);
-    sum.squares += chi2(foretold.adjusted.pose_covariance.at(id), error);
+    sum.squares += chi2(predicted.adjusted.pose_covariance.at(id), error);
     ++sum.count;
   }
 }
 
 }  // namespace
 
-Result<Precision> foretold(PlannedBlock planned, const Run& run) {
+Result<Precision> predicted(PlannedBlock planned, const Run& run) {
   Precision precision;
   COLLINEA_TRY(precision.adjusted, examine(planned.block, planned.scope, planned.options, run));
   precision.planned = std::move(planned);
@@ -179,7 +179,7 @@ Result<std::optional<Gain>> one_more_point(const FlightPlan& plan, const std::ve
     std::vector<PlannedPoint> more = points;
     more.push_back({"one more", ControlRole::kControl, place, sigma_m});
     COLLINEA_TRY(PlannedBlock planned, planned_block(plan, more, options));
-    COLLINEA_TRY(const Precision with, foretold(std::move(planned), run));
+    COLLINEA_TRY(const Precision with, predicted(std::move(planned), run));
     run.report("places of one more control point", double(i + 1) / double(candidates.size()));
     if (best && with.area.rms_m.norm() >= best->area.rms_m.norm()) continue;
     best = Gain{"one more control point", place, with.area};
@@ -187,15 +187,15 @@ Result<std::optional<Gain>> one_more_point(const FlightPlan& plan, const std::ve
   return best;
 }
 
-Result<Trials> tried(const Precision& foretold, int blocks, const Run& run) {
+Result<Trials> tried(const Precision& predicted, int blocks, const Run& run) {
   Trials trials;
   Sum cells, poses, cameras;
   int degrees = 1;
   Vector3d squares = Vector3d::Zero();
   std::map<std::size_t, const CellPrecision*> of_cell;
-  for (const CellPrecision& cell : foretold.cells) of_cell[cell.cell] = &cell;
+  for (const CellPrecision& cell : predicted.cells) of_cell[cell.cell] = &cell;
   for (int i = 0; i < blocks; ++i) {
-    PlannedBlock noisy = with_errors(foretold.planned, run.seed + std::uint64_t(i));
+    PlannedBlock noisy = with_errors(predicted.planned, run.seed + std::uint64_t(i));
     COLLINEA_TRY(const Adjusted one, adjust(noisy.block, noisy.scope, noisy.options.adjust, run));
     for (const ControlDifference& place : one.control) {
       const auto known = noisy.cells.find(place.point);
@@ -203,13 +203,13 @@ Result<Trials> tried(const Precision& foretold, int blocks, const Run& run) {
       const auto cell = of_cell.find(known->second);
       if (cell == of_cell.end()) continue;
       const Vector3d error =
-          *place.position_in_world - foretold.planned.block.control.at(place.point).position_in_world;
+          *place.position_in_world - predicted.planned.block.control.at(place.point).position_in_world;
       squares += error.cwiseQuotient(cell->second->sigma_m()).cwiseAbs2();
       cells.squares += chi2(cell->second->covariance_m2, error);
       ++cells.count;
     }
-    compare_poses(foretold, one, poses);
-    compare_cameras(foretold, one, cameras, degrees);
+    compare_poses(predicted, one, poses);
+    compare_cameras(predicted, one, cameras, degrees);
     ++trials.blocks;
     run.report("simulated blocks", double(i + 1) / blocks);
   }

@@ -48,7 +48,7 @@ struct Precision {
 
 /// Adjusts the block as planned and tells the standard deviations of everything. Errors: those of the adjustment; a
 /// block whose datum is not fixed still has an answer, with its weaknesses.
-[[nodiscard]] Result<Precision> foretold(PlannedBlock planned, const Run& run);
+[[nodiscard]] Result<Precision> predicted(PlannedBlock planned, const Run& run);
 
 /// What something more would gain.
 struct Gain {
@@ -76,6 +76,6 @@ struct Trials {
 };
 
 /// Adjusts `blocks` simulated blocks with all their errors and compares. Errors: those of the adjustment.
-[[nodiscard]] Result<Trials> tried(const Precision& foretold, int blocks, const Run& run);
+[[nodiscard]] Result<Trials> tried(const Precision& predicted, int blocks, const Run& run);
 
 }  // namespace collinea

@@ -12,7 +12,7 @@ namespace collinea {
 struct RuleOfThumb {
   std::string name, formula;
   double value_m = 0;                ///< by the rule
-  std::optional<double> foretold_m;  ///< the same by the adjustment, where it says so
+  std::optional<double> predicted_m;  ///< the same by the adjustment, where it says so
 };
 
 /// What is customary of a flight, and whether it is kept.

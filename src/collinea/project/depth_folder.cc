@@ -31,7 +31,7 @@ Result<> remove_maps(const fs::path& folder) {
 }  // namespace
 
 Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string& inputs_hash, const Block& block,
-                                      const WorkingPictures& pictures) {
+                                      const WorkingImages& pictures) {
   const fs::path made_from = folder / "inputs.txt";
   if (read_file(made_from).value_or("") != inputs_hash) {
     std::error_code error;

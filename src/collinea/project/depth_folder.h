@@ -5,7 +5,7 @@
 #include <string>
 
 #include "collinea/dense/depth_map.h"
-#include "collinea/dense/working_pictures.h"
+#include "collinea/dense/working_images.h"
 
 namespace collinea {
 
@@ -15,20 +15,20 @@ class DepthFolder : public DepthStore {
  public:
   /// Opens the folder for maps made from what `inputs_hash` stands for.
   static Result<DepthFolder> open(const std::filesystem::path& folder, const std::string& inputs_hash,
-                                  const Block& block, const WorkingPictures& pictures);
+                                  const Block& block, const WorkingImages& pictures);
 
   Result<> write(ImageId image, const DepthMap& map) override;
   Result<DepthMap> read(ImageId image) override;
   [[nodiscard]] bool has(ImageId image) const override;
 
  private:
-  DepthFolder(std::filesystem::path folder, const Block& block, const WorkingPictures& pictures)
+  DepthFolder(std::filesystem::path folder, const Block& block, const WorkingImages& pictures)
       : folder_(std::move(folder)), block_(&block), pictures_(&pictures) {}
   [[nodiscard]] std::filesystem::path path(ImageId image, const char* what) const;
 
   std::filesystem::path folder_;
   const Block* block_;
-  const WorkingPictures* pictures_;
+  const WorkingImages* pictures_;
 };
 
 }  // namespace collinea

@@ -12,7 +12,7 @@ namespace {
 TEST(DepthFolder, AStaleMapThatCannotBeRemovedIsAnError) {
   const TestFolder folder;
   const Block block;
-  const WorkingPictures pictures(block, {}, {});
+  const WorkingImages pictures(block, {}, {});
   ASSERT_TRUE(DepthFolder::open(folder / "depth", "before", block, pictures));
   const auto stale = folder / "depth/000000_a.jpg.depth.tif";
   std::filesystem::create_directories(stale / "not empty");

@@ -71,10 +71,10 @@ Result<ReadOrientation> from_model(const Block& model, const Block& setup, const
 
 Result<ReadOrientation> from_bundler(const fs::path& folder, const Block& setup) {
   const ImageNames names(setup);
-  const auto size_of = [&](const std::string& name) -> Result<PictureSize> {
+  const auto size_of = [&](const std::string& name) -> Result<ImageSize> {
     const auto image = names.find(name);
     if (!image) return unknown((folder / "list.txt").string(), name);
-    return PictureSize{setup.camera_of(*image).width_px, setup.camera_of(*image).height_px};
+    return ImageSize{setup.camera_of(*image).width_px, setup.camera_of(*image).height_px};
   };
   COLLINEA_TRY(const Block model, read_bundler(folder, size_of));
   return from_model(model, setup, folder);

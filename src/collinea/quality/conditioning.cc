@@ -40,8 +40,8 @@ Subject subject_of_row(const Problem& problem, int row) {
   for (const ProblemCamera& camera : problem.cameras)
     if (const int k = in_border - camera.border; k >= 0 && k < static_cast<int>(camera.free.size()))
       return {camera.id, Aspect::kParameter, camera.free[k]};
-  if (const auto k = static_cast<std::size_t>(in_border - problem.first_extra); k < problem.extras.size())
-    return subject_of(problem.extras[k].kind, problem.extras[k].owner, problem.extras[k].axis);
+  if (const auto k = static_cast<std::size_t>(in_border - problem.first_extra); k < problem.auxiliaries.size())
+    return subject_of(problem.auxiliaries[k].kind, problem.auxiliaries[k].owner, problem.auxiliaries[k].axis);
   for (const std::uint32_t p : problem.joined)
     if (const int k = in_border - problem.point(p).joined; k >= 0 && k < 3)
       return {ControlId{problem.point(p).id}, Aspect::kPosition};

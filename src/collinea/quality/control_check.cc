@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/block/picture_axes.h"
+#include "collinea/block/image_axes.h"
 #include "collinea/geometry/robust_similarity.h"
 #include "collinea/math/median.h"
 #include "collinea/quality/control_measurements.h"

@@ -19,11 +19,11 @@ LeftOutRms rms_of(const std::vector<LeftOutPoint>& points, bool height) {
     if (!std::isfinite(square)) continue;
     ++rms.points;
     rms.difference_m += square;
-    rms.foretold_m += height ? std::pow(one.difference_sigma_m.z(), 2) : one.difference_sigma_m.head<2>().squaredNorm();
+    rms.predicted_m += height ? std::pow(one.difference_sigma_m.z(), 2) : one.difference_sigma_m.head<2>().squaredNorm();
   }
   if (rms.points == 0) return rms;
   rms.difference_m = std::sqrt(rms.difference_m / rms.points);
-  rms.foretold_m = std::sqrt(rms.foretold_m / rms.points);
+  rms.predicted_m = std::sqrt(rms.predicted_m / rms.points);
   return rms;
 }
 

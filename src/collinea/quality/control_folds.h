@@ -26,7 +26,7 @@ struct Folded {
 /// Root mean squares over points that were left out: of differences, and what their sigmas foretell.
 struct LeftOutRms {
   int points = 0;
-  double difference_m = 0, foretold_m = 0;
+  double difference_m = 0, predicted_m = 0;
 };
 /// In plan (of both axes together, points surveyed on both), or in height.
 [[nodiscard]] LeftOutRms rms_of(const std::vector<LeftOutPoint>& points, bool height);

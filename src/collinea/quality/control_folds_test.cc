@@ -90,7 +90,7 @@ TEST(ControlFolds, PartsHaveTwoPointsAndMore) {
 
 // Differences of parts that were left out are as large as their sigmas foretell: their squares over them are 1 on
 // average, within four deviations of the means of 60 blocks.
-TEST(ControlFolds, DifferencesAreAsForetold) {
+TEST(ControlFolds, DifferencesAreAsPredicted) {
   double sum = 0, squares = 0;
   constexpr int kBlocks = 60;
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
@@ -116,10 +116,10 @@ TEST(ControlFolds, RootMeanSquaresLeaveOutWhatWasNotSurveyed) {
   const LeftOutRms plan = rms_of(points, false), height = rms_of(points, true);
   EXPECT_EQ(plan.points, 1);
   EXPECT_DOUBLE_EQ(plan.difference_m, 5);
-  EXPECT_DOUBLE_EQ(plan.foretold_m, std::sqrt(2));
+  EXPECT_DOUBLE_EQ(plan.predicted_m, std::sqrt(2));
   EXPECT_EQ(height.points, 2);
   EXPECT_DOUBLE_EQ(height.difference_m, 5);
-  EXPECT_DOUBLE_EQ(height.foretold_m, 2);
+  EXPECT_DOUBLE_EQ(height.predicted_m, 2);
 }
 
 }  // namespace

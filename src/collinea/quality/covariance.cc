@@ -29,7 +29,7 @@ double variance_of(const Row& row, TileCholesky& inverse) {
 
 }  // namespace bundle
 
-using bundle::GroundLink;
+using bundle::GeodeticLink;
 using bundle::Problem;
 using bundle::ProblemCamera;
 using bundle::Row;
@@ -88,14 +88,14 @@ void predict_others(const Solved& solved, const bundle::FreeNetwork& free_networ
   const Problem& problem = solved.problem();
   const State& state = solved.state();
   const int border = 6 * problem.poses;
-  for (std::size_t i = 0; i < problem.extras.size(); ++i) {
+  for (std::size_t i = 0; i < problem.auxiliaries.size(); ++i) {
     const int row = border + problem.first_extra + static_cast<int>(i);
-    adjusted.extras[i].sigma = std::sqrt(inverse.at(row, row));
+    adjusted.auxiliaries[i].sigma = std::sqrt(inverse.at(row, row));
   }
   for (std::size_t i = 0; i < problem.ground.size(); ++i) {
-    const GroundLink& link = problem.ground[i];
-    GroundDifference& difference = adjusted.ground[i];
-    const GroundModel model = model_of(problem, link, state);
+    const GeodeticLink& link = problem.ground[i];
+    GeodeticDifference& difference = adjusted.ground[i];
+    const GeodeticModel model = model_of(problem, link, state);
     const Row row = row_of(problem, link, model);
     const double variance = free_network.of_link(variance_of(row, inverse), link, model, row);
     const double sigma = link.observation.sigma, scaled = std::pow(sigma_scale(adjusted), 2) * variance;

@@ -97,7 +97,7 @@ TEST(Adjust, PlacesMeasuredWithoutErrorAreAsFarOffAsTheImagesMakeThem) {
     const std::map<PointId, Eigen::Vector3d> found(intersected->points.begin(), intersected->points.end());
     double sum = 0;
     int count = 0;
-    for (const PlacePrecision& place : adjusted->places)
+    for (const PointPrecision& place : adjusted->places)
       for (const auto& [id, position] : adjusted->points) {
         if (position != place.position_in_world) continue;
         const Eigen::Vector3d error = found.at(id) - truth.points.at(id).position_in_world;

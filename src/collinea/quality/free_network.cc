@@ -165,7 +165,7 @@ Eigen::Matrix3d FreeNetwork::of_check_point(const Eigen::Matrix3d& covariance, c
 
 // The orientation of a set-up follows a turn about the plumb line, so that its directions stay; planes and lines follow
 // every motion.
-double FreeNetwork::of_link(double variance, const GroundLink& link, const GroundModel& model, const Row& row) const {
+double FreeNetwork::of_link(double variance, const GeodeticLink& link, const GeodeticModel& model, const Row& row) const {
   const Part* part = link.extra >= 0 ? nullptr : part_with(link.from);
   if (!part || part_with(link.to) != part) return variance;
   const Eigen::MatrixXd moved = model.by_from.transpose() * of_place(*part, place_of(link.from)) +

@@ -31,7 +31,7 @@ class FreeNetwork {
   [[nodiscard]] Eigen::Matrix3d of_check_point(const Eigen::Matrix3d& covariance, const PointSystem& system,
                                                const Eigen::Vector3d& place, const std::vector<int>& poses) const;
   /// Variance of a measurement on the ground.
-  [[nodiscard]] double of_link(double variance, const GroundLink& link, const GroundModel& model, const Row& row) const;
+  [[nodiscard]] double of_link(double variance, const GeodeticLink& link, const GeodeticModel& model, const Row& row) const;
 
  private:
   struct Part {

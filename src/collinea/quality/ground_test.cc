@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/geodetic_model.h"
 #include "collinea/geometry/similarity3.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/test_examine.h"
@@ -31,21 +31,21 @@ void scale(Block& block, double factor) {
   for (auto& [id, point] : block.points) point.position_in_world *= factor;
 }
 
-TEST(GroundModel, DerivativesAreThoseOfDifferences) {
+TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
   Random random(3);
   for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d from = 300 * normal3(random), to = 300 * normal3(random);
-    for (const GroundKind kind :
-         {GroundKind::kDistance, GroundKind::kHeightDifference, GroundKind::kDirection, GroundKind::kZenithAngle})
+    for (const GeodeticKind kind :
+         {GeodeticKind::kDistance, GeodeticKind::kHeightDifference, GeodeticKind::kDirection, GeodeticKind::kZenithAngle})
       for (const bool curved : {false, true}) {
-        const GroundObservation one{.kind = kind, .instrument_height_m = 1.6, .target_height_m = 0.3};
-        const GroundModel model = ground_model(one, from, to, 0.4, curved);
+        const GeodeticObservation one{.kind = kind, .instrument_height_m = 1.6, .target_height_m = 0.3};
+        const GeodeticModel model = geodetic_model(one, from, to, 0.4, curved);
         constexpr double kStep_m = 1e-3;
         for (int c = 0; c < 3; ++c) {
           const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(c);
           const auto slope = [&](const Eigen::Vector3d& df, const Eigen::Vector3d& dt) {
-            const double change = ground_model(one, from + df, to + dt, 0.4, curved).computed -
-                                  ground_model(one, from - df, to - dt, 0.4, curved).computed;
+            const double change = geodetic_model(one, from + df, to + dt, 0.4, curved).computed -
+                                  geodetic_model(one, from - df, to - dt, 0.4, curved).computed;
             return (one.is_angle() ? std::remainder(change, 2 * std::numbers::pi) : change) / (2 * kStep_m);
           };
           // What the derivatives leave out of a round Earth: 1e-6 times what they are where lines are not steep.
@@ -53,21 +53,21 @@ TEST(GroundModel, DerivativesAreThoseOfDifferences) {
           EXPECT_NEAR(slope(step, {0, 0, 0}), model.by_from[c], tolerance) << static_cast<int>(kind);
           EXPECT_NEAR(slope({0, 0, 0}, step), model.by_to[c], tolerance) << static_cast<int>(kind);
         }
-        const double turned = ground_model(one, from, to, 0.4 + 1e-3, curved).computed - model.computed;
+        const double turned = geodetic_model(one, from, to, 0.4 + 1e-3, curved).computed - model.computed;
         EXPECT_NEAR(turned, 1e-3 * model.by_extra[0], 1e-12);
       }
   }
 }
 
-TEST(GroundModel, TheEarthIsRound) {
-  const GroundObservation levelled{.kind = GroundKind::kHeightDifference};
-  EXPECT_NEAR(ground_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, true).computed, 1e6 / (2 * 6371000.0), 1e-6);
-  EXPECT_EQ(ground_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, false).computed, 0);
+TEST(GeodeticModel, TheEarthIsRound) {
+  const GeodeticObservation levelled{.kind = GeodeticKind::kHeightDifference};
+  EXPECT_NEAR(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, true).computed, 1e6 / (2 * 6371000.0), 1e-6);
+  EXPECT_EQ(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, false).computed, 0);
 }
 
 TEST(Ground, OneDistanceGivesAFreeBlockItsScale) {
   Marked made = marked({.rows = 2, .columns = 3, .points = 80});
-  made.measure(GroundKind::kDistance, 0, 3, 0.001);
+  made.measure(GeodeticKind::kDistance, 0, 3, 0.001);
   scale(made.block, 1.3);
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
@@ -139,16 +139,16 @@ TEST(Ground, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
     const auto seed = static_cast<std::uint64_t>(i + 1);
     Marked made = marked({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .seed = seed});
     Random random(seed, 9);
-    made.measure(GroundKind::kDistance, 0, 3, 0.01, &random);
-    made.measure(GroundKind::kDistance, 1, 4, 0.01, &random);
-    made.measure(GroundKind::kDistance, 2, 5, 1, &random);
+    made.measure(GeodeticKind::kDistance, 0, 3, 0.01, &random);
+    made.measure(GeodeticKind::kDistance, 1, 4, 0.01, &random);
+    made.measure(GeodeticKind::kDistance, 2, 5, 1, &random);
     made.block.ground.back().role = ControlRole::kCheck;
     ExamineOptions options = tested(Calibration::kFocal);
     options.test.sigma0_known = true;
     const auto adjusted = examine(made.block, {}, options, kRun);
     ASSERT_TRUE(adjusted && adjusted->ground.size() == 3) << i;
     EXPECT_FALSE(adjusted->ground[2].used);
-    const GroundDifference& check = adjusted->ground[2];
+    const GeodeticDifference& check = adjusted->ground[2];
     squares +=
         std::pow(check.adjusted - (made.truth.at({2}) - made.truth.at({5})).norm(), 2) / (check.sigma * check.sigma);
     for (int k = 0; k < 2; ++k)
@@ -162,7 +162,7 @@ TEST(Ground, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
 TEST(Ground, ABlunderInADistanceIsFound) {
   Marked made = marked({.sigma_px = 0.5});
   Random random(4);
-  for (std::uint32_t i = 1; i < 7; ++i) made.measure(GroundKind::kDistance, 0, i, 0.005, &random);
+  for (std::uint32_t i = 1; i < 7; ++i) made.measure(GeodeticKind::kDistance, 0, i, 0.005, &random);
   made.block.ground[3].value += 0.1;
   const auto adjusted = examine(made.block, {}, tested(Calibration::kFocalRadial), kRun);
   ASSERT_TRUE(adjusted && adjusted->reliability);
@@ -170,15 +170,15 @@ TEST(Ground, ABlunderInADistanceIsFound) {
   const TestedObservation& worst = adjusted->reliability->suspects[0];
   EXPECT_EQ(worst.group, ObservationGroup::kDistance);
   EXPECT_EQ(worst.source, 3u);
-  EXPECT_NEAR(worst.blunder, 0.1, 0.03);
+  EXPECT_NEAR(worst.gross_error, 0.1, 0.03);
 }
 
 TEST(Ground, HeightDifferencesLevelABlock) {
   Marked made = marked({.rows = 2, .columns = 3, .points = 80});
-  made.measure(GroundKind::kDistance, 0, 3, 0.001);
-  made.measure(GroundKind::kHeightDifference, 0, 3, 0.001);
-  made.measure(GroundKind::kHeightDifference, 1, 4, 0.001);
-  made.measure(GroundKind::kHeightDifference, 2, 6, 0.001);
+  made.measure(GeodeticKind::kDistance, 0, 3, 0.001);
+  made.measure(GeodeticKind::kHeightDifference, 0, 3, 0.001);
+  made.measure(GeodeticKind::kHeightDifference, 1, 4, 0.001);
+  made.measure(GeodeticKind::kHeightDifference, 2, 6, 0.001);
   const Eigen::Quaterniond turn = rotation_by({0.03, -0.02, 0.5});
   for (auto [id, pose] : oriented_images(made.block)) {
     pose.rotation = pose.rotation * turn.conjugate();
@@ -198,8 +198,8 @@ TEST(Ground, VarianceComponentsFindTheSigmaOfDistances) {
   Marked made = marked({.points = 120, .sigma_px = 0.5, .position_sigma_m = 0.02});
   Random random(8);
   for (std::uint32_t i = 0; i < 9; ++i)
-    for (std::uint32_t k = 0; k < i; ++k) made.measure(GroundKind::kDistance, k, i, 0.03, &random);
-  for (GroundObservation& measured : made.block.ground) measured.sigma /= 3;
+    for (std::uint32_t k = 0; k < i; ++k) made.measure(GeodeticKind::kDistance, k, i, 0.03, &random);
+  for (GeodeticObservation& measured : made.block.ground) measured.sigma /= 3;
   const auto found = estimate_variance_components(made.block, {}, tested(), kRun);
   ASSERT_TRUE(found) << found.error().message;
   const auto group = static_cast<std::size_t>(ObservationGroup::kDistance);
@@ -209,7 +209,7 @@ TEST(Ground, VarianceComponentsFindTheSigmaOfDistances) {
 
 TEST(Ground, ThreadsDoNotChangeABit) {
   Marked made = marked({.rows = 6, .columns = 8, .points = 900, .sigma_px = 0.5, .position_sigma_m = 0.05});
-  for (std::uint32_t i = 1; i < 7; ++i) made.measure(GroundKind::kDistance, 0, i, 0.005);
+  for (std::uint32_t i = 1; i < 7; ++i) made.measure(GeodeticKind::kDistance, 0, i, 0.005);
   collinea::Run threads;
   threads.threads = 3;
   const auto one = examine(made.block, {}, tested(Calibration::kFocalRadial), kRun),
@@ -221,7 +221,7 @@ TEST(Ground, ThreadsDoNotChangeABit) {
 
 TEST(Ground, WhatCannotBeIsRefusedOrLeftOut) {
   Marked made = marked({.rows = 2, .columns = 3, .points = 60, .position_sigma_m = 0.05});
-  made.measure(GroundKind::kDistance, 0, 3, 0.001);
+  made.measure(GeodeticKind::kDistance, 0, 3, 0.001);
   Block bad = made.block;
   bad.ground[0].sigma = 0;
   EXPECT_EQ(examine(bad, {}, tested(), kRun).error().code, Errc::kBadInput);

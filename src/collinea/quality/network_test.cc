@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "collinea/adjust/gather_parts.h"
-#include "collinea/adjust/ground_model.h"
+#include "collinea/adjust/geodetic_model.h"
 #include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/test_examine.h"
@@ -30,10 +30,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Network : Marked {
   static constexpr std::uint32_t kFirst = 20, kSecond = 21, kStations = 3;
 
-  void observe(const GroundObservation& observation, double orientation_rad, double sigma, Random* random) {
-    GroundObservation one = observation;
+  void observe(const GeodeticObservation& observation, double orientation_rad, double sigma, Random* random) {
+    GeodeticObservation one = observation;
     one.sigma = sigma;
-    one.value = ground_model(one, truth.at(one.from), truth.at(one.to), orientation_rad, false).computed;
+    one.value = geodetic_model(one, truth.at(one.from), truth.at(one.to), orientation_rad, false).computed;
     if (random) one.value += sigma * random->normal();
     if (one.is_angle()) one.value = std::fmod(one.value + 4 * std::numbers::pi, 2 * std::numbers::pi);
     block.ground.push_back(one);
@@ -58,15 +58,15 @@ Network network(std::uint64_t seed, double sigma_px, bool noise) {
     for (const auto& [target, place] : made.truth) {
       const ControlId station{Network::kFirst + s};
       if (target == station) continue;
-      GroundObservation one{.from = station, .to = target, .setup = s};
+      GeodeticObservation one{.from = station, .to = target, .setup = s};
       one.instrument_height_m = 1.6;
       one.target_height_m = target.value >= Network::kFirst ? 1.5 : 0.1;
       const double orientation = kOrientations[s];
-      one.kind = GroundKind::kDirection;
+      one.kind = GeodeticKind::kDirection;
       made.observe(one, orientation, kSigma_rad, errors);
-      one.kind = GroundKind::kZenithAngle;
+      one.kind = GeodeticKind::kZenithAngle;
       made.observe(one, orientation, kSigma_rad, errors);
-      one.kind = GroundKind::kDistance;
+      one.kind = GeodeticKind::kDistance;
       made.observe(one, orientation, kSigma_m, errors);
     }
   return made;
@@ -81,16 +81,16 @@ TEST(Network, PlacesOfStationsAreFoundFromWhatTheyMeasured) {
   places.erase({Network::kSecond});
   places.erase({Network::kSecond + 1});
   places.erase({4});  // a target that no image shows
-  bundle::find_places_by_ground(made.block, links, places);
+  bundle::find_positions_by_geodetic(made.block, links, places);
   ASSERT_EQ(places.size(), made.truth.size());
   for (const auto& [id, place] : places) EXPECT_LT((place - made.truth.at(id)).norm(), 1e-9) << id.value;
   // Without distances a target is where the rays of both stations meet.
   Network angles = network(1, 0, false);
   std::erase_if(angles.block.ground,
-                [](const GroundObservation& one) { return one.kind == GroundKind::kDistance && one.to.value == 4; });
+                [](const GeodeticObservation& one) { return one.kind == GeodeticKind::kDistance && one.to.value == 4; });
   places.erase({4});
   links.resize(angles.block.ground.size());
-  bundle::find_places_by_ground(angles.block, links, places);
+  bundle::find_positions_by_geodetic(angles.block, links, places);
   EXPECT_LT((places.at({4}) - made.truth.at({4})).norm(), 1e-9);
 }
 
@@ -162,10 +162,10 @@ TEST(Network, ErrorsOfStationsAndPointsAreAsLargeAsTheirSigmas) {
       (point.point.value >= Network::kFirst ? stations : of_targets) += square;
     }
     targets += of_targets / static_cast<double>(adjusted->control.size() - Network::kStations);
-    for (const EstimatedUnknown& extra : adjusted->extras)
+    for (const EstimatedUnknown& extra : adjusted->auxiliaries)
       orientations +=
           std::pow(std::remainder(extra.value - kOrientations[extra.owner], 2 * std::numbers::pi) / extra.sigma, 2);
-    for (const GroundKind kind : {GroundKind::kDistance, GroundKind::kDirection, GroundKind::kZenithAngle}) {
+    for (const GeodeticKind kind : {GeodeticKind::kDistance, GeodeticKind::kDirection, GeodeticKind::kZenithAngle}) {
       const GroupSums& group = adjusted->reliability->groups[static_cast<std::size_t>(group_of(kind))];
       residuals += group.squares;
       freedom += group.redundancy;
@@ -179,12 +179,12 @@ TEST(Network, ErrorsOfStationsAndPointsAreAsLargeAsTheirSigmas) {
 }
 
 TEST(Network, ABlunderIsFound) {
-  for (const GroundKind kind : {GroundKind::kDirection, GroundKind::kZenithAngle, GroundKind::kDistance}) {
+  for (const GeodeticKind kind : {GeodeticKind::kDirection, GeodeticKind::kZenithAngle, GeodeticKind::kDistance}) {
     Network made = network(3, 0.5, true);
     std::size_t wrong = made.block.ground.size();
     for (std::size_t i = 0; i < made.block.ground.size() && wrong == made.block.ground.size(); ++i)
       if (made.block.ground[i].kind == kind && made.block.ground[i].to.value == 5) wrong = i;
-    made.block.ground[wrong].value += kind == GroundKind::kDistance ? 0.1 : 0.003;
+    made.block.ground[wrong].value += kind == GeodeticKind::kDistance ? 0.1 : 0.003;
     const auto adjusted = examine(made.block, {}, tested(Calibration::kFocal), kRun);
     ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
     EXPECT_EQ(adjusted->reliability->suspects[0].source, wrong);
@@ -276,10 +276,10 @@ TEST(Network, ABlockThatHangsOnStationsGoesAllTheWay) {
 // One distance does not place a station; without its points being known a set-up is nowhere.
 TEST(Network, WhatDoesNotDetermineAPointIsLeftOut) {
   Network made = network(1, 0, false);
-  std::erase_if(made.block.ground, [](const GroundObservation& one) {
-    return one.from.value == Network::kSecond && (one.kind != GroundKind::kDistance || one.to.value != 3);
+  std::erase_if(made.block.ground, [](const GeodeticObservation& one) {
+    return one.from.value == Network::kSecond && (one.kind != GeodeticKind::kDistance || one.to.value != 3);
   });
-  std::erase_if(made.block.ground, [](const GroundObservation& one) { return one.to.value == Network::kSecond; });
+  std::erase_if(made.block.ground, [](const GeodeticObservation& one) { return one.to.value == Network::kSecond; });
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->ground.size(), made.block.ground.size() - 1);

@@ -76,11 +76,11 @@ TEST(PositionModel, DerivativesAreThoseOfDifferences) {
   const bundle::Problem& problem = gathered->problem;
   bundle::State& state = gathered->start;
   Random random(3);
-  for (double& value : state.extras) value = 0.1 * random.normal();
+  for (double& value : state.auxiliaries) value = 0.1 * random.normal();
   const auto moved = [&](int row, double by) {
     bundle::State next = state;
     if (row >= 6 * problem.poses) {
-      next.extras[static_cast<std::size_t>(row - 6 * problem.poses - problem.first_extra)] += by;
+      next.auxiliaries[static_cast<std::size_t>(row - 6 * problem.poses - problem.first_extra)] += by;
       return next;
     }
     const auto image = static_cast<std::size_t>(row / 6);
@@ -119,8 +119,8 @@ TEST(PositionModel, ExactTruthComesBack) {
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_TRUE(adjusted->converged);
   EXPECT_EQ(adjusted->rank_defect, 0);
-  ASSERT_EQ(adjusted->extras.size(), 13u);
-  for (const EstimatedUnknown& extra : adjusted->extras)
+  ASSERT_EQ(adjusted->auxiliaries.size(), 13u);
+  for (const EstimatedUnknown& extra : adjusted->auxiliaries)
     EXPECT_NEAR(extra.value, truth_of(extra.kind)[extra.axis], 1e-6)
         << label_of(subject_of(extra.kind, 1, extra.axis), start);
   for (const auto& [id, pose] : adjusted->cam_from_world)
@@ -142,7 +142,7 @@ TEST(PositionModel, ErrorsAreAsLargeAsTheirSigmas) {
     made.scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
     const auto adjusted = examine(made.block, made.scope, options, kRun);
     ASSERT_TRUE(adjusted && !adjusted->undetermined);
-    for (const EstimatedUnknown& extra : adjusted->extras) {
+    for (const EstimatedUnknown& extra : adjusted->auxiliaries) {
       const double ratio = (extra.value - truth_of(extra.kind)[extra.axis]) / extra.sigma;
       EXPECT_LT(std::abs(ratio), 4.5) << label_of(subject_of(extra.kind, 1, extra.axis), made.block);
       squares[extra.kind] += ratio * ratio / (extra.kind == UnknownKind::kTimeOffset ? 1 : 3);
@@ -162,7 +162,7 @@ TEST(PositionModel, AGivenLeverArmIsUsed) {
   ASSERT_TRUE(adjusted);
   for (const auto& [id, pose] : adjusted->cam_from_world)
     EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
-  EXPECT_EQ(adjusted->extras.size(), 4u);  // boresight and time offset
+  EXPECT_EQ(adjusted->auxiliaries.size(), 4u);  // boresight and time offset
 }
 
 TEST(PositionModel, AShiftOfAllPositionsLeavesThePlaceOpen) {
@@ -232,14 +232,14 @@ TEST(PositionModel, ATimeOffsetThatIsKnownToBeSmallHolds) {
   made.scope.time_offset_sigma_s[{1}] = 1e-6;
   const auto adjusted = examine(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted);
-  for (const EstimatedUnknown& extra : adjusted->extras)
+  for (const EstimatedUnknown& extra : adjusted->auxiliaries)
     if (extra.kind == UnknownKind::kTimeOffset) {
       EXPECT_NEAR(extra.value, 0, 1e-4);
     }
   made.scope.time_offset_sigma_s[{1}] = 0;  // there is none
   const auto without = examine(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(without);
-  EXPECT_EQ(without->extras.size() + 1, adjusted->extras.size());
+  EXPECT_EQ(without->auxiliaries.size() + 1, adjusted->auxiliaries.size());
 }
 
 TEST(PositionModel, ABlunderInAnAttitudeIsFound) {
@@ -251,7 +251,7 @@ TEST(PositionModel, ABlunderInAnAttitudeIsFound) {
   const TestedObservation& worst = adjusted->reliability->suspects[0];
   EXPECT_EQ(worst.group, ObservationGroup::kAttitudeHeading);
   EXPECT_EQ(worst.source, 15u);
-  EXPECT_NEAR(std::abs(worst.blunder), 0.02, 0.005);
+  EXPECT_NEAR(std::abs(worst.gross_error), 0.02, 0.005);
 }
 
 TEST(PositionModel, VarianceComponentsFindTheSigmasOfAttitudes) {

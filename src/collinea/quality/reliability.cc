@@ -95,17 +95,17 @@ class Examiner {
     out_.redundancy_sum += 1 - leverage;
     one.redundancy = r;
     one.w = one.suspicion = 0;  // of the coordinate before
-    one.least_blunder = one.effect = one.effect_in_sigmas = kInfinity;
+    one.minimal_detectable_bias = one.effect = one.effect_in_sigmas = kInfinity;
     if (r > kNoRedundancy) {
       const bool in_image = one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages;
       const double own = in_image ? sigma0_ : 1;
       const double spread = one.sigma * std::sqrt(own * own + sigma0_ * sigma0_ * leverage / (weight * r));
-      one.blunder = one.residual / r;
-      one.w = one.blunder / spread;
-      one.suspicion = one.blunder / (sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r)));
-      one.least_blunder = out_.delta0 * spread;
-      one.effect = one.least_blunder * leverage;
-      one.effect_in_sigmas = one.least_blunder / (sigma0_ * one.sigma) * std::sqrt(weight * std::max(leverage, 0.0));
+      one.gross_error = one.residual / r;
+      one.w = one.gross_error / spread;
+      one.suspicion = one.gross_error / (sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r)));
+      one.minimal_detectable_bias = out_.delta0 * spread;
+      one.effect = one.minimal_detectable_bias * leverage;
+      one.effect_in_sigmas = one.minimal_detectable_bias / (sigma0_ * one.sigma) * std::sqrt(weight * std::max(leverage, 0.0));
       ++out_.tested;
       if (std::abs(one.w) > out_.limit) {
         ++out_.rejected;
@@ -119,7 +119,7 @@ class Examiner {
   // Nothing foretells it, and nothing is as wrong.
   void suspect_unseen(TestedObservation one) {
     ++out_.unseen;
-    one.residual = one.blunder = one.redundancy = one.least_blunder = one.effect = one.effect_in_sigmas = kNaN;
+    one.residual = one.gross_error = one.redundancy = one.minimal_detectable_bias = one.effect = one.effect_in_sigmas = kNaN;
     one.w = one.suspicion = kInfinity;
     out_.suspects.push_back(one);
     if (one.group != ObservationGroup::kTieImages) out_.others.push_back(one);

@@ -54,8 +54,8 @@ struct TestedObservation {
                                 ///< (and all but sigma NaN) when the image does not see the point
   double suspicion = 0;         ///< w if sigma0 multiplied all sigmas alike: of all observations the largest is that of
                                 ///< the wrong one, if there is but one, which w does not say of itself
-  double blunder = 0;           ///< the most probable one: residual / r
-  double least_blunder = 0;     ///< minimal detectable blunder (with the stated level and power); infinite when r = 0
+  double gross_error = 0;           ///< the most probable one: residual / r
+  double minimal_detectable_bias = 0;     ///< minimal detectable blunder (with the stated level and power); infinite when r = 0
   double effect = 0;            ///< of a blunder just not found on the adjusted value of the same coordinate
   double effect_in_sigmas = 0;  ///< Baarda's lambda^1/2: largest effect on anything, in standard deviations of that
 };

@@ -138,13 +138,13 @@ TEST(Reliability, HeldPointsTestTheirRaysToo) {
 TEST(Reliability, ABlunderShowsInItsResidualByTheRedundancyNumber) {
   Block block = test_block(small(4));
   const Examined before = adjusted_of(block, tested());
-  constexpr double kBlunder_px = 0.01;
+  constexpr double kGrossError_px = 0.01;
   for (const std::size_t i : {3u, 40u, 91u}) {
     Block other = block;
     const std::uint32_t place = before.observations[i];
-    other.observations[place].pixel.x() += kBlunder_px;
+    other.observations[place].pixel.x() += kGrossError_px;
     const Examined after = adjusted_of(other, tested());
-    EXPECT_NEAR((after.residuals_px[i].x() - before.residuals_px[i].x()) / kBlunder_px,
+    EXPECT_NEAR((after.residuals_px[i].x() - before.residuals_px[i].x()) / kGrossError_px,
                 before.reliability->tie_redundancy[i].x(), 2e-3);
   }
   for (const TestedObservation& one : before.reliability->others) {
@@ -186,7 +186,7 @@ TEST(Reliability, FalseAlarmsAreAsOftenAsStated) {
 constexpr auto kGroupsHere =
     static_cast<std::size_t>(ObservationGroup::kDistance);  // nothing is measured on the ground
 
-TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
+TEST(Reliability, MinimalDetectableGrossErrorsAreFoundWithTheStatedPower) {
   ExamineOptions options = tested();
   options.test.sigma0_known = true;
   using Group = ObservationGroup;
@@ -195,16 +195,16 @@ TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
     const Block block = test_block(small(seed));
     const Examined clean = adjusted_of(block, options);
-    const auto spoiled_by = [&](Group group, std::uint32_t source, int axis, double blunder) {
+    const auto spoiled_by = [&](Group group, std::uint32_t source, int axis, double gross_error) {
       Block other = block;
       if (group == Group::kTieImages)
-        other.observations[source].pixel[axis] += blunder;
+        other.observations[source].pixel[axis] += gross_error;
       else if (group == Group::kControlImages)
-        other.control_observations[source].pixel[axis] += blunder;
+        other.control_observations[source].pixel[axis] += gross_error;
       else if (group == Group::kControlPlan || group == Group::kControlHeight)
-        other.control.at(ControlId{source}).position_in_world[axis] += blunder;
+        other.control.at(ControlId{source}).position_in_world[axis] += gross_error;
       else
-        other.images.at(ImageId{source}).position->position_in_world[axis] += blunder;
+        other.images.at(ImageId{source}).position->position_in_world[axis] += gross_error;
       const Examined spoiled = adjusted_of(other, options);
       for (const TestedObservation& one : spoiled.reliability->suspects)
         found[static_cast<std::size_t>(group)] += one.group == group && one.source == source && one.axis == axis;
@@ -217,7 +217,7 @@ TEST(Reliability, MinimalDetectableBlundersAreFoundWithTheStatedPower) {
       const auto one =
           std::find_if(all.begin(), all.end(), [&](const auto& other) { return std::size_t(other.group) == g; });
       ASSERT_NE(one, all.end());
-      spoiled_by(one->group, one->source, one->axis, one->least_blunder);
+      spoiled_by(one->group, one->source, one->axis, one->minimal_detectable_bias);
     }
   }
   int sum = 0;
@@ -268,9 +268,9 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
       const bool falls = loss == Loss::kCauchy && i != kPose;
       // Beside chance what is told above, with a tenth of it: 2 % of variances under Huber's loss (1 % of sigma0), 8 %
       // of tie points and 20 % of positions and of the level under Cauchy's; and never more than one.
-      const double pulled = !falls ? 0.02 : i == 0 || i == kSigma0 ? 0.09 : 0.22;
+      const double influence = !falls ? 0.02 : i == 0 || i == kSigma0 ? 0.09 : 0.22;
       EXPECT_LT(mean, 1 + 4 * sigma + 0.02) << loss << " " << i;
-      EXPECT_GT(mean, 1 - 4 * sigma - pulled) << loss << " " << i;
+      EXPECT_GT(mean, 1 - 4 * sigma - influence) << loss << " " << i;
       // So little chance that twice the variance would be seen, of positions too, which have 18 coordinates a block.
       EXPECT_LT(4 * sigma, i == kLevel || i == kPose ? 0.15 : 0.3) << loss << " " << i;
     }
@@ -309,7 +309,7 @@ TEST(Reliability, ARayThatIsNotSeenIsSuspectAndCountsForNothing) {
   EXPECT_TRUE(std::isnan(is.tie_redundancy.front().x()));
 }
 
-TEST(Reliability, TheWorstSuspectIsThePlantedBlunder) {
+TEST(Reliability, TheWorstSuspectIsThePlantedGrossError) {
   Block block = test_block(small(7));
   block.observations[50].pixel.y() += 12;
   const Examined adjusted = adjusted_of(block, tested());
@@ -317,7 +317,7 @@ TEST(Reliability, TheWorstSuspectIsThePlantedBlunder) {
   const TestedObservation& worst = adjusted.reliability->suspects.front();
   EXPECT_EQ(worst.group, ObservationGroup::kTieImages);
   EXPECT_EQ(worst.source, 50u);
-  EXPECT_NEAR(std::abs(worst.blunder), 12, 4 * 0.5 / std::sqrt(worst.redundancy));
+  EXPECT_NEAR(std::abs(worst.gross_error), 12, 4 * 0.5 / std::sqrt(worst.redundancy));
 }
 
 // Against an adjustment where the coordinates of the point really take no part.

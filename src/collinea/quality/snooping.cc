@@ -65,7 +65,7 @@ class Snooper {
   }
 
   Result<Snooped> snoop() {
-    if (scope_.use_control) take_out_gross();
+    if (scope_.use_control) reject_gross();
     for (bool first = true;;) {
       Result<Examined> adjusted = adjust_to_the_end();
       if (!adjusted && (adjusted.error().code != Errc::kIllPosed || gone_.empty()))
@@ -93,14 +93,14 @@ class Snooper {
       apply(*adjusted, out_.block);
       out_.kept.clear();
       keep_for_return();
-      take_out_worst(*adjusted);
+      reject_worst(*adjusted);
       if (!gone_.empty()) continue;
       out_.finished = !full_;
       out_.adjusted = std::move(*adjusted);
-      tell_blunders();
+      tell_gross_errors();
       if (out_.finished && put_back_what_agrees()) continue;
       out_.attitudes = scope_.attitudes;
-      for (const TakenOut& gone : out_.taken_out) back_.erase(key_of(gone));
+      for (const Rejected& gone : out_.rejected) back_.erase(key_of(gone));
       out_.put_back = static_cast<int>(back_.size());
       return std::move(out_);
     }
@@ -151,7 +151,7 @@ class Snooper {
       apply(*adjusted, out_.block);
     }
   }
-  [[nodiscard]] static Key key_of(const TakenOut& gone) {
+  [[nodiscard]] static Key key_of(const Rejected& gone) {
     return key_of(gone.group, {gone.image, gone.point, gone.control, gone.ground});
   }
 
@@ -159,7 +159,7 @@ class Snooper {
   void keep_for_return() {
     before_ = out_.block;
     attitudes_before_ = scope_.attitudes;
-    taken_before_ = out_.taken_out.size();
+    taken_before_ = out_.rejected.size();
     gone_.clear();
     rivals_.clear();
   }
@@ -167,7 +167,7 @@ class Snooper {
   void take_back() {
     out_.block = before_;
     scope_.attitudes = attitudes_before_;
-    out_.taken_out.resize(taken_before_);
+    out_.rejected.resize(taken_before_);
     given_of_.resize(taken_before_);
     most_in_round_ = gone_.size() == 1 ? kAll : gone_.size() / 2;
     gone_.clear();
@@ -196,7 +196,7 @@ class Snooper {
     return true;
   }
 
-  void take_out_gross() {
+  void reject_gross() {
     keep_for_return();
     std::vector<std::uint32_t> gross;
     const ControlDiagnosis diagnosis = check_control(given_, run_.seed);
@@ -207,12 +207,12 @@ class Snooper {
         if (finding.code == FindingCode::kControlMeasurement && finding.subjects[0].control() == seen.point &&
             finding.subjects[1].image() == seen.image)
           off_px = std::max(off_px, finding.figure(FigureName::kOffsetPx).value_or(0));
-      if (off_px < kGross * seen.sigma_px || static_cast<int>(out_.taken_out.size()) >= most_) continue;
+      if (off_px < kGross * seen.sigma_px || static_cast<int>(out_.rejected.size()) >= most_) continue;
       gross.push_back(static_cast<std::uint32_t>(place));
-      TakenOut gone{Group::kControlImages, seen.image, {}, seen.point};
+      Rejected gone{Group::kControlImages, seen.image, {}, seen.point};
       gone.w = off_px / seen.sigma_px;
-      gone.redundancy = gone.pulled = kNaN;
-      out_.taken_out.push_back(gone);
+      gone.redundancy = gone.influence = kNaN;
+      out_.rejected.push_back(gone);
       given_of_.push_back({.sigma = seen.sigma_px, .mark = seen});
       gone_.push_back(key_of(gone.group, {seen.image, {}, seen.point}));
     }
@@ -220,7 +220,7 @@ class Snooper {
   }
 
   // One pass over the suspects, worst first.
-  void take_out_worst(const Examined& adjusted) {
+  void reject_worst(const Examined& adjusted) {
     const Reliability& tests = *adjusted.reliability;
     count_rays(adjusted);
     std::map<ImageId, double> worse_in_image;  // sum of |w| of worse suspects
@@ -259,7 +259,7 @@ class Snooper {
         ground = true;
       }
       if (waits) continue;
-      if (static_cast<int>(out_.taken_out.size()) >= most_) {
+      if (static_cast<int>(out_.rejected.size()) >= most_) {
         full_ = true;
         break;
       }
@@ -267,7 +267,7 @@ class Snooper {
       this_round.insert(key);
       gone_.push_back(key);
       if (!is_ray(one.group)) remember_rivals(one, key, tests);
-      take_out(one, seen, adjusted, ties, control_rays);
+      reject(one, seen, adjusted, ties, control_rays);
     }
     erase(out_.block.observations, ties);
     erase(out_.block.control_observations, control_rays);
@@ -318,10 +318,10 @@ class Snooper {
     return std::nullopt;
   }
 
-  void take_out(const TestedObservation& one, const Seen& seen, const Examined& adjusted,
+  void reject(const TestedObservation& one, const Seen& seen, const Examined& adjusted,
                 std::vector<std::uint32_t>& ties, std::vector<std::uint32_t>& control_rays) {
-    TakenOut gone{one.group, seen.image, seen.point, seen.control, seen.ground, one.axis, one.w, one.redundancy};
-    gone.pulled = one.blunder - one.residual;
+    Rejected gone{one.group, seen.image, seen.point, seen.control, seen.ground, one.axis, one.w, one.redundancy};
+    gone.influence = one.gross_error - one.residual;
     gone.round = out_.rounds;
     Given given{.sigma = one.sigma, .cofactor = variance_by_others(one, adjusted)};
     if (one.group == Group::kTieImages) {
@@ -330,7 +330,7 @@ class Snooper {
       --rays_[seen.image];
       if (--of_point_[seen.point] < 2) {
         gone.as_pair = std::isfinite(one.w);
-        take_out_partner(one.source, ties);
+        reject_partner(one.source, ties);
       }
     } else if (one.group == Group::kControlImages) {
       given.mark = out_.block.control_observations[one.source];
@@ -339,12 +339,12 @@ class Snooper {
     } else {
       disbelieve(one.group, seen);
     }
-    out_.taken_out.push_back(gone);
+    out_.rejected.push_back(gone);
     given_of_.push_back(given);
   }
 
   // A point with one ray is none.
-  void take_out_partner(std::uint32_t source, std::vector<std::uint32_t>& ties) {
+  void reject_partner(std::uint32_t source, std::vector<std::uint32_t>& ties) {
     const auto& all = out_.block.observations;
     for (const std::int64_t step : {-1, 1})
       for (std::int64_t i = source + step; i >= 0 && i < static_cast<std::int64_t>(all.size()) &&
@@ -361,7 +361,7 @@ class Snooper {
   [[nodiscard]] double variance_by_others(const TestedObservation& one, const Examined& adjusted) const {
     if (!std::isfinite(one.w)) return kNaN;
     const double sigma0 = sigma0_of(adjusted), own = is_ray(one.group) ? sigma0 : 1;
-    const double spread = one.blunder / one.w / one.sigma;
+    const double spread = one.gross_error / one.w / one.sigma;
     return std::max(0.0, (spread * spread - own * own) / (sigma0 * sigma0));
   }
   [[nodiscard]] double sigma0_of(const Examined& adjusted) const {
@@ -386,10 +386,10 @@ class Snooper {
   }
 
   // Measured minus what the last adjustment says.
-  void tell_blunders() {
+  void tell_gross_errors() {
     const double sigma0 = sigma0_of(out_.adjusted);
-    for (std::size_t i = 0; i < out_.taken_out.size(); ++i) {
-      TakenOut& gone = out_.taken_out[i];
+    for (std::size_t i = 0; i < out_.rejected.size(); ++i) {
+      Rejected& gone = out_.rejected[i];
       Given& given = given_of_[i];
       if (gone.group == Group::kTieImages) {
         if (!gone.as_pair) tell(gone, given.ray.pixel, out_.block.points.at(gone.point).position_in_world);
@@ -401,8 +401,8 @@ class Snooper {
         if (scope_.lever_arms.empty() && scope_.position_tracks.empty())
           tell(gone, place - centre_of(pose_of(out_.block, gone.image)));
       } else if (is_ground(gone.group)) {
-        for (const GroundDifference& one : out_.adjusted.ground)
-          if (one.observation == gone.ground) gone.blunder.x() = -one.difference;
+        for (const GeodeticDifference& one : out_.adjusted.ground)
+          if (one.observation == gone.ground) gone.gross_error.x() = -one.difference;
       } else if (is_attitude(gone.group)) {
         for (const AttitudeDifference& one : out_.adjusted.attitudes)
           if (one.image == gone.image) tell(gone, -one.difference_rad);
@@ -410,8 +410,8 @@ class Snooper {
         tell(gone, given_.control.at(gone.control).position_in_world - *place);
       }
       if (gone.round == 0) {
-        const double size = gone.blunder.head<2>().norm();
-        gone.axis = std::abs(gone.blunder.y()) > std::abs(gone.blunder.x()) ? 1 : 0;
+        const double size = gone.gross_error.head<2>().norm();
+        gone.axis = std::abs(gone.gross_error.y()) > std::abs(gone.gross_error.x()) ? 1 : 0;
         given.cofactor = variance_by_rays(gone) / (given.sigma * given.sigma);
         if (std::isfinite(size)) gone.w = size / given.sigma;
       }
@@ -422,7 +422,7 @@ class Snooper {
   }
 
   // The test of a correlated coordinate was that beside the others of its point, which have gone with it.
-  [[nodiscard]] std::optional<double> sigma_of_correlated(const TakenOut& gone, double sigma0) const {
+  [[nodiscard]] std::optional<double> sigma_of_correlated(const Rejected& gone, double sigma0) const {
     if (gone.group != Group::kControlPlan && gone.group != Group::kControlHeight) return std::nullopt;
     const ControlPoint& given = given_.control.at(gone.control);
     if (given.correlation.isZero(0)) return std::nullopt;
@@ -436,13 +436,13 @@ class Snooper {
   bool put_back_what_agrees() {
     std::map<PointId, int> rays;
     for (const Observation& seen : out_.block.observations) ++rays[seen.point];
-    std::vector<TakenOut> gone_still;
+    std::vector<Rejected> gone_still;
     std::vector<Given> given_still;
-    for (std::size_t i = 0; i < out_.taken_out.size(); ++i) {
-      const TakenOut& gone = out_.taken_out[i];
+    for (std::size_t i = 0; i < out_.rejected.size(); ++i) {
+      const Rejected& gone = out_.rejected[i];
       const bool point_is_there = gone.group != Group::kTieImages || rays[gone.point] >= 2;
       if (!gone.as_pair && point_is_there &&
-          std::abs(gone.blunder[gone.axis]) < out_.adjusted.reliability->limit * gone.sigma &&
+          std::abs(gone.gross_error[gone.axis]) < out_.adjusted.reliability->limit * gone.sigma &&
           back_.insert(key_of(gone)).second) {
         put_back(gone, given_of_[i]);
         continue;
@@ -450,13 +450,13 @@ class Snooper {
       gone_still.push_back(gone);
       given_still.push_back(given_of_[i]);
     }
-    const bool any = gone_still.size() < out_.taken_out.size();
-    out_.taken_out = std::move(gone_still);
+    const bool any = gone_still.size() < out_.rejected.size();
+    out_.rejected = std::move(gone_still);
     given_of_ = std::move(given_still);
     return any;
   }
 
-  void put_back(const TakenOut& gone, const Given& given) {
+  void put_back(const Rejected& gone, const Given& given) {
     if (gone.group == Group::kTieImages) {
       auto& all = out_.block.observations;
       const auto order = [](const Observation& seen) { return std::pair(seen.point, seen.image); };
@@ -485,7 +485,7 @@ class Snooper {
     return std::nullopt;
   }
   // Of a coordinate of the image of a control point where its other rays meet, all images being exact.
-  [[nodiscard]] double variance_by_rays(const TakenOut& gone) const {
+  [[nodiscard]] double variance_by_rays(const Rejected& gone) const {
     const auto met = intersect(sight_lines(out_.block, gone.control));
     const Rigid3& pose = pose_of(out_.block, gone.image);
     Matrix23 by_cam;
@@ -493,16 +493,16 @@ class Snooper {
     const Eigen::RowVector3d by_world = by_cam.row(gone.axis) * pose.rotation.toRotationMatrix();
     return by_world * met->covariance * by_world.transpose();
   }
-  void tell(TakenOut& gone, const Eigen::Vector2d& pixel, const Eigen::Vector3d& place) const {
+  void tell(Rejected& gone, const Eigen::Vector2d& pixel, const Eigen::Vector3d& place) const {
     const Rigid3& pose = pose_of(out_.block, gone.image);
     if (const auto expected = project(out_.block.camera_of(gone.image), pose * place))
-      gone.blunder.head<2>() = pixel - *expected;
+      gone.gross_error.head<2>() = pixel - *expected;
   }
-  static void tell(TakenOut& gone, const Eigen::Vector3d& difference) {
+  static void tell(Rejected& gone, const Eigen::Vector3d& difference) {
     if (is_height(gone.group))
-      gone.blunder.z() = difference.z();
+      gone.gross_error.z() = difference.z();
     else
-      gone.blunder.head<2>() = difference.head<2>();
+      gone.gross_error.head<2>() = difference.head<2>();
   }
 
   const Block& given_;
@@ -512,7 +512,7 @@ class Snooper {
   const Run& run_;
   Adjuster adjuster_;
   Snooped out_;
-  std::vector<Given> given_of_;  // parallel to Snooped::taken_out
+  std::vector<Given> given_of_;  // parallel to Snooped::rejected
   std::map<ImageId, GivenAttitude> given_attitudes_;
   std::map<ImageId, int> rays_;
   std::map<PointId, int> of_point_;

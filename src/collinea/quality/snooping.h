@@ -12,7 +12,7 @@ namespace collinea {
 
 /// A measurement that data snooping took out: an image point (both coordinates), the plan or the height of a control
 /// point or of a position, a measurement on the ground, level or heading of an attitude.
-struct TakenOut {
+struct Rejected {
   ObservationGroup group{};
   ImageId image;             ///< of rays, positions and attitudes
   PointId point;             ///< of rays of tie points
@@ -21,11 +21,11 @@ struct TakenOut {
   int axis = 0;           ///< of the coordinate that was beyond the limit; 0 column or east, 1 row or north, 2 height
   double w = 0;           ///< of it, when it was the worst; infinite: its image does not see the point
   double redundancy = 0;  ///< NaN: gross
-  double pulled = 0;      ///< by how much the adjusted value of that coordinate was drawn to it [px, m, rad]
+  double influence = 0;      ///< by how much the adjusted value of that coordinate was drawn to it [px, m, rad]
   /// Measured minus what the adjustment without it says, with the standard deviation that this would have without a
   /// blunder [px, m, rad], of what is measured on the ground in the first place; NaN for axes that were not measured
   /// or, of the sigma, not tested.
-  Eigen::Vector3d blunder = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  Eigen::Vector3d gross_error = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   double sigma = 0;      ///< of blunder[axis]
   bool as_pair = false;  ///< one of the two rays of a point: which of them was wrong cannot be told, both went
   int round = 0;         ///< 0: gross, before the first adjustment
@@ -47,7 +47,7 @@ inline constexpr Word<StayReason> kStayReasonWords[] = {{StayReason::kTooLittleC
 constexpr std::span<const Word<StayReason>> words(StayReason) { return kStayReasonWords; }
 
 /// A suspect that had to stay.
-struct NotTakenOut {
+struct KeptSuspect {
   TestedObservation observation;  ///< its source refers to Snooped::block
   StayReason reason{};
 };
@@ -55,8 +55,8 @@ struct NotTakenOut {
 struct Snooped {
   Block block;  ///< without what was taken out; measurements on the ground are only compared
   std::map<ImageId, GivenAttitude> attitudes;  ///< of the scope, those that were taken out with infinite sigmas
-  std::vector<TakenOut> taken_out;             ///< in the order in which it went
-  std::vector<NotTakenOut> kept;               ///< suspects of the last adjustment that cannot go, worst first
+  std::vector<Rejected> rejected;             ///< in the order in which it went
+  std::vector<KeptSuspect> kept;               ///< suspects of the last adjustment that cannot go, worst first
   int put_back = 0;                            ///< that went, and in the end agreed with what was left
   int rounds = 0;                              ///< adjustments
   bool finished = false;                       ///< nothing is left that could be taken out

@@ -34,7 +34,7 @@ testing::TestBlockOptions small(std::uint64_t seed = 1) {
 
 // Eight blunders of 15 sigmas in different points: all are found, worst first by round, and each is told within four of
 // its standard deviations. Of 2000 good coordinates one exceeds the limit of 0.1 % by chance; a dozen never do.
-TEST(Snooping, TakesOutPlantedBlundersAndTellsTheirSize) {
+TEST(Snooping, TakesOutPlantedGrossErrorsAndTellsTheirSize) {
   Block block = test_block(small());
   std::vector<std::size_t> planted;
   for (std::size_t i = 20; planted.size() < 8; i += block.observations.size() / 9) {
@@ -47,23 +47,23 @@ TEST(Snooping, TakesOutPlantedBlundersAndTellsTheirSize) {
   EXPECT_GT(snooped->rounds, 1);
   for (const std::size_t i : planted) {
     const Observation& seen = block.observations[i];
-    const auto gone = std::find_if(snooped->taken_out.begin(), snooped->taken_out.end(), [&](const TakenOut& one) {
+    const auto gone = std::find_if(snooped->rejected.begin(), snooped->rejected.end(), [&](const Rejected& one) {
       return one.image == seen.image && one.point == seen.point && one.group == ObservationGroup::kTieImages;
     });
-    ASSERT_NE(gone, snooped->taken_out.end()) << i;
+    ASSERT_NE(gone, snooped->rejected.end()) << i;
     EXPECT_EQ(gone->axis, 1);
-    EXPECT_NEAR(gone->blunder.y(), 7.5, 4 * gone->sigma);
+    EXPECT_NEAR(gone->gross_error.y(), 7.5, 4 * gone->sigma);
     EXPECT_GT(gone->sigma, 0.5 * snooped->adjusted.sigma0);
     EXPECT_LT(gone->sigma, 2);
   }
-  EXPECT_LT(snooped->taken_out.size(), planted.size() + 12);
-  EXPECT_EQ(snooped->block.observations.size() + snooped->taken_out.size(), block.observations.size());
+  EXPECT_LT(snooped->rejected.size(), planted.size() + 12);
+  EXPECT_EQ(snooped->block.observations.size() + snooped->rejected.size(), block.observations.size());
   EXPECT_NEAR(snooped->adjusted.sigma0, 1, 0.1);
   EXPECT_GT(snooped->sigma0_before, 1.1);
   EXPECT_EQ(snooped->adjusted.reliability->rejected, 0);
 }
 
-TEST(Snooping, BlundersOnTheGroundGoByPlanAndHeight) {
+TEST(Snooping, GrossErrorsOnTheGroundGoByPlanAndHeight) {
   Block block = test_block(small(3));
   const ControlId wrong{3};
   block.control.at(wrong).position_in_world.z() += 0.3;
@@ -71,16 +71,16 @@ TEST(Snooping, BlundersOnTheGroundGoByPlanAndHeight) {
   block.images.at(image).position->position_in_world.x() -= 1;
   const auto snooped = snoop(block, {}, plain(), kMost, {});
   ASSERT_TRUE(snooped) << snooped.error().message;
-  ASSERT_GE(snooped->taken_out.size(), 2u);
+  ASSERT_GE(snooped->rejected.size(), 2u);
   bool height = false, plan = false;
-  for (const TakenOut& gone : snooped->taken_out) {
+  for (const Rejected& gone : snooped->rejected) {
     if (gone.group == ObservationGroup::kControlHeight && gone.control == wrong) {
       height = true;
-      EXPECT_NEAR(gone.blunder.z(), 0.3, 4 * gone.sigma);
+      EXPECT_NEAR(gone.gross_error.z(), 0.3, 4 * gone.sigma);
     }
     if (gone.group == ObservationGroup::kPositionPlan && gone.image == image) {
       plan = true;
-      EXPECT_NEAR(gone.blunder.x(), -1, 4 * gone.sigma);
+      EXPECT_NEAR(gone.gross_error.x(), -1, 4 * gone.sigma);
     }
   }
   EXPECT_TRUE(height && plan);
@@ -94,18 +94,18 @@ TEST(Snooping, AGrossMeasurementOfControlGoesFirst) {
   block.control_observations[5].pixel += Eigen::Vector2d(900, -500);
   const auto snooped = snoop(block, {}, plain(), kMost, {});
   ASSERT_TRUE(snooped) << snooped.error().message;
-  ASSERT_FALSE(snooped->taken_out.empty());
-  const TakenOut& first = snooped->taken_out.front();
+  ASSERT_FALSE(snooped->rejected.empty());
+  const Rejected& first = snooped->rejected.front();
   EXPECT_EQ(first.group, ObservationGroup::kControlImages);
   EXPECT_EQ(first.image, block.control_observations[5].image);
   EXPECT_EQ(first.control, block.control_observations[5].point);
-  EXPECT_NEAR(first.blunder.x(), 900, 5);
-  EXPECT_NEAR(first.blunder.y(), -500, 5);
-  EXPECT_LT(snooped->taken_out.size(), 8u);
+  EXPECT_NEAR(first.gross_error.x(), 900, 5);
+  EXPECT_NEAR(first.gross_error.y(), -500, 5);
+  EXPECT_LT(snooped->rejected.size(), 8u);
 }
 
 std::optional<StayReason> reason_of(const Snooped& snooped, ObservationGroup group, std::uint32_t source) {
-  for (const NotTakenOut& one : snooped.kept)
+  for (const KeptSuspect& one : snooped.kept)
     if (one.observation.group == group && one.observation.source == source) return one.reason;
   return std::nullopt;
 }
@@ -171,7 +171,7 @@ TEST(Snooping, TheBoundHoldsForGrossMeasurementsToo) {
   for (const std::size_t i : {5, 20, 33}) block.control_observations[i].pixel += Eigen::Vector2d(700, 600);
   const auto snooped = snoop(block, {}, plain(), 2, {});
   ASSERT_TRUE(snooped) << snooped.error().message;
-  EXPECT_EQ(snooped->taken_out.size(), 2u);
+  EXPECT_EQ(snooped->rejected.size(), 2u);
   EXPECT_FALSE(snooped->finished);
 }
 
@@ -181,7 +181,7 @@ TEST(Snooping, TheBoundHoldsAndIsTold) {
   const auto snooped = snoop(block, {}, plain(), 5, {});
   ASSERT_TRUE(snooped) << snooped.error().message;
   EXPECT_FALSE(snooped->finished);
-  EXPECT_EQ(snooped->taken_out.size(), 5u);
+  EXPECT_EQ(snooped->rejected.size(), 5u);
 }
 
 TEST(Snooping, ThreadsDoNotChangeWhatGoes) {
@@ -191,11 +191,11 @@ TEST(Snooping, ThreadsDoNotChangeWhatGoes) {
   three.threads = 3;
   const auto a = snoop(block, {}, plain(), kMost, one), b = snoop(block, {}, plain(), kMost, three);
   ASSERT_TRUE(a && b);
-  ASSERT_EQ(a->taken_out.size(), b->taken_out.size());
-  for (std::size_t i = 0; i < a->taken_out.size(); ++i) {
-    EXPECT_EQ(a->taken_out[i].point, b->taken_out[i].point);
-    EXPECT_EQ(a->taken_out[i].w, b->taken_out[i].w);
-    EXPECT_EQ(a->taken_out[i].sigma, b->taken_out[i].sigma);
+  ASSERT_EQ(a->rejected.size(), b->rejected.size());
+  for (std::size_t i = 0; i < a->rejected.size(); ++i) {
+    EXPECT_EQ(a->rejected[i].point, b->rejected[i].point);
+    EXPECT_EQ(a->rejected[i].w, b->rejected[i].w);
+    EXPECT_EQ(a->rejected[i].sigma, b->rejected[i].sigma);
   }
 }
 
@@ -232,7 +232,7 @@ Surveyed surveyed(std::uint64_t seed) {
 
 // One blunder of 5 to 12 sigmas in a measurement on the ground and one in an attitude of each of 100 blocks: as many
 // are found as theory says, within four binomial deviations, and of good ones no more go than the level allows.
-TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower) {
+TEST(Snooping, GrossErrorsOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower) {
   ExamineOptions options = plain();
   options.adjust.calibration = Calibration::kNone;
   options.reliability = true;
@@ -268,7 +268,7 @@ TEST(Snooping, BlundersOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower)
     }
     const auto snooped = snoop(made.block, made.scope, options, kMost, {});
     ASSERT_TRUE(snooped) << snooped.error().message;
-    for (const TakenOut& gone : snooped->taken_out) {
+    for (const Rejected& gone : snooped->rejected) {
       if (gone.group < ObservationGroup::kDistance) continue;
       const bool attitude = gone.group >= ObservationGroup::kAttitudeLevel;
       const std::uint32_t source = attitude ? gone.image.value : gone.ground;

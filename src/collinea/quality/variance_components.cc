@@ -40,7 +40,7 @@ Block with_sigmas(const Block& block, const SigmaFactors& factors) {
     image.position->sigma_m.head<2>() *= factor_of(factors, ObservationGroup::kPositionPlan);
     image.position->sigma_m.z() *= factor_of(factors, ObservationGroup::kPositionHeight);
   }
-  for (GroundObservation& measured : scaled.ground)
+  for (GeodeticObservation& measured : scaled.ground)
     if (measured.role == ControlRole::kControl) measured.sigma *= factor_of(factors, group_of(measured.kind));
   return scaled;
 }

@@ -76,8 +76,8 @@ void WeaknessFinder::look_at_observations() {
     add(finding_of(FindingCode::kImagesLeftOut, subjects_of(adjusted_.images_left_out),
                    {count_of(adjusted_.images_left_out.size())}, {RemedyCode::kMeasureTiePoints}));
   }
-  if (const std::size_t count = problem_.ground_left_out; count > 0)
-    add(finding_of(FindingCode::kGroundLeftOut, {},
+  if (const std::size_t count = problem_.geodetic_left_out; count > 0)
+    add(finding_of(FindingCode::kGeodeticLeftOut, {},
                    {count_of(count), {FigureName::kOf, static_cast<double>(block_.ground.size())}},
                    {RemedyCode::kMeasureGroundPoints}));
 }
@@ -238,7 +238,7 @@ void WeaknessFinder::name_unseen(const std::vector<const DatumConstraint*>& unse
 }
 
 // Images through which alone two parts hang together: each part has its own scale.
-void WeaknessFinder::name_hinges() {
+void WeaknessFinder::name_articulation_images() {
   constexpr int kMostImages = 3000;  // each is tried: the square of their number
   if (problem_.poses > kMostImages) return;
   std::vector<std::set<int>> neighbours(static_cast<std::size_t>(problem_.poses));
@@ -249,12 +249,12 @@ void WeaknessFinder::name_hinges() {
         neighbours[i].insert(k);
         neighbours[k].insert(i);
       }
-  std::vector<int> hinges;
-  for (int hinge = 0; hinge < problem_.poses; ++hinge) {
-    if (neighbours[hinge].size() < 2) continue;
+  std::vector<int> articulation_images;
+  for (int articulation_image = 0; articulation_image < problem_.poses; ++articulation_image) {
+    if (neighbours[articulation_image].size() < 2) continue;
     std::vector<bool> reached(neighbours.size(), false);
-    std::vector<int> open{*neighbours[hinge].begin()};
-    reached[hinge] = reached[open.front()] = true;
+    std::vector<int> open{*neighbours[articulation_image].begin()};
+    reached[articulation_image] = reached[open.front()] = true;
     while (!open.empty()) {
       const int at = open.back();
       open.pop_back();
@@ -264,17 +264,17 @@ void WeaknessFinder::name_hinges() {
           open.push_back(next);
         }
     }
-    if (std::any_of(neighbours[hinge].begin(), neighbours[hinge].end(), [&](int k) { return !reached[k]; }))
-      hinges.push_back(hinge);
+    if (std::any_of(neighbours[articulation_image].begin(), neighbours[articulation_image].end(), [&](int k) { return !reached[k]; }))
+      articulation_images.push_back(articulation_image);
   }
-  if (hinges.empty()) return;
-  std::sort(hinges.begin(), hinges.end(), [&](int a, int b) { return problem_.images[a].id < problem_.images[b].id; });
-  add(finding_of(FindingCode::kScaleDrifts, subjects(hinges), {count_of(hinges.size())},
+  if (articulation_images.empty()) return;
+  std::sort(articulation_images.begin(), articulation_images.end(), [&](int a, int b) { return problem_.images[a].id < problem_.images[b].id; });
+  add(finding_of(FindingCode::kScaleDrifts, subjects(articulation_images), {count_of(articulation_images.size())},
                  {RemedyCode::kAddTripleOverlap}));
 }
 
 void WeaknessFinder::look_at_loose_images(Solved& solved, const Run& run) {
-  name_hinges();
+  name_articulation_images();
   constexpr double kStiffer = 1e-10;  // of each diagonal element: what is determined resists a thousand times as much
   constexpr int kVectors = 4, kRounds = 6;
   const auto factor = solved.factor_stiffened(kStiffer, run).factor;

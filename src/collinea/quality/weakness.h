@@ -51,7 +51,7 @@ class WeaknessFinder {
   [[nodiscard]] double variance_of_distance(std::size_t point, TileCholesky* inverse) const;
   void look_at_scale(const TileCholesky& factor);
   void name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole);
-  void name_hinges();
+  void name_articulation_images();
   void look_at_motions(const TileCholesky& factor);
   /// A camera with its free parameters: their place among the reduced unknowns, and their cofactors.
   struct FreeCamera {

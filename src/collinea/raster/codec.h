@@ -14,7 +14,7 @@
 
 namespace collinea {
 
-struct PhotoHeader;
+struct ImageHeader;
 
 enum class FileKind { kJpeg, kPng, kTiff };
 
@@ -59,7 +59,7 @@ using Size = std::array<int, 2>;  ///< width, height [px]
 [[nodiscard]] Raster<std::uint8_t> with_channels(Raster<std::uint8_t> picture, int channels);
 
 /// Adds EXIF and XMP to the bytes of a JPEG file.
-[[nodiscard]] Result<std::string> with_header(const std::string& jpeg, const PhotoHeader& header);
+[[nodiscard]] Result<std::string> with_header(const std::string& jpeg, const ImageHeader& header);
 /// Makes Exiv2 quiet, ready for threads, and acquainted with the namespaces of drones. Cheap to call again.
 void set_up_exiv2();
 

@@ -23,7 +23,7 @@ Result<Raster<std::uint8_t>> decoded(const std::filesystem::path& path, int chan
   return shrink == 1 ? std::move(picture) : shrunk(picture, shrink);
 }
 
-Result<Raster<std::uint8_t>> read_picture(const std::filesystem::path& path, int channels, int shrink) {
+Result<Raster<std::uint8_t>> read_image_file(const std::filesystem::path& path, int channels, int shrink) {
   COLLINEA_CHECK(shrink == 1 || shrink == 2 || shrink == 4 || shrink == 8);
   try {
     Result<Raster<std::uint8_t>> picture = decoded(path, channels, shrink);
@@ -36,15 +36,15 @@ Result<Raster<std::uint8_t>> read_picture(const std::filesystem::path& path, int
 
 }  // namespace
 
-Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink) { return read_picture(path, 3, shrink); }
+Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink) { return read_image_file(path, 3, shrink); }
 
-Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink) { return read_picture(path, 1, shrink); }
+Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink) { return read_image_file(path, 1, shrink); }
 
 Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& picture, int quality,
-                    const PhotoHeader* header) {
+                    const ImageHeader* header) {
   COLLINEA_TRY(std::string bytes, encode_jpeg(picture, quality));
   if (header) {
-    PhotoHeader sized = *header;
+    ImageHeader sized = *header;
     sized.width_px = picture.width;
     sized.height_px = picture.height;
     COLLINEA_TRY(bytes, with_header(bytes, sized));

@@ -11,7 +11,7 @@
 namespace collinea {
 
 /// What the header of a photograph says (EXIF, XMP of drones); only what is really there. By Exiv2.
-struct PhotoHeader {
+struct ImageHeader {
   int width_px = 0, height_px = 0;
   std::string maker, model, serial, lens;
   std::optional<double> focal_mm, focal_35mm_mm;
@@ -27,7 +27,7 @@ struct PhotoHeader {
 
 /// Reads the header. Errors: not a photograph we know (JPEG, PNG, TIFF), cannot be opened. Broken EXIF is no error:
 /// the fields stay empty.
-[[nodiscard]] Result<PhotoHeader> read_photo_header(const std::filesystem::path& path);
+[[nodiscard]] Result<ImageHeader> read_image_header(const std::filesystem::path& path);
 
 /// Decodes a photograph to 8-bit colour (3 channels) or grey (1 channel; JPEG decoded straight to its luma).
 /// 16-bit files are scaled by their own 0.1 and 99.9 percentiles. `shrink` = 1, 2, 4 or 8 decodes at a reduced size
@@ -38,7 +38,7 @@ struct PhotoHeader {
 
 /// Writes 8-bit pictures (1 or 3 channels), atomically. With a header, JPEG gets its EXIF and XMP tags.
 [[nodiscard]] Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& picture, int quality,
-                                  const PhotoHeader* header = nullptr);
+                                  const ImageHeader* header = nullptr);
 [[nodiscard]] Result<> write_png(const std::filesystem::path& path,
                                  const Raster<std::uint8_t>& picture);  ///< 1, 3 or 4 channels
 /// The same, into memory: for pictures inside a report.

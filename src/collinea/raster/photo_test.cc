@@ -203,9 +203,9 @@ TEST(Photo, TheNameOfTheFileDoesNotMatterItsBytesDo) {
   EXPECT_TRUE(read_colour(folder / "really_png.jpg"));
   ASSERT_TRUE(write_bytes(folder / "text.jpg", "hello, this is no picture"));
   EXPECT_EQ(read_colour(folder / "text.jpg").error().code, Errc::kBadFormat);
-  EXPECT_EQ(read_photo_header(folder / "text.jpg").error().code, Errc::kBadFormat);
+  EXPECT_EQ(read_image_header(folder / "text.jpg").error().code, Errc::kBadFormat);
   EXPECT_EQ(read_colour(folder / "missing.jpg").error().code, Errc::kNotFound);
-  EXPECT_EQ(read_photo_header(folder / "missing.jpg").error().code, Errc::kNotFound);
+  EXPECT_EQ(read_image_header(folder / "missing.jpg").error().code, Errc::kNotFound);
   ASSERT_TRUE(write_bytes(folder / "empty.jpg", ""));
   EXPECT_FALSE(read_colour(folder / "empty.jpg"));
   EXPECT_FALSE(read_colour(folder / "."));
@@ -218,7 +218,7 @@ TEST(Photo, ACutJpegIsAnErrorWhereverItIsCut) {
     ASSERT_TRUE(write_bytes(folder / "cut.jpg", whole.substr(0, i * (whole.size() - 1) / 49)));
     EXPECT_FALSE(read_grey(folder / "cut.jpg")) << i;
     EXPECT_FALSE(read_colour(folder / "cut.jpg", 4)) << i;
-    (void)read_photo_header(folder / "cut.jpg");
+    (void)read_image_header(folder / "cut.jpg");
   }
 }
 
@@ -231,14 +231,14 @@ TEST(Photo, ACutPngOrTiffIsAnErrorToo) {
     for (std::size_t i = 0; i < 30; ++i) {
       ASSERT_TRUE(write_bytes(folder / "cut", whole.substr(0, i * (whole.size() - 1) / 29)));
       EXPECT_FALSE(read_colour(folder / "cut")) << name << i;
-      (void)read_photo_header(folder / "cut");
+      (void)read_image_header(folder / "cut");
     }
   }
 }
 
 TEST(Photo, NoDamageMakesAReaderCrash) {
   const TestFolder folder;
-  PhotoHeader header;
+  ImageHeader header;
   header.maker = "M";
   header.latitude_deg = 1;
   header.longitude_deg = 2;
@@ -256,7 +256,7 @@ TEST(Photo, NoDamageMakesAReaderCrash) {
       for (int i = 0; i < 1 + trial % 8; ++i) bytes[4 + random.below(range - 4)] = char(random.below(256));
       ASSERT_TRUE(write_bytes(folder / "flipped", bytes));
       (void)read_colour(folder / "flipped");
-      (void)read_photo_header(folder / "flipped");
+      (void)read_image_header(folder / "flipped");
     }
   }
 }
@@ -311,7 +311,7 @@ void expect_refused(const std::filesystem::path& path, const std::string& bytes)
   const auto grey = read_grey(path);
   ASSERT_FALSE(grey);
   EXPECT_NE(grey.error().message.find("40000 x 20000 pixels cannot be in"), std::string::npos) << grey.error().message;
-  const auto header = read_photo_header(path);
+  const auto header = read_image_header(path);
   ASSERT_FALSE(header);
   EXPECT_NE(header.error().message.find("40000 x 20000 pixels cannot be in"), std::string::npos)
       << header.error().message;
@@ -357,8 +357,8 @@ TEST(Photo, AnAbsurdTileOfASmallTiffIsRefusedBeforeMemoryIsTaken) {
       << picture.error().message;
 }
 
-PhotoHeader full_header() {
-  PhotoHeader header;
+ImageHeader full_header() {
+  ImageHeader header;
   header.maker = "DJI";
   header.model = "FC6310R";
   header.serial = "0K8TGB1234";
@@ -381,12 +381,12 @@ PhotoHeader full_header() {
   return header;
 }
 
-TEST(PhotoHeader, EverythingWrittenIsReadAgain) {
+TEST(ImageHeader, EverythingWrittenIsReadAgain) {
   const TestFolder folder;
-  const PhotoHeader header = full_header();
+  const ImageHeader header = full_header();
   // Wide enough that the sensor is plausible for the pixel pitch.
   ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(5472, 8, 1), 50, &header));
-  const PhotoHeader back = read_photo_header(folder / "a.jpg").value();
+  const ImageHeader back = read_image_header(folder / "a.jpg").value();
   EXPECT_EQ(back.width_px, 5472);
   EXPECT_EQ(back.height_px, 8);
   EXPECT_EQ(back.maker, header.maker);
@@ -411,42 +411,42 @@ TEST(PhotoHeader, EverythingWrittenIsReadAgain) {
   EXPECT_TRUE(read_colour(folder / "a.jpg"));
 }
 
-TEST(PhotoHeader, BelowSeaLevelAndWestSurvive) {
+TEST(ImageHeader, BelowSeaLevelAndWestSurvive) {
   const TestFolder folder;
-  PhotoHeader header;
+  ImageHeader header;
   header.latitude_deg = 31.5;
   header.longitude_deg = -0.25;
   header.height_m = -420.5;
   ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90, &header));
-  const PhotoHeader back = read_photo_header(folder / "a.jpg").value();
+  const ImageHeader back = read_image_header(folder / "a.jpg").value();
   EXPECT_NEAR(back.longitude_deg.value(), -0.25, 1e-9);
   EXPECT_NEAR(back.height_m.value(), -420.5, 1e-4);
 }
 
-TEST(PhotoHeader, ZeroZeroIsNoPlace) {
+TEST(ImageHeader, ZeroZeroIsNoPlace) {
   const TestFolder folder;
-  PhotoHeader header;
+  ImageHeader header;
   header.latitude_deg = 0;
   header.longitude_deg = 0;
   header.height_m = 5;
   ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90, &header));
-  const PhotoHeader back = read_photo_header(folder / "a.jpg").value();
+  const ImageHeader back = read_image_header(folder / "a.jpg").value();
   EXPECT_FALSE(back.latitude_deg || back.longitude_deg || back.height_m);
 }
 
-TEST(PhotoHeader, WithoutTagsNothingIsInvented) {
+TEST(ImageHeader, WithoutTagsNothingIsInvented) {
   const TestFolder folder;
   ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90));
-  const PhotoHeader back = read_photo_header(folder / "a.jpg").value();
+  const ImageHeader back = read_image_header(folder / "a.jpg").value();
   EXPECT_EQ(back.width_px, 93);
   EXPECT_TRUE(back.maker.empty() && back.model.empty() && back.serial.empty() && back.taken.empty());
   EXPECT_FALSE(back.focal_mm || back.focal_35mm_mm || back.pixel_pitch_mm || back.latitude_deg || back.heading_deg);
   EXPECT_EQ(back.orientation, 1);
 }
 
-TEST(PhotoHeader, SeveralThreadsReadAtOnce) {
+TEST(ImageHeader, SeveralThreadsReadAtOnce) {
   const TestFolder folder;
-  const PhotoHeader header = full_header();
+  const ImageHeader header = full_header();
   ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90, &header));
   std::array<int, 4> wrong{};
   {
@@ -454,7 +454,7 @@ TEST(PhotoHeader, SeveralThreadsReadAtOnce) {
     for (int& count : wrong)
       threads.emplace_back([&count, &folder] {
         for (int i = 0; i < 50; ++i) {
-          const auto back = read_photo_header(folder / "a.jpg");
+          const auto back = read_image_header(folder / "a.jpg");
           count += !back || back->pitch_deg != -89.9 || back->model != "FC6310R";
         }
       });

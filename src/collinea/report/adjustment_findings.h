@@ -29,6 +29,6 @@ namespace collinea {
 /// Additional parameters of cameras: which are significant, which are alike, which to drop.
 [[nodiscard]] std::string additional_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json additional_json(const AdjustmentReport& report);
-[[nodiscard]] std::string taken_out_csv(const Snooped& snooped);
+[[nodiscard]] std::string rejected_csv(const Snooped& snooped);
 
 }  // namespace collinea

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <numbers>
 
-#include "collinea/block/ground_words.h"
+#include "collinea/block/geodetic_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/finding_json.h"
@@ -27,8 +27,8 @@ json control(const AdjustmentReport& report) {
 
 json ground(const AdjustmentReport& report) {
   json list = json::array();
-  for (const GroundDifference& one : report.adjusted.ground) {
-    const GroundObservation& measured = report.block.ground[one.observation];
+  for (const GeodeticDifference& one : report.adjusted.ground) {
+    const GeodeticObservation& measured = report.block.ground[one.observation];
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     list.push_back({{"measurement", words_of(measured, report.block)},
                     {"unit", measured.is_angle() ? "deg" : "m"},
@@ -88,8 +88,8 @@ json tested(const std::vector<TestedObservation>& observations, const Block& blo
                     {"sigma", number(one.sigma)},
                     {"redundancy", number(one.redundancy)},
                     {"w", number(one.w)},
-                    {"blunder", number(one.blunder)},
-                    {"least_detectable_blunder", number(one.least_blunder)},
+                    {"gross_error", number(one.gross_error)},
+                    {"minimal_detectable_bias", number(one.minimal_detectable_bias)},
                     {"effect", number(one.effect)},
                     {"effect_in_sigmas", number(one.effect_in_sigmas)}});
   }
@@ -125,7 +125,7 @@ json rms_json(const std::vector<LeftOutPoint>& points) {
   for (const bool height : {false, true})
     if (const LeftOutRms rms = rms_of(points, height); rms.points > 0)
       all[height ? "height" : "plan"] = {
-          {"points", rms.points}, {"rms_m", number(rms.difference_m)}, {"foretold_m", number(rms.foretold_m)}};
+          {"points", rms.points}, {"rms_m", number(rms.difference_m)}, {"predicted_m", number(rms.predicted_m)}};
   return all;
 }
 
@@ -176,7 +176,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
       {"control_points", control(report)},
       {"accuracy", accuracy_json(report)}};
   if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
-  if (!adjusted.extras.empty()) j["extra_unknowns"] = unknowns(report);
+  if (!adjusted.auxiliaries.empty()) j["auxiliary_unknowns"] = unknowns(report);
   if (!report.additional.empty()) j["additional"] = additional_json(report);
   if (!adjusted.inseparable.empty()) j["inseparable"] = findings_json(adjusted.inseparable, report.block);
   if (adjusted.reliability) j["reliability"] = reliability(report, *adjusted.reliability);

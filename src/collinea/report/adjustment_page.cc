@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/block/ground_words.h"
+#include "collinea/block/geodetic_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"
@@ -88,8 +88,8 @@ std::string ground_table(const AdjustmentReport& report) {
       "<section><h2>Measurements on the ground</h2>\n<p>Adjusted minus given. &sigma;: what the difference is expected "
       "to be. Red: more than three times that.</p>\n" +
       head({"measurement", "role", "unit", "given", "&sigma; given", "adjusted", "difference", "&sigma;"});
-  for (const GroundDifference& one : report.adjusted.ground) {
-    const GroundObservation& measured = report.block.ground[one.observation];
+  for (const GeodeticDifference& one : report.adjusted.ground) {
+    const GeodeticObservation& measured = report.block.ground[one.observation];
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     const int decimals = measured.is_angle() ? 5 : kDecimals;
     html += "<tr>" + text_cell(words_of(measured, report.block)) + text_cell(one.used ? "used" : "check") +
@@ -142,7 +142,7 @@ std::string folded_table(const AdjustmentReport& report, const Folded& folded) {
     if (const LeftOutRms rms = rms_of(folded.points, height); rms.points > 0)
       html +=
           fmt::format("{}: root mean square {:.{}f} m over {} points, foretold {:.{}f} m. ", height ? "Height" : "Plan",
-                      rms.difference_m, kDecimals, rms.points, rms.foretold_m, kDecimals);
+                      rms.difference_m, kDecimals, rms.points, rms.predicted_m, kDecimals);
   html += "</p>\n" + head({"point", "part", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
                            "&sigma; height"});
   for (std::size_t k = 0; k < folded.points.size(); ++k) {
@@ -171,7 +171,7 @@ std::string group_table(const AdjustmentReport& report, const Reliability& tests
 }
 
 std::string test_rows(const std::vector<TestedObservation>& observations, const Block& block, double limit) {
-  std::string html = head({"observation", "unit", "residual", "&sigma; given", "redundancy", "w", "blunder",
+  std::string html = head({"observation", "unit", "residual", "&sigma; given", "redundancy", "w", "gross error",
                            "least detectable", "its effect", "in &sigma;"});
   for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
     const TestedObservation one = in_unit(observations[i]);
@@ -180,7 +180,7 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
     html += "<tr>" + text_cell(name_of(one, block)) + text_cell(unit_of(one)) + cell(one.residual, decimals) +
             cell(one.sigma, decimals) + cell(one.redundancy, 2) +
             fmt::format("<td{}>{:+.1f}</td>", std::abs(one.w) > limit ? " class=\"bad\"" : "", one.w) +
-            cell(one.blunder, decimals) + cell(one.least_blunder, decimals) + cell(one.effect, decimals) +
+            cell(one.gross_error, decimals) + cell(one.minimal_detectable_bias, decimals) + cell(one.effect, decimals) +
             cell(one.effect_in_sigmas, 1) + "</tr>\n";
   }
   return html + "</tbody></table>\n";

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/block/ground_words.h"
+#include "collinea/block/geodetic_words.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/finding_words.h"
 
@@ -32,14 +32,14 @@ double in_unit(UnknownKind kind, double value) {
 
 std::vector<EstimatedUnknown> shown_unknowns(const Adjusted& adjusted) {
   std::vector<EstimatedUnknown> shown;
-  for (const EstimatedUnknown& one : adjusted.extras)
+  for (const EstimatedUnknown& one : adjusted.auxiliaries)
     if (!is_of_shape(one.kind)) shown.push_back(one);
   return shown;
 }
 
 TestedObservation in_unit(TestedObservation one) {
   if (!is_angle(one.group)) return one;
-  for (double* value : {&one.residual, &one.sigma, &one.blunder, &one.least_blunder, &one.effect}) *value *= kDegrees;
+  for (double* value : {&one.residual, &one.sigma, &one.gross_error, &one.minimal_detectable_bias, &one.effect}) *value *= kDegrees;
   return one;
 }
 

@@ -31,7 +31,7 @@ struct AdjustmentReport {
 /// What was measured, in words: "tie point 17 in IMG_2.jpg, row", "gcp3, height", "position of IMG_2.jpg, east".
 [[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
 /// A measurement that was taken out, and how wrong it was: "gcp4 in IMG_31.jpg, off by 12.3 px (row ...)".
-[[nodiscard]] std::string told(const TakenOut& gone, const Block& block);
+[[nodiscard]] std::string told(const Rejected& gone, const Block& block);
 /// px in images, m on the ground, deg; and the observation with its figures in that.
 [[nodiscard]] const char* unit_of(const TestedObservation& observation);
 [[nodiscard]] TestedObservation in_unit(TestedObservation observation);

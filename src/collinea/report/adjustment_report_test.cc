@@ -197,21 +197,21 @@ TEST(WriteAdjustment, ControlLeftOutInPartsIsTold) {
   EXPECT_NEAR(parts.at("rms").at("height").at("rms_m").get<double>(), 0.05, 1e-12);
 }
 
-TEST(WriteAdjustment, WhatWasTakenOutOfGroundAndAttitudesIsToldInDegrees) {
+TEST(WriteAdjustment, WhatWasRejectedOfGroundAndAttitudesIsToldInDegrees) {
   Block block;
   block.images[{1}].file = "IMG_1.jpg";
   block.control[{1}].name = "A";
   block.control[{2}].name = "B";
-  block.ground = {{.kind = GroundKind::kZenithAngle, .from = {1}, .to = {2}}};
-  TakenOut angle{ObservationGroup::kZenithAngle};
-  angle.blunder.x() = 0.01;
+  block.ground = {{.kind = GeodeticKind::kZenithAngle, .from = {1}, .to = {2}}};
+  Rejected angle{ObservationGroup::kZenithAngle};
+  angle.gross_error.x() = 0.01;
   angle.sigma = 1e-4;
   angle.w = 100;
   EXPECT_EQ(told(angle, block),
             "zenith angle A - B, off by 0.5730 deg (measured +0.5730 deg with a sigma of 0.00573 deg)");
-  TakenOut heading{ObservationGroup::kAttitudeHeading, {1}};
+  Rejected heading{ObservationGroup::kAttitudeHeading, {1}};
   heading.axis = 2;
-  heading.blunder.z() = -0.01;
+  heading.gross_error.z() = -0.01;
   heading.sigma = 1e-4;
   heading.w = 100;
   EXPECT_EQ(

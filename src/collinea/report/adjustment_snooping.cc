@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/block/ground_words.h"
+#include "collinea/block/geodetic_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/finding_words.h"
@@ -22,7 +22,7 @@ bool in_image(ObservationGroup group) {
   return group == ObservationGroup::kTieImages || group == ObservationGroup::kControlImages;
 }
 
-std::string name_of(const TakenOut& gone, const Block& block) {
+std::string name_of(const Rejected& gone, const Block& block) {
   switch (gone.group) {
     case ObservationGroup::kTieImages:
       return fmt::format("tie point {} in {}", gone.point.value, block.images.at(gone.image).file);
@@ -45,19 +45,19 @@ std::string name_of(const TakenOut& gone, const Block& block) {
   }
 }
 
-bool is_attitude(const TakenOut& gone) { return gone.group >= ObservationGroup::kAttitudeLevel; }
+bool is_attitude(const Rejected& gone) { return gone.group >= ObservationGroup::kAttitudeLevel; }
 
 // Angles are told in degrees.
-bool is_angle(const TakenOut& gone) {
+bool is_angle(const Rejected& gone) {
   return gone.group == ObservationGroup::kDirection || gone.group == ObservationGroup::kZenithAngle ||
          is_attitude(gone);
 }
-const char* unit(const TakenOut& gone) { return in_image(gone.group) ? "px" : is_angle(gone) ? "deg" : "m"; }
-double told_in_unit(const TakenOut& gone, double value) {
+const char* unit(const Rejected& gone) { return in_image(gone.group) ? "px" : is_angle(gone) ? "deg" : "m"; }
+double told_in_unit(const Rejected& gone, double value) {
   return is_angle(gone) ? value * 180 / std::numbers::pi : value;
 }
 
-const char* axis_of(const TakenOut& gone) {
+const char* axis_of(const Rejected& gone) {
   constexpr const char* kInImage[] = {"column", "row", ""};
   constexpr const char* kOnGround[] = {"east", "north", "height"};
   constexpr const char* kTurn[] = {"about east", "about north", "about the plumb line"};
@@ -68,16 +68,16 @@ const char* axis_of(const TakenOut& gone) {
 
 }  // namespace
 
-std::string told(const TakenOut& gone, const Block& block) {
+std::string told(const Rejected& gone, const Block& block) {
   std::string text = name_of(gone, block);
   if (gone.as_pair) return text + " (the only other ray of the point contradicts it; both went)";
   if (!std::isfinite(gone.w)) return text + " (not seen there)";
   const int decimals = in_image(gone.group) ? 1 : is_angle(gone) ? 4 : 3;
-  const bool in_plan = std::isfinite(gone.blunder.x()) && std::isfinite(gone.blunder.y());
-  const double size = told_in_unit(gone, in_plan ? gone.blunder.head<2>().norm() : std::abs(gone.blunder[gone.axis]));
+  const bool in_plan = std::isfinite(gone.gross_error.x()) && std::isfinite(gone.gross_error.y());
+  const double size = told_in_unit(gone, in_plan ? gone.gross_error.head<2>().norm() : std::abs(gone.gross_error[gone.axis]));
   if (std::isfinite(size)) text += fmt::format(", off by {:.{}f} {}", size, decimals, unit(gone));
   return text + fmt::format(" ({} {:+.{}f} {} with a sigma of {:.{}f} {})", axis_of(gone),
-                            told_in_unit(gone, gone.blunder[gone.axis]), decimals, unit(gone),
+                            told_in_unit(gone, gone.gross_error[gone.axis]), decimals, unit(gone),
                             told_in_unit(gone, gone.sigma), decimals + 1, unit(gone));
 }
 
@@ -88,23 +88,23 @@ std::string snooping_section(const AdjustmentReport& report) {
       "<section><h2>Data snooping</h2>\n<p>{} observations were taken out in {} adjustments; sigma 0 with all of them "
       "was {:.3f}.{}{} Blunder: measured minus what the adjustment without it says. Drawn: by how much the adjusted "
       "value followed it while it took part.</p>\n",
-      snooped.taken_out.size(), snooped.rounds, snooped.sigma0_before,
+      snooped.rejected.size(), snooped.rounds, snooped.sigma0_before,
       snooped.finished ? "" : " More are suspect: the bound was reached.",
       snooped.put_back > 0 ? fmt::format(" {} that another blunder had spoilt came back.", snooped.put_back) : "");
-  if (!snooped.taken_out.empty()) {
+  if (!snooped.rejected.empty()) {
     html +=
         "<table><thead><tr><th class=\"l\">observation</th><th class=\"l\">coordinate</th><th>w</th><th>blunder</th>"
         "<th>&sigma;</th><th>drawn</th><th class=\"l\">unit</th><th>redundancy</th></tr></thead><tbody>\n";
-    for (std::size_t i = 0; i < std::min(kMostRows, snooped.taken_out.size()); ++i) {
-      const TakenOut& gone = snooped.taken_out[i];
+    for (std::size_t i = 0; i < std::min(kMostRows, snooped.rejected.size()); ++i) {
+      const Rejected& gone = snooped.rejected[i];
       const int decimals = in_image(gone.group) ? 2 : is_angle(gone) ? 5 : 4;
       html += "<tr>" + text_cell(name_of(gone, snooped.block)) + text_cell(axis_of(gone)) + cell(gone.w, 1) +
-              cell(told_in_unit(gone, gone.blunder[gone.axis]), decimals) +
-              cell(told_in_unit(gone, gone.sigma), decimals) + cell(told_in_unit(gone, gone.pulled), decimals) +
+              cell(told_in_unit(gone, gone.gross_error[gone.axis]), decimals) +
+              cell(told_in_unit(gone, gone.sigma), decimals) + cell(told_in_unit(gone, gone.influence), decimals) +
               text_cell(unit(gone)) + cell(gone.redundancy, 2) + "</tr>\n";
     }
     html += "</tbody></table>\n";
-    if (snooped.taken_out.size() > kMostRows) html += "<p>taken_out.csv has more.</p>\n";
+    if (snooped.rejected.size() > kMostRows) html += "<p>taken_out.csv has more.</p>\n";
   }
   if (!snooped.kept.empty()) {
     html += "<p>Suspect, but they cannot be taken out:</p>\n<ul>";
@@ -114,7 +114,7 @@ std::string snooping_section(const AdjustmentReport& report) {
               "</li>\n";
     html += "</ul>\n";
   }
-  if (!snooped.with.empty() && !snooped.taken_out.empty()) {
+  if (!snooped.with.empty() && !snooped.rejected.empty()) {
     html +=
         "<p>Differences of control and check points with all observations, and now [m]:</p>\n<table><thead><tr><th "
         "class=\"l\">point</th><th>east</th><th>north</th><th>height</th><th>east, now</th><th>north, now</th>"
@@ -135,40 +135,40 @@ std::string snooping_section(const AdjustmentReport& report) {
 
 json snooping_json(const AdjustmentReport& report) {
   const Snooped& snooped = *report.snooped;
-  json taken_out = json::array(), kept = json::array(), with = json::array();
-  for (const TakenOut& gone : snooped.taken_out)
-    taken_out.push_back({{"observation", name_of(gone, snooped.block)},
+  json rejected = json::array(), kept = json::array(), with = json::array();
+  for (const Rejected& gone : snooped.rejected)
+    rejected.push_back({{"observation", name_of(gone, snooped.block)},
                          {"coordinate", axis_of(gone)},
                          {"unit", unit(gone)},
                          {"w", number(gone.w)},
-                         {"blunder",
-                          {number(told_in_unit(gone, gone.blunder.x())), number(told_in_unit(gone, gone.blunder.y())),
-                           number(told_in_unit(gone, gone.blunder.z()))}},
+                         {"gross_error",
+                          {number(told_in_unit(gone, gone.gross_error.x())), number(told_in_unit(gone, gone.gross_error.y())),
+                           number(told_in_unit(gone, gone.gross_error.z()))}},
                          {"sigma", number(told_in_unit(gone, gone.sigma))},
-                         {"drawn", number(told_in_unit(gone, gone.pulled))},
+                         {"influence", number(told_in_unit(gone, gone.influence))},
                          {"redundancy", number(gone.redundancy)},
                          {"as_pair", gone.as_pair},
                          {"round", gone.round}});
-  for (const NotTakenOut& one : snooped.kept)
+  for (const KeptSuspect& one : snooped.kept)
     kept.push_back({{"observation", name_of(one.observation, snooped.block)},
                     {"w", number(one.observation.w)},
                     {"reason", words_of(one.reason)}});
   for (const ControlDifference& one : snooped.with)
     with.push_back({{"name", snooped.block.control.at(one.point).name}, {"difference_m", vector(one.difference_m)}});
   return {{"adjustments", snooped.rounds}, {"finished", snooped.finished}, {"sigma0_before", snooped.sigma0_before},
-          {"taken_out", taken_out},        {"put_back", snooped.put_back}, {"not_to_be_taken_out", kept},
+          {"rejected", rejected},        {"put_back", snooped.put_back}, {"not_to_be_taken_out", kept},
           {"control_points_before", with}};
 }
 
-std::string taken_out_csv(const Snooped& snooped) {
+std::string rejected_csv(const Snooped& snooped) {
   std::string text = "observation,coordinate,unit,w,blunder,sigma,drawn,redundancy,as_pair,adjustment\n";
   const auto value = [](double x) { return std::isfinite(x) ? fmt::format(",{:.10g}", x) : std::string(","); };
-  for (const TakenOut& gone : snooped.taken_out) {
+  for (const Rejected& gone : snooped.rejected) {
     std::string name;
     for (const char c : name_of(gone, snooped.block)) name += c == '"' ? std::string("\"\"") : std::string(1, c);
     text += fmt::format("\"{}\",{},{}", name, axis_of(gone), unit(gone));
-    for (const double x : {gone.w, told_in_unit(gone, gone.blunder[gone.axis]), told_in_unit(gone, gone.sigma),
-                           told_in_unit(gone, gone.pulled), gone.redundancy})
+    for (const double x : {gone.w, told_in_unit(gone, gone.gross_error[gone.axis]), told_in_unit(gone, gone.sigma),
+                           told_in_unit(gone, gone.influence), gone.redundancy})
       text += value(x);
     text += fmt::format(",{},{}\n", gone.as_pair ? "yes" : "no", gone.round);
   }

@@ -336,7 +336,7 @@ std::string words_of_weak_images(const Words& w) {
              "not determined.";
     case C::kImagesLeftOut:
       return "Images cannot be determined: " + w.all() + ". Fewer than three of their points are known elsewhere.";
-    case C::kGroundLeftOut:
+    case C::kGeodeticLeftOut:
       return fmt::format(
           "{} of {} measurements on the ground take no part: too few images show their points, or these "
           "do not determine their plane, line or height and one point more.",

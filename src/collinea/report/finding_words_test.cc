@@ -15,8 +15,8 @@ Block named_block() {
   block.cameras[{0}].name = "FC6310";
   for (std::uint32_t i = 0; i < 9; ++i) block.images[{i}] = {"IMG_" + std::to_string(i) + ".jpg", CameraId{0}};
   for (std::uint32_t i = 0; i < 3; ++i) block.control[{i}].name = "P" + std::to_string(i);
-  block.ground.push_back({.kind = GroundKind::kDistance, .from = {0}, .to = {1}});
-  block.ground.push_back({.kind = GroundKind::kDistance, .from = {1}, .to = {2}});
+  block.ground.push_back({.kind = GeodeticKind::kDistance, .from = {0}, .to = {1}});
+  block.ground.push_back({.kind = GeodeticKind::kDistance, .from = {1}, .to = {2}});
   return block;
 }
 

@@ -104,7 +104,7 @@ std::string plan_json(const PlanReport& report) {
     j["rules_of_thumb"].push_back({{"of", rule.name},
                                    {"rule", rule.formula},
                                    {"by_rule_m", rule.value_m},
-                                   {"by_adjustment_m", number(rule.foretold_m.value_or(std::nan("")))}});
+                                   {"by_adjustment_m", number(rule.predicted_m.value_or(std::nan("")))}});
   for (const Custom& custom : report.customs) j["customs"].push_back({{"what", custom.what}, {"kept", custom.kept}});
   j["weaknesses"] = findings_json(precision.adjusted.weaknesses, report.precision.planned.block);
   if (report.trials)
@@ -144,9 +144,9 @@ std::string plan_text(const PlanReport& report) {
     text += "with       " + sigmas(gain.area) + ": " + gain.what +
             (gain.place ? fmt::format(" at {:.1f}, {:.1f}", gain.place->x(), gain.place->y()) : "") + "\n";
   for (const RuleOfThumb& rule : report.rules)
-    if (rule.foretold_m)
+    if (rule.predicted_m)
       text += fmt::format("rule       {:.1f} mm, here {:.1f} mm: {} = {}\n", 1000 * rule.value_m,
-                          1000 * *rule.foretold_m, rule.name, rule.formula);
+                          1000 * *rule.predicted_m, rule.name, rule.formula);
   if (report.trials)
     text +=
         fmt::format("simulated  errors of {} blocks over what was foretold: east {:.2f}, north {:.2f}, height {:.2f}\n",

@@ -171,7 +171,7 @@ std::string rules(const PlanReport& report) {
       head({"of", "rule", "by the rule [mm]", "by the adjustment [mm]"});
   for (const RuleOfThumb& rule : report.rules)
     html += "<tr>" + text_cell(rule.name) + text_cell(rule.formula) + cell(1000 * rule.value_m, kMm) +
-            cell(1000 * rule.foretold_m.value_or(std::nan("")), kMm) + "</tr>\n";
+            cell(1000 * rule.predicted_m.value_or(std::nan("")), kMm) + "</tr>\n";
   html += "</tbody></table>\n<ul>";
   for (const Custom& custom : report.customs)
     html += "<li>" + escaped(custom.what) + ": " + (custom.kept ? "yes" : "<b>no</b>") + "</li>\n";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/report_json.h"
 
-#include "collinea/block/ground_words.h"
+#include "collinea/block/geodetic_words.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/finding_json.h"
 #include "collinea/report/json_values.h"
@@ -85,8 +85,8 @@ json control(const ReportInput& input) {
 
 json ground(const ReportInput& input) {
   json list = json::array();
-  for (const GroundDifference& one : input.ground) {
-    const GroundObservation& measured = input.block.ground.at(one.observation);
+  for (const GeodeticDifference& one : input.ground) {
+    const GeodeticObservation& measured = input.block.ground.at(one.observation);
     list.push_back({{"measurement", words_of(measured, input.block)},
                     {"role", one.excluded ? "excluded"
                              : one.used   ? "control"

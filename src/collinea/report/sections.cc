@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/block/ground_words.h"
+#include "collinea/block/geodetic_words.h"
 #include "collinea/report/cells.h"
 #include "collinea/report/page.h"
 #include "collinea/report/svg.h"
@@ -172,8 +172,8 @@ std::string ground_section(const ReportInput& input) {
       "times the predicted standard deviation.</p>\n<table><thead><tr><th class=\"l\">measurement</th><th "
       "class=\"l\">role</th><th class=\"l\">unit</th><th>given</th><th>&sigma; given</th><th>adjusted</th>"
       "<th>difference</th><th>&sigma; predicted</th></tr></thead><tbody>\n";
-  for (const GroundDifference& one : input.ground) {
-    const GroundObservation& measured = input.block.ground.at(one.observation);
+  for (const GeodeticDifference& one : input.ground) {
+    const GeodeticObservation& measured = input.block.ground.at(one.observation);
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     const int decimals = measured.is_angle() ? 5 : 4;
     html += one.excluded ? "<tr class=\"out\">" : "<tr>";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "collinea/block/ground_words.h"
+#include "collinea/block/geodetic_words.h"
 #include "collinea/block/subject_label.h"
 #include "collinea/report/finding_words.h"
 

@@ -44,7 +44,7 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
     return fmt::format(
         "The block has no place on Earth; its scale comes from {} measurement{} on the ground. Nothing independent "
         "verifies the accuracy: measure a distance that is only compared (role check).",
-        std::count_if(input.ground.begin(), input.ground.end(), [](const GroundDifference& one) { return one.used; }),
+        std::count_if(input.ground.begin(), input.ground.end(), [](const GeodeticDifference& one) { return one.used; }),
         input.ground.size() == 1 ? "" : "s");
   if (!input.georeferenced)
     return "The block has neither place nor scale on Earth: lengths are in units of the model. Add control points, "

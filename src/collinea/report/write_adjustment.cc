@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "collinea/base/file.h"
-#include "collinea/block/ground_words.h"
+#include "collinea/block/geodetic_words.h"
 #include "collinea/report/adjustment_findings.h"
 #include "collinea/report/adjustment_products.h"
 #include "collinea/report/cells.h"
@@ -41,15 +41,15 @@ std::string cameras_csv(const AdjustmentReport& report) {
   return text;
 }
 
-std::string ground_csv(const AdjustmentReport& report) {
+std::string geodetic_csv(const AdjustmentReport& report) {
   std::string text =
       "from,to,name,kind,unit,role,given,sigma_given,adjusted,sigma_adjusted,difference,sigma_difference\n";
-  for (const GroundDifference& one : report.adjusted.ground) {
-    const GroundObservation& measured = report.block.ground[one.observation];
+  for (const GeodeticDifference& one : report.adjusted.ground) {
+    const GeodeticObservation& measured = report.block.ground[one.observation];
     const double unit = measured.is_angle() ? kDegrees : 1;
     text += in_quotes(report.block.control.at(measured.from).name) + "," +
             (measured.is_of_shape() ? "" : in_quotes(report.block.control.at(measured.to).name)) + "," +
-            in_quotes(measured.name) + "," + in_quotes(kGroundKindNames[static_cast<std::size_t>(measured.kind)]) +
+            in_quotes(measured.name) + "," + in_quotes(kGeodeticKindNames[static_cast<std::size_t>(measured.kind)]) +
             (measured.is_angle() ? ",deg" : ",m") + (one.used ? ",control" : ",check");
     for (const double value : {measured.value, measured.sigma, one.adjusted, one.sigma * sigma_scale(report.adjusted),
                                one.difference, one.difference_sigma})
@@ -76,7 +76,7 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
     const TestedObservation one = in_unit(tested);
     text += in_quotes(name_of(one, report.block)) + "," +
             in_quotes(kObservationGroupNames[static_cast<std::size_t>(one.group)]) + "," + unit_of(one);
-    for (const double value : {one.residual, one.sigma, one.redundancy, one.w, one.blunder, one.least_blunder,
+    for (const double value : {one.residual, one.sigma, one.redundancy, one.w, one.gross_error, one.minimal_detectable_bias,
                                one.effect, one.effect_in_sigmas})
       text += csv_field(value);
     text += "\n";
@@ -94,7 +94,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"cameras.csv", cameras_csv(report)},
                                                        {"points.csv", points_csv(products)},
                                                        {"control.csv", control_csv(report, products)},
-                                                       {"ground.csv", ground_csv(report)},
+                                                       {"ground.csv", geodetic_csv(report)},
                                                        {"unknowns.csv", unknowns_csv(report)},
                                                        {"observations.csv", observations_csv(report, tests.others)},
                                                        {"suspects.csv", observations_csv(report, tests.suspects)},
@@ -103,7 +103,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"adjustment.html", adjustment_page(report, products)}};
   for (const auto& [name, text] : files) COLLINEA_TRY(write_file(folder / name, text));
   COLLINEA_TRY(write_products(report, products, folder / "adjustment.gpkg"));
-  if (report.snooped) return write_file(folder / "taken_out.csv", taken_out_csv(*report.snooped));
+  if (report.snooped) return write_file(folder / "taken_out.csv", rejected_csv(*report.snooped));
   return remove_file(folder / "taken_out.csv");  // of an earlier adjustment
 }
 

@@ -56,12 +56,12 @@ Result<std::map<ImageId, std::string>> make_maps(const Project& project, const s
 
 // Overviews of all images first, then depth maps. Returns the images that have one.
 Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
-                                       WorkingPictures& pictures, DepthFolder& overviews, DepthFolder& folder,
+                                       WorkingImages& pictures, DepthFolder& overviews, DepthFolder& folder,
                                        std::vector<SkippedImage>& left_out) {
   std::vector<ImageId> images;
   for (const auto& [image, pose] : oriented_images(block)) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
-  SharedRoom costs = room_for_costs(options, project.run.threads);
+  SharedBudget costs = budget_for_costs(options, project.run.threads);
   const auto overviewed = make_maps(
       project, images, overviews, "densify: overviews",
       [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, costs, options, run); });
@@ -161,7 +161,7 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   COLLINEA_TRY(const Places places, places_of(project, block));
   const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
-  WorkingPictures pictures(
+  WorkingImages pictures(
       block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
   COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
   COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));

@@ -75,7 +75,7 @@ std::optional<ImagePair> match_guided(const Picture& first, const Picture& secon
 }
 
 // With a guide, found from a quarter of the features or a half, or without.
-ImagePair match_pictures(const Picture& first, const Picture& second, const Settings& settings, std::uint64_t seed) {
+ImagePair match_images(const Picture& first, const Picture& second, const Settings& settings, std::uint64_t seed) {
   const std::size_t count = std::min(first.features.keypoints.size(), second.features.keypoints.size());
   for (const std::size_t part : {4, 2})
     if (count / part >= kLeastScouts)
@@ -128,7 +128,7 @@ class Matcher {
   Result<ImagePair> searched_pair(Ids ids) {
     COLLINEA_TRY(const auto first, features_.of(ids.first));
     COLLINEA_TRY(const auto second, features_.of(ids.second));
-    return with_ids(ids, match_pictures({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
+    return with_ids(ids, match_images({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
                                         project_.settings, seed_of(ids)));
   }
 

@@ -79,16 +79,16 @@ std::vector<ControlDifference> excluded_control(const Orientation& orientation, 
   return excluded;
 }
 
-std::vector<GroundDifference> ground_of(const Orientation& orientation) {
-  std::vector<GroundDifference> ground = orientation.adjusted.ground;
-  for (GroundDifference& one : ground) one.excluded = orientation.excluded_ground.contains(one.observation);
+std::vector<GeodeticDifference> ground_of(const Orientation& orientation) {
+  std::vector<GeodeticDifference> ground = orientation.adjusted.ground;
+  for (GeodeticDifference& one : ground) one.excluded = orientation.excluded_geodetic.contains(one.observation);
   return ground;
 }
 
 // Where the covariance gives no number nothing is kept.
 std::vector<HeightPrecision> height_precision_of(const Examined& adjusted) {
   std::vector<HeightPrecision> list;
-  for (const PlacePrecision& place : adjusted.places) {
+  for (const PointPrecision& place : adjusted.places) {
     const double sigma_m = std::sqrt(std::max(0.0, place.covariance_m2(2, 2))) * sigma_scale(adjusted);
     if (std::isfinite(sigma_m)) list.push_back({place.position_in_world.head<2>(), sigma_m});
   }

@@ -350,11 +350,11 @@ Result<> read_control(Database& db, std::map<ControlId, ControlPoint>& control) 
   }
 }
 
-Result<> write_ground(Database& db, const std::vector<GroundObservation>& ground) {
+Result<> write_ground(Database& db, const std::vector<GeodeticObservation>& ground) {
   COLLINEA_TRY(db.execute("DELETE FROM ground"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO ground VALUES (?, ?, ?)"));
   for (std::size_t i = 0; i < ground.size(); ++i) {
-    const GroundObservation& one = ground[i];
+    const GeodeticObservation& one = ground[i];
     Packer numbers;
     for (const std::uint32_t value : {static_cast<std::uint32_t>(one.kind), one.from.value, one.to.value,
                                       static_cast<std::uint32_t>(one.role), one.setup})
@@ -374,23 +374,23 @@ Result<bool> has_ground(Database& db) {
   });
 }
 
-Result<> read_ground(Database& db, std::vector<GroundObservation>& ground) {
+Result<> read_ground(Database& db, std::vector<GeodeticObservation>& ground) {
   COLLINEA_TRY(const bool there, has_ground(db));
   if (!there) return {};
   COLLINEA_TRY(auto select, db.prepare("SELECT name, numbers FROM ground ORDER BY id"));
   while (true) {
     COLLINEA_TRY(const bool row, select.next());
     if (!row) return {};
-    GroundObservation one;
+    GeodeticObservation one;
     one.name = select.text(0);
     Unpacker numbers(select.blob(1));
     std::uint32_t kind = 0, role = 0;
     for (std::uint32_t* value : {&kind, &one.from.value, &one.to.value, &role, &one.setup}) numbers.get(*value);
     for (double* value : {&one.value, &one.sigma, &one.instrument_height_m, &one.target_height_m}) numbers.get(*value);
-    one.kind = static_cast<GroundKind>(kind);
+    one.kind = static_cast<GeodeticKind>(kind);
     std::uint32_t axis = 0;
     if (one.is_of_shape()) numbers.get(axis);
-    if (!numbers.done() || kind >= kGroundKinds || role > 1 || axis > 1) return damaged("a measurement on the ground");
+    if (!numbers.done() || kind >= kGeodeticKinds || role > 1 || axis > 1) return damaged("a measurement on the ground");
     one.axis = static_cast<int>(axis);
     one.role = static_cast<ControlRole>(role);
     ground.push_back(std::move(one));
@@ -495,7 +495,7 @@ bool fits_together(const Block& block) {
   }
   for (const ControlObservation& o : block.control_observations)
     if (!block.images.contains(o.image) || !block.control.contains(o.point)) return false;
-  for (const GroundObservation& o : block.ground)
+  for (const GeodeticObservation& o : block.ground)
     if (!block.control.contains(o.from) || !block.control.contains(o.to)) return false;
   return true;
 }

@@ -87,9 +87,9 @@ Block setup_block() {
   block.control[{2}] = {"S", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
   block.control_observations.push_back({{9}, {1}, {1.0 / 3, 2.0 / 3}, 0.5});
   block.ground.push_back(
-      {GroundKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
+      {GeodeticKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
   block.ground.push_back(
-      {.kind = GroundKind::kOnLine, .name = "kerb", .from = {9}, .to = {9}, .sigma = 0.01, .setup = 0, .axis = 1});
+      {.kind = GeodeticKind::kOnLine, .name = "kerb", .from = {9}, .to = {9}, .sigma = 0.01, .setup = 0, .axis = 1});
   return block;
 }
 
@@ -162,7 +162,7 @@ void expect_same_control(const Block& a, const Block& b) {
   }
   ASSERT_EQ(a.ground.size(), b.ground.size());
   for (std::size_t i = 0; i < a.ground.size(); ++i) {
-    const GroundObservation &one = a.ground[i], &other = b.ground[i];
+    const GeodeticObservation &one = a.ground[i], &other = b.ground[i];
     EXPECT_EQ(std::tie(one.kind, one.name, one.from, one.to, one.role, one.setup, one.axis),
               std::tie(other.kind, other.name, other.from, other.to, other.role, other.setup, other.axis));
     EXPECT_EQ(std::tie(one.value, one.sigma, one.instrument_height_m, one.target_height_m),

@@ -163,7 +163,7 @@ struct OrientationRecord {
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
   std::vector<ControlDifference> control;         ///< those that were excluded last
   std::vector<PositionDifference> positions;
-  std::vector<GroundDifference> ground;
+  std::vector<GeodeticDifference> ground;
   std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; sigma0 held
   std::vector<Finding> findings;

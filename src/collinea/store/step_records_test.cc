@@ -179,7 +179,7 @@ TEST(StepRecords, PartsOfRecordsTellEveryMember) {
   [[maybe_unused]] const auto& [a, b, c, d, e, f, g, h] = ControlDifference{};
   EXPECT_EQ(members_told<ControlDifference>(), 8u);
   EXPECT_EQ(members_told<PositionDifference>(), members_of<PositionDifference>());
-  EXPECT_EQ(members_told<GroundDifference>(), members_of<GroundDifference>());
+  EXPECT_EQ(members_told<GeodeticDifference>(), members_of<GeodeticDifference>());
 }
 
 TEST(StepRecords, ThereIsNoRecordOfAStepThatThereIsNot) {

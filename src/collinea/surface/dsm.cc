@@ -9,7 +9,7 @@
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel_in_order.h"
 #include "collinea/surface/hole_filling.h"
-#include "collinea/surface/islands.h"
+#include "collinea/surface/isolated_components.h"
 #include "collinea/surface/measured_tiles.h"
 #include "collinea/surface/point_buckets.h"
 
@@ -59,7 +59,7 @@ bool usable(const GridPoint& p) {
   return std::abs(p.column) < kFarthest && std::abs(p.row) < kFarthest && std::isfinite(p.height_m) && p.sigma_m > 0;
 }
 
-Result<> collect(const SurfaceCloud& cloud, double cell_m, PointBuckets& buckets, Islands& islands, DsmSummary& summary,
+Result<> collect(const SurfaceCloud& cloud, double cell_m, PointBuckets& buckets, IsolatedComponents& isolated_components, DsmSummary& summary,
                  const Run& run) {
   const LocalFrame* frame = cloud.point_frame == PointFrame::kMap ? nullptr : cloud.frame;
   std::vector<SurfacePoint> batch;
@@ -70,14 +70,14 @@ Result<> collect(const SurfaceCloud& cloud, double cell_m, PointBuckets& buckets
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     summary.points += points.size();
     summary.points_dropped += std::erase_if(points, [](const GridPoint& p) { return !usable(p); });
-    islands.add(points);
+    isolated_components.add(points);
     COLLINEA_TRY(buckets.add(points));
   }
 }
 
 // A few stray points far away would stretch the raster over the country: buckets with next to nothing, and nothing
 // around them, go.
-void drop_strays(PointBuckets& buckets, Islands& islands, DsmSummary& summary) {
+void drop_strays(PointBuckets& buckets, IsolatedComponents& isolated_components, DsmSummary& summary) {
   std::uint64_t most = 0;
   for (const auto& [place, bucket] : buckets.buckets()) most = std::max(most, bucket.count);
   const auto filled = [&](const PointBuckets::Place& place) {
@@ -95,7 +95,7 @@ void drop_strays(PointBuckets& buckets, Islands& islands, DsmSummary& summary) {
   }
   for (const auto& place : strays) {
     buckets.drop(place);
-    islands.forget({place.column * kBucketCells, place.row * kBucketCells, kBucketCells, kBucketCells});
+    isolated_components.forget({place.column * kBucketCells, place.row * kBucketCells, kBucketCells, kBucketCells});
   }
 }
 
@@ -103,8 +103,8 @@ struct Extent {
   std::int64_t west, north, width, height;  // cells
 };
 
-Result<Extent> extent_of(const Islands& islands) {
-  const auto [west, north, east, south] = islands.bounds();
+Result<Extent> extent_of(const IsolatedComponents& isolated_components) {
+  const auto [west, north, east, south] = isolated_components.bounds();
   const Extent extent{west, north, east - west + 1, south - north + 1};
   if (double(extent.width) * double(extent.height) > kMostCells || extent.width > 1'000'000 ||
       extent.height > 1'000'000)
@@ -134,13 +134,13 @@ CellWindow widened(const CellWindow& window, int margin) {
 }
 
 // Measures a square of the model and shows it to `holes`. Without points: no rasters.
-Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const Islands& islands, const CellWindow& square,
+Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const IsolatedComponents& isolated_components, const CellWindow& square,
                                   const Gridding& gridding, HoleFilling& holes) {
   constexpr int kRim = HoleFilling::kRim;
   const CellWindow wide = widened(square, kRim);
   const auto points_of = [&](const CellWindow& band) -> Result<std::vector<GridPoint>> {
     COLLINEA_TRY(auto points, buckets.points_in(band));
-    std::erase_if(points, [&](const GridPoint& point) { return islands.holds(point); });
+    std::erase_if(points, [&](const GridPoint& point) { return isolated_components.holds(point); });
     return points;
   };
   COLLINEA_TRY(const SurfaceTile tile, measure_window(points_of, wide, gridding));
@@ -149,7 +149,7 @@ Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const Islands& is
   return cropped(tile, {kRim, kRim, square.width, square.height});
 }
 
-Result<> measure_all(const PointBuckets& buckets, const Islands& islands, const Extent& extent,
+Result<> measure_all(const PointBuckets& buckets, const IsolatedComponents& isolated_components, const Extent& extent,
                      const Gridding& gridding, MeasuredTiles& tiles, HoleFilling& holes, const Run& run) {
   constexpr int kCells = MeasuredTiles::kCells;
   static_assert(kCells % HoleFilling::kBlock == 0);
@@ -161,7 +161,7 @@ Result<> measure_all(const PointBuckets& buckets, const Islands& islands, const 
       run, places.size(),
       [&](std::size_t i) {
         const CellWindow square{places[i].first * kCells, places[i].second * kCells, kCells, kCells};
-        return measured_tile(buckets, islands, square, gridding, holes);
+        return measured_tile(buckets, isolated_components, square, gridding, holes);
       },
       [&](std::size_t i, SurfaceTile tile) -> Result<> {
         run.report("surface", 0.8 * double(i + 1) / double(places.size()));
@@ -193,14 +193,14 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
       });
 }
 
-Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets, const Islands& islands,
+Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets, const IsolatedComponents& isolated_components,
                     const Extent& extent, int widest_hole, const SurfaceSink& sink,
                     const std::filesystem::path& scratch, DsmSummary& summary, const Run& run) {
   const double cell_m = summary.grid.cell_m;
   const Gridding gridding{.cell_m = cell_m, .alike_cells = kAlikePixels * std::max(0.0, cloud.gsd_m) / cell_m};
   MeasuredTiles tiles(scratch, kTileMemory);
   HoleFilling holes(extent.west, extent.north, extent.width, extent.height, cell_m, widest_hole);
-  COLLINEA_TRY(measure_all(buckets, islands, extent, gridding, tiles, holes, run));
+  COLLINEA_TRY(measure_all(buckets, isolated_components, extent, gridding, tiles, holes, run));
   holes.prepare();
   give_back_freed_memory();
   const OrientationSigma orientation(cloud.places, {extent.west, extent.north, int(extent.width), int(extent.height)},
@@ -224,15 +224,15 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   const double cell_m = options.cell_m ? *options.cell_m : tidy_cell_m(cloud.gsd_m);
   PointBuckets buckets(scratch, kBucketCells, kPointMemory);
-  Islands islands;
+  IsolatedComponents isolated_components;
   DsmSummary summary;
-  COLLINEA_TRY(collect(cloud, cell_m, buckets, islands, summary, run));
-  drop_strays(buckets, islands, summary);
-  summary.points_dropped += islands.find(cell_m);
+  COLLINEA_TRY(collect(cloud, cell_m, buckets, isolated_components, summary, run));
+  drop_strays(buckets, isolated_components, summary);
+  summary.points_dropped += isolated_components.find(cell_m);
   COLLINEA_TRY(buckets.finish());
   give_back_freed_memory();
   if (buckets.buckets().empty()) return fail(Errc::kIllPosed, "no points for a surface model");
-  COLLINEA_TRY(const Extent extent, extent_of(islands));
+  COLLINEA_TRY(const Extent extent, extent_of(isolated_components));
   summary.grid.cell_m = cell_m;
   summary.grid.west_m = double(extent.west) * cell_m;
   summary.grid.north_m = -double(extent.north) * cell_m;
@@ -240,7 +240,7 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
   if (cloud.frame) summary.grid.wkt = cloud.frame->wkt1();
   COLLINEA_TRY(sink.begin(summary.grid));
   if (auto made =
-          make_model(cloud, buckets, islands, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run);
+          make_model(cloud, buckets, isolated_components, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run);
       !made)
     return tl::unexpected(std::move(made).error());
   if (summary.measured_cells > 0)

@@ -82,7 +82,7 @@ TEST(Dsm, HeightsLieWhereTheMapSays) {
 }
 
 // A wide lawn with a courtyard's ground and a roof beside it, both apart from it, and a mirror image far below.
-TEST(Dsm, IslandsFarBelowEverythingGo) {
+TEST(Dsm, IsolatedComponentsFarBelowEverythingGo) {
   Random random(6);
   std::vector<SurfacePoint> points;
   const auto patch = [&](double west, double south, double size, double height_m) {
@@ -106,8 +106,8 @@ TEST(Dsm, IslandsFarBelowEverythingGo) {
 }
 
 // A lawn that three images tell, and what two alone tell, apart from it and beside it.
-TEST(Dsm, IslandsOfTwoImagesGo) {
-  const auto heights = [](std::uint8_t of_lawn, std::uint8_t of_island) {
+TEST(Dsm, IsolatedComponentsOfTwoImagesGo) {
+  const auto heights = [](std::uint8_t of_lawn, std::uint8_t of_isolated_component) {
     Random random(6);
     std::vector<SurfacePoint> points;
     const auto patch = [&](double west, double south, double size, double height_m, std::uint8_t images) {
@@ -116,7 +116,7 @@ TEST(Dsm, IslandsOfTwoImagesGo) {
     };
     patch(0, 0, 60, 2, of_lawn);
     patch(60, 10, 5, 2.5, 2);
-    patch(65, 50, 5, 3, of_island);
+    patch(65, 50, 5, 3, of_isolated_component);
     const Collected dsm = build(points, {.cell_m = 0.1, .fill_holes_m = 0});
     const auto at = [&](double x, double y) {
       const int column = int((x - dsm.grid.west_m) / 0.1), row = int((dsm.grid.north_m - y) / 0.1);

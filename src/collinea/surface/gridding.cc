@@ -98,7 +98,7 @@ Result<SurfaceTile> measure_window(const PointsOf& points_of, const CellWindow& 
     measure(SortedPoints(std::move(points), band), gridding, row, tile);
   }
   if (tile.state.empty()) return tile;
-  remove_specks(tile, gridding.cell_m);
+  remove_speckles(tile, gridding.cell_m);
   return cropped(tile, {kSmallestPatch, kSmallestPatch, window.width, window.height});
 }
 

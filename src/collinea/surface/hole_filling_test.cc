@@ -187,23 +187,23 @@ TEST(HoleFilling, ABayOfTheOutlineIsNoHole) {
   EXPECT_EQ(state(tile, 110, 250), CellState::kEmpty);
 }
 
-// Islands of 12 x 12 cells in a wide hole: gaps between them up to 60 cells must not be bridged by lines.
-TEST(HoleFilling, IslandsInAWideHoleMakeNoStars) {
+// IsolatedComponents of 12 x 12 cells in a wide hole: gaps between them up to 60 cells must not be bridged by lines.
+TEST(HoleFilling, IsolatedComponentsInAwideHoleMakeNoStars) {
   const auto hole = [](int x, int y) {
     if (x < -20 || y < -20 || x >= 250 || y >= 250) return false;
-    const bool island = x >= 100 && x < 112 && y >= 100 && y < 112;
-    return !island;
+    const bool isolated_component = x >= 100 && x < 112 && y >= 100 && y < 112;
+    return !isolated_component;
   };
   const SurfaceTile tile = filled(with_hole([](int, int) { return 1.0; }, hole), 130);
   EXPECT_LT(cells(tile, CellState::kInterpolated), 1000u);  // of 73,000
 }
 
 // A bay of the outline is shut in along one line or two; each island in it shuts in something along two lines more.
-TEST(HoleFilling, IslandsInABayThrowNoRays) {
+TEST(HoleFilling, IsolatedComponentsInAbayThrowNoRays) {
   const auto into_bay = [](int x, int y) { return x - 60 - std::abs(y - 110); };
   const auto bay = [&](int x, int y) {
-    const bool island = (x >= 210 && x < 226 && y >= 96 && y < 112) || (x >= 190 && x < 206 && y >= 132 && y < 148);
-    return into_bay(x, y) > 0 && !island;
+    const bool isolated_component = (x >= 210 && x < 226 && y >= 96 && y < 112) || (x >= 190 && x < 206 && y >= 132 && y < 148);
+    return into_bay(x, y) > 0 && !isolated_component;
   };
   const SurfaceTile tile = filled(with_hole([](int, int) { return 1.0; }, bay), 250);
   std::size_t in_bay = 0;

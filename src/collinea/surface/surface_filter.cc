@@ -27,7 +27,7 @@ bool one_surface(const SurfaceTile& tile, Cell a, Cell b, double cell_m) {
   return std::abs(double(tile.height_m.at(a.x, a.y)) - double(tile.height_m.at(b.x, b.y))) <= 1.75 * run_m + noise_m;
 }
 
-bool is_speck(const SurfaceTile& tile, Cell start, double cell_m) {
+bool is_speckle(const SurfaceTile& tile, Cell start, double cell_m) {
   std::array<Cell, kSmallestPatch> patch;
   int size = 0;
   patch[std::size_t(size++)] = start;
@@ -76,12 +76,12 @@ SurfaceTile cropped(const SurfaceTile& tile, const TilePart& part) {
   return result;
 }
 
-void remove_specks(SurfaceTile& tile, double cell_m) {
-  std::vector<Cell> specks;
+void remove_speckles(SurfaceTile& tile, double cell_m) {
+  std::vector<Cell> speckles;
   for (int y = 0; y < tile.state.height; ++y)
     for (int x = 0; x < tile.state.width; ++x)
-      if (has(tile, CellState::kMeasured, x, y) && is_speck(tile, {x, y}, cell_m)) specks.push_back({x, y});
-  for (const Cell& speck : specks) empty_cell(tile, speck);
+      if (has(tile, CellState::kMeasured, x, y) && is_speckle(tile, {x, y}, cell_m)) speckles.push_back({x, y});
+  for (const Cell& speckle : speckles) empty_cell(tile, speckle);
 }
 
 }  // namespace collinea

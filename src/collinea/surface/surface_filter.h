@@ -32,6 +32,6 @@ constexpr int kSmallestPatch = 9;
 
 /// Empties the cells that belong to a patch of fewer than kSmallestPatch cells: a patch is connected (8 neighbours)
 /// without a step in height. What a cell becomes depends only on cells up to kSmallestPatch away.
-void remove_specks(SurfaceTile& tile, double cell_m);
+void remove_speckles(SurfaceTile& tile, double cell_m);
 
 }  // namespace collinea

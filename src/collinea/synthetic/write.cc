@@ -20,10 +20,10 @@ constexpr std::uint64_t kBarometerStream = 6000;
 // Receivers that are this good say so in the header; others say nothing of their accuracy.
 constexpr double kRtkSigma_m = 0.2;
 
-PhotoHeader header_of(const Truth& truth, ImageId id) {
+ImageHeader header_of(const Truth& truth, ImageId id) {
   const Image& image = truth.block.images.at(id);
   const Camera& camera = truth.block.camera_of(id);
-  PhotoHeader header;
+  ImageHeader header;
   header.width_px = camera.width_px;
   header.height_px = camera.height_px;
   header.maker = "Collinea";
@@ -131,7 +131,7 @@ Result<> write_photographs(const Truth& truth, const std::filesystem::path& imag
       rays.emplace(truth.block.cameras.at(camera), run);
     }
     COLLINEA_TRY(const ColourImage picture, render(truth, id, *rays, run));
-    const PhotoHeader header = header_of(truth, id);
+    const ImageHeader header = header_of(truth, id);
     COLLINEA_TRY(write_jpeg(images / image.file, picture, kJpegQuality, &header));
     run.report("photographs", double(++done) / double(truth.block.images.size()));
   }

@@ -107,7 +107,7 @@ TEST(Write, PhotographsSayWhereTheyWereTaken) {
   std::filesystem::create_directories(folder / "images");
   ASSERT_TRUE(write_photographs(truth, folder / "images", {}));
   for (const auto& [id, image] : truth.block.images) {
-    const auto header = read_photo_header(folder / "images" / image.file);
+    const auto header = read_image_header(folder / "images" / image.file);
     ASSERT_TRUE(header) << header.error().message;
     EXPECT_EQ(header->width_px, 160);
     EXPECT_EQ(header->maker, "Collinea");

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "collinea/adjust/gather_parts.h"
+#include "collinea/adjust/kind_geodetic.h"
+#include "collinea/block/geodetic_words.h"
+
+namespace collinea::bundle {
+namespace {
+
+using ShapeKey = std::pair<GeodeticKind, std::uint32_t>;
+
+ShapeKey key_of(const GeodeticObservation& measured) { return {measured.kind, measured.setup}; }
+
+UnknownKind unknown_of(GeodeticKind kind) {
+  return kind == GeodeticKind::kAtHeight  ? UnknownKind::kHeight
+         : kind == GeodeticKind::kOnPlane ? UnknownKind::kPlane
+                                        : UnknownKind::kLine;
+}
+
+/// The points of a shape that take part: those that determine it, and all.
+struct Members {
+  std::set<ControlId> used, all;
+};
+
+std::map<ShapeKey, Members> members_of(const Block& block, const std::vector<std::uint32_t>& links) {
+  std::map<ShapeKey, Members> shapes;
+  for (const std::uint32_t link : links) {
+    const GeodeticObservation& measured = block.ground[link];
+    if (!measured.is_of_shape()) continue;
+    Members& members = shapes[key_of(measured)];
+    members.all.insert(measured.from);
+    if (measured.role == ControlRole::kControl) members.used.insert(measured.from);
+  }
+  return shapes;
+}
+
+std::vector<Eigen::Vector3d> places_of(const std::set<ControlId>& points,
+                                       const std::function<Eigen::Vector3d(ControlId)>& place_of) {
+  std::vector<Eigen::Vector3d> places;
+  for (const ControlId point : points) places.push_back(place_of(point));
+  return places;
+}
+
+class GroundLayout {
+ public:
+  GroundLayout(const Block& block, ProblemAndStart& out) : block_(block), problem_(out.problem), start_(out.start) {
+    for (std::size_t p = 0; p < problem_.point_count(); ++p)
+      if (problem_.point(p).control >= 0) number_[ControlId{problem_.point(p).id}] = static_cast<std::uint32_t>(p);
+  }
+
+  void lay_out(const std::vector<std::uint32_t>& links) {
+    problem_.level_at_origin = block_.georeference.has_value();
+    begin_shapes(links);
+    for (const std::uint32_t source : links) {
+      const GeodeticObservation& measured = block_.ground[source];
+      GeodeticLink link{measured, source, number_.at(measured.from), number_.at(measured.to)};
+      if (measured.role == ControlRole::kControl) link.inverse_sigma = 1 / measured.sigma;
+      if (measured.kind == GeodeticKind::kDirection) link.extra = orientation_of(measured, link);
+      if (measured.is_of_shape()) {
+        const auto& [shape, extra] = shapes_.at(key_of(measured));
+        link.shape = shape;
+        link.extra = extra + (measured.kind == GeodeticKind::kOnLine ? 2 * measured.axis : 0);
+      }
+      problem_.ground.push_back(link);
+      problem_.joined.insert(problem_.joined.end(), {link.from, link.to});
+    }
+    join();
+  }
+
+ private:
+  void begin_shapes(const std::vector<std::uint32_t>& links) {
+    const auto place_of = [&](ControlId id) { return Eigen::Vector3d(&start_.points[3ul * number_.at(id)]); };
+    for (const auto& [key, members] : members_of(block_, links)) {
+      const std::vector<Eigen::Vector3d> places = places_of(members.used, place_of);
+      const auto shape = shape_through(key.first, places);
+      COLLINEA_CHECK(shape.has_value());
+      shapes_[key] = {static_cast<int>(problem_.shapes.size()), static_cast<int>(problem_.auxiliaries.size())};
+      problem_.shapes.push_back(*shape);
+      const int unknowns = unknowns_of_shape(key.first);
+      for (int axis = 0; axis < unknowns; ++axis) problem_.auxiliaries.push_back({unknown_of(key.first), key.second, axis});
+      start_.auxiliaries.resize(problem_.auxiliaries.size(), 0);
+      if (key.first != GeodeticKind::kAtHeight) continue;
+      constexpr double kZero = 0;
+      for (const Eigen::Vector3d& place : places)
+        start_.auxiliaries.back() +=
+            shape_model({.kind = key.first}, *shape, &kZero, place, problem_.level_at_origin).computed /
+            static_cast<double>(places.size());
+    }
+  }
+
+  int orientation_of(const GeodeticObservation& measured, const GeodeticLink& link) {
+    const auto [its, first] = orientations_.try_emplace(measured.setup, static_cast<int>(problem_.auxiliaries.size()));
+    if (!first) return its->second;
+    problem_.auxiliaries.push_back({UnknownKind::kOrientation, measured.setup});
+    // By its first direction; those that follow are at most a turn away, and residuals of angles know no turns.
+    start_.auxiliaries.push_back(-geodetic_residual(measured, model_of(problem_, link, start_)));
+    return its->second;
+  }
+
+  void join() {
+    problem_.border += static_cast<int>(problem_.auxiliaries.size());
+    std::sort(problem_.joined.begin(), problem_.joined.end());
+    problem_.joined.erase(std::unique(problem_.joined.begin(), problem_.joined.end()), problem_.joined.end());
+    std::erase_if(problem_.joined, [&](std::uint32_t p) { return problem_.point(p).held; });
+    for (const std::uint32_t p : problem_.joined) {
+      problem_.points[p].joined = problem_.border;
+      problem_.border += 3;
+    }
+  }
+
+  const Block& block_;
+  Problem& problem_;
+  State& start_;
+  std::map<ControlId, std::uint32_t> number_;
+  std::map<std::uint32_t, int> orientations_;       // of set-ups, in Problem::extras
+  std::map<ShapeKey, std::pair<int, int>> shapes_;  // number of the shape, and of its first unknown
+};
+
+}  // namespace
+
+Result<std::vector<std::uint32_t>> ground_taking_part(const Block& block, const AdjustScope& scope) {
+  std::vector<std::uint32_t> links;
+  if (!scope.use_ground || scope.free_images) return links;
+  for (std::size_t i = 0; i < block.ground.size(); ++i) {
+    const GeodeticObservation& measured = block.ground[i];
+    if (!(measured.sigma > 0) || !std::isfinite(measured.sigma) || !std::isfinite(measured.value))
+      return fail(Errc::kBadInput, words_of(measured, block) + " is no number with a positive standard deviation");
+    if (!measured.is_of_shape() && measured.from == measured.to)
+      return fail(Errc::kBadInput, "a measurement joins " + block.control.at(measured.from).name + " with itself");
+    if (measured.is_of_shape() && (measured.from != measured.to || measured.axis < 0 || measured.axis > 1))
+      return fail(Errc::kBadInput, words_of(measured, block) + " is told of two points, or on no axis");
+    links.push_back(static_cast<std::uint32_t>(i));
+  }
+  return links;
+}
+
+void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(ControlId)>& place_of,
+                       std::vector<std::uint32_t>& links) {
+  const auto shapes = members_of(block, links);
+  std::set<ShapeKey> weak;
+  for (const auto& [key, members] : shapes)
+    if (static_cast<int>(members.all.size()) <= points_of_shape(key.first) ||
+        !shape_through(key.first, places_of(members.used, place_of)))
+      weak.insert(key);
+  std::erase_if(links, [&](std::uint32_t link) {
+    return block.ground[link].is_of_shape() && weak.contains(key_of(block.ground[link]));
+  });
+}
+
+void lay_out_ground(const Block& block, const std::vector<std::uint32_t>& links, ProblemAndStart& out) {
+  GroundLayout(block, out).lay_out(links);
+}
+
+}  // namespace collinea::bundle

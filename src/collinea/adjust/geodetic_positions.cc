@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// Approximate places of points that no image shows, from measurements on the ground.
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "collinea/adjust/gather_parts.h"
+
+namespace collinea::bundle {
+namespace {
+
+/// What one set-up measured to one point. The Earth counts as flat: these are approximations.
+struct Sight {
+  ControlId target;
+  double direction_rad = 0;
+  std::optional<double> zenith_rad, distance_m;
+  double instrument_height_m = 0, target_height_m = 0;
+
+  [[nodiscard]] bool polar() const { return zenith_rad && distance_m; }
+  /// From the mark of the set-up to that of the target, if the circle's zero points to `orientation_rad`.
+  [[nodiscard]] Eigen::Vector3d line(double orientation_rad) const {
+    const double across = *distance_m * std::sin(*zenith_rad), azimuth = direction_rad + orientation_rad;
+    return {across * std::sin(azimuth), across * std::cos(azimuth),
+            instrument_height_m + *distance_m * std::cos(*zenith_rad) - target_height_m};
+  }
+};
+
+struct SetUp {
+  ControlId station;
+  std::vector<Sight> sights;
+};
+
+std::vector<SetUp> setups_of(const Block& block, const std::vector<std::uint32_t>& links) {
+  std::map<std::uint32_t, SetUp> setups;
+  for (const std::uint32_t link : links) {
+    const GeodeticObservation& one = block.ground[link];
+    if (one.kind != GeodeticKind::kDirection) continue;
+    SetUp& setup = setups[one.setup];
+    setup.station = one.from;
+    setup.sights.push_back({one.to, one.value, {}, {}, one.instrument_height_m, one.target_height_m});
+  }
+  std::vector<SetUp> all;
+  for (auto& [number, setup] : setups) {
+    for (Sight& sight : setup.sights)
+      for (const std::uint32_t link : links) {
+        const GeodeticObservation& one = block.ground[link];
+        const bool there = one.from == setup.station && one.to == sight.target;
+        const bool back = one.to == setup.station && one.from == sight.target;
+        if (one.kind == GeodeticKind::kZenithAngle && there) sight.zenith_rad = one.value;
+        if (one.kind == GeodeticKind::kDistance && (there || (back && !sight.distance_m))) sight.distance_m = one.value;
+      }
+    all.push_back(std::move(setup));
+  }
+  return all;
+}
+
+class PlaceFinder {
+ public:
+  PlaceFinder(const Block& block, const std::vector<std::uint32_t>& links, std::map<ControlId, Eigen::Vector3d>& places)
+      : setups_(setups_of(block, links)), places_(places) {}
+
+  void find() {
+    for (bool found = true; found;) {
+      found = false;
+      rays_.clear();
+      for (const SetUp& setup : setups_) {
+        if (!places_.contains(setup.station)) found |= place_station(setup);
+        if (places_.contains(setup.station)) found |= sight_from(setup);
+      }
+      for (const auto& [target, rays] : rays_)
+        if (!places_.contains(target)) found |= intersect(target, rays);
+    }
+  }
+
+ private:
+  struct Ray {
+    Eigen::Vector3d from, along;
+  };
+
+  [[nodiscard]] const Eigen::Vector3d* place_of(ControlId point) const {
+    const auto its = places_.find(point);
+    return its == places_.end() ? nullptr : &its->second;
+  }
+
+  // Its orientation and place: a turn about the plumb line and a shift.
+  bool place_station(const SetUp& setup) {
+    std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;  // as seen from there, in the world
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero(), middle_there = middle;
+    for (const Sight& sight : setup.sights)
+      if (const Eigen::Vector3d* place = place_of(sight.target); place && sight.polar())
+        pairs.emplace_back(sight.line(0), *place);
+    if (pairs.size() < 2) return false;
+    for (const auto& [line, place] : pairs) {
+      middle_there += line / static_cast<double>(pairs.size());
+      middle += place / static_cast<double>(pairs.size());
+    }
+    double sine = 0, cosine = 0;
+    for (const auto& [line, place] : pairs) {
+      const Eigen::Vector3d a = line - middle_there, b = place - middle;
+      sine += a.x() * b.y() - a.y() * b.x();
+      cosine += a.x() * b.x() + a.y() * b.y();
+    }
+    if (sine == 0 && cosine == 0) return false;
+    const Eigen::AngleAxisd turn(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ());
+    places_[setup.station] = middle - turn * middle_there;
+    return true;
+  }
+
+  // Where its circle's zero points to, by the middle of what the points there are say.
+  [[nodiscard]] std::optional<double> orientation_of(const SetUp& setup) const {
+    const Eigen::Vector3d station = *place_of(setup.station);
+    double sine = 0, cosine = 0;
+    for (const Sight& sight : setup.sights)
+      if (const Eigen::Vector3d* place = place_of(sight.target)) {
+        const Eigen::Vector3d line = *place - station;
+        if (line.head<2>().norm() == 0) continue;
+        const double orientation = std::atan2(line.x(), line.y()) - sight.direction_rad;
+        sine += std::sin(orientation), cosine += std::cos(orientation);
+      }
+    if (sine == 0 && cosine == 0) return std::nullopt;
+    return std::atan2(sine, cosine);
+  }
+
+  bool sight_from(const SetUp& setup) {
+    const auto orientation = orientation_of(setup);
+    if (!orientation) return false;
+    bool found = false;
+    const Eigen::Vector3d station = places_.at(setup.station);
+    for (const Sight& sight : setup.sights) {
+      if (places_.contains(sight.target)) continue;
+      if (sight.polar()) {
+        places_[sight.target] = station + sight.line(*orientation);
+        found = true;
+      } else if (sight.zenith_rad) {
+        const double azimuth = sight.direction_rad + *orientation, level = std::sin(*sight.zenith_rad);
+        rays_[sight.target].push_back(
+            {station + (sight.instrument_height_m - sight.target_height_m) * Eigen::Vector3d::UnitZ(),
+             {level * std::sin(azimuth), level * std::cos(azimuth), std::cos(*sight.zenith_rad)}});
+      }
+    }
+    return found;
+  }
+
+  bool intersect(ControlId target, const std::vector<Ray>& rays) {
+    Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const Ray& ray : rays) {
+      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray.along * ray.along.transpose();
+      normals += across;
+      right += across * ray.from;
+    }
+    constexpr double kLeastAngle2 = 1e-4;  // of two rays: half a degree
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normals);
+    if (!(eigen.eigenvalues()[0] > kLeastAngle2)) return false;
+    places_[target] = normals.ldlt().solve(right);
+    return true;
+  }
+
+  std::vector<SetUp> setups_;
+  std::map<ControlId, std::vector<Ray>> rays_;
+  std::map<ControlId, Eigen::Vector3d>& places_;
+};
+
+}  // namespace
+
+void find_positions_by_geodetic(const Block& block, const std::vector<std::uint32_t>& links,
+                           std::map<ControlId, Eigen::Vector3d>& places) {
+  PlaceFinder(block, links, places).find();
+}
+
+std::map<ControlId, int> ground_counts(const Block& block, const std::vector<std::uint32_t>& links) {
+  std::map<std::uint32_t, int> directions;  // of each set-up
+  for (const std::uint32_t link : links)
+    if (const GeodeticObservation& one = block.ground[link];
+        one.kind == GeodeticKind::kDirection && one.role == ControlRole::kControl)
+      ++directions[one.setup];
+  std::map<ControlId, int> counts;
+  std::set<std::pair<ControlId, std::uint32_t>> oriented;
+  for (const std::uint32_t link : links) {
+    const GeodeticObservation& one = block.ground[link];
+    const bool counts_here =
+        one.role == ControlRole::kControl && (one.kind != GeodeticKind::kDirection || directions.at(one.setup) >= 2);
+    for (const ControlId point : std::set{one.from, one.to}) counts[point] += counts_here;
+    if (counts_here && one.kind == GeodeticKind::kDirection && oriented.insert({one.from, one.setup}).second)
+      --counts[one.from];
+  }
+  return counts;
+}
+
+}  // namespace collinea::bundle

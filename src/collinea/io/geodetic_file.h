@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/ground.h"
+
+namespace collinea {
+
+/// One measurement on the ground as a file tells it; points by name. Of what lies on a shape `name` is that of the
+/// shape, and `to` the same as `from`.
+struct GeodeticFileRow {
+  GeodeticKind kind = GeodeticKind::kDistance;
+  std::string from, to, name, setup;
+  int axis = 0;                 ///< of a line, as GeodeticObservation::axis: two rows
+  double value = 0, sigma = 0;  ///< [m] or [rad]
+  ControlRole role = ControlRole::kControl;
+  double instrument_height_m = 0, target_height_m = 0;
+  int line = 0;  ///< for messages
+};
+
+/// Reads measurements between points: CSV whose first row names the columns, in any order; # starts a comment.
+///     from, to                                    points, as the control file calls them; `to` may be empty where
+///                                                 nothing is measured between two
+///     distance_m, height_difference_m             measured; empty where not
+///     direction_deg or _gon, zenith_deg or _gon   of a total station standing on `from`; zenith from 0, up, to 180
+///     sigma_m                                     of distance, height difference or shapes, in rows with one of them
+///     sigma_distance_m, sigma_height_difference_m, sigma_direction_arcsec or _mgon, sigma_zenith_arcsec or _mgon
+///     plane, line, level                          names of a plane, a straight line, a common height on which `from`
+///                                                 lies; sigma_plane_m, sigma_line_m (on each of two axes across it),
+///                                                 sigma_level_m, or sigma_m
+///     name, role (control, check), setup (directions of one share an orientation; else all from one point do),
+///     instrument_height_m, target_height_m        above the marks; not of height differences
+/// Every measured value needs a positive sigma. Errors name the line.
+[[nodiscard]] Result<std::vector<GeodeticFileRow>> read_ground(const std::filesystem::path& path);
+
+/// The same, from text in memory.
+[[nodiscard]] Result<std::vector<GeodeticFileRow>> parse_geodetic(std::string_view text);
+
+}  // namespace collinea
