@@ -30,4 +30,4 @@ echo "Position: $(first 'check points') points that took no part are off by $(ce
 echo "Heights: the surface model is off by $(centimetres "$(figure 'surface model, smooth ground' NMAD)") on open ground, and covers $(first 'surface model, completeness') % of what was photographed."
 echo "Orthophoto: shifted by $(figure 'orthophoto, local shift' median) pixels in the middle of all places."
 echo "Look at it: xdg-open $out/project/report/report.html (any browser); products: $out/project/products (QGIS, CloudCompare)."
-echo "All figures: $out/assessment.txt, explained by collinea assess. Your own photographs: collinea run PHOTOS -o PROJECT"
+echo "All figures: $out/assessment.txt, made by collinea assess. Your own photographs: collinea run PHOTOS -o PROJECT"

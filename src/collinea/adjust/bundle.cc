@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "collinea/adjust/gather.h"
-#include "collinea/adjust/kept_factor.h"
-#include "collinea/adjust/minimise.h"
-#include "collinea/adjust/normals.h"
+#include "collinea/adjust/internal/kept_factor.h"
+#include "collinea/adjust/internal/minimise.h"
+#include "collinea/adjust/internal/normals.h"
 #include "collinea/adjust/outcome.h"
 
 namespace collinea {

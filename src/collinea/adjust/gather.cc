@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include "collinea/adjust/datum_defect.h"
 #include "collinea/adjust/gather_parts.h"
+#include "collinea/adjust/internal/datum_defect.h"
 #include "collinea/adjust/observation_kinds.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/epipolar/intersect.h"

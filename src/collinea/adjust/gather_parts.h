@@ -6,8 +6,8 @@
 #include <map>
 #include <vector>
 
-#include "collinea/adjust/adjust_scope.h"
-#include "collinea/adjust/problem.h"
+#include "collinea/adjust/internal/adjust_scope.h"
+#include "collinea/adjust/internal/problem.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
 
@@ -34,7 +34,7 @@ void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(C
 /// Approximate places of points that have none, from those that have: set-ups by what they measured to two such points
 /// or more, targets by direction, zenith angle and distance from a set-up, or by directions and zenith angles of two.
 void find_positions_by_geodetic(const Block& block, const std::vector<std::uint32_t>& links,
-                           std::map<ControlId, Eigen::Vector3d>& places);
+                                std::map<ControlId, Eigen::Vector3d>& places);
 
 /// Points that are measured between get their unknowns in the border, behind all others. Directions of one set-up have
 /// its orientation in common, which begins with what the first of them says; points of one shape that of their best

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/adjust/problem.h"
+#include "collinea/adjust/internal/problem.h"
 
 namespace collinea::bundle {
 

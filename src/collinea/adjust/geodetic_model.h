@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "collinea/adjust/geodetic_kinds.h"
+#include "collinea/adjust/internal/geodetic_kinds.h"
 
 namespace collinea {
 
@@ -13,14 +13,14 @@ namespace collinea {
 [[nodiscard]] constexpr int unknowns_of_shape(GeodeticKind kind) {
   return kind == GeodeticKind::kAtHeight  ? geodetic::CommonHeight::kUnknowns
          : kind == GeodeticKind::kOnPlane ? geodetic::OnPlane::kUnknowns
-                                        : geodetic::OnLine::kUnknowns;
+                                          : geodetic::OnLine::kUnknowns;
 }
 
 /// The fewest points that determine a shape.
 [[nodiscard]] constexpr int points_of_shape(GeodeticKind kind) {
   return kind == GeodeticKind::kAtHeight  ? geodetic::CommonHeight::kPoints
          : kind == GeodeticKind::kOnPlane ? geodetic::OnPlane::kPoints
-                                        : geodetic::OnLine::kPoints;
+                                          : geodetic::OnLine::kPoints;
 }
 
 /// The frame of the shape that fits points best; all its unknowns then are zero, but for a common height, which counts
@@ -33,14 +33,14 @@ namespace collinea {
 /// began). `unknowns`: of a height one, of a plane offset and two tilts, of a line offset and tilt along
 /// observation.axis.
 [[nodiscard]] GeodeticModel shape_model(const GeodeticObservation& observation, const GeodeticShape& shape,
-                                      const double* unknowns, const Eigen::Vector3d& point, bool level_at_origin);
+                                        const double* unknowns, const Eigen::Vector3d& point, bool level_at_origin);
 
 /// `level_at_origin`: the z axis of the world is the plumb line at its origin and the Earth is a sphere there, of mean
 /// radius; otherwise z is up everywhere. Zenith angles are bent by refraction then (k = 0.13). `orientation_rad`:
 /// azimuth of zero of the horizontal circle, used by directions. Nothing is defined where the points coincide (or, for
 /// directions, stand above each other): derivatives are zero then.
 [[nodiscard]] GeodeticModel geodetic_model(const GeodeticObservation& observation, const Eigen::Vector3d& from,
-                                       const Eigen::Vector3d& to, double orientation_rad, bool level_at_origin);
+                                           const Eigen::Vector3d& to, double orientation_rad, bool level_at_origin);
 
 /// Observed minus computed; angles between -pi and pi.
 [[nodiscard]] double geodetic_residual(const GeodeticObservation& observation, const GeodeticModel& model);

@@ -2,7 +2,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "collinea/adjust/geodetic_kinds.h"
+#include "collinea/adjust/internal/geodetic_kinds.h"
 
 namespace collinea::geodetic {
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/adjust/adjusted.h"
 #include "collinea/adjust/geodetic_model.h"
-#include "collinea/adjust/observation.h"
+#include "collinea/adjust/internal/adjusted.h"
+#include "collinea/adjust/internal/observation.h"
 #include "collinea/adjust/observation_group.h"
 
 namespace collinea::bundle {
 
 /// A measurement between two points (distance, height difference, direction, zenith angle), or that a point lies at a
 /// common height, on a plane or on a line: GeodeticKind says which, its model is in the file of that name
-/// (geodetic_model(), shape_model()). The points keep their unknowns; directions have the orientation of their set-up in
-/// common, points of a shape its unknowns. What is only compared does not take part.
+/// (geodetic_model(), shape_model()). The points keep their unknowns; directions have the orientation of their set-up
+/// in common, points of a shape its unknowns. What is only compared does not take part.
 struct Geodetic : ObservationKind<Geodetic, 1> {
   using Item = GeodeticLink;
 

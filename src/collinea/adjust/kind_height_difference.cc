@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/adjust/geodetic_kinds.h"
+#include "collinea/adjust/internal/geodetic_kinds.h"
 
 namespace collinea::geodetic {
 

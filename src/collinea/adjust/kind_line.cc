@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Geometry>
 
-#include "collinea/adjust/geodetic_kinds.h"
+#include "collinea/adjust/internal/geodetic_kinds.h"
 
 namespace collinea::geodetic {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "collinea/adjust/problem.h"
+#include "collinea/adjust/internal/problem.h"
 
 namespace collinea::bundle {
 

@@ -5,12 +5,12 @@
 #include <tuple>
 #include <utility>
 
-#include "collinea/adjust/kind_attitude.h"
-#include "collinea/adjust/kind_control_coordinate.h"
+#include "collinea/adjust/internal/kind_attitude.h"
+#include "collinea/adjust/internal/kind_control_coordinate.h"
+#include "collinea/adjust/internal/kind_gnss_position.h"
+#include "collinea/adjust/internal/kind_prior.h"
+#include "collinea/adjust/internal/kind_vertical.h"
 #include "collinea/adjust/kind_geodetic.h"
-#include "collinea/adjust/kind_gnss_position.h"
-#include "collinea/adjust/kind_prior.h"
-#include "collinea/adjust/kind_vertical.h"
 
 namespace collinea::bundle {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "collinea/adjust/normals.h"
+#include "collinea/adjust/internal/normals.h"
 
 namespace collinea {
 namespace {

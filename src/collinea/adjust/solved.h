@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "collinea/adjust/adjusted.h"
-#include "collinea/adjust/problem.h"
+#include "collinea/adjust/internal/adjusted.h"
+#include "collinea/adjust/internal/problem.h"
 #include "collinea/base/run.h"
 #include "collinea/math/tile_cholesky.h"
 

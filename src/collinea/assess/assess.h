@@ -5,12 +5,12 @@
 #include <optional>
 #include <string>
 
-#include "collinea/assess/cloud_errors.h"
-#include "collinea/assess/colour_errors.h"
-#include "collinea/assess/ortho_errors.h"
-#include "collinea/assess/pose_errors.h"
-#include "collinea/assess/surface_errors.h"
-#include "collinea/assess/wall_errors.h"
+#include "collinea/assess/internal/cloud_errors.h"
+#include "collinea/assess/internal/colour_errors.h"
+#include "collinea/assess/internal/ortho_errors.h"
+#include "collinea/assess/internal/pose_errors.h"
+#include "collinea/assess/internal/surface_errors.h"
+#include "collinea/assess/internal/wall_errors.h"
 #include "collinea/base/run.h"
 #include "collinea/synthetic/write.h"
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "collinea/camera/additional.h"
-#include "collinea/camera/models.h"
-#include "collinea/camera/parameters.h"
-#include "collinea/camera/prior.h"
+#include "collinea/camera/internal/models.h"
+#include "collinea/camera/internal/parameters.h"
+#include "collinea/camera/internal/prior.h"
 
 namespace collinea {
 

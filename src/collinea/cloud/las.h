@@ -12,10 +12,10 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/result.h"
-#include "collinea/cloud/cloud_point.h"
-#include "collinea/cloud/copc.h"
+#include "collinea/cloud/internal/cloud_point.h"
+#include "collinea/cloud/internal/copc.h"
+#include "collinea/cloud/internal/laz.h"
 #include "collinea/cloud/las_form.h"
-#include "collinea/cloud/laz.h"
 
 namespace collinea {
 

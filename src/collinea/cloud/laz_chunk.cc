@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "collinea/base/packed.h"
-#include "collinea/cloud/laz.h"
-#include "collinea/cloud/laz_coder.h"
+#include "collinea/cloud/internal/laz.h"
+#include "collinea/cloud/internal/laz_coder.h"
 
 namespace collinea {
 namespace {

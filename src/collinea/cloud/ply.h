@@ -8,7 +8,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/result.h"
-#include "collinea/cloud/cloud_point.h"
+#include "collinea/cloud/internal/cloud_point.h"
 
 namespace collinea {
 

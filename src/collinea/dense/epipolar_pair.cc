@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "collinea/base/parallel.h"
-#include "collinea/dense/cubic.h"
-#include "collinea/dense/pinhole.h"
+#include "collinea/dense/internal/cubic.h"
+#include "collinea/dense/internal/pinhole.h"
 
 namespace collinea {
 namespace {

@@ -8,8 +8,8 @@
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
 #include "collinea/block/block.h"
-#include "collinea/dense/disparity_map.h"
-#include "collinea/dense/fused_point.h"
+#include "collinea/dense/internal/disparity_map.h"
+#include "collinea/dense/internal/fused_point.h"
 
 namespace collinea {
 

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "collinea/dense/pinhole.h"
-#include "collinea/dense/test_scene.h"
+#include "collinea/dense/internal/pinhole.h"
+#include "collinea/dense/internal/test_scene.h"
 
 namespace collinea {
 namespace {

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "collinea/base/parallel.h"
-#include "collinea/dense/depth_cache.h"
-#include "collinea/dense/pinhole.h"
+#include "collinea/dense/internal/depth_cache.h"
+#include "collinea/dense/internal/pinhole.h"
 #include "collinea/dense/working_images.h"
 
 namespace collinea {

@@ -8,8 +8,8 @@
 
 #include "collinea/base/run.h"
 #include "collinea/dense/depth_map.h"
-#include "collinea/dense/fused_point.h"
-#include "collinea/dense/neighbours.h"
+#include "collinea/dense/internal/fused_point.h"
+#include "collinea/dense/internal/neighbours.h"
 
 namespace collinea {
 

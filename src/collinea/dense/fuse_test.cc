@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "collinea/dense/test_scene.h"
+#include "collinea/dense/internal/test_scene.h"
 
 namespace collinea {
 namespace {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "collinea/dense/aggregate.h"
-#include "collinea/dense/level.h"
-#include "collinea/dense/match_kernels.h"
-#include "collinea/dense/path_kernels.h"
-#include "collinea/dense/texture.h"
+#include "collinea/dense/internal/aggregate.h"
+#include "collinea/dense/internal/level.h"
+#include "collinea/dense/internal/match_kernels.h"
+#include "collinea/dense/internal/path_kernels.h"
+#include "collinea/dense/internal/texture.h"
 #include "collinea/math/random.h"
 
 namespace collinea::dense {

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/dense/level.h"
-#include "collinea/dense/measured_sigma.h"
-#include "collinea/dense/overview.h"
-#include "collinea/dense/pinhole.h"
-#include "collinea/dense/rims.h"
-#include "collinea/dense/texture_centroid.h"
+#include "collinea/dense/internal/level.h"
+#include "collinea/dense/internal/measured_sigma.h"
+#include "collinea/dense/internal/overview.h"
+#include "collinea/dense/internal/pinhole.h"
+#include "collinea/dense/internal/rims.h"
+#include "collinea/dense/internal/texture_centroid.h"
 #include "collinea/math/median.h"
 
 namespace collinea {
@@ -195,7 +195,8 @@ class Matching {
     const std::string& file = block.images.at(image).file;
     COLLINEA_TRY(reference_, pictures.picture(image));
     COLLINEA_TRY(depth_samples_, depth_samples(ties, image, reference_->camera));
-    if (depth_samples_.size() < kFewestTiePoints) return fail(Errc::kIllPosed, file + ": too few tie points to match it");
+    if (depth_samples_.size() < kFewestTiePoints)
+      return fail(Errc::kIllPosed, file + ": too few tie points to match it");
     const Rigid3& pose = pose_of(block, image);
     COLLINEA_TRY(const auto others, ties.neighbours(image, options_.neighbours));
     for (const ImageId id : others) {
@@ -370,7 +371,8 @@ class Matching {
       if (l == 0) finest_surface = finer;
     }
     if (!agreed.empty()) dense::fill_rough(finest, finest_place, agreed, result);
-    dense::empty_foreground_fattening(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth, run_);
+    dense::empty_foreground_fattening(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth,
+                                      run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
     return finished(finest, result);
   }
@@ -408,7 +410,7 @@ Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties
 
 SharedBudget budget_for_costs(const DenseOptions& options, int at_once) {
   return SharedBudget(std::max(std::size_t(options.memory_mb * 1e6 / 2),
-                             std::size_t(std::max(1, at_once)) * dense::usual_bytes_to_match()));
+                               std::size_t(std::max(1, at_once)) * dense::usual_bytes_to_match()));
 }
 
 Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures,

@@ -4,7 +4,7 @@
 #include "collinea/base/run.h"
 #include "collinea/base/shared_budget.h"
 #include "collinea/dense/depth_map.h"
-#include "collinea/dense/neighbours.h"
+#include "collinea/dense/internal/neighbours.h"
 #include "collinea/dense/working_images.h"
 
 namespace collinea {
@@ -15,9 +15,8 @@ namespace collinea {
 
 /// A first, coarse idea of the surface, from small pictures. Every pixel with a grey value has a depth, right or wrong:
 /// only together the overviews of several images tell which. Errors as of depth_map.
-[[nodiscard]] Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties,
-                                        WorkingImages& pictures, SharedBudget& costs, const DenseOptions& options,
-                                        const Run& run);
+[[nodiscard]] Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures,
+                                        SharedBudget& costs, const DenseOptions& options, const Run& run);
 
 /// The depth of every pixel of one oriented image, measured against its neighbours: coarse to fine, at each level a
 /// sweep along the rays of the image around the surface of the level above, with semi-global regularisation; at the

@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "collinea/base/parallel.h"
-#include "collinea/dense/aggregate.h"
-#include "collinea/dense/level.h"
-#include "collinea/dense/neighbours.h"
+#include "collinea/dense/internal/aggregate.h"
+#include "collinea/dense/internal/level.h"
+#include "collinea/dense/internal/neighbours.h"
 
 namespace collinea::dense {
 namespace {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "collinea/dense/test_scene.h"
+#include "collinea/dense/internal/test_scene.h"
 
 namespace collinea {
 namespace {

@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "collinea/base/parallel.h"
-#include "collinea/dense/last_rows.h"
-#include "collinea/dense/level.h"
-#include "collinea/dense/measure_kernels.h"
+#include "collinea/dense/internal/last_rows.h"
+#include "collinea/dense/internal/level.h"
+#include "collinea/dense/internal/measure_kernels.h"
 
 namespace collinea::dense {
 namespace {

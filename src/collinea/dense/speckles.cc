@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "collinea/dense/level.h"
+#include "collinea/dense/internal/level.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collinea/dense/speckles.cc"

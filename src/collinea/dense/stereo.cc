@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "collinea/dense/disparity_measure.h"
-#include "collinea/dense/level.h"
-#include "collinea/dense/measured_sigma.h"
-#include "collinea/dense/semi_global.h"
+#include "collinea/dense/internal/disparity_measure.h"
+#include "collinea/dense/internal/level.h"
+#include "collinea/dense/internal/measured_sigma.h"
+#include "collinea/dense/internal/semi_global.h"
 
 namespace collinea {
 namespace {

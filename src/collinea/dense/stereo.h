@@ -9,7 +9,7 @@
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
-#include "collinea/dense/disparity_map.h"
+#include "collinea/dense/internal/disparity_map.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {

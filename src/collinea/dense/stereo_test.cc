@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "collinea/dense/disparity_kernels.h"
-#include "collinea/dense/semi_global.h"
-#include "collinea/dense/test_scene.h"
+#include "collinea/dense/internal/disparity_kernels.h"
+#include "collinea/dense/internal/semi_global.h"
+#include "collinea/dense/internal/test_scene.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

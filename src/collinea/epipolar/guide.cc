@@ -7,11 +7,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "collinea/epipolar/essential.h"
-#include "collinea/epipolar/fundamental.h"
-#include "collinea/epipolar/point_pairs.h"
+#include "collinea/epipolar/internal/essential.h"
+#include "collinea/epipolar/internal/fundamental.h"
+#include "collinea/epipolar/internal/point_pairs.h"
+#include "collinea/epipolar/internal/two_view_problems.h"
 #include "collinea/epipolar/robust.h"
-#include "collinea/epipolar/two_view_problems.h"
 
 namespace collinea {
 namespace {

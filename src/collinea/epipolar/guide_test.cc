@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "collinea/epipolar/essential.h"
+#include "collinea/epipolar/internal/essential.h"
 #include "collinea/epipolar/scene_for_tests.h"
 
 namespace collinea {

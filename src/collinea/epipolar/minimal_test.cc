@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "collinea/epipolar/essential.h"
-#include "collinea/epipolar/fundamental.h"
-#include "collinea/epipolar/homography.h"
+#include "collinea/epipolar/internal/essential.h"
+#include "collinea/epipolar/internal/fundamental.h"
+#include "collinea/epipolar/internal/homography.h"
+#include "collinea/epipolar/internal/two_view_problems.h"
 #include "collinea/epipolar/p3p.h"
 #include "collinea/epipolar/scene_for_tests.h"
-#include "collinea/epipolar/two_view_problems.h"
 
 namespace collinea {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "collinea/epipolar/point_pairs.h"
+#include "collinea/epipolar/internal/point_pairs.h"
 #include "collinea/geometry/rigid3.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/math/random.h"

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "collinea/base/result.h"
+#include "collinea/epipolar/internal/two_view_criteria.h"
+#include "collinea/epipolar/internal/two_view_problems.h"
+#include "collinea/epipolar/internal/two_view_relations.h"
 #include "collinea/epipolar/robust.h"
-#include "collinea/epipolar/two_view_criteria.h"
-#include "collinea/epipolar/two_view_problems.h"
-#include "collinea/epipolar/two_view_relations.h"
 #include "collinea/math/median.h"
 
 namespace collinea {

@@ -6,7 +6,7 @@
 
 #include "collinea/block/features.h"
 #include "collinea/camera/camera.h"
-#include "collinea/epipolar/verify_options.h"
+#include "collinea/epipolar/internal/verify_options.h"
 
 namespace collinea {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "collinea/feature/describe.h"
-#include "collinea/feature/extrema.h"
-#include "collinea/feature/scale_space.h"
-#include "collinea/feature/spread.h"
+#include "collinea/feature/internal/describe.h"
+#include "collinea/feature/internal/extrema.h"
+#include "collinea/feature/internal/scale_space.h"
+#include "collinea/feature/internal/spread.h"
 
 namespace collinea {
 namespace {

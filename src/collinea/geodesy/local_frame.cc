@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "collinea/geodesy/ellipsoid.h"
-#include "collinea/geodesy/map_projection.h"
+#include "collinea/geodesy/internal/ellipsoid.h"
+#include "collinea/geodesy/internal/map_projection.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "collinea/geodesy/map_projection.h"
+#include "collinea/geodesy/internal/map_projection.h"
 
 namespace collinea {
 namespace {

@@ -16,8 +16,8 @@
 #include "collinea/base/parallel.h"
 #include "collinea/geodesy/heights.h"
 #include "collinea/geodesy/local_frame.h"
-#include "collinea/import/import_control.h"
-#include "collinea/import/import_positions.h"
+#include "collinea/import/internal/import_control.h"
+#include "collinea/import/internal/import_positions.h"
 #include "collinea/import/reason.h"
 #include "collinea/raster/photo.h"
 

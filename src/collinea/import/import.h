@@ -6,7 +6,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
-#include "collinea/import/imported.h"
+#include "collinea/import/internal/imported.h"
 
 namespace collinea {
 

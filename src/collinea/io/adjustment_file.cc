@@ -7,8 +7,8 @@
 
 #include "collinea/base/file.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/io/adjustment_words.h"
-#include "collinea/io/line_names.h"
+#include "collinea/io/internal/adjustment_words.h"
+#include "collinea/io/internal/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -113,8 +113,8 @@ std::string ground_line(const GeodeticObservation& one, const std::map<ControlId
            in_quotes(one.name.empty() ? std::to_string(one.setup + 1) : one.name) + " " + names.at(one.from) + " " +
            exact(one.sigma) + role +
            (one.kind != GeodeticKind::kOnLine ? "\n"
-            : one.axis == 0                 ? " sideways\n"
-                                            : " upwards\n");
+            : one.axis == 0                   ? " sideways\n"
+                                              : " upwards\n");
   const double unit = one.is_angle() ? kDegree : 1;
   std::string text = "ground " + geodetic_word(std::size_t(one.kind)) + " " + names.at(one.from) + " " +
                      names.at(one.to) + " " + exact(one.value / unit) + " " + exact(one.sigma / unit) + role;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "collinea/geometry/rotation.h"
-#include "collinea/io/test_damage.h"
+#include "collinea/io/internal/test_damage.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

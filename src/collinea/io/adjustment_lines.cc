@@ -10,9 +10,9 @@
 
 #include "collinea/block/survey_covariance.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/io/adjustment_draft.h"
-#include "collinea/io/adjustment_line.h"
-#include "collinea/io/adjustment_words.h"
+#include "collinea/io/internal/adjustment_draft.h"
+#include "collinea/io/internal/adjustment_line.h"
+#include "collinea/io/internal/adjustment_words.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "collinea/block/world_frame.h"
-#include "collinea/io/adjustment_draft.h"
-#include "collinea/io/adjustment_words.h"
-#include "collinea/io/observation_order.h"
+#include "collinea/io/internal/adjustment_draft.h"
+#include "collinea/io/internal/adjustment_words.h"
+#include "collinea/io/internal/observation_order.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "collinea/base/file.h"
-#include "collinea/io/line_names.h"
+#include "collinea/io/internal/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

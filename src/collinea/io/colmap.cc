@@ -6,9 +6,9 @@
 #include <tuple>
 
 #include "collinea/base/file.h"
-#include "collinea/io/colmap_camera.h"
-#include "collinea/io/colmap_model.h"
-#include "collinea/io/line_names.h"
+#include "collinea/io/internal/colmap_camera.h"
+#include "collinea/io/internal/colmap_model.h"
+#include "collinea/io/internal/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -126,8 +126,8 @@ Result<> take_points(const Model& model, IdRule image_id, IdRule point_id, Block
       o.feature = std::uint32_t(element.index);
       o.pixel = image->second->seen[element.index].pixel;
       if (!o.pixel.allFinite())
-        return fail(Errc::kBadFormat,
-                    "point " + std::to_string(row.id) + " is seen nowhere in image " + escaped_name(image->second->name));
+        return fail(Errc::kBadFormat, "point " + std::to_string(row.id) + " is seen nowhere in image " +
+                                          escaped_name(image->second->name));
       block.observations.push_back(o);
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/base/packed.h"
-#include "collinea/io/colmap_model.h"
+#include "collinea/io/internal/colmap_model.h"
 
 namespace collinea::colmap {
 namespace {

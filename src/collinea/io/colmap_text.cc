@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/io/colmap_model.h"
+#include "collinea/io/internal/colmap_model.h"
 #include "collinea/io/text.h"
 
 namespace collinea::colmap {

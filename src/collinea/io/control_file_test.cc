@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "collinea/base/source_tree.h"
-#include "collinea/io/test_damage.h"
+#include "collinea/io/internal/test_damage.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

@@ -12,11 +12,11 @@
 
 #include "collinea/base/file.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/io/dbat_operations.h"
-#include "collinea/io/millimetre_camera.h"
-#include "collinea/io/observation_order.h"
+#include "collinea/io/internal/dbat_operations.h"
+#include "collinea/io/internal/millimetre_camera.h"
+#include "collinea/io/internal/observation_order.h"
+#include "collinea/io/internal/xml.h"
 #include "collinea/io/text.h"
-#include "collinea/io/xml.h"
 
 namespace collinea {
 namespace {

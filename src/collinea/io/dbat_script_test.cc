@@ -9,7 +9,7 @@
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/io/test_damage.h"
+#include "collinea/io/internal/test_damage.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

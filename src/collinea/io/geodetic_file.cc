@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "collinea/base/file.h"
+#include "collinea/io/internal/titled_table.h"
 #include "collinea/io/text.h"
-#include "collinea/io/titled_table.h"
 
 namespace collinea {
 namespace {
@@ -38,7 +38,9 @@ constexpr Shape kShapes[] = {{GeodeticKind::kOnPlane, "plane", "sigma_plane_m"},
 const std::vector<Measured>& all_measured() {
   static const std::vector<Measured> all = {
       {GeodeticKind::kDistance, {{"distance_m", 1}}, {{"sigma_distance_m", 1}, {"sigma_m", 1}}},
-      {GeodeticKind::kHeightDifference, {{"height_difference_m", 1}}, {{"sigma_height_difference_m", 1}, {"sigma_m", 1}}},
+      {GeodeticKind::kHeightDifference,
+       {{"height_difference_m", 1}},
+       {{"sigma_height_difference_m", 1}, {"sigma_m", 1}}},
       {GeodeticKind::kDirection,
        {{"direction_deg", kDegree}, {"direction_gon", kGon}},
        {{"sigma_direction_arcsec", kArcsecond}, {"sigma_direction_mgon", kMilligon}}},

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/io/test_damage.h"
+#include "collinea/io/internal/test_damage.h"
 
 namespace collinea {
 namespace {

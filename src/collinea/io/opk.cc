@@ -7,7 +7,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/block/world_frame.h"
-#include "collinea/io/line_names.h"
+#include "collinea/io/internal/line_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

@@ -11,7 +11,7 @@
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
-#include "collinea/io/colmap_model.h"
+#include "collinea/io/internal/colmap_model.h"
 #include "collinea/io/opk.h"
 #include "collinea/math/random.h"
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "collinea/geometry/rotation.h"
-#include "collinea/io/millimetre_camera.h"
-#include "collinea/io/observation_order.h"
+#include "collinea/io/internal/millimetre_camera.h"
+#include "collinea/io/internal/observation_order.h"
 #include "collinea/io/text.h"
 
 namespace collinea {

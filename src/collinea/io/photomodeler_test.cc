@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "collinea/geometry/rotation.h"
-#include "collinea/io/millimetre_camera.h"
-#include "collinea/io/test_damage.h"
+#include "collinea/io/internal/millimetre_camera.h"
+#include "collinea/io/internal/test_damage.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

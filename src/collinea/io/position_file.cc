@@ -12,8 +12,8 @@
 
 #include "collinea/base/file.h"
 #include "collinea/block/image_axes.h"
+#include "collinea/io/internal/titled_table.h"
 #include "collinea/io/text.h"
-#include "collinea/io/titled_table.h"
 
 namespace collinea {
 namespace {

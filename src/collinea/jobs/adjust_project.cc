@@ -15,7 +15,7 @@
 #include "collinea/io/dbat_script.h"
 #include "collinea/io/photomodeler.h"
 #include "collinea/io/text.h"
-#include "collinea/jobs/adjusted_report.h"
+#include "collinea/jobs/internal/adjusted_report.h"
 #include "collinea/orient/additional.h"
 #include "collinea/orient/approximate.h"
 #include "collinea/quality/control_check.h"

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "collinea/jobs/adjust_project_options.h"
+#include "collinea/jobs/internal/adjust_project_options.h"
 #include "collinea/project/project.h"
 #include "collinea/report/adjustment_report.h"
 

@@ -12,7 +12,7 @@
 #include "collinea/io/colmap.h"
 #include "collinea/io/number_rows.h"
 #include "collinea/io/text.h"
-#include "collinea/jobs/project_plane.h"
+#include "collinea/jobs/internal/project_plane.h"
 #include "collinea/ortho/plane_homography.h"
 #include "collinea/ortho/rectify.h"
 #include "collinea/project/fitted_camera.h"

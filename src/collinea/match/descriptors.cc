@@ -2,7 +2,7 @@
 #include "collinea/match/descriptors.h"
 
 #include "collinea/base/result.h"
-#include "collinea/match/descriptors_kernels.h"
+#include "collinea/match/internal/descriptors_kernels.h"
 
 namespace collinea {
 namespace {

@@ -6,7 +6,7 @@
 #include <hwy/targets.h>
 #include <numeric>
 
-#include "collinea/match/descriptors_kernels.h"
+#include "collinea/match/internal/descriptors_kernels.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "collinea/match/least_squares_kernels.h"
+#include "collinea/match/internal/least_squares_kernels.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {

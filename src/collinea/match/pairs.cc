@@ -7,7 +7,7 @@
 #include <numbers>
 #include <set>
 
-#include "collinea/match/position_tree.h"
+#include "collinea/match/internal/position_tree.h"
 
 namespace collinea {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/match/position_tree.h"
+#include "collinea/match/internal/position_tree.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "collinea/match/look.h"
+#include "collinea/match/internal/look.h"
 #include "collinea/match/tracks.h"
 
 namespace collinea {

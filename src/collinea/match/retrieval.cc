@@ -7,7 +7,7 @@
 #include <span>
 
 #include "collinea/base/parallel.h"
-#include "collinea/match/descriptors_kernels.h"
+#include "collinea/match/internal/descriptors_kernels.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "collinea/match/look.h"
+#include "collinea/match/internal/look.h"
 
 namespace collinea {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collinea/base/run.h"
-#include "collinea/math/tile_matrix.h"
+#include "collinea/math/internal/tile_matrix.h"
 
 namespace collinea::bundle {
 

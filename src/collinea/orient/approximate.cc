@@ -7,7 +7,7 @@
 #include <set>
 
 #include "collinea/epipolar/intersect.h"
-#include "collinea/orient/resection.h"
+#include "collinea/orient/internal/resection.h"
 
 namespace collinea {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "collinea/orient/test_pairs.h"
+#include "collinea/orient/internal/test_pairs.h"
 
 namespace collinea {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "collinea/block/gauge.h"
 #include "collinea/orient/given.h"
-#include "collinea/orient/reconstruction.h"
-#include "collinea/orient/remeasure.h"
+#include "collinea/orient/internal/reconstruction.h"
+#include "collinea/orient/internal/remeasure.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/variance_components.h"
 
@@ -30,7 +30,7 @@ struct Orientation {
   int gross_measurements = 0;                     ///< of tie points, left out before the final least squares
   std::vector<Finding> findings;                  ///< gross errors in control among them
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
-  std::set<std::size_t> excluded_geodetic;          ///< the same of Block::ground
+  std::set<std::size_t> excluded_geodetic;        ///< the same of Block::ground
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows
   Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
   InstrumentOptions instruments;              ///< those of the options that took part

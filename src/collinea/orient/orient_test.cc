@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "collinea/block/world_frame.h"
-#include "collinea/orient/test_pairs.h"
+#include "collinea/orient/internal/test_pairs.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "collinea/ortho/seam_plan.h"
+#include "collinea/ortho/internal/seam_plan.h"
 
 namespace collinea {
 namespace {

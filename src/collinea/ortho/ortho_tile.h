@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "collinea/ortho/ortho_scene.h"
-#include "collinea/ortho/seams.h"
+#include "collinea/ortho/internal/ortho_scene.h"
+#include "collinea/ortho/internal/seams.h"
 
 namespace collinea {
 

@@ -8,7 +8,7 @@
 
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel_in_order.h"
-#include "collinea/ortho/seam_plan.h"
+#include "collinea/ortho/internal/seam_plan.h"
 #include "collinea/surface/dsm.h"
 
 namespace collinea {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "collinea/ortho/grid_cut.h"
-#include "collinea/ortho/seam_window.h"
-#include "collinea/ortho/view_costs.h"
+#include "collinea/ortho/internal/grid_cut.h"
+#include "collinea/ortho/internal/seam_window.h"
+#include "collinea/ortho/internal/view_costs.h"
 
 namespace collinea {
 namespace {

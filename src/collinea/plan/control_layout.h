@@ -6,7 +6,7 @@
 
 #include "collinea/block/ground.h"
 #include "collinea/io/control_file.h"
-#include "collinea/plan/flight_plan.h"
+#include "collinea/plan/internal/flight_plan.h"
 
 namespace collinea {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collinea/plan/control_layout.h"
-#include "collinea/plan/flight_plan.h"
+#include "collinea/plan/internal/flight_plan.h"
 #include "collinea/quality/examine.h"
 
 namespace collinea {

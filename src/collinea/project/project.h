@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collinea/base/run.h"
-#include "collinea/project/project_lock.h"
+#include "collinea/project/internal/project_lock.h"
 #include "collinea/project/settings.h"
 #include "collinea/store/project_store.h"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "collinea/math/fisher.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {

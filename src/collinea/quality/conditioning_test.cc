@@ -6,7 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {

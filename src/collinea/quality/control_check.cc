@@ -8,7 +8,7 @@
 #include "collinea/block/image_axes.h"
 #include "collinea/geometry/robust_similarity.h"
 #include "collinea/math/median.h"
-#include "collinea/quality/control_measurements.h"
+#include "collinea/quality/internal/control_measurements.h"
 
 namespace collinea {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "collinea/block/block.h"
-#include "collinea/quality/control_diagnosis.h"
+#include "collinea/quality/internal/control_diagnosis.h"
 
 namespace collinea {
 

@@ -5,7 +5,7 @@
 
 #include "collinea/adjust/test_block.h"
 #include "collinea/block/survey_covariance.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea::testing {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <utility>
 
-#include "collinea/quality/control_folds.h"
-#include "collinea/quality/control_prediction.h"
-#include "collinea/quality/inseparable.h"
+#include "collinea/quality/internal/control_folds.h"
+#include "collinea/quality/internal/control_prediction.h"
+#include "collinea/quality/internal/inseparable.h"
 
 namespace collinea {
 namespace {

@@ -7,12 +7,12 @@
 
 #include "collinea/adjust/bundle.h"
 #include "collinea/base/options.h"
-#include "collinea/quality/camera_poses.h"
 #include "collinea/quality/conditioning.h"
-#include "collinea/quality/covariance.h"
-#include "collinea/quality/point_precision.h"
-#include "collinea/quality/reliability.h"
-#include "collinea/quality/weakness.h"
+#include "collinea/quality/internal/camera_poses.h"
+#include "collinea/quality/internal/covariance.h"
+#include "collinea/quality/internal/point_precision.h"
+#include "collinea/quality/internal/reliability.h"
+#include "collinea/quality/internal/weakness.h"
 
 namespace collinea {
 

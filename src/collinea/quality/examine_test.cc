@@ -9,7 +9,7 @@
 #include "collinea/adjust/linearise.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/geometry/similarity3.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {
@@ -157,7 +157,8 @@ TEST(Fisheye, PointsBehindThePlaneOfTheCameraAreAdjusted) {
   for (const Observation& o : truth.observations)
     behind += (pose_of(truth, o.image) * truth.points.at(o.point).position_in_world).z() < 0;
   EXPECT_GT(behind, 50u);
-  const auto adjusted = adjust(disturbed(truth, 0.003, 0.1), {}, {.calibration = Calibration::kNone, .loss = Loss::kNone}, {});
+  const auto adjusted =
+      adjust(disturbed(truth, 0.003, 0.1), {}, {.calibration = Calibration::kNone, .loss = Loss::kNone}, {});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_NEAR(adjusted->sigma0, 1, 4 / std::sqrt(2.0 * double(adjusted->redundancy)));
 }

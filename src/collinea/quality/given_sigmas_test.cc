@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "collinea/quality/examine.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {

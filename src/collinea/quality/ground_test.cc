@@ -9,7 +9,7 @@
 #include "collinea/adjust/geodetic_model.h"
 #include "collinea/geometry/similarity3.h"
 #include "collinea/quality/examine.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -35,8 +35,8 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
   Random random(3);
   for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d from = 300 * normal3(random), to = 300 * normal3(random);
-    for (const GeodeticKind kind :
-         {GeodeticKind::kDistance, GeodeticKind::kHeightDifference, GeodeticKind::kDirection, GeodeticKind::kZenithAngle})
+    for (const GeodeticKind kind : {GeodeticKind::kDistance, GeodeticKind::kHeightDifference, GeodeticKind::kDirection,
+                                    GeodeticKind::kZenithAngle})
       for (const bool curved : {false, true}) {
         const GeodeticObservation one{.kind = kind, .instrument_height_m = 1.6, .target_height_m = 0.3};
         const GeodeticModel model = geodetic_model(one, from, to, 0.4, curved);

@@ -11,7 +11,7 @@
 #include "collinea/adjust/geodetic_model.h"
 #include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {
@@ -86,8 +86,9 @@ TEST(Network, PlacesOfStationsAreFoundFromWhatTheyMeasured) {
   for (const auto& [id, place] : places) EXPECT_LT((place - made.truth.at(id)).norm(), 1e-9) << id.value;
   // Without distances a target is where the rays of both stations meet.
   Network angles = network(1, 0, false);
-  std::erase_if(angles.block.ground,
-                [](const GeodeticObservation& one) { return one.kind == GeodeticKind::kDistance && one.to.value == 4; });
+  std::erase_if(angles.block.ground, [](const GeodeticObservation& one) {
+    return one.kind == GeodeticKind::kDistance && one.to.value == 4;
+  });
   places.erase({4});
   links.resize(angles.block.ground.size());
   bundle::find_positions_by_geodetic(angles.block, links, places);

@@ -8,7 +8,7 @@
 #include "collinea/adjust/observation_kinds.h"
 #include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {

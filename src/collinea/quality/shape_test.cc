@@ -7,7 +7,7 @@
 #include "collinea/adjust/geodetic_model.h"
 #include "collinea/block/geodetic_words.h"
 #include "collinea/quality/examine.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -162,7 +162,7 @@ TEST(Shape, ABlunderIsFoundAndNamed) {
     Block block = made.block;
     for (GeodeticObservation& one : block.ground) one.sigma = 0.005;
     const std::size_t wrong = kind == GeodeticKind::kOnLine ? 7 : 3;  // point 3, of a line upwards
-    block.ground[wrong].value = 0.15;                               // what is written there is not so
+    block.ground[wrong].value = 0.15;                                 // what is written there is not so
     const auto adjusted = examine(block, {}, tested(), kRun);
     ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
     const TestedObservation& worst = adjusted->reliability->suspects[0];
@@ -171,7 +171,7 @@ TEST(Shape, ABlunderIsFoundAndNamed) {
     EXPECT_NEAR(std::abs(worst.gross_error), 0.15, 0.05);
     EXPECT_EQ(words_of(block.ground[wrong], block), kind == GeodeticKind::kAtHeight  ? "gcp3 at height wall"
                                                     : kind == GeodeticKind::kOnPlane ? "gcp3 on plane wall"
-                                                                                   : "gcp3 on line wall, upwards");
+                                                                                     : "gcp3 on line wall, upwards");
   }
 }
 

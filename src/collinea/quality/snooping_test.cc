@@ -12,7 +12,7 @@
 
 #include "collinea/adjust/survey_block.h"
 #include "collinea/math/quantiles.h"
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "collinea/quality/test_examine.h"
+#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collinea/base/run.h"
-#include "collinea/radiometry/channel_table.h"
+#include "collinea/radiometry/internal/channel_table.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/pixel_cache.h"
 #include "collinea/surface/height_field.h"

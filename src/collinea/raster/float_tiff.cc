@@ -5,7 +5,7 @@
 
 #include "collinea/raster/codec.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/raster/tiff_file.h"
+#include "collinea/raster/internal/tiff_file.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collinea/base/result.h"
-#include "collinea/raster/pyramid_kernels.h"
+#include "collinea/raster/internal/pyramid_kernels.h"
 
 namespace collinea {
 Raster<std::uint8_t> half(const Raster<std::uint8_t>& raster) {

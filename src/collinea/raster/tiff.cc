@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collinea/raster/codec.h"
-#include "collinea/raster/tiff_file.h"
+#include "collinea/raster/internal/tiff_file.h"
 
 namespace collinea {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/report/adjustment_findings.h"
-#include "collinea/report/cells.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/cells.h"
 #include "collinea/report/json_values.h"
 
 namespace collinea {

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "collinea/report/adjustment_findings.h"
-#include "collinea/report/cells.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/svg.h"
 #include "collinea/report/json_values.h"
-#include "collinea/report/svg.h"
 
 namespace collinea {
 namespace {
@@ -21,9 +21,9 @@ std::string_view set_of(const AdjustmentReport& report, const AdditionalTest& te
 std::string proposal(const AdditionalTest& test) {
   const std::string dropped = dropped_names(test);
   if (dropped.empty()) return "All are significant: keep them.";
-  std::string text = test.kept == 0 ? "None is significant: do without them."
-                                    : fmt::format("Keep {} of {}; hold the others: {}.", test.kept,
-                                                  test.parameters.size(), dropped);
+  std::string text =
+      test.kept == 0 ? "None is significant: do without them."
+                     : fmt::format("Keep {} of {}; hold the others: {}.", test.kept, test.parameters.size(), dropped);
   if (test.dropped_chance < 1e-3)
     text += " Together those are significant all the same (F-test): a smaller or another set may say the same.";
   return text;

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "collinea/math/median.h"
-#include "collinea/report/adjustment_findings.h"
-#include "collinea/report/cells.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/svg.h"
 #include "collinea/report/json_values.h"
-#include "collinea/report/svg.h"
 
 namespace collinea {
 namespace {

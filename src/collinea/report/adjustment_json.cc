@@ -2,10 +2,10 @@
 #include <numbers>
 
 #include "collinea/block/geodetic_words.h"
-#include "collinea/report/adjustment_findings.h"
-#include "collinea/report/cells.h"
-#include "collinea/report/finding_json.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/write_adjustment.h"
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "collinea/report/adjustment_products.h"
-#include "collinea/report/map_view.h"
+#include "collinea/report/internal/adjustment_products.h"
+#include "collinea/report/internal/map_view.h"
 
 namespace collinea {
 namespace {

@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "collinea/block/geodetic_words.h"
-#include "collinea/report/adjustment_findings.h"
-#include "collinea/report/adjustment_products.h"
-#include "collinea/report/cells.h"
 #include "collinea/report/finding_words.h"
-#include "collinea/report/page.h"
-#include "collinea/report/svg.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/adjustment_products.h"
+#include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/svg.h"
 #include "collinea/report/write_adjustment.h"
 
 namespace collinea {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "collinea/block/geodetic_words.h"
-#include "collinea/report/cells.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/cells.h"
 
 namespace collinea {
 namespace {
@@ -39,7 +39,8 @@ std::vector<EstimatedUnknown> shown_unknowns(const Adjusted& adjusted) {
 
 TestedObservation in_unit(TestedObservation one) {
   if (!is_angle(one.group)) return one;
-  for (double* value : {&one.residual, &one.sigma, &one.gross_error, &one.minimal_detectable_bias, &one.effect}) *value *= kDegrees;
+  for (double* value : {&one.residual, &one.sigma, &one.gross_error, &one.minimal_detectable_bias, &one.effect})
+    *value *= kDegrees;
   return one;
 }
 

@@ -11,7 +11,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
-#include "collinea/report/adjustment_products.h"
+#include "collinea/report/internal/adjustment_products.h"
 
 namespace collinea {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/report/adjustment_findings.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/svg.h"
 #include "collinea/report/json_values.h"
-#include "collinea/report/svg.h"
 
 namespace collinea {
 namespace {

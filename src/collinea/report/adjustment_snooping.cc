@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "collinea/block/geodetic_words.h"
-#include "collinea/report/adjustment_findings.h"
-#include "collinea/report/cells.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/svg.h"
 #include "collinea/report/json_values.h"
-#include "collinea/report/svg.h"
 
 namespace collinea {
 namespace {
@@ -74,7 +74,8 @@ std::string told(const Rejected& gone, const Block& block) {
   if (!std::isfinite(gone.w)) return text + " (not seen there)";
   const int decimals = in_image(gone.group) ? 1 : is_angle(gone) ? 4 : 3;
   const bool in_plan = std::isfinite(gone.gross_error.x()) && std::isfinite(gone.gross_error.y());
-  const double size = told_in_unit(gone, in_plan ? gone.gross_error.head<2>().norm() : std::abs(gone.gross_error[gone.axis]));
+  const double size =
+      told_in_unit(gone, in_plan ? gone.gross_error.head<2>().norm() : std::abs(gone.gross_error[gone.axis]));
   if (std::isfinite(size)) text += fmt::format(", off by {:.{}f} {}", size, decimals, unit(gone));
   return text + fmt::format(" ({} {:+.{}f} {} with a sigma of {:.{}f} {})", axis_of(gone),
                             told_in_unit(gone, gone.gross_error[gone.axis]), decimals, unit(gone),
@@ -137,18 +138,19 @@ json snooping_json(const AdjustmentReport& report) {
   const Snooped& snooped = *report.snooped;
   json rejected = json::array(), kept = json::array(), with = json::array();
   for (const Rejected& gone : snooped.rejected)
-    rejected.push_back({{"observation", name_of(gone, snooped.block)},
-                         {"coordinate", axis_of(gone)},
-                         {"unit", unit(gone)},
-                         {"w", number(gone.w)},
-                         {"gross_error",
-                          {number(told_in_unit(gone, gone.gross_error.x())), number(told_in_unit(gone, gone.gross_error.y())),
-                           number(told_in_unit(gone, gone.gross_error.z()))}},
-                         {"sigma", number(told_in_unit(gone, gone.sigma))},
-                         {"influence", number(told_in_unit(gone, gone.influence))},
-                         {"redundancy", number(gone.redundancy)},
-                         {"as_pair", gone.as_pair},
-                         {"round", gone.round}});
+    rejected.push_back(
+        {{"observation", name_of(gone, snooped.block)},
+         {"coordinate", axis_of(gone)},
+         {"unit", unit(gone)},
+         {"w", number(gone.w)},
+         {"gross_error",
+          {number(told_in_unit(gone, gone.gross_error.x())), number(told_in_unit(gone, gone.gross_error.y())),
+           number(told_in_unit(gone, gone.gross_error.z()))}},
+         {"sigma", number(told_in_unit(gone, gone.sigma))},
+         {"influence", number(told_in_unit(gone, gone.influence))},
+         {"redundancy", number(gone.redundancy)},
+         {"as_pair", gone.as_pair},
+         {"round", gone.round}});
   for (const KeptSuspect& one : snooped.kept)
     kept.push_back({{"observation", name_of(one.observation, snooped.block)},
                     {"w", number(one.observation.w)},
@@ -156,7 +158,7 @@ json snooping_json(const AdjustmentReport& report) {
   for (const ControlDifference& one : snooped.with)
     with.push_back({{"name", snooped.block.control.at(one.point).name}, {"difference_m", vector(one.difference_m)}});
   return {{"adjustments", snooped.rounds}, {"finished", snooped.finished}, {"sigma0_before", snooped.sigma0_before},
-          {"rejected", rejected},        {"put_back", snooped.put_back}, {"not_to_be_taken_out", kept},
+          {"rejected", rejected},          {"put_back", snooped.put_back}, {"not_to_be_taken_out", kept},
           {"control_points_before", with}};
 }
 

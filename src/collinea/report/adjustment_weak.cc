@@ -7,8 +7,8 @@
 #include <map>
 
 #include "collinea/math/median.h"
-#include "collinea/report/adjustment_findings.h"
-#include "collinea/report/cells.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/cells.h"
 #include "collinea/report/json_values.h"
 
 namespace collinea {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/report/figures.h"
-#include "collinea/report/svg.h"
+#include "collinea/report/internal/figures.h"
+#include "collinea/report/internal/svg.h"
 
 namespace collinea {
 namespace {

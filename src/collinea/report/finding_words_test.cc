@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "collinea/report/finding_json.h"
+#include "collinea/report/internal/finding_json.h"
 
 namespace collinea {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/report/finding_json.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/plan_report.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "collinea/report/map_view.h"
+#include "collinea/report/internal/map_view.h"
 #include "collinea/report/plan_report.h"
 
 namespace collinea {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/report/cells.h"
 #include "collinea/report/finding_words.h"
-#include "collinea/report/page.h"
+#include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/svg.h"
 #include "collinea/report/plan_report.h"
-#include "collinea/report/svg.h"
 
 namespace collinea {
 namespace {

@@ -9,8 +9,8 @@
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/hillshade.h"
 #include "collinea/raster/photo.h"
-#include "collinea/report/figures.h"
-#include "collinea/report/svg.h"
+#include "collinea/report/internal/figures.h"
+#include "collinea/report/internal/svg.h"
 
 namespace collinea {
 namespace {

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-#include "collinea/report/page.h"
-#include "collinea/report/svg.h"
+#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/svg.h"
 
 namespace collinea {
 namespace {

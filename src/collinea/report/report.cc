@@ -2,8 +2,8 @@
 #include "collinea/report/report.h"
 
 #include "collinea/base/file.h"
-#include "collinea/report/page.h"
-#include "collinea/report/report_json.h"
+#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/report_json.h"
 
 namespace collinea {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "collinea/base/result.h"
-#include "collinea/report/report_input.h"
+#include "collinea/report/internal/report_input.h"
 
 namespace collinea {
 

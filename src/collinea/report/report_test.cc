@@ -11,12 +11,12 @@
 #include "collinea/base/file.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/report/coverage.h"
-#include "collinea/report/figures.h"
+#include "collinea/report/internal/coverage.h"
+#include "collinea/report/internal/figures.h"
+#include "collinea/report/internal/summary.h"
+#include "collinea/report/internal/svg.h"
+#include "collinea/report/internal/test_block.h"
 #include "collinea/report/statistics.h"
-#include "collinea/report/summary.h"
-#include "collinea/report/svg.h"
-#include "collinea/report/test_block.h"
 
 namespace collinea {
 namespace {

@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "collinea/block/geodetic_words.h"
-#include "collinea/report/cells.h"
-#include "collinea/report/page.h"
-#include "collinea/report/svg.h"
+#include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/svg.h"
 
 namespace collinea {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "collinea/report/report_input.h"
+#include "collinea/report/internal/report_input.h"
 
 namespace collinea {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "collinea/base/words.h"
-#include "collinea/report/finding_json.h"
+#include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/store/packed_fields.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/report/page.h"
+#include "collinea/report/internal/page.h"
 
 namespace collinea {
 

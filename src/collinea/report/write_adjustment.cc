@@ -8,10 +8,10 @@
 
 #include "collinea/base/file.h"
 #include "collinea/block/geodetic_words.h"
-#include "collinea/report/adjustment_findings.h"
-#include "collinea/report/adjustment_products.h"
-#include "collinea/report/cells.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/adjustment_findings.h"
+#include "collinea/report/internal/adjustment_products.h"
+#include "collinea/report/internal/cells.h"
 
 namespace collinea {
 namespace {
@@ -70,14 +70,14 @@ std::string unknowns_csv(const AdjustmentReport& report) {
 
 std::string observations_csv(const AdjustmentReport& report, const std::vector<TestedObservation>& observations) {
   std::string text =
-      "observation,group,unit,residual,sigma,redundancy,w,blunder,least_detectable_blunder,its_effect,"
+      "observation,group,unit,residual,sigma,redundancy,w,gross_error,minimal_detectable_bias,its_effect,"
       "its_effect_in_sigmas\n";
   for (const TestedObservation& tested : observations) {
     const TestedObservation one = in_unit(tested);
     text += in_quotes(name_of(one, report.block)) + "," +
             in_quotes(kObservationGroupNames[static_cast<std::size_t>(one.group)]) + "," + unit_of(one);
-    for (const double value : {one.residual, one.sigma, one.redundancy, one.w, one.gross_error, one.minimal_detectable_bias,
-                               one.effect, one.effect_in_sigmas})
+    for (const double value : {one.residual, one.sigma, one.redundancy, one.w, one.gross_error,
+                               one.minimal_detectable_bias, one.effect, one.effect_in_sigmas})
       text += csv_field(value);
     text += "\n";
   }

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "collinea/base/result.h"
-#include "collinea/report/adjustment_products.h"
 #include "collinea/report/adjustment_report.h"
+#include "collinea/report/internal/adjustment_products.h"
 
 namespace collinea {
 

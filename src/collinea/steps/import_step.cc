@@ -5,7 +5,7 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/report/finding_words.h"
-#include "collinea/steps/import_record.h"
+#include "collinea/steps/internal/import_record.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {

@@ -12,7 +12,7 @@
 #include "collinea/match/descriptors.h"
 #include "collinea/match/partners.h"
 #include "collinea/match/retrieval.h"
-#include "collinea/steps/image_cache.h"
+#include "collinea/steps/internal/image_cache.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -129,7 +129,7 @@ class Matcher {
     COLLINEA_TRY(const auto first, features_.of(ids.first));
     COLLINEA_TRY(const auto second, features_.of(ids.second));
     return with_ids(ids, match_images({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
-                                        project_.settings, seed_of(ids)));
+                                      project_.settings, seed_of(ids)));
   }
 
   Result<ImagePair> verified_pair(Ids ids, const std::vector<Match>& putative) {

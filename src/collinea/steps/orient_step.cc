@@ -4,7 +4,7 @@
 
 #include "collinea/project/given_orientation.h"
 #include "collinea/raster/photo.h"
-#include "collinea/steps/orientation_record.h"
+#include "collinea/steps/internal/orientation_record.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {

@@ -7,7 +7,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/epipolar/two_view.h"
 #include "collinea/steps/flow.h"
-#include "collinea/steps/import_record.h"
+#include "collinea/steps/internal/import_record.h"
 #include "collinea/steps/step.h"
 #include "collinea/synthetic/matches.h"
 #include "collinea/synthetic/write.h"

@@ -8,7 +8,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/packed.h"
-#include "collinea/store/project_store_state.h"
+#include "collinea/store/internal/project_store_state.h"
 
 namespace collinea {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/base/packed.h"
+#include "collinea/store/internal/project_store_state.h"
 #include "collinea/store/project_store.h"
-#include "collinea/store/project_store_state.h"
 
 namespace collinea {
 namespace {
@@ -390,7 +390,8 @@ Result<> read_ground(Database& db, std::vector<GeodeticObservation>& ground) {
     one.kind = static_cast<GeodeticKind>(kind);
     std::uint32_t axis = 0;
     if (one.is_of_shape()) numbers.get(axis);
-    if (!numbers.done() || kind >= kGeodeticKinds || role > 1 || axis > 1) return damaged("a measurement on the ground");
+    if (!numbers.done() || kind >= kGeodeticKinds || role > 1 || axis > 1)
+      return damaged("a measurement on the ground");
     one.axis = static_cast<int>(axis);
     one.role = static_cast<ControlRole>(role);
     ground.push_back(std::move(one));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/store/step_records.h"
 
-#include "collinea/store/finding_values.h"
+#include "collinea/store/internal/finding_values.h"
 #include "collinea/store/packed_fields.h"
 
 namespace collinea {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "collinea/math/random.h"
-#include "collinea/store/finding_values.h"
+#include "collinea/store/internal/finding_values.h"
 #include "collinea/store/packed_fields.h"
 
 namespace collinea {

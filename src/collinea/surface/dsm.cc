@@ -8,10 +8,10 @@
 
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel_in_order.h"
-#include "collinea/surface/hole_filling.h"
-#include "collinea/surface/isolated_components.h"
-#include "collinea/surface/measured_tiles.h"
-#include "collinea/surface/point_buckets.h"
+#include "collinea/surface/internal/hole_filling.h"
+#include "collinea/surface/internal/isolated_components.h"
+#include "collinea/surface/internal/measured_tiles.h"
+#include "collinea/surface/internal/point_buckets.h"
 
 namespace collinea {
 namespace {
@@ -59,8 +59,8 @@ bool usable(const GridPoint& p) {
   return std::abs(p.column) < kFarthest && std::abs(p.row) < kFarthest && std::isfinite(p.height_m) && p.sigma_m > 0;
 }
 
-Result<> collect(const SurfaceCloud& cloud, double cell_m, PointBuckets& buckets, IsolatedComponents& isolated_components, DsmSummary& summary,
-                 const Run& run) {
+Result<> collect(const SurfaceCloud& cloud, double cell_m, PointBuckets& buckets,
+                 IsolatedComponents& isolated_components, DsmSummary& summary, const Run& run) {
   const LocalFrame* frame = cloud.point_frame == PointFrame::kMap ? nullptr : cloud.frame;
   std::vector<SurfacePoint> batch;
   for (;;) {
@@ -134,8 +134,8 @@ CellWindow widened(const CellWindow& window, int margin) {
 }
 
 // Measures a square of the model and shows it to `holes`. Without points: no rasters.
-Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const IsolatedComponents& isolated_components, const CellWindow& square,
-                                  const Gridding& gridding, HoleFilling& holes) {
+Result<SurfaceTile> measured_tile(const PointBuckets& buckets, const IsolatedComponents& isolated_components,
+                                  const CellWindow& square, const Gridding& gridding, HoleFilling& holes) {
   constexpr int kRim = HoleFilling::kRim;
   const CellWindow wide = widened(square, kRim);
   const auto points_of = [&](const CellWindow& band) -> Result<std::vector<GridPoint>> {
@@ -193,9 +193,10 @@ Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const Ho
       });
 }
 
-Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets, const IsolatedComponents& isolated_components,
-                    const Extent& extent, int widest_hole, const SurfaceSink& sink,
-                    const std::filesystem::path& scratch, DsmSummary& summary, const Run& run) {
+Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets,
+                    const IsolatedComponents& isolated_components, const Extent& extent, int widest_hole,
+                    const SurfaceSink& sink, const std::filesystem::path& scratch, DsmSummary& summary,
+                    const Run& run) {
   const double cell_m = summary.grid.cell_m;
   const Gridding gridding{.cell_m = cell_m, .alike_cells = kAlikePixels * std::max(0.0, cloud.gsd_m) / cell_m};
   MeasuredTiles tiles(scratch, kTileMemory);
@@ -239,8 +240,8 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
   summary.grid.width = int(extent.width), summary.grid.height = int(extent.height);
   if (cloud.frame) summary.grid.wkt = cloud.frame->wkt1();
   COLLINEA_TRY(sink.begin(summary.grid));
-  if (auto made =
-          make_model(cloud, buckets, isolated_components, extent, widest_hole_cells(options, cell_m), sink, scratch, summary, run);
+  if (auto made = make_model(cloud, buckets, isolated_components, extent, widest_hole_cells(options, cell_m), sink,
+                             scratch, summary, run);
       !made)
     return tl::unexpected(std::move(made).error());
   if (summary.measured_cells > 0)

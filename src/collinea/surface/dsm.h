@@ -12,8 +12,8 @@
 #include "collinea/base/run.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/surface/gridding.h"
-#include "collinea/surface/orientation_sigma.h"
+#include "collinea/surface/internal/gridding.h"
+#include "collinea/surface/internal/orientation_sigma.h"
 
 namespace collinea {
 

@@ -10,7 +10,7 @@
 
 #include "collinea/base/test_folder.h"
 #include "collinea/math/random.h"
-#include "collinea/surface/point_buckets.h"
+#include "collinea/surface/internal/point_buckets.h"
 
 namespace collinea {
 namespace {

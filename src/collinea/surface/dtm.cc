@@ -15,10 +15,10 @@
 #include "collinea/base/parallel.h"
 #include "collinea/math/median.h"
 #include "collinea/raster/raster_spool.h"
-#include "collinea/surface/ground_filter.h"
-#include "collinea/surface/pull_push.h"
-#include "collinea/surface/surface_pieces.h"
-#include "collinea/surface/terrain_contours.h"
+#include "collinea/surface/internal/ground_filter.h"
+#include "collinea/surface/internal/pull_push.h"
+#include "collinea/surface/internal/surface_pieces.h"
+#include "collinea/surface/internal/terrain_contours.h"
 
 namespace collinea {
 namespace {

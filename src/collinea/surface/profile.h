@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "collinea/surface/height_samples.h"
+#include "collinea/surface/internal/height_samples.h"
 
 namespace collinea {
 

@@ -7,7 +7,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/io/map_area.h"
-#include "collinea/surface/height_samples.h"
+#include "collinea/surface/internal/height_samples.h"
 
 namespace collinea {
 

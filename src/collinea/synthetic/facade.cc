@@ -3,9 +3,9 @@
 #include <numbers>
 
 #include "collinea/math/random.h"
-#include "collinea/synthetic/field_work.h"
+#include "collinea/synthetic/internal/field_work.h"
+#include "collinea/synthetic/internal/village.h"
 #include "collinea/synthetic/survey.h"
-#include "collinea/synthetic/village.h"
 
 namespace collinea {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "collinea/block/block.h"
 #include "collinea/block/features.h"
-#include "collinea/synthetic/truth.h"
+#include "collinea/synthetic/internal/truth.h"
 
 namespace collinea {
 

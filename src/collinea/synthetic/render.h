@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "collinea/raster/raster.h"
-#include "collinea/synthetic/truth.h"
+#include "collinea/synthetic/internal/truth.h"
 
 namespace collinea {
 

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "collinea/math/random.h"
-#include "collinea/synthetic/field_work.h"
-#include "collinea/synthetic/village.h"
+#include "collinea/synthetic/internal/field_work.h"
+#include "collinea/synthetic/internal/village.h"
 
 namespace collinea {
 namespace {

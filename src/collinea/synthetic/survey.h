@@ -5,8 +5,8 @@
 #include <string>
 
 #include "collinea/base/options.h"
-#include "collinea/synthetic/survey_parts.h"
-#include "collinea/synthetic/truth.h"
+#include "collinea/synthetic/internal/survey_parts.h"
+#include "collinea/synthetic/internal/truth.h"
 
 namespace collinea {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "collinea/synthetic/internal/truth.h"
 #include "collinea/synthetic/survey.h"
-#include "collinea/synthetic/truth.h"
 
 namespace collinea {
 

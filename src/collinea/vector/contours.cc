@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "collinea/vector/vector_file.h"
+#include "collinea/vector/internal/vector_file.h"
 
 namespace collinea {
 namespace {
@@ -97,8 +97,7 @@ Result<std::uint64_t> copy_lines(OGRLayerH from, double shortest_m, OGRLayerH pa
     const OGRGeometryH line = OGR_F_GetGeometryRef(feature.get());
     if (!line || OGR_G_Length(line) < shortest_m) continue;
     ++count;
-    for (const OGRLayerH layer : {package, drawing})
-      COLLINEA_TRY(add_line(layer, line));
+    for (const OGRLayerH layer : {package, drawing}) COLLINEA_TRY(add_line(layer, line));
   }
   if (begun && OGR_L_CommitTransaction(package) != OGRERR_NONE) return fail(Errc::kBadInput, "contours: not written");
   return count;

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "collinea/vector/vector_file.h"
+#include "collinea/vector/internal/vector_file.h"
 
 namespace collinea {
 namespace {

@@ -5,7 +5,7 @@
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 
-#include "collinea/vector/vector_file.h"
+#include "collinea/vector/internal/vector_file.h"
 
 namespace collinea {
 namespace {

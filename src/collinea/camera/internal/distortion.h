@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "collinea/camera/parameters.h"
+#include "collinea/camera/internal/parameters.h"
 
 // The polynomial D of camera/camera.h, its derivatives, its edge and its inverse.
 namespace collinea::distortion {

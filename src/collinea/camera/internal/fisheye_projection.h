@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/camera/fisheye.h"
 #include "collinea/camera/internal/distortion.h"
+#include "collinea/camera/internal/fisheye.h"
 
 namespace collinea {
 

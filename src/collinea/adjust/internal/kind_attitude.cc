@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/internal/kind_attitude.h"
+
+#include <algorithm>
+
+#include "collinea/geometry/rotation.h"
+
+namespace collinea::bundle {
+namespace {
+
+// rotation_by(b + d) = rotation_by(J d) rotation_by(b), to the second order of b: 1e-6 at ten degrees.
+Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& b) {
+  const Eigen::Matrix3d cross = skew(b);
+  return Eigen::Matrix3d::Identity() + cross / 2 + cross * cross / 6 + cross * cross * cross / 24;
+}
+
+// Given minus adjusted in the camera.
+Eigen::Vector3d turn_in_cam(const State& state, const GivenTurn& given) {
+  Eigen::Quaterniond turn = given.cam_from_world * state.rotations[given.image].conjugate();
+  if (given.boresight >= 0) turn = rotation_by(extra3(state, given.boresight)) * turn;
+  return rotation_vector(turn);
+}
+
+}  // namespace
+
+Eigen::Vector3d residual_of(const State& state, const GivenTurn& given) {
+  return rotation_in(state, given.image).transpose() * turn_in_cam(state, given);
+}
+
+// The residual turns with the frame it is seen in: -(1 - [v]x / 2) e in the camera, to the first order of v.
+Row row_of(const Problem& problem, const State& state, const GivenTurn& given, int axis) {
+  const Eigen::Matrix3d by_turn =
+      rotation_in(state, given.image).transpose() * (Eigen::Matrix3d::Identity() - skew(turn_in_cam(state, given)) / 2);
+  Row row;
+  for (int c = 0; c < 3; ++c) row.push_back({6 * static_cast<int>(given.image) + c, by_turn(axis, c)});
+  if (given.boresight >= 0)
+    add_extra(problem, given.boresight, -(by_turn * left_jacobian(extra3(state, given.boresight))).row(axis), row);
+  return row;
+}
+
+Eigen::Vector3d Attitude::residual(const Problem&, const State& state, const Item& item) {
+  return residual_of(state, item);
+}
+
+Row Attitude::row(const Problem& problem, const State& state, const Item& item, int axis) {
+  return row_of(problem, state, item, axis);
+}
+
+Eigen::Vector3d Attitude::predicted(const Problem& problem, const State& state, const State&,
+                                    const std::vector<double>& reduced, const Item& item) {
+  Eigen::Vector3d left = residual_of(state, item);
+  left -= change(problem, state, reduced, item);
+  return left.cwiseProduct(item.inverse_sigma);
+}
+
+void Attitude::tabulate(const Problem& problem, const State& state, Adjusted& adjusted) {
+  for (const GivenTurn& given : problem.attitudes)
+    adjusted.attitudes.push_back({problem.images[given.image].id, -residual_of(state, given)});
+  std::sort(adjusted.attitudes.begin(), adjusted.attitudes.end(), [](auto& a, auto& b) { return a.image < b.image; });
+}
+
+}  // namespace collinea::bundle

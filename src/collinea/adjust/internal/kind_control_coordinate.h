@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "collinea/adjust/internal/observation.h"
+#include "collinea/adjust/linearise.h"
+
+namespace collinea::bundle {
+
+/// The surveyed coordinates of a control point, with their correlations. Their only derivatives are by the point
+/// itself: they enter its own normal equations (PointNormals::add) with its image points, before the point is
+/// eliminated or, where other observations share it, in the border (Normals). Tests take the correlations into account,
+/// see reliability_of().
+struct ControlCoordinate : ObservationKind<ControlCoordinate, 3> {
+  using Item = std::size_t;  ///< number in Problem::points
+
+  template <class Visit>
+  static void for_each(const Problem& problem, Visit&& visit) {
+    for (Item p = problem.first_control; p < problem.point_count(); ++p)
+      if (problem.point(p).control >= 0) visit(p);
+  }
+  static Eigen::Vector3d inverse_sigma(const Problem& problem, Item p) {
+    return Eigen::Map<const Eigen::Vector3d>(problem.control[problem.point(p).control].inverse_sigma);
+  }
+  static double squared(const Problem& problem, const State& state, Item p) {
+    return PointNormals().add(problem.control[problem.point(p).control], &state.points[3 * p]);
+  }
+};
+
+}  // namespace collinea::bundle

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/internal/kind_gnss_position.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collinea/geometry/rotation.h"
+
+namespace collinea::bundle {
+namespace {
+
+Eigen::Vector3d arm_of(const State& state, const GivenPosition& position) {
+  return position.lever_arm < 0 ? position.arm : extra3(state, position.lever_arm);
+}
+
+}  // namespace
+
+Eigen::Vector3d antenna_of(const State& state, const GivenPosition& position) {
+  Eigen::Vector3d antenna(state.frames[position.image].data() + 9);
+  if (position.plain()) return antenna;
+  antenna += rotation_in(state, position.image).transpose() * arm_of(state, position);
+  if (position.shift >= 0) antenna += extra3(state, position.shift);
+  if (position.drift >= 0) antenna += position.time * extra3(state, position.drift);
+  if (position.time_offset >= 0)
+    antenna += state.auxiliaries[static_cast<std::size_t>(position.time_offset)] * position.velocity;
+  return antenna;
+}
+
+Row row_of(const Problem& problem, const State& state, const GivenPosition& position, int axis) {
+  const Eigen::Matrix3d world_from_cam = rotation_in(state, position.image).transpose();
+  const Eigen::RowVector3d by_turn = (world_from_cam * skew(arm_of(state, position))).row(axis);
+  const int first = 6 * static_cast<int>(position.image);
+  Row row;
+  for (int c = 0; c < 3; ++c) row.push_back({first + c, by_turn[c]});
+  row.push_back({first + 3 + axis, 1});
+  if (position.lever_arm >= 0) add_extra(problem, position.lever_arm, world_from_cam.row(axis), row);
+  const Eigen::RowVector3d unit = Eigen::RowVector3d::Unit(axis);
+  if (position.shift >= 0) add_extra(problem, position.shift, unit, row);
+  if (position.drift >= 0) add_extra(problem, position.drift, position.time * unit, row);
+  if (position.time_offset >= 0)
+    row.push_back({6 * problem.poses + problem.first_extra + position.time_offset, position.velocity[axis]});
+  return row;
+}
+
+Eigen::Vector3d GnssPosition::residual(const Problem&, const State& state, const Item& item) {
+  return item.given - antenna_of(state, item);
+}
+
+Row GnssPosition::row(const Problem& problem, const State& state, const Item& item, int axis) {
+  if (item.plain()) return {{6 * static_cast<int>(item.image) + 3 + axis, 1}};
+  return row_of(problem, state, item, axis);
+}
+
+double GnssPosition::add(const Problem& problem, const State& state, const Item& item, ObservationSink& sink) {
+  if (!item.plain()) return ObservationKind::add(problem, state, item, sink);
+  const Eigen::Vector3d residual = whitened(problem, state, item);
+  const double s = residual.squaredNorm(), weight = problem.position_loss.weight(s);
+  for (int c = 0; c < 3; ++c) {
+    const int row = 6 * static_cast<int>(item.image) + 3 + c;
+    const double w = item.inverse_sigma[c];
+    sink.add_to_pose(row, row, weight * w * w);
+    sink.add_to_right(row, weight * w * residual[c]);
+  }
+  return problem.position_loss.cost(s);
+}
+
+void GnssPosition::tabulate(const Problem& problem, const State& state, Adjusted& adjusted) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (const GivenPosition& position : problem.positions) {
+    Eigen::Vector3d difference = antenna_of(state, position) - position.given;
+    const double s = difference.cwiseProduct(position.inverse_sigma).squaredNorm();
+    difference = (position.inverse_sigma.array() > 0).select(difference, kNaN);
+    adjusted.positions.push_back({problem.images[position.image].id, difference, problem.position_loss.weight(s)});
+  }
+  std::sort(adjusted.positions.begin(), adjusted.positions.end(), [](auto& a, auto& b) { return a.image < b.image; });
+}
+
+}  // namespace collinea::bundle

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/internal/disparity_costs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "collinea/base/parallel.h"
+#include "collinea/dense/internal/disparity_kernels.h"
+
+namespace collinea::dense {
+namespace {
+
+constexpr int kRankReach = 3;
+constexpr int kPerGreyValue = 2;
+
+// The pixel, with those beyond the border repeated from it.
+std::uint8_t near(const GreyImage& picture, int x, int y) {
+  return picture.at(std::clamp(x, 0, picture.width - 1), std::clamp(y, 0, picture.height - 1));
+}
+
+// Every row with its border repeated, as far as a census window reaches; from right to left when it is mirrored.
+struct PaddedRows {
+  const GreyImage& picture;
+  int stride;
+  std::vector<std::uint8_t> data;
+
+  PaddedRows(const GreyImage& p, bool mirrored) : picture(p), stride(p.width + 2 * kCensusReach) {
+    data.resize(std::size_t(stride) * std::size_t(p.height + 2 * kCensusReach) + kCensusSlack);
+    for (int y = -kCensusReach; y < p.height + kCensusReach; ++y) {
+      const std::uint8_t* row = p.row(std::clamp(y, 0, p.height - 1));
+      std::uint8_t* out = data.data() + std::size_t(y + kCensusReach) * std::size_t(stride);
+      if (mirrored)
+        std::reverse_copy(row, row + p.width, out + kCensusReach);
+      else
+        std::copy_n(row, p.width, out + kCensusReach);
+      std::fill_n(out, kCensusReach, out[kCensusReach]);
+      std::fill_n(out + kCensusReach + p.width, kCensusReach, out[kCensusReach + p.width - 1]);
+    }
+  }
+  [[nodiscard]] const std::uint8_t* at(int y) const {
+    return data.data() + std::size_t(y + kCensusReach) * std::size_t(stride) + kCensusReach;
+  }
+};
+
+template <class Byte, class Picture>
+CensusRows<Byte> census_rows(Picture& census, int y) {
+  CensusRows<Byte> rows;
+  for (int i = 0; i < kCensusBytes; ++i) rows[std::size_t(i)] = census.row(y * kCensusBytes + i);
+  return rows;
+}
+
+GreyImage census_of(const GreyImage& picture, bool mirrored, const Run& run) {
+  const PaddedRows rows(picture, mirrored);
+  GreyImage result((picture.width + kCensusSlack - 1) / kCensusSlack * kCensusSlack, picture.height * kCensusBytes);
+  parallel_for(run, std::size_t(picture.height), [&](std::size_t row) {
+    std::array<const std::uint8_t*, 2 * kCensusReach + 1> around;
+    for (int j = 0; j < int(around.size()); ++j) around[std::size_t(j)] = rows.at(int(row) + j - kCensusReach);
+    census_row(around.data(), picture.width, mirrored, census_rows<std::uint8_t>(result, int(row)));
+  });
+  return result;
+}
+
+GreyImage rank_of(const GreyImage& picture, const Run& run) {
+  GreyImage result(picture.width, picture.height);
+  parallel_for(run, std::size_t(picture.height), [&](std::size_t row) {
+    const int y = int(row);
+    for (int x = 0; x < picture.width; ++x) {
+      int less = 0;
+      for (int dy = -kRankReach; dy <= kRankReach; ++dy)
+        for (int dx = -kRankReach; dx <= kRankReach; ++dx) less += near(picture, x + dx, y + dy) < picture.at(x, y);
+      result.at(x, y) = picture.at(x, y) ? std::uint8_t(less + 1) : std::uint8_t(0);
+    }
+  });
+  return result;
+}
+
+int reach_of(StereoCost kind) { return kind == StereoCost::kZncc ? 3 : 2; }
+
+void window_sums(const GreyImage& picture, int reach, Raster<std::int32_t>& sums, FloatImage& deviations,
+                 const Run& run) {
+  sums = Raster<std::int32_t>(picture.width, picture.height);
+  deviations = FloatImage(picture.width, picture.height);
+  const int pixels = (2 * reach + 1) * (2 * reach + 1);
+  parallel_for(run, std::size_t(picture.height), [&](std::size_t row) {
+    const int y = int(row);
+    for (int x = 0; x < picture.width; ++x) {
+      int sum = 0, squares = 0;
+      for (int dy = -reach; dy <= reach; ++dy)
+        for (int dx = -reach; dx <= reach; ++dx) {
+          const int grey = near(picture, x + dx, y + dy);
+          sum += grey;
+          squares += grey * grey;
+        }
+      sums.at(x, y) = sum;
+      deviations.at(x, y) = float(std::sqrt(std::max(0.0, squares - double(sum) * sum / pixels)));
+    }
+  });
+}
+
+}  // namespace
+
+DisparityCosts::DisparityCosts(const GreyImage& left, const GreyImage& right, StereoCost kind, const Run& run)
+    : left_(left), right_(right), kind_(kind) {
+  if (kind == StereoCost::kCensus) {
+    left_census_ = census_of(left, false, run);
+    right_census_ = census_of(right, true, run);
+  } else if (kind == StereoCost::kRank) {
+    left_rank_ = rank_of(left, run);
+    right_rank_ = rank_of(right, run);
+  } else if (kind == StereoCost::kZncc) {
+    window_sums(left, reach_of(kind), left_sum_, left_deviation_, run);
+    window_sums(right, reach_of(kind), right_sum_, right_deviation_, run);
+  }
+}
+
+void DisparityCosts::row(int y, int x0, int x1, int low, int labels, int stride, std::uint8_t* costs) const {
+  if (kind_ != StereoCost::kCensus) return window_row(y, x0, x1, low, labels, stride, costs);
+  // element j is column x1 - 1 - low - j of the right picture; there is nothing beyond it
+  const std::size_t reach = std::size_t(x1 - x0 + stride);
+  std::vector<std::uint8_t> memory(kCensusBytes * reach, 255);
+  CensusRows<const std::uint8_t> left = census_rows<const std::uint8_t>(left_census_, y), right;
+  const int first = right_.width - 1 - (x1 - 1 - low);  // of the mirrored row
+  const int begin = std::max(0, -first), end = std::min(int(reach), right_.width - first);
+  for (std::size_t i = 0; i < kCensusBytes; ++i) {
+    std::uint8_t* bytes = memory.data() + i * reach;
+    if (begin < end)
+      std::copy_n(right_census_.row(y * kCensusBytes + int(i)) + first + begin, end - begin, bytes + begin);
+    left[i] += x0;
+    right[i] = bytes;
+  }
+  census_costs(left, right, x1 - x0, labels, stride, kChanceCost, costs);
+}
+
+// For study: plain sums over windows, no vectors.
+void DisparityCosts::window_row(int y, int x0, int x1, int low, int labels, int stride, std::uint8_t* costs) const {
+  const int reach = reach_of(kind_), side = 2 * reach + 1;
+  const bool rank = kind_ == StereoCost::kRank;
+  const GreyImage& left = rank ? left_rank_ : left_;
+  const GreyImage& right = rank ? right_rank_ : right_;
+  const auto of_pair = [&](int a, int b) {
+    return kind_ == StereoCost::kZncc ? a * b : kind_ == StereoCost::kSsd ? (a - b) * (a - b) : std::abs(a - b);
+  };
+  std::vector<int> columns(std::size_t(x1 - x0 + 2 * reach));
+  for (int k = 0; k < labels; ++k) {
+    const int d = low + k;
+    for (int i = 0; i < int(columns.size()); ++i) {
+      const int x = x0 - reach + i;
+      int sum = 0;
+      for (int j = -reach; j <= reach; ++j) sum += of_pair(near(left, x, y + j), near(right, x - d, y + j));
+      columns[std::size_t(i)] = sum;
+    }
+    int sum = 0;
+    for (int i = 0; i < side - 1; ++i) sum += columns[std::size_t(i)];
+    for (int x = x0; x < x1; ++x) {
+      sum += columns[std::size_t(x - x0 + side - 1)];
+      const int other = x - d;
+      float cost = kChanceCost;
+      if (other >= 0 && other < right_.width && left_.at(x, y) && right_.at(other, y)) {
+        const float mean = float(sum) / float(side * side);
+        if (kind_ == StereoCost::kZncc) {
+          const double covariance = sum - double(left_sum_.at(x, y)) * right_sum_.at(other, y) / double(side * side);
+          const float scale = left_deviation_.at(x, y) * right_deviation_.at(other, y);
+          cost = scale > 0 ? kChanceCost * (1 - float(covariance / scale)) : kChanceCost;
+        } else {
+          cost = kPerGreyValue * (kind_ == StereoCost::kSsd ? std::sqrt(mean) : mean);
+        }
+      }
+      costs[std::size_t(x - x0) * std::size_t(stride) + std::size_t(k)] =
+          std::uint8_t(std::clamp(cost, 0.0f, float(kLargestCost)) + 0.5f);
+      sum -= columns[std::size_t(x - x0)];
+    }
+  }
+  for (int x = x0; x < x1; ++x) {
+    std::uint8_t* of_pixel = costs + std::size_t(x - x0) * std::size_t(stride);
+    std::fill(of_pixel + labels, of_pixel + stride, std::uint8_t(255));
+  }
+}
+
+}  // namespace collinea::dense

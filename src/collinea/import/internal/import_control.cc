@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/import/internal/import_control.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "collinea/adjust/geodetic_model.h"
+#include "collinea/block/survey_covariance.h"
+#include "collinea/import/image_names.h"
+#include "collinea/io/geodetic_file.h"
+
+namespace collinea {
+namespace {
+
+// Points surveyed in another CRS than the map's come by way of geographic coordinates.
+Result<Eigen::Vector3d> in_world(const ControlFilePoint& point, const std::string& crs, const LocalFrame& frame) {
+  if (crs.empty() || crs == frame.crs()) return frame.local_from_map(point.position_in_map);
+  return geographic_from_map(crs, point.position_in_map)
+      .map([&](const Eigen::Vector3d& geographic) { return frame.local_from_geographic(geographic); })
+      .map_error([&](Error error) { return std::move(error).within("control " + point.name); });
+}
+
+// A covariance along the axes of the point's map, as one along those of the world. The axes differ by the convergence
+// of meridians and by the scale of the map, which the survey was reduced by.
+Result<> turn_covariance(const ControlFilePoint& point, const std::string& crs, const LocalFrame& frame,
+                         ControlPoint& taken) {
+  Eigen::Matrix3d world_from_map;
+  for (int axis = 0; axis < 3; ++axis) {
+    ControlFilePoint beside = point;
+    beside.position_in_map[axis] += 1;
+    COLLINEA_TRY(const Eigen::Vector3d there, in_world(beside, crs, frame));
+    world_from_map.col(axis) = (there - taken.position_in_world).normalized();
+  }
+  const Eigen::Matrix3d covariance =
+      world_from_map * survey_covariance(point.sigma_m, point.correlation) * world_from_map.transpose();
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::isfinite(point.sigma_m[axis])) taken.sigma_m[axis] = std::sqrt(covariance(axis, axis));
+  taken.correlation = correlation_of(covariance);
+  return {};
+}
+
+bool is_surveyed(const ControlFilePoint& point) { return point.sigma_m.array().isFinite().any(); }
+
+}  // namespace
+
+bool is_surveyed(const ControlFile& control) {
+  return std::any_of(control.points.begin(), control.points.end(),
+                     [](const auto& point) { return is_surveyed(point); });
+}
+
+Result<> add_control(Imported& imported, const ControlFile& control, const LocalFrame* frame) {
+  Block& block = imported.block;
+  std::map<std::string, ControlId> by_name;
+  for (const ControlFilePoint& point : control.points) {
+    const ControlId id{static_cast<std::uint32_t>(block.control.size())};
+    by_name[point.name] = id;
+    Eigen::Vector3d world = Eigen::Vector3d::Zero();  // of a point without any coordinate nothing is known
+    if (is_surveyed(point)) {
+      COLLINEA_TRY(world, in_world(point, control.crs, *frame));
+    }
+    const Eigen::Vector3d in_map = frame ? frame->map_from_local(world) : world;
+    ControlPoint& taken = block.control[id] = {point.name, point.role, in_map, world, point.sigma_m};
+    if (!point.correlation.isZero(0))
+      if (Result<> turned = turn_covariance(point, control.crs, *frame, taken); !turned) return turned;
+  }
+  const ImageNames images(block);
+  std::map<std::string, int> missing;
+  for (const ControlFileObservation& row : control.observations) {
+    const auto image = images.find(row.file);
+    if (!image) {
+      ++missing[row.file];
+      continue;
+    }
+    if (!inside(block.camera_of(*image), row.pixel)) {
+      imported.findings.push_back(finding_of(FindingCode::kControlOutsideImage, {by_name.at(row.point), *image},
+                                             {{FigureName::kPixelX, row.pixel.x()},
+                                              {FigureName::kPixelY, row.pixel.y()},
+                                              {FigureName::kLine, double(row.line)}}));
+      continue;
+    }
+    const ControlId point = by_name.at(row.point);
+    block.control_observations.push_back({point, *image, row.pixel, row.sigma_px});
+  }
+  for (const auto& [file, rows] : missing)
+    imported.findings.push_back(
+        finding_of(FindingCode::kControlImageMissing, {Subject::file(file)}, {{FigureName::kCount, double(rows)}}));
+  return {};
+}
+
+// With one ray a control point still holds its image, but nobody would notice a mistake in it.
+Finding hardly_seen(ControlId id, const ControlPoint& point, int images) {
+  if (images == 0) return finding_of(FindingCode::kControlUnseen, {id});
+  if (point.role == ControlRole::kCheck) return finding_of(FindingCode::kCheckSeenOnce, {id});
+  return finding_of(FindingCode::kControlSeenOnce, {id}, {}, {RemedyCode::kMeasureInAnother});
+}
+
+void name_unseen_control(Imported& imported) {
+  const Block& block = imported.block;
+  std::map<ControlId, int> seen;
+  for (const ControlObservation& observation : block.control_observations) ++seen[observation.point];
+  std::set<ControlId> on_ground;  // there it may be placed without any image
+  for (const GeodeticObservation& one : block.ground) on_ground.insert({one.from, one.to});
+  for (const auto& [id, point] : block.control)
+    if (seen[id] < 2 && !on_ground.contains(id)) imported.findings.push_back(hardly_seen(id, point, seen[id]));
+}
+
+namespace {
+
+// A shape that any points of that number lie on says nothing.
+Result<> check_shapes(const Block& block, const std::filesystem::path& file) {
+  std::map<std::pair<GeodeticKind, std::uint32_t>, std::pair<std::string, std::set<ControlId>>> shapes;
+  for (const GeodeticObservation& one : block.ground) {
+    if (!one.is_of_shape()) continue;
+    auto& [name, points] = shapes[{one.kind, one.setup}];
+    name = one.name;
+    points.insert(one.from);
+  }
+  for (const auto& [key, shape] : shapes) {
+    const auto& [name, points] = shape;
+    const auto least = static_cast<std::size_t>(points_of_shape(key.first)) + 1;
+    if (points.size() < least)
+      return fail(Errc::kBadInput, fmt::format("{}: {} {} has {} point{}, which says nothing: name at least {}",
+                                               file.string(), kGeodeticKindNames[static_cast<std::size_t>(key.first)],
+                                               name, points.size(), points.size() == 1 ? "" : "s", least));
+  }
+  return {};
+}
+
+/// Shapes of one kind by their names.
+class ShapeNumbers {
+ public:
+  std::uint32_t number_of(GeodeticKind kind, const std::string& name) {
+    auto& numbers = numbers_[kind];
+    return numbers.try_emplace(name, static_cast<std::uint32_t>(numbers.size())).first->second;
+  }
+
+ private:
+  std::map<GeodeticKind, std::map<std::string, std::uint32_t>> numbers_;
+};
+
+}  // namespace
+
+Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
+  Block& block = imported.block;
+  COLLINEA_TRY(const std::vector<GeodeticFileRow> rows, read_ground(file));
+  std::map<std::string, ControlId> by_name;
+  for (const auto& [id, point] : block.control) by_name[point.name] = id;
+  std::map<std::string, std::pair<std::uint32_t, ControlId>> setups;
+  ShapeNumbers shapes;
+  for (const GeodeticFileRow& row : rows) {
+    const auto bad = [&](const std::string& what) {
+      return fail(Errc::kBadInput, fmt::format("{}: line {}: {}", file.string(), row.line, what));
+    };
+    GeodeticObservation one{
+        .kind = row.kind, .name = row.name, .value = row.value, .sigma = row.sigma, .role = row.role};
+    one.instrument_height_m = row.instrument_height_m;
+    one.target_height_m = row.target_height_m;
+    for (const auto& [name, id] : {std::pair(&row.from, &one.from), std::pair(&row.to, &one.to)}) {
+      const auto known = by_name.find(*name);
+      if (known == by_name.end())
+        return bad(block.control.empty()
+                       ? "there is no point " + *name + ": points and where images show them come from a control file"
+                       : "there is no point " + *name + " in the control file");
+      *id = known->second;
+    }
+    if (row.kind == GeodeticKind::kDirection) {
+      const auto [its, is_new] = setups.try_emplace(row.setup.empty() ? "on " + row.from : row.setup,
+                                                    static_cast<std::uint32_t>(setups.size()), one.from);
+      if (its->second.second != one.from)
+        return bad("set-up " + row.setup + " stands on " + block.control.at(its->second.second).name + " and on " +
+                   row.from);
+      one.setup = its->second.first;
+    }
+    if (one.is_of_shape()) {
+      one.setup = shapes.number_of(row.kind, row.name);
+      one.axis = row.axis;
+    }
+    block.ground.push_back(std::move(one));
+  }
+  return check_shapes(block, file);
+}
+
+}  // namespace collinea

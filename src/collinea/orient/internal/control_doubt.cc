@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/internal/control_doubt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "collinea/math/median.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kSettled = 1.2;  // a few points do not tell their sigma any better
+constexpr double kStep = 5;       // one step does no more: weights must not collapse
+
+// Sums over coordinates of the control points, for their variance components (adjust/variance_components).
+struct Shown {
+  double squares = 0, redundancy = 0;  // of residuals in sigmas; what the block and the other points know of them
+  int coordinates = 0;
+  // Of control that positions alone contradict, nothing is known: their errors are mostly common to all.
+  [[nodiscard]] double sigma_factor(ControlKind kind) const {
+    const int of_datum = kind == kPlan ? 4 : 3;
+    return coordinates > of_datum && squares > 0 && redundancy > 0 ? std::sqrt(squares / redundancy) : 1;
+  }
+};
+ByKind<Shown> shown_by_coordinates(const Block& setup, const Adjusted& adjusted) {
+  ByKind<Shown> shown;
+  for (const ControlDifference& control : adjusted.control) {
+    if (!control.used || !control.covariance_m2) continue;
+    const Eigen::Vector3d& sigma_m = setup.control.at(control.point).sigma_m;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(sigma_m[axis] > 0 && std::isfinite(sigma_m[axis]))) continue;  // held: nothing shows
+      Shown& its = shown[kind_of(axis)];
+      ++its.coordinates;
+      its.squares += std::pow(control.difference_m[axis] / sigma_m[axis], 2);
+      its.redundancy += 1 - (*control.covariance_m2)(axis, axis) / (sigma_m[axis] * sigma_m[axis]);
+    }
+  }
+  return shown;
+}
+
+}  // namespace
+
+double control_misfit(const Block& setup, const Adjusted& adjusted) {
+  double sum = 0, largest = 0;
+  const ByKind<Shown> shown = shown_by_coordinates(setup, adjusted);
+  for (const ControlKind kind : {kPlan, kHeight}) {
+    sum += shown[kind].squares;
+    if (shown[kind].redundancy >= kLeastRedundancy) largest = std::max(largest, shown[kind].sigma_factor(kind));
+  }
+  int measured = 0;
+  std::set<ControlId> used;
+  for (const ControlDifference& difference : adjusted.control) {
+    if (!difference.used) continue;
+    used.insert(difference.point);
+    measured += static_cast<int>(setup.control.at(difference.point).sigma_m.array().isFinite().count());
+  }
+  for (std::size_t i = 0; i < setup.control_observations.size(); ++i) {
+    const ControlObservation& seen = setup.control_observations[i];
+    if (!used.contains(seen.point) || !adjusted.control_residuals_px[i].allFinite()) continue;
+    sum += adjusted.control_residuals_px[i].squaredNorm() / (seen.sigma_px * seen.sigma_px);
+    measured += 2;
+  }
+  const int redundancy = measured - 3 * static_cast<int>(used.size());
+  if (used.size() < 3 || redundancy < kLeastRedundancy) return 0;
+  return std::max(largest, std::sqrt(sum / redundancy));
+}
+
+std::optional<std::pair<ControlKind, double>> next_doubt(const Block& setup, const Adjusted& adjusted,
+                                                         const ByKind<double>& taken) {
+  const ByKind<Shown> shown = shown_by_coordinates(setup, adjusted);
+  std::optional<std::pair<ControlKind, double>> next;
+  double surest = 0;
+  for (const ControlKind kind : {kPlan, kHeight}) {
+    // never below what was stated: then it is not the coordinates that are wrong
+    const double factor = std::clamp(shown[kind].sigma_factor(kind), 1 / taken[kind], kStep);
+    const double change = std::abs(std::log(factor)), sure = change * std::sqrt(shown[kind].redundancy);
+    if (change > std::log(kSettled) && sure > surest) next = {kind, factor}, surest = sure;
+  }
+  return next;
+}
+
+Eigen::Vector3d shift_positions(Block& setup, const Adjusted& tied) {
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> positions_m, control_m;
+    for (const PositionDifference& position : tied.positions)
+      if (std::isfinite(setup.images.at(position.image).position->sigma_m[axis]))
+        positions_m.push_back(position.difference_m[axis]);
+    for (const ControlDifference& control : tied.control)
+      if (control.used && std::isfinite(control.difference_m[axis])) control_m.push_back(control.difference_m[axis]);
+    if (positions_m.empty() || control_m.empty()) continue;
+    const double middle_m = std::accumulate(control_m.begin(), control_m.end(), 0.0) / control_m.size();
+    shift_m[axis] = median(positions_m) - middle_m;
+  }
+  for (auto& [id, image] : setup.images)
+    if (image.position) image.position->position_in_world += shift_m;
+  return shift_m;
+}
+
+}  // namespace collinea

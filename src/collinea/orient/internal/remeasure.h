@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "collinea/base/run.h"
+#include "collinea/block/block.h"
+#include "collinea/orient/internal/reconstruction.h"
+#include "collinea/raster/raster.h"
+
+namespace collinea {
+
+using PictureSource = std::function<Result<GreyImage>(ImageId)>;
+
+/// Measures the images of the tie points of an oriented block once more, by least squares matching: of each point, the
+/// image seen from nearest the middle of its directions is the reference and keeps its place; the others are matched
+/// with it. The window reaches four times the scale of the reference's feature, but eight pixels at least, to each
+/// side. Poses and points predict how it is turned and stretched elsewhere, on a surface that faces the cameras.
+///
+/// The new places, in the order of block.observations; nothing where there is none: no convergence (see
+/// ReferenceWindow), farther from the old place than the feature's scale, at the border, picture not readable, or an
+/// image without a partner. Memory: the pictures in work, and pieces of pictures of at most 65536 observations at a
+/// time. Every picture is read once for each such lot of points that it shows. Errors: keypoints not readable,
+/// cancelled.
+[[nodiscard]] Result<std::vector<std::optional<Eigen::Vector2d>>> remeasure(const Block& block,
+                                                                            const KeypointSource& keypoints,
+                                                                            const PictureSource& pictures,
+                                                                            const Run& run);
+
+}  // namespace collinea

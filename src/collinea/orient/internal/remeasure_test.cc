@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/internal/remeasure.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "collinea/math/random.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 360;
+constexpr std::uint32_t kImages = 4, kPoints = 60;
+
+// Three pictures of the floor z = 0, painted with waves, and one that cannot be read; places of features are off by
+// 0.3 px, poses and points are true.
+class PaintedFloor : public ::testing::Test {
+ protected:
+  PaintedFloor() {
+    const CameraId camera{0};
+    block_.cameras[camera] = ideal_camera(400, kWidth, kHeight);
+    for (std::uint32_t i = 0; i < kImages; ++i) {
+      const Eigen::Vector3d centre(1.5 * i - 2, 0.4 * i - 0.5, 8);
+      const Eigen::Quaterniond down(Eigen::AngleAxisd(std::numbers::pi - 0.15 * i + 0.2, Eigen::Vector3d::UnitY()));
+      block_.images[ImageId{i}] = {.file = "", .camera = camera};
+      set_pose(block_, ImageId{i}, {down, -(down * centre)});
+    }
+    Random random(4);
+    for (std::uint32_t p = 0; p < kPoints; ++p) {
+      const Eigen::Vector3d point(random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5), 0);
+      block_.points[PointId{p}].position_in_world = point;
+      for (std::uint32_t i = 0; i < kImages; ++i) {
+        const Eigen::Vector2d noise(random.normal(), random.normal());
+        const Eigen::Vector2d pixel = *seen_at(ImageId{i}, point) + 0.3 * noise;
+        block_.observations.push_back({ImageId{i}, PointId{p}, p, pixel, 1});
+      }
+    }
+  }
+
+  [[nodiscard]] std::optional<Eigen::Vector2d> seen_at(ImageId image, const Eigen::Vector3d& point) const {
+    return project(block_.camera_of(image), pose_of(block_, image) * point);
+  }
+  [[nodiscard]] Eigen::Vector3d on_floor(ImageId image, const Eigen::Vector2d& pixel) const {
+    const Rigid3& pose = pose_of(block_, image);
+    const Eigen::Vector3d ray = pose.rotation.conjugate() * ray_in_cam(block_.camera_of(image), pixel);
+    const Eigen::Vector3d centre = centre_of(pose);
+    return centre - ray * (centre.z() / ray.z());
+  }
+  [[nodiscard]] Result<GreyImage> picture(ImageId image) const {
+    if (image.value == kImages - 1) return fail(Errc::kNotFound, "no such picture");
+    GreyImage grey(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const Eigen::Vector3d at = on_floor(image, {x + 0.5, y + 0.5});
+        double sum = 128;
+        for (int k = 1; k <= 8; ++k) {
+          const double length_m = 0.15 * k;
+          sum += 12 *
+                 std::sin(2 * std::numbers::pi / length_m * (at.x() * std::cos(2.1 * k) + at.y() * std::sin(2.1 * k)));
+        }
+        grey.at(x, y) = static_cast<std::uint8_t>(std::clamp(std::round(sum), 0.0, 255.0));
+      }
+    return grey;
+  }
+  [[nodiscard]] std::vector<std::optional<Eigen::Vector2d>> remeasured(int threads) const {
+    const auto keypoints = [](ImageId) -> Result<std::vector<Keypoint>> {
+      return std::vector<Keypoint>(kPoints, Keypoint{.scale_px = 2});
+    };
+    const auto places =
+        remeasure(block_, keypoints, [&](ImageId image) { return picture(image); }, {.threads = threads});
+    EXPECT_TRUE(places);
+    return places.value_or(std::vector<std::optional<Eigen::Vector2d>>{});
+  }
+
+  Block block_;
+};
+
+TEST_F(PaintedFloor, ObservationsOfAPointMeetWhereItsReferenceLooks) {
+  const auto places = remeasured(1);
+  ASSERT_EQ(places.size(), block_.observations.size());
+  int measured = 0;
+  for (std::size_t first = 0; first < places.size(); first += kImages) {
+    std::vector<Eigen::Vector3d> on_floor_at;
+    for (std::size_t i = first; i < first + kImages; ++i)
+      if (places[i]) on_floor_at.push_back(on_floor(block_.observations[i].image, *places[i]));
+    for (const Eigen::Vector3d& one : on_floor_at)  // a pixel is 20 mm
+      EXPECT_LT((one - on_floor_at.front()).norm(), 0.0012);
+    measured += static_cast<int>(on_floor_at.size());
+  }
+  EXPECT_GT(measured, 3 * static_cast<int>(kPoints) * 9 / 10);
+}
+
+TEST_F(PaintedFloor, ObservationsInAPictureThatCannotBeReadStay) {
+  const auto places = remeasured(1);
+  for (std::size_t i = kImages - 1; i < places.size(); i += kImages) EXPECT_FALSE(places[i]);
+}
+
+TEST_F(PaintedFloor, ThreadsDoNotChangeTheResult) { EXPECT_EQ(remeasured(1), remeasured(3)); }
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Correlations of the parameters of cameras with poses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "collinea/quality/internal/test_examine.h"
+
+namespace collinea {
+namespace {
+
+const Run kRun;
+
+// Of 300 blocks over gentle ground with positions good to 2 cm: what f, in error, has in common with the height of the
+// image that is named, and with its turn about north, is what is told, to four deviations (1 - rho^2) / sqrt(n).
+TEST(CameraPoses, ErrorsGoTogetherAsTold) {
+  constexpr int kBlocks = 300;
+  const Block truth = testing::test_block({.rows = 2, .columns = 3, .points = 60, .relief_m = 3, .tilt_rad = 0.03});
+  const double f = truth.cameras.begin()->second.params[Camera::kF];
+  struct Pair {
+    int of_pose;
+    ImageId image{};
+    double told = 0, both = 0, own = 0, other = 0;
+  };
+  std::array<Pair, 2> pairs{{{5}, {1}}};
+  for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+    AdjustScope scope;
+    const Block block = testing::measured_anew(truth, scope, seed);
+    ExamineOptions options = testing::examined(Calibration::kFocal);
+    const auto adjusted = examine(block, scope, options, kRun);
+    ASSERT_TRUE(adjusted && !adjusted->undetermined);
+    ASSERT_EQ(adjusted->camera_pose_correlations.size(), 6u);
+    for (Pair& pair : pairs) {
+      const CameraPoseCorrelation& one = adjusted->camera_pose_correlations[static_cast<std::size_t>(pair.of_pose)];
+      ASSERT_EQ(one.of_pose, pair.of_pose);
+      if (seed == 1) pair.image = one.image;
+      ASSERT_EQ(one.image, pair.image) << seed;  // the geometry stays
+      const Rigid3 &pose = adjusted->cam_from_world.at(pair.image), &exact = pose_of(truth, pair.image);
+      const double turn = rotation_vector(pose.rotation.conjugate() * exact.rotation)[std::min(pair.of_pose, 2)];
+      const double height = (centre_of(exact) - centre_of(pose)).z();
+      const double a = f - adjusted->cameras.begin()->second.params[Camera::kF], b = pair.of_pose == 5 ? height : turn;
+      pair.told += one.correlation / kBlocks;
+      pair.both += a * b;
+      pair.own += a * a;
+      pair.other += b * b;
+    }
+  }
+  for (const Pair& pair : pairs) {
+    const double bound = 4 * (1 - pair.told * pair.told) / std::sqrt(kBlocks);
+    EXPECT_NEAR(pair.both / std::sqrt(pair.own * pair.other), pair.told, bound) << pair.of_pose;
+    EXPECT_GT(std::abs(pair.told), 2 * bound) << pair.of_pose;  // neither none nor the opposite would pass
+  }
+}
+
+// Level ground, camera looking down: the focal length goes with the heights.
+TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
+  const Block block =
+      testing::test_block({.points = 150, .relief_m = 0.5, .sigma_px = 0.5, .control = 9, .tilt_rad = 0.01});
+  ExamineOptions options = testing::examined(Calibration::kBrown);
+  const auto adjusted = examine(block, {}, options, kRun);
+  ASSERT_TRUE(adjusted && !adjusted->undetermined);
+  EXPECT_EQ(adjusted->camera_pose_correlations.size(), 6 * 8u);
+  int with_height = 0;
+  for (const CameraPoseCorrelation& one : adjusted->camera_pose_correlations) {
+    if (one.param != Camera::kF || one.of_pose != 5) continue;
+    EXPECT_GT(std::abs(one.correlation), 0.9);
+    ++with_height;
+  }
+  EXPECT_EQ(with_height, 1);
+}
+
+// In a free network they depend on the datum that is chosen.
+TEST(CameraPoses, NothingIsToldOfAFreeNetwork) {
+  const Block block = testing::test_block({.points = 100, .sigma_px = 0.5});
+  ExamineOptions options = testing::examined(Calibration::kFocalRadial);
+  const auto adjusted = examine(block, {}, options, kRun);
+  ASSERT_TRUE(adjusted && !adjusted->undetermined);
+  EXPECT_TRUE(adjusted->camera_pose_correlations.empty());
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/quality/internal/reliability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "collinea/adjust/observation_kinds.h"
+#include "collinea/base/parallel.h"
+#include "collinea/math/quantiles.h"
+#include "collinea/math/robust_squares.h"
+#include "collinea/quality/internal/covariance.h"
+#include "collinea/quality/internal/point_cofactor.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kLeastRedundancy = 3;  // of a group: its factor is then known by 40 %
+
+}  // namespace
+
+// Sigmas given far too small make redundancy numbers small, and the residuals still say so.
+double GroupSums::sigma_factor() const {
+  const double factor = std::sqrt(std::max(squares, 0.0) / redundancy);
+  return told() || (redundancy >= kLeastRedundancy && factor > 1) ? factor : 1;
+}
+
+double GroupSums::relative_sigma() const { return 1 / std::sqrt(2 * squared_redundancy); }
+
+bool GroupSums::told() const { return squared_redundancy >= kLeastRedundancy; }
+
+namespace bundle {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoRedundancy = 1e-6;  // rounding of the selected inverse: nothing checks such an observation
+constexpr std::size_t kMostSuspects = 1000;
+
+class Examiner {
+ public:
+  Examiner(const Solved& solved, const Adjusted& adjusted, const TestOptions& options, TileCholesky& inverse,
+           const Run& run)
+      : problem_(solved.problem()),
+        state_(solved.state()),
+        inverse_(inverse),
+        run_(run),
+        adjusted_(adjusted),
+        tie_(problem_.tie_loss) {
+    out_.false_alarm = options.false_alarm;
+    out_.power = options.power;
+    out_.sigma0_known = options.sigma0_known;
+    const bool known = options.sigma0_known || adjusted.redundancy < 1;
+    sigma0_ = known ? 1 : std::max(adjusted.sigma0, 1e-12);
+    out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
+    const double quantile = options.power > 0.5 ? normal_limit(2 * (1 - options.power)) : 0;
+    out_.delta0 = normal_limit(options.false_alarm) + quantile;
+  }
+
+  Reliability examine(const Block& block) {
+    compute_leverages();
+    by_source_.assign(block.observations.size(), Eigen::Vector2d::Constant(kNaN));
+    if (run_.stopped()) return out_;
+    for (std::size_t p = 0; p < problem_.point_count(); ++p) take_rays(p, block);
+    out_.tie_redundancy.reserve(adjusted_.observations.size());
+    for (const std::uint32_t source : adjusted_.observations) out_.tie_redundancy.push_back(by_source_[source]);
+    for_each_kind<kInTests>([&]<class Kind>() { take_kind<Kind>(); });
+    sums(ObservationGroup::kTieImages).squares = tie_.squares();
+    trim();
+    return std::move(out_);
+  }
+
+ private:
+  GroupSums& sums(ObservationGroup group) { return out_.groups[static_cast<std::size_t>(group)]; }
+
+  void compute_leverages() {
+    leverages_.resize(problem_.rays.size());
+    parallel_for(run_, problem_.point_count(), [&](std::size_t p) {
+      const std::vector<Eigen::Matrix2d> all = PointSystem(problem_, state_, p).leverages(inverse_);
+      for (std::size_t k = 0; k < all.size(); ++k) leverages_[problem_.point(p).first_ray + k] = all[k].diagonal();
+    });
+  }
+
+  // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (not 1 by a robust loss).
+  // The observation is tested as the others foretell it, by its full sigma: v / r has the variance
+  // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss. sigma0 multiplies what the others say, and the
+  // sigmas of image points; those given in metres stay as given.
+  void test(TestedObservation one, double leverage, double weight) {
+    const double r = std::clamp(1 - leverage, 0.0, 1.0);
+    GroupSums& group = sums(one.group);
+    ++group.observations;
+    group.redundancy += 1 - leverage;
+    group.squared_redundancy += r * r;
+    out_.redundancy_sum += 1 - leverage;
+    one.redundancy = r;
+    one.w = one.suspicion = 0;  // of the coordinate before
+    one.minimal_detectable_bias = one.effect = one.effect_in_sigmas = kInfinity;
+    if (r > kNoRedundancy) {
+      const bool in_image = one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages;
+      const double own = in_image ? sigma0_ : 1;
+      const double spread = one.sigma * std::sqrt(own * own + sigma0_ * sigma0_ * leverage / (weight * r));
+      one.gross_error = one.residual / r;
+      one.w = one.gross_error / spread;
+      one.suspicion = one.gross_error / (sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r)));
+      one.minimal_detectable_bias = out_.delta0 * spread;
+      one.effect = one.minimal_detectable_bias * leverage;
+      one.effect_in_sigmas =
+          one.minimal_detectable_bias / (sigma0_ * one.sigma) * std::sqrt(weight * std::max(leverage, 0.0));
+      ++out_.tested;
+      if (std::abs(one.w) > out_.limit) {
+        ++out_.rejected;
+        out_.suspects.push_back(one);
+      }
+    }
+    if (one.group != ObservationGroup::kTieImages) out_.others.push_back(one);
+    if (out_.suspects.size() > 20 * kMostSuspects) trim();
+  }
+
+  // Nothing foretells it, and nothing is as wrong.
+  void suspect_unseen(TestedObservation one) {
+    ++out_.unseen;
+    one.residual = one.gross_error = one.redundancy = one.minimal_detectable_bias = one.effect = one.effect_in_sigmas =
+        kNaN;
+    one.w = one.suspicion = kInfinity;
+    out_.suspects.push_back(one);
+    if (one.group != ObservationGroup::kTieImages) out_.others.push_back(one);
+  }
+
+  void trim() {
+    std::stable_sort(out_.suspects.begin(), out_.suspects.end(),
+                     [](const auto& a, const auto& b) { return std::abs(a.suspicion) > std::abs(b.suspicion); });
+    if (out_.suspects.size() > kMostSuspects) out_.suspects.resize(kMostSuspects);
+  }
+
+  void take_rays(std::size_t p, const Block& block) {
+    const bool tie = problem_.point(p).control < 0;
+    const Loss loss = problem_.loss_of(problem_.point(p));
+    for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
+      const Ray& ray = problem_.rays[r];
+      double in_cam[3];
+      Projected at{};
+      to_camera(state_.frames[ray.image], &state_.points[3 * p], in_cam);
+      const bool seen = project(state_.lenses[problem_.images[ray.image].camera], in_cam, ray.pixel, &at);
+      TestedObservation one;
+      one.group = tie ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
+      one.source = ray.source;
+      one.sigma = tie ? block.observations[ray.source].sigma_px : block.control_observations[ray.source].sigma_px;
+      if (!seen) {
+        suspect_unseen(one);
+        continue;
+      }
+      const Eigen::Vector2d px(ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]);
+      const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma, weight = loss.weight(s);
+      if (tie) tie_.add(s, 2);
+      if (tie) by_source_[ray.source] = Eigen::Vector2d::Ones() - leverages_[r];
+      for (int axis = 0; axis < 2; ++axis) {
+        one.axis = axis;
+        one.residual = px[axis];
+        if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
+        test(one, leverages_[r][axis], weight);
+      }
+    }
+  }
+
+  void take_control(std::size_t p) {
+    const ProblemPoint& point = problem_.point(p);
+    const ControlCoordinates& given = problem_.control[point.control];
+    const Eigen::Matrix3d q = PointSystem(problem_, state_, p).covariance(inverse_);
+    const Eigen::Matrix3d weight = given.weight(), leverage = weight * q * weight;
+    const Eigen::Vector3d difference =
+        Eigen::Map<const Eigen::Vector3d>(&state_.points[3 * p]) - Eigen::Map<const Eigen::Vector3d>(given.given);
+    const Eigen::Vector3d weighted = weight * difference;
+    // A blunder in a coordinate shows in all that are correlated with it: its test is that of the coordinate as the
+    // others foretell it too, of weight p_ii and with the residual (P v)_i / p_ii (Baarda 1968).
+    for (int axis = 0; axis < 3; ++axis) {
+      const double w = given.inverse_sigma[axis];
+      if (!(w > 0)) continue;
+      TestedObservation one;
+      one.group = axis < 2 ? ObservationGroup::kControlPlan : ObservationGroup::kControlHeight;
+      one.source = point.id;
+      one.axis = axis;
+      one.residual = -weighted[axis] / (w * w);
+      one.sigma = 1 / w;
+      sums(one.group).squares += difference[axis] * weighted[axis];
+      const double of_test = leverage(axis, axis) / (w * w), of_group = q.row(axis).dot(weight.col(axis));
+      test(one, of_test, 1);
+      sums(one.group).redundancy += of_test - of_group;
+      out_.redundancy_sum += of_test - of_group;
+    }
+    for (const LeftOutPoint& one :
+         without_coordinates({ControlId{point.id}}, q, difference, given.weight(), inverse_weight(given).diagonal(),
+                             std::pow(sigma_scale(adjusted_), 2)))
+      out_.left_out.push_back(one);
+  }
+
+  template <class Kind>
+  void take_kind() {
+    if constexpr (std::is_same_v<Kind, ControlCoordinate>)
+      for_each<Kind>([&](std::size_t p) {
+        if (!problem_.point(p).held) take_control(p);
+      });
+    else if constexpr (std::is_same_v<Kind, Vertical>)
+      for_each<Kind>([&](const GivenUp& given) { take_vertical(given); });
+    else if constexpr (Kind::kIsTested)
+      test_kind<Kind>();
+    else
+      for_each_row<Kind>(problem_, state_, [&](const auto&, int, const ObservationRow& row) {
+        out_.redundancy_sum += 1 - row.inverse_sigma * row.inverse_sigma * variance_of(row.derivatives, inverse_);
+      });
+  }
+
+  template <class Kind, class Visit>
+  void for_each(Visit&& visit) {
+    Kind::for_each(problem_, visit);
+  }
+
+  template <class Kind>
+  void test_kind() {
+    const Loss loss = Kind::loss(problem_);
+    for_each_row<Kind>(problem_, state_, [&](const auto& item, int axis, const ObservationRow& row) {
+      TestedObservation one;
+      one.group = Kind::group(item, axis);
+      one.source = Kind::source(problem_, item);
+      one.axis = axis;
+      one.residual = row.residual;
+      one.sigma = Kind::sigma(problem_, item, axis);
+      sums(one.group).squares += row.weight / loss.information * std::pow(row.residual * row.inverse_sigma, 2);
+      test(one, Kind::leverage(row.weight, row.inverse_sigma, variance_of(row.derivatives, inverse_)), row.weight);
+    });
+    if constexpr (Kind::kIsRobust) scale_squares<Kind>(loss);
+  }
+
+  // The groups of a kind share its loss, which is of the whole length, and so what it makes of their squares.
+  template <class Kind>
+  void scale_squares(const Loss& loss) {
+    RobustSquares all(loss);
+    for_each<Kind>([&](const auto& item) {
+      if (const long given = Kind::count(problem_, item); given > 0)
+        all.add(Kind::squared(problem_, state_, item), static_cast<int>(given));
+    });
+    if (!(all.weighted() > 0)) return;
+    for (const ObservationGroup group : Kind::kGroups) sums(group).squares *= all.squares() / all.weighted();
+  }
+
+  void take_vertical(const GivenUp& given) {
+    const int row = 6 * static_cast<int>(given.image);
+    Eigen::Matrix3d cofactor;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) cofactor(r, c) = inverse_.at(row + std::max(r, c), row + std::min(r, c));
+    out_.redundancy_sum += Vertical::redundancy(state_, given, cofactor);
+  }
+
+  const Problem& problem_;
+  const State& state_;
+  TileCholesky& inverse_;
+  const Run& run_;
+  const Adjusted& adjusted_;
+  RobustSquares tie_;
+  double sigma0_ = 1;
+  std::vector<Eigen::Vector2d> leverages_;  // of each ray
+  std::vector<Eigen::Vector2d> by_source_;  // redundancy of each of Block::observations
+  Reliability out_;
+};
+
+}  // namespace
+}  // namespace bundle
+
+Reliability reliability_of(const Solved& solved, const Adjusted& adjusted, const TestOptions& options,
+                           bundle::TileCholesky& inverse, const Run& run) {
+  return bundle::Examiner(solved, adjusted, options, inverse, run).examine(solved.block());
+}
+
+}  // namespace collinea

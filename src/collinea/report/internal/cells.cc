@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/internal/cells.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "collinea/report/internal/svg.h"
+
+namespace collinea {
+namespace {
+
+constexpr const char* kUnknown = "\xe2\x80\x93";  // a dash
+
+}  // namespace
+
+std::string cell(double value, int decimals) {
+  return fmt::format("<td>{}</td>", std::isfinite(value) ? number_text(value, decimals) : kUnknown);
+}
+
+std::string text_cell(std::string_view text, std::string_view style) {
+  return fmt::format("<td class=\"{}\">{}</td>", style, escaped(text));
+}
+
+std::string difference_cell(double value, double sigma, int decimals) {
+  if (!std::isfinite(value)) return cell(value, decimals);
+  return fmt::format("<td{}>{:+.{}f}</td>", std::abs(value) > 3 * sigma ? " class=\"bad\"" : "", value, decimals);
+}
+
+}  // namespace collinea

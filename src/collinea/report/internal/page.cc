@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/internal/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/math/median.h"
+#include "collinea/report/finding_words.h"
+#include "collinea/report/internal/svg.h"
+
+namespace collinea {
+namespace {
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t triple = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      triple = triple << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[triple >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string picture(const Preview& preview, const char* name) {
+  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/jpeg;base64,{}\">", name,
+                     preview.width, preview.height, base64(preview.jpeg));
+}
+
+std::string fact(std::string_view name, const std::string& value, bool wide = false) {
+  return fmt::format("<div{}><dt>{}</dt><dd>{}</dd></div>\n", wide ? " class=\"wide\"" : "", name, escaped(value));
+}
+
+std::string area_text(double area, const std::string& unit) {
+  if (unit != "m") return fmt::format("{:.4g} square units", area);
+  if (area >= 1e6) return fmt::format("{:.2f} km\xc2\xb2", area / 1e6);
+  if (area >= 1e4) return fmt::format("{:.2f} ha", area / 1e4);
+  return fmt::format("{:.0f} m\xc2\xb2", area);
+}
+
+std::string pixel_size_text(double size, const std::string& unit) {
+  return unit == "m" && size < 1 ? fmt::format("{:.2f} cm", 100 * size) : fmt::format("{:.3g} {}", size, unit);
+}
+
+std::string count_text(std::size_t count) {  // 1,234,567
+  std::string digits = std::to_string(count);
+  for (auto at = std::ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), ",");
+  return digits;
+}
+
+std::string statement_section(const ReportInput& input, const ReportSummary& s) {
+  const bool checked = s.check.points > 0;
+  const AxisRms& rms = checked ? s.check : s.control.points ? s.control : s.position;
+  std::string html =
+      fmt::format("<section class=\"statement{}\">\n<p>{}</p>\n", checked ? "" : " unverified", escaped(s.statement));
+  if (rms.points > 0) {
+    constexpr std::array<const char*, 3> kNames = {"east", "north", "height"};
+    const char* kind = checked ? "check points" : s.control.points ? "control points" : "image positions";
+    html += fmt::format("<p class=\"kind\">Root mean square differences at {}</p><div class=\"axes\">", kind);
+    for (std::size_t i = 0; i < 3; ++i)
+      html += fmt::format("<div><span>{}</span><b>{}</b></div>", kNames[i], length_text(rms.axis_m[i], s.unit));
+    html += fmt::format("<div><span>in space</span><b>{}</b></div></div>\n", length_text(rms.spatial_m, s.unit));
+  }
+  html += "</section>\n";
+  std::vector<std::string> cautions = s.cautions;
+  for (const Finding& finding : input.findings) cautions.push_back(sentence_of(finding, input.block));
+  if (!cautions.empty()) {
+    html += "<ul class=\"cautions\">\n";
+    for (const std::string& caution : cautions) html += "<li>" + escaped(caution) + "</li>\n";
+    html += "</ul>\n";
+  }
+  return html;
+}
+
+// "2024-05-01 10:12 to 10:40": the first and the last of the photographs that say so.
+std::string dates_text(const Block& block) {
+  std::string first, last;
+  for (const auto& [id, image] : block.images) {
+    if (image.taken.size() < 16) continue;
+    if (first.empty() || image.taken < first) first = image.taken;
+    if (image.taken > last) last = image.taken;
+  }
+  if (first.empty()) return "";
+  const auto readable = [](std::string time) {  // EXIF writes 2024:05:01 10:12:33.25
+    time.resize(16);
+    time[4] = time[7] = '-';
+    return time;
+  };
+  first = readable(first), last = readable(last);
+  if (first == last) return first;
+  return first + " to " + (first.substr(0, 10) == last.substr(0, 10) ? last.substr(11) : last);
+}
+
+// Of the middle projection centre over the middle tie point; nothing when the pictures do not look down.
+std::optional<double> flying_height(const Block& block, const Coverage& coverage) {
+  std::vector<double> heights;
+  for (const auto& [id, pose] : oriented_images(block)) {
+    if ((pose.rotation.conjugate() * Eigen::Vector3d::UnitZ()).z() > -0.7) continue;
+    heights.push_back(centre_of(pose).z() - coverage.ground_height);
+  }
+  if (2 * heights.size() <= count_oriented(block)) return std::nullopt;
+  return median(heights);
+}
+
+std::string facts_section(const ReportInput& input, const ReportSummary& s) {
+  const Block& block = input.block;
+  std::string html = "<dl class=\"facts\">\n";
+  html += fact("images oriented", fmt::format("{} of {}", count_oriented(block), block.images.size()));
+  html += fact("tie points", count_text(block.points.size()));
+  html += fact("measured image points", count_text(s.residuals.observations));
+  html += fact("mean residual", fmt::format("{:.2f} px", s.residuals.mean_px));
+  if (std::isfinite(input.sigma0))
+    html += fact("sigma 0 (1: as assumed)", fmt::format("{:.2f}, redundancy {}", input.sigma0,
+                                                        count_text(std::size_t(std::max(0L, input.redundancy)))));
+  if (input.gsd_m) html += fact("ground size of a pixel", pixel_size_text(*input.gsd_m, s.unit));
+  if (const auto height = flying_height(block, s.coverage))
+    html += fact("height above ground", fmt::format("{:.{}f} {}", *height, *height < 20 ? 1 : 0, s.unit));
+  if (const double area = s.overlap.area(3); area > 0)
+    html += fact("area seen by 3 images or more", area_text(area, s.unit));
+  html += fact("control / check points", fmt::format("{} / {}", s.control_points, s.check_points));
+  if (const std::string dates = dates_text(block); !dates.empty()) html += fact("photographs taken", dates);
+  const auto& g = block.georeference;
+  if (input.georeferenced && g)
+    html +=
+        fact("coordinate system",
+             input.crs_name.empty() || input.crs_name == g->crs ? g->crs : input.crs_name + " (" + g->crs + ")", true);
+  else
+    html += fact("coordinate system",
+                 input.metric ? "none: a local frame in metres" : "none: a local frame in units of the model", true);
+  if (input.georeferenced && !input.height_reference.empty()) html += fact("heights", input.height_reference, true);
+  if (input.gauge) html += fact("position, attitude and scale are fixed by", words_of(*input.gauge), true);
+  return html + "</dl>\n";
+}
+
+std::string products_pictures(const std::optional<Preview>& heights, const std::optional<Preview>& ortho,
+                              const std::string& unit) {
+  if (!heights && !ortho) return "";
+  std::string html = "<section><h2>Products</h2>\n<div class=\"pair\">\n";
+  if (ortho)
+    html += "<figure>" + picture(*ortho, "Orthophoto") + "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
+  if (heights)
+    html += "<figure>" + picture(*heights, "Surface model") + height_scale(*heights, unit) +
+            "<figcaption>Surface model, reduced; heights in colour, light from the north-west. White: no "
+            "height.</figcaption></figure>\n";
+  return html + "</div></section>\n";
+}
+
+std::string geometry_section(const ReportInput& input, const ReportSummary& s) {
+  if (oriented_images(input.block).empty()) return "";
+  const char* lost = s.not_oriented.empty() ? "" : ", red circles: images not oriented, where they say they were";
+  std::string html = fmt::format(
+      "<section><h2>The block from above</h2>\n<figure class=\"map\">{}<figcaption>Dots: projection centres; outlines: "
+      "what they see at the median height of the tie points{}. Triangles: control points; circles: check points; "
+      "arrows: estimated minus surveyed, exaggerated.</figcaption></figure>\n",
+      block_map(input, s.coverage, s.unit), lost);
+  html += "<div class=\"pair\">\n";
+  if (s.overlap.columns > 0)
+    html += "<figure class=\"map\">" + overlap_map(s.overlap, s.unit) +
+            "<figcaption>Images that see each place. Below 3 a point is hardly checked by others; 5 and more are "
+            "good.</figcaption></figure>\n";
+  html += "<figure>" + rays_chart(s.residuals) +
+          "<figcaption>Tie points by the number of images that see them.</figcaption></figure>\n";
+  return html + "</div></section>\n";
+}
+
+std::string residual_section(const ReportSummary& s) {
+  if (s.residuals.observations == 0) return "";
+  return fmt::format(
+      "<section><h2>Image residuals</h2>\n<div class=\"pair\"><figure>{}<figcaption>Residual coordinates of all tie "
+      "points; dashed: the normal "
+      "distribution of the same standard deviation.</figcaption></figure>\n<div><table><tbody>"
+      "<tr><td class=\"l\">residuals</td><td>{}</td></tr><tr><td class=\"l\">mean length</td><td>{:.3f} px</td></tr>"
+      "<tr><td class=\"l\">RMS of a coordinate</td><td>{:.3f} px</td></tr><tr><td class=\"l\">largest "
+      "length</td><td>{:.2f} px</td></tr>"
+      "</tbody></table></div></div></section>\n",
+      residual_histogram(s.residuals), count_text(s.residuals.observations), s.residuals.mean_px, s.residuals.rms_px,
+      s.residuals.largest_px);
+}
+
+}  // namespace
+
+std::string report_page(const ReportInput& input, const ReportSummary& s, const std::optional<Preview>& heights,
+                        const std::optional<Preview>& ortho) {
+  const std::string title = escaped(input.title.empty() ? "Project" : input.title);
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
+      ": quality report</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
+      kStyleSheet + "</style></head>\n<body><main>\n";
+  html += "<header><div><h1>" + title + "</h1>Quality report</div><p>collinea " COLLINEA_VERSION +
+          (input.date.empty() ? "" : "<br>" + escaped(input.date)) + "</p></header>\n";
+  html += statement_section(input, s);
+  html += facts_section(input, s);
+  html += products_pictures(heights, ortho, s.unit);
+  html += geometry_section(input, s);
+  html += control_section(input, s);
+  html += ground_section(input);
+  html += position_section(input, s);
+  html += camera_section(input, s);
+  html += residual_section(s);
+  html += image_section(input, s);
+  html += left_out_section(input, s);
+  html += process_section(input);
+  html += "<div class=\"signature\"><div>Surveyor</div><div>Date</div><div>Signature</div></div>\n";
+  html += "<footer>All figures are also in report.json.</footer>\n";
+  return html + "</main></body></html>\n";
+}
+
+}  // namespace collinea

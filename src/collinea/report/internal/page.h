@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "collinea/report/internal/figures.h"
+#include "collinea/report/internal/summary.h"
+
+namespace collinea {
+
+/// The whole page. Previews that are missing are left out.
+[[nodiscard]] std::string report_page(const ReportInput& input, const ReportSummary& summary,
+                                      const std::optional<Preview>& heights, const std::optional<Preview>& picture);
+
+// Its parts, each one or more <section>; empty when there is nothing to tell.
+[[nodiscard]] std::string control_section(const ReportInput& input, const ReportSummary& summary);
+[[nodiscard]] std::string ground_section(const ReportInput& input);
+[[nodiscard]] std::string position_section(const ReportInput& input, const ReportSummary& summary);
+[[nodiscard]] std::string camera_section(const ReportInput& input, const ReportSummary& summary);
+[[nodiscard]] std::string image_section(const ReportInput& input, const ReportSummary& summary);
+[[nodiscard]] std::string left_out_section(const ReportInput& input, const ReportSummary& summary);
+[[nodiscard]] std::string process_section(const ReportInput& input);
+
+/// The looks of the page.
+extern const char* const kStyleSheet;
+
+}  // namespace collinea
