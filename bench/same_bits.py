@@ -161,26 +161,31 @@ def file_parts(file):
 
 # What a project holds
 
-COST_TABLES, HASH_COLUMNS = ("steps",), ("inputs_hash", "output_hash")
+COST_COLUMN, HASH_COLUMNS = "cpu_seconds", ("inputs_hash", "output_hash")
 
 
 def database_columns(file):
-    """Hashes of each column by TABLE.COLUMN, but for words and for hashes of options."""
+    """Hashes of each column by TABLE.COLUMN, but for words, hashes of options and tables of what steps cost."""
     db, found = database(file), {}
     for table in tables_of(db):
         columns, order = columns_of(db, table)
         for column, kind in columns.items():
-            if table not in COST_TABLES and column not in HASH_COLUMNS and kind != "TEXT":
+            if COST_COLUMN not in columns and column not in HASH_COLUMNS and kind != "TEXT":
                 found[f"{table}.{column}"] = column_digest(db, table, column, order)
     db.close()
     return found
 
 
+MOST_FIGURES = 20000
+
+
 def figures(file):
-    """The decimal numbers that a text holds, each once: they stay when its keys and words are changed."""
+    """The decimal numbers that a text holds, each once and without its sign: they stay when its keys and words are changed.
+    Of many, one hash of them all."""
     with open(file, encoding="utf-8", errors="replace") as text:
-        found = re.findall(r"-?\d+\.\d+(?:[eE][-+]?\d+)?", text.read())
-    return sorted({repr(float(f)) for f in found})
+        found = re.findall(r"\d+\.\d+(?:[eE][-+]?\d+)?", text.read())
+    unlike = sorted({repr(float(f)) for f in found})
+    return unlike if len(unlike) <= MOST_FIGURES else [f"all {len(unlike)}: " + digest(f"{f}\n".encode() for f in unlike)]
 
 
 def files_below(folder):
@@ -347,11 +352,14 @@ def compare_products(args, block, before, after):
         listed = ", ".join(names) if len(names) <= 20 else f"{len(names)} of them"
         measure.row(block, f"{folder}: {listed}", "same")
     for text in sorted(set(before["figures"]) | set(after["figures"])):
-        old, new = (set(side["figures"].get(text, [])) for side in (before, after))
+        old, new = ({f.lstrip("-") for f in side["figures"].get(text, [])} for side in (before, after))
         if old - new:
             examples = ", ".join(sorted(old - new)[:3])
             measure.row(block, f"{text}: {len(old)} figures", f"{len(old - new)} no longer there: {examples} (no verdict)")
     return failures
+
+
+NOISE = {"cpu_seconds": 0.05, "peak_mb": 3}  # no verdict on less than that; a busy machine makes more, see --repeat
 
 
 def compare_costs(block, before, after):
@@ -361,7 +369,7 @@ def compare_costs(block, before, after):
             measure.row(block, step, "gone", "", "", "")
             continue
         ratios = {what: new[what] / old[what] if old[what] else 1 for what in old}
-        slower, larger = ratios["cpu_seconds"] > 1.03, ratios["peak_mb"] > 1.03
+        slower, larger = (ratios[what] > 1.03 and new[what] - old[what] > NOISE[what] for what in ("cpu_seconds", "peak_mb"))
         measure.row(block, step, *(f"{old[w]:.2f} -> {new[w]:.2f} ({ratios[w]:.3f})" for w in ("seconds", "cpu_seconds")),
                     f"{old['peak_mb']:.0f} -> {new['peak_mb']:.0f} ({ratios['peak_mb']:.3f})",
                     " ".join(w for w, is_so in (("slower", slower), ("larger", larger)) if is_so) or "-")
