@@ -14,7 +14,7 @@ namespace collinea::bench {
 inline constexpr double kMinimalDetectableBias = 4, kLargestGrossError = 20;  ///< [sigmas]
 inline constexpr int kMostRejected = 10000;
 
-/// GrossErrors planted, and what snooping found of them beside what theory foretells.
+/// Gross errors planted, and what snooping found of them beside what theory predicts.
 struct Counts {
   double planted = 0, found = 0, expected = 0, variance = 0;
 

@@ -30,7 +30,7 @@ struct Effort {
 [[nodiscard]] Rows gross_errors(const Effort& effort, const Run& run);
 [[nodiscard]] Rows variance_components(const Effort& effort, const Run& run);
 [[nodiscard]] Rows weak_blocks(const Run& run);
-/// GrossErrors in measurements on the ground and in attitudes.
+/// Gross errors in measurements on the ground and in attitudes.
 [[nodiscard]] Rows survey_gross_errors(const Effort& effort, const Run& run);
 /// Lever arm, shift, drift and boresight.
 [[nodiscard]] Rows instruments(const Effort& effort, const Run& run);

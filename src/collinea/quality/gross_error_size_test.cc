@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GrossErrors of every size in everything that is measured on the ground.
+// Gross errors of every size in everything that is measured on the ground.
 #include <gtest/gtest.h>
 
 #include <algorithm>

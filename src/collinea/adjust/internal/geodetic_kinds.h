@@ -14,7 +14,7 @@
 
 namespace collinea {
 
-/// A measurement on the ground as points and unknowns of its own foretell it, with its derivatives.
+/// A measurement on the ground as points and unknowns of its own predict it, with its derivatives.
 struct GeodeticModel {
   double computed = 0;                                                                 ///< [m] or [rad]
   Eigen::Vector3d by_from = Eigen::Vector3d::Zero(), by_to = Eigen::Vector3d::Zero();  ///< [1] or [rad/m]

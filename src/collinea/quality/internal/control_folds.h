@@ -16,14 +16,14 @@ struct LeftOutPoint {
   Eigen::Vector3d difference_sigma_m;  ///< expected of it, with sigma0
 };
 
-/// Control points left out in parts, each foretold by the others.
+/// Control points left out in parts, each predicted by the others.
 struct Folded {
   int folds = 0;                     ///< parts; 0: too few points (or too many), none were left out
   std::vector<int> part;             ///< of each point, from 1
   std::vector<LeftOutPoint> points;  ///< of parts without which the block is determined, in the order of ControlId
 };
 
-/// Root mean squares over points that were left out: of differences, and what their sigmas foretell.
+/// Root mean squares over points that were left out: of differences, and what their sigmas predict.
 struct LeftOutRms {
   int points = 0;
   double difference_m = 0, predicted_m = 0;

@@ -187,7 +187,7 @@ TEST(HoleFilling, ABayOfTheOutlineIsNoHole) {
   EXPECT_EQ(state(tile, 110, 250), CellState::kEmpty);
 }
 
-// IsolatedComponents of 12 x 12 cells in a wide hole: gaps between them up to 60 cells must not be bridged by lines.
+// Isolated components of 12 x 12 cells in a wide hole: gaps between them up to 60 cells must not be bridged by lines.
 TEST(HoleFilling, IsolatedComponentsInAwideHoleMakeNoStars) {
   const auto hole = [](int x, int y) {
     if (x < -20 || y < -20 || x >= 250 || y >= 250) return false;
