@@ -210,7 +210,8 @@ Result<PlanReport> plan_survey(const FlightOptions& flight, const LayoutOptions&
       report.gains.push_back(positions);
     }
   }
-  if (options.trials > 0 && !report.precision.cells.empty()) {  // nothing is foretold of a block that is not determined
+  if (options.trials > 0 &&
+      !report.precision.cells.empty()) {  // nothing is predicted of a block that is not determined
     COLLINEA_TRY(report.trials, tried(report.precision, options.trials, run));
   }
   report.rules = rules_of_thumb(report.plan, flight, measurements, report.precision);

@@ -48,7 +48,7 @@ struct MeasurementOptions {
   }
 };
 
-/// Square cells over the area, from west to east and north to south, for each of which a precision is foretold.
+/// Square cells over the area, from west to east and north to south, for each of which a precision is predicted.
 struct PrecisionGrid {
   double west_m = 0, north_m = 0, cell_m = 1;
   int width = 0, height = 0;

@@ -17,7 +17,7 @@ struct AreaSigma {
   std::size_t cells = 0, empty = 0;  ///< cells of the area; those that fewer than two images show
 };
 
-/// What is foretold of a cell of the map.
+/// What is predicted of a cell of the map.
 struct CellPrecision {
   std::size_t cell = 0;
   Eigen::Vector2d place;          ///< plan coordinates of its middle
@@ -35,7 +35,7 @@ struct RaysPrecision {
   Eigen::Vector3d rms_m = Eigen::Vector3d::Zero();
 };
 
-/// All that is foretold of a planned block.
+/// All that is predicted of a planned block.
 struct Precision {
   PlannedBlock planned;
   Examined adjusted;  ///< covariances by the given sigmas
@@ -66,7 +66,7 @@ struct Gain {
                                                          const MeasurementOptions& options, const Precision& now,
                                                          int places, const Run& run);
 
-/// The true errors of simulated blocks against what was foretold.
+/// The true errors of simulated blocks against what was predicted.
 struct Trials {
   int blocks = 0;
   Eigen::Vector3d cell_ratio = Eigen::Vector3d::Zero();  ///< root mean square of error / sigma: 1 is expected

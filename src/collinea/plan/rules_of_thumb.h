@@ -8,10 +8,10 @@
 
 namespace collinea {
 
-/// A rule for the design of a survey, beside what the adjustment foretells.
+/// A rule for the design of a survey, beside what the adjustment predicts.
 struct RuleOfThumb {
   std::string name, formula;
-  double value_m = 0;                ///< by the rule
+  double value_m = 0;                 ///< by the rule
   std::optional<double> predicted_m;  ///< the same by the adjustment, where it says so
 };
 

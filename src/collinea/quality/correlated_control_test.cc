@@ -88,7 +88,7 @@ TEST(CorrelatedControl, ATurnedWorldHasTheSameAdjustment) {
 }
 
 // A blunder along one axis of the survey's ellipse is found by the coordinate's test of the turned world too, because
-// the other coordinates foretell it; w is a standard normal number without one.
+// the other coordinates predict it; w is a standard normal number without one.
 TEST(CorrelatedControl, TestsAreStandardNormal) {
   const Eigen::Matrix3d rotation = rotation_by({0, 0, 0.6}).toRotationMatrix();
   double squares = 0;

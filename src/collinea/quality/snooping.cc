@@ -109,7 +109,7 @@ class Snooper {
  private:
   struct Given {  // of what was taken out
     double sigma = 0;
-    double cofactor = kNaN;  // of what the others foretell, in sigma^2
+    double cofactor = kNaN;  // of what the others predict, in sigma^2
     Observation ray{.pixel = {0, 0}};
     ControlObservation mark{.pixel = {0, 0}};
   };
@@ -319,7 +319,7 @@ class Snooper {
   }
 
   void reject(const TestedObservation& one, const Seen& seen, const Examined& adjusted,
-                std::vector<std::uint32_t>& ties, std::vector<std::uint32_t>& control_rays) {
+              std::vector<std::uint32_t>& ties, std::vector<std::uint32_t>& control_rays) {
     Rejected gone{one.group, seen.image, seen.point, seen.control, seen.ground, one.axis, one.w, one.redundancy};
     gone.influence = one.gross_error - one.residual;
     gone.round = out_.rounds;
@@ -357,7 +357,7 @@ class Snooper {
       }
   }
 
-  // The variance of what the others foretell, in sigmas^2 of image points: from w, which has it.
+  // The variance of what the others predict, in sigmas^2 of image points: from w, which has it.
   [[nodiscard]] double variance_by_others(const TestedObservation& one, const Examined& adjusted) const {
     if (!std::isfinite(one.w)) return kNaN;
     const double sigma0 = sigma0_of(adjusted), own = is_ray(one.group) ? sigma0 : 1;

@@ -88,7 +88,7 @@ TEST(ControlFolds, PartsHaveTwoPointsAndMore) {
   }
 }
 
-// Differences of parts that were left out are as large as their sigmas foretell: their squares over them are 1 on
+// Differences of parts that were left out are as large as their sigmas predict: their squares over them are 1 on
 // average, within four deviations of the means of 60 blocks.
 TEST(ControlFolds, DifferencesAreAsPredicted) {
   double sum = 0, squares = 0;

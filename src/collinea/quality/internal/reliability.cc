@@ -82,7 +82,7 @@ class Examiner {
   }
 
   // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (not 1 by a robust loss).
-  // The observation is tested as the others foretell it, by its full sigma: v / r has the variance
+  // The observation is tested as the others predict it, by its full sigma: v / r has the variance
   // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss. sigma0 multiplies what the others say, and the
   // sigmas of image points; those given in metres stay as given.
   void test(TestedObservation one, double leverage, double weight) {
@@ -116,7 +116,7 @@ class Examiner {
     if (out_.suspects.size() > 20 * kMostSuspects) trim();
   }
 
-  // Nothing foretells it, and nothing is as wrong.
+  // Nothing predicts it, and nothing is as wrong.
   void suspect_unseen(TestedObservation one) {
     ++out_.unseen;
     one.residual = one.gross_error = one.redundancy = one.minimal_detectable_bias = one.effect = one.effect_in_sigmas =
@@ -171,7 +171,7 @@ class Examiner {
         Eigen::Map<const Eigen::Vector3d>(&state_.points[3 * p]) - Eigen::Map<const Eigen::Vector3d>(given.given);
     const Eigen::Vector3d weighted = weight * difference;
     // A blunder in a coordinate shows in all that are correlated with it: its test is that of the coordinate as the
-    // others foretell it too, of weight p_ii and with the residual (P v)_i / p_ii (Baarda 1968).
+    // others predict it too, of weight p_ii and with the residual (P v)_i / p_ii (Baarda 1968).
     for (int axis = 0; axis < 3; ++axis) {
       const double w = given.inverse_sigma[axis];
       if (!(w > 0)) continue;
