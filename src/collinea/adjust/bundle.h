@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "collinea/adjust/internal/adjust_options.h"
-#include "collinea/adjust/internal/adjust_scope.h"
-#include "collinea/adjust/internal/adjusted.h"
+#include "collinea/adjust/adjust_options.h"
+#include "collinea/adjust/adjust_scope.h"
+#include "collinea/adjust/adjusted.h"
 #include "collinea/adjust/solved.h"
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/adjust/internal/adjust_options.h"
-#include "collinea/adjust/internal/adjust_scope.h"
+#include "collinea/adjust/adjust_options.h"
+#include "collinea/adjust/adjust_scope.h"
 #include "collinea/adjust/internal/problem.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "collinea/adjust/internal/adjust_scope.h"
+#include "collinea/adjust/adjust_scope.h"
 #include "collinea/adjust/internal/problem.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"

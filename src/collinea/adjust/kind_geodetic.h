@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "collinea/adjust/adjusted.h"
 #include "collinea/adjust/geodetic_model.h"
-#include "collinea/adjust/internal/adjusted.h"
 #include "collinea/adjust/internal/observation.h"
 #include "collinea/adjust/observation_group.h"
 

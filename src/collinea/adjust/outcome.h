@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/adjust/internal/adjust_scope.h"
-#include "collinea/adjust/internal/adjusted.h"
+#include "collinea/adjust/adjust_scope.h"
+#include "collinea/adjust/adjusted.h"
 #include "collinea/adjust/internal/problem.h"
 
 namespace collinea::bundle {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "collinea/adjust/internal/adjusted.h"
+#include "collinea/adjust/adjusted.h"
 #include "collinea/adjust/internal/problem.h"
 #include "collinea/base/run.h"
 #include "collinea/math/tile_cholesky.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/adjust/internal/adjusted.h"
+#include "collinea/adjust/adjusted.h"
 #include "collinea/adjust/internal/observation.h"
 #include "collinea/adjust/observation_group.h"
 

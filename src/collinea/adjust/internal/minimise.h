@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "collinea/adjust/internal/adjust_options.h"
+#include "collinea/adjust/adjust_options.h"
 #include "collinea/adjust/internal/normals.h"
 #include "collinea/adjust/internal/problem.h"
 #include "collinea/base/run.h"

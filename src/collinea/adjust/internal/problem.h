@@ -11,7 +11,7 @@
 #include "collinea/adjust/datum_sources.h"
 #include "collinea/adjust/geodetic_model.h"
 #include "collinea/adjust/internal/lens.h"
-#include "collinea/adjust/internal/unknowns.h"
+#include "collinea/adjust/unknowns.h"
 #include "collinea/math/robust.h"
 
 namespace collinea::bundle {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/adjust/internal/unknowns.h"
+#include "collinea/adjust/unknowns.h"
 
 namespace collinea {
 

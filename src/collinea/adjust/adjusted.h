@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "collinea/adjust/datum_sources.h"
-#include "collinea/adjust/internal/unknowns.h"
+#include "collinea/adjust/unknowns.h"
 #include "collinea/block/block.h"
 #include "collinea/block/differences.h"
 

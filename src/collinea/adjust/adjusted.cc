@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/adjust/internal/adjusted.h"
+#include "collinea/adjust/adjusted.h"
 
 namespace collinea {
 
