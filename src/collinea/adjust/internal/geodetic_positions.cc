@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Approximate places of points that no image shows, from measurements on the ground.
+#include "collinea/adjust/internal/geodetic_positions.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <utility>
-
-#include "collinea/adjust/gather_parts.h"
 
 namespace collinea::bundle {
 namespace {
@@ -166,28 +164,9 @@ class PlaceFinder {
 
 }  // namespace
 
-void find_positions_by_geodetic(const Block& block, const std::vector<std::uint32_t>& links,
-                           std::map<ControlId, Eigen::Vector3d>& places) {
-  PlaceFinder(block, links, places).find();
-}
-
-std::map<ControlId, int> ground_counts(const Block& block, const std::vector<std::uint32_t>& links) {
-  std::map<std::uint32_t, int> directions;  // of each set-up
-  for (const std::uint32_t link : links)
-    if (const GeodeticObservation& one = block.ground[link];
-        one.kind == GeodeticKind::kDirection && one.role == ControlRole::kControl)
-      ++directions[one.setup];
-  std::map<ControlId, int> counts;
-  std::set<std::pair<ControlId, std::uint32_t>> oriented;
-  for (const std::uint32_t link : links) {
-    const GeodeticObservation& one = block.ground[link];
-    const bool counts_here =
-        one.role == ControlRole::kControl && (one.kind != GeodeticKind::kDirection || directions.at(one.setup) >= 2);
-    for (const ControlId point : std::set{one.from, one.to}) counts[point] += counts_here;
-    if (counts_here && one.kind == GeodeticKind::kDirection && oriented.insert({one.from, one.setup}).second)
-      --counts[one.from];
-  }
-  return counts;
+void find_positions_by_geodetic(const Block& block, const std::vector<std::uint32_t>& geodetic,
+                                std::map<ControlId, Eigen::Vector3d>& positions) {
+  PlaceFinder(block, geodetic, positions).find();
 }
 
 }  // namespace collinea::bundle

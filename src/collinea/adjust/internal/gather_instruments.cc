@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/internal/gather_instruments.h"
+
 #include <cmath>
 #include <map>
 
-#include "collinea/adjust/gather_parts.h"
+#include "collinea/adjust/internal/candidates.h"
 #include "collinea/block/subject_label.h"
 
 namespace collinea::bundle {
@@ -31,7 +33,7 @@ class InstrumentLayout {
         return fail(Errc::kBadInput, "the position of " + image.file + " has no positive standard deviation");
       const Eigen::Vector3d &place = image.position->position_in_world, &sigma_m = image.position->sigma_m;
       for (int axis = 0; axis < 3; ++axis)
-        if (!known(place[axis], sigma_m[axis]))
+        if (!is_known(place[axis], sigma_m[axis]))
           return fail(Errc::kBadInput, "the position of " + image.file + " has no finite coordinates");
       const Eigen::Vector3d inverse_sigma = sigma_m.cwiseInverse();
       problem_.positions.push_back(
@@ -149,7 +151,7 @@ class InstrumentLayout {
 
 }  // namespace
 
-Result<> take_instruments(const Block& block, const AdjustScope& scope, ProblemAndStart& out) {
+Result<> lay_out_instruments(const Block& block, const AdjustScope& scope, ProblemAndStart& out) {
   return InstrumentLayout(block, scope, out).lay_out();
 }
 

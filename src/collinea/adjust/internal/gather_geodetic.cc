@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "collinea/adjust/internal/gather_geodetic.h"
+
 #include <algorithm>
-#include <map>
-#include <set>
+#include <cmath>
 #include <utility>
 
-#include "collinea/adjust/gather_parts.h"
 #include "collinea/adjust/kind_geodetic.h"
 #include "collinea/block/geodetic_words.h"
 
@@ -18,7 +18,7 @@ ShapeKey key_of(const GeodeticObservation& measured) { return {measured.kind, me
 UnknownKind unknown_of(GeodeticKind kind) {
   return kind == GeodeticKind::kAtHeight  ? UnknownKind::kHeight
          : kind == GeodeticKind::kOnPlane ? UnknownKind::kPlane
-                                        : UnknownKind::kLine;
+                                          : UnknownKind::kLine;
 }
 
 /// The points of a shape that take part: those that determine it, and all.
@@ -81,7 +81,8 @@ class GroundLayout {
       shapes_[key] = {static_cast<int>(problem_.shapes.size()), static_cast<int>(problem_.auxiliaries.size())};
       problem_.shapes.push_back(*shape);
       const int unknowns = unknowns_of_shape(key.first);
-      for (int axis = 0; axis < unknowns; ++axis) problem_.auxiliaries.push_back({unknown_of(key.first), key.second, axis});
+      for (int axis = 0; axis < unknowns; ++axis)
+        problem_.auxiliaries.push_back({unknown_of(key.first), key.second, axis});
       start_.auxiliaries.resize(problem_.auxiliaries.size(), 0);
       if (key.first != GeodeticKind::kAtHeight) continue;
       constexpr double kZero = 0;
@@ -122,7 +123,7 @@ class GroundLayout {
 
 }  // namespace
 
-Result<std::vector<std::uint32_t>> ground_taking_part(const Block& block, const AdjustScope& scope) {
+Result<std::vector<std::uint32_t>> geodetic_taking_part(const Block& block, const AdjustScope& scope) {
   std::vector<std::uint32_t> links;
   if (!scope.use_ground || scope.free_images) return links;
   for (std::size_t i = 0; i < block.ground.size(); ++i) {
@@ -138,21 +139,46 @@ Result<std::vector<std::uint32_t>> ground_taking_part(const Block& block, const 
   return links;
 }
 
-void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(ControlId)>& place_of,
-                       std::vector<std::uint32_t>& links) {
-  const auto shapes = members_of(block, links);
+std::set<ControlId> points_of(const Block& block, const std::vector<std::uint32_t>& geodetic) {
+  std::set<ControlId> points;
+  for (const std::uint32_t source : geodetic) points.insert({block.ground[source].from, block.ground[source].to});
+  return points;
+}
+
+void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(ControlId)>& position_of,
+                       std::vector<std::uint32_t>& geodetic) {
+  const auto shapes = members_of(block, geodetic);
   std::set<ShapeKey> weak;
   for (const auto& [key, members] : shapes)
     if (static_cast<int>(members.all.size()) <= points_of_shape(key.first) ||
-        !shape_through(key.first, places_of(members.used, place_of)))
+        !shape_through(key.first, places_of(members.used, position_of)))
       weak.insert(key);
-  std::erase_if(links, [&](std::uint32_t link) {
-    return block.ground[link].is_of_shape() && weak.contains(key_of(block.ground[link]));
+  std::erase_if(geodetic, [&](std::uint32_t source) {
+    return block.ground[source].is_of_shape() && weak.contains(key_of(block.ground[source]));
   });
 }
 
-void lay_out_ground(const Block& block, const std::vector<std::uint32_t>& links, ProblemAndStart& out) {
-  GroundLayout(block, out).lay_out(links);
+std::map<ControlId, int> geodetic_counts(const Block& block, const std::vector<std::uint32_t>& geodetic) {
+  std::map<std::uint32_t, int> directions;  // of each set-up
+  for (const std::uint32_t source : geodetic)
+    if (const GeodeticObservation& one = block.ground[source];
+        one.kind == GeodeticKind::kDirection && one.role == ControlRole::kControl)
+      ++directions[one.setup];
+  std::map<ControlId, int> counts;
+  std::set<std::pair<ControlId, std::uint32_t>> oriented;
+  for (const std::uint32_t source : geodetic) {
+    const GeodeticObservation& one = block.ground[source];
+    const bool counts_here =
+        one.role == ControlRole::kControl && (one.kind != GeodeticKind::kDirection || directions.at(one.setup) >= 2);
+    for (const ControlId point : std::set{one.from, one.to}) counts[point] += counts_here;
+    if (counts_here && one.kind == GeodeticKind::kDirection && oriented.insert({one.from, one.setup}).second)
+      --counts[one.from];
+  }
+  return counts;
+}
+
+void lay_out_geodetic(const Block& block, const std::vector<std::uint32_t>& geodetic, ProblemAndStart& out) {
+  GroundLayout(block, out).lay_out(geodetic);
 }
 
 }  // namespace collinea::bundle
