@@ -11,20 +11,22 @@
 #include "collinea/adjust/internal/kind_prior.h"
 #include "collinea/adjust/internal/kind_vertical.h"
 #include "collinea/adjust/kind_geodetic.h"
+#include "collinea/adjust/kind_image_point.h"
 
 namespace collinea::bundle {
 
-/// All kinds of observations beside image points, in the order in which they enter the normal equations. A new kind is
-/// its file, its place here, and its table in Problem.
+/// All kinds of observations. A new kind is its file, its place here, and its table in Problem.
 using ObservationKinds =
-    std::tuple<GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate, Geodetic, Attitude>;
+    std::tuple<ImagePoint, GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate, Geodetic, Attitude>;
 
-/// The order in which their squares are summed up to sigma0, and in which they are tested: sums of floating point
-/// numbers depend on it.
-inline constexpr std::array kInNormals = {0, 1, 2, 3, 4, 5, 6};
-inline constexpr std::array kInSquares = {0, 1, 2, 4, 5, 3, 6};
-inline constexpr std::array kInTests = {4, 0, 1, 2, 5, 6, 3};
-static_assert(kInNormals.size() == std::tuple_size_v<ObservationKinds>);
+inline constexpr std::array kEvery = {0, 1, 2, 3, 4, 5, 6, 7};
+/// All beside image points, which are summed up with their points: the order in which they enter the normal equations,
+/// in which their squares are summed up to sigma0, and in which they are tested. Sums of floating point numbers depend
+/// on it.
+inline constexpr std::array kInNormals = {1, 2, 3, 4, 5, 6, 7};
+inline constexpr std::array kInSquares = {1, 2, 3, 5, 6, 4, 7};
+inline constexpr std::array kInTests = {5, 1, 2, 3, 6, 7, 4};
+static_assert(kEvery.size() == std::tuple_size_v<ObservationKinds> && kInNormals.size() + 1 == kEvery.size());
 static_assert(kInSquares.size() == kInNormals.size() && kInTests.size() == kInNormals.size());
 
 /// Calls visit.operator()<Kind>() for each kind.

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numeric>
 
-#include "collinea/adjust/linearise.h"
 #include "collinea/adjust/observation_kinds.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/math/robust_squares.h"
@@ -47,26 +46,17 @@ RaySums write_residuals(const Problem& problem, const State& state, RobustSquare
   std::vector<Residual> residuals;
   residuals.reserve(problem.rays.size());
   RaySums rays;
-  for (std::size_t p = 0; p < problem.point_count(); ++p) {
-    for (std::uint32_t r = problem.point(p).first_ray; r < problem.end_ray(p); ++r) {
-      const Ray& ray = problem.rays[r];
-      double in_cam[3];
-      Projected at;
-      to_camera(state.frames[ray.image], &state.points[3 * p], in_cam);
-      Eigen::Vector2d px = kUnknown;
-      if (project(state.lenses[problem.images[ray.image].camera], in_cam, ray.pixel, &at)) {
-        px = {ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]};
-        const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
-        if (problem.point(p).control < 0)
-          tie.add(s, 2);
-        else
-          rays.squares += s;
-      } else {
-        ++rays.unseen;
-      }
-      if (problem.point(p).control < 0) residuals.push_back({ray.source, px});
-    }
-  }
+  ImagePoint::for_each(problem, [&](const ImagePoint::Item& item) {
+    const bool is_tie = ImagePoint::is_tie(problem, item);
+    const auto px = ImagePoint::residual(problem, state, item);
+    if (is_tie) residuals.push_back({ImagePoint::source(problem, item), px.value_or(kUnknown)});
+    if (!px)
+      ++rays.unseen;
+    else if (const double s = ImagePoint::squared(problem, item, *px); is_tie)
+      tie.add(s, 2);
+    else
+      rays.squares += s;
+  });
   std::sort(residuals.begin(), residuals.end(),
             [](const Residual& a, const Residual& b) { return a.source < b.source; });
   for (const Residual& residual : residuals) {

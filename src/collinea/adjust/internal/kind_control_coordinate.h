@@ -2,7 +2,7 @@
 #pragma once
 
 #include "collinea/adjust/internal/observation.h"
-#include "collinea/adjust/linearise.h"
+#include "collinea/adjust/point_normals.h"
 
 namespace collinea::bundle {
 
@@ -12,6 +12,7 @@ namespace collinea::bundle {
 /// see reliability_of().
 struct ControlCoordinate : ObservationKind<ControlCoordinate, 3> {
   using Item = std::size_t;  ///< number in Problem::points
+  static constexpr bool kIsOfPoint = true;
 
   template <class Visit>
   static void for_each(const Problem& problem, Visit&& visit) {

@@ -157,8 +157,8 @@ void count(Problem& problem) {
     problem.unknown_count += problem.point(p).eliminated() ? 3 : 0;
     if (problem.first_control == p && problem.point(p).control < 0) ++problem.first_control;
   }
-  problem.observation_count = 2 * static_cast<long>(problem.rays.size());
-  for_each_kind([&]<class Kind>() {
+  problem.observation_count = 0;
+  for_each_kind<kEvery>([&]<class Kind>() {
     Kind::for_each(problem, [&](const auto& item) { problem.observation_count += Kind::count(problem, item); });
   });
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <type_traits>
 #include <utility>
 
 #include "collinea/adjust/observation_kinds.h"
@@ -211,7 +210,7 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
   }
   double cost = border_.cost;
   for_each_kind([&]<class Kind>() {
-    if constexpr (std::is_same_v<Kind, ControlCoordinate>)
+    if constexpr (Kind::kIsOfPoint)
       cost += add_joined(state);
     else
       cost += add_kind<Kind>(state);

@@ -5,7 +5,7 @@
 
 #include "collinea/adjust/internal/kept_factor.h"
 #include "collinea/adjust/internal/step.h"
-#include "collinea/adjust/linearise.h"
+#include "collinea/adjust/point_normals.h"
 
 namespace collinea::bundle {
 

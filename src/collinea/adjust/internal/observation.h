@@ -30,14 +30,15 @@ class ObservationSink {
 ///     row(problem, state, item, axis)        derivatives of a computed coordinate by the reduced unknowns
 ///
 /// Kinds that are tested for gross errors (kIsTested) also name their group and source; see ObservationGroup and
-/// TestedObservation. Image points are the kind of their own whose loops have to be fast: linearise.h.
+/// TestedObservation. Image points, whose loops have to be fast, are a kind of their own: kind_image_point.h.
 template <class Kind, int kAxes>
 struct ObservationKind {
   using Vector = Eigen::Matrix<double, kAxes, 1>;
   static constexpr int kSize = kAxes;
   static constexpr bool kIsTested = true;
   static constexpr bool kIsRobust = false;
-  static constexpr bool kIsOfPlace = true;  ///< a motion of the whole block changes it
+  static constexpr bool kIsOfPlace = true;   ///< a motion of the whole block changes it
+  static constexpr bool kIsOfPoint = false;  ///< it enters the equations of its point, before that is eliminated
 
   static Loss loss(const Problem&) { return {}; }
 

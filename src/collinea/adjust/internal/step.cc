@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
-#include "collinea/adjust/linearise.h"
 #include "collinea/adjust/observation_kinds.h"
+#include "collinea/adjust/point_normals.h"
 #include "collinea/base/parallel.h"
 #include "collinea/geometry/rotation.h"
 
@@ -94,7 +93,7 @@ double settle_point(const Problem& problem, const State& state, std::size_t p, d
     for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
       const Ray& ray = problem.rays[r];
       LinearRay linear;
-      linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
+      linearise(problem, state, ray, position, loss, &linear);
       normals.add(linear);
     }
     if (point.control >= 0) normals.add(problem.control[point.control], position);
@@ -127,7 +126,7 @@ Sums of_joined(const Problem& problem, const State& state, const Step& step, std
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
     LinearRay linear;
-    linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, &linear);
+    linearise(problem, state, ray, position, loss, &linear);
     sums.promised += squared(linear.residual);
     take_step_of_image(problem, state, step, ray, linear);
     for (int row = 0; row < 2; ++row)
@@ -154,8 +153,7 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
     LinearRay linear;
-    cost.add(linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss,
-                       &linear));
+    cost.add(linearise(problem, state, ray, position, loss, &linear));
     sums.promised += squared(linear.residual);
     take_step_of_image(problem, state, step, ray, linear);
     sums.promised -= squared(linear.residual);
@@ -219,7 +217,7 @@ State moved(const Problem& problem, const State& state, double lambda, Step& ste
     }
   });
   for_each_kind([&]<class Kind>() {  // coordinates of control were counted with their points
-    if constexpr (!std::is_same_v<Kind, ControlCoordinate>) sums.push_back(of_kind<Kind>(problem, state, next, step));
+    if constexpr (!Kind::kIsOfPoint) sums.push_back(of_kind<Kind>(problem, state, next, step));
   });
   step.cost = step.promised = 0;
   for (const Sums& one : sums) {

@@ -10,8 +10,7 @@ PointSystem::PointSystem(const Problem& problem, const State& state, std::size_t
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
     LinearRay linear;
-    linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], &state.points[3 * p],
-              problem.loss_of(point), &linear);
+    linearise(problem, state, ray, &state.points[3 * p], problem.loss_of(point), &linear);
     add(linear, static_cast<int>(ray.image), state);
   }
   close(point.held, point.control >= 0 ? &problem.control[point.control] : nullptr, &state.points[3 * p], point.joined);

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "collinea/adjust/linearise.h"
+#include "collinea/adjust/point_normals.h"
 #include "collinea/math/tile_cholesky.h"
 
 namespace collinea::bundle {

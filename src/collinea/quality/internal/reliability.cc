@@ -61,7 +61,7 @@ class Examiner {
     compute_leverages();
     by_source_.assign(block.observations.size(), Eigen::Vector2d::Constant(kNaN));
     if (run_.stopped()) return out_;
-    for (std::size_t p = 0; p < problem_.point_count(); ++p) take_rays(p, block);
+    ImagePoint::for_each(problem_, [&](const ImagePoint::Item& item) { take_image_point(item, block); });
     out_.tie_redundancy.reserve(adjusted_.observations.size());
     for (const std::uint32_t source : adjusted_.observations) out_.tie_redundancy.push_back(by_source_[source]);
     for_each_kind<kInTests>([&]<class Kind>() { take_kind<Kind>(); });
@@ -132,33 +132,26 @@ class Examiner {
     if (out_.suspects.size() > kMostSuspects) out_.suspects.resize(kMostSuspects);
   }
 
-  void take_rays(std::size_t p, const Block& block) {
-    const bool tie = problem_.point(p).control < 0;
-    const Loss loss = problem_.loss_of(problem_.point(p));
-    for (std::uint32_t r = problem_.point(p).first_ray; r < problem_.end_ray(p); ++r) {
-      const Ray& ray = problem_.rays[r];
-      double in_cam[3];
-      Projected at{};
-      to_camera(state_.frames[ray.image], &state_.points[3 * p], in_cam);
-      const bool seen = project(state_.lenses[problem_.images[ray.image].camera], in_cam, ray.pixel, &at);
-      TestedObservation one;
-      one.group = tie ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
-      one.source = ray.source;
-      one.sigma = tie ? block.observations[ray.source].sigma_px : block.control_observations[ray.source].sigma_px;
-      if (!seen) {
-        suspect_unseen(one);
-        continue;
-      }
-      const Eigen::Vector2d px(ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]);
-      const double s = px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma, weight = loss.weight(s);
-      if (tie) tie_.add(s, 2);
-      if (tie) by_source_[ray.source] = Eigen::Vector2d::Ones() - leverages_[r];
-      for (int axis = 0; axis < 2; ++axis) {
-        one.axis = axis;
-        one.residual = px[axis];
-        if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
-        test(one, leverages_[r][axis], weight);
-      }
+  void take_image_point(const ImagePoint::Item& item, const Block& block) {
+    const bool tie = ImagePoint::is_tie(problem_, item);
+    TestedObservation one;
+    one.group = ImagePoint::group(problem_, item);
+    one.source = ImagePoint::source(problem_, item);
+    one.sigma = tie ? block.observations[one.source].sigma_px : block.control_observations[one.source].sigma_px;
+    const auto px = ImagePoint::residual(problem_, state_, item);
+    if (!px) {
+      suspect_unseen(one);
+      return;
+    }
+    const double s = ImagePoint::squared(problem_, item, *px), weight = ImagePoint::loss(problem_, item).weight(s);
+    const Eigen::Vector2d& leverage = leverages_[item.ray];
+    if (tie) tie_.add(s, 2);
+    if (tie) by_source_[one.source] = Eigen::Vector2d::Ones() - leverage;
+    for (int axis = 0; axis < 2; ++axis) {
+      one.axis = axis;
+      one.residual = (*px)[axis];
+      if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
+      test(one, leverage[axis], weight);
     }
   }
 

@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <Eigen/Core>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "collinea/adjust/internal/problem.h"
+#include "collinea/adjust/observation_group.h"
 
 namespace collinea::bundle {
+
+// A measured image point: the pixel at which the lens of its image sees the point X,
+//
+//     x = lens(R (X - c)),
+//
+// with the rotation R (cam_from_world) and the projection centre c. Two coordinates with one sigma and one loss. What
+// the inner loops of the adjustment need is inline.
 
 /// A residual beyond any hope, given to observations whose point is not seen by its image [px].
 inline constexpr double kLost_px = 100;
@@ -105,10 +116,11 @@ inline double linearise_as(const Ray& ray, const Frame& frame, const Lens& lens,
   return s;
 }
 
+/// linearise() of any other lens.
 double linearise_other(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
                        LinearRay* out);
 
-/// The same with derivatives. An observation that is not seen has a square but all zero derivatives and residual.
+/// square_of() with derivatives. An observation that is not seen has a square but all zero derivatives and residual.
 inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, const double* point, const Loss& loss,
                         LinearRay* out) {
   if (lens.kind != LensKind::kBrown) [[unlikely]]
@@ -133,69 +145,60 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
   if (ray.shrink > 0) shrink_along(ray, by_camera, static_cast<int>(count));
 }
 
-/// The symmetric 3 x 3 normal matrix of a point (xx xy xz yy yz zz), its right side, and its damped Cholesky factor.
-struct PointNormals {
-  double v[6] = {};
-  double right[3] = {};
-  double l[6] = {};  // l00 l10 l11 l20 l21 l22
+/// linearise() of a ray of the problem whose point is at `position`.
+[[gnu::always_inline]] inline double linearise(const Problem& problem, const State& state, const Ray& ray,
+                                               const double* position, const Loss& loss, LinearRay* out) {
+  return linearise(ray, state.frames[ray.image], state.lenses[problem.images[ray.image].camera], position, loss, out);
+}
 
-  void add(const LinearRay& ray) {
-    const double *a = ray.by_point, *b = ray.by_point + 3, *r = ray.residual;
-    v[0] += a[0] * a[0] + b[0] * b[0];
-    v[1] += a[0] * a[1] + b[0] * b[1];
-    v[2] += a[0] * a[2] + b[0] * b[2];
-    v[3] += a[1] * a[1] + b[1] * b[1];
-    v[4] += a[1] * a[2] + b[1] * b[2];
-    v[5] += a[2] * a[2] + b[2] * b[2];
-    for (int c = 0; c < 3; ++c) right[c] += a[c] * r[0] + b[c] * r[1];
+/// The kind of observation of image points, of tie points and of control. Its loops are those of points, which are
+/// eliminated with it: normal equations and steps take linearise() and square_of() from above; what is asked once
+/// after an adjustment is asked here.
+struct ImagePoint {
+  /// A ray and its point.
+  struct Item {
+    std::size_t point;  ///< index in Problem::points
+    std::uint32_t ray;  ///< index in Problem::rays
+  };
+  static constexpr int kSize = 2;
+  static constexpr bool kIsTested = true;
+  static constexpr bool kIsOfPoint = true;
+  static constexpr bool kIsOfPlace = false;  ///< a motion of the whole block leaves it as it is
+
+  template <class Visit>
+  static void for_each(const Problem& problem, Visit&& visit) {
+    for (std::size_t p = 0; p < problem.point_count(); ++p) for_each_of(problem, p, visit);
   }
-  /// The weighted coordinates of a control point; answers their cost.
-  double add(const ControlCoordinates& control, const double* point) {
-    constexpr int kDiagonal[3] = {0, 3, 5};
-    double cost = 0;
-    for (int c = 0; c < 3; ++c) {
-      if (!(control.inverse_sigma[c] > 0)) continue;
-      const double w = control.inverse_sigma[c], r = (control.given[c] - point[c]) * w;
-      v[kDiagonal[c]] += w * w;
-      right[c] += w * r;
-      cost += r * r;
-    }
-    return control.correlated() ? cost + add_beside(control, point) : cost;
+  /// Those of one point.
+  template <class Visit>
+  static void for_each_of(const Problem& problem, std::size_t point, Visit&& visit) {
+    for (std::uint32_t r = problem.point(point).first_ray; r < problem.end_ray(point); ++r) visit(Item{point, r});
   }
-  double add_beside(const ControlCoordinates& control, const double* point) {
-    const double* p = control.beside;
-    const double d[3] = {control.given[0] - point[0], control.given[1] - point[1], control.given[2] - point[2]};
-    v[1] += p[0];
-    v[2] += p[1];
-    v[4] += p[2];
-    right[0] += p[0] * d[1] + p[1] * d[2];
-    right[1] += p[0] * d[0] + p[2] * d[2];
-    right[2] += p[1] * d[0] + p[2] * d[1];
-    return 2 * (p[0] * d[0] * d[1] + p[1] * d[0] * d[2] + p[2] * d[1] * d[2]);
+  static long count(const Problem&, const Item&) { return kSize; }
+  /// Robust for tie points, never for control.
+  static Loss loss(const Problem& problem, const Item& item) { return problem.loss_of(problem.point(item.point)); }
+
+  /// Observed minus computed [px]; nothing when its image does not see the point.
+  static std::optional<Eigen::Vector2d> residual(const Problem& problem, const State& state, const Item& item) {
+    const Ray& ray = problem.rays[item.ray];
+    double in_cam[3];
+    Projected at{};
+    to_camera(state.frames[ray.image], &state.points[3 * item.point], in_cam);
+    if (!project(state.lenses[problem.images[ray.image].camera], in_cam, ray.pixel, &at)) return std::nullopt;
+    return Eigen::Vector2d(ray.pixel[0] - at.pixel[0], ray.pixel[1] - at.pixel[1]);
   }
-  /// Factors v + lambda diag(v). Directions that nothing fixes are held by a minute weight.
-  void factor(double lambda) {
-    const double floor = 1e-12 * (v[0] + v[3] + v[5]) + 1e-300;
-    const double d0 = v[0] * (1 + lambda) + floor, d1 = v[3] * (1 + lambda) + floor, d2 = v[5] * (1 + lambda) + floor;
-    l[0] = std::sqrt(d0);
-    l[1] = v[1] / l[0];
-    l[3] = v[2] / l[0];
-    l[2] = std::sqrt(std::max(d1 - l[1] * l[1], floor));
-    l[4] = (v[4] - l[1] * l[3]) / l[2];
-    l[5] = std::sqrt(std::max(d2 - l[3] * l[3] - l[4] * l[4], floor));
+  /// The square of a residual in units of its sigma.
+  static double squared(const Problem& problem, const Item& item, const Eigen::Vector2d& residual_px) {
+    const double inverse_sigma = problem.rays[item.ray].inverse_sigma;
+    return residual_px.squaredNorm() * inverse_sigma * inverse_sigma;
   }
-  /// x := L^-1 x
-  void forward(double* x) const {
-    x[0] /= l[0];
-    x[1] = (x[1] - l[1] * x[0]) / l[2];
-    x[2] = (x[2] - l[3] * x[0] - l[4] * x[1]) / l[5];
+
+  static bool is_tie(const Problem& problem, const Item& item) { return problem.point(item.point).control < 0; }
+  static ObservationGroup group(const Problem& problem, const Item& item) {
+    return is_tie(problem, item) ? ObservationGroup::kTieImages : ObservationGroup::kControlImages;
   }
-  /// x := L^-T x
-  void backward(double* x) const {
-    x[2] /= l[5];
-    x[1] = (x[1] - l[4] * x[2]) / l[2];
-    x[0] = (x[0] - l[1] * x[1] - l[3] * x[2]) / l[0];
-  }
+  /// Index in Block::observations or, of control, Block::control_observations.
+  static std::uint32_t source(const Problem& problem, const Item& item) { return problem.rays[item.ray].source; }
 };
 
 }  // namespace collinea::bundle

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/adjust/linearise.h"
+#include "collinea/adjust/kind_image_point.h"
 
 namespace collinea::bundle {
 
