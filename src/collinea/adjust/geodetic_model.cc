@@ -7,8 +7,8 @@
 
 namespace collinea {
 
-GeodeticModel geodetic_model(const GeodeticObservation& observation, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
-                         double orientation_rad, bool level_at_origin) {
+GeodeticModel geodetic_model(const GeodeticObservation& observation, const Eigen::Vector3d& from,
+                             const Eigen::Vector3d& to, double orientation_rad, bool level_at_origin) {
   const Eigen::Vector3d up = geodetic::up_at(from, level_at_origin), up_there = geodetic::up_at(to, level_at_origin);
   const Eigen::Vector3d line =
       to - from + observation.target_height_m * up_there - observation.instrument_height_m * up;
@@ -47,7 +47,7 @@ std::optional<GeodeticShape> shape_through(GeodeticKind kind, const std::vector<
 }
 
 GeodeticModel shape_model(const GeodeticObservation& observation, const GeodeticShape& shape, const double* unknowns,
-                        const Eigen::Vector3d& point, bool level_at_origin) {
+                          const Eigen::Vector3d& point, bool level_at_origin) {
   const geodetic::ShapePoint at{observation, shape, unknowns, point, level_at_origin};
   if (observation.kind == GeodeticKind::kAtHeight) return geodetic::CommonHeight::model(at);
   return observation.kind == GeodeticKind::kOnPlane ? geodetic::OnPlane::model(at) : geodetic::OnLine::model(at);

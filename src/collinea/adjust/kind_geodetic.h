@@ -30,6 +30,20 @@ struct Geodetic : ObservationKind<Geodetic, 1> {
   static double leverage(double, double inverse_sigma, double cofactor) {
     return cofactor * inverse_sigma * inverse_sigma;
   }
+  /// It sees the scale, the level and, where only one end moves, the position.
+  static bool is_gauge_complete(const Problem& problem) { return problem.ground.empty(); }
+  static void add_to_gauge(const Problem& problem, const State& state, const BlockMotion& motion,
+                           MotionNormals& normals);
+  /// As far as the direction of the derivatives goes: by their length they are all the same.
+  static bool needs_rows_for_datum(const Problem& problem) { return !problem.ground.empty(); }
+  static void observe_rows(const Problem& problem, const State& state, std::vector<DatumPart>& parts,
+                           MotionsWithAuxiliaries& rows);
+  /// Also of what is only compared.
+  template <class Visit>
+  static void for_each_tied_points(const Problem& problem, Visit&& visit) {
+    for (const Item& item : problem.ground) visit(item.from, item.to);
+  }
+
   /// Also of what is only compared.
   static void tabulate(const Problem& problem, const State& state, Adjusted& adjusted);
 };

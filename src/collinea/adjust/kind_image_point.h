@@ -12,6 +12,8 @@
 
 namespace collinea::bundle {
 
+struct DatumPart;
+
 // A measured image point: the pixel at which the lens of its image sees the point X,
 //
 //     x = lens(R (X - c)),
@@ -192,6 +194,24 @@ struct ImagePoint {
     const double inverse_sigma = problem.rays[item.ray].inverse_sigma;
     return residual_px.squaredNorm() * inverse_sigma * inverse_sigma;
   }
+
+  /// Each free image of a point with the first of them, also with itself; points that are held tie nothing.
+  template <class Visit>
+  static void for_each_tied_images(const Problem& problem, Visit&& visit) {
+    for (std::size_t p = 0; p < problem.point_count(); ++p) {
+      if (problem.point(p).held) continue;
+      const std::uint32_t first = problem.point(p).first_free;
+      for (std::uint32_t r = first; r < problem.end_ray(p); ++r)
+        visit(problem.rays[first].image, problem.rays[r].image);
+    }
+  }
+  /// Of point p, which a free image shows: images see where a held point is, and the rays of held images fix the
+  /// direction of others.
+  static void observe_motions(const Problem& problem, const State& state, std::size_t p, std::vector<DatumPart>& parts);
+
+  static bool places_block(const Problem&) { return false; }
+  static bool is_gauge_complete(const Problem&) { return true; }
+  static bool needs_rows_for_datum(const Problem&) { return false; }
 
   static bool is_tie(const Problem& problem, const Item& item) { return problem.point(item.point).control < 0; }
   static ObservationGroup group(const Problem& problem, const Item& item) {

@@ -26,6 +26,9 @@ inline constexpr std::array kEvery = {0, 1, 2, 3, 4, 5, 6, 7};
 inline constexpr std::array kInNormals = {1, 2, 3, 4, 5, 6, 7};
 inline constexpr std::array kInSquares = {1, 2, 3, 5, 6, 4, 7};
 inline constexpr std::array kInTests = {5, 1, 2, 3, 6, 7, 4};
+/// Those with unknowns of their own in the order in which the datum sees them, and those whose items are points.
+inline constexpr std::array kInDatum = {6, 1, 7};
+inline constexpr std::array kOfPoints = {5, 0};
 static_assert(kEvery.size() == std::tuple_size_v<ObservationKinds> && kInNormals.size() + 1 == kEvery.size());
 static_assert(kInSquares.size() == kInNormals.size() && kInTests.size() == kInNormals.size());
 

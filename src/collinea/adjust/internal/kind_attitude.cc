@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "collinea/adjust/block_motion.h"
+#include "collinea/adjust/internal/datum_parts.h"
 #include "collinea/geometry/rotation.h"
 
 namespace collinea::bundle {
@@ -51,6 +53,16 @@ Eigen::Vector3d Attitude::predicted(const Problem& problem, const State& state, 
   Eigen::Vector3d left = residual_of(state, item);
   left -= change(problem, state, reduced, item);
   return left.cwiseProduct(item.inverse_sigma);
+}
+
+void Attitude::observe_rows(const Problem& problem, const State& state, std::vector<DatumPart>& parts,
+                            MotionsWithAuxiliaries& rows) {
+  for (const GivenTurn& given : problem.attitudes) {
+    const int part = problem.part_of_pose[given.image];
+    for (int axis = 0; axis < 3; ++axis)  // a world turned by w turns cam_from_world by -w in the world
+      if (given.inverse_sigma[axis] > 0) rows.add(part, -Row7::Unit(3 + axis), row_of(problem, state, given, axis));
+    parts[part].sources.attitudes |= given.inverse_sigma.maxCoeff() > 0;
+  }
 }
 
 void Attitude::tabulate(const Problem& problem, const State& state, Adjusted& adjusted) {

@@ -27,6 +27,10 @@ struct Attitude : ObservationKind<Attitude, 3> {
     return axis < 2 ? ObservationGroup::kAttitudeLevel : ObservationGroup::kAttitudeHeading;
   }
   static std::uint32_t source(const Problem& problem, const Item& item) { return problem.images[item.image].id.value; }
+  static bool is_gauge_complete(const Problem& problem) { return problem.attitudes.empty(); }
+  static bool needs_rows_for_datum(const Problem& problem) { return !problem.attitudes.empty(); }
+  static void observe_rows(const Problem& problem, const State& state, std::vector<DatumPart>& parts,
+                           MotionsWithAuxiliaries& rows);
   static void tabulate(const Problem& problem, const State& state, Adjusted& adjusted);
 };
 

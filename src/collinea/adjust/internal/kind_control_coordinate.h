@@ -25,6 +25,12 @@ struct ControlCoordinate : ObservationKind<ControlCoordinate, 3> {
   static double squared(const Problem& problem, const State& state, Item p) {
     return PointNormals().add(problem.control[problem.point(p).control], &state.points[3 * p]);
   }
+
+  static bool places_block(const Problem& problem) { return !problem.control.empty(); }
+  static void add_to_gauge(const Problem& problem, const State& state, const BlockMotion& motion,
+                           MotionNormals& normals);
+  /// Those of point p, which a free image shows.
+  static void observe_motions(const Problem& problem, const State& state, std::size_t p, std::vector<DatumPart>& parts);
 };
 
 }  // namespace collinea::bundle

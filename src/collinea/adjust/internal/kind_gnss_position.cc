@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/adjust/block_motion.h"
+#include "collinea/adjust/internal/datum_parts.h"
 #include "collinea/geometry/rotation.h"
 
 namespace collinea::bundle {
@@ -63,6 +65,42 @@ double GnssPosition::add(const Problem& problem, const State& state, const Item&
     sink.add_to_right(row, weight * w * residual[c]);
   }
   return problem.position_loss.cost(s);
+}
+
+bool GnssPosition::is_gauge_complete(const Problem& problem) {
+  return std::all_of(problem.positions.begin(), problem.positions.end(), [](const Item& one) { return one.plain(); });
+}
+
+void GnssPosition::add_to_gauge(const Problem& problem, const State& state, const BlockMotion& motion,
+                                MotionNormals& normals) {
+  for (const GivenPosition& position : problem.positions) {
+    const Eigen::Vector3d centre = centre_in(state, position.image);
+    const Eigen::Vector3d given =
+        position.plain() ? position.given : position.given - (antenna_of(state, position) - centre);
+    normals.add_position(motion, centre, given, position.inverse_sigma.cwiseAbs2().asDiagonal(), problem.position_loss);
+  }
+}
+
+void GnssPosition::observe_motions(const Problem& problem, const State& state, std::vector<DatumPart>& parts) {
+  for (const GivenPosition& position : problem.positions) {
+    if (!position.plain()) continue;
+    DatumPart& its = parts[problem.part_of_pose[position.image]];
+    its.add(centre_in(state, position.image), (position.inverse_sigma.array() > 0).cast<double>());
+    its.sources.positions = true;
+  }
+}
+
+void GnssPosition::observe_rows(const Problem& problem, const State& state, std::vector<DatumPart>& parts,
+                                MotionsWithAuxiliaries& rows) {
+  for (const GivenPosition& position : problem.positions) {
+    if (position.plain()) continue;
+    const int part = problem.part_of_pose[position.image];
+    DatumPart& its = parts[part];
+    const Matrix37 motions = motion_of(centre_in(state, position.image), its.centre, its.size);
+    for (int axis = 0; axis < 3; ++axis)
+      if (position.inverse_sigma[axis] > 0) rows.add(part, motions.row(axis), row_of(problem, state, position, axis));
+    its.sources.positions = true;
+  }
 }
 
 void GnssPosition::tabulate(const Problem& problem, const State& state, Adjusted& adjusted) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/adjust/internal/kind_vertical.h"
 
+#include "collinea/adjust/block_motion.h"
+#include "collinea/adjust/internal/datum_parts.h"
 #include "collinea/geometry/rotation.h"
 
 namespace collinea::bundle {
@@ -23,6 +25,28 @@ Eigen::Vector3d Vertical::predicted(const Problem& problem, const State& state, 
                                     const std::vector<double>& reduced, const Item& item) {
   const Eigen::Vector3d up = z_in_cam(state.frames[item.image]), turn(&reduced[6ul * item.image]);
   return whitened(problem, state, item) - item.inverse_sigma * turn.cross(up);
+}
+
+void Vertical::add_to_gauge(const Problem& problem, const State& state, const BlockMotion& motion,
+                            MotionNormals& normals) {
+  for (const GivenUp& given : problem.verticals) {
+    const Eigen::Matrix3d cam_from_world =
+        (state.rotations[given.image] * motion.moved.rotation.conjugate()).toRotationMatrix();
+    const Eigen::Vector3d residual = given.residual(cam_from_world.col(2));
+    // A world turned by w sees its old z axis turned by -w.
+    const Eigen::Matrix3d by_turn = given.inverse_sigma * cam_from_world * skew(Eigen::Vector3d::UnitZ());
+    normals.matrix.block<3, 3>(3, 3) += by_turn.transpose() * by_turn;
+    normals.right.segment<3>(3) += by_turn.transpose() * residual;
+    normals.cost += residual.squaredNorm();
+  }
+}
+
+void Vertical::observe_motions(const Problem& problem, const State&, std::vector<DatumPart>& parts) {
+  for (const GivenUp& given : problem.verticals) {
+    DatumPart& its = parts[problem.part_of_pose[given.image]];
+    its.seen.diagonal().segment<2>(3).array() += 1;
+    its.sources.attitudes = true;
+  }
 }
 
 double Vertical::redundancy(const State& state, const Item& item, const Eigen::Matrix3d& cofactor) {

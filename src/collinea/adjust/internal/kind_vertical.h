@@ -23,6 +23,10 @@ struct Vertical : ObservationKind<Vertical, 3> {
   static double add(const Problem& problem, const State& state, const Item& item, ObservationSink& sink);
   static Eigen::Vector3d predicted(const Problem& problem, const State& state, const State& next,
                                    const std::vector<double>& reduced, const Item& item);
+  static void add_to_gauge(const Problem& problem, const State& state, const BlockMotion& motion,
+                           MotionNormals& normals);
+  /// Turns about the two level axes.
+  static void observe_motions(const Problem& problem, const State& state, std::vector<DatumPart>& parts);
   /// The redundancy of both observations together, by the cofactors of the turn of the image.
   static double redundancy(const State& state, const Item& item, const Eigen::Matrix3d& cofactor);
 };

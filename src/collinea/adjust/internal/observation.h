@@ -9,6 +9,11 @@
 
 namespace collinea::bundle {
 
+struct BlockMotion;
+struct MotionNormals;
+struct DatumPart;
+class MotionsWithAuxiliaries;
+
 /// Where observations are summed up to normal equations.
 class ObservationSink {
  public:
@@ -29,6 +34,15 @@ class ObservationSink {
 ///     inverse_sigma(problem, item)           1 / sigma of each coordinate; 0: not given
 ///     row(problem, state, item, axis)        derivatives of a computed coordinate by the reduced unknowns
 ///
+/// A kind that observes the block as a whole says so, for the gauge and for the datum, where it does:
+///
+///     add_to_gauge(problem, state, motion, normals)   its observations of a block that was moved as a whole
+///     observe_motions(problem, state, parts)          which motions of its part each item sees (a kind of points: of
+///                                                     point p, behind `state`)
+///     observe_rows(problem, state, parts, rows)       the same of items that also see unknowns of their own
+///     for_each_tied_images(problem, visit)            images that an item ties to each other, as two free images
+///     for_each_tied_points(problem, visit)            points, as two numbers
+///
 /// Kinds that are tested for gross errors (kIsTested) also name their group and source; see ObservationGroup and
 /// TestedObservation. Image points, whose loops have to be fast, are a kind of their own: kind_image_point.h.
 template <class Kind, int kAxes>
@@ -39,6 +53,13 @@ struct ObservationKind {
   static constexpr bool kIsRobust = false;
   static constexpr bool kIsOfPlace = true;   ///< a motion of the whole block changes it
   static constexpr bool kIsOfPoint = false;  ///< it enters the equations of its point, before that is eliminated
+
+  /// Where it has items, the block as a whole can be placed by them.
+  static bool places_block(const Problem&) { return false; }
+  /// add_to_gauge() has all that this kind sees of a motion of the whole block.
+  static bool is_gauge_complete(const Problem&) { return true; }
+  /// Its rows have to be looked at for the datum (observe_rows), whatever unknowns there are.
+  static bool needs_rows_for_datum(const Problem&) { return false; }
 
   static Loss loss(const Problem&) { return {}; }
 

@@ -185,6 +185,8 @@ struct Problem {
   [[nodiscard]] std::size_t point_count() const { return points.size() - 1; }
   [[nodiscard]] const ProblemPoint& point(std::size_t i) const { return points[i]; }
   [[nodiscard]] std::uint32_t end_ray(std::size_t i) const { return points[i + 1].first_ray; }
+  /// No image shows the point: geodetic observations alone determine it, and its unknowns are like those of set-ups.
+  [[nodiscard]] bool is_unseen(std::size_t i) const { return points[i].first_ray == end_ray(i); }
 };
 
 /// Rotation cam_from_world by rows, then the projection centre in the world.
