@@ -13,21 +13,9 @@ GeodeticModel geodetic_model(const GeodeticObservation& observation, const Eigen
   const Eigen::Vector3d line =
       to - from + observation.target_height_m * up_there - observation.instrument_height_m * up;
   const geodetic::Sight sight{observation, from, to, up, up_there, line, orientation_rad, level_at_origin};
-  switch (observation.kind) {
-    case GeodeticKind::kDistance:
-      return geodetic::Distance::model(sight);
-    case GeodeticKind::kHeightDifference:
-      return geodetic::HeightDifference::model(sight);
-    case GeodeticKind::kDirection:
-      return geodetic::Direction::model(sight);
-    case GeodeticKind::kZenithAngle:
-      return geodetic::ZenithAngle::model(sight);
-    case GeodeticKind::kAtHeight:
-    case GeodeticKind::kOnPlane:
-    case GeodeticKind::kOnLine:
-      break;  // shape_model() knows these
-  }
-  return {};
+  GeodeticModel model;  // shape_model() knows the others
+  geodetic::visit_kind<geodetic::SightKinds>(observation.kind, [&]<class Kind>() { model = Kind::model(sight); });
+  return model;
 }
 
 std::optional<GeodeticShape> shape_through(GeodeticKind kind, const std::vector<Eigen::Vector3d>& points) {
@@ -40,7 +28,10 @@ std::optional<GeodeticShape> shape_through(GeodeticKind kind, const std::vector<
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
   const geodetic::ShapeSpread spread{eigen.eigenvalues(), eigen.eigenvectors()};
   if (!(spread.length2[2] > 0) || !std::isfinite(spread.length2[2])) return std::nullopt;
-  const auto axes = kind == GeodeticKind::kOnPlane ? geodetic::OnPlane::axes(spread) : geodetic::OnLine::axes(spread);
+  std::optional<Eigen::Matrix3d> axes;
+  geodetic::visit_kind<geodetic::ShapeKinds>(kind, [&]<class Shape>() {
+    if constexpr (requires { Shape::axes(spread); }) axes = Shape::axes(spread);
+  });
   if (!axes) return std::nullopt;
   shape.axes = *axes;
   return shape;
@@ -49,8 +40,9 @@ std::optional<GeodeticShape> shape_through(GeodeticKind kind, const std::vector<
 GeodeticModel shape_model(const GeodeticObservation& observation, const GeodeticShape& shape, const double* unknowns,
                           const Eigen::Vector3d& point, bool level_at_origin) {
   const geodetic::ShapePoint at{observation, shape, unknowns, point, level_at_origin};
-  if (observation.kind == GeodeticKind::kAtHeight) return geodetic::CommonHeight::model(at);
-  return observation.kind == GeodeticKind::kOnPlane ? geodetic::OnPlane::model(at) : geodetic::OnLine::model(at);
+  GeodeticModel model;
+  geodetic::visit_kind<geodetic::ShapeKinds>(observation.kind, [&]<class Shape>() { model = Shape::model(at); });
+  return model;
 }
 
 double geodetic_residual(const GeodeticObservation& observation, const GeodeticModel& model) {

@@ -11,16 +11,16 @@ namespace collinea {
 
 /// The numbers that describe a shape against its frame, and how many of them one of its observations sees.
 [[nodiscard]] constexpr int unknowns_of_shape(GeodeticKind kind) {
-  return kind == GeodeticKind::kAtHeight  ? geodetic::CommonHeight::kUnknowns
-         : kind == GeodeticKind::kOnPlane ? geodetic::OnPlane::kUnknowns
-                                          : geodetic::OnLine::kUnknowns;
+  int unknowns = 0;
+  geodetic::visit_kind<geodetic::ShapeKinds>(kind, [&]<class Shape>() { unknowns = Shape::kUnknowns; });
+  return unknowns;
 }
 
 /// The fewest points that determine a shape.
 [[nodiscard]] constexpr int points_of_shape(GeodeticKind kind) {
-  return kind == GeodeticKind::kAtHeight  ? geodetic::CommonHeight::kPoints
-         : kind == GeodeticKind::kOnPlane ? geodetic::OnPlane::kPoints
-                                          : geodetic::OnLine::kPoints;
+  int points = 0;
+  geodetic::visit_kind<geodetic::ShapeKinds>(kind, [&]<class Shape>() { points = Shape::kPoints; });
+  return points;
 }
 
 /// The frame of the shape that fits points best; all its unknowns then are zero, but for a common height, which counts

@@ -14,8 +14,8 @@ struct Surveyed {
   AdjustScope scope;
 };
 
-/// What a tape between neighbours, a total station in the first of these points and a level somewhere say, whose places
-/// `exact` has.
+/// What a tape between neighbours, a total station and every other instrument in the first of these points and a level
+/// somewhere say, whose places `exact` has.
 inline void measure_on_ground(const Block& exact, Block& block, const std::vector<ControlId>& ids, double length_m,
                               double angle_rad, Random& random) {
   const auto place = [&](ControlId id) { return exact.control.at(id).position_in_world; };
@@ -30,12 +30,10 @@ inline void measure_on_ground(const Block& exact, Block& block, const std::vecto
     one.value = computed + one.sigma * random.normal();
     block.ground.push_back(one);
   };
-  for (std::size_t i = 1; i < ids.size(); ++i) {
-    add(GeodeticKind::kDistance, ids[i - 1], ids[i]);
-    add(GeodeticKind::kHeightDifference, ids[0], ids[i]);
-    add(GeodeticKind::kDirection, ids[0], ids[i]);
-    add(GeodeticKind::kZenithAngle, ids[0], ids[i]);
-  }
+  for (std::size_t i = 1; i < ids.size(); ++i)
+    for (std::size_t k = 0; k < kGeodeticKinds; ++k)
+      if (const auto kind = static_cast<GeodeticKind>(k); !GeodeticObservation{.kind = kind}.is_of_shape())
+        add(kind, ids[kind == GeodeticKind::kDistance ? i - 1 : 0], ids[i]);
   for (const ControlId id : ids) add(GeodeticKind::kAtHeight, id, id);
 }
 

@@ -274,12 +274,14 @@ Result<> take_correlation(const Line& line, Draft& draft) {
 }
 
 Result<> take_ground(const Line& line, Draft& draft) {
-  std::size_t kind = 0;
-  constexpr auto kMeasured = std::size_t(GeodeticKind::kAtHeight);  // what lies on shapes has lines of its own
-  while (kind < kMeasured && line.words[1] != geodetic_word(kind)) ++kind;
-  if (kind == kMeasured) {
-    std::string known;
-    for (std::size_t k = 0; k < kMeasured; ++k) known += " " + geodetic_word(k);
+  std::size_t kind = kGeodeticKinds;
+  std::string known;
+  for (std::size_t k = 0; k < kGeodeticKinds; ++k) {
+    if (GeodeticObservation{.kind = GeodeticKind(k)}.is_of_shape()) continue;  // these have lines of their own
+    known += " " + geodetic_word(k);
+    if (line.words[1] == geodetic_word(k)) kind = k;
+  }
+  if (kind == kGeodeticKinds) {
     return bad_line(line.number, shown(line.words[1]) + " is measured by nobody; there are:" + known);
   }
   if (line.count() != 6 && line.count() != 9)

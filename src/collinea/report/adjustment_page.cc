@@ -205,7 +205,7 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
   std::vector<TestedObservation> surveyed;
   for (const TestedObservation& one : tests.others)
     if (one.group == ObservationGroup::kControlPlan || one.group == ObservationGroup::kControlHeight ||
-        (one.group >= ObservationGroup::kDistance && one.group <= ObservationGroup::kOnLine))
+        (one.group >= ObservationGroup::kDistance && one.group < ObservationGroup::kAttitudeLevel))
       surveyed.push_back(one);
   if (!surveyed.empty())
     html += fmt::format(

@@ -69,22 +69,15 @@ std::string name_of(const TestedObservation& one, const Block& block) {
     case ObservationGroup::kPositionPlan:
     case ObservationGroup::kPositionHeight:
       return fmt::format("position of {}, {}", block.images.at(ImageId{one.source}).file, kOnGround[one.axis]);
-    case ObservationGroup::kDistance:
-    case ObservationGroup::kHeightDifference:
-    case ObservationGroup::kDirection:
-    case ObservationGroup::kZenithAngle:
-    case ObservationGroup::kAtHeight:
-    case ObservationGroup::kOnPlane:
-    case ObservationGroup::kOnLine:
-      return words_of(block.ground[one.source], block);
     case ObservationGroup::kAttitudeLevel:
     case ObservationGroup::kAttitudeHeading:
       return fmt::format("attitude of {}, about {}", block.images.at(ImageId{one.source}).file,
                          one.axis == 0   ? "east"
                          : one.axis == 1 ? "north"
                                          : "the plumb line");
+    default:  // geodetic observations
+      return words_of(block.ground[one.source], block);
   }
-  return "";
 }
 
 }  // namespace collinea

@@ -48,10 +48,7 @@ std::string name_of(const Rejected& gone, const Block& block) {
 bool is_attitude(const Rejected& gone) { return gone.group >= ObservationGroup::kAttitudeLevel; }
 
 // Angles are told in degrees.
-bool is_angle(const Rejected& gone) {
-  return gone.group == ObservationGroup::kDirection || gone.group == ObservationGroup::kZenithAngle ||
-         is_attitude(gone);
-}
+bool is_angle(const Rejected& gone) { return collinea::is_angle(gone.group); }
 const char* unit(const Rejected& gone) { return in_image(gone.group) ? "px" : is_angle(gone) ? "deg" : "m"; }
 double told_in_unit(const Rejected& gone, double value) {
   return is_angle(gone) ? value * 180 / std::numbers::pi : value;

@@ -16,9 +16,9 @@ using ShapeKey = std::pair<GeodeticKind, std::uint32_t>;
 ShapeKey key_of(const GeodeticObservation& measured) { return {measured.kind, measured.setup}; }
 
 UnknownKind unknown_of(GeodeticKind kind) {
-  return kind == GeodeticKind::kAtHeight  ? UnknownKind::kHeight
-         : kind == GeodeticKind::kOnPlane ? UnknownKind::kPlane
-                                          : UnknownKind::kLine;
+  UnknownKind unknown{};
+  geodetic::visit_kind<geodetic::ShapeKinds>(kind, [&]<class Shape>() { unknown = Shape::kUnknown; });
+  return unknown;
 }
 
 /// The points of a shape that take part: those that determine it, and all.

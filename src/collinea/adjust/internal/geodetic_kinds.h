@@ -4,13 +4,15 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <tuple>
 
+#include "collinea/adjust/unknowns.h"
 #include "collinea/block/ground.h"
 
 // The kinds of geodetic measurements and constraints, one for each GeodeticKind: the computed value and its
-// derivatives. Each is in the file of its name. A new one is its file, a struct here, a case in geodetic_model() or
-// shape_model(), and a GeodeticKind. Up is the z axis of the world or, `level_at_origin`, the plumb line of a sphere
-// that touches it there.
+// derivatives. Each is in the file of its name. A new one is its file, a struct here and its place in the closed list
+// at the end, a GeodeticKind and an ObservationGroup. Up is the z axis of the world or, `level_at_origin`, the plumb
+// line of a sphere that touches it there.
 
 namespace collinea {
 
@@ -43,21 +45,25 @@ struct Sight {
 
 /// Slope distance between instrument and target [m].
 struct Distance {
+  static constexpr GeodeticKind kKind = GeodeticKind::kDistance;
   static GeodeticModel model(const Sight& sight);
 };
 
 /// Height of the second point over the first [m].
 struct HeightDifference {
+  static constexpr GeodeticKind kKind = GeodeticKind::kHeightDifference;
   static GeodeticModel model(const Sight& sight);
 };
 
 /// Horizontal direction, clockwise from zero of the circle [rad]. Unknown of its own: the orientation of the set-up.
 struct Direction {
+  static constexpr GeodeticKind kKind = GeodeticKind::kDirection;
   static GeodeticModel model(const Sight& sight);
 };
 
 /// Angle between the plumb line and the line of sight [rad]; with refraction (k = 0.13) where the Earth is curved.
 struct ZenithAngle {
+  static constexpr GeodeticKind kKind = GeodeticKind::kZenithAngle;
   static GeodeticModel model(const Sight& sight);
 };
 
@@ -83,12 +89,16 @@ struct ShapeSpread {
 
 /// A point at a height that it has in common with others [m]. Unknown: the height.
 struct CommonHeight {
+  static constexpr GeodeticKind kKind = GeodeticKind::kAtHeight;
+  static constexpr UnknownKind kUnknown = UnknownKind::kHeight;
   static constexpr int kUnknowns = 1, kPoints = 1;
   static GeodeticModel model(const ShapePoint& at);
 };
 
 /// A point on a plane [m]. Unknowns: the offset along the normal of the frame and two tilts.
 struct OnPlane {
+  static constexpr GeodeticKind kKind = GeodeticKind::kOnPlane;
+  static constexpr UnknownKind kUnknown = UnknownKind::kPlane;
   static constexpr int kUnknowns = 3, kPoints = 3;
   static GeodeticModel model(const ShapePoint& at);
   /// The axes of the plane's frame; nothing where the points lie on a line.
@@ -97,10 +107,25 @@ struct OnPlane {
 
 /// A point on a line, sideways or upwards of it (GeodeticObservation::axis) [m]. Unknowns: two offsets and two tilts.
 struct OnLine {
+  static constexpr GeodeticKind kKind = GeodeticKind::kOnLine;
+  static constexpr UnknownKind kUnknown = UnknownKind::kLine;
   static constexpr int kUnknowns = 4, kPoints = 2;
   static GeodeticModel model(const ShapePoint& at);
   static std::optional<Eigen::Matrix3d> axes(const ShapeSpread& spread);
 };
+
+/// The closed list: what is measured between two points, and the shapes that points lie on.
+using SightKinds = std::tuple<Distance, HeightDifference, Direction, ZenithAngle>;
+using ShapeKinds = std::tuple<CommonHeight, OnPlane, OnLine>;
+static_assert(std::tuple_size_v<SightKinds> + std::tuple_size_v<ShapeKinds> == kGeodeticKinds);
+
+/// Calls visit.operator()<Kind>() for the struct of a kind, if the list has it.
+template <class Kinds, class Visit>
+constexpr void visit_kind(GeodeticKind kind, Visit&& visit) {
+  [&]<class... Kind>(const std::tuple<Kind...>*) {
+    ((Kind::kKind == kind ? visit.template operator()<Kind>() : void()), ...);
+  }(static_cast<const Kinds*>(nullptr));
+}
 
 /// Radius of the Earth, a sphere [m].
 inline constexpr double kEarthRadius_m = 6371000;
