@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/adjust/gauge.h"
+#include "collinea/adjust/internal/gauge.h"
 
 namespace collinea::bundle {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "collinea/adjust/gauge.h"
+#include "collinea/adjust/block_motion.h"
 
 namespace collinea::bundle {
 

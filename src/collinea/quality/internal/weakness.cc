@@ -12,7 +12,7 @@
 #include <numeric>
 #include <set>
 
-#include "collinea/adjust/gauge.h"
+#include "collinea/adjust/block_motion.h"
 #include "collinea/base/parallel.h"
 #include "collinea/math/median.h"
 #include "collinea/math/random.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/adjust/gauge.h"
+#include "collinea/adjust/internal/gauge.h"
 
 #include <Eigen/Eigenvalues>
 #include <utility>
