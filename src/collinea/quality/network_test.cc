@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/adjust/gather_parts.h"
+#include "collinea/adjust/geodetic_positions.h"
 #include "collinea/adjust/geodetic_model.h"
 #include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"

@@ -8,8 +8,8 @@
 #include <optional>
 #include <set>
 
+#include "collinea/adjust/geodetic_positions.h"
 #include "collinea/adjust/internal/gather_geodetic.h"
-#include "collinea/adjust/internal/geodetic_positions.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/epipolar/intersect.h"
 

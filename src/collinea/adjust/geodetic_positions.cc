@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/adjust/internal/geodetic_positions.h"
+#include "collinea/adjust/geodetic_positions.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
