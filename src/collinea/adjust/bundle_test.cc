@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <numeric>
 
-#include "collinea/adjust/linearise.h"
+#include "collinea/adjust/point_normals.h"
 #include "collinea/adjust/test_block.h"
 #include "collinea/geometry/similarity3.h"
 
