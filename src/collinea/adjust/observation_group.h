@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "collinea/block/ground.h"
 
 namespace collinea {
 
-/// Kinds of observations, each with a sigma of its own that may be wrong.
+/// Kinds of observations, each with a sigma of its own that may be wrong. A new one is a line here and one in
+/// kObservationGroupTraits, which says all that others ask of it.
 enum class ObservationGroup {
   kTieImages,
   kControlImages,
@@ -27,29 +29,75 @@ enum class ObservationGroup {
   kAttitudeHeading,
 };
 inline constexpr std::size_t kObservationGroups = 15;
-inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = {"tie points in images",
-                                                                                       "control in images",
-                                                                                       "control, plan",
-                                                                                       "control, height",
-                                                                                       "positions, plan",
-                                                                                       "positions, height",
-                                                                                       "distances",
-                                                                                       "height differences",
-                                                                                       "directions",
-                                                                                       "zenith angles",
-                                                                                       "equal heights",
-                                                                                       "planes",
-                                                                                       "lines",
-                                                                                       "attitudes, level",
-                                                                                       "attitudes, heading"};
 
-/// Angles, in [rad].
-[[nodiscard]] constexpr bool is_angle(ObservationGroup group) {
-  return group == ObservationGroup::kDirection || group == ObservationGroup::kZenithAngle ||
-         group >= ObservationGroup::kAttitudeLevel;
+/// Where an observation is given, and by what it is found there.
+enum class ObservationSource : std::uint8_t {
+  kTieImagePoint,       ///< index in Block::observations
+  kControlImagePoint,   ///< index in Block::control_observations
+  kControlCoordinates,  ///< ControlId, in Block::control
+  kPosition,            ///< ImageId: Image::position
+  kGeodetic,            ///< index in Block::ground
+  kAttitude,            ///< ImageId, in AdjustScope::attitudes
+};
+
+/// What a group of observations is.
+struct ObservationGroupTraits {
+  ObservationGroup group{};
+  const char* name = "";
+  ObservationSource source{};
+  /// The coordinates of its measurement that are of this group: 0 column or east, 1 row or north, 2 height; of
+  /// attitudes the axes of the rotation. They share a sigma and are rejected together. What has one value has it on 0.
+  int first_axis = 0, axes = 1;
+  bool is_angle = false;  ///< in [rad]; others in [m], or [px] in images
+};
+
+inline constexpr std::array<ObservationGroupTraits, kObservationGroups> kObservationGroupTraits = {{
+    {ObservationGroup::kTieImages, "tie points in images", ObservationSource::kTieImagePoint, 0, 2},
+    {ObservationGroup::kControlImages, "control in images", ObservationSource::kControlImagePoint, 0, 2},
+    {ObservationGroup::kControlPlan, "control, plan", ObservationSource::kControlCoordinates, 0, 2},
+    {ObservationGroup::kControlHeight, "control, height", ObservationSource::kControlCoordinates, 2, 1},
+    {ObservationGroup::kPositionPlan, "positions, plan", ObservationSource::kPosition, 0, 2},
+    {ObservationGroup::kPositionHeight, "positions, height", ObservationSource::kPosition, 2, 1},
+    {ObservationGroup::kDistance, "distances", ObservationSource::kGeodetic},
+    {ObservationGroup::kHeightDifference, "height differences", ObservationSource::kGeodetic},
+    {ObservationGroup::kDirection, "directions", ObservationSource::kGeodetic, 0, 1, true},
+    {ObservationGroup::kZenithAngle, "zenith angles", ObservationSource::kGeodetic, 0, 1, true},
+    {ObservationGroup::kAtHeight, "equal heights", ObservationSource::kGeodetic},
+    {ObservationGroup::kOnPlane, "planes", ObservationSource::kGeodetic},
+    {ObservationGroup::kOnLine, "lines", ObservationSource::kGeodetic},
+    {ObservationGroup::kAttitudeLevel, "attitudes, level", ObservationSource::kAttitude, 0, 2, true},
+    {ObservationGroup::kAttitudeHeading, "attitudes, heading", ObservationSource::kAttitude, 2, 1, true},
+}};
+
+[[nodiscard]] constexpr const ObservationGroupTraits& traits_of(ObservationGroup group) {
+  return kObservationGroupTraits[static_cast<std::size_t>(group)];
 }
 
-/// The group of a measurement on the ground.
+static_assert(
+    [] {
+      for (std::size_t g = 0; g < kObservationGroups; ++g)
+        if (kObservationGroupTraits[g].group != static_cast<ObservationGroup>(g)) return false;
+      return true;
+    }(),
+    "the traits stand in the order of the groups");
+
+/// The names alone, in the order of the groups.
+inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = [] {
+  std::array<const char*, kObservationGroups> names{};
+  for (std::size_t g = 0; g < kObservationGroups; ++g) names[g] = kObservationGroupTraits[g].name;
+  return names;
+}();
+
+/// Angles, in [rad].
+[[nodiscard]] constexpr bool is_angle(ObservationGroup group) { return traits_of(group).is_angle; }
+
+/// Image coordinates, in [px], of tie points and of control.
+[[nodiscard]] constexpr bool is_image_point(ObservationGroup group) {
+  const ObservationSource source = traits_of(group).source;
+  return source == ObservationSource::kTieImagePoint || source == ObservationSource::kControlImagePoint;
+}
+
+/// The group of a geodetic observation.
 [[nodiscard]] constexpr ObservationGroup group_of(GeodeticKind kind) {
   return static_cast<ObservationGroup>(static_cast<std::size_t>(ObservationGroup::kDistance) +
                                        static_cast<std::size_t>(kind));

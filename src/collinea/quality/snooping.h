@@ -2,80 +2,61 @@
 #pragma once
 
 #include <map>
-#include <string>
 #include <vector>
 
-#include "collinea/base/words.h"
 #include "collinea/quality/examine.h"
+#include "collinea/quality/internal/rejected.h"
 
 namespace collinea {
 
-/// A measurement that data snooping took out: an image point (both coordinates), the plan or the height of a control
-/// point or of a position, a measurement on the ground, level or heading of an attitude.
-struct Rejected {
-  ObservationGroup group{};
-  ImageId image;             ///< of rays, positions and attitudes
-  PointId point;             ///< of rays of tie points
-  ControlId control;         ///< of rays and coordinates of control
-  std::uint32_t ground = 0;  ///< place in Block::ground
-  int axis = 0;           ///< of the coordinate that was beyond the limit; 0 column or east, 1 row or north, 2 height
-  double w = 0;           ///< of it, when it was the worst; infinite: its image does not see the point
-  double redundancy = 0;  ///< NaN: gross
-  double influence = 0;      ///< by how much the adjusted value of that coordinate was drawn to it [px, m, rad]
-  /// Measured minus what the adjustment without it says, with the standard deviation that this would have without a
-  /// blunder [px, m, rad], of what is measured on the ground in the first place; NaN for axes that were not measured
-  /// or, of the sigma, not tested.
-  Eigen::Vector3d gross_error = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  double sigma = 0;      ///< of blunder[axis]
-  bool as_pair = false;  ///< one of the two rays of a point: which of them was wrong cannot be told, both went
-  int round = 0;         ///< 0: gross, before the first adjustment
-};
-
-/// Why a suspect had to stay.
-enum class StayReason : std::uint8_t {
-  kTooLittleChecks,  ///< too little of a gross error shows in its residual
-  kSameDegree,       ///< others are suspect to the same degree
-  kBlockNeedsIt,     ///< without it the block is not determined
-  kWorseOfItsPoint,  ///< what is more suspect of its point stays
-  kImageNeedsIt,     ///< its image would keep too few measurements
-};
-inline constexpr Word<StayReason> kStayReasonWords[] = {{StayReason::kTooLittleChecks, "too_little_checks"},
-                                                        {StayReason::kSameDegree, "same_degree"},
-                                                        {StayReason::kBlockNeedsIt, "block_needs_it"},
-                                                        {StayReason::kWorseOfItsPoint, "worse_of_its_point"},
-                                                        {StayReason::kImageNeedsIt, "image_needs_it"}};
-constexpr std::span<const Word<StayReason>> words(StayReason) { return kStayReasonWords; }
-
-/// A suspect that had to stay.
-struct KeptSuspect {
-  TestedObservation observation;  ///< its source refers to Snooped::block
-  StayReason reason{};
-};
-
+/// What data snooping leaves.
 struct Snooped {
-  Block block;  ///< without what was taken out; measurements on the ground are only compared
-  std::map<ImageId, GivenAttitude> attitudes;  ///< of the scope, those that were taken out with infinite sigmas
-  std::vector<Rejected> rejected;             ///< in the order in which it went
+  Block block;                                 ///< without what was rejected; geodetic observations are only compared
+  std::map<ImageId, GivenAttitude> attitudes;  ///< of the scope, those that were rejected with infinite sigmas
+  std::vector<Rejected> rejected;              ///< in the order in which it went
   std::vector<KeptSuspect> kept;               ///< suspects of the last adjustment that cannot go, worst first
   int put_back = 0;                            ///< that went, and in the end agreed with what was left
   int rounds = 0;                              ///< adjustments
-  bool finished = false;                       ///< nothing is left that could be taken out
+  bool finished = false;                       ///< nothing is left that could be rejected
   double sigma0_before = 0;                    ///< with everything
   std::vector<ControlDifference> with;         ///< control and check points, with everything
   Examined adjusted;                           ///< the last, with reliability
 };
 
-/// Data snooping (Baarda 1968; Kok 1984): adjust, take out the worst suspect, adjust again, until no suspect is left or
-/// `most` have gone. The worst is the one of the largest TestedObservation::suspicion. Rays of control that miss the
-/// others of their point by more than a hundred sigmas go before the first adjustment, which they would bend
-/// (check_control). Suspects that cannot disturb each other go together: of each point one, of each image those that
-/// would be suspect whatever the worse ones in it did to them; of the observations that are no image points only the
-/// worst, and with it no ray that is less suspect. In the end what went goes back, once, that agrees with what is left:
-/// another blunder had spoilt it. A suspect stays when less than a hundredth of a blunder shows in its residual, when
-/// its image would keep fewer than six rays, when another says the same of itself (without the one nothing checks the
-/// other: which is wrong cannot be told), or when without it something is not determined: a round after which that is
-/// so is taken back, and half of it tried. Errors: those of adjust(); kIllPosed when something is not determined with
-/// all observations.
+/// Data snooping (Baarda 1968; Kok 1984): adjusts, rejects the worst suspect, adjusts again, until no suspect is left
+/// or `most` have been rejected.
+///
+/// Model: at most a few observations have a gross error g, a shift of their mean. Each is tested against what the
+/// others predict, w = g / sigma_g with g = v / r, residual over redundancy number (see reliability_of()). One gross
+/// error shows in the residuals of all observations it is correlated with, so that only the worst is believed; a round
+/// of the loop is
+///
+///     adjust, by least squares; test all observations
+///     when something is not determined any more, or the rejected is not to be told from another: take the round back
+///     choose the suspects that go, worst first (choose_suspects())
+///     reject them
+///
+/// In the end what agrees with what is left is put back, once (agreeing()): another gross error had spoilt it.
+///
+/// What cannot be decided stays, with its reason (StayReason). Foerstner's limits of controllability hold: below a
+/// redundancy of 0.01 nothing shows a gross error, below 0.1 little does. Of two observations whose tests have a
+/// correlation near 1 neither goes, since which of them is wrong cannot be told (Foerstner 1983; doubts()). When
+/// without a round something is not determined or the datum has a larger defect, half of it is tried, until the one
+/// that must stay is found.
+///
+/// Image points of control that are grossly wrong go before the first adjustment, which they would bend
+/// (without_gross_control()).
+///
+/// Example:
+///
+///     COLLINEA_TRY(const Snooped snooped, snoop(block, scope, {.adjust = {.loss = Loss::kNone}}, 1000, run));
+///     for (const Rejected& gone : snooped.rejected) ...  // gone.gross_error[gone.axis], gone.sigma
+///
+/// Cost: one adjustment with its selected inverse for each round; many gross errors in image points go in one round,
+/// each of another kind needs its own. Without a robust loss gross errors are found as theory says; with one they are
+/// tested by their full sigmas all the same.
+///
+/// Errors: those of adjust(); kIllPosed when something is not determined with all observations.
 [[nodiscard]] Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const ExamineOptions& options,
                                     int most, const Run& run);
 

@@ -96,8 +96,7 @@ class Examiner {
     one.w = one.suspicion = 0;  // of the coordinate before
     one.minimal_detectable_bias = one.effect = one.effect_in_sigmas = kInfinity;
     if (r > kNoRedundancy) {
-      const bool in_image = one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages;
-      const double own = in_image ? sigma0_ : 1;
+      const double own = is_image_point(one.group) ? sigma0_ : 1;
       const double spread = one.sigma * std::sqrt(own * own + sigma0_ * sigma0_ * leverage / (weight * r));
       one.gross_error = one.residual / r;
       one.w = one.gross_error / spread;
