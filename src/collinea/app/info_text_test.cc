@@ -74,7 +74,7 @@ TEST(InfoText, TheOrientationIsToldUnderItsKeys) {
   EXPECT_EQ(info.at("gsd_m"), 0.0204);
   EXPECT_EQ(info.at("control_rmse_m").dump(), "[0.01,0.0204,null]");
   EXPECT_TRUE(info.at("check_rmse_m").is_null());
-  EXPECT_EQ(info.at("gauge"), "map EPSG:32633, fixed by control points");
+  EXPECT_EQ(info.at("gauge"), "in EPSG:32633, fixed by control points");
   EXPECT_EQ(info.at("not_oriented").dump(), R"(["b.jpg"])");
   ASSERT_EQ(info.at("findings").size(), 1u);
   EXPECT_EQ(info.at("findings").at(0).at("code"), "local_gauge");

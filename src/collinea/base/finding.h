@@ -151,7 +151,7 @@ enum class FigureName : std::uint8_t {
   kFocalHighest,
   kLowest,  ///< of heights [m]
   kHighest,
-  kCorrelation,  ///< [1]; several: of the subjects after the first, in their order
+  kCorrelation,  ///< [1]; several: of the subjects after the first, in their order; with none: the strongest
   kRatio,        ///< times what is expected, stated or usual [1]
   kSigma,        ///< [m]
   kSigmaPx,

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+
+#include "collinea/base/words.h"
 
 namespace collinea {
 
@@ -14,6 +17,12 @@ enum class LevelSource : std::uint8_t {
   kView,        ///< the mean view is taken as down
   kLowerEdges,  ///< the mean lower edge of the images is taken as down
 };
+inline constexpr Word<LevelSource> kLevelSourceWords[] = {{LevelSource::kNone, "none"},
+                                                          {LevelSource::kAttitudes, "attitudes"},
+                                                          {LevelSource::kEdges, "edges"},
+                                                          {LevelSource::kView, "view"},
+                                                          {LevelSource::kLowerEdges, "lower_edges"}};
+[[nodiscard]] constexpr std::span<const Word<LevelSource>> words(LevelSource) { return kLevelSourceWords; }
 
 /// What of the positions of images fixes a block.
 enum class PositionUse : std::uint8_t {
@@ -21,6 +30,9 @@ enum class PositionUse : std::uint8_t {
   kPlan,    ///< they have no heights
   kOnLine,  ///< attitudes fix the rotation about their line
 };
+inline constexpr Word<PositionUse> kPositionUseWords[] = {
+    {PositionUse::kSpace, "space"}, {PositionUse::kPlan, "plan"}, {PositionUse::kOnLine, "on_line"}};
+[[nodiscard]] constexpr std::span<const Word<PositionUse>> words(PositionUse) { return kPositionUseWords; }
 
 /// What fixes position, attitude and scale of an oriented block. As it stands: nothing; the unit is the first base, z
 /// is up as images are held.

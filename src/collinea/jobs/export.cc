@@ -14,9 +14,10 @@
 #include "collinea/io/colmap.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/text.h"
+#include "collinea/radiometry/tie_point_colours.h"
+#include "collinea/raster/photo.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/steps/cloud_pieces.h"
-#include "collinea/steps/colours.h"
 
 namespace collinea {
 namespace {
@@ -133,6 +134,10 @@ std::optional<LasForm> cloud_form_of(ExportFormat format) {
   return std::nullopt;
 }
 
+PixelSource pixels_of(const Project& project, const Block& block) {
+  return [&](ImageId image, int shrink) { return read_colour(project.photo(block.images.at(image)), shrink); };
+}
+
 }  // namespace
 
 Result<> export_block(Project& project, const std::filesystem::path& folder, const ExportOptions& options) {
@@ -148,7 +153,7 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   if (cloud) return export_cloud(project, folder, *cloud, options.tile_m);
   if (options.format != ExportFormat::kOpk)  // nothing else looks at the colours
-    COLLINEA_TRY(colour_tie_points(project, block));
+    COLLINEA_TRY(colour_tie_points(pixels_of(project, block), block, project.run));
   switch (options.format) {
     case ExportFormat::kColmap:
       return export_colmap(project, folder, block);

@@ -404,16 +404,5 @@ TEST(Orthophoto, WithoutOrientedImagesThereIsNone) {
   EXPECT_EQ(product.summary.error().code, Errc::kIllPosed);
 }
 
-TEST(LooksDown, TellsAerialFromFacade) {
-  Block block = block_of(nine_centres());
-  EXPECT_TRUE(looks_down(block));
-  for (auto [id, pose] : oriented_images(block)) {
-    pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX())) * pose.rotation;
-    set_pose(block, id, pose);
-  }
-  EXPECT_FALSE(looks_down(block));
-  EXPECT_FALSE(looks_down(Block{}));
-}
-
 }  // namespace
 }  // namespace collinea

@@ -10,7 +10,6 @@
 #include "collinea/radiometry/internal/channel_table.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/pixel_cache.h"
-#include "collinea/surface/height_field.h"
 
 namespace collinea {
 

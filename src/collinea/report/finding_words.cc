@@ -101,8 +101,8 @@ std::string words_of_given(const Words& w) {
 std::string wrong_point(const Words& w, const char* judge) {
   const double plan = w[F::kOffsetPlan], height = std::abs(w[F::kOffsetHeight]), off = w[F::kOffset];
   const char* where = plan < 0.2 * height ? " in height" : height < 0.2 * plan ? " in plan" : "";
-  return fmt::format("The coordinates of {} are {:.{}f} m off{} what {} state. The point is not used.", w.subject(0),
-                     off, off < 10 ? 2 : 1, where, judge);
+  return fmt::format("The coordinates of {} differ by {:.{}f} m{} from what {} show. The point is not used.",
+                     w.subject(0), off, off < 10 ? 2 : 1, where, judge);
 }
 
 std::string words_of_measured_control(const Words& w) {

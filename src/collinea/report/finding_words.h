@@ -41,7 +41,7 @@ using SpellOption = std::function<std::string(const OptionField&)>;
 /// "the horizontal edges of the images".
 [[nodiscard]] std::string words_of(LevelSource level);
 
-/// "map EPSG:25832, fixed by control points and 24 image positions", "local gauge, as given by model/".
+/// "in EPSG:25832, fixed by control points and the positions of 24 images", "local gauge, as given by model/".
 [[nodiscard]] std::string words_of(const Gauge& gauge);
 
 /// "others are suspect to the same degree".

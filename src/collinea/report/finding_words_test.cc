@@ -114,10 +114,9 @@ TEST(FindingWords, WrongControlIsNamedWithWhereItIsOff) {
                    block);
   };
   EXPECT_EQ(off(0.1, -5),
-            "The coordinates of P2 are 5.00 m off in height what the other points state. The point is "
-            "not used.");
-  EXPECT_NE(off(100, 1).find("are 100.0 m off in plan"), std::string::npos);
-  EXPECT_NE(off(3, 4).find("are 5.00 m off what"), std::string::npos);
+            "The coordinates of P2 differ by 5.00 m in height from what the other points show. The point is not used.");
+  EXPECT_NE(off(100, 1).find("differ by 100.0 m in plan from"), std::string::npos);
+  EXPECT_NE(off(3, 4).find("differ by 5.00 m from what"), std::string::npos);
 }
 
 TEST(FindingWords, OfManyImagesTheFirstAreNamed) {
@@ -146,10 +145,15 @@ TEST(FindingWords, DatumGaugeAndConditioning) {
             "free network (14 degrees of freedom kept by inner constraints, 2 unconnected parts)");
   EXPECT_TRUE(words_of(DatumSources{.ground = true}, 4).starts_with("partly measurements on the ground"));
   EXPECT_EQ(words_of(Gauge{.map = "EPSG:32633", .by_control = true, .positions = 8}),
-            "map EPSG:32633, fixed by control points and 8 image positions");
+            "in EPSG:32633, fixed by control points and the positions of 8 images");
   EXPECT_EQ(
       words_of(Gauge{.map = "M", .positions = 8, .position_use = PositionUse::kPlan, .level = LevelSource::kEdges}),
-      "map M, fixed by 8 image positions in plan, level by the horizontal edges of the images");
+      "in M, fixed by the positions of 8 images in plan, levelled by the horizontal edges of the images");
+  EXPECT_EQ(words_of(Gauge{.map = "M", .by_control = true, .positions = 1}),
+            "in M, fixed by control points and the position of 1 image");
+  EXPECT_EQ(words_of(Gauge{.map = "M", .positions = 5, .position_use = PositionUse::kOnLine}),
+            "in M, fixed by the positions of 5 images on one line and the attitudes that the camera wrote");
+  EXPECT_EQ(words_of(Gauge{.map = "M", .given_by = "model"}), "in M, as given by model");
   EXPECT_EQ(words_of(Gauge{.given_by = "model", .distances = 2}),
             "local gauge in metres, as given by model but for its scale by 2 distances");
   EXPECT_EQ(words_of(Gauge{.given_by = "model"}), "local gauge, as given by model");

@@ -198,13 +198,15 @@ std::string local_gauge(const Gauge& gauge) {
 
 std::string words_of(const Gauge& gauge) {
   if (gauge.map.empty()) return local_gauge(gauge);
-  if (!gauge.given_by.empty()) return fmt::format("map {}, as given by {}", gauge.map, gauge.given_by);
+  if (!gauge.given_by.empty()) return fmt::format("in {}, as given by {}", gauge.map, gauge.given_by);
   std::string by = gauge.by_control ? "control points" : "";
-  if (gauge.positions > 0) by += (by.empty() ? "" : " and ") + fmt::format("{} image positions", gauge.positions);
+  if (gauge.positions > 0)
+    by += fmt::format("{}the position{} of {} image{}", by.empty() ? "" : " and ", gauge.positions == 1 ? "" : "s",
+                      gauge.positions, gauge.positions == 1 ? "" : "s");
   if (gauge.position_use == PositionUse::kPlan) by += " in plan";
-  if (gauge.position_use == PositionUse::kOnLine) by += " on one line and the attitudes of the camera";
-  if (gauge.level != LevelSource::kNone) by += ", level by " + words_of(gauge.level);
-  return fmt::format("map {}, fixed by {}", gauge.map, by);
+  if (gauge.position_use == PositionUse::kOnLine) by += " on one line and the attitudes that the camera wrote";
+  if (gauge.level != LevelSource::kNone) by += ", levelled by " + words_of(gauge.level);
+  return fmt::format("in {}, fixed by {}", gauge.map, by);
 }
 
 std::string words_of(const Conditioning& conditioning, const Block& block) {

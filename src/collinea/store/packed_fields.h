@@ -6,6 +6,7 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -194,12 +195,27 @@ template <class T>
 
 namespace packing {
 
+/// What the values of an enumeration mean: its table of words, or word_of() of all values from 0 on that is_known()
+/// beside it knows. Bytes that were written before its values changed their order are then of another layout.
+template <class T>
+void add_meaning(Hash& hash) {
+  if constexpr (Worded<T>) {
+    for (const auto& entry : words(T{})) hash.add(std::uint64_t(entry.value)).add(entry.word);
+  } else if constexpr (requires(const T value) { is_known(value), word_of(value); }) {
+    constexpr std::uint64_t kMost = std::numeric_limits<std::underlying_type_t<T>>::max();
+    for (std::uint64_t i = 0; i <= kMost && is_known(T(i)); ++i) hash.add(word_of(T(i)));
+  } else {
+    static_assert(!is_unknown<T>, "an enumeration that is packed needs words for its values");
+  }
+}
+
 template <class T>
 void add_layout(Hash& hash) {
   if constexpr (std::is_arithmetic_v<T>) {
     hash.add(std::is_floating_point_v<T> ? "real" : std::is_signed_v<T> ? "integer" : "count").add(sizeof(T));
   } else if constexpr (std::is_enum_v<T>) {
     hash.add("choice").add(sizeof(T));
+    add_meaning<T>(hash);
   } else if constexpr (is_id<T>) {
     hash.add("id");
   } else if constexpr (std::is_same_v<T, std::string>) {
@@ -228,8 +244,8 @@ void add_layout(Hash& hash) {
 
 }  // namespace packing
 
-/// A fingerprint of names, kinds and order of all members of T: bytes that were packed with another one are of another
-/// version of the program.
+/// A fingerprint of names, kinds and order of all members of T, and of the words of enumerations: bytes that were
+/// packed with another one are of another version of the program.
 template <class T>
 [[nodiscard]] std::uint64_t layout() {
   Hash hash;

@@ -199,6 +199,46 @@ TEST(StepRecords, AChoiceThatThereIsNotIsDamage) {
   EXPECT_FALSE(unpack(damaged, record));
 }
 
+// Versions of one record whose choice has other words, or the same in another order.
+enum class Season : std::uint8_t { kSummer, kWinter };
+constexpr Word<Season> kSeasonWords[] = {{Season::kSummer, "summer"}, {Season::kWinter, "winter"}};
+constexpr std::span<const Word<Season>> words(Season) { return kSeasonWords; }
+enum class Reordered : std::uint8_t { kWinter, kSummer };
+constexpr Word<Reordered> kReorderedWords[] = {{Reordered::kSummer, "summer"}, {Reordered::kWinter, "winter"}};
+constexpr std::span<const Word<Reordered>> words(Reordered) { return kReorderedWords; }
+enum class Renamed : std::uint8_t { kSummer, kAutumn };
+constexpr Word<Renamed> kRenamedWords[] = {{Renamed::kSummer, "summer"}, {Renamed::kAutumn, "autumn"}};
+constexpr std::span<const Word<Renamed>> words(Renamed) { return kRenamedWords; }
+enum class SeasonAgain : std::uint8_t { kSummer, kWinter };
+constexpr Word<SeasonAgain> kSeasonAgainWords[] = {{SeasonAgain::kSummer, "summer"}, {SeasonAgain::kWinter, "winter"}};
+constexpr std::span<const Word<SeasonAgain>> words(SeasonAgain) { return kSeasonAgainWords; }
+
+// A choice whose words come from functions, as those of findings do.
+enum class Sign : std::uint8_t { kMinus, kPlus };
+constexpr bool is_known(Sign sign) { return sign <= Sign::kPlus; }
+constexpr std::string_view word_of(Sign sign) { return sign == Sign::kMinus ? "minus" : "plus"; }
+enum class Turned : std::uint8_t { kPlus, kMinus };
+constexpr bool is_known(Turned sign) { return sign <= Turned::kMinus; }
+constexpr std::string_view word_of(Turned sign) { return sign == Turned::kMinus ? "minus" : "plus"; }
+
+template <class Choice>
+struct WithChoice {
+  Choice choice{};
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("choice", &WithChoice::choice);
+  }
+};
+
+// Its bytes would be read with another meaning.
+TEST(StepRecords, AChoiceInAnotherOrderIsOfAnotherVersion) {
+  const std::uint64_t written = layout<WithChoice<Season>>();
+  EXPECT_EQ(layout<WithChoice<SeasonAgain>>(), written);
+  EXPECT_NE(layout<WithChoice<Reordered>>(), written);
+  EXPECT_NE(layout<WithChoice<Renamed>>(), written);
+  EXPECT_NE(layout<WithChoice<Sign>>(), layout<WithChoice<Turned>>());
+}
+
 TEST(StepRecords, AFindingThatThereIsNotIsDamage) {
   ImportRecord record{.findings = {finding_of(FindingCode::kFocalAssumed)}};
   EXPECT_TRUE(unpacked_outcome("import", packed(record)));

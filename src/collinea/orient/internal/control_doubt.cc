@@ -81,7 +81,7 @@ std::optional<std::pair<ControlKind, double>> next_doubt(const Block& setup, con
   return next;
 }
 
-Eigen::Vector3d shift_positions(Block& setup, const Adjusted& tied) {
+Eigen::Vector3d position_shift(const Block& setup, const Adjusted& tied) {
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> positions_m, control_m;
@@ -94,9 +94,13 @@ Eigen::Vector3d shift_positions(Block& setup, const Adjusted& tied) {
     const double middle_m = std::accumulate(control_m.begin(), control_m.end(), 0.0) / control_m.size();
     shift_m[axis] = median(positions_m) - middle_m;
   }
+  return shift_m;
+}
+
+Block with_positions_shifted(Block setup, const Eigen::Vector3d& shift_m) {
   for (auto& [id, image] : setup.images)
     if (image.position) image.position->position_in_world += shift_m;
-  return shift_m;
+  return setup;
 }
 
 }  // namespace collinea

@@ -30,8 +30,10 @@ inline constexpr double kLeastRedundancy = 3;
 [[nodiscard]] std::optional<std::pair<ControlKind, double>> next_doubt(const Block& setup, const Adjusted& adjusted,
                                                                        const ByKind<double>& taken);
 
-/// Errors of positions are mostly common to all: control decides the place of the block however weak it is. Moves the
-/// positions to where they do not pull the block away from the middle of control, and returns by how much [m].
-Eigen::Vector3d shift_positions(Block& setup, const Adjusted& adjusted);
+/// By how much to shift all positions of images [m, in world]: their median difference less the mean difference of
+/// control. Errors of positions are mostly common to all, so that control decides the position of the block however
+/// weak it is. 0 on an axis where positions or control are missing. `adjusted`: of `setup`.
+[[nodiscard]] Eigen::Vector3d position_shift(const Block& setup, const Adjusted& adjusted);
+[[nodiscard]] Block with_positions_shifted(Block setup, const Eigen::Vector3d& shift_m);
 
 }  // namespace collinea

@@ -66,7 +66,7 @@ double share_left(const Reconstruction::TrackState& track) {
 Result<Reconstruction> Reconstruction::create(const Block& setup, std::span<const ImagePair> pairs,
                                               const KeypointSource& keypoints, const OrientOptions& options) {
   Reconstruction result;
-  result.setup_ = &setup;
+  result.setup_ = setup;
   result.options_ = options;
   result.noise_.sigma_px = options.sigma_px;
   result.cameras_ = setup.cameras;
@@ -195,7 +195,7 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
   }
   const ResectOptions resect_options{.max_error_px = kAcceptFactor * options_.max_error_px,
                                      .min_inliers = options_.min_points};
-  const CameraId camera_id = setup_->images.at(image).camera;
+  const CameraId camera_id = setup_.images.at(image).camera;
   const bool guessed = camera_of(image).prior.calibrate &&
                        camera_of(image).prior.sigma_f_px > kGuessedFocal * camera_of(image).focal_px() &&
                        !camera_in_use(camera_id);
@@ -211,14 +211,14 @@ bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
 
 bool Reconstruction::camera_in_use(CameraId camera) const {
   return std::any_of(poses_.begin(), poses_.end(),
-                     [&](const auto& pose) { return setup_->images.at(pose.first).camera == camera; });
+                     [&](const auto& pose) { return setup_.images.at(pose.first).camera == camera; });
 }
 
 void Reconstruction::drop_image(ImageId image) {
   poses_.erase(image);
-  const CameraId camera = setup_->images.at(image).camera;
+  const CameraId camera = setup_.images.at(image).camera;
   if (!camera_in_use(camera))
-    cameras_.at(camera) = setup_->cameras.at(camera);  // its pose may have told its focal length
+    cameras_.at(camera) = setup_.cameras.at(camera);  // its pose may have told its focal length
   for (const RayRef& ref : rays_of(image)) {
     TrackState& track = tracks_[ref.track];
     track.rays[ref.ray].active = false;
@@ -365,7 +365,7 @@ std::vector<ImageId> Reconstruction::neighbours_of(ImageId image, std::size_t co
 // The points of these tracks with all their active rays, no images.
 Block Reconstruction::block_of(const std::vector<std::uint32_t>& numbers) const {
   Block block;
-  block.georeference = setup_->georeference;
+  block.georeference = setup_.georeference;
   block.cameras = cameras_;
   for (const std::uint32_t number : numbers) {
     const TrackState& track = tracks_[number];
@@ -392,7 +392,7 @@ Block Reconstruction::block_around(const std::set<ImageId>& images) const {
   std::sort(seen.begin(), seen.end());
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   for (const ImageId image : seen) {
-    block.images[image] = setup_->images.at(image);
+    block.images[image] = setup_.images.at(image);
     set_pose(block, image, poses_.at(image));
   }
   return block;
@@ -415,7 +415,7 @@ Result<> Reconstruction::adjust_around(ImageId centre, const AdjustOptions& opti
 
 Result<Adjusted> Reconstruction::adjust_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run) {
   AdjustScope with_origin = scope;
-  with_origin.first_cameras = setup_->cameras;
+  with_origin.first_cameras = setup_.cameras;
   COLLINEA_TRY(Adjusted adjusted, adjuster_.adjust(block(), with_origin, options, run));
   take(adjusted);
   return adjusted;
@@ -423,7 +423,7 @@ Result<Adjusted> Reconstruction::adjust_all(const AdjustOptions& options, const 
 
 Result<Examined> Reconstruction::examine_all(const ExamineOptions& options, const AdjustScope& scope, const Run& run) {
   AdjustScope with_origin = scope;
-  with_origin.first_cameras = setup_->cameras;
+  with_origin.first_cameras = setup_.cameras;
   COLLINEA_TRY(Examined examined, examine(adjuster_, block(), with_origin, options, run));
   take(examined);
   return examined;
@@ -434,12 +434,12 @@ Block Reconstruction::block() const {
   for (std::uint32_t i = 0; i < tracks_.size(); ++i)
     if (tracks_[i].point) numbers.push_back(i);
   Block block = block_of(numbers);
-  block.images = setup_->images;
+  block.images = setup_.images;
   set_poses(block, poses_);
-  block.control = setup_->control;
-  block.control_observations = setup_->control_observations;
-  block.ground = setup_->ground;
-  block.georeference = setup_->georeference;
+  block.control = setup_.control;
+  block.control_observations = setup_.control_observations;
+  block.ground = setup_.ground;
+  block.georeference = setup_.georeference;
   return block;
 }
 
@@ -488,7 +488,7 @@ void Reconstruction::drop_loose(int least_rays) {
 
 void Reconstruction::forget() {
   poses_.clear();
-  cameras_ = setup_->cameras;
+  cameras_ = setup_.cameras;
   for (TrackState& track : tracks_) {
     track.point.reset();
     for (Ray& ray : track.rays) ray.active = false;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "collinea/base/run.h"
@@ -44,9 +45,16 @@ class Reconstruction {
   static Result<Reconstruction> create(const Block& setup, std::span<const ImagePair> pairs,
                                        const KeypointSource& keypoints, const OrientOptions& options);
 
+  /// What is known of the block besides its features: cameras before any adjustment, images with their positions and
+  /// attitudes, control, geodetic observations. No poses, no points.
+  [[nodiscard]] const Block& setup() const { return setup_; }
+  /// Replaces it, from the next block() and adjustment on. Cameras and images are the same ones; cameras that images
+  /// use keep the values they have.
+  void set_setup(Block setup) { setup_ = std::move(setup); }
+
   [[nodiscard]] bool oriented(ImageId image) const { return poses_.contains(image); }
   [[nodiscard]] const std::map<ImageId, Rigid3>& poses() const { return poses_; }
-  [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras_.at(setup_->images.at(image).camera); }
+  [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras_.at(setup_.images.at(image).camera); }
   [[nodiscard]] std::size_t point_count() const;
   /// Rays of oriented images in tracks that two and more of them see, and how many of these are active.
   struct RayCount {
@@ -131,7 +139,7 @@ class Reconstruction {
   [[nodiscard]] Block block_around(const std::set<ImageId>& images) const;
   [[nodiscard]] std::vector<ImageId> neighbours_of(ImageId image, std::size_t count) const;
 
-  const Block* setup_ = nullptr;
+  Block setup_;
   OrientOptions options_;
   TieNoise noise_;
   bool chosen_ = false;  ///< the rays that take part; none is added any more

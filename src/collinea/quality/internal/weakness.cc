@@ -464,12 +464,16 @@ bool WeaknessFinder::name_imitation(const TileCholesky& factor, const FreeCamera
   Finding mixed = finding_of(which == 0 ? FindingCode::kFocalAndHeight : FindingCode::kCameraAndPose,
                              {{free.camera.id, kImitatingMotions[which]}},
                              {{FigureName::kRatio, std::sqrt(variance / std::max(left, 1e-12 * variance))}});
+  double strongest = 0;
   for (int k = 0; k < free.count(); ++k) {
     const double correlation = with_camera[k] / std::sqrt(variance * free.cofactor(k, k));
+    if (std::abs(correlation) > std::abs(strongest)) strongest = correlation;
     if (!(std::abs(correlation) > 0.8)) continue;
     mixed.subjects.push_back(free.parameter(k));
     mixed.figures.push_back({FigureName::kCorrelation, correlation});
   }
+  if (mixed.subjects.size() == 1)
+    mixed.figures.push_back({FigureName::kCorrelation, strongest});  // all of them together
   if (which == 0)
     mixed.remedies = {RemedyCode::kVaryHeights, RemedyCode::kCalibrateCamera,
                       OptionField{"orient", "calibration", "none"}};

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "collinea/block/subject_label.h"
+#include "collinea/quality/additional_choice.h"
 #include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
@@ -202,6 +203,30 @@ TEST(Weakness, FocalLengthAndHeightOverLevelGround) {
 TEST(Weakness, PrincipalPointAndPlaceOverLevelGround) {
   expect_named(flat_nadir(9), weaknesses_of(flat_nadir(9), with_covariances(Calibration::kBrown)),
                FindingCode::kCameraAndPose, "cx of camera test");
+}
+
+// A correlation for each parameter that is named; where none alone is like the motion, the strongest of all.
+TEST(Weakness, AMixtureOfManyParametersHasItsStrongestCorrelation) {
+  int together = 0;
+  for (const auto& [set, word, meaning] : kAdditionalWords) {
+    Block block = flat_nadir(9);
+    AdjustScope scope;
+    for (auto& [id, camera] : block.cameras) {
+      camera.additional = set;
+      scope.camera_sigmas[id] = with_additional(calibration_sigmas(Calibration::kBrown, camera), camera, {}).value();
+    }
+    for (const Finding& found : weaknesses_of(block, with_covariances(Calibration::kBrown), scope)) {
+      if (found.code != FindingCode::kFocalAndHeight && found.code != FindingCode::kCameraAndPose) continue;
+      const auto correlations = found.figures_of(FigureName::kCorrelation);
+      ASSERT_FALSE(correlations.empty()) << word;
+      EXPECT_EQ(correlations.size(), std::max<std::size_t>(1, found.subjects.size() - 1)) << word;
+      const bool alone = found.subjects.size() > 1;
+      for (const double one : correlations) EXPECT_EQ(std::abs(one) > 0.8, alone) << word << " " << one;
+      EXPECT_GT(std::abs(correlations.front()), 0.1) << word;
+      together += !alone;
+    }
+  }
+  EXPECT_GT(together, 0);
 }
 
 TEST(Weakness, K3FromTheMiddleOfTheImages) {

@@ -132,7 +132,7 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
     html += fact("coordinate system",
                  input.metric ? "none: a local frame in metres" : "none: a local frame in units of the model", true);
   if (input.georeferenced && !input.height_reference.empty()) html += fact("heights", input.height_reference, true);
-  if (input.gauge) html += fact("position, attitude and scale are fixed by", words_of(*input.gauge), true);
+  if (input.gauge) html += fact("position, attitude and scale", words_of(*input.gauge), true);
   return html + "</dl>\n";
 }
 

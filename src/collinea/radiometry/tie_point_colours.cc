@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/steps/colours.h"
+#include "collinea/radiometry/tie_point_colours.h"
 
 #include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "collinea/base/parallel.h"
-#include "collinea/raster/photo.h"
 
 namespace collinea {
 
-Result<> colour_tie_points(const Project& project, Block& block) {
+Result<> colour_tie_points(const PixelSource& pixels, Block& block, const Run& run) {
   constexpr int kShrink = 8;  // a feature covers more than a few pixels, and decoding is what costs
   std::map<ImageId, std::vector<const Observation*>> by_image;
   PointId last;
@@ -17,8 +19,8 @@ Result<> colour_tie_points(const Project& project, Block& block) {
     last = seen.point;
   }
   std::vector<std::pair<ImageId, std::vector<const Observation*>>> work(by_image.begin(), by_image.end());
-  parallel_for(project.run, work.size(), [&](std::size_t i) {
-    const auto picture = read_colour(project.photo(block.images.at(work[i].first)), kShrink);
+  parallel_for(run, work.size(), [&](std::size_t i) {
+    const auto picture = pixels(work[i].first, kShrink);
     if (!picture) return;
     for (const Observation* seen : work[i].second) {
       const int x = std::clamp(static_cast<int>(seen->pixel.x() / kShrink), 0, picture->width - 1);
@@ -28,7 +30,7 @@ Result<> colour_tie_points(const Project& project, Block& block) {
         colour[static_cast<std::size_t>(c)] = picture->at(x, y, picture->channels == 3 ? c : 0);
     }
   });
-  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
+  if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   return {};
 }
 
