@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "collinea/base/parallel.h"
+#include "collinea/base/units.h"
 #include "collinea/dense/internal/depth_cache.h"
 #include "collinea/dense/internal/pinhole.h"
 #include "collinea/dense/working_images.h"
@@ -157,12 +158,9 @@ class Fusion {
         cache_(store, std::size_t(options.memory_mb * 1e6)) {}
 
   Result<FuseReport> all() {
-    std::size_t done = 0;
-    for (const ImageId image : images_) {
-      if (run_.stopped()) return fail(Errc::kCancelled, "fusion was stopped");
-      COLLINEA_TRY(one(image));
-      run_.report("fuse", double(++done) / double(images_.size()));
-    }
+    UnitList list{.stage = "fuse"};
+    for (const ImageId image : images_) list.units.push_back(Unit::of(UnitKind::kImage, image));
+    COLLINEA_TRY(run_units_one_by_one(run_, list, [&](const Unit& unit) { return one(unit.image()); }));
     if (lacking_.maps > 0) state_budget();
     return std::move(report_);
   }

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -13,7 +12,7 @@
 #include <tuple>
 
 #include "collinea/base/hash.h"
-#include "collinea/base/parallel.h"
+#include "collinea/base/units.h"
 #include "collinea/geodesy/heights.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/import/internal/import_control.h"
@@ -237,15 +236,17 @@ std::optional<PositionPrior> position_prior(const ImageHeader& header, const Imp
   return prior;
 }
 
-std::vector<Photo> read_headers(const fs::path& folder, const std::vector<std::string>& files, const Run& run) {
+Result<std::vector<Photo>> read_headers(const fs::path& folder, const std::vector<std::string>& files, const Run& run) {
   std::vector<Photo> photos(files.size());
-  std::atomic<std::size_t> done = 0;
-  parallel_for(run, files.size(), [&](std::size_t i) {
+  UnitList list{.stage = "import"};
+  for (std::size_t i = 0; i < files.size(); ++i) list.units.push_back(Unit::file(i));
+  const auto read = [&](std::size_t i, const Run&) -> Result<UnitWorked> {
     photos[i].file = files[i];
     photos[i].header = read_image_header(folder / files[i]);
     photos[i].hash = hash_of_file(folder / files[i]);
-    run.report("import", double(++done) / double(files.size()));
-  });
+    return UnitWorked{};
+  };
+  COLLINEA_TRY(run_units(run, list, {.work = read}));
   return photos;
 }
 
@@ -476,8 +477,7 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
     return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
   Importer importer(photos, options, model, camera_params);
   const Listing listing = files_below(photos);
-  const std::vector<Photo> read = read_headers(photos, listing.files, run);
-  if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+  COLLINEA_TRY(const std::vector<Photo> read, read_headers(photos, listing.files, run));
   for (const Photo& photo : read) importer.add(photo);
   Imported imported = std::move(importer.result);
   imported.skipped.insert(imported.skipped.end(), listing.unreadable_folders.begin(), listing.unreadable_folders.end());

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "collinea/base/memory.h"
-#include "collinea/base/parallel_in_order.h"
+#include "collinea/base/units.h"
 #include "collinea/ortho/internal/seam_plan.h"
 #include "collinea/surface/dsm.h"
 
@@ -50,19 +50,6 @@ std::vector<Eigen::Vector3d> places_in_world(const HeightOverview& overview, con
   return places;
 }
 
-struct Piece {
-  int column, row, width, height;
-};
-
-std::vector<Piece> pieces_of(const MapGrid& grid) {
-  std::vector<Piece> pieces;
-  for (int row = 0; row < grid.height; row += kOrthoTile)
-    for (int column = 0; column < grid.width; column += kOrthoTile)
-      pieces.push_back(
-          {column, row, std::min(kOrthoTile, grid.width - column), std::min(kOrthoTile, grid.height - row)});
-  return pieces;
-}
-
 void tally(const OrthoTile& tile, OrthoSummary& summary, std::set<std::uint16_t>& used, SeamAgreement& seams) {
   seams.add(tile.seams);
   for (const auto& [view, cells] : tile.not_followed) summary.not_followed[view] += cells;
@@ -84,21 +71,22 @@ void sum_up(const SeamAgreement& seams, OrthoSummary& summary) {
 
 // Tiles are made side by side, and handed on in their order.
 Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary& summary, const Run& run) {
-  const std::vector<Piece> pieces = pieces_of(scene.grid);
+  const MapGrid& grid = scene.grid;
+  const UnitList list{"ortho", tiles_over(grid.width, grid.height, kOrthoTile, kOrthoTile)};
   std::set<std::uint16_t> used;
   SeamAgreement seams;
-  const auto make = [&](std::size_t i) {
-    const Piece& piece = pieces[i];
-    return make_ortho_tile(scene, piece.column, piece.row, piece.width, piece.height, run);
+  const auto make = [&](const Unit& unit) {
+    const int column = int(unit.first) * kOrthoTile, row = int(unit.second) * kOrthoTile;
+    return make_ortho_tile(scene, column, row, std::min(kOrthoTile, grid.width - column),
+                           std::min(kOrthoTile, grid.height - row), run);
   };
-  const auto take = [&](std::size_t i, const OrthoTile& tile) {
+  const auto take = [&](const Unit& unit, const OrthoTile& tile) {
     tally(tile, summary, used, seams);
-    auto taken = sink.take(pieces[i].column, pieces[i].row, tile);
+    auto taken = sink.take(int(unit.first) * kOrthoTile, int(unit.second) * kOrthoTile, tile);
     give_back_freed_memory();
-    run.report("ortho", double(i + 1) / double(pieces.size()));
     return taken;
   };
-  COLLINEA_TRY(parallel_in_order(run, pieces.size(), make, take));
+  COLLINEA_TRY(run_units_in_order(run, list, make, take));
   summary.photographs_used = used.size();
   sum_up(seams, summary);
   return {};

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <atomic>
 #include <functional>
 #include <limits>
-#include <map>
 #include <span>
 
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/base/memory.h"
-#include "collinea/base/parallel.h"
+#include "collinea/base/units.h"
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
 #include "collinea/dense/fuse.h"
@@ -25,33 +23,27 @@ namespace {
 
 using MakeMap = std::function<Result<DepthMap>(ImageId image, const Run& run)>;
 
-// Maps of `images`; those found in the folder are kept. Returns the images that have none, and why. Only geometry may
-// be the reason: what else goes wrong may go right when the command is given again, and would change the products then.
-Result<std::map<ImageId, std::string>> make_maps(const Project& project, const std::vector<ImageId>& images,
-                                                 DepthFolder& folder, const char* what, const MakeMap& make) {
-  std::vector<Result<>> outcomes(images.size());
-  std::atomic<std::size_t> done = 0;
-  std::atomic<bool> hopeless = false;  // a full disk, say: what remains to be done would be lost too
-  Run one_thread = project.run;        // images side by side use the processor better than threads within one
-  one_thread.threads = 1;
-  one_thread.progress = nullptr;
-  parallel_for(project.run, images.size(), [&](std::size_t i) {
-    if (hopeless) return;
-    if (!folder.has(images[i])) {
-      const auto map = make(images[i], one_thread);
-      outcomes[i] = map ? folder.write(images[i], *map) : tl::unexpected(map.error());
-      if (!outcomes[i] && outcomes[i].error().code != Errc::kIllPosed) hopeless = true;
-    }
-    project.run.report(what, double(++done) / double(images.size()));
-  });
-  if (project.run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
-  std::map<ImageId, std::string> without;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    if (outcomes[i]) continue;
-    if (outcomes[i].error().code != Errc::kIllPosed) return tl::unexpected(outcomes[i].error());
-    without[images[i]] = outcomes[i].error().message;
-  }
-  return without;
+// Maps of the images of a list; those found in the folder are kept. Only geometry may be the reason that an image has
+// none: what else goes wrong may go right when the command is given again, and would change the products then.
+Result<UnitsDone> make_maps(const Project& project, const UnitList& list, DepthFolder& folder, const MakeMap& make) {
+  const UnitJob job{.is_done = [&](std::size_t i) { return folder.has(list.units[i].image()); },
+                    .work = [&](std::size_t i, const Run& run) -> Result<UnitWorked> {
+                      const ImageId image = list.units[i].image();
+                      auto map = make(image, run);
+                      if (!map && map.error().code == Errc::kIllPosed) return UnitWorked{std::move(map).error()};
+                      if (!map) return tl::unexpected(std::move(map).error());
+                      COLLINEA_TRY(folder.write(image, *map));
+                      return UnitWorked{};
+                    }};
+  COLLINEA_TRY(UnitsDone done, run_units(project.run, list, job));
+  say_kept(project.run, list, done);
+  return done;
+}
+
+UnitList list_of(const char* stage, UnitKind kind, const std::vector<ImageId>& images) {
+  UnitList list{.stage = stage};
+  for (const ImageId image : images) list.units.push_back(Unit::of(kind, image));
+  return list;
 }
 
 // Overviews of all images first, then depth maps. Returns the images that have one.
@@ -62,17 +54,22 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   for (const auto& [image, pose] : oriented_images(block)) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
   SharedBudget costs = budget_for_costs(options, project.run.threads);
-  const auto overviewed = make_maps(
-      project, images, overviews, "densify: overviews",
-      [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, costs, options, run); });
-  if (!overviewed) return tl::unexpected(overviewed.error());
-  COLLINEA_TRY(const auto without,
-               make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
-                 return depth_map(block, image, ties, pictures, costs, &overviews, options, run);
-               }));
-  for (const auto& [image, why] : without) left_out.push_back({block.images.at(image).file, "no depth map: " + why});
-  std::erase_if(images, [&](ImageId image) { return without.contains(image); });
-  return images;
+  COLLINEA_TRY(make_maps(
+      project, list_of("densify: overviews", UnitKind::kOverview, images), overviews,
+      [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, costs, options, run); }));
+  COLLINEA_TRY(const UnitsDone maps, make_maps(project, list_of("densify: depth maps", UnitKind::kDepthMap, images),
+                                               folder, [&](ImageId image, const Run& run) {
+                                                 return depth_map(block, image, ties, pictures, costs, &overviews,
+                                                                  options, run);
+                                               }));
+  std::vector<ImageId> with_map;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (const auto why = maps.skipped_because.find(i); why != maps.skipped_because.end())
+      left_out.push_back({block.images.at(images[i]).file, "no depth map: " + why->second.message});
+    else
+      with_map.push_back(images[i]);
+  }
+  return with_map;
 }
 
 // What depth maps are made from. Options of fusion leave them alone.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <atomic>
-
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
+#include "collinea/base/units.h"
 #include "collinea/import/reason.h"
 #include "collinea/raster/photo.h"
 #include "collinea/steps/step.h"
@@ -12,11 +11,9 @@
 namespace collinea {
 namespace {
 
-struct Outcome {
-  std::string hash;    ///< of the picture and the options; empty: could not be read
-  std::string reason;  ///< why not
+struct Detected {
+  std::string hash;  ///< of the image and the options; empty: it could not be read
   std::size_t features = 0;
-  Result<> stored;
 };
 
 using Images = std::vector<std::pair<ImageId, const Image*>>;
@@ -47,30 +44,50 @@ Result<std::vector<Result<std::string>>> hand_on(Project& project, const Images&
   return wanted;
 }
 
-Outcome detect_one(Project& project, ImageId id, const Image& image, const Result<std::string>& wanted,
-                   const std::map<ImageId, std::string>& done) {
-  Outcome outcome;
-  const auto path = project.photo(image);
+// Features that are stored already: those of the image as it is, by the options as they are.
+bool is_kept(const Project& project, ImageId id, const Result<std::string>& wanted,
+             const std::map<ImageId, std::string>& done, Detected& detected) {
   const auto before = done.find(id);
-  const auto leave_out = [&](const Error& error) {
-    Outcome out{.reason = reason_without_name(error.message, path)};
-    if (before != done.end()) out.stored = project.store.erase_features(id);
-    return out;
+  if (!wanted || before == done.end() || before->second != *wanted) return false;
+  const auto count = project.store.count_features(id);
+  if (!count) return false;
+  detected = {*wanted, *count};
+  return true;
+}
+
+// An image that cannot be read is skipped, and features that an earlier file of its name had are erased.
+Result<UnitWorked> detect_one(Project& project, ImageId id, const Image& image, const Result<std::string>& wanted,
+                              bool has_features, Detected& detected) {
+  const auto path = project.photo(image);
+  const auto skip = [&](Error error) -> Result<UnitWorked> {
+    error.message = reason_without_name(error.message, path);
+    if (has_features) COLLINEA_TRY(project.store.erase_features(id));
+    return UnitWorked{std::move(error)};
   };
-  if (!wanted) return leave_out(wanted.error());
-  outcome.hash = *wanted;
-  if (before != done.end() && before->second == outcome.hash) {
-    if (const auto count = project.store.count_features(id)) {
-      outcome.features = *count;
-      return outcome;
-    }
-  }
+  if (!wanted) return skip(wanted.error());
   const auto picture = read_grey(path);
-  if (!picture) return leave_out(picture.error());
+  if (!picture) return skip(picture.error());
   const Features features = detect_sift(*picture, project.settings.detect);
-  outcome.features = features.keypoints.size();
-  outcome.stored = project.store.write_features(id, features, outcome.hash);
-  return outcome;
+  detected = {*wanted, features.keypoints.size()};
+  COLLINEA_TRY(project.store.write_features(id, features, detected.hash));
+  return UnitWorked{};
+}
+
+Result<StepOutput> output_of(const Project& project, const Images& images, const UnitsDone& units,
+                             const std::vector<Detected>& detected) {
+  Hash output;
+  DetectRecord record;
+  for (const Detected& one : detected) {
+    output.add(one.hash);
+    record.features += one.features;
+    record.images += !one.hash.empty();
+  }
+  for (const auto& [i, error] : units.skipped_because) {
+    record.skipped.push_back({images[i].second->file, error.message});
+    project.run.say(fmt::format("skipped {}: {}", images[i].second->file, error.message));
+  }
+  if (record.images < 2) return fail(Errc::kBadInput, "fewer than two photographs could be read");
+  return StepOutput{output.hex(), record};
 }
 
 }  // namespace
@@ -87,33 +104,21 @@ Result<StepOutput> detect_step(Project& project, const std::string&) {
     COLLINEA_TRY(done, project.store.features_done());
   }
 
-  std::vector<Outcome> outcomes(images.size());
-  std::atomic<std::size_t> finished = 0;
-  std::atomic<bool> hopeless = false;  // a full disk, say: what remains to be done would be lost too
-  parallel_for(project.run, images.size(), [&](std::size_t i) {
-    if (hopeless) return;
-    const auto& [id, image] = images[i];
-    outcomes[i] = detect_one(project, id, *image, anew ? made_from(project, *image) : wanted[i], done);
-    if (!outcomes[i].stored) hopeless = true;
-    project.run.report("detect", double(++finished) / double(images.size()));
-  });
-  if (project.run.stopped()) return fail(Errc::kCancelled, "stopped; the same command goes on from here");
-
-  Hash output;
-  DetectRecord record;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    const Outcome& outcome = outcomes[i];
-    if (!outcome.stored) return tl::unexpected(outcome.stored.error());
-    output.add(outcome.hash);
-    record.features += outcome.features;
-    record.images += !outcome.hash.empty();
-    if (!outcome.reason.empty()) {
-      record.skipped.push_back({images[i].second->file, outcome.reason});
-      project.run.say(fmt::format("skipped {}: {}", images[i].second->file, outcome.reason));
-    }
-  }
-  if (record.images < 2) return fail(Errc::kBadInput, "fewer than two photographs could be read");
-  return StepOutput{output.hex(), record};
+  UnitList list{.stage = "detect"};
+  for (const auto& [id, image] : images) list.units.push_back(Unit::of(UnitKind::kImage, id));
+  std::vector<Detected> detected(images.size());
+  const UnitJob job{
+      .is_done =
+          [&](std::size_t i) { return !anew && is_kept(project, images[i].first, wanted[i], done, detected[i]); },
+      .work =
+          [&](std::size_t i, const Run&) {
+            const auto& [id, image] = images[i];
+            return detect_one(project, id, *image, anew ? made_from(project, *image) : wanted[i], done.contains(id),
+                              detected[i]);
+          }};
+  COLLINEA_TRY(const UnitsDone units, run_units(project.run, list, job));
+  say_kept(project.run, list, units);
+  return output_of(project, images, units, detected);
 }
 
 }  // namespace collinea

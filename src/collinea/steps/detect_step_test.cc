@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "collinea/base/test_folder.h"
 #include "collinea/math/random.h"
 #include "collinea/project/project.h"
@@ -61,6 +63,37 @@ TEST(DetectStep, APhotographAddedOrTakenAwayLeavesTheOthersAlone) {
   ASSERT_TRUE(project) << project.error().message;
   EXPECT_GT(features(*project, 0).keypoints.size(), 5u);
   EXPECT_EQ(features(*project, 1).keypoints.at(0).strength, 101);
+}
+
+TEST(DetectStep, StoppedAndResumedItMakesOnlyWhatIsMissing) {
+  const TestFolder folder;
+  for (const char* file : {"a.jpg", "b.jpg", "c.jpg", "d.jpg", "e.jpg"})
+    put_noise(folder / "photos" / file, std::uint64_t(file[0]));
+  Settings settings;
+  settings.photos = (folder / "photos").string();
+  const auto detect = [&](const collinea::Run& run) -> Result<> {
+    COLLINEA_TRY(Project project, create_project(folder / "project", settings, run));
+    return bring_up_to(project, "detect");
+  };
+  std::stop_source stop;
+  std::vector<std::string> lines;
+  std::vector<double> progress;
+  collinea::Run run{.stop = stop.get_token()};
+  run.progress = [&](std::string_view stage, double done) {
+    if (stage != "detect") return;
+    progress.push_back(done);
+    if (done >= 0.4) stop.request_stop();
+  };
+  run.log = [&](std::string_view line) { lines.emplace_back(line); };
+  const auto stopped = detect(run);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, Errc::kCancelled);
+  EXPECT_EQ(progress, (std::vector<double>{0, 0.2, 0.4}));
+  run.stop = {};
+  progress.clear();
+  ASSERT_TRUE(detect(run));
+  EXPECT_EQ(progress, (std::vector<double>{0, 1.0 / 3, 2.0 / 3, 1, 1}));  // the last one by the step
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), "detect: 2 of 5 images kept from before"), 1);
 }
 
 TEST(DetectStep, APhotographRepairedIsDetectedAgain) {

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <set>
+#include <utility>
 
 #include "collinea/base/hash.h"
-#include "collinea/base/parallel.h"
+#include "collinea/base/units.h"
 #include "collinea/epipolar/guide.h"
 #include "collinea/match/descriptors.h"
 #include "collinea/match/partners.h"
@@ -101,7 +103,8 @@ class Matcher {
     return {};
   }
 
-  /// Searches all features of those pairs that are not stored yet. Shows progress from `begin` to `end`.
+  /// Searches all features of those pairs that are not stored yet, which are the part of the progress from `begin` to
+  /// `end`.
   Result<> search(const std::vector<Ids>& wanted, double begin, double end) {
     searched_.insert(wanted.begin(), wanted.end());
     return each_missing(wanted, begin, end, [&](std::size_t i) { return searched_pair(wanted[i]); });
@@ -123,6 +126,7 @@ class Matcher {
     return list;
   }
   [[nodiscard]] const std::map<Ids, ImagePair>& pairs() const { return pairs_; }
+  void say_kept() const { collinea::say_kept(project_.run, "match", UnitKind::kPair, kept_, listed_); }
 
  private:
   Result<ImagePair> searched_pair(Ids ids) {
@@ -149,31 +153,33 @@ class Matcher {
     return pair;
   }
 
-  // Has work(i) done for every pair that is not stored, and stores what it gives.
+  // Has make(i) done for every pair that is not stored, and stores what it gives.
   Result<> each_missing(const std::vector<Ids>& wanted, double begin, double end,
-                        const std::function<Result<ImagePair>(std::size_t)>& work) {
-    std::vector<std::size_t> left;
-    for (std::size_t i = 0; i < wanted.size(); ++i)
-      if (!pairs_.contains(wanted[i])) left.push_back(i);
-    const std::size_t size = std::max(kBatch, kBatchPerThread * static_cast<std::size_t>(project_.run.threads));
-    for (std::size_t start = 0; start < left.size(); start += size) {
-      const std::span batch(left.data() + start, std::min(size, left.size() - start));
-      std::vector<Result<ImagePair>> results(batch.size(), fail(Errc::kCancelled, "stopped"));
-      parallel_for(project_.run, batch.size(), [&](std::size_t i) { results[i] = work(batch[i]); });
-      COLLINEA_TRY(store(results));
-      project_.run.report("match", begin + (end - begin) * double(start + batch.size()) / double(left.size()));
-    }
+                        const std::function<Result<ImagePair>(std::size_t)>& make) {
+    UnitList list{.stage = "match", .begin = begin, .end = end};
+    for (const Ids& ids : wanted) list.units.push_back(Unit::pair(ids.first, ids.second));
+    std::map<std::size_t, ImagePair> fresh;  // of a batch, by index in the list
+    std::mutex mutex;
+    const UnitJob job{.is_done = [&](std::size_t i) { return pairs_.contains(wanted[i]); },
+                      .work = [&](std::size_t i, const Run&) -> Result<UnitWorked> {
+                        COLLINEA_TRY(ImagePair pair, make(i));
+                        const std::lock_guard lock(mutex);
+                        fresh.emplace(i, std::move(pair));
+                        return UnitWorked{};
+                      },
+                      .batch = std::max(kBatch, kBatchPerThread * static_cast<std::size_t>(project_.run.threads)),
+                      .keep = [&] { return store(std::exchange(fresh, {})); }};
+    COLLINEA_TRY(const UnitsDone done, run_units(project_.run, list, job));
+    kept_ += done.count(UnitEnd::kKept);
+    listed_ += list.units.size();
     return {};
   }
 
-  Result<> store(std::vector<Result<ImagePair>>& results) {
-    std::vector<ImagePair> fresh;
-    for (auto& result : results) {
-      if (!result) return tl::unexpected(result.error());
-      fresh.push_back(std::move(*result));
-    }
-    COLLINEA_TRY(project_.store.write_pairs(fresh, inputs_hash_));
-    for (ImagePair& pair : fresh) pairs_[{pair.first, pair.second}] = std::move(pair);
+  Result<> store(std::map<std::size_t, ImagePair> fresh) {
+    std::vector<ImagePair> pairs;
+    for (auto& [i, pair] : fresh) pairs.push_back(std::move(pair));
+    COLLINEA_TRY(project_.store.write_pairs(pairs, inputs_hash_));
+    for (ImagePair& pair : pairs) pairs_[{pair.first, pair.second}] = std::move(pair);
     return {};
   }
 
@@ -184,6 +190,7 @@ class Matcher {
   ImageCache<std::vector<Keypoint>> keypoints_;
   std::map<Ids, ImagePair> pairs_;
   std::set<Ids> searched_;
+  std::size_t kept_ = 0, listed_ = 0;  // pairs of all lists so far
 };
 
 Result<std::vector<LookedPair>> first_look(const Project& project, const Block& setup) {
@@ -208,7 +215,8 @@ Result<> search_best_partners(const Project& project, const Block& setup, Matche
     for (const ImagePair* pair : matcher.verified()) verified.emplace_back(pair->first, pair->second);
     const auto joining = joining_pairs(looked, matcher.searched(), verified, options);
     if (joining.empty()) break;
-    COLLINEA_TRY(matcher.search(joining, 0.8, 0.9));
+    const auto part = [](int rounds) { return 0.8 + 0.1 * rounds / kJoiningRounds; };
+    COLLINEA_TRY(matcher.search(joining, part(round), part(round + 1)));
   }
   return {};
 }
@@ -270,6 +278,7 @@ Result<StepOutput> match_step(Project& project, const std::string& inputs_hash) 
   auto done = all ? matcher.search(all_pairs(setup), 0, 1) : search_best_partners(project, setup, matcher);
   if (done && !all && options.closure) done = close_over_tracks(project, matcher);
   if (!done) return tl::unexpected(done.error());
+  matcher.say_kept();
   return StepOutput{inputs_hash, record_of(matcher)};
 }
 

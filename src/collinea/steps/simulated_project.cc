@@ -3,8 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <map>
+#include <mutex>
+#include <utility>
+
 #include "collinea/base/hash.h"
-#include "collinea/base/parallel.h"
+#include "collinea/base/units.h"
 #include "collinea/epipolar/two_view.h"
 #include "collinea/steps/flow.h"
 #include "collinea/steps/internal/import_record.h"
@@ -47,26 +51,32 @@ Result<> write_features(Project& project, const SimulatedMatches& matches) {
 // Each pair is verified with the cameras as import knows them, as the step match does.
 Result<> write_pairs(Project& project, const Block& setup, SimulatedMatches& matches) {
   MatchRecord record{.pairs = matches.pairs.size()};
-  for (std::size_t begin = 0; begin < matches.pairs.size(); begin += kBatch) {
-    const std::size_t count = std::min(kBatch, matches.pairs.size() - begin);
-    std::vector<ImagePair> pairs(count);
-    parallel_for(project.run, count, [&](std::size_t i) {
-      const ImagePair& putative = matches.pairs[begin + i];
-      pairs[i] = verify(setup.camera_of(putative.first), matches.keypoints.at(putative.first),
-                        setup.camera_of(putative.second), matches.keypoints.at(putative.second), putative.matches,
-                        project.settings.verify, project.run.seed + begin + i);
-      pairs[i].first = putative.first;
-      pairs[i].second = putative.second;
-      pairs[i].putative = putative.putative;
-    });
-    if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
-    for (const ImagePair& pair : pairs) {
+  UnitList list{.stage = "pairs"};
+  for (const ImagePair& putative : matches.pairs) list.units.push_back(Unit::pair(putative.first, putative.second));
+  std::map<std::size_t, ImagePair> fresh;  // of a batch
+  std::mutex mutex;
+  const auto work = [&](std::size_t i, const Run&) -> Result<UnitWorked> {
+    const ImagePair& putative = matches.pairs[i];
+    ImagePair pair =
+        verify(setup.camera_of(putative.first), matches.keypoints.at(putative.first), setup.camera_of(putative.second),
+               matches.keypoints.at(putative.second), putative.matches, project.settings.verify, project.run.seed + i);
+    pair.first = putative.first;
+    pair.second = putative.second;
+    pair.putative = putative.putative;
+    const std::lock_guard lock(mutex);
+    fresh.emplace(i, std::move(pair));
+    return UnitWorked{};
+  };
+  const auto keep = [&] {
+    std::vector<ImagePair> pairs;
+    for (auto& [i, pair] : std::exchange(fresh, {})) {
       record.pairs_by_geometry.add(pair.geometry);
       record.matches += pair.matches.size();
+      pairs.push_back(std::move(pair));
     }
-    COLLINEA_TRY(project.store.write_pairs(pairs, kHash));
-    project.run.report("pairs", double(begin + count) / double(matches.pairs.size()));
-  }
+    return project.store.write_pairs(pairs, kHash);
+  };
+  COLLINEA_TRY(run_units(project.run, list, {.work = work, .batch = kBatch, .keep = keep}));
   project.run.say(fmt::format("{} of {} pairs verified", record.pairs_by_geometry.verified(), record.pairs));
   return record_done(project, {kHash, record});
 }

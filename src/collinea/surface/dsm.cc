@@ -7,7 +7,8 @@
 #include <string>
 
 #include "collinea/base/memory.h"
-#include "collinea/base/parallel_in_order.h"
+#include "collinea/base/parallel.h"
+#include "collinea/base/units.h"
 #include "collinea/surface/internal/hole_filling.h"
 #include "collinea/surface/internal/isolated_components.h"
 #include "collinea/surface/internal/measured_tiles.h"
@@ -153,43 +154,41 @@ Result<> measure_all(const PointBuckets& buckets, const IsolatedComponents& isol
                      const Gridding& gridding, MeasuredTiles& tiles, HoleFilling& holes, const Run& run) {
   constexpr int kCells = MeasuredTiles::kCells;
   static_assert(kCells % HoleFilling::kBlock == 0);
-  std::vector<MeasuredTiles::Place> places;
+  UnitList list{.stage = "surface", .end = 0.8};
   for (std::int64_t row = floor_div(extent.north, kCells); row * kCells < extent.north + extent.height; ++row)
     for (std::int64_t column = floor_div(extent.west, kCells); column * kCells < extent.west + extent.width; ++column)
-      places.emplace_back(column, row);
-  return parallel_in_order(
-      run, places.size(),
-      [&](std::size_t i) {
-        const CellWindow square{places[i].first * kCells, places[i].second * kCells, kCells, kCells};
+      list.units.push_back(Unit::tile(column, row));
+  return run_units_in_order(
+      run, list,
+      [&](const Unit& unit) {
+        const CellWindow square{unit.first * kCells, unit.second * kCells, kCells, kCells};
         return measured_tile(buckets, isolated_components, square, gridding, holes);
       },
-      [&](std::size_t i, SurfaceTile tile) -> Result<> {
-        run.report("surface", 0.8 * double(i + 1) / double(places.size()));
-        return tile.state.empty() ? Result<>{} : tiles.add(places[i], std::move(tile));
+      [&](const Unit& unit, SurfaceTile tile) -> Result<> {
+        return tile.state.empty() ? Result<>{} : tiles.add({unit.first, unit.second}, std::move(tile));
       });
 }
 
 Result<> fill_windows(const MeasuredTiles& tiles, const Extent& extent, const HoleFilling& holes,
                       const OrientationSigma& orientation, const SurfaceSink& sink, DsmSummary& summary,
                       const Run& run) {
-  std::vector<CellWindow> windows;
-  for (std::int64_t y = 0; y < extent.height; y += kTileCells)
-    for (std::int64_t x = 0; x < extent.width; x += kTileCells)
-      windows.push_back({extent.west + x, extent.north + y, int(std::min<std::int64_t>(kTileCells, extent.width - x)),
-                         int(std::min<std::int64_t>(kTileCells, extent.height - y))});
-  return parallel_in_order(
-      run, windows.size(),
-      [&](std::size_t i) -> Result<SurfaceTile> {
-        COLLINEA_TRY(const SurfaceTile measured, tiles.window(HoleFilling::with_margin(windows[i])));
-        SurfaceTile tile = holes.filled(measured, windows[i]);
+  const UnitList list{"surface", tiles_over(extent.width, extent.height, kTileCells, kTileCells), 0.8, 1};
+  return run_units_in_order(
+      run, list,
+      [&](const Unit& unit) -> Result<SurfaceTile> {
+        const std::int64_t x = unit.first * kTileCells, y = unit.second * kTileCells;
+        const CellWindow window{extent.west + x, extent.north + y,
+                                int(std::min<std::int64_t>(kTileCells, extent.width - x)),
+                                int(std::min<std::int64_t>(kTileCells, extent.height - y))};
+        COLLINEA_TRY(const SurfaceTile measured, tiles.window(HoleFilling::with_margin(window)));
+        SurfaceTile tile = holes.filled(measured, window);
         tile.sigma_relative_m = tile.sigma_m;
-        orientation.add_to(tile.sigma_m, windows[i]);
+        orientation.add_to(tile.sigma_m, window);
         return tile;
       },
-      [&](std::size_t i, const SurfaceTile& tile) {
+      [&](const Unit& unit, const SurfaceTile& tile) {
         tally(tile, summary);
-        run.report("surface", 0.8 + 0.2 * double(i + 1) / double(windows.size()));
-        return sink.take(int(windows[i].column - extent.west), int(windows[i].row - extent.north), tile);
+        return sink.take(int(unit.first * kTileCells), int(unit.second * kTileCells), tile);
       });
 }
 

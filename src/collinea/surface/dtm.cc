@@ -229,25 +229,22 @@ class Terrain {
     COLLINEA_TRY(auto sigma, GeoTiffWriter<float>::create(files_.sigma, grid, 1, of_sigma));
     COLLINEA_TRY(auto relative, GeoTiffWriter<float>::create(files_.sigma_relative, grid, 1, of_relative));
     COLLINEA_TRY(auto state, GeoTiffWriter<std::uint8_t>::create(files_.state, grid, 1, of_state));
-    for (int row = 0; row < grid.height; row += kWrittenRows)
-      for (int column = 0; column < grid.width; column += kWrittenColumns) {
-        COLLINEA_TRY(SurfacePiece piece,
-                     pieces_.read_heights(column, row, std::min(kWrittenColumns, grid.width - column),
-                                          std::min(kWrittenRows, grid.height - row)));
-        COLLINEA_TRY(pieces_.read_sigmas(piece));
-        COLLINEA_TRY(const FloatImage added_variance, pieces_.read_added_variance(piece));
-        COLLINEA_TRY(const Means means, read_means(piece));
-        parallel_for(run_, std::size_t(piece.state.height), [&](std::size_t y) { make_terrain(means, piece, int(y)); });
-        tally(piece, added_variance);
-        auto written = height.write(column, row, piece.height_m)
-                           .and_then([&] { return relative.write(column, row, piece.sigma_m); })
-                           .and_then([&] { return sigma.write(column, row, whole_sigmas(piece, added_variance)); })
-                           .and_then([&] { return state.write(column, row, piece.state); });
-        if (!written) return written;
-        const double done = row + piece.state.height * double(column + piece.state.width) / grid.width;
-        run_.report("terrain", 0.6 + 0.4 * done / grid.height);
-        if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");  // the piece may be made in part
-      }
+    const UnitList list{"terrain", tiles_over(grid.width, grid.height, kWrittenColumns, kWrittenRows), 0.6, 1};
+    const auto write_tile = [&](const Unit& unit) -> Result<> {
+      const int column = int(unit.first) * kWrittenColumns, row = int(unit.second) * kWrittenRows;
+      COLLINEA_TRY(SurfacePiece piece, pieces_.read_heights(column, row, std::min(kWrittenColumns, grid.width - column),
+                                                            std::min(kWrittenRows, grid.height - row)));
+      COLLINEA_TRY(pieces_.read_sigmas(piece));
+      COLLINEA_TRY(const FloatImage added_variance, pieces_.read_added_variance(piece));
+      COLLINEA_TRY(const Means means, read_means(piece));
+      parallel_for(run_, std::size_t(piece.state.height), [&](std::size_t y) { make_terrain(means, piece, int(y)); });
+      tally(piece, added_variance);
+      return height.write(column, row, piece.height_m)
+          .and_then([&] { return relative.write(column, row, piece.sigma_m); })
+          .and_then([&] { return sigma.write(column, row, whole_sigmas(piece, added_variance)); })
+          .and_then([&] { return state.write(column, row, piece.state); });
+    };
+    COLLINEA_TRY(run_units_one_by_one(run_, list, write_tile));  // stopped: the last tile may be made in part
     if (summary_.ground_cells > 0)
       for (double* mean : {&summary_.mean_sigma_m, &summary_.mean_sigma_relative_m})
         *mean = std::sqrt(*mean / double(summary_.ground_cells));

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "collinea/base/parallel.h"
+#include "collinea/base/units.h"
 #include "collinea/ortho/internal/seam_window.h"
 #include "collinea/ortho/internal/view_costs.h"
 
@@ -97,13 +97,17 @@ class Planner {
   const Run& run_;
 };
 
-Result<> in_windows(const std::vector<CellArea>& windows, const Run& run,
+// Share of some windows in the progress of all, those of the draft and of the plan.
+struct Share {
+  double begin, end;
+};
+
+Result<> in_windows(const std::vector<CellArea>& windows, Share share, const Run& run,
                     const std::function<Result<>(const CellArea&)>& work) {
-  std::vector<Result<>> results(windows.size());
-  parallel_for(run, windows.size(), [&](std::size_t i) { results[i] = work(windows[i]); });
-  if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-  for (auto& result : results)
-    if (!result) return result;
+  UnitList list{.stage = "ortho: seams", .begin = share.begin, .end = share.end};
+  for (const CellArea& window : windows) list.units.push_back(Unit::window(window.column, window.row));
+  const auto one = [&](std::size_t i, const Run&) { return work(windows[i]).map([] { return UnitWorked{}; }); };
+  COLLINEA_TRY(run_units(run, list, {.work = one}));
   return {};
 }
 
@@ -163,12 +167,16 @@ bool has_a_seam(const Raster<std::uint16_t>& source, const CellArea& area) {
 Result<> plan_from_nothing(const OrthoScene& scene, const SeamLook& look, Raster<std::uint16_t>& source,
                            const Run& run) {
   Planner planner(scene, look, source, run);
-  auto done = in_windows(windows_of(scene.grid, 0, 0), run, [&](const CellArea& area) { return planner.plan(area); });
+  auto done = in_windows(windows_of(scene.grid, 0, 0), {0, 0.15}, run,
+                         [&](const CellArea& area) { return planner.plan(area); });
+  double begin = 0.15;
   constexpr int kHalf = kWindow / 2;
   for (const auto& [column, row] : {std::pair(-kHalf, -kHalf), std::pair(-kHalf, 0), std::pair(0, -kHalf)}) {
     auto windows = windows_of(scene.grid, column, row);
     std::erase_if(windows, [](const CellArea& window) { return !takes_up_a_border(window); });
-    if (done) done = in_windows(windows, run, [&](const CellArea& area) { return planner.improve(area); });
+    const Share share{begin, begin + 0.05};
+    if (done) done = in_windows(windows, share, run, [&](const CellArea& area) { return planner.improve(area); });
+    begin = share.end;
   }
   return done;
 }
@@ -198,24 +206,23 @@ Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run) {
   SeamLook look{scene.grid.cell_m, kRaised * scene.surface->grid.cell_m};
   Raster<std::uint16_t> draft(draft_scene.grid.width, draft_scene.grid.height);
   COLLINEA_TRY(plan_from_nothing(draft_scene, look, draft, run));
-  run.report("ortho: seams", 0.3);
   look.start = &draft, look.start_times = kOverview, look.best_views = 3;
   SeamPlan plan{Raster<std::uint16_t>(plan_scene.grid.width, plan_scene.grid.height), {}};
   Planner planner(plan_scene, look, plan.source, run);
-  auto refined =
-      in_windows(windows_of(plan_scene.grid, 0, 0), run, [&](const CellArea& area) { return planner.refine(area); });
+  auto refined = in_windows(windows_of(plan_scene.grid, 0, 0), {0.3, 0.8}, run,
+                            [&](const CellArea& area) { return planner.refine(area); });
   // The draft's seams at the borders of these windows are not where those of the plan are: these close up.
   for (const bool upright : {true, false}) {
     auto windows = windows_on_borders(plan_scene.grid, upright);
     std::erase_if(windows, [&](const CellArea& window) { return !has_a_seam(plan.source, window); });
-    if (refined) refined = in_windows(windows, run, [&](const CellArea& area) { return planner.improve(area); });
+    const Share share = upright ? Share{0.8, 0.9} : Share{0.9, 1};
+    if (refined) refined = in_windows(windows, share, run, [&](const CellArea& area) { return planner.improve(area); });
   }
   if (!refined) return tl::unexpected(std::move(refined).error());
   // Narrower than the zone in which pictures are mixed: no seam is worth that, and what its view alone sees is taken
   // from it anyway.
   constexpr std::size_t kFewest = 16;
   absorb_small_areas(kFewest, plan.source);
-  run.report("ortho: seams", 1);
   return plan;
 }
 

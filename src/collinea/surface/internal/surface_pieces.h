@@ -8,6 +8,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
+#include "collinea/base/units.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/surface/dsm.h"
 
@@ -45,19 +46,19 @@ class SurfacePieces {
   template <class Work>
   Result<> over_coarse_rows(const Run& run, bool sigmas, double done_before, double done_after, Work&& work) const {
     const int rows = std::max(kLeastCoarseRows, kPieceRows / each_) * each_, columns = piece_columns();
-    const auto [width, height] = std::pair(grid().width, grid().height);
-    for (int column = 0; column < width; column += columns)
-      for (int row = 0; row < height; row += rows) {
-        COLLINEA_TRY(SurfacePiece piece,
-                     read_heights(column, row, std::min(columns, width - column), std::min(rows, height - row)));
-        if (sigmas) COLLINEA_TRY(read_sigmas(piece));
-        parallel_for(run, std::size_t((piece.state.height + each_ - 1) / each_),
-                     [&](std::size_t i) { work(row / each_ + int(i), std::as_const(piece)); });
-        if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-        const double done = (column + double(piece.state.width) * double(row + piece.state.height) / height) / width;
-        run.report("terrain", done_before + (done_after - done_before) * done);
-      }
-    return {};
+    const int width = grid().width, height = grid().height;
+    UnitList list{.stage = "terrain", .begin = done_before, .end = done_after};
+    for (int column = 0; column * columns < width; ++column)
+      for (int row = 0; row * rows < height; ++row) list.units.push_back(Unit::tile(column, row));
+    return run_units_one_by_one(run, list, [&](const Unit& unit) -> Result<> {
+      const int column = int(unit.first) * columns, row = int(unit.second) * rows;
+      COLLINEA_TRY(SurfacePiece piece,
+                   read_heights(column, row, std::min(columns, width - column), std::min(rows, height - row)));
+      if (sigmas) COLLINEA_TRY(read_sigmas(piece));
+      parallel_for(run, std::size_t((piece.state.height + each_ - 1) / each_),
+                   [&](std::size_t i) { work(row / each_ + int(i), std::as_const(piece)); });
+      return {};
+    });
   }
 
   /// Calls visit(column of coarse cells) for all of a piece.
