@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 #include "collinea/block/ground.h"
@@ -27,21 +26,6 @@ enum class ObservationGroup {
   kAttitudeHeading,
 };
 inline constexpr std::size_t kObservationGroups = 15;
-inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = {"tie points in images",
-                                                                                       "control in images",
-                                                                                       "control, plan",
-                                                                                       "control, height",
-                                                                                       "positions, plan",
-                                                                                       "positions, height",
-                                                                                       "distances",
-                                                                                       "height differences",
-                                                                                       "directions",
-                                                                                       "zenith angles",
-                                                                                       "equal heights",
-                                                                                       "planes",
-                                                                                       "lines",
-                                                                                       "attitudes, level",
-                                                                                       "attitudes, heading"};
 
 /// Angles, in [rad].
 [[nodiscard]] constexpr bool is_angle(ObservationGroup group) {

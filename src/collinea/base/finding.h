@@ -43,6 +43,7 @@ enum class FindingCode : std::uint8_t {
   kImageUnreadable,      ///< a file that is no readable photograph
   kImageTooSmall,
   kImageDuplicate,    ///< the same bytes as another one
+  kFolderUnreadable,  ///< a folder of images that cannot be looked into
   kCamerasMerged,     ///< an orientation gives one camera several interior orientations
   kOrientationTaken,  ///< poses come from elsewhere
   kOrientationHeld,   ///< the same, and are not adjusted
@@ -86,7 +87,7 @@ enum class FindingCode : std::uint8_t {
   kLooseImages,             ///< images that can move against the others
   kNoBase,                  ///< images from nearly one position
   kImagesLeftOut,           ///< images with too few observations
-  kGeodeticLeftOut,           ///< geodetic observations whose points are not determined
+  kGeodeticLeftOut,         ///< geodetic observations whose points are not determined
   kWeakImages,              ///< images known far worse than the others
   kInseparable,             ///< two unknowns that hardly differ in their effect
   kUndetermined,            ///< an unknown that the observations do not determine: no standard deviations

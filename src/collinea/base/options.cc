@@ -24,7 +24,7 @@ std::string range_text(double min, double max) {
 
 Error out_of_range(std::string_view name, std::string_view unit, double value, double min, double max) {
   const std::string of_unit = unit.empty() || unit == "1" ? "" : " " + std::string(unit);
-  return {
+  return Error{
       Errc::kBadInput,
       std::string(name) + " = " + number_text(value) + of_unit + " is out of range: " + range_text(min, max) + of_unit,
       {OptionName{name}}};
@@ -33,9 +33,9 @@ Error out_of_range(std::string_view name, std::string_view unit, double value, d
 Error not_a_choice(std::string_view name, std::string_view word, std::span<const Choice> choices) {
   std::vector<std::string_view> known;
   for (const Choice& choice : choices) known.push_back(choice.word);
-  return {Errc::kBadInput,
-          std::string(name) + " = \"" + std::string(word) + "\": choose " + listed(known),
-          {OptionName{name}}};
+  return Error{Errc::kBadInput,
+               std::string(name) + " = \"" + std::string(word) + "\": choose " + listed(known),
+               {OptionName{name}}};
 }
 
 }  // namespace collinea

@@ -37,6 +37,11 @@ struct Error {
     message.insert(0, std::string(doing) + ": ");
     return std::move(*this);
   }
+  /// Adds what to do about it behind: "...; remove that file and give the command again".
+  [[nodiscard]] Error advising(std::string_view what) && {
+    message += what;
+    return std::move(*this);
+  }
   /// Adds an option that it is about.
   [[nodiscard]] Error about(OptionName option) && {
     options.push_back(option);

@@ -72,7 +72,7 @@ Result<Parts> grow_parts(const Block& setup, Reconstruction empty, std::span<con
                   {"mode"_option});
   }
   COLLINEA_TRY(grow(largest, pairs, {}, options, run));
-  if (largest.poses().size() < 2) return fail(Errc::kIllPosed, why_nothing(pairs));
+  if (largest.poses().size() < 2) return tl::unexpected(nothing_fits(pairs));
   std::set<ImageId> taken;
   for (const auto& [image, pose] : largest.poses()) taken.insert(image);
   std::optional<Reconstruction> part;  // it holds all tracks: there are two at most

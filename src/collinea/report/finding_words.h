@@ -28,6 +28,10 @@ using SpellOption = std::function<std::string(const OptionField&)>;
 /// The finding and its figures, one sentence or two: "Check point P7 is 0.8 m off the control points."
 [[nodiscard]] std::string what_of(const Finding& finding, const Block& block);
 
+/// Why a file or an image has no part in what follows, without its name, which stands beside it in every list: "smaller
+/// than 64 x 64 pixels", "no depth map: too few tie points see it". Of findings whose first subject was skipped.
+[[nodiscard]] std::string reason_of(const Finding& skipped, const Block& block);
+
 /// What to do, one sentence: "Give a calibrated camera, or set option calibration = none."; "" when there is nothing.
 [[nodiscard]] std::string remedy_of(const Finding& finding, const SpellOption& spell = {});
 

@@ -56,6 +56,21 @@ TEST(FindingWords, EveryCodeHasASentenceOfFiguresThatItCarries) {
   }
 }
 
+TEST(FindingWords, ReasonsOfSkippedImagesStandBesideTheirNames) {
+  const Block block = named_block();
+  const Subject file = Subject::file("a/b.jpg");
+  const auto reason = [&](FindingCode code, std::vector<Subject> subjects, const char* detail) {
+    return reason_of(finding_of(code, std::move(subjects), {{FigureName::kLimit, 64}}, {}, detail), block);
+  };
+  EXPECT_EQ(reason(FindingCode::kImageUnreadable, {file}, "is empty"), "is empty");
+  EXPECT_EQ(reason(FindingCode::kImageTooSmall, {file}, ""), "smaller than 64 x 64 pixels");
+  EXPECT_EQ(reason(FindingCode::kImageDuplicate, {file, Subject::file("a/a.jpg")}, ""), "the same bytes as a/a.jpg");
+  EXPECT_EQ(reason(FindingCode::kFolderUnreadable, {file}, "Permission denied"), "cannot be read: Permission denied");
+  EXPECT_EQ(reason(FindingCode::kNoDepthMap, {ImageId{3}}, "no neighbours"), "no depth map: no neighbours");
+  EXPECT_EQ(what_of(finding_of(FindingCode::kImageDuplicate, {file, Subject::file("a/a.jpg")}), block),
+            "Image a/b.jpg is skipped: the same bytes as a/a.jpg.");
+}
+
 TEST(FindingWords, WordsDoNotDependOnTheSeverity) {
   for (std::size_t i = 0; i < kFindingCodes; ++i)
     for (const Severity severity : {Severity::kNote, Severity::kWeak, Severity::kWrong}) {

@@ -57,7 +57,7 @@ Result<std::map<ImageId, std::string>> make_maps(const Project& project, const s
 // Overviews of all images first, then depth maps. Returns the images that have one.
 Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
                                        WorkingImages& pictures, DepthFolder& overviews, DepthFolder& folder,
-                                       std::vector<SkippedImage>& left_out) {
+                                       std::vector<Finding>& left_out) {
   std::vector<ImageId> images;
   for (const auto& [image, pose] : oriented_images(block)) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
@@ -70,7 +70,8 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
                make_maps(project, images, folder, "densify: depth maps", [&](ImageId image, const Run& run) {
                  return depth_map(block, image, ties, pictures, costs, &overviews, options, run);
                }));
-  for (const auto& [image, why] : without) left_out.push_back({block.images.at(image).file, "no depth map: " + why});
+  for (const auto& [image, why] : without)
+    left_out.push_back(finding_of(FindingCode::kNoDepthMap, {image}, {}, {}, why));
   std::erase_if(images, [&](ImageId image) { return without.contains(image); });
   return images;
 }
@@ -124,8 +125,7 @@ class CloudFiles {
     for (const char* earlier : {"cloud.las", "cloud.laz", "cloud.copc.laz", "dtm.tif"})
       COLLINEA_TRY(remove_file(products / earlier));
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
-    COLLINEA_TRY(PlyWriter ply_writer,
-                 PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
+    COLLINEA_TRY(PlyWriter ply_writer, PlyWriter::create(products / "cloud.ply", kLocalCloudComment));
     return CloudFiles(std::move(las_writer), std::move(ply_writer), places);
   }
 

@@ -108,7 +108,7 @@ Result<StepOutput> detect_step(Project& project, const std::string&) {
     record.features += outcome.features;
     record.images += !outcome.hash.empty();
     if (!outcome.reason.empty()) {
-      record.skipped.push_back({images[i].second->file, outcome.reason});
+      record.skipped.push_back(finding_of(FindingCode::kImageUnreadable, {images[i].first}, {}, {}, outcome.reason));
       project.run.say(fmt::format("skipped {}: {}", images[i].second->file, outcome.reason));
     }
   }

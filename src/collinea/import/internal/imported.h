@@ -72,16 +72,11 @@ struct ImportOptions {
 /// Relative standard deviation of a focal length from the header of a photograph: EXIF rounds to whole millimetres.
 inline constexpr double kExifFocalSigma = 0.05;
 
-/// A photograph that did not become part of the block, and why.
-struct SkippedPhoto {
-  std::string file, reason;
-};
-
 struct Imported {
   Block block;
   std::vector<std::string> file_hash;  ///< of each image's bytes, in the order of Block::images
-  std::vector<SkippedPhoto> skipped;
-  std::vector<Finding> findings;  ///< assumed focal lengths, control in no image, ...
+  std::vector<Finding> skipped;        ///< files that did not become part of the block: the first subjects, and why
+  std::vector<Finding> findings;       ///< assumed focal lengths, control in no image, ...
 };
 
 }  // namespace collinea
