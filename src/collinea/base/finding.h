@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "collinea/base/id.h"
+#include "collinea/base/option_name.h"
 
 namespace collinea {
 
@@ -338,31 +339,14 @@ enum class RemedyCode : std::uint8_t {
 };
 inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kSeeAdjustment) + 1;
 
-/// An option by its place in the description of options; a face spells it as its users know it.
-struct OptionField {
-  std::string group;  ///< the step: "orient"
-  std::string field;  ///< "calibration"
-  std::string value;  ///< the one to choose; empty: the user's
-
-  friend bool operator==(const OptionField&, const OptionField&) = default;
-
-  template <class Visit>
-  static void fields(Visit&& visit) {
-    using R = OptionField;
-    visit("group", &R::group);
-    visit("field", &R::field);
-    visit("value", &R::value);
-  }
-};
-
 /// One thing that helps. Several of a finding are alternatives, except for kDatumDefect: there each helps one subject.
 struct Remedy {
   RemedyCode code{};
-  OptionField option;  ///< of kSetOption
+  OptionName option;  ///< of kSetOption
 
   Remedy() = default;
   Remedy(RemedyCode what) : code(what) {}
-  Remedy(OptionField set) : code(RemedyCode::kSetOption), option(std::move(set)) {}
+  Remedy(OptionName set) : code(RemedyCode::kSetOption), option(std::move(set)) {}
 
   friend bool operator==(const Remedy&, const Remedy&) = default;
 

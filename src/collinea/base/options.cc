@@ -27,7 +27,7 @@ Error out_of_range(std::string_view name, std::string_view unit, double value, d
   return Error{
       Errc::kBadInput,
       std::string(name) + " = " + number_text(value) + of_unit + " is out of range: " + range_text(min, max) + of_unit,
-      {OptionName{name}}};
+      {OptionName{std::string(name)}}};
 }
 
 Error not_a_choice(std::string_view name, std::string_view word, std::span<const Choice> choices) {
@@ -35,7 +35,7 @@ Error not_a_choice(std::string_view name, std::string_view word, std::span<const
   for (const Choice& choice : choices) known.push_back(choice.word);
   return Error{Errc::kBadInput,
                std::string(name) + " = \"" + std::string(word) + "\": choose " + listed(known),
-               {OptionName{name}}};
+               {OptionName{std::string(name)}}};
 }
 
 }  // namespace collinea

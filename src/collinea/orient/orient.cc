@@ -196,7 +196,7 @@ class Orienter {
       if (const auto shown = part.shown_noise()) part.set_noise(*shown);
     }
     if (options_.additional != AdditionalSet::kNone)
-      add(FindingCode::kAdditionalHeld, {}, {}, {OptionField{"orient", "refine_orientation", ""}});
+      add(FindingCode::kAdditionalHeld, {}, {}, {OptionName{"refine_orientation", "orient"}});
     doubt_loose(part);
     place(part);
     COLLINEA_TRY(Adjusted adjusted, part.adjust_all(adjust, held, run_));

@@ -142,7 +142,7 @@ TEST(Settings, EveryChoiceGoesThroughProjectJson) {
       if (known.empty()) return;
       const Error error = error_of(folder, text("nonsense"));
       EXPECT_NE(error.message.find("choose " + listed(known)), std::string::npos) << error.message;
-      EXPECT_EQ(error.options, std::vector{OptionName{field.name}});
+      EXPECT_EQ(error.options, std::vector{OptionName{std::string(field.name)}});
     });
   });
   EXPECT_GT(choices, 25);

@@ -92,9 +92,9 @@ std::vector<Finding> undetermined_focals(const Block& setup, const Examined& adj
     const FindingCode code = flat    ? FindingCode::kFocalOfFlatScene
                              : along ? FindingCode::kFocalAlongView
                                      : FindingCode::kFocalOfFewImages;
-    findings.push_back(finding_of(
-        code, {id}, {{FigureName::kRelative, sigma_px / before.focal_px()}},
-        {RemedyCode::kCalibrateCamera, OptionField{"import", "camera_params", ""}, RemedyCode::kAddDistances}));
+    findings.push_back(
+        finding_of(code, {id}, {{FigureName::kRelative, sigma_px / before.focal_px()}},
+                   {RemedyCode::kCalibrateCamera, OptionName{"camera_params", "import"}, RemedyCode::kAddDistances}));
   }
   return findings;
 }
