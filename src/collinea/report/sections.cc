@@ -131,7 +131,7 @@ std::string bytes_text(double bytes) {
   return fmt::format("{:.0f} kB", bytes / 1e3);
 }
 
-std::string name_value_table(const std::vector<std::pair<std::string, std::string>>& pairs, const char* title) {
+std::string name_value_table(const NamedValues& pairs, const char* title) {
   if (pairs.empty()) return "";
   std::string html = fmt::format("<div><h3>{}</h3><table><tbody>\n", title);
   for (const auto& [name, value] : pairs) html += "<tr>" + text_cell(name) + text_cell(value, "l w") + "</tr>\n";

@@ -60,7 +60,7 @@ std::string_view words_of(HeightReference heights) {
   return "";
 }
 
-std::vector<std::pair<std::string, std::string>> chosen_options(const ReportInput& input) {
+NamedValues chosen_options(const ReportInput& input) {
   if (!input.options) return {};
   if (input.options->empty()) return {{"all", "as by default"}};
   return *input.options;

@@ -23,7 +23,7 @@ namespace collinea {
 [[nodiscard]] std::string_view words_of(HeightReference heights);
 
 /// Options that were chosen, by name and value; ("all", "as by default") when none was.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> chosen_options(const ReportInput& input);
+[[nodiscard]] NamedValues chosen_options(const ReportInput& input);
 
 /// What orientation found of what was given: by how much it multiplied sigmas, and by how much it shifted the positions
 /// [m], zero when they stay. "sigmas of "control, plan" times 1.7, positions shifted by +0.10, -0.02, +1.30 m"; empty

@@ -40,13 +40,12 @@ TEST(ValueWords, JudgementsNameOnlyWhatChanged) {
 }
 
 TEST(ValueWords, WithoutAChoiceOptionsAreAsByDefault) {
-  using Pairs = std::vector<std::pair<std::string, std::string>>;
   ReportInput input;
-  EXPECT_EQ(chosen_options(input), Pairs());
+  EXPECT_EQ(chosen_options(input), NamedValues());
   input.options.emplace();
-  EXPECT_EQ(chosen_options(input), (Pairs{{"all", "as by default"}}));
+  EXPECT_EQ(chosen_options(input), (NamedValues{{"all", "as by default"}}));
   input.options->emplace_back("seed", "2");
-  EXPECT_EQ(chosen_options(input), (Pairs{{"seed", "2"}}));
+  EXPECT_EQ(chosen_options(input), (NamedValues{{"seed", "2"}}));
 }
 
 TEST(ProductWords, ContentsComeFromTheRecordsOfTheSteps) {

@@ -32,6 +32,9 @@ enum class HeightReference : std::uint8_t {
   kEllipsoid,      ///< above the WGS 84 ellipsoid, as receivers give them
 };
 
+/// Names and their values, as texts.
+using NamedValues = std::vector<std::pair<std::string, std::string>>;
+
 /// All that a report tells. Residuals of tie points are computed from `block`; images of `block` without a pose are
 /// listed as not oriented. Empty lists and missing values leave their part of the report out.
 struct ReportInput {
@@ -57,10 +60,9 @@ struct ReportInput {
   std::vector<Finding> findings;
   std::vector<StepRecord> steps;
   std::vector<ReportProduct> products;
-  std::filesystem::path dsm, ortho;                                         ///< GeoTIFFs to show; empty: none
-  std::optional<std::vector<std::pair<std::string, std::string>>> options;  ///< name, value: those that were chosen;
-                                                                            ///< nothing: not known
-  std::vector<std::pair<std::string, std::string>> versions;                ///< program and libraries
+  std::filesystem::path dsm, ortho;    ///< GeoTIFFs to show; empty: none
+  std::optional<NamedValues> options;  ///< those that were chosen; nothing: not known
+  NamedValues versions;                ///< program and libraries
 };
 
 }  // namespace collinea

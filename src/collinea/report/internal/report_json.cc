@@ -102,7 +102,7 @@ json ground(const ReportInput& input) {
   return list;
 }
 
-json pairs(const std::vector<std::pair<std::string, std::string>>& list) {
+json pairs(const NamedValues& list) {
   json object = json::object();
   for (const auto& [name, value] : list) object[name] = value;
   return object;

@@ -108,7 +108,7 @@ inline void add_words(ReportInput& input) {
                  {"d", "e", 1.5, 2.4, 1e8,
                   SurfaceRecord{.skipped_because = finding_of(FindingCode::kNotDownwards, {Product::kSurfaceModel})}}};
   input.products = {{ProductFile::kSurface, 12'345'678}, {ProductFile::kCloudLas, 1'412'345'678}};
-  input.options.emplace({{"orient.calibration", "brown"}, {"seed", "1"}});
+  input.options = NamedValues{{"orient.calibration", "brown"}, {"seed", "1"}};
   input.versions = {{"collinea", "0.1.0"}, {"GDAL", "3.6.2"}};
 }
 
