@@ -120,6 +120,17 @@ Given Flags::add_field(const Field<Owner, T>& field, Owner& owner) {
       return true;
     };
     return add_text(field.name, field.help, std::move(text));
+  } else if constexpr (detail::kIsWordOr<Value>) {
+    Text text{.value_name = "TEXT", .shown = {}, .take = {}};
+    if constexpr (kIsOptional)
+      text.shown = value ? value->text() : "";
+    else
+      text.shown = value.text();
+    text.take = [&value](const std::string& given) {
+      value = Value(given);
+      return true;
+    };
+    return add_text(field.name, field.help, std::move(text));
   } else if constexpr (std::is_same_v<Value, std::filesystem::path>) {
     return add_text(field.name, field.help, {value_name_of(field.path), {}, {}, [&value](const std::string& path) {
                                                if constexpr (kIsOptional) {

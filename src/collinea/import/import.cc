@@ -407,7 +407,7 @@ bool has_positions(const Block& block) {
 // How high what the photographs count their heights from lies over the ellipsoid, for all of the block. Not for
 // positions of a file, which says itself what its heights are.
 Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, const ImportOptions& options) {
-  if (options.gps_heights == "ellipsoidal" || !has_positions(imported.block)) return {};
+  if (options.gps_heights.word() == HeightSurface::kEllipsoid || !has_positions(imported.block)) return {};
   const Eigen::Vector3d middle = middle_of(imported.block);
   const auto framed = [](Error error) { return std::move(error).about("gps_heights"_option); };
   COLLINEA_TRY(const std::string crs,
@@ -533,9 +533,10 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   if (options.control) add_file(*options.control);
   if (options.ground) add_file(*options.ground);
   if (options.positions) add_file(*options.positions);
-  const std::optional<std::string> gps_heights = options.gps_heights;
+  const std::optional<HeightsFrom> gps_heights = options.gps_heights;
   for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})
-    if (std::error_code none; *heights && fs::is_regular_file(**heights, none)) add_file(**heights);  // a geoid grid
+    if (std::error_code none; *heights && fs::is_regular_file((*heights)->text(), none))  // a geoid grid
+      add_file((*heights)->text());
   return hash.hex();
 }
 

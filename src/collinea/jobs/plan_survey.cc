@@ -30,10 +30,11 @@ Result<MapArea> read_area(const PlanOptions& options) {
 }
 
 Result<std::vector<PlannedPoint>> points_of(const LayoutOptions& layout, const FlightPlan& plan) {
-  if (from_word<ControlPattern>(layout.control)) return lay_out(layout, plan);
-  if (!is_there(layout.control)) return lay_out(layout, plan);  // tells which words there are
-  COLLINEA_TRY(const ControlFile file, read_control(layout.control, {.sigma_plan_m = layout.control_sigma_plan_m,
-                                                                     .sigma_height_m = layout.control_sigma_height_m}));
+  const auto* path = layout.control.get<std::filesystem::path>();
+  if (!path || !is_there(*path))
+    return lay_out(layout, plan);  // of what is no file either: it says which words there are
+  COLLINEA_TRY(const ControlFile file, read_control(*path, {.sigma_plan_m = layout.control_sigma_plan_m,
+                                                            .sigma_height_m = layout.control_sigma_height_m}));
   return planned_points(file);
 }
 

@@ -48,7 +48,7 @@ namespace {
 
 // Four points that lie each nearer to another corner of the site than a third of the site's shorter side.
 bool holds_corners(const FlightPlan& plan, const std::vector<PlannedPoint>& points) {
-  const auto corners = lay_out({.control = "corners"}, plan);
+  const auto corners = lay_out({.control = ControlPattern::kCorners}, plan);
   if (!corners) return false;
   double near_m = 1e300;
   for (std::size_t i = 0; i < corners->size(); ++i)

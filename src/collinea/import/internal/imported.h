@@ -9,6 +9,7 @@
 #include "collinea/base/finding.h"
 #include "collinea/base/options.h"
 #include "collinea/block/block.h"
+#include "collinea/geodesy/heights.h"
 
 namespace collinea {
 
@@ -17,8 +18,8 @@ inline constexpr std::array<CameraModel, 4> kLensModels = {Brown{}, Equidistant{
 
 struct ImportOptions {
   std::optional<std::string> crs;
-  std::optional<std::string> heights, control_heights;
-  std::string gps_heights = "ellipsoidal";
+  std::optional<HeightsFrom> heights, control_heights;
+  HeightsFrom gps_heights = HeightSurface::kEllipsoid;
   std::optional<std::filesystem::path> control;
   std::string check;
   std::optional<std::filesystem::path> ground;
