@@ -5,6 +5,7 @@
 
 #include "blocks.h"
 #include "collinea/quality/variance_components.h"
+#include "collinea/report/value_words.h"
 #include "rows.h"
 
 namespace collinea::bench {
@@ -47,13 +48,14 @@ Rows variance_components(const Effort& effort, const Run& run) {
     const double mean = sum[g] / blocks[g], scatter = std::sqrt(std::max(0.0, squares[g] / blocks[g] - mean * mean));
     const double expected = std::sqrt(told[g] / blocks[g]);
     rows.push_back(
-        {fmt::format("variance component of {}", kObservationGroupNames[g]),
+        {fmt::format("variance component of {}", words_of(group)),
          "sigmas wrong threefold recovered within 5 %, scatter as its own sigma says (within a third)",
          fmt::format("{:.3f} of the true one on average; scatter {:.3f}, told {:.3f}", mean, scatter, expected),
          std::abs(mean - 1) < 0.05 && scatter < 1.33 * expected && scatter > 0.67 * expected});
   }
   rows.push_back({"variance components settle", "in all blocks",
-                  fmt::format("{} of {} not; at most {} rounds", failed, effort.gross_error_blocks, rounds), failed == 0});
+                  fmt::format("{} of {} not; at most {} rounds", failed, effort.gross_error_blocks, rounds),
+                  failed == 0});
   return rows;
 }
 

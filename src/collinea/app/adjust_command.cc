@@ -46,7 +46,7 @@ Result<std::string> convert(const Asked& asked) {
       if (is_given())
         return tl::unexpected(Error{Errc::kBadInput,
                                     "the file is only converted, and nothing of how it will be adjusted is kept in it",
-                                    {OptionName{name}, "import"_option, "export"_option}});
+                                    {OptionName{std::string(name)}, "import"_option, "export"_option}});
   if (asked.output) return fail(Errc::kBadInput, "adjust the file, or convert it", {"output"_option, "export"_option});
   COLLINEA_TRY(convert_adjustment(*asked.import_file, *asked.export_file));
   return *asked.export_file;

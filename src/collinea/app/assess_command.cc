@@ -2,6 +2,7 @@
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/jobs/assess.h"
+#include "collinea/report/assessment_text.h"
 
 namespace collinea {
 
@@ -19,7 +20,7 @@ Command assess_command() {
       },
       [](Asked& asked, Console& console) -> Result<std::string> {
         COLLINEA_TRY(const Project project, open_project(asked.project, console.run()));
-        return assess_project(project, asked.truth).map(table);
+        return assess_project(project, asked.truth).map(assessment_text);
       });
 }
 

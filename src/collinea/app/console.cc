@@ -46,7 +46,7 @@ void on_signal(int) {
 struct Console::State {
   std::mutex mutex;
   ProgressForm show = ProgressForm::kLines;
-  OptionSpelling spelling;
+  SpellOption spelling;
   int threads = 1;
   std::stop_source stop;
   std::thread signals;  // waits for Ctrl-C
@@ -159,7 +159,7 @@ Console::~Console() {
   if (state_) state_->unwatch_signals();
 }
 
-Result<Console> Console::create(const ConsoleOptions& options, OptionSpelling spelling) {
+Result<Console> Console::create(const ConsoleOptions& options, SpellOption spelling) {
   COLLINEA_TRY(validate(options));
   Console console;
   State& state = *console.state_;
@@ -201,15 +201,15 @@ int Console::complain(const Error& error) {
   return code;
 }
 
-std::string text_of(const Error& error, const OptionSpelling& spelling) {
+std::string text_of(const Error& error, const SpellOption& spelling) {
   std::string names;
   for (const OptionName& option : error.options)
-    names += (names.empty() ? "" : ", ") + (spelling ? spelling(option) : std::string(option.name));
+    names += (names.empty() ? "" : ", ") + (spelling ? spelling(option) : option.name);
   if (names.empty()) return error.message;
   return error.message + (error.options.size() == 1 ? " (option " : " (options ") + names + ")";
 }
 
-int complain(const Error& error, const OptionSpelling& spelling) {
+int complain(const Error& error, const SpellOption& spelling) {
   fmt::print(stderr, "error: {}\n", text_of(error, spelling));
   return exit_code(error.code);
 }

@@ -22,9 +22,6 @@ inline constexpr Word<ProgressForm> kProgressFormWords[] = {
     {ProgressForm::kNone, "none"}};
 [[nodiscard]] constexpr std::span<const Word<ProgressForm>> words(ProgressForm) { return kProgressFormWords; }
 
-/// How a face writes the name of an option.
-using OptionSpelling = std::function<std::string(OptionName)>;
-
 /// What every long command asks of its user.
 struct ConsoleOptions {
   ProgressForm progress = ProgressForm::kAuto;
@@ -43,7 +40,7 @@ struct ConsoleOptions {
 /// and ends the program with the exit code of a stop when that takes longer than 1.5 s. One at a time.
 class Console {
  public:
-  static Result<Console> create(const ConsoleOptions& options, OptionSpelling spelling = {});
+  static Result<Console> create(const ConsoleOptions& options, SpellOption spelling = {});
   /// Also writes every logged line to this file.
   void log_to(const std::filesystem::path& file);
   /// For the computation, without a seed of its own: refers to this console, which must outlive it.
@@ -62,10 +59,10 @@ class Console {
 };
 
 /// The same where there is no console: prints "error: ..." to stderr.
-int complain(const Error& error, const OptionSpelling& spelling = {});
+int complain(const Error& error, const SpellOption& spelling = {});
 
 /// What went wrong, with the options that it is about: "give a CRS (option --crs)". Without a spelling they have their
 /// names.
-[[nodiscard]] std::string text_of(const Error& error, const OptionSpelling& spelling);
+[[nodiscard]] std::string text_of(const Error& error, const SpellOption& spelling);
 
 }  // namespace collinea

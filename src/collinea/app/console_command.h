@@ -20,7 +20,7 @@ template <class Asked>
   auto asked = std::make_shared<Asked>();
   return {std::move(name), std::move(summary), [asked, declare](Flags& flags) { declare(flags, *asked); },
           [asked, act](const Flags& flags) {
-            const auto spelling = [&flags](OptionName option) { return flags.spelled(option); };
+            const auto spelling = [&flags](const OptionName& option) { return flags.spelled(option); };
             auto console = Console::create(asked->console, spelling);
             if (!console) return complain(console.error(), spelling);
             const Result<std::string> text = act(*asked, *console);

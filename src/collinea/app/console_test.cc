@@ -69,7 +69,7 @@ TEST(Console, ErrorsAreShownInTheFormOfTheProgress) {
 
 TEST(Console, ErrorsNameTheirOptionsAsTheFaceSpellsThem) {
   const Error error{Errc::kBadInput, "which site?", {"east_m"_option, "area"_option}};
-  const auto spelling = [](OptionName option) { return "<" + std::string(option.name) + ">"; };
+  const auto spelling = [](const OptionName& option) { return "<" + option.name + ">"; };
   EXPECT_EQ(text_of(error, spelling), "which site? (options <east_m>, <area>)");
   EXPECT_EQ(text_of({Errc::kBadInput, "no CRS", {"crs"_option}}, {}), "no CRS (option crs)");
   EXPECT_EQ(text_of({Errc::kBadInput, "no CRS"}, spelling), "no CRS");

@@ -43,12 +43,16 @@ std::string value_name_of(PathKind kind) {
   }
 }
 
-std::string Flags::spelled(OptionName option) const {
-  if (const auto known = flags_.find({std::string(option.group), std::string(option.name)}); known != flags_.end())
-    return known->second;
+std::string flag_of(const OptionName& option) {
+  return spelled_as_flag(option.name) + (option.value.empty() ? "" : " " + option.value);
+}
+
+std::string Flags::spelled(const OptionName& option) const {
+  const std::string value = option.value.empty() ? "" : " " + option.value;
+  if (const auto known = flags_.find({option.group, option.name}); known != flags_.end()) return known->second + value;
   for (const auto& [name, flag] : flags_)
-    if (name.second == option.name) return flag;
-  return spelled_as_flag(option.name);
+    if (name.second == option.name) return flag + value;
+  return flag_of(option);
 }
 
 std::string Flags::new_flag(std::string_view name) {

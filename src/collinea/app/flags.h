@@ -22,6 +22,9 @@ class Option;
 
 namespace collinea {
 
+/// An option as command lines spell it, with its value where there is one: "--max-error-px", "--calibration none".
+[[nodiscard]] std::string flag_of(const OptionName& option);
+
 /// Whether the user gave a flag; to be asked once the command line is read.
 using Given = std::function<bool()>;
 
@@ -70,8 +73,8 @@ class Flags {
     group_ = {};
   }
 
-  /// The flag by which this command takes an option: "--max-error-px".
-  [[nodiscard]] std::string spelled(OptionName option) const;
+  /// The flag by which this command takes an option, as flag_of() unless another option has that flag.
+  [[nodiscard]] std::string spelled(const OptionName& option) const;
 
  private:
   /// A flag whose value is read by hand: take(text) says whether it could be.
@@ -114,6 +117,17 @@ Given Flags::add_field(const Field<Owner, T>& field, Owner& owner) {
       } else if (known) {
         value = *known;
       }
+      return true;
+    };
+    return add_text(field.name, field.help, std::move(text));
+  } else if constexpr (detail::kIsWordOr<Value>) {
+    Text text{.value_name = "TEXT", .shown = {}, .take = {}};
+    if constexpr (kIsOptional)
+      text.shown = value ? value->text() : "";
+    else
+      text.shown = value.text();
+    text.take = [&value](const std::string& given) {
+      value = Value(given);
       return true;
     };
     return add_text(field.name, field.help, std::move(text));

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/app/flags.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/step_figures.h"
@@ -55,13 +56,6 @@ std::string number_text(const std::optional<double>& value, const char* unit) {
   return value ? fmt::format("{:.4g} {}", *value, unit) : "not known yet";
 }
 
-// As the command line knows it: "--calibration none".
-std::string spelled(const OptionField& option) {
-  std::string flag = "--" + option.field;
-  std::replace(flag.begin(), flag.end(), '_', '-');
-  return option.value.empty() ? flag : flag + " " + option.value;
-}
-
 }  // namespace
 
 std::string info_json(const ProjectInfo& info) {
@@ -102,8 +96,7 @@ std::string info_text(const ProjectInfo& info) {
   for (const StepRecord& step : info.steps)
     line("step " + step.name(), fmt::format("{:8.1f} s {:8.1f} CPU-s {:6.0f} MB", step.seconds, step.cpu_seconds,
                                             step.peak_memory_bytes / 1e6));
-  for (const Finding& finding : orientation.findings)
-    line("note", sentence_of(finding, info.setup, [](const OptionField& option) { return spelled(option); }));
+  for (const Finding& finding : orientation.findings) line("note", sentence_of(finding, info.setup, flag_of));
   return text;
 }
 

@@ -19,6 +19,13 @@ void make_absolute(PathKind kind, std::string& text) {
     text = made_absolute(text).string();
 }
 
+template <class Enum, class... Other>
+void make_absolute(PathKind kind, WordOr<Enum, Other...>& value) {
+  std::string text = value.text();
+  make_absolute(kind, text);
+  value = text;
+}
+
 }  // namespace
 
 void make_paths_absolute(Settings& settings) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/assess/assess.h"
 
-#include <fmt/format.h>
-
 #include <memory>
 
 #include "collinea/base/file.h"
@@ -95,32 +93,6 @@ Result<ColourErrors> assess_colours(const ProductFiles& products, const TruthFol
   return colour_errors(product, sources, expected, run);
 }
 
-std::string line(const char* what, const PointErrors& e) {
-  return fmt::format(
-      "{:<34} {:>5}   RMS east {:.4f}  north {:.4f}  up {:.4f}  3D {:.4f} m   worst {:.4f} m   mean {:+.4f} {:+.4f} "
-      "{:+.4f}\n",
-      what, e.points, e.rms_m.x(), e.rms_m.y(), e.rms_m.z(), e.rms_3d_m, e.worst_3d_m, e.mean_m.x(), e.mean_m.y(),
-      e.mean_m.z());
-}
-
-std::string line(const char* what, const HeightErrors& e, double unit_m) {
-  return fmt::format(
-      "{:<34} {:>9} cells   RMSE {:.4f} m = {:.2f} GSD   NMAD {:.4f} m = {:.2f} GSD   mean {:+.4f} m   gross {:.2f} "
-      "%\n",
-      what, e.cells, e.rmse_m, e.rmse_m / unit_m, e.nmad_m, e.nmad_m / unit_m, e.mean_m, 100 * e.share_gross);
-}
-
-std::string line(const CloudErrors& e) {
-  constexpr std::size_t kEnough = 300;  // points
-  std::string text = fmt::format(
-      "cloud, sigma                       {} points   within 95 % bounds {:.1f} %   beyond 5 sigmas {:.2f} %   RMS of "
-      "others in sigmas, by images:",
-      e.points, 100 * e.within_bounds, 100 * e.share_gross);
-  for (const auto& [images, points, rms] : e.by_images)
-    if (points >= kEnough) text += fmt::format(" {}: {:.2f}", images, rms);
-  return text + "\n";
-}
-
 }  // namespace
 
 Result<Assessment> assess(const Block& block, const ProductFiles& products, const TruthFolder& truth, const Run& run) {
@@ -162,73 +134,6 @@ Result<Assessment> assess(const Block& block, const ProductFiles& products, cons
     COLLINEA_TRY(result.ortho_colours, assess_colours(products, truth, run));
   }
   return result;
-}
-
-std::string table(const Assessment& a) {
-  std::string text = fmt::format("images oriented                    {} of {}\n", a.poses.oriented, a.poses.images);
-  if (a.poses.centres) text += line("projection centres", *a.poses.centres);
-  if (a.poses.after_similarity) {
-    text += line("projection centres, aligned", *a.poses.after_similarity);
-    text += fmt::format("attitudes, aligned                 RMS {:.5f} deg   scale of the alignment {:.8f}\n",
-                        a.poses.rotation_rms_deg, a.poses.scale.value_or(1));
-  }
-  if (a.check_points) text += line("check points", *a.check_points);
-  if (a.control_points) text += line("control points", *a.control_points);
-  if (a.cloud && a.cloud->points) text += line(*a.cloud);
-  if (a.surface) {
-    const double unit_m = a.gsd_m.value_or(a.surface->cell_m);
-    text += line("surface model, all", a.surface->overall, unit_m);
-    text += line("surface model, smooth ground", a.surface->smooth_ground, unit_m);
-    if (a.surface->smooth_measured.cells) text += line("  measured cells", a.surface->smooth_measured, unit_m);
-    if (a.surface->smooth_interpolated.cells)
-      text += line("  interpolated cells", a.surface->smooth_interpolated, unit_m);
-    if (a.surface->roofs.cells) text += line("surface model, roofs", a.surface->roofs, unit_m);
-    if (a.surface->bounds)
-      text += fmt::format(
-          "surface model, sigma               {} cells   within 95 % bounds {:.1f} %{}\n", a.surface->bounds,
-          100 * a.surface->within_bounds,
-          a.surface->roofs.cells ? fmt::format("   on roofs {:.1f} %", 100 * a.surface->roofs_within_bounds) : "");
-    if (a.relative_within_bounds)
-      text +=
-          fmt::format("surface model, relative sigma      less the plane of all errors, within 95 % bounds {:.1f} %\n",
-                      100 * *a.relative_within_bounds);
-    text += fmt::format(
-        "surface model, completeness        {:.2f} %   measured {:.2f} %   where 3 or more images see {:.2f} %   cell "
-        "{:.4g} m\n",
-        100 * a.surface->completeness, 100 * a.surface->completeness_measured, 100 * a.surface->completeness_seen,
-        a.surface->cell_m);
-  }
-  if (a.walls && a.walls->places) {
-    const double unit_m = a.gsd_m.value_or(a.surface->cell_m);
-    text += fmt::format(
-        "surface model, walls               {} places   RMS {:.4f} m = {:.2f} GSD   median {:.2f} GSD   mean {:+.4f} m "
-        "  "
-        "within 2 GSD {:.1f} %\n",
-        a.walls->places, a.walls->rms_m, a.walls->rms_m / unit_m, a.walls->median_m / unit_m, a.walls->mean_m,
-        100 * a.walls->share_within);
-  }
-  if (a.terrain) {
-    const double unit_m = a.gsd_m.value_or(a.terrain->cell_m);
-    text += line("terrain model, all", a.terrain->overall, unit_m);
-    if (a.terrain->measured.cells) text += line("  ground seen", a.terrain->measured, unit_m);
-    if (a.terrain->interpolated.cells) text += line("  interpolated", a.terrain->interpolated, unit_m);
-    text += fmt::format("terrain model, objects removed     {:.2f} % of {} cells\n", 100 * a.terrain->share_removed,
-                        a.terrain->object_cells);
-  }
-  if (a.ortho)
-    text += fmt::format(
-        "orthophoto, local shift            {} windows   RMS x {:.3f}  y {:.3f} px   median {:.3f} px   mean {:+.3f} "
-        "{:+.3f}   "
-        "over 1 px {:.1f} %   failed {:.1f} %   cell {:.4g} m\n",
-        a.ortho->windows, a.ortho->rms_x_px, a.ortho->rms_y_px, a.ortho->median_px, a.ortho->mean_x_px,
-        a.ortho->mean_y_px, 100 * a.ortho->share_over_1_px, 100 * a.ortho->share_failed, a.ortho->cell_m);
-  if (a.ortho_colours)
-    text += fmt::format(
-        "orthophoto, colours                {} pixels   wrong surface {:.2f} %   RMS {:.1f} grey   brightness of {} "
-        "photographs alike to RMS {:.1f} %, worst {:.1f} %\n",
-        a.ortho_colours->pixels, 100 * a.ortho_colours->share_wrong, a.ortho_colours->rms_grey,
-        a.ortho_colours->photographs, 100 * a.ortho_colours->gain_rms, 100 * a.ortho_colours->gain_worst);
-  return text;
 }
 
 }  // namespace collinea

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include "collinea/assess/internal/cloud_errors.h"
 #include "collinea/assess/internal/colour_errors.h"
@@ -39,8 +38,5 @@ struct Assessment {
 /// the block's CRS is unknown; cancelled.
 [[nodiscard]] Result<Assessment> assess(const Block& block, const ProductFiles& products, const TruthFolder& truth,
                                         const Run& run);
-
-/// The assessment as lines of text, metres and pixels.
-[[nodiscard]] std::string table(const Assessment& assessment);
 
 }  // namespace collinea

@@ -399,18 +399,5 @@ TEST(OrthoErrors, WhatIsFurtherAwayThanTheSearchFails) {
   EXPECT_FALSE(ortho_errors(picture_of(0.1, 400, 0, 0), grey, collinea::Run{}));  // no texture to look for
 }
 
-TEST(Assess, TheTableNamesWhatIsThere) {
-  Assessment assessment;
-  EXPECT_EQ(table(assessment).find("surface"), std::string::npos);
-  assessment.surface = SurfaceErrors{};
-  assessment.surface->cell_m = 0.1;
-  EXPECT_EQ(table(assessment).find("relative sigma"), std::string::npos);
-  assessment.relative_within_bounds = 0.0;
-  EXPECT_NE(table(assessment).find("less the plane of all errors, within 95 % bounds 0.0 %"), std::string::npos);
-  assessment.ortho = OrthoErrors{};
-  EXPECT_NE(table(assessment).find("surface model, smooth ground"), std::string::npos);
-  EXPECT_NE(table(assessment).find("orthophoto"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace collinea

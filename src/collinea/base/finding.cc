@@ -39,6 +39,7 @@ constexpr CodeRow kCodes[] = {
     {C::kImageUnreadable, "image_unreadable", kNote},
     {C::kImageTooSmall, "image_too_small", kNote, F::kLimit},
     {C::kImageDuplicate, "image_duplicate", kNote},
+    {C::kFolderUnreadable, "folder_unreadable", kNote},
     {C::kCamerasMerged, "cameras_merged", kWeak, F::kFocalLowest, F::kFocalHighest},
     {C::kOrientationTaken, "orientation_taken", kNote, F::kCount, F::kOf, F::kCameras},
     {C::kOrientationHeld, "orientation_held", kNote, F::kCount, F::kOf, F::kCameras},

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "collinea/base/id.h"
+#include "collinea/base/option_name.h"
 
 namespace collinea {
 
@@ -43,6 +44,7 @@ enum class FindingCode : std::uint8_t {
   kImageUnreadable,      ///< a file that is no readable photograph
   kImageTooSmall,
   kImageDuplicate,    ///< the same bytes as another one
+  kFolderUnreadable,  ///< a folder of images that cannot be looked into
   kCamerasMerged,     ///< an orientation gives one camera several interior orientations
   kOrientationTaken,  ///< poses come from elsewhere
   kOrientationHeld,   ///< the same, and are not adjusted
@@ -86,7 +88,7 @@ enum class FindingCode : std::uint8_t {
   kLooseImages,             ///< images that can move against the others
   kNoBase,                  ///< images from nearly one position
   kImagesLeftOut,           ///< images with too few observations
-  kGeodeticLeftOut,           ///< geodetic observations whose points are not determined
+  kGeodeticLeftOut,         ///< geodetic observations whose points are not determined
   kWeakImages,              ///< images known far worse than the others
   kInseparable,             ///< two unknowns that hardly differ in their effect
   kUndetermined,            ///< an unknown that the observations do not determine: no standard deviations
@@ -337,31 +339,14 @@ enum class RemedyCode : std::uint8_t {
 };
 inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kSeeAdjustment) + 1;
 
-/// An option by its place in the description of options; a face spells it as its users know it.
-struct OptionField {
-  std::string group;  ///< the step: "orient"
-  std::string field;  ///< "calibration"
-  std::string value;  ///< the one to choose; empty: the user's
-
-  friend bool operator==(const OptionField&, const OptionField&) = default;
-
-  template <class Visit>
-  static void fields(Visit&& visit) {
-    using R = OptionField;
-    visit("group", &R::group);
-    visit("field", &R::field);
-    visit("value", &R::value);
-  }
-};
-
 /// One thing that helps. Several of a finding are alternatives, except for kDatumDefect: there each helps one subject.
 struct Remedy {
   RemedyCode code{};
-  OptionField option;  ///< of kSetOption
+  OptionName option;  ///< of kSetOption
 
   Remedy() = default;
   Remedy(RemedyCode what) : code(what) {}
-  Remedy(OptionField set) : code(RemedyCode::kSetOption), option(std::move(set)) {}
+  Remedy(OptionName set) : code(RemedyCode::kSetOption), option(std::move(set)) {}
 
   friend bool operator==(const Remedy&, const Remedy&) = default;
 

@@ -24,18 +24,18 @@ std::string range_text(double min, double max) {
 
 Error out_of_range(std::string_view name, std::string_view unit, double value, double min, double max) {
   const std::string of_unit = unit.empty() || unit == "1" ? "" : " " + std::string(unit);
-  return {
+  return Error{
       Errc::kBadInput,
       std::string(name) + " = " + number_text(value) + of_unit + " is out of range: " + range_text(min, max) + of_unit,
-      {OptionName{name}}};
+      {OptionName{std::string(name)}}};
 }
 
 Error not_a_choice(std::string_view name, std::string_view word, std::span<const Choice> choices) {
   std::vector<std::string_view> known;
   for (const Choice& choice : choices) known.push_back(choice.word);
-  return {Errc::kBadInput,
-          std::string(name) + " = \"" + std::string(word) + "\": choose " + listed(known),
-          {OptionName{name}}};
+  return Error{Errc::kBadInput,
+               std::string(name) + " = \"" + std::string(word) + "\": choose " + listed(known),
+               {OptionName{std::string(name)}}};
 }
 
 }  // namespace collinea

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "collinea/base/result.h"
+#include "collinea/base/word_or.h"
 #include "collinea/base/words.h"
 
 // Options are described once, by a static member `describe` of each options struct; range checks, the command line,
@@ -65,7 +66,7 @@ struct Choice {
 };
 
 /// One field of an options struct. T is bool, a number, std::string, std::filesystem::path, an enumeration with words,
-/// or a std::optional of one (nothing = chosen from the data; the help says how).
+/// a word or something else (WordOr), or a std::optional of one (nothing = chosen from the data; the help says how).
 template <class Owner, class T>
 struct Field {
   std::string_view name;
@@ -99,13 +100,15 @@ struct Field {
     for (const auto& one : only) allowed |= one == value;
     return allowed;
   }
-  /// The words there are to choose from; none for other types than enumerations.
+  /// The words there are to choose from, of a WordOr beside what else it may be; none for other types.
   [[nodiscard]] std::vector<Choice> choices() const {
     std::vector<Choice> out;
     if constexpr (Worded<OptionValue<T>>) {
       if (automatic) out.push_back({"auto", *automatic});
       for (const auto& entry : words(OptionValue<T>{}))
         if (allows(entry.value)) out.push_back({entry.word, entry.meaning});
+    } else if constexpr (detail::kIsWordOr<OptionValue<T>>) {
+      for (const auto& entry : OptionValue<T>::table()) out.push_back({entry.word, entry.meaning});
     }
     return out;
   }

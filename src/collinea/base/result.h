@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <initializer_list>
 #include <source_location>
 #include <string>
@@ -10,21 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "collinea/base/option_name.h"
+
 namespace collinea {
 
 enum class Errc { kBadInput, kNotFound, kBadFormat, kUnsupported, kIllPosed, kNotConverged, kCancelled };
-
-/// The name of a field of an options struct, as its description has it: "crs". Faces spell it as their users type it
-/// (--crs); no module below them does. Refers to text that lives as long as the program.
-struct OptionName {
-  std::string_view name;
-  std::string_view group = {};  ///< of options it belongs to, where another has the same name; empty: whichever has it
-
-  friend bool operator==(const OptionName&, const OptionName&) = default;
-};
-
-/// "crs"_option.
-[[nodiscard]] constexpr OptionName operator""_option(const char* name, std::size_t size) { return {{name, size}}; }
 
 /// What went wrong in the world outside our code, in words a user can act on.
 struct Error {
@@ -37,9 +26,14 @@ struct Error {
     message.insert(0, std::string(doing) + ": ");
     return std::move(*this);
   }
+  /// Adds what to do about it behind: "...; remove that file and give the command again".
+  [[nodiscard]] Error advising(std::string_view what) && {
+    message += what;
+    return std::move(*this);
+  }
   /// Adds an option that it is about.
   [[nodiscard]] Error about(OptionName option) && {
-    options.push_back(option);
+    options.push_back(std::move(option));
     return std::move(*this);
   }
 };

@@ -17,8 +17,8 @@ struct Run {
   std::function<void(std::string_view stage, double done)> progress = {};  ///< done in [0, 1]; called from any thread
   std::function<void(std::string_view line)> log = {};                     ///< called from any thread
   int threads = 1;
-  std::uint64_t seed = 1;                                ///< same inputs + same seed = same bits, whatever `threads` is
-  std::function<std::string(OptionName)> spelling = {};  ///< of an option in a logged line; nothing: its name
+  std::uint64_t seed = 1;     ///< same inputs + same seed = same bits, whatever `threads` is
+  SpellOption spelling = {};  ///< of an option in a logged line; nothing: its name
 
   [[nodiscard]] bool stopped() const { return stop.stop_requested(); }
   void report(std::string_view stage, double done) const {
@@ -28,8 +28,8 @@ struct Run {
     if (log) log(line);
   }
   /// An option as the user types it: "--given-sigmas".
-  [[nodiscard]] std::string spelled(OptionName option) const {
-    return spelling ? spelling(option) : std::string(option.name);
+  [[nodiscard]] std::string spelled(const OptionName& option) const {
+    return spelling ? spelling(option) : option.name;
   }
 };
 

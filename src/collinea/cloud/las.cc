@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/base/file_text.h"
 #include "collinea/base/packed.h"
 
 namespace collinea {
@@ -18,8 +19,9 @@ constexpr std::uint16_t kWktBit = 1 << 4;
 constexpr std::uint16_t kWktRecord = 2112, kExtraBytesRecord = 4, kLazRecord = 22204;
 constexpr std::uint8_t kUnsignedChar = 1, kFloat = 9;  // data types of extra bytes
 constexpr std::size_t kDescriptorBytes = 192;
-constexpr std::size_t kPiece = 8192;    // points handled at once
-constexpr std::size_t kExtraBytes = 5;  // sigma_m and images
+constexpr FileText kSigmaText = "standard deviation [m]", kImagesText = "images that agree";  // of extra bytes
+constexpr std::size_t kPiece = 8192;                                                          // points handled at once
+constexpr std::size_t kExtraBytes = 5;                                                        // sigma_m and images
 constexpr std::string_view kLazUser = "laszip encoded", kCopcUser = "copc";
 constexpr std::uint16_t kCopcInfoRecord = 1, kCopcHierarchyRecord = 1000;
 constexpr std::size_t kCopcInfoBytes = 160, kRecordHeaderBytes = 54, kLongRecordHeaderBytes = 60;
@@ -112,8 +114,8 @@ Result<LasWriter> LasWriter::create(const std::filesystem::path& path, const Opt
   }
   if (options.extra_bytes) {
     put_head("LASF_Spec", kExtraBytesRecord, 2 * kDescriptorBytes, "extra bytes");
-    put_extra_bytes_descriptor(records, kFloat, "sigma_m", "standard deviation [m]");
-    put_extra_bytes_descriptor(records, kUnsignedChar, "images", "images that agree");
+    put_extra_bytes_descriptor(records, kFloat, "sigma_m", kSigmaText);
+    put_extra_bytes_descriptor(records, kUnsignedChar, "images", kImagesText);
   }
   if (options.form != LasForm::kLas) {
     const LazLayout layout{true, false, options.extra_bytes ? kExtraBytes : 0};

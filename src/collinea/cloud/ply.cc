@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 
+#include "collinea/base/file_text.h"
 #include "collinea/base/packed.h"
 #include "collinea/io/text.h"
 
@@ -12,6 +13,10 @@ namespace collinea {
 namespace {
 
 constexpr std::size_t kPointBytes = 3 * 8 + 3 * 4 + 3 + 4 + 2;
+// Begin and end of the header.
+constexpr FileText kHeaderStart = "ply\nformat binary_little_endian 1.0\ncomment written by collinea, in metres\n";
+constexpr FileText kHeaderEnd =
+    "property float sigma_m\nproperty uchar images\nproperty uchar classification\nend_header\n";
 
 enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 
@@ -164,13 +169,13 @@ Result<std::vector<CloudPoint>> parse_text(const Header& header, std::string_vie
 
 std::string PlyWriter::header() const {
   const std::string count = std::to_string(points_);
-  std::string text = "ply\nformat binary_little_endian 1.0\ncomment written by collinea, in metres\n";
+  std::string text = kHeaderStart;
   if (!comment_.empty()) text += "comment " + comment_ + "\n";
   text += "comment " + std::string(24 - count.size(), '-') + "\nelement vertex " + count + "\n";
   for (const char* name : {"x", "y", "z"}) text += std::string("property double ") + name + "\n";
   for (const char* name : {"nx", "ny", "nz"}) text += std::string("property float ") + name + "\n";
   for (const char* name : {"red", "green", "blue"}) text += std::string("property uchar ") + name + "\n";
-  return text + "property float sigma_m\nproperty uchar images\nproperty uchar classification\nend_header\n";
+  return text + kHeaderEnd;
 }
 
 Result<PlyWriter> PlyWriter::create(const std::filesystem::path& path, const std::string& comment) {

@@ -7,10 +7,17 @@
 #include <vector>
 
 #include "collinea/base/file.h"
+#include "collinea/base/file_text.h"
 #include "collinea/base/result.h"
 #include "collinea/cloud/internal/cloud_point.h"
 
 namespace collinea {
+
+/// What the clouds of the program say of themselves, for people: their frame.
+inline constexpr FileText kLocalCloudComment = "collinea, local world frame: x east, y north, z up";
+inline constexpr FileText kLeftCameraCloudComment = "collinea, frame of the left camera: x right, y down, z forward";
+inline constexpr FileText kPairCloudComment = "collinea, world frame of the orientation";
+inline constexpr FileText kTiePointsComment = "collinea tie points, local world frame, metres";
 
 /// Writes points as binary little-endian PLY: x y z (double), nx ny nz (float), red green blue (uchar), sigma_m
 /// (float), images, classification (uchar). Point by point; the file appears under its name only by finish().

@@ -48,10 +48,11 @@ Result<std::string> with_vertical_crs(pj_ctx* context, const std::string& plan, 
 
 }  // namespace
 
-Result<std::string> with_heights(const std::string& crs, const std::string& heights) {
+Result<std::string> with_heights(const std::string& crs, const HeightsFrom& from) {
   const ProjContext context = quiet_proj_context();
   COLLINEA_TRY(const std::string plan, plan_of(context.get(), crs));
-  if (heights == "ellipsoidal") return plan;
+  if (from.word() == HeightSurface::kEllipsoid) return plan;
+  const std::string& heights = from.text();
   if (names_authority(heights)) return with_vertical_crs(context.get(), plan, heights);
   std::error_code error;
   const std::filesystem::path file = std::filesystem::absolute(heights, error).lexically_normal();

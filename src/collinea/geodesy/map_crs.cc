@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "collinea/base/file_text.h"
 #include "collinea/geodesy/internal/map_projection.h"
 
 namespace collinea {
@@ -93,11 +94,11 @@ Result<ProjObject> with_geoid(pj_ctx* context, const std::string& plan, const st
   const std::string name = "heights by " + std::filesystem::path(file).filename().string();
   const std::string vertical = "VERTCRS[" + quoted(name) + ",VDATUM[" + quoted(name) +
                                "],CS[vertical,1],AXIS[\"gravity-related height (H)\",up],LENGTHUNIT[\"metre\",1]]";
-  const std::string bound =
-      "BOUNDCRS[SOURCECRS[" + vertical + "],TARGETCRS[" + (hub ? wkt2_of(context, hub.get()) : "") +
+  constexpr FileText kByGrid =
       "],ABRIDGEDTRANSFORMATION[\"geoid heights\",METHOD[\"GravityRelatedHeight to Geographic3D\"],"
-      "PARAMETERFILE[\"Geoid (height correction) model file\"," +
-      quoted(file) + "]]]";
+      "PARAMETERFILE[\"Geoid (height correction) model file\",";
+  const std::string bound = "BOUNDCRS[SOURCECRS[" + vertical + "],TARGETCRS[" +
+                            (hub ? wkt2_of(context, hub.get()) : "") + kByGrid + quoted(file) + "]]]";
   ProjObject compound = compound_crs(context, horizontal.get(), name, bound);
   if (!compound) return fail(Errc::kUnsupported, "\"" + plan + "\" cannot have heights by a geoid grid");
   return compound;

@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 constexpr double kAssumedFocal = 1.2;       // times the longer side: a plain wide-angle lens
 constexpr double kAssumedFocalSigma = 0.3;  // relative
 constexpr double kFullFrameDiagonal_mm = 43.2666;
+constexpr int kSmallest_px = 64;  // width and height of a photograph of use
 
 struct Photo {
   std::string file;
@@ -53,8 +54,8 @@ bool belongs_to_project(const fs::path& directory) {
 }
 
 struct Listing {
-  std::vector<std::string> files;                // sorted
-  std::vector<SkippedPhoto> unreadable_folders;  // folders that cannot be looked into
+  std::vector<std::string> files;           // sorted
+  std::vector<Finding> unreadable_folders;  // folders that cannot be looked into
 };
 
 std::string path_below(const fs::path& folder, const fs::path& path) {
@@ -77,7 +78,9 @@ Listing files_below(const fs::path& folder) {
       } else if (it->is_regular_file(ignored) && looks_like_photo(it->path())) {
         listing.files.push_back(path_below(folder, it->path()));
       }
-    if (error) listing.unreadable_folders.push_back({path_below(folder, here), "cannot be read: " + error.message()});
+    if (error)
+      listing.unreadable_folders.push_back(finding_of(
+          FindingCode::kFolderUnreadable, {Subject::file(path_below(folder, here))}, {}, {}, error.message()));
   }
   std::sort(listing.files.begin(), listing.files.end());
   return listing;
@@ -257,12 +260,13 @@ class Importer {
       : folder_(folder), options_(options), model_(model), camera_params_(std::move(camera_params)) {}
 
   void add(const Photo& photo) {
-    if (!photo.header) return skip(photo.file, reason_without_name(photo.header.error().message, folder_ / photo.file));
-    if (!photo.hash) return skip(photo.file, reason_without_name(photo.hash.error().message, folder_ / photo.file));
-    if (photo.header->width_px < 64 || photo.header->height_px < 64)
-      return skip(photo.file, "smaller than 64 x 64 pixels");
+    if (!photo.header) return skip_unreadable(photo, photo.header.error());
+    if (!photo.hash) return skip_unreadable(photo, photo.hash.error());
+    const Subject file = Subject::file(photo.file);
+    if (std::min(photo.header->width_px, photo.header->height_px) < kSmallest_px)
+      return skip(finding_of(FindingCode::kImageTooSmall, {file}, {{FigureName::kLimit, kSmallest_px}}));
     const auto [same, is_new] = file_of_hash_.emplace(*photo.hash, photo.file);
-    if (!is_new) return skip(photo.file, "the same bytes as " + same->second);
+    if (!is_new) return skip(finding_of(FindingCode::kImageDuplicate, {file, Subject::file(same->second)}));
     Image image;
     image.file = photo.file;
     image.camera = camera_of(*photo.header);
@@ -279,7 +283,11 @@ class Importer {
   Imported result;
 
  private:
-  void skip(const std::string& file, const std::string& reason) { result.skipped.push_back({file, reason}); }
+  void skip(Finding because) { result.skipped.push_back(std::move(because)); }
+  void skip_unreadable(const Photo& photo, const Error& error) {
+    skip(finding_of(FindingCode::kImageUnreadable, {Subject::file(photo.file)}, {}, {},
+                    reason_without_name(error.message, folder_ / photo.file)));
+  }
 
   CameraId camera_of(const ImageHeader& header) {
     const Key key{header.maker,
@@ -314,6 +322,23 @@ class Importer {
   std::map<Key, CameraId> cameras_;
   std::map<std::uint64_t, std::string> file_of_hash_;
 };
+
+// That a folder holds too few photographs, with what is wrong with the first of its other files.
+Error too_few(const Imported& imported, const fs::path& photos) {
+  Error error{Errc::kNotFound, fmt::format("{} usable photographs (JPEG, TIFF, PNG) in {}",
+                                           imported.block.images.size(), photos.string())};
+  if (!imported.skipped.empty()) {
+    const Finding& first = imported.skipped[0];
+    error = std::move(error).advising("; first skipped: " + first.subjects[0].name + ": ");
+    if (first.code == FindingCode::kImageTooSmall)
+      error = std::move(error).advising(fmt::format("smaller than {} x {} pixels", kSmallest_px, kSmallest_px));
+    else if (first.code == FindingCode::kImageDuplicate)
+      error = std::move(error).advising("the same bytes as " + first.subjects[1].name);
+    else
+      error = std::move(error).advising(first.detail);
+  }
+  return std::move(error).advising("; at least two are needed");
+}
 
 std::vector<std::string> names_in(const std::string& list) {
   std::vector<std::string> names;
@@ -383,7 +408,7 @@ bool has_positions(const Block& block) {
 // How high what the photographs count their heights from lies over the ellipsoid, for all of the block. Not for
 // positions of a file, which says itself what its heights are.
 Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, const ImportOptions& options) {
-  if (options.gps_heights == "ellipsoidal" || !has_positions(imported.block)) return {};
+  if (options.gps_heights.word() == HeightSurface::kEllipsoid || !has_positions(imported.block)) return {};
   const Eigen::Vector3d middle = middle_of(imported.block);
   const auto framed = [](Error error) { return std::move(error).about("gps_heights"_option); };
   COLLINEA_TRY(const std::string crs,
@@ -481,12 +506,7 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
   for (const Photo& photo : read) importer.add(photo);
   Imported imported = std::move(importer.result);
   imported.skipped.insert(imported.skipped.end(), listing.unreadable_folders.begin(), listing.unreadable_folders.end());
-  if (imported.block.images.size() < 2)
-    return fail(Errc::kNotFound, fmt::format("{} usable photographs (JPEG, TIFF, PNG) in {}{}; at least two are needed",
-                                             imported.block.images.size(), photos.string(),
-                                             imported.skipped.empty() ? ""
-                                                                      : "; first skipped: " + imported.skipped[0].file +
-                                                                            ": " + imported.skipped[0].reason));
+  if (imported.block.images.size() < 2) return tl::unexpected(too_few(imported, photos));
   if (camera_params) COLLINEA_TRY(check_given_camera(*camera_params, imported.block));
   PositionFile positions;
   std::set<ImageId> of_file;
@@ -513,9 +533,10 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   if (options.control) add_file(*options.control);
   if (options.ground) add_file(*options.ground);
   if (options.positions) add_file(*options.positions);
-  const std::optional<std::string> gps_heights = options.gps_heights;
+  const std::optional<HeightsFrom> gps_heights = options.gps_heights;
   for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})
-    if (std::error_code none; *heights && fs::is_regular_file(**heights, none)) add_file(**heights);  // a geoid grid
+    if (std::error_code none; *heights && fs::is_regular_file((*heights)->text(), none))  // a geoid grid
+      add_file((*heights)->text());
   return hash.hex();
 }
 

@@ -53,9 +53,15 @@ std::string labels_of(const Imported& imported, FindingCode code) {
   return text;
 }
 
+// Why a file was skipped: the code, what else it is about, figures and the words of whatever refused it.
 std::string reason_for(const Imported& imported, const std::string& file) {
-  for (const SkippedPhoto& photo : imported.skipped)
-    if (photo.file == file) return photo.reason;
+  for (const Finding& one : imported.skipped) {
+    if (one.subjects.at(0).name != file) continue;
+    std::string text(word_of(one.code));
+    if (one.subjects.size() > 1) text += ", " + one.subjects[1].name;
+    for (const Figure& figure : one.figures) text += fmt::format(", {} {:.0f}", word_of(figure.name), figure.value);
+    return one.detail.empty() ? text : text + ": " + one.detail;
+  }
   return "not skipped";
 }
 
@@ -93,7 +99,7 @@ TEST(ImportFocal, AnImpossibleOneIsNotBelieved) {
   ImageHeader header = drone_header();
   header.focal_mm.reset();
   header.focal_35mm_mm = 3000;
-  EXPECT_EQ(camera_of(header).prior.source_name(), "assumed");
+  EXPECT_EQ(camera_of(header).prior.source, Provenance::kAssumed);
 }
 
 TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
@@ -209,10 +215,10 @@ TEST(Import, BrokenDuplicateAndTinyFilesAreNamedAndTheRestGoesOn) {
   EXPECT_EQ(imported->block.images.at(ImageId{1}).file, "sub/b.jpg");
   EXPECT_EQ(imported->file_hash.size(), 2u);
   EXPECT_EQ(imported->skipped.size(), 4u);
-  EXPECT_EQ(reason_for(*imported, "copy.jpg"), "the same bytes as a.jpg");
-  EXPECT_EQ(reason_for(*imported, "empty.png"), "is empty");
-  EXPECT_EQ(reason_for(*imported, "text.jpg"), "is neither JPEG, PNG nor TIFF");
-  EXPECT_EQ(reason_for(*imported, "tiny.jpg"), "smaller than 64 x 64 pixels");
+  EXPECT_EQ(reason_for(*imported, "copy.jpg"), "image_duplicate, a.jpg");
+  EXPECT_EQ(reason_for(*imported, "empty.png"), "image_unreadable: is empty");
+  EXPECT_EQ(reason_for(*imported, "text.jpg"), "image_unreadable: is neither JPEG, PNG nor TIFF");
+  EXPECT_EQ(reason_for(*imported, "tiny.jpg"), "image_too_small, limit 64");
 }
 
 TEST(Import, RastersOfAProjectAmongThePhotosAreNoPhotos) {

@@ -8,10 +8,16 @@
 #include <string_view>
 #include <vector>
 
+#include "collinea/base/file_text.h"
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
 
 namespace collinea {
+
+/// Titles of the columns of our CSV, for those who write one; the reader does not need them.
+inline constexpr FileText kControlPointColumns =
+    "point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role";
+inline constexpr FileText kControlImageColumns = "image, id, file, x_px, y_px, sigma_px";
 
 /// What is assumed of rows that state no standard deviation.
 struct ControlDefaults {

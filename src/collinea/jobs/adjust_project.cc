@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/adjust_project.h"
+#include "collinea/report/value_words.h"
 #include "collinea/report/write_adjustment.h"
 
 #include <fmt/format.h>
@@ -75,21 +76,13 @@ void judge_as_orient_did(const OrientationRecord& orientation, bool shift_positi
   SigmaFactors factors = as_given();
   std::copy_n(orientation.sigma_factors.begin(), std::min(factors.size(), orientation.sigma_factors.size()),
               factors.begin());
-  std::string text;
-  for (std::size_t g = 0; g < factors.size(); ++g)
-    if (factors[g] != 1)
-      text += fmt::format("{}sigmas of \"{}\" times {:.1f}", text.empty() ? "" : ", ", kObservationGroupNames[g],
-                          factors[g]);
   block = with_sigmas(block, factors);
-  const Eigen::Vector3d& shift_m = orientation.position_shift_m;
-  if (shift_positions && !shift_m.isZero()) {
+  const Eigen::Vector3d shift_m = shift_positions ? orientation.position_shift_m : Eigen::Vector3d(0, 0, 0);
+  if (!shift_m.isZero())
     for (auto& [id, image] : block.images)
       if (image.position) image.position->position_in_world += shift_m;
-    text += fmt::format("{}positions shifted by {:+.2f}, {:+.2f}, {:+.2f} m", text.empty() ? "" : ", ", shift_m.x(),
-                        shift_m.y(), shift_m.z());
-  }
-  if (!text.empty())
-    run.say(fmt::format("note: as orientation found: {}; {} takes what was stated", text,
+  if (const std::string found = judgement_words(factors, shift_m); !found.empty())
+    run.say(fmt::format("note: as orientation found: {}; {} takes what was stated", found,
                         run.spelled("given_sigmas"_option)));
 }
 

@@ -45,8 +45,7 @@ Result<> export_tie_points(const std::filesystem::path& folder, const Block& blo
   std::vector<CloudPoint> cloud;
   for (const auto& [id, point] : block.points)
     cloud.push_back({.position = point.position_in_world, .colour = point.colour, .images = byte(images[id])});
-  COLLINEA_TRY(PlyWriter writer,
-               PlyWriter::create(folder / "tie_points.ply", "collinea tie points, local world frame, metres"));
+  COLLINEA_TRY(PlyWriter writer, PlyWriter::create(folder / "tie_points.ply", kTiePointsComment));
   writer.write(cloud);
   return writer.finish();
 }

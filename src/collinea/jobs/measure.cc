@@ -21,16 +21,16 @@ Result<std::optional<MapArea>> area_of(const std::optional<std::filesystem::path
   });
 }
 
-Result<Volume> volume_of(const SurfaceFiles& surface, const std::string& base, const std::optional<MapArea>& area,
-                         const VolumeOptions& options, const Run& run) {
-  if (from_word<VolumeBase>(base) == VolumeBase::kRim) {
+Result<Volume> volume_of(const SurfaceFiles& surface, const decltype(MeasureVolumeOptions::base)& base,
+                         const std::optional<MapArea>& area, const VolumeOptions& options, const Run& run) {
+  if (base.word() == VolumeBase::kRim) {
     if (!area)
       return fail(Errc::kBadInput, "volume over which area? Give its corners, or as base a height or another surface",
                   {"area"_option, "base"_option});
     return volume_over_rim(surface, *area, options, run);
   }
-  if (const auto level_m = finite_number(base)) return volume_over_level(surface, *level_m, area, options, run);
-  return volume_over_surface(surface, with_sigmas_beside(base), area, options, run);
+  if (const double* level_m = base.get<double>()) return volume_over_level(surface, *level_m, area, options, run);
+  return volume_over_surface(surface, with_sigmas_beside(*base.get<std::filesystem::path>()), area, options, run);
 }
 
 // Numbers as they are written, or a file of them.

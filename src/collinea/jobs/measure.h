@@ -18,7 +18,7 @@ inline constexpr Word<VolumeBase> kVolumeBaseWords[] = {{VolumeBase::kRim, "rim"
 
 /// What a surface is measured against.
 struct MeasureVolumeOptions {
-  std::string base = "rim";
+  WordOr<VolumeBase, double, std::filesystem::path> base = VolumeBase::kRim;
   std::optional<std::filesystem::path> area, output;
 
   template <class Visit>

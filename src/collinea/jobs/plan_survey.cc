@@ -7,7 +7,9 @@
 #include <numbers>
 
 #include "collinea/base/file.h"
+#include "collinea/base/file_text.h"
 #include "collinea/geodesy/local_frame.h"
+#include "collinea/raster/band_descriptions.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/report/plan_report.h"
 #include "collinea/vector/geopackage.h"
@@ -17,6 +19,9 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kNoData = -9999;
+// Second line of a control file that is planned.
+constexpr FileText kPlannedRemark =
+    "\n# planned: put the surveyed coordinates in place of these; heights count from the ground\n";
 
 Result<MapArea> read_area(const PlanOptions& options) {
   if (!options.area) return MapArea{};
@@ -25,10 +30,11 @@ Result<MapArea> read_area(const PlanOptions& options) {
 }
 
 Result<std::vector<PlannedPoint>> points_of(const LayoutOptions& layout, const FlightPlan& plan) {
-  if (from_word<ControlPattern>(layout.control)) return lay_out(layout, plan);
-  if (!is_there(layout.control)) return lay_out(layout, plan);  // tells which words there are
-  COLLINEA_TRY(const ControlFile file, read_control(layout.control, {.sigma_plan_m = layout.control_sigma_plan_m,
-                                                                     .sigma_height_m = layout.control_sigma_height_m}));
+  const auto* path = layout.control.get<std::filesystem::path>();
+  if (!path || !is_there(*path))
+    return lay_out(layout, plan);  // of what is no file either: it says which words there are
+  COLLINEA_TRY(const ControlFile file, read_control(*path, {.sigma_plan_m = layout.control_sigma_plan_m,
+                                                            .sigma_height_m = layout.control_sigma_height_m}));
   return planned_points(file);
 }
 
@@ -57,17 +63,18 @@ Result<std::optional<Gain>> one_more_cross_strip(FlightOptions flight, const Map
   }
   COLLINEA_TRY(PlannedBlock planned, planned_block(*plan, points, measurements));
   COLLINEA_TRY(const Precision with, predicted(std::move(planned), run));
-  return Gain{"one more cross strip", {}, with.area};
+  return Gain{.by = GainBy::kCrossStrip, .area = with.area};
 }
 
 // Projection centres as a receiver with corrections measures them, where none are planned.
 Result<Gain> with_positions(const FlightPlan& plan, const std::vector<PlannedPoint>& points,
                             MeasurementOptions measurements, const Run& run) {
-  measurements.position_sigma_plan_m = 0.02;
-  measurements.position_sigma_height_m = 0.03;
+  constexpr double kPlan_m = 0.02, kHeight_m = 0.03;
+  measurements.position_sigma_plan_m = kPlan_m;
+  measurements.position_sigma_height_m = kHeight_m;
   COLLINEA_TRY(PlannedBlock planned, planned_block(plan, points, measurements));
   COLLINEA_TRY(const Precision with, predicted(std::move(planned), run));
-  return Gain{"projection centres by RTK (20, 20, 30 mm)", {}, with.area};
+  return Gain{.by = GainBy::kPositions, .sigma_m = {kPlan_m, kPlan_m, kHeight_m}, .area = with.area};
 }
 
 std::string stations_csv(const FlightPlan& plan) {
@@ -83,9 +90,7 @@ std::string stations_csv(const FlightPlan& plan) {
 
 // As import reads it, once heights and pixels are measured.
 std::string control_csv(const PlanReport& report, const std::optional<std::string>& crs) {
-  std::string text = "# collinea control" + (crs ? ", " + *crs : "") +
-                     "\n# planned: put the surveyed coordinates in place of these; heights count from the ground\n"
-                     "point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role\n";
+  std::string text = "# collinea control" + (crs ? ", " + *crs : "") + kPlannedRemark + kControlPointColumns + "\n";
   const auto sigma = [](double value) { return std::isfinite(value) ? fmt::format("{:g}", value) : "inf"; };
   for (const PlannedPoint& point : report.points)
     text += fmt::format("point, {}, {:.3f}, {:.3f}, 0, {}, {}, {}, {}\n", point.name, point.place.x(), point.place.y(),
@@ -104,10 +109,7 @@ Result<> write_raster(const Precision& precision, const std::string& wkt, const 
     raster.at(x, y, 3) = float(cell.images);
   }
   COLLINEA_TRY(auto writer,
-               GeoTiffWriter<float>::create(path, grid, 4,
-                                            {.nodata = kNoData,
-                                             .description = "expected standard deviations east, north, height [m], and "
-                                                            "number of images"}));
+               GeoTiffWriter<float>::create(path, grid, 4, {.nodata = kNoData, .description = band::kPlannedSigma}));
   COLLINEA_TRY(writer.write(0, 0, raster));
   return writer.finish();
 }

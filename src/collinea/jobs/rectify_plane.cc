@@ -28,7 +28,7 @@ using Eigen::Vector3d;
 
 constexpr double kWider = 0.1;  // of the points' extent, on each side
 
-Result<std::vector<double>> numbers_of(const std::string& text, OptionName option) {
+Result<std::vector<double>> numbers_of(const std::string& text, const OptionName& option) {
   return parse_numbers(text).map_error([&](Error e) { return std::move(e).about(option); });
 }
 

@@ -35,7 +35,7 @@ struct Prepared {
   std::optional<EpipolarPair> cameras;
   std::optional<DisparityRange> from_points;
   bool resampled = false;
-  std::string frame;  // of the cloud
+  PairFrame frame{};  // of the cloud
 };
 
 Result<int> shrink_for(const Camera& camera, const StereoPairOptions& pair) {
@@ -63,7 +63,7 @@ Result<Prepared> rectified_pair(const fs::path& left, const fs::path& right, con
         epipolar_pair(*pair.focal_px / shrink, *pair.base_m, left_grey.width, right_grey.width, left_grey.height);
   ready.left = without_zero(std::move(left_grey));
   ready.right = without_zero(std::move(right_grey));
-  ready.frame = "frame of the left camera: x right, y down, z forward";
+  ready.frame = PairFrame::kLeftCamera;
   return ready;
 }
 
@@ -108,7 +108,7 @@ Result<Prepared> oriented_pair(const Block& block, const Side& left, const Side&
   ready.from_points = range_of(cameras, points);
   ready.cameras = cameras;
   ready.resampled = true;
-  ready.frame = "world frame of the orientation";
+  ready.frame = PairFrame::kWorld;
   return ready;
 }
 
@@ -186,7 +186,8 @@ Result<std::size_t> write_cloud(const fs::path& path, const Prepared& ready, con
   points.reserve(fused.size());
   for (const FusedPoint& p : fused)
     points.push_back({p.position_in_world, p.normal_in_world, p.colour, p.sigma, p.images, 0});
-  COLLINEA_TRY(PlyWriter writer, PlyWriter::create(path, "collinea, " + ready.frame));
+  COLLINEA_TRY(PlyWriter writer, PlyWriter::create(path, ready.frame == PairFrame::kLeftCamera ? kLeftCameraCloudComment
+                                                                                               : kPairCloudComment));
   writer.write(points);
   COLLINEA_TRY(writer.finish());
   return points.size();

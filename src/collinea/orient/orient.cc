@@ -222,7 +222,7 @@ Result<Orientation> keep_poses(BegunBlock begun, const OrientOptions& options, c
     if (const auto shown = part.shown_noise()) part.set_noise(*shown);
   }
   if (options.additional != AdditionalSet::kNone)
-    add(result, FindingCode::kAdditionalHeld, {}, {}, {OptionField{"orient", "refine_orientation", ""}});
+    add(result, FindingCode::kAdditionalHeld, {}, {}, {OptionName{"refine_orientation", "orient"}});
   // Poses that hardly a tie point fits stay all the same, but that is stated.
   std::vector<ImageId> loose;
   for (const auto& [image, pose] : part.poses())

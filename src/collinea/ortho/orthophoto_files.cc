@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "collinea/ortho/orthophoto.h"
+#include "collinea/raster/band_descriptions.h"
 
 namespace collinea {
 
@@ -27,9 +28,15 @@ Result<ReadFloats> open_floats(const std::filesystem::path& path, MapGrid& grid)
   };
 }
 
-std::string cells_text(const MapGrid& grid) {
-  return fmt::format("{} x {} cells of {} m from {:.3f} east, {:.3f} north", grid.width, grid.height, grid.cell_m,
-                     grid.west_m, grid.north_m);
+// That the standard deviations are of other cells than the heights.
+Error not_of_one_model(const std::filesystem::path& path, const MapGrid& heights,
+                       const std::filesystem::path& sigma_path, const MapGrid& sigmas) {
+  return Error{
+      Errc::kBadInput,
+      fmt::format("{} ({} x {} cells of {} m from {:.3f} east, {:.3f} north) does not lie on {} ({} x {} cells of {} m "
+                  "from {:.3f} east, {:.3f} north): the two are not of one surface model",
+                  sigma_path.string(), sigmas.width, sigmas.height, sigmas.cell_m, sigmas.west_m, sigmas.north_m,
+                  path.string(), heights.width, heights.height, heights.cell_m, heights.west_m, heights.north_m)};
 }
 
 }  // namespace
@@ -40,10 +47,7 @@ Result<HeightField> open_height_field(const std::filesystem::path& path, const s
   if (sigma_path.empty() || !std::filesystem::exists(sigma_path)) return field;
   MapGrid grid;
   COLLINEA_TRY(field.read_sigma, open_floats(sigma_path, grid));
-  if (!same_cells(field.grid, grid))
-    return fail(Errc::kBadInput,
-                fmt::format("{} ({}) does not lie on {} ({}): the two are not of one surface model",
-                            sigma_path.string(), cells_text(grid), path.string(), cells_text(field.grid)));
+  if (!same_cells(field.grid, grid)) return tl::unexpected(not_of_one_model(path, field.grid, sigma_path, grid));
   return field;
 }
 
@@ -55,11 +59,11 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   const auto begin = [&](const MapGrid& grid) -> Result<> {
     GeoTiffWriter<std::uint8_t>::Options as_picture;
     as_picture.alpha = true, as_picture.cloud_optimised = true;
-    as_picture.description = "orthophoto: red, green, blue, alpha";
+    as_picture.description = band::kOrthophoto;
     COLLINEA_TRY(picture, GeoTiffWriter<std::uint8_t>::create(files.picture, grid, 4, as_picture));
     GeoTiffWriter<std::uint16_t>::Options as_source;
     as_source.nodata = 0;
-    as_source.description = "number of the leading photograph, 0 none";
+    as_source.description = band::kOrthophotoSource;
     COLLINEA_TRY(source, GeoTiffWriter<std::uint16_t>::create(files.source, grid, 1, as_source));
     return {};
   };

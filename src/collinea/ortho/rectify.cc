@@ -11,6 +11,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/io/text.h"
 #include "collinea/ortho/ortho_tile.h"
+#include "collinea/raster/band_descriptions.h"
 #include "collinea/raster/photo.h"
 
 namespace collinea {
@@ -172,7 +173,7 @@ Result<RectifiedSummary> write_rectified(const std::filesystem::path& path, cons
   } else {
     GeoTiffWriter<std::uint8_t>::Options options;
     options.alpha = true, options.cloud_optimised = true;
-    options.description = "rectified plane: red, green, blue, alpha; metres on the plane";
+    options.description = band::kRectified;
     options.threads = run.threads;
     COLLINEA_TRY(tiff, GeoTiffWriter<std::uint8_t>::create(path, grid, 4, options));
   }

@@ -58,10 +58,10 @@ std::vector<Vector2d> grid_of(const Frame& frame, const MapArea& area, int wante
 
 Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& o, const FlightPlan& plan) {
   COLLINEA_TRY(validate(o));
-  const auto pattern = from_word<ControlPattern>(o.control);
+  const std::optional<ControlPattern> pattern = o.control.word();
   if (!pattern)
     return fail(Errc::kBadInput,
-                "control = \"" + o.control + "\": choose none, corners, corners_middle, grid or a file",
+                "control = \"" + o.control.text() + "\": choose none, corners, corners_middle, grid or a file",
                 {"control"_option});
   const Frame frame(plan, o.control_inset_m);
   std::vector<Vector2d> places;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ inline constexpr Word<ControlPattern> kControlPatternWords[] = {{ControlPattern:
 
 /// Where control is to be laid out, and how well it is surveyed.
 struct LayoutOptions {
-  std::string control = "corners_middle";
+  WordOr<ControlPattern, std::filesystem::path> control = ControlPattern::kCornersMiddle;
   int control_points = 9;
   double control_sigma_plan_m = 0.01, control_sigma_height_m = 0.015;
   std::optional<double> control_inset_m = {};

@@ -375,16 +375,15 @@ TEST(RulesOfThumb, AreThoseOfTheBook) {
   survey.points = lay_out({}, survey.plan).value();
   survey.measurements.map_cell_m = 500;
   const auto rules = rules_of_thumb(survey.plan, flight, survey.measurements, precision_of(survey));
-  const auto value = [&](const char* start) {
-    const auto rule =
-        std::find_if(rules.begin(), rules.end(), [&](const auto& r) { return r.name.starts_with(start); });
+  const auto value = [&](PlanRule of) {
+    const auto rule = std::find_if(rules.begin(), rules.end(), [&](const auto& r) { return r.rule == of; });
     return rule == rules.end() ? std::nan("") : rule->value_m;
   };
-  EXPECT_NEAR(value("signalised points, plan"), 0.06, 1e-9);
-  EXPECT_NEAR(value("signalised points, height"), 0.09, 1e-9);
-  EXPECT_NEAR(value("lines in plan"), 0.45, 1e-9);
-  EXPECT_NEAR(value("contours"), 0.375, 1e-9);
-  EXPECT_NEAR(value("manhole, plan"), std::hypot(0.06, 0.05), 1e-9);
+  EXPECT_NEAR(value(PlanRule::kSignalisedPlan), 0.06, 1e-9);
+  EXPECT_NEAR(value(PlanRule::kSignalisedHeight), 0.09, 1e-9);
+  EXPECT_NEAR(value(PlanRule::kLinesPlan), 0.45, 1e-9);
+  EXPECT_NEAR(value(PlanRule::kContours), 0.375, 1e-9);
+  EXPECT_NEAR(value(PlanRule::kManholePlan), std::hypot(0.06, 0.05), 1e-9);
 }
 
 }  // namespace

@@ -182,7 +182,7 @@ Result<std::optional<Gain>> one_more_point(const FlightPlan& plan, const std::ve
     COLLINEA_TRY(const Precision with, predicted(std::move(planned), run));
     run.report("places of one more control point", double(i + 1) / double(candidates.size()));
     if (best && with.area.rms_m.norm() >= best->area.rms_m.norm()) continue;
-    best = Gain{"one more control point", place, with.area};
+    best = Gain{GainBy::kControlPoint, place, sigma_m, with.area};
   }
   return best;
 }

@@ -50,10 +50,14 @@ struct Precision {
 /// block whose datum is not fixed still has an answer, with its weaknesses.
 [[nodiscard]] Result<Precision> predicted(PlannedBlock planned, const Run& run);
 
+/// What may be added to a survey.
+enum class GainBy : std::uint8_t { kControlPoint, kCrossStrip, kPositions };
+
 /// What something more would gain.
 struct Gain {
-  std::string what;
+  GainBy by{};
   std::optional<Eigen::Vector2d> place;  ///< of a point
+  Eigen::Vector3d sigma_m{0, 0, 0};      ///< with which it is measured: points, positions
   AreaSigma area;                        ///< with it
 };
 

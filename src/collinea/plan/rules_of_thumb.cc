@@ -32,25 +32,23 @@ std::vector<RuleOfThumb> rules_of_thumb(const FlightPlan& plan, const FlightOpti
   const double plan_m = 6e-6 * mb, height_m = (super_wide ? 0.08e-3 : 0.06e-3) * h;
   const auto natural = [](double signalised_m, double defined_m) { return std::hypot(signalised_m, defined_m); };
   const double parallax_m = h / plan.base_m * plan.gsd_m * std::numbers::sqrt2 * options.sigma_px;
-  return {{"signalised points, plan", "6 um * mb", plan_m, plan_rms(precision.area.rms_m)},
-          {"signalised points, height", super_wide ? "0.08 ‰ * h (super-wide)" : "0.06 ‰ * h", height_m,
+  return {{PlanRule::kSignalisedPlan, plan_m, plan_rms(precision.area.rms_m)},
+          {super_wide ? PlanRule::kSignalisedHeightSuperWide : PlanRule::kSignalisedHeight, height_m,
            precision.area.rms_m.z()},
-          {"point in two neighbouring images only (normal case), height", "h / base * GSD * sqrt(2) * sigma_px",
-           parallax_m, std::nullopt},
-          {"manhole, plan", "sqrt(signalised^2 + (5 cm)^2)", natural(plan_m, 0.05), std::nullopt},
-          {"manhole, height", "sqrt(signalised^2 + (2 cm)^2)", natural(height_m, 0.02), std::nullopt},
-          {"corner of a house or fence, plan", "sqrt(signalised^2 + (9.5 cm)^2)", natural(plan_m, 0.095), std::nullopt},
-          {"corner of a house or fence, height", "sqrt(signalised^2 + (11.5 cm)^2)", natural(height_m, 0.115),
-           std::nullopt},
-          {"lines in plan", "45 um * mb", 45e-6 * mb, std::nullopt},
-          {"contours on gentle slopes", "0.25 ‰ * h", 0.25e-3 * h, std::nullopt}};
+          {PlanRule::kNormalCaseHeight, parallax_m, std::nullopt},
+          {PlanRule::kManholePlan, natural(plan_m, 0.05), std::nullopt},
+          {PlanRule::kManholeHeight, natural(height_m, 0.02), std::nullopt},
+          {PlanRule::kCornerPlan, natural(plan_m, 0.095), std::nullopt},
+          {PlanRule::kCornerHeight, natural(height_m, 0.115), std::nullopt},
+          {PlanRule::kLinesPlan, 45e-6 * mb, std::nullopt},
+          {PlanRule::kContours, 0.25e-3 * h, std::nullopt}};
 }
 
 namespace {
 
 // Four points that lie each nearer to another corner of the site than a third of the site's shorter side.
 bool holds_corners(const FlightPlan& plan, const std::vector<PlannedPoint>& points) {
-  const auto corners = lay_out({.control = "corners"}, plan);
+  const auto corners = lay_out({.control = ControlPattern::kCorners}, plan);
   if (!corners) return false;
   double near_m = 1e300;
   for (std::size_t i = 0; i < corners->size(); ++i)
@@ -66,13 +64,10 @@ bool holds_corners(const FlightPlan& plan, const std::vector<PlannedPoint>& poin
 
 std::vector<Custom> customs(const FlightPlan& plan, const FlightOptions& flight,
                             const std::vector<PlannedPoint>& points, const Precision& precision) {
-  return {
-      {"forward overlap of 60 % and more", flight.forward_overlap >= 0.6},
-      {"side overlap of 20 % and more", flight.side_overlap >= 0.2},
-      {"six and more tie points of three and more images in every image", well_tied(precision) == plan.images.size()},
-      {"four control points and more, at the corners of the block (with measured projection centres they stay as a "
-       "check)",
-       holds_corners(plan, points)}};
+  return {{PlanCustom::kForwardOverlap, flight.forward_overlap >= 0.6},
+          {PlanCustom::kSideOverlap, flight.side_overlap >= 0.2},
+          {PlanCustom::kTiePoints, well_tied(precision) == plan.images.size()},
+          {PlanCustom::kControlAtCorners, holds_corners(plan, points)}};
 }
 
 }  // namespace collinea

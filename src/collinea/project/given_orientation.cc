@@ -43,7 +43,7 @@ void take_common(const std::map<CameraId, std::vector<Camera>>& cameras, ReadOri
     read.findings.push_back(finding_of(
         FindingCode::kCamerasMerged, {Subject::file(read.given.source), id},
         {{FigureName::kFocalLowest, sorted.front().focal_px()}, {FigureName::kFocalHighest, sorted.back().focal_px()}},
-        {OptionField{"orient", "refine_orientation", ""}}));
+        {OptionName{"refine_orientation", "orient"}}));
   }
 }
 

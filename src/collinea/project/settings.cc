@@ -21,6 +21,8 @@ template <class T>
 json to_json(const T& value) {
   if constexpr (Worded<T>)
     return json(word_of(value));
+  else if constexpr (detail::kIsWordOr<T>)
+    return json(value.text());
   else if constexpr (std::is_same_v<T, std::filesystem::path>)
     return json(value.string());
   else
@@ -41,7 +43,7 @@ json to_json(const Field<Owner, T>& field, const Owner& owner) {
 // Throws what the reader of the file turns into words.
 template <class T>
 T from_json(const json& j) {
-  if constexpr (std::is_same_v<T, std::filesystem::path>) {
+  if constexpr (std::is_same_v<T, std::filesystem::path> || detail::kIsWordOr<T>) {
     return j.get<std::string>();
   } else {
     if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {

@@ -260,7 +260,7 @@ void check_positions(const Block& block, const std::vector<Place>& places, Contr
   if (std::abs(off.z()) > std::max({1.0, 1.5 * sigma, 5 * scatter.z() / std::sqrt(count)})) {
     diagnosis.findings.push_back(
         finding_of(FindingCode::kPositionHeights, {}, {{FigureName::kUp, off.z()}},
-                   {OptionField{"import", "gps_heights", ""}, OptionField{"import", "control_heights", ""}}));
+                   {OptionName{"gps_heights", "import"}, OptionName{"control_heights", "import"}}));
     diagnosis.position_height_shift_m = -off.z();
   }
 }

@@ -45,8 +45,8 @@ TEST(VarianceComponents, WrongSigmasAreRecovered) {
     }
   }
   for (std::size_t g = 0; g < kGroupsHere; ++g) {
-    EXPECT_NEAR(sum[g] / kBlocks, 1, 4 * std::sqrt(variance[g]) / kBlocks + kSettled) << kObservationGroupNames[g];
-    EXPECT_LT(4 * std::sqrt(variance[g]) / kBlocks, (3 - 1) / 8.0) << kObservationGroupNames[g];
+    EXPECT_NEAR(sum[g] / kBlocks, 1, 4 * std::sqrt(variance[g]) / kBlocks + kSettled) << "group " << g;
+    EXPECT_LT(4 * std::sqrt(variance[g]) / kBlocks, (3 - 1) / 8.0) << "group " << g;
   }
 }
 

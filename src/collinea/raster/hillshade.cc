@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/raster/band_descriptions.h"
 #include "collinea/raster/block_cache.h"
 #include "collinea/raster/geotiff.h"
 
@@ -49,7 +50,7 @@ Result<> write_hillshade(const std::filesystem::path& heights, const std::filesy
   GeoTiffWriter<std::uint8_t>::Options options;
   options.nodata = 0;
   options.cloud_optimised = true;  // by one thread: more hold 35 MB of a large raster in pieces
-  options.description = "light from the north-west, 45 degrees high: 1 none to 255 full";
+  options.description = band::kHillshade;
   COLLINEA_TRY(auto writer, GeoTiffWriter<std::uint8_t>::create(out, grid, 1, options));
   for (int row = 0; row < grid.height; row += kTile) {
     for (int column = 0; column < grid.width; column += kTile) {

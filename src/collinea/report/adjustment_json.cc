@@ -7,6 +7,7 @@
 #include "collinea/report/internal/cells.h"
 #include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
+#include "collinea/report/value_words.h"
 #include "collinea/report/write_adjustment.h"
 
 namespace collinea {
@@ -101,7 +102,7 @@ json groups(const AdjustmentReport& report, const Reliability& tests) {
   for (std::size_t g = 0; g < kObservationGroups; ++g) {
     const GroupSums& sums = tests.groups[g];
     if (sums.observations == 0) continue;
-    json one = {{"group", kObservationGroupNames[g]},
+    json one = {{"group", words_of(ObservationGroup(g))},
                 {"observations", sums.observations},
                 {"redundancy", number(sums.redundancy)},
                 {"sigma_factor", number(shown_factor(sums))}};

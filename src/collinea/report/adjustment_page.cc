@@ -11,6 +11,7 @@
 #include "collinea/report/internal/cells.h"
 #include "collinea/report/internal/page.h"
 #include "collinea/report/internal/svg.h"
+#include "collinea/report/value_words.h"
 #include "collinea/report/write_adjustment.h"
 
 namespace collinea {
@@ -163,7 +164,7 @@ std::string group_table(const AdjustmentReport& report, const Reliability& tests
   for (std::size_t g = 0; g < kObservationGroups; ++g) {
     const GroupSums& sums = tests.groups[g];
     if (sums.observations == 0) continue;
-    html += "<tr>" + text_cell(kObservationGroupNames[g]) + fmt::format("<td>{}</td>", sums.observations) +
+    html += "<tr>" + text_cell(words_of(ObservationGroup(g))) + fmt::format("<td>{}</td>", sums.observations) +
             cell(sums.redundancy, 1) + cell(shown_factor(sums), 2) +
             cell(report.components ? report.components->factors[g] : 1, 2) + "</tr>\n";
   }

@@ -85,12 +85,11 @@ std::string words_of_given(const Words& w) {
     case C::kOrientationHeld:
       return orientation_words(w);
     case C::kImageUnreadable:
-      return "Image " + w.subject(0) + " is skipped: " + w.finding.detail + ".";
     case C::kImageTooSmall:
-      return fmt::format("Image {} is skipped: smaller than {} x {} pixels.", w.subject(0), w.whole(F::kLimit),
-                         w.whole(F::kLimit));
     case C::kImageDuplicate:
-      return "Image " + w.subject(0) + " is skipped: the same bytes as " + w.subject(1) + ".";
+      return "Image " + w.subject(0) + " is skipped: " + reason_of(w.finding, w.block) + ".";
+    case C::kFolderUnreadable:
+      return "Folder " + w.subject(0) + " is skipped: " + reason_of(w.finding, w.block) + ".";
     default:
       return "";
   }
@@ -527,6 +526,22 @@ std::string words_of_products(const Words& w) {
 }
 
 }  // namespace
+
+std::string reason_of(const Finding& skipped, const Block& block) {
+  const Words words{skipped, block};
+  switch (skipped.code) {
+    case C::kImageTooSmall:
+      return fmt::format("smaller than {} x {} pixels", words.whole(F::kLimit), words.whole(F::kLimit));
+    case C::kImageDuplicate:
+      return "the same bytes as " + words.subject(1);
+    case C::kFolderUnreadable:
+      return "cannot be read: " + skipped.detail;
+    case C::kNoDepthMap:
+      return "no depth map: " + skipped.detail;
+    default:
+      return skipped.detail;
+  }
+}
 
 std::string what_of(const Finding& finding, const Block& block) {
   const Words words{finding, block};

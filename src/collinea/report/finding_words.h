@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "collinea/adjust/datum_sources.h"
@@ -16,9 +15,6 @@ namespace collinea {
 /// Words for findings: the only place where a finding becomes a sentence. Short declarative sentences: the finding
 /// first, then the figure, then what to do.
 
-/// How a face spells an option: the command line as "--calibration none". Empty: "option calibration = none".
-using SpellOption = std::function<std::string(const OptionField&)>;
-
 /// "the lever arm to the right of FC6310", "k1 of camera FC6310", "the attitudes of the images", "IMG_3.jpg".
 [[nodiscard]] std::string words_of(const Subject& subject, const Block& block);
 
@@ -28,7 +24,12 @@ using SpellOption = std::function<std::string(const OptionField&)>;
 /// The finding and its figures, one sentence or two: "Check point P7 is 0.8 m off the control points."
 [[nodiscard]] std::string what_of(const Finding& finding, const Block& block);
 
+/// Why a file or an image has no part in what follows, without its name, which stands beside it in every list: "smaller
+/// than 64 x 64 pixels", "no depth map: too few tie points see it". Of findings whose first subject was skipped.
+[[nodiscard]] std::string reason_of(const Finding& skipped, const Block& block);
+
 /// What to do, one sentence: "Give a calibrated camera, or set option calibration = none."; "" when there is nothing.
+/// Without `spell` an option is "option calibration = none".
 [[nodiscard]] std::string remedy_of(const Finding& finding, const SpellOption& spell = {});
 
 /// Both.

@@ -56,6 +56,21 @@ TEST(FindingWords, EveryCodeHasASentenceOfFiguresThatItCarries) {
   }
 }
 
+TEST(FindingWords, ReasonsOfSkippedImagesStandBesideTheirNames) {
+  const Block block = named_block();
+  const Subject file = Subject::file("a/b.jpg");
+  const auto reason = [&](FindingCode code, std::vector<Subject> subjects, const char* detail) {
+    return reason_of(finding_of(code, std::move(subjects), {{FigureName::kLimit, 64}}, {}, detail), block);
+  };
+  EXPECT_EQ(reason(FindingCode::kImageUnreadable, {file}, "is empty"), "is empty");
+  EXPECT_EQ(reason(FindingCode::kImageTooSmall, {file}, ""), "smaller than 64 x 64 pixels");
+  EXPECT_EQ(reason(FindingCode::kImageDuplicate, {file, Subject::file("a/a.jpg")}, ""), "the same bytes as a/a.jpg");
+  EXPECT_EQ(reason(FindingCode::kFolderUnreadable, {file}, "Permission denied"), "cannot be read: Permission denied");
+  EXPECT_EQ(reason(FindingCode::kNoDepthMap, {ImageId{3}}, "no neighbours"), "no depth map: no neighbours");
+  EXPECT_EQ(what_of(finding_of(FindingCode::kImageDuplicate, {file, Subject::file("a/a.jpg")}), block),
+            "Image a/b.jpg is skipped: the same bytes as a/a.jpg.");
+}
+
 TEST(FindingWords, WordsDoNotDependOnTheSeverity) {
   for (std::size_t i = 0; i < kFindingCodes; ++i)
     for (const Severity severity : {Severity::kNote, Severity::kWeak, Severity::kWrong}) {
@@ -71,7 +86,7 @@ TEST(FindingWords, EveryRemedyHasAPhraseOfItsOwn) {
   for (std::size_t i = 0; i < kRemedyCodes; ++i) {
     Finding finding = finding_of(FindingCode::kLocalGauge);
     const auto code = static_cast<RemedyCode>(i);
-    finding.remedies = {code == RemedyCode::kSetOption ? Remedy(OptionField{"orient", "calibration", "none"})
+    finding.remedies = {code == RemedyCode::kSetOption ? Remedy(OptionName{"calibration", "orient", "none"})
                                                        : Remedy(code)};
     const std::string phrase = remedy_of(finding);
     EXPECT_GT(phrase.size(), 8u) << word_of(code);
@@ -80,10 +95,10 @@ TEST(FindingWords, EveryRemedyHasAPhraseOfItsOwn) {
 }
 
 TEST(FindingWords, OptionsAreSpeltAsTheFaceKnowsThem) {
-  Finding finding = finding_of(FindingCode::kLocalGauge, {}, {}, {OptionField{"orient", "time_offset", ""}});
+  Finding finding = finding_of(FindingCode::kLocalGauge, {}, {}, {OptionName{"time_offset", "orient"}});
   EXPECT_EQ(remedy_of(finding), "See option time_offset.");
-  EXPECT_EQ(remedy_of(finding, [](const OptionField& option) { return "--" + option.field; }), "See --time_offset.");
-  finding.remedies = {RemedyCode::kCalibrateCamera, OptionField{"orient", "calibration", "none"}};
+  EXPECT_EQ(remedy_of(finding, [](const OptionName& option) { return "--" + option.name; }), "See --time_offset.");
+  finding.remedies = {RemedyCode::kCalibrateCamera, OptionName{"calibration", "orient", "none"}};
   EXPECT_EQ(remedy_of(finding), "Give a calibrated camera, or set option calibration = none.");
 }
 
@@ -166,7 +181,7 @@ TEST(FindingWords, DatumGaugeAndConditioning) {
 TEST(FindingJson, HoldsCodeSeveritySubjectsFiguresAndSentence) {
   const Finding finding =
       finding_of(FindingCode::kPositionHeights, {ControlId{1}, Subject(CameraId{0}, Aspect::kParameter, Camera::kK1)},
-                 {{FigureName::kUp, -73.14}}, {OptionField{"import", "gps_heights", ""}});
+                 {{FigureName::kUp, -73.14}}, {OptionName{"gps_heights", "import"}});
   const auto json = finding_json(finding, named_block());
   EXPECT_EQ(json.at("code"), "position_heights");
   EXPECT_EQ(json.at("severity"), "wrong");

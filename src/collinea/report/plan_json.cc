@@ -8,6 +8,7 @@
 #include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/plan_report.h"
+#include "collinea/report/plan_words.h"
 
 namespace collinea {
 namespace {
@@ -97,15 +98,16 @@ std::string plan_json(const PlanReport& report) {
                                {"points", rays.points},
                                {"rms_m", vector(rays.rms_m)}});
   for (const Gain& gain : report.gains)
-    j["gains"].push_back({{"what", gain.what},
+    j["gains"].push_back({{"what", words_of(gain)},
                           {"place", gain.place ? place(*gain.place) : json(nullptr)},
                           {"area", area_json(gain.area)}});
   for (const RuleOfThumb& rule : report.rules)
-    j["rules_of_thumb"].push_back({{"of", rule.name},
-                                   {"rule", rule.formula},
+    j["rules_of_thumb"].push_back({{"of", words_of(rule.rule)},
+                                   {"rule", formula_of(rule.rule)},
                                    {"by_rule_m", rule.value_m},
                                    {"by_adjustment_m", number(rule.predicted_m.value_or(std::nan("")))}});
-  for (const Custom& custom : report.customs) j["customs"].push_back({{"what", custom.what}, {"kept", custom.kept}});
+  for (const Custom& custom : report.customs)
+    j["customs"].push_back({{"what", words_of(custom.what)}, {"kept", custom.kept}});
   j["weaknesses"] = findings_json(precision.adjusted.weaknesses, report.precision.planned.block);
   if (report.trials)
     j["trials"] = {{"blocks", report.trials->blocks},
@@ -141,12 +143,12 @@ std::string plan_text(const PlanReport& report) {
   if (report.precision.adjusted.rank_defect > 0)
     text += "           of the shape alone: place, attitude or scale on the map are not fixed (see weak)\n";
   for (const Gain& gain : report.gains)
-    text += "with       " + sigmas(gain.area) + ": " + gain.what +
+    text += "with       " + sigmas(gain.area) + ": " + words_of(gain) +
             (gain.place ? fmt::format(" at {:.1f}, {:.1f}", gain.place->x(), gain.place->y()) : "") + "\n";
   for (const RuleOfThumb& rule : report.rules)
     if (rule.predicted_m)
       text += fmt::format("rule       {:.1f} mm, here {:.1f} mm: {} = {}\n", 1000 * rule.value_m,
-                          1000 * *rule.predicted_m, rule.name, rule.formula);
+                          1000 * *rule.predicted_m, words_of(rule.rule), formula_of(rule.rule));
   if (report.trials)
     text +=
         fmt::format("simulated  errors of {} blocks over what was foretold: east {:.2f}, north {:.2f}, height {:.2f}\n",
@@ -155,7 +157,7 @@ std::string plan_text(const PlanReport& report) {
   for (const Finding& weak : report.precision.adjusted.weaknesses)
     text += "weak       " + sentence_of(weak, report.precision.planned.block) + "\n";
   for (const Custom& custom : report.customs)
-    if (!custom.kept) text += "custom     not " + custom.what + "\n";
+    if (!custom.kept) text += fmt::format("custom     not {}\n", words_of(custom.what));
   if (area.empty > 0)
     text += fmt::format("seen       {} of {} cells of the map are in fewer than two images\n", area.empty, area.cells);
   return text;

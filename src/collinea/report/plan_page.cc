@@ -10,6 +10,7 @@
 #include "collinea/report/internal/page.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/plan_report.h"
+#include "collinea/report/plan_words.h"
 
 namespace collinea {
 namespace {
@@ -79,7 +80,7 @@ std::string cautions(const PlanReport& report) {
     html += fmt::format("<li>{} of {} cells of the map are seen in fewer than two images.</li>\n",
                         report.precision.area.empty, report.precision.area.cells);
   for (const Custom& custom : report.customs)
-    if (!custom.kept) html += "<li>Against custom: not " + escaped(custom.what) + ".</li>\n";
+    if (!custom.kept) html += "<li>Against custom: not " + escaped(words_of(custom.what)) + ".</li>\n";
   return html.empty() ? "" : "<h2>What the block would determine badly</h2><ul class=\"cautions\">" + html + "</ul>\n";
 }
 
@@ -108,7 +109,8 @@ std::string gains(const PlanReport& report) {
   };
   row("as planned", now);
   for (const Gain& gain : report.gains)
-    row(gain.place ? fmt::format("{} at {:.1f}, {:.1f}", gain.what, gain.place->x(), gain.place->y()) : gain.what,
+    row(gain.place ? fmt::format("{} at {:.1f}, {:.1f}", words_of(gain), gain.place->x(), gain.place->y())
+                   : words_of(gain),
         gain.area);
   return html + "</tbody></table></section>\n";
 }
@@ -170,11 +172,11 @@ std::string rules(const PlanReport& report) {
       "real propagation of errors counts.</p>\n" +
       head({"of", "rule", "by the rule [mm]", "by the adjustment [mm]"});
   for (const RuleOfThumb& rule : report.rules)
-    html += "<tr>" + text_cell(rule.name) + text_cell(rule.formula) + cell(1000 * rule.value_m, kMm) +
-            cell(1000 * rule.predicted_m.value_or(std::nan("")), kMm) + "</tr>\n";
+    html += "<tr>" + text_cell(words_of(rule.rule)) + text_cell(formula_of(rule.rule)) +
+            cell(1000 * rule.value_m, kMm) + cell(1000 * rule.predicted_m.value_or(std::nan("")), kMm) + "</tr>\n";
   html += "</tbody></table>\n<ul>";
   for (const Custom& custom : report.customs)
-    html += "<li>" + escaped(custom.what) + ": " + (custom.kept ? "yes" : "<b>no</b>") + "</li>\n";
+    html += "<li>" + escaped(words_of(custom.what)) + ": " + (custom.kept ? "yes" : "<b>no</b>") + "</li>\n";
   return html + "</ul></section>\n";
 }
 

@@ -84,8 +84,8 @@ constexpr bool in_order() {
 }
 static_assert(in_order());
 
-std::string spelled(const OptionField& option) {
-  return "option " + option.field + (option.value.empty() ? "" : " = " + option.value);
+std::string spelled(const OptionName& option) {
+  return "option " + option.name + (option.value.empty() ? "" : " = " + option.value);
 }
 
 std::string phrase_of(const Remedy& remedy, const SpellOption& spell) {

@@ -7,9 +7,11 @@
 #include <numbers>
 
 #include "collinea/block/geodetic_words.h"
+#include "collinea/report/finding_words.h"
 #include "collinea/report/internal/cells.h"
 #include "collinea/report/internal/page.h"
 #include "collinea/report/internal/svg.h"
+#include "collinea/report/value_words.h"
 
 namespace collinea {
 namespace {
@@ -102,7 +104,7 @@ std::string one_camera(const ReportInput& input, const ReportSummary& summary, C
       "{}.{}</p>\n",
       escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), words_of_model(camera),
       camera.width_px, camera.height_px, images, images == 1 ? "" : "s", field_of_view_deg(camera),
-      escaped(camera.prior.source == Provenance::kUnknown ? "unknown" : camera.prior.source_name()),
+      escaped(camera.prior.source == Provenance::kUnknown ? "unknown" : words_of(camera.prior.source)),
       camera.prior.calibrate ? "" : " All parameters were given and held.");
   html +=
       "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th "
@@ -129,7 +131,7 @@ std::string bytes_text(double bytes) {
   return fmt::format("{:.0f} kB", bytes / 1e3);
 }
 
-std::string name_value_table(const std::vector<std::pair<std::string, std::string>>& pairs, const char* title) {
+std::string name_value_table(const NamedValues& pairs, const char* title) {
   if (pairs.empty()) return "";
   std::string html = fmt::format("<div><h3>{}</h3><table><tbody>\n", title);
   for (const auto& [name, value] : pairs) html += "<tr>" + text_cell(name) + text_cell(value, "l w") + "</tr>\n";
@@ -261,8 +263,9 @@ std::string left_out_section(const ReportInput& input, const ReportSummary& summ
   std::string html =
       "<section><h2>Images left out</h2>\n<table><thead><tr><th class=\"l\">file</th><th "
       "class=\"l\">why</th></tr></thead><tbody>\n";
-  for (const SkippedImage& skipped : input.skipped)
-    html += "<tr>" + text_cell(skipped.file, "l w") + text_cell(skipped.reason, "l w") + "</tr>\n";
+  for (const Finding& skipped : input.skipped)
+    html += "<tr>" + text_cell(words_of(skipped.subjects.at(0), input.block), "l w") +
+            text_cell(reason_of(skipped, input.block), "l w") + "</tr>\n";
   for (const ImageId id : summary.not_oriented)
     html += "<tr>" + text_cell(input.block.images.at(id).file, "l w") +
             text_cell("not oriented: too few points in common with the block", "l w") + "</tr>\n";
@@ -276,7 +279,8 @@ std::string process_section(const ReportInput& input) {
         "<h3>Products</h3><table><thead><tr><th class=\"l\">product</th><th class=\"l\">file</th><th "
         "class=\"l\">content</th><th>size</th></tr></thead><tbody>\n";
     for (const ReportProduct& product : input.products)
-      html += "<tr>" + text_cell(product.name) + text_cell(product.file, "l w") + text_cell(product.what, "l w") +
+      html += "<tr>" + text_cell(name_of(product.file)) + text_cell(path_of(product.file), "l w") +
+              text_cell(content_of(product.file, input.steps), "l w") +
               fmt::format("<td>{}</td></tr>\n", bytes_text(double(product.bytes)));
     html += "</tbody></table>\n";
   }
@@ -298,7 +302,7 @@ std::string process_section(const ReportInput& input) {
     row("all", seconds, cpu, memory, "total");
     html += "</tbody></table>\n";
   }
-  const std::string options = name_value_table(input.options, "Options that were chosen"),
+  const std::string options = name_value_table(chosen_options(input), "Options that were chosen"),
                     versions = name_value_table(input.versions, "Versions");
   if (!options.empty() || !versions.empty()) html += "<div class=\"pair\">" + options + versions + "</div>\n";
   return html.empty() ? "" : "<section><h2>Processing</h2>\n" + html + "</section>\n";

@@ -104,8 +104,13 @@ TEST(StepFigures, OfAProductThatWasNotMadeSayWhy) {
       figures_of(SurfaceRecord{.skipped_because = finding_of(FindingCode::kNoScale, {Product::kSurfaceModel})}, {});
   EXPECT_EQ(none.size(), 1u);
   EXPECT_EQ(none.at("skipped_because").at("code"), "no_scale");
-  EXPECT_EQ(figures_of(DetectRecord{.images = 2, .features = 7, .skipped = {{"x.txt", "no image"}}}, {}).dump(),
-            R"({"images":2,"features":7,"skipped":[{"file":"x.txt","reason":"no image"}]})");
+  const Finding unreadable = finding_of(FindingCode::kImageUnreadable, {Subject::file("x.jpg")}, {}, {}, "is no image");
+  const auto detect = figures_of(DetectRecord{.images = 2, .features = 7, .skipped = {unreadable}}, {});
+  EXPECT_EQ(detect.at("images"), 2);
+  EXPECT_EQ(detect.at("features"), 7);
+  EXPECT_EQ(detect.at("skipped").at(0).at("code"), "image_unreadable");
+  EXPECT_EQ(detect.at("skipped").at(0).at("subjects").at(0).at("name"), "x.jpg");
+  EXPECT_EQ(detect.at("skipped").at(0).at("what"), "Image x.jpg is skipped: is no image.");
 }
 
 }  // namespace

@@ -43,7 +43,10 @@ std::string stereo_text(const StereoReport& report) {
   std::string text = fmt::format("measured: {:.1f} % of {} pixels, median sigma {:.2f} px\n",
                                  report.pixels ? 100.0 * double(report.measured) / double(report.pixels) : 0.0,
                                  report.pixels, report.median_sigma_px);
-  if (report.cameras) text += fmt::format("cloud: {} points, {}\n", report.cameras->points, report.frame);
+  if (report.cameras)
+    text += fmt::format("cloud: {} points, {}\n", report.cameras->points,
+                        report.frame == PairFrame::kLeftCamera ? "frame of the left camera: x right, y down, z forward"
+                                                               : "world frame of the orientation");
   return text;
 }
 

@@ -12,6 +12,7 @@
 #include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/adjustment_products.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/value_words.h"
 
 namespace collinea {
 namespace {
@@ -74,8 +75,7 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
       "its_effect_in_sigmas\n";
   for (const TestedObservation& tested : observations) {
     const TestedObservation one = in_unit(tested);
-    text += in_quotes(name_of(one, report.block)) + "," +
-            in_quotes(kObservationGroupNames[static_cast<std::size_t>(one.group)]) + "," + unit_of(one);
+    text += in_quotes(name_of(one, report.block)) + "," + in_quotes(words_of(one.group)) + "," + unit_of(one);
     for (const double value : {one.residual, one.sigma, one.redundancy, one.w, one.gross_error,
                                one.minimal_detectable_bias, one.effect, one.effect_in_sigmas})
       text += csv_field(value);

@@ -49,7 +49,7 @@ UnitList list_of(const char* stage, UnitKind kind, const std::vector<ImageId>& i
 // Overviews of all images first, then depth maps. Returns the images that have one.
 Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
                                        WorkingImages& pictures, DepthFolder& overviews, DepthFolder& folder,
-                                       std::vector<SkippedImage>& left_out) {
+                                       std::vector<Finding>& left_out) {
   std::vector<ImageId> images;
   for (const auto& [image, pose] : oriented_images(block)) images.push_back(image);
   const DenseOptions& options = project.settings.densify;
@@ -65,7 +65,7 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   std::vector<ImageId> with_map;
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (const auto why = maps.skipped_because.find(i); why != maps.skipped_because.end())
-      left_out.push_back({block.images.at(images[i]).file, "no depth map: " + why->second.message});
+      left_out.push_back(finding_of(FindingCode::kNoDepthMap, {images[i]}, {}, {}, why->second.message));
     else
       with_map.push_back(images[i]);
   }
@@ -121,8 +121,7 @@ class CloudFiles {
     for (const char* earlier : {"cloud.las", "cloud.laz", "cloud.copc.laz", "dtm.tif"})
       COLLINEA_TRY(remove_file(products / earlier));
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
-    COLLINEA_TRY(PlyWriter ply_writer,
-                 PlyWriter::create(products / "cloud.ply", "collinea, local world frame: x east, y north, z up"));
+    COLLINEA_TRY(PlyWriter ply_writer, PlyWriter::create(products / "cloud.ply", kLocalCloudComment));
     return CloudFiles(std::move(las_writer), std::move(ply_writer), places);
   }
 

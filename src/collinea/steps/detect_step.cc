@@ -83,7 +83,7 @@ Result<StepOutput> output_of(const Project& project, const Images& images, const
     record.images += !one.hash.empty();
   }
   for (const auto& [i, error] : units.skipped_because) {
-    record.skipped.push_back({images[i].second->file, error.message});
+    record.skipped.push_back(finding_of(FindingCode::kImageUnreadable, {images[i].first}, {}, {}, error.message));
     project.run.say(fmt::format("skipped {}: {}", images[i].second->file, error.message));
   }
   if (record.images < 2) return fail(Errc::kBadInput, "fewer than two photographs could be read");

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kStopped = "stopped; the same command goes on from here";
+Error stopped() { return Error{Errc::kCancelled, "stopped; the same command goes on from here"}; }
 
 struct Step {
   const char* name;
@@ -29,7 +29,7 @@ struct Step {
   bool reads_sources = false;         ///< what import was given, with the remarks on it
 };
 
-constexpr const char* kCloud = "products/cloud in the form asked for";
+constexpr const char* kCloud = "products/cloud.*";  // in the form asked for
 
 // The only place that knows the order of work.
 const std::array<Step, 9>& steps() {
@@ -115,10 +115,10 @@ Result<> do_step(Project& project, const Step& step) {
   const CostMeter cost;
   project.run.report(step.name, 0);
   COLLINEA_TRY(const StepOutput output, step.work(project, inputs_hash).map_error([&](Error error) {
-    if (error.code == Errc::kCancelled) error.message = kStopped;
+    if (error.code == Errc::kCancelled) error = stopped();
     return with_advice(std::move(error), project.folder).within(step.name);
   }));
-  if (project.run.stopped()) return fail(Errc::kCancelled, fmt::format("{}: {}", step.name, kStopped));
+  if (project.run.stopped()) return tl::unexpected(stopped().within(step.name));
   project.run.report(step.name, 1);
   if (skipped_because(output.outcome))
     for (const char* product : step.products) COLLINEA_TRY(remove_file(product_path(project, product)));

@@ -40,10 +40,10 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
 
   ImportRecord record = record_of(imported.block);
   record.findings = imported.findings;
-  for (const SkippedPhoto& photo : imported.skipped) {
-    record.skipped.push_back({photo.file, photo.reason});
-    project.run.say(fmt::format("skipped {}: {}", photo.file, photo.reason));
-  }
+  record.skipped = imported.skipped;
+  for (const Finding& one : imported.skipped)
+    project.run.say(
+        fmt::format("skipped {}: {}", words_of(one.subjects[0], imported.block), reason_of(one, imported.block)));
   for (const Finding& finding : imported.findings) project.run.say("note: " + sentence_of(finding, imported.block));
   return StepOutput{hash_of_pictures(imported), record};
 }

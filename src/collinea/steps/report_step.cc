@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <locale>
 
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/report/report.h"
@@ -44,11 +41,6 @@ void add_notes(const std::vector<StepRecord>& steps, ReportInput& input) {
   }
 }
 
-struct Thousands : std::numpunct<char> {
-  char do_thousands_sep() const override { return ','; }
-  std::string do_grouping() const override { return "\3"; }
-};
-
 // The record among those of the steps; as nothing was made when the step is not done.
 template <class Record>
 Record outcome_in(const std::vector<StepRecord>& steps) {
@@ -57,68 +49,16 @@ Record outcome_in(const std::vector<StepRecord>& steps) {
   return {};
 }
 
-std::string cells_text(const auto& raster) {
-  return fmt::format("cells of {:.3g} m, {} x {}", raster.cell_m, raster.width, raster.height);
-}
-
-/// Lists the files that are there.
-class ProductList {
- public:
-  ProductList(const Project& project, ReportInput& input) : project_(project), input_(input) {}
-
-  void add(const char* name, const std::string& file, const std::string& what) {
-    std::error_code missing;
-    const auto bytes = fs::file_size(project_.folder / file, missing);
-    if (!missing) input_.products.push_back({name, file, bytes, what});
-  }
-
- private:
-  const Project& project_;
-  ReportInput& input_;
-};
-
-void add_clouds(const DensifyRecord& densify, ProductList& list) {
-  const std::string points =
-      fmt::format(std::locale(std::locale::classic(), new Thousands), "{:L} points", densify.points);
-  list.add("Point cloud", "products/cloud.las", points + ", LAS 1.4 in the map, with sigmas");
-  list.add("Point cloud", "products/cloud.laz", points + ", LAZ 1.4 in the map, with sigmas");
-  list.add("Point cloud", "products/cloud.copc.laz", points + ", COPC 1.0 (LAZ 1.4) in the map, with sigmas");
-  list.add("Point cloud", "products/cloud.ply", points + ", PLY in the local frame, with normals");
-}
-
-void add_surface(const SurfaceRecord& surface, ProductList& list) {
-  list.add("Surface model", "products/dsm.tif", cells_text(surface));
-  list.add("Surface model, standard deviations", "products/dsm_sigma.tif", "m");
-  list.add("Surface model, relative standard deviations", "products/dsm_sigma_relative.tif",
-           "m, against heights around");
-  list.add("Surface model, state", "products/dsm_state.tif", "0 nothing, 1 measured, 2 interpolated");
-  list.add("Surface model, count", "products/dsm_count.tif", "points that made a cell");
-  list.add("Surface model, hillshade", "products/dsm_hillshade.tif", "light from the north-west");
-}
-
-void add_terrain(const TerrainRecord& terrain, ProductList& list) {
-  list.add("Terrain model", "products/dtm.tif", cells_text(terrain));
-  list.add("Terrain model, standard deviations", "products/dtm_sigma.tif", "m");
-  list.add("Terrain model, relative standard deviations", "products/dtm_sigma_relative.tif",
-           "m, against heights around");
-  list.add("Terrain model, state", "products/dtm_state.tif", "0 nothing, 1 ground as measured, 2 interpolated");
-  list.add("Terrain model, hillshade", "products/dtm_hillshade.tif", "light from the north-west");
-  const std::string contours = fmt::format("every {:.4g} m, with heights", terrain.contour_m);
-  list.add("Contours", "products/contours.gpkg", contours + ", GeoPackage");
-  list.add("Contours", "products/contours.dxf", contours + ", DXF");
-}
-
+// The files that are there.
 void add_products(const Project& project, ReportInput& input) {
-  ProductList list(project, input);
-  const auto surface = outcome_in<SurfaceRecord>(input.steps);
-  const auto ortho = outcome_in<OrthoRecord>(input.steps);
-  add_clouds(outcome_in<DensifyRecord>(input.steps), list);
-  add_surface(surface, list);
-  add_terrain(outcome_in<TerrainRecord>(input.steps), list);
-  list.add("Orthophoto", "products/ortho.tif", cells_text(ortho) + ", Cloud-Optimised GeoTIFF");
-  list.add("Orthophoto, sources", "products/ortho_source.tif", "index of the leading photograph");
-  if (surface.cell_m > 0) input.dsm = project.folder / "products/dsm.tif";
-  if (ortho.cell_m > 0) input.ortho = project.folder / "products/ortho.tif";
+  for (std::size_t i = 0; i < kProductFiles; ++i) {
+    const auto product = static_cast<ProductFile>(i);
+    std::error_code missing;
+    const auto bytes = fs::file_size(project.folder / path_of(product), missing);
+    if (!missing) input.products.push_back({product, bytes});
+  }
+  if (outcome_in<SurfaceRecord>(input.steps).cell_m > 0) input.dsm = project.folder / path_of(ProductFile::kSurface);
+  if (outcome_in<OrthoRecord>(input.steps).cell_m > 0) input.ortho = project.folder / path_of(ProductFile::kOrthophoto);
 }
 
 // The folder's name, also of "." and "project/".
@@ -130,10 +70,10 @@ std::string title_of(const Project& project) {
 }
 
 // Heights follow the control where it took part; receivers give them above the ellipsoid.
-std::string height_reference(const ReportInput& input, const OrientationRecord& orientation) {
-  if (input.crs_name.find(" + ") != std::string::npos) return "";  // the name says it
-  if (orientation.relative_heights) return "relative, zero at the middle camera";
-  return orientation.control_rmse_m ? "as those of the control points" : "above the WGS 84 ellipsoid";
+std::optional<HeightReference> height_reference(const ReportInput& input, const OrientationRecord& orientation) {
+  if (input.crs_name.find(" + ") != std::string::npos) return std::nullopt;  // the name says it
+  if (orientation.relative_heights) return HeightReference::kMiddleCamera;
+  return orientation.control_rmse_m ? HeightReference::kControlPoints : HeightReference::kEllipsoid;
 }
 
 }  // namespace
@@ -154,7 +94,6 @@ Result<StepOutput> report_step(Project& project, const std::string& inputs_hash)
     input.height_reference = height_reference(input, orientation);
   }
   input.options = chosen_options(project.settings);
-  if (input.options.empty()) input.options.emplace_back("all", "as by default");
   input.versions.emplace_back("collinea", COLLINEA_VERSION);
   COLLINEA_TRY(write_report(input, project.folder / "report"));
   return StepOutput{inputs_hash, ReportRecord{"report/report.html"}};

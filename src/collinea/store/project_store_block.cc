@@ -220,7 +220,7 @@ Result<> write_cameras(Database& db, const std::string& table, const std::map<Ca
     const std::string parameters = parameters_text(camera);  // texts are bound where they lie, until the row is written
     insert.bind(id.value).bind_text(camera.name).bind(camera.width_px).bind(camera.height_px);
     insert.bind_text(name_of(camera.model)).bind_text(kAdditionalNames[std::size_t(camera.additional)]);
-    insert.bind_text(parameters).bind_text(camera.prior.source_name());
+    insert.bind_text(parameters).bind_text(word_of(camera.prior.source));
     COLLINEA_TRY(insert.bind(int(camera.prior.calibrate)).bind_blob(sigma.bytes()).run());
   }
   return {};
@@ -236,13 +236,13 @@ Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId,
     camera.width_px = int(select.integer(2));
     camera.height_px = int(select.integer(3));
     const auto model = model_named(select.text(4));
-    const auto additional = index_of(kAdditionalNames, select.text(5)),
-               source = index_of(kProvenanceNames, select.text(7));
+    const auto additional = index_of(kAdditionalNames, select.text(5));
+    const auto source = from_word<Provenance>(select.text(7));
     if (!model || !additional || !source) return damaged(table);
     camera.model = *model;
     camera.additional = AdditionalSet(*additional);
     if (!read_parameters(select.text(6), camera)) return damaged(table);
-    camera.prior.source = Provenance(*source);
+    camera.prior.source = *source;
     camera.prior.calibrate = select.integer(8) != 0;
     Unpacker sigma(select.blob(9));
     sigma.get(camera.prior.sigma_f_px);

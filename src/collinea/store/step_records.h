@@ -27,23 +27,11 @@ namespace collinea {
 // metres unless a member says otherwise. `kStep` is the name of the step; `fields` tells the members (packed_fields.h).
 // A new record is its struct, and a place in StepOutcome.
 
-/// A file that has no part in what follows, and why.
-struct SkippedImage {
-  std::string file;  ///< below the folder of the images
-  std::string reason;
-
-  template <class Visit>
-  static void fields(Visit&& visit) {
-    visit("file", &SkippedImage::file);
-    visit("reason", &SkippedImage::reason);
-  }
-};
-
 struct ImportRecord {
   static constexpr std::string_view kStep = "import";
   std::uint64_t images = 0, cameras = 0, positions = 0, control_points = 0, ground_measurements = 0;
-  std::optional<std::string> crs;     ///< of maps and control; nothing: no map
-  std::vector<SkippedImage> skipped;  ///< files that are no images, or of no use
+  std::optional<std::string> crs;  ///< of maps and control; nothing: no map
+  std::vector<Finding> skipped;    ///< files that are no images, or of no use: the first subjects, and why
   std::vector<Finding> findings;
 
   template <class Visit>
@@ -62,9 +50,9 @@ struct ImportRecord {
 
 struct DetectRecord {
   static constexpr std::string_view kStep = "detect";
-  std::uint64_t images = 0;    ///< that could be read
-  std::uint64_t features = 0;  ///< in all of them
-  std::vector<SkippedImage> skipped;
+  std::uint64_t images = 0;      ///< that could be read
+  std::uint64_t features = 0;    ///< in all of them
+  std::vector<Finding> skipped;  ///< images that could not be read
 
   template <class Visit>
   static void fields(Visit&& visit) {
@@ -209,7 +197,7 @@ struct OrientationRecord {
 struct DensifyRecord {
   static constexpr std::string_view kStep = "densify";
   std::uint64_t depth_maps = 0, points = 0;
-  std::vector<SkippedImage> skipped;  ///< without a depth map
+  std::vector<Finding> skipped;  ///< images without a depth map
 
   template <class Visit>
   static void fields(Visit&& visit) {

@@ -2,6 +2,7 @@
 #include <optional>
 #include <utility>
 
+#include "collinea/raster/band_descriptions.h"
 #include "collinea/surface/dsm.h"
 
 namespace collinea {
@@ -16,27 +17,22 @@ struct Writers {
 
 template <class T>
 Result<> start(std::optional<GeoTiffWriter<T>>& writer, const std::filesystem::path& path, const MapGrid& grid,
-               std::optional<double> nodata, std::string description) {
+               std::optional<double> nodata, FileText description) {
   typename GeoTiffWriter<T>::Options options;
   options.nodata = nodata;
-  options.description = std::move(description);
+  options.description = description;
   COLLINEA_TRY(writer, GeoTiffWriter<T>::create(path, grid, 1, options));
   return {};
 }
 
 Result<> start_all(Writers& writers, const DsmFiles& files, const MapGrid& grid) {
-  return start(writers.height, files.height, grid, double(kNoHeight), "digital surface model: height [m]")
+  return start(writers.height, files.height, grid, double(kNoHeight), band::kSurfaceHeight)
+      .and_then([&] { return start(writers.sigma, files.sigma, grid, double(kNoHeight), band::kHeightSigma); })
       .and_then([&] {
-        return start(writers.sigma, files.sigma, grid, double(kNoHeight), "standard deviation of the height [m]");
+        return start(writers.sigma_relative, files.sigma_relative, grid, double(kNoHeight), band::kRelativeHeightSigma);
       })
-      .and_then([&] {
-        return start(writers.sigma_relative, files.sigma_relative, grid, double(kNoHeight),
-                     "standard deviation of the height against those around it [m]");
-      })
-      .and_then([&] {
-        return start(writers.state, files.state, grid, std::nullopt, "0 nothing, 1 measured, 2 interpolated");
-      })
-      .and_then([&] { return start(writers.count, files.count, grid, std::nullopt, "points that made the cell"); });
+      .and_then([&] { return start(writers.state, files.state, grid, std::nullopt, band::kSurfaceState); })
+      .and_then([&] { return start(writers.count, files.count, grid, std::nullopt, band::kPointCount); });
 }
 
 Result<> write_all(Writers& writers, int column, int row, const SurfaceTile& tile) {

@@ -14,6 +14,7 @@
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/math/median.h"
+#include "collinea/raster/band_descriptions.h"
 #include "collinea/raster/raster_spool.h"
 #include "collinea/surface/internal/ground_filter.h"
 #include "collinea/surface/internal/pull_push.h"
@@ -219,12 +220,12 @@ class Terrain {
     const MapGrid& grid = summary_.grid;
     GeoTiffWriter<float>::Options of_height, of_sigma;
     of_height.nodata = of_sigma.nodata = double(kNoHeight);
-    of_height.description = "digital terrain model: height of the ground [m]";
-    of_sigma.description = "standard deviation of the height [m]";
+    of_height.description = band::kTerrainHeight;
+    of_sigma.description = band::kHeightSigma;
     GeoTiffWriter<float>::Options of_relative = of_sigma;
-    of_relative.description = "standard deviation of the height against those around it [m]";
+    of_relative.description = band::kRelativeHeightSigma;
     GeoTiffWriter<std::uint8_t>::Options of_state;
-    of_state.description = "0 nothing, 1 ground as measured, 2 interpolated";
+    of_state.description = band::kTerrainState;
     COLLINEA_TRY(auto height, GeoTiffWriter<float>::create(files_.height, grid, 1, of_height));
     COLLINEA_TRY(auto sigma, GeoTiffWriter<float>::create(files_.sigma, grid, 1, of_sigma));
     COLLINEA_TRY(auto relative, GeoTiffWriter<float>::create(files_.sigma_relative, grid, 1, of_relative));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collinea/base/parallel.h"
+#include "collinea/raster/band_descriptions.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/synthetic/render.h"
 #include "collinea/synthetic/write.h"
@@ -90,12 +91,12 @@ Result<> write_products(const Truth& truth, const std::filesystem::path& folder,
   const MapGrid grid = grid_of(truth, cell_m);
   GeoTiffWriter<float>::Options dsm_options;
   dsm_options.nodata = kNoHeight;
-  dsm_options.description = "true surface height [m]";
+  dsm_options.description = band::kTrueSurfaceHeight;
   GeoTiffWriter<std::uint8_t>::Options ortho_options;
   ortho_options.alpha = true;
-  ortho_options.description = "true orthophoto";
+  ortho_options.description = band::kTrueOrthophoto;
   COLLINEA_TRY(auto dsm, GeoTiffWriter<float>::create(folder / "dsm.tif", grid, 1, dsm_options));
-  dsm_options.description = "true terrain height [m]";
+  dsm_options.description = band::kTrueTerrainHeight;
   COLLINEA_TRY(auto dtm, GeoTiffWriter<float>::create(folder / "dtm.tif", grid, 1, dsm_options));
   COLLINEA_TRY(auto ortho, GeoTiffWriter<std::uint8_t>::create(folder / "ortho.tif", grid, 4, ortho_options));
 

@@ -7,6 +7,8 @@
 #include <set>
 
 #include "collinea/base/file.h"
+#include "collinea/base/file_text.h"
+#include "collinea/io/control_file.h"
 #include "collinea/io/text.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/photo.h"
@@ -19,6 +21,9 @@ constexpr int kJpegQuality = 92;
 constexpr std::uint64_t kBarometerStream = 6000;
 // Receivers that are this good say so in the header; others say nothing of their accuracy.
 constexpr double kRtkSigma_m = 0.2;
+// Titles of the columns of the true poses and marks.
+constexpr FileText kPoseColumns = "# file, x, y, z, qw, qx, qy, qz, easting, northing, height\n";
+constexpr FileText kMarkColumns = "# id, role, x, y, z, easting, northing, height\n";
 
 ImageHeader header_of(const Truth& truth, ImageId id) {
   const Image& image = truth.block.images.at(id);
@@ -60,9 +65,8 @@ std::string xyz(const Eigen::Vector3d& p, int decimals) {
 std::string role_of(const ControlPoint& point) { return point.role == ControlRole::kControl ? "control" : "check"; }
 
 std::string control_text(const Truth& truth) {
-  std::string text = "# collinea control, " + truth.block.georeference->crs + "\n" +
-                     "# point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role\n" +
-                     "# image, id, file, x_px, y_px, sigma_px\n";
+  std::string text = "# collinea control, " + truth.block.georeference->crs + "\n# " + kControlPointColumns + "\n# " +
+                     kControlImageColumns + "\n";
   for (const auto& [id, point] : truth.block.control)
     text += "point, " + point.name + ", " + xyz(point.position_in_map, 4) + ", " + xyz(point.sigma_m, 4) + ", " +
             role_of(point) + "\n";
@@ -83,7 +87,7 @@ std::string camera_text(const Camera& camera) {
 }
 
 std::string poses_text(const Truth& truth) {
-  std::string text = "# file, x, y, z, qw, qx, qy, qz, easting, northing, height\n";
+  std::string text = kPoseColumns;
   for (const auto& [id, pose] : oriented_images(truth.block)) {
     const Eigen::Vector3d centre = centre_of(pose);
     const auto& q = pose.rotation;
@@ -95,7 +99,7 @@ std::string poses_text(const Truth& truth) {
 }
 
 std::string marks_text(const Truth& truth) {
-  std::string text = "# id, role, x, y, z, easting, northing, height\n";
+  std::string text = kMarkColumns;
   for (const auto& [id, place] : truth.marks_in_world) {
     const ControlPoint& point = truth.block.control.at(id);
     text += point.name + ", " + role_of(point) + ", " + xyz(place, 6) + ", " +

@@ -29,7 +29,7 @@ Result<OGRLayerH> line_layer(const VectorFile& file, const std::string& wkt, boo
     OGR_Fld_Destroy(height);
     if (made != OGRERR_NONE) layer = nullptr;
   }
-  if (!layer || errors.any()) return errors.error(Errc::kBadInput, file.not_written());
+  if (!layer || errors.any()) return file.not_written(errors);
   return layer;
 }
 

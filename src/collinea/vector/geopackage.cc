@@ -96,7 +96,7 @@ Result<> write_geopackage(const std::filesystem::path& path, const std::vector<V
   const GdalSrs srs(wkt.empty() ? nullptr : OSRNewSpatialReference(wkt.c_str()));
   for (const VectorLayer& layer : layers) {
     const OGRLayerH made = made_layer(file.dataset(), layer, srs.get());
-    if (!made || !add_rows(made, layer) || errors.any()) return errors.error(Errc::kBadInput, file.not_written());
+    if (!made || !add_rows(made, layer) || errors.any()) return file.not_written(errors);
   }
   return file.finish();
 }

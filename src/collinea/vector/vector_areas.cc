@@ -22,7 +22,7 @@ std::string name_of(OGRSpatialReferenceH srs) {
   if (!srs) return "none";
   const char *name = OSRGetName(srs), *authority = OSRGetAuthorityName(srs, nullptr),
              *code = OSRGetAuthorityCode(srs, nullptr);
-  std::string text = name ? name : "one without a name";
+  std::string text = name ? name : "unnamed";
   if (authority && code) text += " (" + std::string(authority) + ":" + code + ")";
   return text;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <string_view>
+#include <span>
+
+#include "collinea/base/words.h"
 
 namespace collinea {
 
@@ -17,16 +18,18 @@ enum class Provenance : std::uint8_t {
   kSimulated,       ///< the nominal one of a simulated survey
   kTrue,            ///< of a simulated survey, without error
 };
-inline constexpr std::array<std::string_view, 7> kProvenanceNames = {
-    "", "EXIF focal length and pixel pitch", "EXIF 35 mm equivalent", "assumed", "given", "simulated", "true"};
+inline constexpr Word<Provenance> kProvenanceWords[] = {
+    {Provenance::kUnknown, "unknown"},    {Provenance::kExifPixelPitch, "exif_pixel_pitch"},
+    {Provenance::kExif35mm, "exif_35mm"}, {Provenance::kAssumed, "assumed"},
+    {Provenance::kGiven, "given"},        {Provenance::kSimulated, "simulated"},
+    {Provenance::kTrue, "true"}};
+constexpr std::span<const Word<Provenance>> words(Provenance) { return kProvenanceWords; }
 
 /// What is known of a camera before adjustment, apart from the values that it starts with.
 struct CameraPrior {
   double sigma_f_px = 0;  ///< of the focal length; 0 = held fixed
   bool calibrate = true;  ///< false: all parameters are given and held fixed
   Provenance source = Provenance::kUnknown;
-
-  [[nodiscard]] std::string_view source_name() const { return kProvenanceNames[static_cast<std::size_t>(source)]; }
 };
 
 }  // namespace collinea

@@ -86,12 +86,16 @@ tl::unexpected<Error> no_operation(pj_ctx* context, const MapCrs& map, const Mis
   if (missing.name.empty())
     return fail(Errc::kUnsupported, "PROJ knows no transformation between " + map.name + " and WGS84");
   const std::string folder = text(proj_context_get_user_writable_directory(context, 0));
-  std::string cure = missing.url.empty() ? "Get it from who made it and put it into " : "Put it into ";
-  cure += folder + (missing.url.empty() ? "" : " (projsync --file " + missing.name + " does so)");
-  if (map.has_height) cure += "; or name the file of a geoid grid, or ellipsoidal, as what heights count from";
   Error error{Errc::kUnsupported,
-              map.name + " needs the grid " + missing.told() + ", which is not installed for PROJ. " + cure};
-  if (map.has_height) error.options.push_back("heights"_option);
+              map.name + " needs the grid " + missing.told() + ", which is not installed for PROJ. "};
+  if (missing.url.empty())
+    error = std::move(error).advising("Get it from who made it and put it into " + folder);
+  else
+    error = std::move(error).advising("Put it into " + folder + " (projsync --file " + missing.name + " does so)");
+  if (map.has_height)
+    error = std::move(error)
+                .advising("; or name the file of a geoid grid, or ellipsoidal, as what heights count from")
+                .about("heights"_option);
   return tl::unexpected(std::move(error));
 }
 

@@ -9,6 +9,7 @@
 #include "collinea/base/finding.h"
 #include "collinea/base/options.h"
 #include "collinea/block/block.h"
+#include "collinea/geodesy/heights.h"
 
 namespace collinea {
 
@@ -17,8 +18,8 @@ inline constexpr std::array<CameraModel, 4> kLensModels = {Brown{}, Equidistant{
 
 struct ImportOptions {
   std::optional<std::string> crs;
-  std::optional<std::string> heights, control_heights;
-  std::string gps_heights = "ellipsoidal";
+  std::optional<HeightsFrom> heights, control_heights;
+  HeightsFrom gps_heights = HeightSurface::kEllipsoid;
   std::optional<std::filesystem::path> control;
   std::string check;
   std::optional<std::filesystem::path> ground;
@@ -72,16 +73,11 @@ struct ImportOptions {
 /// Relative standard deviation of a focal length from the header of a photograph: EXIF rounds to whole millimetres.
 inline constexpr double kExifFocalSigma = 0.05;
 
-/// A photograph that did not become part of the block, and why.
-struct SkippedPhoto {
-  std::string file, reason;
-};
-
 struct Imported {
   Block block;
   std::vector<std::string> file_hash;  ///< of each image's bytes, in the order of Block::images
-  std::vector<SkippedPhoto> skipped;
-  std::vector<Finding> findings;  ///< assumed focal lengths, control in no image, ...
+  std::vector<Finding> skipped;        ///< files that did not become part of the block: the first subjects, and why
+  std::vector<Finding> findings;       ///< assumed focal lengths, control in no image, ...
 };
 
 }  // namespace collinea

@@ -68,7 +68,7 @@ Result<BlockParts> grow_parts(const Block& setup, std::span<const ImagePair> pai
   BlockParts parts{std::move(empty), false, {}};
   COLLINEA_TRY(parts.in_world, begin(parts.largest, setup, pairs, options, run));
   COLLINEA_TRY(grow(parts.largest, pairs, {}, options, run));
-  if (parts.largest.poses().size() < 2) return fail(Errc::kIllPosed, why_nothing(pairs));
+  if (parts.largest.poses().size() < 2) return tl::unexpected(nothing_fits(pairs));
   COLLINEA_TRY(grow_others(parts, pairs, options, run));
   parts.largest.wake_all();
   parts.largest.extend_all(run);

@@ -92,9 +92,9 @@ std::vector<Finding> undetermined_focals(const Block& setup, const Examined& adj
     const FindingCode code = flat    ? FindingCode::kFocalOfFlatScene
                              : along ? FindingCode::kFocalAlongView
                                      : FindingCode::kFocalOfFewImages;
-    findings.push_back(finding_of(
-        code, {id}, {{FigureName::kRelative, sigma_px / before.focal_px()}},
-        {RemedyCode::kCalibrateCamera, OptionField{"import", "camera_params", ""}, RemedyCode::kAddDistances}));
+    findings.push_back(
+        finding_of(code, {id}, {{FigureName::kRelative, sigma_px / before.focal_px()}},
+                   {RemedyCode::kCalibrateCamera, OptionName{"camera_params", "import"}, RemedyCode::kAddDistances}));
   }
   return findings;
 }
@@ -197,14 +197,17 @@ std::vector<Finding> weak_cases(const Block& oriented, const Block& setup, std::
   return findings;
 }
 
-std::string why_nothing(std::span<const ImagePair> pairs) {
+Error nothing_fits(std::span<const ImagePair> pairs) {
   std::size_t rotations = 0, others = 0;
   for (const ImagePair& pair : pairs) ++(pair.geometry == PairGeometry::kRotation ? rotations : others);
   if (rotations > others)
-    return "the photographs were taken from one place (a panorama): without parallax there is no depth. Take "
-           "overlapping photographs from different places, a tenth of the distance apart and more";
-  return "no two images fit together with enough parallax: are there overlapping photographs of one scene, taken from "
-         "different places?";
+    return Error{Errc::kIllPosed,
+                 "the photographs were taken from one place (a panorama): without parallax there is no depth. Take "
+                 "overlapping photographs from different places, a tenth of the distance apart and more"};
+  return Error{
+      Errc::kIllPosed,
+      "no two images fit together with enough parallax: are there overlapping photographs of one scene, taken from "
+      "different places?"};
 }
 
 }  // namespace collinea

@@ -22,7 +22,8 @@ namespace collinea {
 [[nodiscard]] std::vector<Finding> weak_cases(const Block& oriented, const Block& setup,
                                               std::span<const ImagePair> pairs, const Examined& adjusted);
 
-/// Why no two images could start a block: no overlap, one place of exposure (panorama), or too little parallax.
-[[nodiscard]] std::string why_nothing(std::span<const ImagePair> pairs);
+/// That no two images could start a block, and why: no overlap, one place of exposure (panorama), or too little
+/// parallax.
+[[nodiscard]] Error nothing_fits(std::span<const ImagePair> pairs);
 
 }  // namespace collinea

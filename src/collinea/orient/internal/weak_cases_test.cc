@@ -164,8 +164,8 @@ TEST(WeakCases, ASphereIsNotRuledAndNotCritical) {
 TEST(WeakCases, WhyNothingFitsIsToldApart) {
   ImagePair turn;
   turn.geometry = PairGeometry::kRotation;
-  EXPECT_NE(why_nothing(std::vector<ImagePair>{turn}).find("panorama"), std::string::npos);
-  EXPECT_NE(why_nothing({}).find("overlapping"), std::string::npos);
+  EXPECT_NE(nothing_fits(std::vector<ImagePair>{turn}).message.find("panorama"), std::string::npos);
+  EXPECT_NE(nothing_fits({}).message.find("overlapping"), std::string::npos);
 }
 
 }  // namespace

@@ -223,7 +223,7 @@ TEST(Reliability, MinimalDetectableGrossErrorsAreFoundWithTheStatedPower) {
   }
   int sum = 0;
   for (std::size_t g = 0; g < kGroupsHere; ++g) {
-    EXPECT_NEAR(found[g] / double(kBlocks), 0.8, 4 * std::sqrt(0.8 * 0.2 / kBlocks)) << kObservationGroupNames[g];
+    EXPECT_NEAR(found[g] / double(kBlocks), 0.8, 4 * std::sqrt(0.8 * 0.2 / kBlocks)) << "group " << g;
     sum += found[g];
   }
   constexpr double kAll = double(kBlocks) * kGroupsHere;

@@ -476,7 +476,7 @@ bool WeaknessFinder::name_imitation(const TileCholesky& factor, const FreeCamera
     mixed.figures.push_back({FigureName::kCorrelation, strongest});  // all of them together
   if (which == 0)
     mixed.remedies = {RemedyCode::kVaryHeights, RemedyCode::kCalibrateCamera,
-                      OptionField{"orient", "calibration", "none"}};
+                      OptionName{"calibration", "orient", "none"}};
   else
     mixed.remedies = {RemedyCode::kTurnImages, RemedyCode::kFewerParameters};
   add(std::move(mixed));
@@ -500,9 +500,9 @@ void WeaknessFinder::name_what_is_owed(const FreeCamera& free, bool imitated) {
   if (focal)
     finding.remedies = {RemedyCode::kVaryHeights, RemedyCode::kCalibrateCamera};
   else if (decentred)
-    finding.remedies = {RemedyCode::kTurnImages, OptionField{"orient", "calibration", "focal_radial"}};
+    finding.remedies = {RemedyCode::kTurnImages, OptionName{"calibration", "orient", "focal_radial"}};
   else
-    finding.remedies = {RemedyCode::kReachCorners, OptionField{"orient", "calibration", "focal"}};
+    finding.remedies = {RemedyCode::kReachCorners, OptionName{"calibration", "orient", "focal"}};
   if (focal && imitated) finding.subjects.push_back({free.camera.id, Aspect::kDistance});
   add(std::move(finding));
 }

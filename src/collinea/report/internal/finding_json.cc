@@ -24,7 +24,7 @@ json subject_json(const Subject& subject, const Block& block) {
 json remedy_json(const Remedy& remedy) {
   json one = {{"code", word_of(remedy.code)}};
   if (remedy.code == RemedyCode::kSetOption)
-    one["option"] = {{"group", remedy.option.group}, {"field", remedy.option.field}, {"value", remedy.option.value}};
+    one["option"] = {{"group", remedy.option.group}, {"field", remedy.option.name}, {"value", remedy.option.value}};
   return one;
 }
 

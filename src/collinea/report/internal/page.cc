@@ -9,6 +9,7 @@
 #include "collinea/math/median.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/report/internal/svg.h"
+#include "collinea/report/value_words.h"
 
 namespace collinea {
 namespace {
@@ -131,7 +132,8 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   else
     html += fact("coordinate system",
                  input.metric ? "none: a local frame in metres" : "none: a local frame in units of the model", true);
-  if (input.georeferenced && !input.height_reference.empty()) html += fact("heights", input.height_reference, true);
+  if (input.georeferenced && input.height_reference)
+    html += fact("heights", std::string(words_of(*input.height_reference)), true);
   if (input.gauge) html += fact("position, attitude and scale", words_of(*input.gauge), true);
   return html + "</dl>\n";
 }

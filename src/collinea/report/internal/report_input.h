@@ -14,17 +14,26 @@
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
 #include "collinea/block/gauge.h"
+#include "collinea/report/product_words.h"
 #include "collinea/store/project_store.h"
 
 namespace collinea {
 
 /// A file that was made for the user.
 struct ReportProduct {
-  std::string name;  ///< "Surface model", ...
-  std::string file;  ///< relative to the project folder
+  ProductFile file{};
   std::uint64_t bytes = 0;
-  std::string what;  ///< "cells of 3.0 cm, 4021 x 3877", "12.3 million points"
 };
+
+/// What heights refer to.
+enum class HeightReference : std::uint8_t {
+  kMiddleCamera,   ///< relative: zero at the middle camera
+  kControlPoints,  ///< as those of the control points
+  kEllipsoid,      ///< above the WGS 84 ellipsoid, as receivers give them
+};
+
+/// Names and their values, as texts.
+using NamedValues = std::vector<std::pair<std::string, std::string>>;
 
 /// All that a report tells. Residuals of tie points are computed from `block`; images of `block` without a pose are
 /// listed as not oriented. Empty lists and missing values leave their part of the report out.
@@ -41,19 +50,19 @@ struct ReportInput {
   std::vector<GeodeticDifference> ground;
   double sigma0 = std::numeric_limits<double>::quiet_NaN();
   long redundancy = 0;
-  bool georeferenced = false;         ///< false: a local frame
-  bool metric = false;                ///< false: lengths are in units of the model, not metres
-  std::string crs_name;               ///< "WGS 84 / UTM zone 33N"
-  std::string height_reference;       ///< what heights refer to: "above the WGS 84 ellipsoid"; empty: the CRS says it
-  std::optional<Gauge> gauge;         ///< what fixes position, attitude and scale
-  std::optional<double> gsd_m;        ///< ground size of a pixel
-  std::vector<SkippedImage> skipped;  ///< photographs that are not in the block, and why
+  bool georeferenced = false;                       ///< false: a local frame
+  bool metric = false;                              ///< false: lengths are in units of the model, not metres
+  std::string crs_name;                             ///< "WGS 84 / UTM zone 33N"
+  std::optional<HeightReference> height_reference;  ///< nothing: the CRS says it
+  std::optional<Gauge> gauge;                       ///< what fixes position, attitude and scale
+  std::optional<double> gsd_m;                      ///< ground size of a pixel
+  std::vector<Finding> skipped;                     ///< images that are not in the block: the first subjects, and why
   std::vector<Finding> findings;
   std::vector<StepRecord> steps;
   std::vector<ReportProduct> products;
-  std::filesystem::path dsm, ortho;                           ///< GeoTIFFs to show; empty: none
-  std::vector<std::pair<std::string, std::string>> options;   ///< name, value: those that were chosen
-  std::vector<std::pair<std::string, std::string>> versions;  ///< program and libraries
+  std::filesystem::path dsm, ortho;    ///< GeoTIFFs to show; empty: none
+  std::optional<NamedValues> options;  ///< those that were chosen; nothing: not known
+  NamedValues versions;                ///< program and libraries
 };
 
 }  // namespace collinea

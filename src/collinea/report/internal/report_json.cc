@@ -6,6 +6,7 @@
 #include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/step_figures.h"
+#include "collinea/report/value_words.h"
 
 namespace collinea {
 namespace {
@@ -29,7 +30,7 @@ json cameras(const ReportInput& input) {
     json entry = {{"name", camera.name},
                   {"width_px", camera.width_px},
                   {"height_px", camera.height_px},
-                  {"source", camera.prior.source_name()},
+                  {"source", words_of(camera.prior.source)},
                   {"calibrated", camera.prior.calibrate}};
     const auto first = input.first_cameras.find(id);
     const auto sigma = input.camera_sigma.find(id);
@@ -101,7 +102,7 @@ json ground(const ReportInput& input) {
   return list;
 }
 
-json pairs(const std::vector<std::pair<std::string, std::string>>& list) {
+json pairs(const NamedValues& list) {
   json object = json::object();
   for (const auto& [name, value] : list) object[name] = value;
   return object;
@@ -121,8 +122,10 @@ json steps(const ReportInput& input) {
 
 json left_out(const ReportInput& input, const ReportSummary& summary) {
   json list = json::array();
-  for (const SkippedImage& skipped : input.skipped)
-    list.push_back({{"file", skipped.file}, {"reason", skipped.reason}});
+  for (const Finding& skipped : input.skipped)
+    list.push_back({{"file", words_of(skipped.subjects.at(0), input.block)},
+                    {"code", word_of(skipped.code)},
+                    {"reason", reason_of(skipped, input.block)}});
   for (const ImageId id : summary.not_oriented)
     list.push_back({{"file", input.block.images.at(id).file}, {"reason", "not oriented"}});
   return list;
@@ -143,8 +146,10 @@ json residual_figures(const ResidualStatistics& r) {
 std::string report_json(const ReportInput& input, const ReportSummary& s) {
   json products = json::array();
   for (const ReportProduct& product : input.products)
-    products.push_back(
-        {{"name", product.name}, {"file", product.file}, {"bytes", product.bytes}, {"what", product.what}});
+    products.push_back({{"name", name_of(product.file)},
+                        {"file", path_of(product.file)},
+                        {"bytes", product.bytes},
+                        {"what", content_of(product.file, input.steps)}});
   const json report = {{"title", input.title},
                        {"date", input.date},
                        {"statement", s.statement},
@@ -173,7 +178,7 @@ std::string report_json(const ReportInput& input, const ReportSummary& s) {
                        {"left_out", left_out(input, s)},
                        {"products", products},
                        {"steps", steps(input)},
-                       {"options", pairs(input.options)},
+                       {"options", pairs(chosen_options(input))},
                        {"versions", pairs(input.versions)}};
   return report.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }

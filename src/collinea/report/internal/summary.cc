@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+#include "collinea/report/finding_words.h"
+
 namespace collinea {
 namespace {
 
@@ -77,7 +79,7 @@ void add_cautions(const ReportInput& input, ReportSummary& s) {
 // Left out already because it could not be read: it is told with that reason.
 bool skipped(const ReportInput& input, const std::string& file) {
   return std::any_of(input.skipped.begin(), input.skipped.end(),
-                     [&](const SkippedImage& photo) { return photo.file == file; });
+                     [&](const Finding& one) { return words_of(one.subjects.at(0), input.block) == file; });
 }
 
 }  // namespace

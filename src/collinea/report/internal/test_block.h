@@ -98,17 +98,17 @@ inline void add_control(double width, double height, Random& random, ReportInput
 }
 
 inline void add_words(ReportInput& input) {
-  input.skipped = {{"100MEDIA/DJI_0999.JPG", "truncated: ends after 12 % of its rows"},
-                   {"notes.txt", "not a photograph"}};
+  input.skipped = {finding_of(FindingCode::kImageUnreadable, {Subject::file("100MEDIA/DJI_0999.JPG")}, {}, {},
+                              "truncated: ends after 12 % of its rows"),
+                   finding_of(FindingCode::kImageTooSmall, {Subject::file("icon.png")}, {{FigureName::kLimit, 64}})};
   input.findings = {finding_of(FindingCode::kCheckPoint, {ControlId{0}}, {{FigureName::kOffset, 0.4}})};
   input.steps = {{"a", "b", 0.8, 1.2, 9e7, ImportRecord{.images = 40}},
                  {"b", "c", 31.2, 60.1, 8e8, DetectRecord{.images = 40, .features = 1000}},
                  {"c", "d", 12.5, 20.4, 6e8, OrientationRecord{.oriented = 39, .pixel_size = 0.5}},
                  {"d", "e", 1.5, 2.4, 1e8,
                   SurfaceRecord{.skipped_because = finding_of(FindingCode::kNotDownwards, {Product::kSurfaceModel})}}};
-  input.products = {{"Surface model", "products/dsm.tif", 12'345'678, "cells of 3.0 cm, 4021 x 3877"},
-                    {"Point cloud", "products/cloud.las", 1'412'345'678, "34.4 million points, LAS 1.4"}};
-  input.options = {{"orient.calibration", "brown"}, {"seed", "1"}};
+  input.products = {{ProductFile::kSurface, 12'345'678}, {ProductFile::kCloudLas, 1'412'345'678}};
+  input.options = NamedValues{{"orient.calibration", "brown"}, {"seed", "1"}};
   input.versions = {{"collinea", "0.1.0"}, {"GDAL", "3.6.2"}};
 }
 

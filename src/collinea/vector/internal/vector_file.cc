@@ -21,7 +21,7 @@ Result<> VectorFile::create(const char* driver_name, const std::filesystem::path
   if (!driver) return fail(Errc::kUnsupported, std::string("this GDAL has no driver for ") + driver_name);
   const GdalErrors errors;
   dataset_.reset(GDALCreate(driver, part_.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-  if (!dataset_) return errors.error(Errc::kBadInput, not_written());
+  if (!dataset_) return not_written(errors);
   return {};
 }
 
@@ -31,13 +31,13 @@ Result<> VectorFile::finish() {
     dataset_.reset();
     if (errors.any()) {
       remove_part();
-      return errors.error(Errc::kBadInput, not_written());
+      return not_written(errors);
     }
   }
   std::error_code failed;
   std::filesystem::rename(part_, path_, failed);
   if (failed) remove_part();
-  if (failed) return fail(Errc::kBadInput, not_written() + ": " + failed.message());
+  if (failed) return fail(Errc::kBadInput, path_.string() + " cannot be written: " + failed.message());
   return {};
 }
 

@@ -37,7 +37,10 @@ class VectorFile {
   ~VectorFile();
 
   [[nodiscard]] void* dataset() const { return dataset_.get(); }
-  [[nodiscard]] std::string not_written() const { return path_.string() + " cannot be written"; }
+  /// That the file cannot be written, with what GDAL said.
+  [[nodiscard]] tl::unexpected<Error> not_written(const GdalErrors& errors) const {
+    return errors.error(Errc::kBadInput, path_.string() + " cannot be written");
+  }
 
  private:
   void remove_part() const;

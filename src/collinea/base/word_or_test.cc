@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/base/word_or.h"
+
+#include <gtest/gtest.h>
+
+#include "collinea/base/options.h"
+
+namespace collinea {
+namespace {
+
+enum class Floor { kNone, kRim };
+inline constexpr Word<Floor> kFloorWords[] = {{Floor::kNone, "none"}, {Floor::kRim, "rim", "the plane of the border"}};
+[[nodiscard]] constexpr std::span<const Word<Floor>> words(Floor) { return kFloorWords; }
+
+using Path = std::filesystem::path;
+using FloorLevelOrFile = WordOr<Floor, double, Path>;
+
+TEST(WordOr, TextIsTheFirstThingThatItCanBe) {
+  EXPECT_EQ(FloorLevelOrFile("rim").word(), Floor::kRim);
+  EXPECT_EQ(*FloorLevelOrFile("-3.5").get<double>(), -3.5);
+  EXPECT_EQ(*FloorLevelOrFile("+2").get<double>(), 2);
+  for (const char* file : {"", "rim.tif", "3 m", "+-3", "inf", "nan", "Rim"}) {
+    const FloorLevelOrFile value(file);
+    ASSERT_NE(value.get<Path>(), nullptr) << file;
+    EXPECT_EQ(*value.get<Path>(), Path(file));
+    EXPECT_FALSE(value.word()) << file;
+    EXPECT_EQ(value.get<double>(), nullptr) << file;
+  }
+  EXPECT_NE((WordOr<Floor, std::string>("3").get<std::string>()), nullptr);  // where no number may stand
+}
+
+TEST(WordOr, KeepsTheTextAsGiven) {
+  EXPECT_EQ(FloorLevelOrFile("+2.50").text(), "+2.50");
+  EXPECT_EQ(FloorLevelOrFile(Floor::kNone).text(), "none");
+  EXPECT_EQ(FloorLevelOrFile(Floor::kNone), FloorLevelOrFile("none"));
+  EXPECT_FALSE(FloorLevelOrFile("2") == FloorLevelOrFile("2.0"));
+}
+
+TEST(WordOr, DescriptionsOfOptionsListTheWords) {
+  struct Options {
+    FloorLevelOrFile base = Floor::kRim;
+  };
+  const auto choices = Field{"base", &Options::base, "", ""}.choices();
+  ASSERT_EQ(choices.size(), 2u);
+  EXPECT_EQ(choices[1].word, "rim");
+  EXPECT_EQ(choices[1].meaning, "the plane of the border");
+}
+
+}  // namespace
+}  // namespace collinea
