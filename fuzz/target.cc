@@ -23,7 +23,7 @@ struct ProcessFolder {
 std::vector<Target> all_targets() {
   std::vector<Target> all;
   for (const auto& family : {table_targets(), adjustment_targets(), orientation_targets(), image_targets(),
-                             cloud_targets(), vector_targets()})
+                             cloud_targets(), project_targets()})
     all.insert(all.end(), family.begin(), family.end());
   return all;
 }

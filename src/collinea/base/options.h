@@ -114,11 +114,17 @@ struct Field {
   }
 };
 
+// Explicit deduction guides of these three templates: clang before 17 makes none for aggregates.
+template <class Owner, class T>
+Field(std::string_view, T Owner::*, std::string_view, std::string_view, double = 0, double = 0) -> Field<Owner, T>;
+
 /// Options inside others that are told among them: their fields stand beside the owner's.
 template <class Owner, class T>
 struct Part {
   T Owner::*member;
 };
+template <class Owner, class T>
+Part(T Owner::*) -> Part<Owner, T>;
 
 /// Options inside others that are a group of their own, with a heading and a JSON object beside that of the owner.
 template <class Owner, class T>
@@ -126,6 +132,8 @@ struct Group {
   const char* name;
   T Owner::*member;
 };
+template <class Owner, class T>
+Group(const char*, T Owner::*) -> Group<Owner, T>;
 
 namespace detail {
 template <class T>

@@ -55,9 +55,18 @@ Result<std::vector<Eigen::Vector2d>> line_of(const std::string& line) {
   return places;
 }
 
+// A field of a table as RFC 4180 has it: text with commas, quotes or line breaks stands in quotes.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
 std::string profile_csv(const Profile& profile, const std::vector<std::string>& names) {
   std::string text = "distance_m,east_m,north_m";
-  for (const std::string& name : names) text += "," + name + "_height_m," + name + "_sigma_m";
+  for (const std::string& name : names)
+    text += "," + csv_field(name + "_height_m") + "," + csv_field(name + "_sigma_m");
   text += "\n";
   const auto field = [](double value) { return std::isfinite(value) ? fmt::format(",{:.4f}", value) : ","; };
   for (std::size_t i = 0; i < profile.distance_m.size(); ++i) {

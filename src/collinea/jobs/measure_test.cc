@@ -75,5 +75,18 @@ TEST_F(Measured, AProfileHasARowForEveryStepAndAColumnForEverySurface) {
   EXPECT_NE(read_file(folder_ / "p" / "profile.html")->find("<svg"), std::string::npos);
 }
 
+TEST_F(Measured, AProfileQuotesNamesOfSurfacesThatWouldBreakItsTitles) {
+  const std::filesystem::path odd = folder_ / "north, \"high\"\nrim.tif";
+  std::filesystem::copy_file(folder_ / "dsm.tif", odd);
+  const ProfileOptions options{.line = "1002,2005,1012,2005", .step_m = 1.0};
+  const auto done = draw_profile(odd, options, folder_ / "p", run_);
+  ASSERT_TRUE(done) << done.error().message;
+  const std::string text = *read_file(folder_ / "p" / "profile.csv"),
+                    titles =
+                        "distance_m,east_m,north_m,\"north, \"\"high\"\"\nrim_height_m\","
+                        "\"north, \"\"high\"\"\nrim_sigma_m\"\n";
+  EXPECT_TRUE(text.starts_with(titles)) << text.substr(0, 200);
+}
+
 }  // namespace
 }  // namespace collinea

@@ -141,7 +141,8 @@ Result<Settings> read_settings(const std::filesystem::path& project) {
     const json j = json::parse(file);
     settings.photos = j.at("photos").get<std::string>();
     if (j.contains("seed")) read_seed(j.at("seed"), settings);
-    const json options = j.value("options", json::object());
+    const json none = json::object();
+    const json& options = j.contains("options") ? j.at("options") : none;  // copies of nested arrays fill the stack
     std::set<std::string> known;
     Settings::each(settings, [&](const char*, const char* group, auto& group_options) {
       known.insert(group);

@@ -90,6 +90,15 @@ TEST(Settings, WhatIsWrongIsNamedWithItsPlace) {
 }
 
 // As written by earlier versions, whose words were strings.
+TEST(Settings, ArraysNestedWithoutEndAreRefused) {
+  const TestFolder folder;
+  const std::string nested = std::string(200'000, '[') + std::string(200'000, ']');
+  for (const std::string text :
+       {R"({"photos": "/p", "options": )" + nested + "}", R"({"photos": "/p", "options": {"orient": )" + nested + "}}",
+        R"({"photos": "/p", "options": {"orient": {"max_error_px": )" + nested + "}}}"})
+    EXPECT_EQ(error_of(folder, text).code, Errc::kBadFormat);
+}
+
 TEST(Settings, AnOlderProjectIsRead) {
   const TestFolder folder;
   ASSERT_TRUE(write_file(folder / "project.json", R"({
