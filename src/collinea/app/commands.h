@@ -10,7 +10,7 @@ namespace collinea {
 
 inline constexpr const char* kSeedHelp = "of everything random: same seed, same bits";
 
-// One function a command, each in a file of its own name.
+// One function a command, each in a file of its own name; a new one is declared here and listed below.
 Command run_command();
 Command import_command();
 /// detect, match, orient, densify, surface, ortho, report: the same command for every step after import.
@@ -26,7 +26,31 @@ Command assess_command();
 Command stereo_command();
 Command rectify_command();
 
-/// All of them, in the order of the help.
-std::vector<Command> all_commands();
+/// The only list of commands, in the order of the help. Each has a page of its name in docs/manual (commands_test.cc
+/// sees to it); man pages and completion are made from both.
+[[nodiscard]] inline std::vector<Command> all_commands() {
+  return {
+      run_command(),
+      import_command(),
+      step_command("detect", "find features (SIFT) in every image"),
+      step_command("match", "match features between images and verify them"),
+      step_command("orient", "find poses, cameras and tie points; adjust them with GNSS and control"),
+      step_command("densify", "depth maps and fused point cloud"),
+      step_command("surface", "digital surface model (GeoTIFF)"),
+      step_command("terrain", "digital terrain model and contours (GeoTIFF, GeoPackage, DXF)"),
+      step_command("ortho", "orthophoto (Cloud-Optimised GeoTIFF)"),
+      step_command("report", "quality report (HTML and JSON)"),
+      info_command(),
+      adjust_command(),
+      export_command(),
+      volume_command(),
+      profile_command(),
+      plan_command(),
+      simulate_command(),
+      assess_command(),
+      stereo_command(),
+      rectify_command(),
+  };
+}
 
 }  // namespace collinea

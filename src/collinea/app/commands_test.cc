@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/app/exit_code.h"
+#include "collinea/base/file.h"
+#include "collinea/base/source_tree.h"
 #include "collinea/base/test_folder.h"
 #include "collinea/project/project.h"
 
@@ -48,6 +50,16 @@ TEST(Commands, EveryOneExplainsItself) {
     EXPECT_NE(outcome.out.find(command.summary.substr(0, 20)), std::string::npos)
         << command.name << ": " << outcome.out;
     EXPECT_EQ(outcome.err, "") << command.name;
+  }
+}
+
+TEST(Commands, EveryOneHasItsPageInTheManual) {
+  for (const Command& command : all_commands()) {
+    const auto path = std::filesystem::path(source_tree()) / "docs/manual" / (command.name + ".md");
+    const std::string page = read_file(path).value_or("");
+    EXPECT_TRUE(page.starts_with("# collinea " + command.name + "\n")) << path;
+    EXPECT_NE(page.find("<!-- options: made by"), std::string::npos)
+        << path << " has no place for the table of options";
   }
 }
 

@@ -7,8 +7,11 @@
 #include <cmath>
 #include <filesystem>
 
+#include "collinea/base/file.h"
 #include "collinea/base/source_tree.h"
+#include "collinea/io/internal/control_formats.h"
 #include "collinea/io/internal/test_damage.h"
+#include "collinea/io/text.h"
 #include "collinea/math/random.h"
 
 namespace collinea {
@@ -179,6 +182,65 @@ TEST(ControlFile, AMissingFileSaysSo) {
   const auto control = read_control("/nowhere/gcp_list.txt");
   ASSERT_FALSE(control);
   EXPECT_EQ(control.error().code, Errc::kNotFound);
+}
+
+// Laws of every format of the list, on its example in the manual; all examples hold the same two points.
+
+// What stands indented below the heading of a format.
+std::string example_of(const ControlFormat& format) {
+  const auto page = std::filesystem::path(source_tree()) / "docs/manual/import.md";
+  const std::string manual = read_file(page).value_or("");
+  std::string example;
+  bool below = false;
+  for (const std::string_view line : lines_of(manual)) {
+    if (line.starts_with("#")) below = line == "### " + std::string(format.name);
+    if (below && line.starts_with("    ")) example += std::string(line.substr(4)) + "\n";
+  }
+  return example;
+}
+
+TEST(ControlFormats, EachIsRecognisedByItselfAlone) {
+  const auto formats = control_formats();
+  for (const ControlFormat& format : formats) {
+    const std::string example = example_of(format);
+    ASSERT_FALSE(example.empty()) << "docs/manual/import.md has no example of " << format.name;
+    EXPECT_TRUE(format.recognises(example)) << format.name;
+    for (std::size_t i = 0; i + 1 < formats.size(); ++i) {
+      if (formats[i].name != format.name) {
+        EXPECT_FALSE(formats[i].recognises(example)) << formats[i].name << " takes " << format.name;
+      }
+    }
+  }
+}
+
+TEST(ControlFormats, TheExamplesOfTheManualAreOneSurvey) {
+  for (const ControlFormat& format : control_formats()) {
+    const auto control = parse_control(example_of(format));
+    ASSERT_TRUE(control) << format.name << ": " << control.error().message;
+    EXPECT_EQ(control->crs, "EPSG:32633") << format.name;
+    ASSERT_GE(control->points.size(), 2u) << format.name;
+    EXPECT_EQ(control->points[0].name, "A1") << format.name;
+    EXPECT_EQ(control->points[0].position_in_map, Eigen::Vector3d(546812.31, 5338101.92, 352.18)) << format.name;
+    EXPECT_TRUE((control->points[0].sigma_m.array() > 0).all()) << format.name;
+    EXPECT_EQ(control->points[1].name, "A2") << format.name;
+    EXPECT_EQ(control->points[1].position_in_map, Eigen::Vector3d(546871.02, 5338120.44, 353.02)) << format.name;
+    ASSERT_EQ(control->observations.size(), 2u) << format.name;
+    EXPECT_EQ(control->observations[0].point, "A1") << format.name;
+    EXPECT_EQ(control->observations[0].file, "IMG_0003.jpg") << format.name;
+    EXPECT_EQ(control->observations[0].pixel, Eigen::Vector2d(812.4, 1033.7)) << format.name;
+    EXPECT_EQ(control->observations[1].point, "A2") << format.name;
+    EXPECT_EQ(control->observations[1].pixel, Eigen::Vector2d(1711.2, 640.9)) << format.name;
+  }
+}
+
+TEST(ControlFormats, SurviveTruncationAndGarbage) {
+  for (const ControlFormat& format : control_formats())
+    read_damaged(example_of(format), [](const std::string& text) {
+      const auto file = parse_control(text);
+      if (!file) return;
+      for (const ControlFilePoint& point : file->points) ASSERT_TRUE(point.position_in_map.allFinite()) << text;
+      for (const auto& seen : file->observations) ASSERT_TRUE(seen.pixel.allFinite() && seen.sigma_px > 0) << text;
+    });
 }
 
 struct RealFile {

@@ -45,8 +45,9 @@ struct ImportOptions {
               .leads_to(PathKind::kFileOrWord));
     visit(Field{"gps_heights", &O::gps_heights, "", "the same of the heights in the photographs"}.leads_to(
         PathKind::kFileOrWord));
-    visit(Field{"control", &O::control, "", "file of control points: gcp_list.txt or collinea's CSV"}.leads_to(
-        PathKind::kFile));
+    visit(Field{"control", &O::control, "",
+                "file of control points, in a format of those that the manual of import lists"}
+              .leads_to(PathKind::kFile));
     visit(Field{"check", &O::check, "", "names of control points that are only compared, separated by commas"});
     visit(Field{"ground", &O::ground, "",
                 "file of measurements between control points: distances, height differences, total station; planes, "

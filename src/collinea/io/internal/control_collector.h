@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/io/control_contents.h"
+
+namespace collinea {
+
+[[nodiscard]] tl::unexpected<Error> bad_control_line(int line, const std::string& what);
+
+/// Collects rows of a control file into points and observations, whatever the format: names differ, a coordinate that
+/// is missing is infinite until `finish`, a copied line counts once.
+class ControlCollector {
+ public:
+  explicit ControlCollector(const ControlDefaults& defaults) : defaults_(defaults) {}
+
+  Result<> add_point(int line, ControlFilePoint point);
+  /// A row of our CSV: covariance, id, ee_m2, en_m2, eh_m2, nn_m2, nh_m2, hh_m2.
+  Result<> add_covariance(int line, const std::vector<std::string_view>& fields);
+  /// A row of a point and where it is seen; the point may have been there before. x, y, z: NaN where missing. Without a
+  /// name rows of one position are one point.
+  Result<> add_row(int line, const Eigen::Vector3d& position, std::string_view name, ControlFileObservation seen);
+  void add_observation(ControlFileObservation seen);
+  /// All of it, once. Errors: no point, observations of points that no row gives.
+  Result<ControlFile> finish(std::string crs);
+
+ private:
+  Result<> add_new(int line, const std::array<double, 3>& key, const std::string& name);
+  void fill_missing_axes();
+
+  ControlDefaults defaults_;
+  ControlFile file_;
+  std::map<std::string, std::size_t> by_name_;
+  std::map<std::array<double, 3>, std::size_t> by_position_;  // infinity where missing: NaN has no order
+  std::vector<std::array<double, 3>> keys_;
+  std::set<std::tuple<std::string, std::string, double, double>> known_;  // observations
+  std::set<std::string> with_covariance_;
+  int unnamed_ = 0;
+};
+
+}  // namespace collinea

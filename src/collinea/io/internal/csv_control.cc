@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Our CSV. Rows start with a word; rows without any number are titles; # starts a comment:
+//     # collinea control, EPSG:32633
+//     point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role
+//     image, id, file, x_px, y_px, sigma_px
+//     covariance, id, ee_m2, en_m2, eh_m2, nn_m2, nh_m2, hh_m2
+// Role is control (default) or check. Sigmas may all be left out: `defaults`. `inf`, or an empty field beside given
+// sigmas, or an empty coordinate, means that the axis was not surveyed; a point may have none of the three. sigma_px
+// may be left out. A covariance stands below its point and in place of its sigmas; fields of an axis that was not
+// surveyed are empty.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collinea/io/control_file.h"
+#include "collinea/io/internal/control_collector.h"
+#include "collinea/io/internal/control_formats.h"
+#include "collinea/io/text.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using Fields = std::vector<std::string_view>;
+
+constexpr std::string_view kMark = "# collinea control";
+
+// A point without any coordinate has no number either, but no words in their place.
+bool is_title(const Fields& fields) {
+  const bool numbers =
+      std::any_of(fields.begin() + 1, fields.end(), [](std::string_view f) { return number(f).has_value(); });
+  const auto first = fields.begin() + std::min<std::ptrdiff_t>(2, std::ssize(fields)),
+             last = fields.begin() + std::min<std::ptrdiff_t>(8, std::ssize(fields));
+  return !numbers && std::any_of(first, last, [](std::string_view f) { return !f.empty(); });
+}
+
+Result<ControlFilePoint> csv_point(int line, const Fields& f, const ControlDefaults& defaults) {
+  if (f.size() < 5) return bad_control_line(line, "a point row needs: point, id, easting, northing, height");
+  if (f.size() > 9) return bad_control_line(line, "too many fields (decimal commas?)");
+  if (f[1].empty()) return bad_control_line(line, "the point has no id");
+  ControlFilePoint point{std::string(f[1]), {}, {}, ControlRole::kControl};
+  point.sigma_m = {defaults.sigma_plan_m, defaults.sigma_plan_m, defaults.sigma_height_m};
+  const auto field = [&](std::size_t i) { return i < f.size() ? f[i] : std::string_view{}; };
+  const bool any_sigma = !field(5).empty() || !field(6).empty() || !field(7).empty();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string_view coordinate = f[2 + i], sigma = field(5 + i);
+    const auto value = number(coordinate);
+    if (!coordinate.empty() && (!value || std::isinf(*value)))
+      return bad_control_line(line, "\"" + std::string(coordinate) + "\" is not a coordinate");
+    const bool surveyed = value && std::isfinite(*value);
+    const auto sigma_value = number(sigma);
+    if (!sigma.empty() && (!sigma_value || !(*sigma_value > 0)))
+      return bad_control_line(line,
+                              "\"" + std::string(sigma) + "\" is not a standard deviation: a number above 0, or inf");
+    const auto axis = Eigen::Index(i);
+    point.position_in_map[axis] = surveyed ? *value : kInfinity;
+    if (any_sigma) point.sigma_m[axis] = sigma_value.value_or(kInfinity);
+    if (!surveyed) point.sigma_m[axis] = kInfinity;
+  }
+  const std::string role = lower(field(8));
+  if (role != "" && role != "control" && role != "check")
+    return bad_control_line(line, "role \"" + std::string(field(8)) + "\" is neither control nor check");
+  if (role == "check") point.role = ControlRole::kCheck;
+  return point;
+}
+
+Result<ControlFileObservation> csv_observation(int line, const Fields& f, const ControlDefaults& defaults) {
+  if (f.size() < 5) return bad_control_line(line, "an image row needs: image, id, file, x_px, y_px");
+  if (f.size() > 6) return bad_control_line(line, "too many fields (decimal commas?)");
+  if (f[1].empty() || f[2].empty()) return bad_control_line(line, "an image row needs the id of a point and a file");
+  const auto x_px = finite_number(f[3]), y_px = finite_number(f[4]);
+  if (!x_px || !y_px) return bad_control_line(line, "x_px and y_px must be numbers");
+  ControlFileObservation seen{std::string(f[1]), std::string(f[2]), {*x_px, *y_px}, defaults.sigma_px, line};
+  if (f.size() > 5 && !f[5].empty()) {
+    const auto sigma_px = finite_number(f[5]);
+    if (!sigma_px || !(*sigma_px > 0)) return bad_control_line(line, "sigma_px must be a number above 0");
+    seen.sigma_px = *sigma_px;
+  }
+  return seen;
+}
+
+Result<ControlFile> parse_csv(std::string_view file, const ControlDefaults& defaults) {
+  const std::vector<std::string_view> lines = lines_of(file);
+  ControlCollector collector(defaults);
+  std::string crs;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const int line = int(i) + 1;
+    const std::string_view text = trimmed(lines[i]);
+    if (lower(text).starts_with(kMark)) {
+      const auto comma = text.find(',');
+      if (comma != std::string_view::npos) crs = normalised_crs(text.substr(comma + 1));
+      if (comma != std::string_view::npos && crs.empty()) return bad_control_line(line, "not a coordinate system");
+    }
+    if (text.empty() || text.starts_with('#')) continue;
+    const Fields fields = fields_of(text, ',');
+    const std::string kind = lower(fields[0]);
+    if (kind != "point" && kind != "image" && kind != "covariance")
+      return bad_control_line(line, "a row starts with point, image or covariance");
+    if (is_title(fields)) continue;
+    if (kind == "covariance") {
+      COLLINEA_TRY(collector.add_covariance(line, fields));
+    } else if (kind == "point") {
+      COLLINEA_TRY(ControlFilePoint point, csv_point(line, fields, defaults));
+      COLLINEA_TRY(collector.add_point(line, std::move(point)));
+    } else {
+      COLLINEA_TRY(ControlFileObservation seen, csv_observation(line, fields, defaults));
+      collector.add_observation(std::move(seen));
+    }
+  }
+  return collector.finish(std::move(crs));
+}
+
+bool is_csv(std::string_view file) {
+  const std::vector<std::string_view> lines = lines_of(file);
+  return std::any_of(lines.begin(), lines.end(), [](std::string_view raw) {
+    const std::string line = lower(trimmed(raw.substr(0, 64)));
+    if (line.starts_with(kMark)) return true;
+    const auto comma = line.find(',');
+    const std::string_view word = trimmed(std::string_view(line).substr(0, comma));
+    return comma != std::string::npos && (word == "point" || word == "image");
+  });
+}
+
+}  // namespace
+
+ControlFormat csv_control() { return {"collinea's CSV", is_csv, parse_csv}; }
+
+}  // namespace collinea
