@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -42,7 +43,6 @@ enum class ObservationSource : std::uint8_t {
 /// What a group of observations is.
 struct ObservationGroupTraits {
   ObservationGroup group{};
-  const char* name = "";
   ObservationSource source{};
   /// The coordinates of its measurement that are of this group: 0 column or east, 1 row or north, 2 height; of
   /// attitudes the axes of the rotation. They share a sigma and are rejected together. What has one value has it on 0.
@@ -51,21 +51,21 @@ struct ObservationGroupTraits {
 };
 
 inline constexpr std::array<ObservationGroupTraits, kObservationGroups> kObservationGroupTraits = {{
-    {ObservationGroup::kTieImages, "tie points in images", ObservationSource::kTieImagePoint, 0, 2},
-    {ObservationGroup::kControlImages, "control in images", ObservationSource::kControlImagePoint, 0, 2},
-    {ObservationGroup::kControlPlan, "control, plan", ObservationSource::kControlCoordinates, 0, 2},
-    {ObservationGroup::kControlHeight, "control, height", ObservationSource::kControlCoordinates, 2, 1},
-    {ObservationGroup::kPositionPlan, "positions, plan", ObservationSource::kPosition, 0, 2},
-    {ObservationGroup::kPositionHeight, "positions, height", ObservationSource::kPosition, 2, 1},
-    {ObservationGroup::kDistance, "distances", ObservationSource::kGeodetic},
-    {ObservationGroup::kHeightDifference, "height differences", ObservationSource::kGeodetic},
-    {ObservationGroup::kDirection, "directions", ObservationSource::kGeodetic, 0, 1, true},
-    {ObservationGroup::kZenithAngle, "zenith angles", ObservationSource::kGeodetic, 0, 1, true},
-    {ObservationGroup::kAtHeight, "equal heights", ObservationSource::kGeodetic},
-    {ObservationGroup::kOnPlane, "planes", ObservationSource::kGeodetic},
-    {ObservationGroup::kOnLine, "lines", ObservationSource::kGeodetic},
-    {ObservationGroup::kAttitudeLevel, "attitudes, level", ObservationSource::kAttitude, 0, 2, true},
-    {ObservationGroup::kAttitudeHeading, "attitudes, heading", ObservationSource::kAttitude, 2, 1, true},
+    {ObservationGroup::kTieImages, ObservationSource::kTieImagePoint, 0, 2},
+    {ObservationGroup::kControlImages, ObservationSource::kControlImagePoint, 0, 2},
+    {ObservationGroup::kControlPlan, ObservationSource::kControlCoordinates, 0, 2},
+    {ObservationGroup::kControlHeight, ObservationSource::kControlCoordinates, 2, 1},
+    {ObservationGroup::kPositionPlan, ObservationSource::kPosition, 0, 2},
+    {ObservationGroup::kPositionHeight, ObservationSource::kPosition, 2, 1},
+    {ObservationGroup::kDistance, ObservationSource::kGeodetic},
+    {ObservationGroup::kHeightDifference, ObservationSource::kGeodetic},
+    {ObservationGroup::kDirection, ObservationSource::kGeodetic, 0, 1, true},
+    {ObservationGroup::kZenithAngle, ObservationSource::kGeodetic, 0, 1, true},
+    {ObservationGroup::kAtHeight, ObservationSource::kGeodetic},
+    {ObservationGroup::kOnPlane, ObservationSource::kGeodetic},
+    {ObservationGroup::kOnLine, ObservationSource::kGeodetic},
+    {ObservationGroup::kAttitudeLevel, ObservationSource::kAttitude, 0, 2, true},
+    {ObservationGroup::kAttitudeHeading, ObservationSource::kAttitude, 2, 1, true},
 }};
 
 [[nodiscard]] constexpr const ObservationGroupTraits& traits_of(ObservationGroup group) {
@@ -79,13 +79,6 @@ static_assert(
       return true;
     }(),
     "the traits stand in the order of the groups");
-
-/// The names alone, in the order of the groups.
-inline constexpr std::array<const char*, kObservationGroups> kObservationGroupNames = [] {
-  std::array<const char*, kObservationGroups> names{};
-  for (std::size_t g = 0; g < kObservationGroups; ++g) names[g] = kObservationGroupTraits[g].name;
-  return names;
-}();
 
 /// Angles, in [rad].
 [[nodiscard]] constexpr bool is_angle(ObservationGroup group) { return traits_of(group).is_angle; }
