@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/project/project.h"
+#include "collinea/report/assessment_text.h"
 #include "collinea/steps/flow.h"
 
 #include <gtest/gtest.h>
@@ -164,7 +165,7 @@ void WholeProject::a_compressed_cloud_gives_the_same_surface() {
   fs::copy(products / "dsm.tif", root_ / "truth/dsm.tif");  // a truth like any other, for `assessed`
   const auto assessed = [](const fs::path& project) {
     return open_project(project, {})
-        .and_then([](const Project& p) { return assess_project(p, root_).map(table); })
+        .and_then([](const Project& p) { return assess_project(p, root_).map(assessment_text); })
         .value();
   };
   for (const auto& [form, name, earlier] : {std::tuple(LasForm::kLaz, "cloud.laz", "cloud.las"),

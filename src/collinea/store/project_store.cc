@@ -17,7 +17,7 @@ using sqlite::Database;
 using sqlite::Statement;
 
 constexpr std::int64_t kApplication = 0x434f4c4e;  // "COLN" in the file's header
-constexpr std::int64_t kSchema = 3;
+constexpr std::int64_t kSchema = 2;
 
 // Numbers that must come back bit by bit are packed in blobs: SQLite turns NaN into NULL and drops the sign of zero.
 constexpr const char* kTables = R"sql(

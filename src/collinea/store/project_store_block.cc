@@ -238,11 +238,11 @@ Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId,
     const auto model = model_named(select.text(4));
     const auto additional = index_of(kAdditionalNames, select.text(5));
     const auto source = from_word<Provenance>(select.text(7));
-    if (!model || !additional || !source) return damaged(table);
+    if (!model || !additional) return damaged(table);
     camera.model = *model;
     camera.additional = AdditionalSet(*additional);
     if (!read_parameters(select.text(6), camera)) return damaged(table);
-    camera.prior.source = *source;
+    camera.prior.source = source.value_or(Provenance::kUnknown);  // other versions have other words
     camera.prior.calibrate = select.integer(8) != 0;
     Unpacker sigma(select.blob(9));
     sigma.get(camera.prior.sigma_f_px);
