@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sqlite3.h>
+
+#include <memory>
+
 #include "collinea/project/seamlines_file.h"
 #include "collinea/project/settings.h"
 #include "target.h"
@@ -41,9 +45,9 @@ Block two_images() {
 
 const std::vector<ImageId> kSources = {{0}, {1}};
 
-bool accepts_seamlines(std::string_view bytes) {
+bool accepts_seamlines(const std::filesystem::path& path) {
   static const Block block = two_images();
-  const auto seamlines = read_seamlines(file_of(bytes, "a.gpkg"), block, kSources, "");
+  const auto seamlines = read_seamlines(path, block, kSources, "");
   if (!seamlines) return false;
   for (const SeamPolygon& polygon : *seamlines) {
     COLLINEA_CHECK(polygon.source >= 1 && polygon.source <= kSources.size() && !polygon.rings.empty());
@@ -52,18 +56,79 @@ bool accepts_seamlines(std::string_view bytes) {
   return true;
 }
 
-std::string seamlines_seed() {
+// No more than a GeoPackage must have, in small pages: the one that GDAL writes is twenty times as long.
+constexpr const char* kSmallest = R"(
+PRAGMA page_size = 512; PRAGMA application_id = 1196444487; PRAGMA user_version = 10300; PRAGMA journal_mode = OFF;
+CREATE TABLE gpkg_spatial_ref_sys (srs_name TEXT, srs_id INTEGER PRIMARY KEY, organization TEXT,
+  organization_coordsys_id INTEGER, definition TEXT, description TEXT);
+INSERT INTO gpkg_spatial_ref_sys VALUES ('Undefined Cartesian SRS', -1, 'NONE', -1, 'undefined', '');
+CREATE TABLE gpkg_contents (table_name TEXT PRIMARY KEY, data_type TEXT, identifier TEXT, description TEXT,
+  last_change DATETIME, min_x DOUBLE, min_y DOUBLE, max_x DOUBLE, max_y DOUBLE, srs_id INTEGER);
+INSERT INTO gpkg_contents VALUES ('seamlines', 'features', '', '', '2000-01-01T00:00:00.000Z', 0, 0, 10, 10, -1);
+CREATE TABLE gpkg_geometry_columns (table_name TEXT, column_name TEXT, geometry_type_name TEXT, srs_id INTEGER,
+  z TINYINT, m TINYINT);
+INSERT INTO gpkg_geometry_columns VALUES ('seamlines', 'geom', 'GEOMETRY', -1, 2, 2);
+CREATE TABLE seamlines (fid INTEGER PRIMARY KEY, geom BLOB, photo TEXT);
+ATTACH '$' AS written; INSERT INTO seamlines SELECT fid, geom, photo FROM written.seamlines; DETACH written;)";
+
+using Database = std::unique_ptr<sqlite3, int (*)(sqlite3*)>;
+using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
+
+Database opened(const std::filesystem::path& path) {
+  sqlite3* database = nullptr;
+  sqlite3_open(path.c_str(), &database);
+  return {database, sqlite3_close};
+}
+
+Statement prepared(sqlite3* database, const char* text) {
+  sqlite3_stmt* statement = nullptr;
+  sqlite3_prepare_v2(database, text, -1, &statement, nullptr);
+  return {statement, sqlite3_finalize};
+}
+
+std::filesystem::path small_geopackage(const char* name) {
   const MapRing square = {{0, 0}, {0, 10}, {10, 10}, {10, 0}}, hole = {{2, 2}, {3, 2}, {3, 3}};
-  const std::filesystem::path path = folder() / "seed.gpkg";
-  const bool written =
-      write_seamlines(path, {{1, {square, hole}}, {2, {hole}}}, two_images(), kSources, "").has_value();
-  return written ? bytes_of(path) : "";
+  const std::filesystem::path written = folder() / "written.gpkg", path = folder() / name;
+  (void)write_seamlines(written, {{1, {square, hole}}, {2, {hole}}}, two_images(), kSources, "");
+  std::filesystem::remove(path);
+  std::string text = kSmallest;
+  text.replace(text.find('$'), 1, written.string());
+  sqlite3_exec(opened(path).get(), text.c_str(), nullptr, nullptr, nullptr);
+  return path;
+}
+
+// The name and the geometry of one row of a GeoPackage that is whole otherwise.
+bool accepts_row(std::string_view bytes) {
+  static const std::filesystem::path path = small_geopackage("rows.gpkg");
+  static const Database database = opened(path);
+  static const Statement change =
+      prepared(database.get(), "UPDATE seamlines SET photo = CAST(? AS TEXT), geom = ? WHERE fid = 1");
+  const auto parts = parts_of(bytes);
+  for (int i = 0; i < 2; ++i) {
+    const std::string_view part = i < int(parts.size()) ? parts[std::size_t(i)] : std::string_view{};
+    sqlite3_bind_blob(change.get(), i + 1, part.data() ? part.data() : "", int(part.size()), SQLITE_STATIC);
+  }
+  sqlite3_step(change.get());
+  sqlite3_reset(change.get());
+  return accepts_seamlines(path);
+}
+
+std::string row_seed() {
+  const Database database = opened(small_geopackage("seed.gpkg"));
+  const Statement row = prepared(database.get(), "SELECT geom FROM seamlines WHERE fid = 1");
+  if (sqlite3_step(row.get()) != SQLITE_ROW) return "";
+  const auto* geometry = static_cast<const char*>(sqlite3_column_blob(row.get(), 0));
+  return "a.jpg" + std::string(kCut) + std::string(geometry, std::size_t(sqlite3_column_bytes(row.get(), 0)));
 }
 
 }  // namespace
 
 std::vector<Target> project_targets() {
-  return {{"project_json", accepts_settings, settings_seeds()}, {"geopackage", accepts_seamlines, {seamlines_seed()}}};
+  return {{"project_json", accepts_settings, settings_seeds()},
+          {"geopackage",
+           [](std::string_view bytes) { return accepts_seamlines(file_of(bytes, "a.gpkg")); },
+           {bytes_of(small_geopackage("seed.gpkg"))}},
+          {"seamlines", accepts_row, {row_seed()}}};
 }
 
 }  // namespace collinea::fuzz

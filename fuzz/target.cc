@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <fstream>
 #include <iterator>
+
+#include "collinea/base/result.h"
 
 namespace collinea::fuzz {
 namespace {
@@ -35,8 +38,9 @@ const std::filesystem::path& folder() {
 
 std::filesystem::path file_of(std::string_view bytes, const std::string& name) {
   const std::filesystem::path path = folder() / name;
-  std::ofstream file(path, std::ios::binary);
-  file.write(bytes.data(), std::streamsize(bytes.size()));
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  COLLINEA_CHECK(file >= 0 && ::write(file, bytes.data(), bytes.size()) == ::ssize_t(bytes.size()));
+  ::close(file);
   return path;
 }
 
