@@ -7,6 +7,7 @@
 
 #include "collinea/report/internal/map_view.h"
 #include "collinea/report/plan_report.h"
+#include "collinea/report/plan_words.h"
 
 namespace collinea {
 namespace {
@@ -31,8 +32,8 @@ void draw_points(Svg& svg, const MapView& view, const PlanReport& report, bool n
   }
   for (const Gain& gain : report.gains) {
     if (!gain.place) continue;
-    svg.circle(view(*gain.place), 9, "more", gain.what);
-    if (names) svg.text(view(*gain.place) + Vector2d(12, 4), gain.what, "start", "label halo");
+    svg.circle(view(*gain.place), 9, "more", words_of(gain));
+    if (names) svg.text(view(*gain.place) + Vector2d(12, 4), words_of(gain), "start", "label halo");
   }
 }
 
