@@ -1,16 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/surface/height_field.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <utility>
 
+#include "collinea/raster/geotiff.h"
 #include "collinea/raster/raster_spool.h"
 
 namespace collinea {
 namespace {
+
+using ReadFloats = std::function<Result<FloatImage>(int column, int row, int width, int height)>;
+
+Result<ReadFloats> open_floats(const std::filesystem::path& path, MapGrid& grid) {
+  struct Shared {
+    std::mutex mutex;
+    GeoTiffReader reader;
+  };
+  COLLINEA_TRY(GeoTiffReader reader, GeoTiffReader::open(path));
+  const auto shared = std::shared_ptr<Shared>(new Shared{{}, std::move(reader)});
+  grid = shared->reader.grid();
+  return [shared](int column, int row, int width, int height) -> Result<FloatImage> {
+    const std::lock_guard lock(shared->mutex);
+    return shared->reader.read_known(column, row, width, height);
+  };
+}
+
+// That the standard deviations are of other cells than the heights.
+Error not_of_one_model(const std::filesystem::path& path, const MapGrid& heights,
+                       const std::filesystem::path& sigma_path, const MapGrid& sigmas) {
+  return Error{
+      Errc::kBadInput,
+      fmt::format("{} ({} x {} cells of {} m from {:.3f} east, {:.3f} north) does not lie on {} ({} x {} cells of {} m "
+                  "from {:.3f} east, {:.3f} north): the two are not of one surface model",
+                  sigma_path.string(), sigmas.width, sigmas.height, sigmas.cell_m, sigmas.west_m, sigmas.north_m,
+                  path.string(), heights.width, heights.height, heights.cell_m, heights.west_m, heights.north_m)};
+}
 
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
@@ -71,6 +102,16 @@ Result<> append(const ReadHeights& read, const MapGrid& grid, RasterSpool& raste
 }
 
 }  // namespace
+
+Result<HeightField> open_height_field(const std::filesystem::path& path, const std::filesystem::path& sigma_path) {
+  HeightField field;
+  COLLINEA_TRY(field.read, open_floats(path, field.grid));
+  if (sigma_path.empty() || !std::filesystem::exists(sigma_path)) return field;
+  MapGrid grid;
+  COLLINEA_TRY(field.read_sigma, open_floats(sigma_path, grid));
+  if (!same_cells(field.grid, grid)) return tl::unexpected(not_of_one_model(path, field.grid, sigma_path, grid));
+  return field;
+}
 
 Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& beside, const Run& run) {
   COLLINEA_TRY(RasterSpool spool, RasterSpool::create(beside, field.grid.width, field.grid.height));
