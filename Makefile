@@ -16,6 +16,7 @@ test: configured
 	@python3 tools/check_circles.py
 	@python3 tools/check_flags.py
 	@python3 tools/check_words.py
+	@python3 tools/check_terms.py
 	@echo "== manual"
 	@python3 tools/manual_options.py --check
 	@echo "== tests"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our features beside OpenCV's SIFT on pictures of a plane with known homographies (Mikolajczyk et al., IJCV 2005).
+// Our features beside OpenCV's SIFT on images of a plane with known homographies (Mikolajczyk et al., IJCV 2005).
 //
 // usage: collinea_bench_graf FOLDER|PICTURE [COUNT ...]
 // FOLDER holds img1.png ... img6.png and H1to2p ... H1to6p. A PICTURE is warped by homographies of our own instead, so
 // that the truth is exact. Both detectors give the same number of features: COUNT, or, where it is 0 or more than there
-// are, as many in each picture as OpenCV's SIFT finds there without a limit. Default: 1000, 2000 and 0. Ours twice:
+// are, as many in each image as OpenCV's SIFT finds there without a limit. Default: 1000, 2000 and 0. Ours twice:
 // with the evenness that is the default, and the strongest alone, as OpenCV's.
-//   covered        regions of the first picture (16 features each on an average) with at least 4 features
-//   repeatability  features of the first picture, in the part that the other sees, with a feature of the other within
+//   covered        regions of the first image (16 features each on an average) with at least 4 features
+//   repeatability  features of the first image, in the part that the other sees, with a feature of the other within
 //                  2.5 px and half an octave, one to one, over the smaller number of features in the common part
 //   correct        matches (nearest both ways, ratio 0.8 both ways) within 5 px of the homography
 //                  (2.5 px where it is exact)
@@ -34,14 +34,14 @@ namespace {
 
 using collinea::Match;
 
-constexpr double kSamePlace_px = 2.5, kSameScale_octaves = 0.5, kRatio = 0.8;
+constexpr double kSamePosition_px = 2.5, kSameScale_octaves = 0.5, kRatio = 0.8;
 // The homographies of graf are off by 3 px in parts (the matches of either detector agree on that between 1 and 2).
 constexpr double kCorrectMeasured_px = 5, kCorrectExact_px = 2.5;
 // Fewer correct matches of both say nothing about either.
 constexpr int kTooFew = 5;
 
 struct Spot {
-  Eigen::Vector2d place_px;  // the centre of the first pixel is (0, 0), as in the homographies
+  Eigen::Vector2d position_px;  // the centre of the first pixel is (0, 0), as in the homographies
   double scale_px;
 };
 
@@ -51,20 +51,20 @@ struct Found {
   cv::Mat theirs;           // or of the other
 };
 
-Found by_collinea(const cv::Mat& picture, int count, double evenness) {
-  collinea::GreyImage image(picture.cols, picture.rows);
-  for (int y = 0; y < picture.rows; ++y) std::copy_n(picture.ptr(y), picture.cols, image.row(y));
+Found by_collinea(const cv::Mat& raster, int count, double evenness) {
+  collinea::GreyImage image(raster.cols, raster.rows);
+  for (int y = 0; y < raster.rows; ++y) std::copy_n(raster.ptr(y), raster.cols, image.row(y));
   Found found;
   found.ours = collinea::detect_sift(image, {.max_features = count, .evenness = evenness});
   for (const auto& k : found.ours.keypoints) found.spots.push_back({{k.x - 0.5, k.y - 0.5}, k.scale_px});
   return found;
 }
 
-Found by_opencv(const cv::Mat& picture, int count) {
+Found by_opencv(const cv::Mat& image, int count) {
   Found found;
   std::vector<cv::KeyPoint> keypoints;
   const auto sift = cv::SIFT::create(count);
-  sift->detectAndCompute(picture, {}, keypoints, found.theirs);
+  sift->detectAndCompute(image, {}, keypoints, found.theirs);
   const int all = static_cast<int>(keypoints.size()),
             kept = count > 0 ? std::min(count, all) : all;  // it may give more
   std::vector<int> order(keypoints.size());
@@ -101,17 +101,17 @@ std::vector<Match> matches_of(const Found& a, const Found& b) {
   return matches;
 }
 
-double covered(const std::vector<Spot>& spots, const cv::Mat& picture) {
+double covered(const std::vector<Spot>& spots, const cv::Mat& image) {
   constexpr double kMean = 16;
   constexpr int kLeast = 4;
   const double side_px =
-      std::sqrt(kMean * picture.cols * picture.rows / static_cast<double>(std::max<std::size_t>(1, spots.size())));
-  const int columns = std::max(1, static_cast<int>(std::lround(picture.cols / side_px)));
-  const int rows = std::max(1, static_cast<int>(std::lround(picture.rows / side_px)));
+      std::sqrt(kMean * image.cols * image.rows / static_cast<double>(std::max<std::size_t>(1, spots.size())));
+  const int columns = std::max(1, static_cast<int>(std::lround(image.cols / side_px)));
+  const int rows = std::max(1, static_cast<int>(std::lround(image.rows / side_px)));
   std::vector<int> count(static_cast<std::size_t>(columns * rows));
   for (const Spot& s : spots) {
-    const int column = std::clamp(static_cast<int>(s.place_px.x() * columns / picture.cols), 0, columns - 1);
-    const int row = std::clamp(static_cast<int>(s.place_px.y() * rows / picture.rows), 0, rows - 1);
+    const int column = std::clamp(static_cast<int>(s.position_px.x() * columns / image.cols), 0, columns - 1);
+    const int row = std::clamp(static_cast<int>(s.position_px.y() * rows / image.rows), 0, rows - 1);
     ++count[static_cast<std::size_t>(row * columns + column)];
   }
   return static_cast<double>(std::ranges::count_if(count, [](int n) { return n >= kLeast; })) / (columns * rows);
@@ -134,9 +134,9 @@ double enlargement(const Eigen::Matrix3d& h, const Eigen::Vector2d& p) {
 std::vector<Spot> common(const std::vector<Spot>& spots, const Eigen::Matrix3d& h, const cv::Mat& other) {
   std::vector<Spot> seen;
   for (const Spot& s : spots) {
-    const Eigen::Vector2d p = mapped(h, s.place_px);
+    const Eigen::Vector2d p = mapped(h, s.position_px);
     if (p.x() >= 0 && p.y() >= 0 && p.x() <= other.cols - 1 && p.y() <= other.rows - 1)
-      seen.push_back({p, s.scale_px * enlargement(h, s.place_px)});
+      seen.push_back({p, s.scale_px * enlargement(h, s.position_px)});
   }
   return seen;
 }
@@ -153,8 +153,8 @@ double repeatability(const Found& a, const Found& b, const Eigen::Matrix3d& h, c
   std::vector<Close> close;
   for (std::size_t i = 0; i < from_a.size(); ++i)
     for (std::size_t j = 0; j < b.spots.size(); ++j) {
-      const double distance_px = (from_a[i].place_px - b.spots[j].place_px).norm();
-      if (distance_px < kSamePlace_px &&
+      const double distance_px = (from_a[i].position_px - b.spots[j].position_px).norm();
+      if (distance_px < kSamePosition_px &&
           std::abs(std::log2(from_a[i].scale_px / b.spots[j].scale_px)) < kSameScale_octaves)
         close.push_back({distance_px, i, j});
     }
@@ -185,7 +185,7 @@ struct Score {
 
 struct View {
   std::string name;
-  cv::Mat picture;
+  cv::Mat image;
   Eigen::Matrix3d from_first;
 };
 
@@ -197,10 +197,10 @@ struct Views {
 
 Score score(const Found& a, const Found& b, const View& view, const Views& views) {
   Score s;
-  s.repeatability = repeatability(a, b, view.from_first, views.first, view.picture);
+  s.repeatability = repeatability(a, b, view.from_first, views.first, view.image);
   for (const auto& [i, j] : matches_of(a, b)) {
     ++s.all;
-    s.correct += (mapped(view.from_first, a.spots[i].place_px) - b.spots[j].place_px).norm() < views.correct_px;
+    s.correct += (mapped(view.from_first, a.spots[i].position_px) - b.spots[j].position_px).norm() < views.correct_px;
   }
   return s;
 }
@@ -214,16 +214,16 @@ const char* verdict(const Score& ours, const Score& theirs) {
 }
 
 // As many features of both: `count`, or all that OpenCV finds where these are fewer or `count` is 0.
-std::pair<Found, Found> features_of(const cv::Mat& picture, int count, double evenness) {
-  Found theirs = by_opencv(picture, count);
-  Found ours = by_collinea(picture, static_cast<int>(theirs.spots.size()), evenness);
+std::pair<Found, Found> features_of(const cv::Mat& image, int count, double evenness) {
+  Found theirs = by_opencv(image, count);
+  Found ours = by_collinea(image, static_cast<int>(theirs.spots.size()), evenness);
   return {std::move(ours), std::move(theirs)};
 }
 
 void compare(const Views& views, int count, double evenness) {
   const auto [ours_first, theirs_first] = features_of(views.first, count, evenness);
   for (const View& view : views.others) {
-    const auto [ours_second, theirs_second] = features_of(view.picture, count, evenness);
+    const auto [ours_second, theirs_second] = features_of(view.image, count, evenness);
     const Score ours = score(ours_first, ours_second, view, views);
     const Score theirs = score(theirs_first, theirs_second, view, views);
     fmt::print("| {} | {} | {} / {} | {} / {} | {:.2f} / {:.2f} | {:.3f} / {:.3f} | {} / {} | {:.3f} / {:.3f} | {} |\n",
@@ -235,20 +235,20 @@ void compare(const Views& views, int count, double evenness) {
 }
 
 Views measured_views(const std::string& folder) {
-  const auto picture = [&](int k) { return cv::imread(fmt::format("{}/img{}.png", folder, k), cv::IMREAD_GRAYSCALE); };
-  Views views{.first = picture(1), .others = {}, .correct_px = kCorrectMeasured_px};
+  const auto image = [&](int k) { return cv::imread(fmt::format("{}/img{}.png", folder, k), cv::IMREAD_GRAYSCALE); };
+  Views views{.first = image(1), .others = {}, .correct_px = kCorrectMeasured_px};
   for (int k = 2; k <= 6; ++k)
-    views.others.push_back({fmt::format("1-{}", k), picture(k), homography_in(fmt::format("{}/H1to{}p", folder, k))});
+    views.others.push_back({fmt::format("1-{}", k), image(k), homography_in(fmt::format("{}/H1to{}p", folder, k))});
   return views;
 }
 
-// The picture as a camera sees it that is turned by `roll_deg` about its axis, comes nearer by `zoom`, and stands at
-// `tilt_deg` from the upright to the picture, two of its widths away.
-Eigen::Matrix3d seen_obliquely(const cv::Mat& picture, double tilt_deg, double roll_deg, double zoom) {
+// The image as a camera sees it that is turned by `roll_deg` about its axis, comes nearer by `zoom`, and stands at
+// `tilt_deg` from the upright to the image, two of its widths away.
+Eigen::Matrix3d seen_obliquely(const cv::Mat& image, double tilt_deg, double roll_deg, double zoom) {
   constexpr double kDegree = 3.14159265358979323846 / 180;
-  const double focal = 2.0 * picture.cols;
+  const double focal = 2.0 * image.cols;
   Eigen::Matrix3d to_middle = Eigen::Matrix3d::Identity();
-  to_middle.col(2) << -0.5 * picture.cols, -0.5 * picture.rows, 1;
+  to_middle.col(2) << -0.5 * image.cols, -0.5 * image.rows, 1;
   const Eigen::Matrix3d turned = (Eigen::AngleAxisd(tilt_deg * kDegree, Eigen::Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(roll_deg * kDegree, Eigen::Vector3d::UnitZ()))
                                      .toRotationMatrix();
@@ -260,19 +260,19 @@ Eigen::Matrix3d seen_obliquely(const cv::Mat& picture, double tilt_deg, double r
 
 Views simulated_views(const std::string& file) {
   constexpr double kSize_px = 1000, kSmoothed = 0.8;  // warped at a moderate size, smooth enough for the interpolation
-  cv::Mat picture = cv::imread(file, cv::IMREAD_GRAYSCALE);
-  cv::resize(picture, picture, {}, kSize_px / picture.cols, kSize_px / picture.cols, cv::INTER_AREA);
-  cv::GaussianBlur(picture, picture, {}, kSmoothed);
-  Views views{.first = picture, .others = {}, .correct_px = kCorrectExact_px};
+  cv::Mat image = cv::imread(file, cv::IMREAD_GRAYSCALE);
+  cv::resize(image, image, {}, kSize_px / image.cols, kSize_px / image.cols, cv::INTER_AREA);
+  cv::GaussianBlur(image, image, {}, kSmoothed);
+  Views views{.first = image, .others = {}, .correct_px = kCorrectExact_px};
   for (const auto& [tilt_deg, roll_deg, zoom] :
        {std::array{20., 10., 1.}, std::array{40., 0., 1.}, std::array{55., 20., 1.}, std::array{0., 45., 0.6},
         std::array{0., 90., 0.8}, std::array{30., 150., 0.7}}) {
     View view{.name = fmt::format("tilt {}, roll {}, zoom {}", tilt_deg, roll_deg, zoom),
-              .picture = {},
-              .from_first = seen_obliquely(picture, tilt_deg, roll_deg, zoom)};
+              .image = {},
+              .from_first = seen_obliquely(image, tilt_deg, roll_deg, zoom)};
     cv::Mat h(3, 3, CV_64F);
     for (int i = 0; i < 9; ++i) h.at<double>(i / 3, i % 3) = view.from_first(i / 3, i % 3);
-    cv::warpPerspective(picture, view.picture, h, picture.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
+    cv::warpPerspective(image, view.image, h, image.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
     views.others.push_back(view);
   }
   return views;

@@ -3,7 +3,7 @@
 
 #include "collinea/raster/codec.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "target.h"
 #include "tiff_seeds.h"
 

@@ -32,7 +32,7 @@ void check_points(const Block& block) {
     COLLINEA_CHECK(block.images.contains(seen.image) && block.control.contains(seen.point));
     COLLINEA_CHECK(seen.pixel.allFinite() && seen.sigma_px > 0 && std::isfinite(seen.sigma_px));
   }
-  for (const GeodeticObservation& one : block.ground) {
+  for (const GeodeticObservation& one : block.geodetic) {
     COLLINEA_CHECK(block.control.contains(one.from) && block.control.contains(one.to));
     COLLINEA_CHECK(std::isfinite(one.value) && one.sigma > 0);
   }

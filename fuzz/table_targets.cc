@@ -21,7 +21,7 @@ bool accepts_control(std::string_view bytes) {
   return true;
 }
 
-bool accepts_ground(std::string_view bytes) {
+bool accepts_geodetic(std::string_view bytes) {
   const auto rows = parse_geodetic(bytes);
   if (!rows) return false;
   for (const GeodeticFileRow& row : *rows) COLLINEA_CHECK(std::isfinite(row.value) && row.sigma > 0);
@@ -51,7 +51,7 @@ std::vector<Target> table_targets() {
         "WGS84 UTM 17N\n500100.5 4300000.5 100 10.5 20.5 a.jpg one\n500110.5 4300000.5 NaN 10.5 20.5 b.jpg two\n",
         "EPSG:4326\n15.25 48.5 100 10.5 20.5 a.jpg\n15.26 48.5 100 10.5 20.5 b.jpg\n"}},
       {"ground",
-       accepts_ground,
+       accepts_geodetic,
        {"# scale bars\nto, from, sigma_m, distance_m, name, role\nB, A, 0.001, 12.5, bar 1,\nC, A, 0.002, 7, , check\n",
         "from,to,setup,direction_gon,sigma_direction_mgon,zenith_deg,sigma_zenith_arcsec,distance_m,sigma_m,"
         "instrument_height_m,target_height_m\nS,A,1,100,1,90,3600,20,0.002,1.5,1.2\nS,B,1,200,1,,,,,1.5,\n",
@@ -83,7 +83,7 @@ std::vector<Target> table_targets() {
          const std::string text(bytes);
          const auto area = parse_area(text);
          if (area) (void)contains(*area, area->front()), (void)size_m2(*area);
-         return parse_places(text).has_value() && area;
+         return parse_map_points(text).has_value() && area;
        },
        {"easting, northing\n500000, 5300000\n500100, 5300000\n500100, 5300100\n500000, 5300000\n",
         "0 0\n10 0 x\n10 10\n# end\n"}},

@@ -32,8 +32,8 @@ Rigid3 looking(const Eigen::Vector3d& centre, const Eigen::Vector3d& forward, co
   rows.row(2) = forward.normalized();
   rows.row(0) = (right - right.dot(forward.normalized()) * forward.normalized()).normalized();
   rows.row(1) = rows.row(2).cross(rows.row(0));
-  const Eigen::Quaterniond turned = (rotation_by(tilt_rad * normal3(random)) * Eigen::Quaterniond(rows)).normalized();
-  return {turned, -(turned * centre)};
+  const Eigen::Quaterniond rotated = (rotation_by(tilt_rad * normal3(random)) * Eigen::Quaterniond(rows)).normalized();
+  return {rotated, -(rotated * centre)};
 }
 
 class Builder {
@@ -47,21 +47,21 @@ class Builder {
     if (positions) image.position = PositionPrior{centre_of(pose), Eigen::Vector3d::Constant(kPositionSigma_m)};
     block.images[id] = image;
   }
-  void add_point(const Eigen::Vector3d& place) {
+  void add_point(const Eigen::Vector3d& position) {
     const PointId id{static_cast<std::uint32_t>(1 + block.points.size())};
     std::vector<Observation> seen;
     for (const auto& [image, pose] : oriented_images(block))
-      if (const auto pixel = seen_in(image, pose, place)) seen.push_back({image, id, 0, *pixel, kImageSigma_px});
+      if (const auto pixel = seen_in(image, pose, position)) seen.push_back({image, id, 0, *pixel, kImageSigma_px});
     if (seen.size() < 2) return;
-    block.points[id].position_in_world = place;
+    block.points[id].position_in_world = position;
     block.observations.insert(block.observations.end(), seen.begin(), seen.end());
   }
-  void add_control(const Eigen::Vector3d& place) {
+  void add_control(const Eigen::Vector3d& position) {
     const ControlId id{static_cast<std::uint32_t>(1 + block.control.size())};
-    block.control[id] = {"gcp" + std::to_string(id.value), ControlRole::kControl, place, place,
+    block.control[id] = {"gcp" + std::to_string(id.value), ControlRole::kControl, position, position,
                          Eigen::Vector3d::Constant(kControlSigma_m)};
     for (const auto& [image, pose] : oriented_images(block))
-      if (const auto pixel = seen_in(image, pose, place))
+      if (const auto pixel = seen_in(image, pose, position))
         block.control_observations.push_back({id, image, *pixel, kImageSigma_px});
   }
 
@@ -70,8 +70,8 @@ class Builder {
 
  private:
   [[nodiscard]] std::optional<Eigen::Vector2d> seen_in(ImageId image, const Rigid3& pose,
-                                                       const Eigen::Vector3d& place) const {
-    const auto pixel = project(block.camera_of(image), pose * place);
+                                                       const Eigen::Vector3d& position) const {
+    const auto pixel = project(block.camera_of(image), pose * position);
     return pixel && inside(block.camera_of(image), *pixel) ? pixel : std::nullopt;
   }
 };
@@ -132,14 +132,14 @@ Block corridor(const BlockSize& size, std::uint64_t seed) {
   for (int strip = 0; strip < 2; ++strip)
     for (int i = 0; i < 13; ++i) {
       const double s = 20.0 * i, angle = s / 200;
-      const Eigen::Vector2d place = road(s, strip ? 15 : -15);
-      const Eigen::Vector3d centre = Eigen::Vector3d(place.x(), place.y(), strip ? 66 : 60) + normal3(b.random);
+      const Eigen::Vector2d position = road(s, strip ? 15 : -15);
+      const Eigen::Vector3d centre = Eigen::Vector3d(position.x(), position.y(), strip ? 66 : 60) + normal3(b.random);
       const Eigen::Vector3d along(std::cos(angle), std::sin(angle), 0);
       b.add_image(looking(centre, -Eigen::Vector3d::UnitZ(), along * (strip ? -1 : 1), 0.05, b.random), true);
     }
   const auto ground = [&](double s) {
-    const Eigen::Vector2d place = road(s, b.random.uniform(-35, 35));
-    return Eigen::Vector3d(place.x(), place.y(), relief(place.x(), place.y()) + b.random.normal());
+    const Eigen::Vector2d position = road(s, b.random.uniform(-35, 35));
+    return Eigen::Vector3d(position.x(), position.y(), relief(position.x(), position.y()) + b.random.normal());
   };
   for (int i = 0; i < size.points; ++i) b.add_point(ground(b.random.uniform(-10, 250)));
   for (int i = 0; i < size.control; ++i)
@@ -177,21 +177,21 @@ Block large_exact_block(int rows, int columns, int points) {
   }
   for (std::uint32_t p = 1; block.points.size() < static_cast<std::size_t>(points); ++p) {
     const double x = random.uniform(-40, kAlong * columns + 15), y = random.uniform(-40, kAcross * rows);
-    const Eigen::Vector3d place(x, y, relief(x, y));
+    const Eigen::Vector3d position(x, y, relief(x, y));
     const PointId id{p};
     const std::size_t before = block.observations.size();
     const int at_row = static_cast<int>(y / kAcross), at_column = static_cast<int>(x / kAlong);
     for (int row = std::max(0, at_row - 2); row <= std::min(rows - 1, at_row + 3); ++row)
       for (int column = std::max(0, at_column - 4); column <= std::min(columns - 1, at_column + 5); ++column) {
         const ImageId image{static_cast<std::uint32_t>(1 + row * columns + column)};
-        const auto pixel = project(block.cameras.at({1}), pose_of(block, image) * place);
+        const auto pixel = project(block.cameras.at({1}), pose_of(block, image) * position);
         if (pixel && inside(block.cameras.at({1}), *pixel) && random.uniform() < 0.5)
           block.observations.push_back({image, id, 0, *pixel, kImageSigma_px});
       }
     if (block.observations.size() < before + 2)
       block.observations.resize(before);
     else
-      block.points[id].position_in_world = place;
+      block.points[id].position_in_world = position;
   }
   return block;
 }

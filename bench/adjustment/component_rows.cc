@@ -16,7 +16,7 @@ constexpr double kControlSigma_m = 0.03;
 // The sigmas of half of the groups are given three times too large, the others three times too small; the next block
 // has it the other way round.
 Rows variance_components(const Effort& effort, const Run& run) {
-  std::array<double, kObservationGroups> sum{}, squares{}, blocks{}, told{};
+  std::array<double, kObservationGroups> sum{}, squares{}, blocks{}, reported{};
   int failed = 0, rounds = 0;
   for (int i = 0; i < effort.gross_error_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(3000 + i);
@@ -25,8 +25,9 @@ Rows variance_components(const Effort& effort, const Run& run) {
     SigmaFactors wrong;
     for (std::size_t g = 0; g < kObservationGroups; ++g) wrong[g] = (g + static_cast<std::size_t>(i)) % 2 ? 3 : 1.0 / 3;
     const Measured made = measured(exact, seed);
-    const Block told_wrongly = with_sigmas(made.block, wrong);
-    const auto found = estimate_variance_components(told_wrongly, made.scope, exact_options(Calibration::kBrown), run);
+    const Block stated_wrongly = with_sigmas(made.block, wrong);
+    const auto found =
+        estimate_variance_components(stated_wrongly, made.scope, exact_options(Calibration::kBrown), run);
     if (!found || !found->converged) {
       ++failed;
       continue;
@@ -36,7 +37,7 @@ Rows variance_components(const Effort& effort, const Run& run) {
       const double ratio = found->factors[g] * wrong[g];
       sum[g] += ratio;
       squares[g] += ratio * ratio;
-      told[g] += std::pow(found->sigma[g] / found->factors[g], 2);
+      reported[g] += std::pow(found->sigma[g] / found->factors[g], 2);
       ++blocks[g];
     }
   }
@@ -46,7 +47,7 @@ Rows variance_components(const Effort& effort, const Run& run) {
        {kTieImages, kControlImages, kControlPlan, kControlHeight, kPositionPlan, kPositionHeight}) {
     const auto g = static_cast<std::size_t>(group);
     const double mean = sum[g] / blocks[g], scatter = std::sqrt(std::max(0.0, squares[g] / blocks[g] - mean * mean));
-    const double expected = std::sqrt(told[g] / blocks[g]);
+    const double expected = std::sqrt(reported[g] / blocks[g]);
     rows.push_back(
         {fmt::format("variance component of {}", words_of(group)),
          "sigmas wrong threefold recovered within 5 %, scatter as its own sigma says (within a third)",

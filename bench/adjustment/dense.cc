@@ -26,15 +26,15 @@ DenseNormals dense_normals(const Block& block, const Examined& adjusted, const A
   DenseNormals normals;
   normals.free = free;
   int size = 0;
-  const auto place = [&](auto& map, auto id, int rows) {
+  const auto assign = [&](auto& map, auto id, int rows) {
     map[id] = size;
     size += rows;
   };
-  for (const auto& [id, pose] : adjusted.cam_from_world) place(normals.image, id, 6);
-  for (const auto& [id, camera] : adjusted.cameras) place(normals.camera, id, static_cast<int>(free.size()));
-  for (const auto& [id, position] : adjusted.points) place(normals.point, id, 3);
+  for (const auto& [id, pose] : adjusted.cam_from_world) assign(normals.image, id, 6);
+  for (const auto& [id, camera] : adjusted.cameras) assign(normals.camera, id, static_cast<int>(free.size()));
+  for (const auto& [id, position] : adjusted.points) assign(normals.point, id, 3);
   for (const ControlDifference& control : adjusted.control)
-    if (control.used) place(normals.control, control.point, 3);
+    if (control.used) assign(normals.control, control.point, 3);
   normals.matrix.setZero(size, size);
   const auto add = [&](ImageId image, int point, const Eigen::Vector3d& at, double sigma_px) {
     const Rigid3& pose = adjusted.cam_from_world.at(image);
@@ -44,11 +44,11 @@ DenseNormals dense_normals(const Block& block, const Examined& adjusted, const A
     Matrix23 by_cam;
     Matrix2P by_params;
     if (!project(camera, pose * at, &by_cam, &by_params)) return;
-    const Eigen::Matrix3d turn = pose.rotation.toRotationMatrix();
+    const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
     DenseMatrix row(2, 9 + static_cast<int>(free.size()));
-    row.leftCols(3) = (-by_cam * turn * skew(at - centre_of(pose))).cast<long double>();
-    row.middleCols(3, 3) = (-by_cam * turn).cast<long double>();
-    row.middleCols(6, 3) = (by_cam * turn).cast<long double>();
+    row.leftCols(3) = (-by_cam * rotation * skew(at - centre_of(pose))).cast<long double>();
+    row.middleCols(3, 3) = (-by_cam * rotation).cast<long double>();
+    row.middleCols(6, 3) = (by_cam * rotation).cast<long double>();
     for (std::size_t k = 0; k < free.size(); ++k)
       row.col(9 + static_cast<int>(k)) = by_params.col(free[k]).cast<long double>();
     row /= sigma_px;

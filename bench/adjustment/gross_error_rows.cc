@@ -75,7 +75,9 @@ class Trial {
     planted.coordinates.insert({ControlId{ground->source}, ground->group});
     counts.plant(sigmas, ground->redundancy, tests_.limit);
   }
-  double gross_error() { return (random_.uniform() < 0.5 ? -1 : 1) * random_.uniform(kMinimalDetectableBias, kLargestGrossError); }
+  double gross_error() {
+    return (random_.uniform() < 0.5 ? -1 : 1) * random_.uniform(kMinimalDetectableBias, kLargestGrossError);
+  }
 
   const Reliability& tests_;
   const Examined& adjusted_;
@@ -145,15 +147,16 @@ Rows gross_errors(const Effort& effort, const Run& run) {
     }
     tested += static_cast<double>(clean->reliability->tested);
     rounds = std::max(rounds, static_cast<double>(snooped->rounds));
-    for (const Rejected& gone : snooped->rejected) {
+    for (const Rejected& rejected : snooped->rejected) {
       bool right = false;
-      if (gone.group == Group::kTieImages) {
-        right = trial.planted.rays.contains({gone.image, gone.point}) ||
-                (gone.as_pair && trial.planted.points.contains(gone.point));
+      if (rejected.group == Group::kTieImages) {
+        right = trial.planted.rays.contains({rejected.image, rejected.point}) ||
+                (rejected.as_pair && trial.planted.points.contains(rejected.point));
         rays.found += right;
       } else {
-        right = gone.group == Group::kControlImages ? trial.planted.control_rays.contains({gone.image, gone.control})
-                                                    : trial.planted.coordinates.contains({gone.control, gone.group});
+        right = rejected.group == Group::kControlImages
+                    ? trial.planted.control_rays.contains({rejected.image, rejected.control})
+                    : trial.planted.coordinates.contains({rejected.control, rejected.group});
         control.found += right;
       }
       if (!right) ++false_alarms;

@@ -67,15 +67,15 @@ DenseMatrix motions_of(const DenseNormals& normals, const Examined& adjusted) {
     g.block(row, 3, 3, 3) = -DenseMatrix::Identity(3, 3);
     at(row + 3, centre_of(adjusted.cam_from_world.at(id)));
   }
-  for (const auto& [id, place] : adjusted.points) at(normals.point.at(id), place);
+  for (const auto& [id, position] : adjusted.points) at(normals.point.at(id), position);
   return g;
 }
 
 // With the coordinates of some points held: seven of three points.
-DenseMatrix constrained_inverse(const DenseMatrix& matrix, const std::vector<int>& held) {
+DenseMatrix constrained_inverse(const DenseMatrix& matrix, const std::vector<int>& fixed) {
   std::vector<int> free;
   for (int i = 0; i < matrix.rows(); ++i)
-    if (std::find(held.begin(), held.end(), i) == held.end()) free.push_back(i);
+    if (std::find(fixed.begin(), fixed.end(), i) == fixed.end()) free.push_back(i);
   const auto size = static_cast<int>(free.size());
   DenseMatrix part(size, size), whole = DenseMatrix::Zero(matrix.rows(), matrix.cols());
   for (int i = 0; i < size; ++i)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Rows of the table of bench/adjustment on photographs: what is foretold of control and of check points against what they
+"""Rows of the table of bench/adjustment on photographs: what is predicted of control and of check points against what they
 differ by, and blunders that are known to be in a block.
 
 usage: bench/adjustment/real_blocks.py [--data FOLDER] [--collinea PROGRAM] [--work FOLDER] [--rows]
@@ -61,20 +61,20 @@ def of_chance(n, deviations):
     return n * max(0, 1 - 2 / (9 * n) + deviations * math.sqrt(2 / (9 * n))) ** 3
 
 
-def foretold(what, points):
-    """Differences are as long as foretold, no longer and no shorter than chance explains."""
+def predicted(what, points):
+    """Differences are as long as predicted, no longer and no shorter than chance explains."""
     chi2, n, real, expected = squares(points, "difference_m", "sigma_m")
     low, high = (of_chance(n, -4), of_chance(n, 4)) if n else (0, 0)
     return row(what, "chi-squared of the differences within 4 deviations, as of a normal variable, on both sides",
-               f"{len(points)} points: real {real:.4f} m, foretold {expected:.4f} m (root mean squares of coordinates); "
+               f"{len(points)} points: real {real:.4f} m, predicted {expected:.4f} m (root mean squares of coordinates); "
                f"chi-squared {chi2:.1f} of {n} ({low:.1f} to {high:.1f})", n > 0 and low <= chi2 <= high)
 
 
 def leave_one_out(name, report):
     tests = report["reliability"]
-    failed = foretold(f"leave-one-out of control, {name}", tests["left_out"])
+    failed = predicted(f"leave-one-out of control, {name}", tests["left_out"])
     if tests["left_out_in_parts"]["points"]:
-        failed += foretold(f"control left out in {tests['left_out_in_parts']['parts']} parts, {name}",
+        failed += predicted(f"control left out in {tests['left_out_in_parts']['parts']} parts, {name}",
                            tests["left_out_in_parts"]["points"])
     return failed
 
@@ -96,7 +96,7 @@ def main():
     project = oriented(asked.collinea, demo / "project", demo / "block/images", "--control", demo / "block/control.csv")
     report, _ = adjusted(asked.collinea, project)
     failed += leave_one_out("demo", report)
-    failed += foretold("check points, demo", [p for p in report["control_points"] if p["role"] == "check"])
+    failed += predicted("check points, demo", [p for p in report["control_points"] if p["role"] == "check"])
     for name in ("sheffield_cross", "odm_copr"):
         if not (asked.data / name).exists():
             failed += row(name, "the data", f"skipped: no {asked.data / name}", False)
@@ -109,7 +109,7 @@ def main():
         block = asked.data / "odm_copr"
         project = oriented(asked.collinea, asked.work / block.name, block / "images", "--control", block / "gcp_list.txt")
         _, said = adjusted(asked.collinea, project, "--snoop")
-        first = next((line for line in said.split("\n") if "taken out: " in line), "nothing was taken out")
+        first = next((line for line in said.split("\n") if "rejected: " in line), "nothing was rejected")
         failed += row("the wrong mark of odm_copr", "gcp04 in IMG_0031 named first", first.split("note: ")[-1],
                       "gcp04 in IMG_0031" in first)
     return failed

@@ -23,7 +23,7 @@ using Group = ObservationGroup;
 const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
 constexpr double kLength_m = 0.005, kAngle_rad = 1e-4;  // a good total station over a hundred metres
 
-bool is_ground(Group group) { return group >= Group::kDistance && group <= Group::kOnLine; }
+bool is_geodetic(Group group) { return group >= Group::kDistance && group <= Group::kOnLine; }
 bool is_attitude(Group group) { return group >= Group::kAttitudeLevel; }
 
 // Attitudes of an inertial system, turned by its boresight.
@@ -54,7 +54,7 @@ Rows survey_gross_errors(const Effort& effort, const Run& run) {
     Random random(seed, 31);
     std::vector<ControlId> ids;
     for (const auto& [id, control] : exact.control) ids.push_back(id);
-    testing::measure_on_ground(exact, made.block, ids, kLength_m, kAngle_rad, random);
+    testing::measure_geodetic(exact, made.block, ids, kLength_m, kAngle_rad, random);
     add_attitudes(exact, {0.01, -0.02, 0.03}, made.scope, random);
     const auto clean = examine(made.block, made.scope, options, run);
     if (!clean || !clean->reliability) {
@@ -65,16 +65,17 @@ Rows survey_gross_errors(const Effort& effort, const Run& run) {
     for (const bool attitude : {false, true}) {
       std::vector<TestedObservation> all;
       for (const TestedObservation& one : clean->reliability->others)
-        if (one.redundancy > 0.1 && (attitude ? is_attitude(one.group) : is_ground(one.group))) all.push_back(one);
+        if (one.redundancy > 0.1 && (attitude ? is_attitude(one.group) : is_geodetic(one.group))) all.push_back(one);
       for (int planted = 0; planted < 2;) {
         const TestedObservation& one = all[random.below(static_cast<std::uint32_t>(all.size()))];
         if (!wrong.insert({one.group, one.source}).second) continue;
-        const double sigmas = (random.uniform() < 0.5 ? -1 : 1) * random.uniform(kMinimalDetectableBias, kLargestGrossError);
+        const double sigmas =
+            (random.uniform() < 0.5 ? -1 : 1) * random.uniform(kMinimalDetectableBias, kLargestGrossError);
         if (attitude) {
           Eigen::Quaterniond& given = made.scope.attitudes.at(ImageId{one.source}).cam_from_world;
           given = (given * rotation_by(sigmas * one.sigma * Eigen::Vector3d::Unit(one.axis))).normalized();
         } else {
-          made.block.ground[one.source].value += sigmas * one.sigma;
+          made.block.geodetic[one.source].value += sigmas * one.sigma;
         }
         counts[attitude].plant(sigmas, one.redundancy, clean->reliability->limit);
         ++planted;
@@ -85,13 +86,13 @@ Rows survey_gross_errors(const Effort& effort, const Run& run) {
       ++failed;
       continue;
     }
-    for (const Rejected& gone : snooped->rejected) {
-      if (!is_ground(gone.group) && !is_attitude(gone.group)) continue;
-      const bool attitude = is_attitude(gone.group);
-      const bool right = wrong.contains({gone.group, attitude ? gone.image.value : gone.ground});
+    for (const Rejected& rejected : snooped->rejected) {
+      if (!is_geodetic(rejected.group) && !is_attitude(rejected.group)) continue;
+      const bool attitude = is_attitude(rejected.group);
+      const bool right = wrong.contains({rejected.group, attitude ? rejected.image.value : rejected.geodetic});
       (right ? counts[attitude].found : alarms) += 1;
     }
-    good += static_cast<double>(3 * made.scope.attitudes.size() + made.block.ground.size());
+    good += static_cast<double>(3 * made.scope.attitudes.size() + made.block.geodetic.size());
   }
   const double expected = options.test.false_alarm * good;
   return {counts[false].row("blunders of 4-20 sigma in measurements on the ground, snooped"),
@@ -106,7 +107,7 @@ Rows survey_gross_errors(const Effort& effort, const Run& run) {
 namespace {
 
 const Eigen::Vector3d kArm(0.3, -0.2, -0.5), kShift(0.4, -0.7, 1.1), kDrift(0.03, -0.02, 0.05),
-    kTurn(0.02, -0.015, 0.03);
+    kRotation(0.02, -0.015, 0.03);
 
 // Strips without any across, each with a shift of its own, and no control: nothing parts the shifts from the block.
 Row without_cross_flight(const Run& run) {
@@ -145,7 +146,7 @@ Rows instruments(const Effort& effort, const Run& run) {
   std::map<UnknownKind, Found> found = {{UnknownKind::kLeverArm, {"lever arm [m]", kArm}},
                                         {UnknownKind::kShift, {"shift [m]", kShift}},
                                         {UnknownKind::kDrift, {"drift [m an image]", kDrift}},
-                                        {UnknownKind::kBoresight, {"boresight [rad]", kTurn}}};
+                                        {UnknownKind::kBoresight, {"boresight [rad]", kRotation}}};
   int failed = 0;
   for (int i = 0; i < effort.gross_error_blocks; ++i) {
     const auto seed = static_cast<std::uint64_t>(9000 + i);
@@ -161,7 +162,7 @@ Rows instruments(const Effort& effort, const Run& run) {
     }
     made.scope.position_tracks.push_back(track);
     made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
-    add_attitudes(exact, kTurn, made.scope, random);
+    add_attitudes(exact, kRotation, made.scope, random);
     ExamineOptions options = exact_options(Calibration::kFocalRadial);
     const auto adjusted = examine(made.block, made.scope, options, run);
     if (!adjusted || adjusted->undetermined) {

@@ -127,7 +127,8 @@ Rows true_errors(const Effort& effort, const Run& run) {
     rows.push_back(row(name + ": points", of_layout[k].points, effort.all_blocks()));
     rows.push_back(row(name + ": cameras", of_layout[k].cameras, effort.all_blocks()));
   }
-  rows.push_back(row("leave-one-out of control: foretold against real differences", all.left_out, effort.all_blocks()));
+  rows.push_back(
+      row("leave-one-out of control: predicted against real differences", all.left_out, effort.all_blocks()));
   rows.push_back(row("control left out in five parts", all.folded, effort.all_blocks()));
   rows.push_back(
       {fmt::format("{} blocks adjusted", effort.blocks), "none fails", fmt::format("{} failed", failed), failed == 0});

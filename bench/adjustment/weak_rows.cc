@@ -17,8 +17,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Exact image points of where everything is now; what is no longer seen goes.
 void project_again(Block& block) {
-  const auto move = [&](auto& seen, const Eigen::Vector3d& place) {
-    const auto pixel = project(block.camera_of(seen.image), pose_of(block, seen.image) * place);
+  const auto move = [&](auto& seen, const Eigen::Vector3d& position) {
+    const auto pixel = project(block.camera_of(seen.image), pose_of(block, seen.image) * position);
     const bool in = pixel && inside(block.camera_of(seen.image), *pixel);
     if (in) seen.pixel = *pixel;
     return !in;
@@ -78,7 +78,7 @@ std::vector<Case> cases() {
          forget_positions(block);
          for (auto& [id, control] : block.control) control.sigma_m.head<2>().setConstant(kInfinity);
        }},
-      {"three control points nearly on a line", "weak_turn", Calibration::kNone, Layout::kRing, 3,
+      {"three control points nearly on a line", "weak_rotation", Calibration::kNone, Layout::kRing, 3,
        [](Block& block) {
          double x = -4;
          for (auto& [id, control] : block.control) {
@@ -87,7 +87,7 @@ std::vector<Case> cases() {
          }
          project_again(block);
        }},
-      {"one strip, positions alone (roll)", "weak_turn", Calibration::kNone, Layout::kCrossStrips, 0,
+      {"one strip, positions alone (roll)", "weak_rotation", Calibration::kNone, Layout::kCrossStrips, 0,
        [](Block& block) { keep_images(block, 6); }},
       {"pairs without triple overlap", "scale_drifts", Calibration::kNone, Layout::kCrossStrips, 0,
        [](Block& block) {
@@ -101,9 +101,9 @@ std::vector<Case> cases() {
       {"images turned only", "no_base", Calibration::kNone, Layout::kCrossStrips, 8,
        [](Block& block) {
          forget_positions(block);
-         const Eigen::Vector3d place(50, 30, 60);
+         const Eigen::Vector3d position(50, 30, 60);
          for (auto [id, pose] : oriented_images(block)) {
-           pose.translation = -(pose.rotation * place);
+           pose.translation = -(pose.rotation * position);
            set_pose(block, id, pose);
          }
          project_again(block);

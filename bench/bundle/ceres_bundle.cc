@@ -24,11 +24,11 @@ class ImagePoint : public ceres::SizedCostFunction<2, 6, kLens, 3> {
       : u_(seen.pixel.x()), v_(seen.pixel.y()), inverse_sigma_(1 / seen.sigma_px) {}
 
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
-    const Eigen::Map<const Eigen::Vector3d> turn(blocks[0]), centre(blocks[0] + 3), point(blocks[2]);
+    const Eigen::Map<const Eigen::Vector3d> angle(blocks[0]), centre(blocks[0] + 3), point(blocks[2]);
     const double* lens = blocks[1];
     const Eigen::Vector3d d = point - centre;
     double r[9];
-    ceres::AngleAxisToRotationMatrix(turn.data(), r);
+    ceres::AngleAxisToRotationMatrix(angle.data(), r);
     const Eigen::Map<const Eigen::Matrix3d> rotation(r);
     const Eigen::Vector3d p = rotation * d;
     const double x = p[0] / p[2], y = p[1] / p[2], r2 = x * x + y * y;
@@ -50,7 +50,7 @@ class ImagePoint : public ceres::SizedCostFunction<2, 6, kLens, 3> {
     const Eigen::Matrix<double, 2, 3> by_point = scale * by_image * by_camera * rotation;
     if (jacobians[0]) {
       Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> by_pose(jacobians[0]);
-      by_pose.leftCols<3>() = -by_point * cross(d) * right_jacobian(turn);
+      by_pose.leftCols<3>() = -by_point * cross(d) * right_jacobian(angle);
       by_pose.rightCols<3>() = -by_point;
     }
     if (jacobians[1]) {
@@ -155,8 +155,8 @@ CeresOutcome ceres_bundle(const Block& block, const Block& first_cameras, CeresS
   std::map<CameraId, std::array<double, kLens>> lenses;
   std::map<PointId, Eigen::Vector3d> points;
   for (const auto& [id, pose] : oriented_images(block)) {
-    const Eigen::Vector3d turn = rotation_vector(pose.rotation), centre = centre_of(pose);
-    poses[id] = {turn.x(), turn.y(), turn.z(), centre.x(), centre.y(), centre.z()};
+    const Eigen::Vector3d rotation = rotation_vector(pose.rotation), centre = centre_of(pose);
+    poses[id] = {rotation.x(), rotation.y(), rotation.z(), centre.x(), centre.y(), centre.z()};
   }
   for (const auto& [id, camera] : block.cameras) std::copy_n(camera.params.begin(), kLens, lenses[id].begin());
   for (const auto& [id, point] : block.points) points[id] = point.position_in_world;

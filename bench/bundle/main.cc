@@ -31,7 +31,7 @@ struct Asked {
 
 struct StartErrors {
   const char* name;
-  double turn_rad, move_m, point_m, focal;  // standard deviations; focal: the first over the true one, less one
+  double rotation_rad, move_m, point_m, focal;  // standard deviations; focal: the first over the true one, less one
 };
 constexpr StartErrors kStarts[] = {{"good", 0.001, 0.1, 0.2, 0.001}, {"poor", 0.02, 2, 3, 0.03}};
 
@@ -58,7 +58,8 @@ Block start_of(Block block, const StartErrors& errors) {
   Random random(9);
   for (auto [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d centre = centre_of(pose) + errors.move_m * normal3(random);
-    const Eigen::Quaterniond rotation = (rotation_by(errors.turn_rad * normal3(random)) * pose.rotation).normalized();
+    const Eigen::Quaterniond rotation =
+        (rotation_by(errors.rotation_rad * normal3(random)) * pose.rotation).normalized();
     pose = {rotation, -(rotation * centre)};
     set_pose(block, id, pose);
   }

@@ -4,7 +4,7 @@
 // usage: collinea_bench_stereo [--middlebury FOLDER] [--cost NAME] [--rounds N] [--threads N]
 //                              [--only NAME,...] [--alone yes]
 // FOLDER holds cones, cloth3 and wood2 (left.png, right.png, disp_left_xN.png, drange.txt). Besides, pairs rendered
-// from made-up scenes with exact truth. Both programs get the same pictures, range and threads, in turns, N rounds.
+// from made-up scenes with exact truth. Both programs get the same images, range and threads, in turns, N rounds.
 //   bad        pixels more than 2 px off, of those with truth that were measured [%]
 //   left out   pixels with truth that were not measured [%]
 //   filled     pixels more than 2 px off when every hole is filled the same way, of all with truth [%]
@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "collinea/dense/stereo.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/synthetic/render.h"
 #include "collinea/synthetic/survey.h"
 
@@ -47,9 +47,9 @@ struct Pair {
   bool complete = true;  // truth has hidden pixels, too
 };
 
-GreyImage readable(GreyImage picture) {
-  for (auto& grey : picture.data) grey = std::max<std::uint8_t>(grey, 1);
-  return picture;
+GreyImage readable(GreyImage image) {
+  for (auto& grey : image.data) grey = std::max<std::uint8_t>(grey, 1);
+  return image;
 }
 
 std::optional<Pair> middlebury(const fs::path& folder, int factor) {
@@ -83,12 +83,12 @@ std::optional<Pair> rendered(const std::string& name, Truth truth, double base_m
   Pair pair;
   pair.name = name;
   for (const ImageId id : {left, right}) {
-    const auto picture = render(truth, id, rays, run);
-    if (!picture) return std::nullopt;
+    const auto image = render(truth, id, rays, run);
+    if (!image) return std::nullopt;
     GreyImage grey(width, height);
     for (std::size_t i = 0; i < grey.data.size(); ++i)
       grey.data[i] = std::uint8_t(
-          (299 * picture->data[3 * i] + 587 * picture->data[3 * i + 1] + 114 * picture->data[3 * i + 2] + 500) / 1000);
+          (299 * image->data[3 * i] + 587 * image->data[3 * i + 1] + 114 * image->data[3 * i + 2] + 500) / 1000);
     (id == left ? pair.left : pair.right) = readable(grey);
   }
   pair.truth = FloatImage(width, height, 1, kNaN);

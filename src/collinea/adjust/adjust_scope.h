@@ -13,21 +13,21 @@
 
 namespace collinea {
 
-/// Where up is in the frame of a camera: by the attitude it wrote down, or by how pictures are held.
+/// Where up is in the frame of a camera: by the attitude it wrote down, or by how images are held.
 struct GivenVertical {
   Eigen::Vector3d up_in_cam;  ///< unit vector
   double sigma_rad = 0;
 };
 
-/// What takes part and what is held. As it stands: everything moves, everything known is used, and positions are those
+/// What takes part and what is fixed. As it stands: everything moves, everything known is used, and positions are those
 /// of projection centres.
 struct AdjustScope : Instruments {
   /// Nothing: every oriented image moves. Otherwise only these move; other images that see the same points take part,
-  /// held where they are (local adjustment).
+  /// fixed where they are (local adjustment).
   std::optional<std::set<ImageId>> free_images;
-  std::set<ImageId> fixed_images;    ///< held even if free otherwise
+  std::set<ImageId> fixed_images;    ///< fixed even if free otherwise
   std::set<CameraId> fixed_cameras;  ///< not calibrated
-  std::set<PointId> fixed_points;    ///< held
+  std::set<PointId> fixed_points;    ///< fixed
   /// The cameras as they were before any adjustment: the values of the weak observations below. A camera that is not
   /// named counts as it stands in the block.
   std::map<CameraId, Camera> first_cameras;
@@ -38,7 +38,7 @@ struct AdjustScope : Instruments {
   std::map<ImageId, GivenVertical> verticals;  ///< observations of the attitudes of images
   bool use_positions = true;                   ///< Image::position
   bool use_control = true;                     ///< ControlRole::kControl; when false they are treated as check points
-  bool use_ground = true;                      ///< Block::ground; not in a local adjustment
+  bool use_geodetic = true;                    ///< Block::geodetic; not in a local adjustment
 };
 
 }  // namespace collinea

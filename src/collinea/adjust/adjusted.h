@@ -30,13 +30,13 @@ struct Adjusted {
   std::vector<std::pair<PointId, Eigen::Vector3d>> points;  ///< that moved, ascending [m]
 
   std::vector<std::uint32_t>
-      observations;  ///< of tie points that took part: their places in Block::observations, ascending
+      observations;  ///< of tie points that took part: their indices in Block::observations, ascending
   std::vector<Eigen::Vector2d> residuals_px;  ///< one for each of them; NaN when the point is not seen by the image
   std::vector<PositionDifference> positions;
   std::vector<ControlDifference> control;             ///< every control and check point with a ray, and those that
                                                       ///< measurements on the ground alone determine, ascending
   std::vector<Eigen::Vector2d> control_residuals_px;  ///< in the order of Block::control_observations; NaN when unknown
-  std::vector<GeodeticDifference> ground;             ///< those whose two points take part, ascending
+  std::vector<GeodeticDifference> geodetic;           ///< those whose two points take part, ascending
   std::vector<EstimatedUnknown> auxiliaries;          ///< unknowns beside images, cameras and points
   std::vector<AttitudeDifference> attitudes;          ///< ascending
   std::vector<ImageId> images_left_out;  ///< free, but with too few observations to be determined; not moved
@@ -45,7 +45,7 @@ struct Adjusted {
                                                   ///< whatever the loss
   long redundancy = 0;                            ///< observations (priors too) minus unknowns plus rank defect
   long observation_count = 0, unknown_count = 0;  ///< coordinates (of rays that see their point); single unknowns
-  int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or held images fix it
+  int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or fixed images fix it
   DatumSources datum;   ///< what fixes position, attitude and scale
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;  ///< sum of squared whitened residuals after the loss

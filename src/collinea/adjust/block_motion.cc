@@ -10,8 +10,8 @@ namespace {
 
 // By how much a motion turns azimuths back, which are clockwise.
 double heading_of(const Similarity3& moved) {
-  const Eigen::Matrix3d turn = moved.rotation.toRotationMatrix();
-  return std::atan2(turn(1, 0), turn(0, 0));
+  const Eigen::Matrix3d rotation = moved.rotation.toRotationMatrix();
+  return std::atan2(rotation(1, 0), rotation(0, 0));
 }
 
 // A height that points have in common, as a position at the centre of the block.
@@ -29,10 +29,11 @@ Matrix37 motion_of(const Eigen::Vector3d& point, const Eigen::Vector3d& centre, 
 }
 
 BlockMotion BlockMotion::after(const Vector7& motion) const {
-  const Eigen::Quaterniond turn = rotation_by(motion.segment<3>(3));
+  const Eigen::Quaterniond rotation = rotation_by(motion.segment<3>(3));
   const double scale = std::exp(motion[6]);
-  const Eigen::Vector3d translation = centre + scale * (turn * (moved.translation - centre)) + size * motion.head<3>();
-  return {{scale * moved.scale, (turn * moved.rotation).normalized(), translation}, centre, size};
+  const Eigen::Vector3d translation =
+      centre + scale * (rotation * (moved.translation - centre)) + size * motion.head<3>();
+  return {{scale * moved.scale, (rotation * moved.rotation).normalized(), translation}, centre, size};
 }
 
 double BlockMotion::moved_auxiliary(const AuxiliaryUnknown& unknown, double value) const {

@@ -152,7 +152,7 @@ TEST(Adjust, LocalAdjustmentMovesOnlyWhatIsFree) {
   EXPECT_EQ(pose_of(start, {10}).translation, pose_of(truth, {10}).translation);
 }
 
-TEST(Adjust, HeldPointsOrientImages) {  // resection
+TEST(Adjust, FixedPointsOrientImages) {  // resection
   const Block truth = test_block();
   AdjustScope scope;
   for (const auto& [id, point] : truth.points) scope.fixed_points.insert(id);
@@ -200,7 +200,7 @@ TEST(Adjust, ACameraAloneIsAdjustedToTheEnd) {
   EXPECT_NEAR(adjusted->cameras.begin()->second.params[Camera::kK1], exact.params[Camera::kK1], 1e-5);
 }
 
-TEST(Adjust, VerticalsHoldTheTurnThatPositionsOnOneLineLeaveOpen) {
+TEST(Adjust, VerticalsHoldTheRotationThatPositionsOnOneLineLeaveOpen) {
   Block truth = test_block({.rows = 1, .columns = 8, .tilt_rad = 0.3});
   AdjustScope scope;
   std::uint32_t number = 0;

@@ -8,7 +8,7 @@
 
 namespace collinea {
 
-/// How each of Camera::params takes part. 0: held; a standard deviation: observed with it; infinite: free.
+/// How each of Camera::params takes part. 0: fixed; a standard deviation: observed with it; infinite: free.
 using CameraSigmas = std::array<double, Camera::kAllParams>;
 
 /// Those that a calibration stands for, where `first` is the camera before any adjustment: the weak observations told

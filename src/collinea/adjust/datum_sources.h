@@ -8,8 +8,8 @@ struct DatumSources {
   bool control = false;
   bool positions = false;  ///< of images
   bool attitudes = false;  ///< of images, or what is known of up
-  bool ground = false;     ///< geodetic observations
-  bool fixed = false;      ///< images or points that are held
+  bool geodetic = false;   ///< geodetic observations
+  bool fixed = false;      ///< images or points that are fixed
   int parts = 0;           ///< that no tie point connects
 
   friend bool operator==(const DatumSources&, const DatumSources&) = default;

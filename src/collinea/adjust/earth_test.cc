@@ -14,7 +14,7 @@
 namespace collinea {
 namespace {
 
-const Georeference kPlace{"EPSG:32633", 48.2, 15.63, 300};
+const Georeference kPosition{"EPSG:32633", 48.2, 15.63, 300};
 
 struct Flight {
   double length_m = 50000, base_m = 2200, spacing_m = 4500, height_m = 5500;  // height above the ellipsoid
@@ -35,7 +35,7 @@ Rigid3 nadir_pose(const LocalFrame& frame, const Eigen::Vector3d& map, Random& r
 Block long_block(const LocalFrame& frame, const Flight& flight, double sigma_px) {
   Random random(3);
   Block block;
-  block.georeference = kPlace;
+  block.georeference = kPosition;
   Camera camera = ideal_camera(1500, 2000, 1500);
   camera.prior.calibrate = false;
   block.cameras[{0}] = camera;
@@ -89,8 +89,8 @@ Block long_block(const LocalFrame& frame, const Flight& flight, double sigma_px)
 
 double largest_height_error(const Adjusted& adjusted, const Block& truth) {
   double largest = 0;
-  for (const auto& [id, place] : adjusted.points)
-    largest = std::max(largest, std::abs((place - truth.points.at(id).position_in_world).z()));
+  for (const auto& [id, position] : adjusted.points)
+    largest = std::max(largest, std::abs((position - truth.points.at(id).position_in_world).z()));
   return largest;
 }
 
@@ -100,7 +100,7 @@ const AdjustOptions kPlain{.calibration = Calibration::kNone, .loss = Loss::kNon
 // them: the frame is Cartesian. Had the map's coordinates been taken for Cartesian ones, the same rays would not meet:
 // the Earth falls by 49 m over 25 km.
 TEST(Earth, ABlockOf50KilometresIsNotBent) {
-  const auto frame = world_frame(kPlace);
+  const auto frame = world_frame(kPosition);
   ASSERT_TRUE(frame);
   const Block truth = long_block(*frame, {}, 1e-3);
   ASSERT_GT(count_oriented(truth), 40u);
@@ -120,20 +120,21 @@ TEST(Earth, ABlockOf50KilometresIsNotBent) {
 }
 
 // Measurements as the atmosphere bends them, found by the rule of refraction at the true angles: corrected, they fit
-// within their noise; as they are, with a known camera, the projection centres come out too low: a wider picture is one
+// within their noise; as they are, with a known camera, the projection centres come out too low: a wider image is one
 // from nearer, by 75e-6 of 8.7 km.
 TEST(Earth, RefractionIsTakenOffTheRays) {
-  const auto frame = world_frame(kPlace);
+  const auto frame = world_frame(kPosition);
   const Block truth = long_block(*frame, {.length_m = 9000, .height_m = 9000}, 0.02);
   Block bent = truth;
   const auto bend = [&](ImageId image, const Eigen::Vector3d& point, Eigen::Vector2d& pixel) {
     const Rigid3& pose = pose_of(truth, image);
-    const Eigen::Vector3d centre = centre_of(pose), place = frame->geographic_from_local(centre);
+    const Eigen::Vector3d centre = centre_of(pose), position = frame->geographic_from_local(centre);
     const Eigen::Vector3d down =
-        pose.rotation * (frame->local_from_geographic({place.x(), place.y(), place.z() - 1000}) - centre).normalized();
+        pose.rotation *
+        (frame->local_from_geographic({position.x(), position.y(), position.z() - 1000}) - centre).normalized();
     const Eigen::Vector3d ray = (pose * point).normalized();
     const double angle = std::acos(ray.dot(down));
-    const double bow = refraction_rad(place.z(), frame->geographic_from_local(point).z()) * std::tan(angle);
+    const double bow = refraction_rad(position.z(), frame->geographic_from_local(point).z()) * std::tan(angle);
     const Eigen::Vector3d seen = Eigen::AngleAxisd(-bow, ray.cross(down).normalized()) * ray;
     const Camera& camera = truth.cameras.begin()->second;
     pixel += *project(camera, seen) - *project(camera, ray);
@@ -161,7 +162,7 @@ TEST(Earth, RefractionIsTakenOffTheRays) {
   EXPECT_LT(mean_height_error(*wrong), -0.4);
 }
 
-TEST(Earth, RefractionNeedsAPlaceOnEarth) {
+TEST(Earth, RefractionNeedsAPositionOnEarth) {
   Block block = testing::test_block();
   EXPECT_EQ(correct_refraction(block).error().code, Errc::kBadInput);
 }

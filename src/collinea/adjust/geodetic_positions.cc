@@ -34,7 +34,7 @@ struct SetUp {
 std::vector<SetUp> setups_of(const Block& block, const std::vector<std::uint32_t>& links) {
   std::map<std::uint32_t, SetUp> setups;
   for (const std::uint32_t link : links) {
-    const GeodeticObservation& one = block.ground[link];
+    const GeodeticObservation& one = block.geodetic[link];
     if (one.kind != GeodeticKind::kDirection) continue;
     SetUp& setup = setups[one.setup];
     setup.station = one.from;
@@ -44,7 +44,7 @@ std::vector<SetUp> setups_of(const Block& block, const std::vector<std::uint32_t
   for (auto& [number, setup] : setups) {
     for (Sight& sight : setup.sights)
       for (const std::uint32_t link : links) {
-        const GeodeticObservation& one = block.ground[link];
+        const GeodeticObservation& one = block.geodetic[link];
         const bool there = one.from == setup.station && one.to == sight.target;
         const bool back = one.to == setup.station && one.from == sight.target;
         if (one.kind == GeodeticKind::kZenithAngle && there) sight.zenith_rad = one.value;
@@ -55,21 +55,22 @@ std::vector<SetUp> setups_of(const Block& block, const std::vector<std::uint32_t
   return all;
 }
 
-class PlaceFinder {
+class PositionFinder {
  public:
-  PlaceFinder(const Block& block, const std::vector<std::uint32_t>& links, std::map<ControlId, Eigen::Vector3d>& places)
-      : setups_(setups_of(block, links)), places_(places) {}
+  PositionFinder(const Block& block, const std::vector<std::uint32_t>& links,
+                 std::map<ControlId, Eigen::Vector3d>& positions)
+      : setups_(setups_of(block, links)), positions_(positions) {}
 
   void find() {
     for (bool found = true; found;) {
       found = false;
       rays_.clear();
       for (const SetUp& setup : setups_) {
-        if (!places_.contains(setup.station)) found |= place_station(setup);
-        if (places_.contains(setup.station)) found |= sight_from(setup);
+        if (!positions_.contains(setup.station)) found |= locate_station(setup);
+        if (positions_.contains(setup.station)) found |= sight_from(setup);
       }
       for (const auto& [target, rays] : rays_)
-        if (!places_.contains(target)) found |= intersect(target, rays);
+        if (!positions_.contains(target)) found |= intersect(target, rays);
     }
   }
 
@@ -78,42 +79,42 @@ class PlaceFinder {
     Eigen::Vector3d from, along;
   };
 
-  [[nodiscard]] const Eigen::Vector3d* place_of(ControlId point) const {
-    const auto its = places_.find(point);
-    return its == places_.end() ? nullptr : &its->second;
+  [[nodiscard]] const Eigen::Vector3d* position_of(ControlId point) const {
+    const auto its = positions_.find(point);
+    return its == positions_.end() ? nullptr : &its->second;
   }
 
   // Its orientation and place: a turn about the plumb line and a shift.
-  bool place_station(const SetUp& setup) {
+  bool locate_station(const SetUp& setup) {
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;  // as seen from there, in the world
     Eigen::Vector3d middle = Eigen::Vector3d::Zero(), middle_there = middle;
     for (const Sight& sight : setup.sights)
-      if (const Eigen::Vector3d* place = place_of(sight.target); place && sight.polar())
-        pairs.emplace_back(sight.line(0), *place);
+      if (const Eigen::Vector3d* position = position_of(sight.target); position && sight.polar())
+        pairs.emplace_back(sight.line(0), *position);
     if (pairs.size() < 2) return false;
-    for (const auto& [line, place] : pairs) {
+    for (const auto& [line, position] : pairs) {
       middle_there += line / static_cast<double>(pairs.size());
-      middle += place / static_cast<double>(pairs.size());
+      middle += position / static_cast<double>(pairs.size());
     }
     double sine = 0, cosine = 0;
-    for (const auto& [line, place] : pairs) {
-      const Eigen::Vector3d a = line - middle_there, b = place - middle;
+    for (const auto& [line, position] : pairs) {
+      const Eigen::Vector3d a = line - middle_there, b = position - middle;
       sine += a.x() * b.y() - a.y() * b.x();
       cosine += a.x() * b.x() + a.y() * b.y();
     }
     if (sine == 0 && cosine == 0) return false;
-    const Eigen::AngleAxisd turn(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ());
-    places_[setup.station] = middle - turn * middle_there;
+    const Eigen::AngleAxisd rotation(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ());
+    positions_[setup.station] = middle - rotation * middle_there;
     return true;
   }
 
   // Where its circle's zero points to, by the middle of what the points there are say.
   [[nodiscard]] std::optional<double> orientation_of(const SetUp& setup) const {
-    const Eigen::Vector3d station = *place_of(setup.station);
+    const Eigen::Vector3d station = *position_of(setup.station);
     double sine = 0, cosine = 0;
     for (const Sight& sight : setup.sights)
-      if (const Eigen::Vector3d* place = place_of(sight.target)) {
-        const Eigen::Vector3d line = *place - station;
+      if (const Eigen::Vector3d* position = position_of(sight.target)) {
+        const Eigen::Vector3d line = *position - station;
         if (line.head<2>().norm() == 0) continue;
         const double orientation = std::atan2(line.x(), line.y()) - sight.direction_rad;
         sine += std::sin(orientation), cosine += std::cos(orientation);
@@ -126,11 +127,11 @@ class PlaceFinder {
     const auto orientation = orientation_of(setup);
     if (!orientation) return false;
     bool found = false;
-    const Eigen::Vector3d station = places_.at(setup.station);
+    const Eigen::Vector3d station = positions_.at(setup.station);
     for (const Sight& sight : setup.sights) {
-      if (places_.contains(sight.target)) continue;
+      if (positions_.contains(sight.target)) continue;
       if (sight.polar()) {
-        places_[sight.target] = station + sight.line(*orientation);
+        positions_[sight.target] = station + sight.line(*orientation);
         found = true;
       } else if (sight.zenith_rad) {
         const double azimuth = sight.direction_rad + *orientation, level = std::sin(*sight.zenith_rad);
@@ -153,20 +154,20 @@ class PlaceFinder {
     constexpr double kLeastAngle2 = 1e-4;  // of two rays: half a degree
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normals);
     if (!(eigen.eigenvalues()[0] > kLeastAngle2)) return false;
-    places_[target] = normals.ldlt().solve(right);
+    positions_[target] = normals.ldlt().solve(right);
     return true;
   }
 
   std::vector<SetUp> setups_;
   std::map<ControlId, std::vector<Ray>> rays_;
-  std::map<ControlId, Eigen::Vector3d>& places_;
+  std::map<ControlId, Eigen::Vector3d>& positions_;
 };
 
 }  // namespace
 
 void find_positions_by_geodetic(const Block& block, const std::vector<std::uint32_t>& geodetic,
                                 std::map<ControlId, Eigen::Vector3d>& positions) {
-  PlaceFinder(block, geodetic, positions).find();
+  PositionFinder(block, geodetic, positions).find();
 }
 
 }  // namespace collinea::bundle

@@ -10,7 +10,7 @@ namespace collinea::bundle {
 
 /// Approximate positions of points that have none, from those that have: set-ups by what they measured to two such
 /// points or more, targets by direction, zenith angle and distance from a set-up, or by directions and zenith angles of
-/// two. `geodetic`: indices in Block::ground of what is used.
+/// two. `geodetic`: indices in Block::geodetic of what is used.
 void find_positions_by_geodetic(const Block& block, const std::vector<std::uint32_t>& geodetic,
                                 std::map<ControlId, Eigen::Vector3d>& positions);
 

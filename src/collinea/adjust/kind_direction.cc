@@ -14,7 +14,7 @@ GeodeticModel Direction::model(const Sight& sight) {
   const Eigen::Vector3d east = Eigen::Vector3d::UnitY().cross(up).normalized(), north = up.cross(east);
   const double e = line.dot(east), n = line.dot(north), squared = e * e + n * n;
   model.computed = std::atan2(e, n) - sight.orientation_rad;
-  model.by_extra[0] = -1;
+  model.by_auxiliary[0] = -1;
   model.auxiliaries = 1;
   if (squared > 0) derive_by_line(model, (n * east - e * north) / squared);
   return model;

@@ -25,21 +25,22 @@ GeodeticModel model_at(const Problem& problem, const GeodeticLink& link, const E
 GeodeticModel model_of(const Problem& problem, const GeodeticLink& link, const State& state) {
   return model_at(problem, link, Eigen::Vector3d(&state.points[3ul * link.from]),
                   Eigen::Vector3d(&state.points[3ul * link.to]),
-                  link.extra < 0 ? nullptr : &state.auxiliaries[static_cast<std::size_t>(link.extra)]);
+                  link.auxiliary < 0 ? nullptr : &state.auxiliaries[static_cast<std::size_t>(link.auxiliary)]);
 }
 
 Row row_of(const Problem& problem, const GeodeticLink& link, const GeodeticModel& model) {
-  const int border = 6 * problem.poses;
+  const int globals_begin = 6 * problem.poses;
   Row row;
   const auto add_point = [&](std::uint32_t number, const Eigen::Vector3d& derivative) {
-    const int joined = problem.point(number).joined;
-    for (int c = 0; c < 3 && joined >= 0; ++c)  // held points have no unknowns
-      row.push_back({border + joined + c, derivative[c]});
+    const int first_retained = problem.point(number).first_retained;
+    for (int c = 0; c < 3 && first_retained >= 0; ++c)  // fixed points have no unknowns
+      row.push_back({globals_begin + first_retained + c, derivative[c]});
   };
   add_point(link.from, model.by_from);
   if (link.to != link.from) add_point(link.to, model.by_to);
   for (int k = 0; k < model.auxiliaries; ++k)
-    row.push_back({border + problem.first_extra + link.extra + k, model.by_extra[static_cast<std::size_t>(k)]});
+    row.push_back({globals_begin + problem.first_auxiliary + link.auxiliary + k,
+                   model.by_auxiliary[static_cast<std::size_t>(k)]});
   return row;
 }
 
@@ -56,15 +57,15 @@ void Geodetic::add_to_gauge(const Problem& problem, const State& state, const Bl
   for_each(problem, [&](const GeodeticLink& link) {
     const Eigen::Vector3d from = motion.moved * Eigen::Vector3d(&state.points[3ul * link.from]);
     const Eigen::Vector3d to = motion.moved * Eigen::Vector3d(&state.points[3ul * link.to]);
-    const auto first = static_cast<std::size_t>(std::max(link.extra, 0));
-    std::array<double, 3> extra{};
-    for (std::size_t k = 0; k < 3 && link.extra >= 0 && first + k < state.auxiliaries.size(); ++k)
-      extra[k] = motion.moved_auxiliary(problem.auxiliaries[first + k], state.auxiliaries[first + k]);
-    const GeodeticModel model = model_at(problem, link, from, to, extra.data());
+    const auto first = static_cast<std::size_t>(std::max(link.auxiliary, 0));
+    std::array<double, 3> auxiliary{};
+    for (std::size_t k = 0; k < 3 && link.auxiliary >= 0 && first + k < state.auxiliaries.size(); ++k)
+      auxiliary[k] = motion.moved_auxiliary(problem.auxiliaries[first + k], state.auxiliaries[first + k]);
+    const GeodeticModel model = model_at(problem, link, from, to, auxiliary.data());
     Row7 row = model.by_from.transpose() * motion.derivatives_at(from);
     if (link.to != link.from) row += model.by_to.transpose() * motion.derivatives_at(to);
-    if (link.extra >= 0)
-      motion.add_auxiliary(problem.auxiliaries[first], state.auxiliaries[first], model.by_extra[0], row);
+    if (link.auxiliary >= 0)
+      motion.add_auxiliary(problem.auxiliaries[first], state.auxiliaries[first], model.by_auxiliary[0], row);
     row *= link.inverse_sigma;
     const double residual = geodetic_residual(link.observation, model) * link.inverse_sigma;
     normals.matrix += row.transpose() * row;
@@ -90,17 +91,17 @@ void Geodetic::observe_rows(const Problem& problem, const State& state, std::vec
       for (RowPart& entry : row) entry.derivative = entry.row < 6 * problem.poses ? 0 : entry.derivative / length;
     }
     rows.add(part, seen, row);
-    its.sources.ground = true;
+    its.sources.geodetic = true;
   });
 }
 
 void Geodetic::tabulate(const Problem& problem, const State& state, Adjusted& adjusted) {
-  for (const GeodeticLink& link : problem.ground) {
+  for (const GeodeticLink& link : problem.geodetic) {
     const double difference = -geodetic_residual(link.observation, model_of(problem, link, state));
-    adjusted.ground.push_back({.observation = link.source,
-                               .used = link.inverse_sigma > 0,
-                               .adjusted = link.observation.value + difference,
-                               .difference = difference});
+    adjusted.geodetic.push_back({.observation = link.source,
+                                 .used = link.inverse_sigma > 0,
+                                 .adjusted = link.observation.value + difference,
+                                 .difference = difference});
   }
 }
 

@@ -17,7 +17,7 @@ struct Geodetic : ObservationKind<Geodetic, 1> {
 
   template <class Visit>
   static void for_each(const Problem& problem, Visit&& visit) {
-    for (const Item& item : problem.ground)
+    for (const Item& item : problem.geodetic)
       if (item.inverse_sigma > 0) visit(item);
   }
   static Vector residual(const Problem& problem, const State& state, const Item& item);
@@ -31,17 +31,17 @@ struct Geodetic : ObservationKind<Geodetic, 1> {
     return cofactor * inverse_sigma * inverse_sigma;
   }
   /// It sees the scale, the level and, where only one end moves, the position.
-  static bool is_gauge_complete(const Problem& problem) { return problem.ground.empty(); }
+  static bool is_gauge_complete(const Problem& problem) { return problem.geodetic.empty(); }
   static void add_to_gauge(const Problem& problem, const State& state, const BlockMotion& motion,
                            MotionNormals& normals);
   /// As far as the direction of the derivatives goes: by their length they are all the same.
-  static bool needs_rows_for_datum(const Problem& problem) { return !problem.ground.empty(); }
+  static bool needs_rows_for_datum(const Problem& problem) { return !problem.geodetic.empty(); }
   static void observe_rows(const Problem& problem, const State& state, std::vector<DatumPart>& parts,
                            MotionsWithAuxiliaries& rows);
   /// Also of what is only compared.
   template <class Visit>
   static void for_each_tied_points(const Problem& problem, Visit&& visit) {
-    for (const Item& item : problem.ground) visit(item.from, item.to);
+    for (const Item& item : problem.geodetic) visit(item.from, item.to);
   }
 
   /// Also of what is only compared.

@@ -15,7 +15,7 @@ void ImagePoint::observe_motions(const Problem& problem, const State& state, std
                                  std::vector<DatumPart>& parts) {
   const ProblemPoint& point = problem.point(p);
   const Eigen::Vector3d position = Eigen::Map<const Eigen::Vector3d>(&state.points[3 * p]);
-  if (point.held) {
+  if (point.is_fixed) {
     for (std::uint32_t r = point.first_free; r < problem.end_ray(p); ++r) {
       DatumPart& seeing = parts[problem.part_of_pose[problem.rays[r].image]];
       seeing.add(position);

@@ -108,10 +108,10 @@ inline double linearise_as(const Ray& ray, const Frame& frame, const Lens& lens,
   if (loss.kind != Loss::kNone) bend(loss, s, d, out);
   for (int row = 0; row < 2; ++row) {
     const double* a = d + 3 * row;
-    double* turn = out->by_rotation + 3 * row;  // -d [p]x
-    turn[0] = a[2] * p[1] - a[1] * p[2];
-    turn[1] = a[0] * p[2] - a[2] * p[0];
-    turn[2] = a[1] * p[0] - a[0] * p[1];
+    double* rotation = out->by_rotation + 3 * row;  // -d [p]x
+    rotation[0] = a[2] * p[1] - a[1] * p[2];
+    rotation[1] = a[0] * p[2] - a[2] * p[0];
+    rotation[2] = a[1] * p[0] - a[0] * p[1];
     double* move = out->by_point + 3 * row;
     for (int c = 0; c < 3; ++c) move[c] = a[0] * frame[c] + a[1] * frame[3 + c] + a[2] * frame[6 + c];
   }
@@ -165,7 +165,7 @@ struct ImagePoint {
   static constexpr int kSize = 2;
   static constexpr bool kIsTested = true;
   static constexpr bool kIsOfPoint = true;
-  static constexpr bool kIsOfPlace = false;  ///< a motion of the whole block leaves it as it is
+  static constexpr bool kIsOfPosition = false;  ///< a motion of the whole block leaves it as it is
 
   template <class Visit>
   static void for_each(const Problem& problem, Visit&& visit) {
@@ -195,21 +195,21 @@ struct ImagePoint {
     return residual_px.squaredNorm() * inverse_sigma * inverse_sigma;
   }
 
-  /// Each free image of a point with the first of them, also with itself; points that are held tie nothing.
+  /// Each free image of a point with the first of them, also with itself; points that are fixed tie nothing.
   template <class Visit>
   static void for_each_tied_images(const Problem& problem, Visit&& visit) {
     for (std::size_t p = 0; p < problem.point_count(); ++p) {
-      if (problem.point(p).held) continue;
+      if (problem.point(p).is_fixed) continue;
       const std::uint32_t first = problem.point(p).first_free;
       for (std::uint32_t r = first; r < problem.end_ray(p); ++r)
         visit(problem.rays[first].image, problem.rays[r].image);
     }
   }
-  /// Of point p, which a free image shows: images see where a held point is, and the rays of held images fix the
+  /// Of point p, which a free image shows: images see where a fixed point is, and the rays of fixed images fix the
   /// direction of others.
   static void observe_motions(const Problem& problem, const State& state, std::size_t p, std::vector<DatumPart>& parts);
 
-  static bool places_block(const Problem&) { return false; }
+  static bool positions_block(const Problem&) { return false; }
   static bool is_gauge_complete(const Problem&) { return true; }
   static bool needs_rows_for_datum(const Problem&) { return false; }
 

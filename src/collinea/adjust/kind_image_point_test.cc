@@ -119,11 +119,12 @@ TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   const Rigid3 pose = pose_of(block, observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
   const bundle::Ray ray{{observation.pixel.x() + 1, observation.pixel.y() - 2}, 0.5, 0, 0};
-  const auto residual = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& move, const Eigen::Vector3d& shift) {
+  const auto residual = [&](const Eigen::Vector3d& rotation, const Eigen::Vector3d& move,
+                            const Eigen::Vector3d& shift) {
     bundle::LinearRay out;
     const Eigen::Vector3d moved_centre = centre + move, moved_point = point + shift;
-    linearise(ray, bundle::frame_of(rotation_by(turn) * pose.rotation, moved_centre.data()), lens, moved_point.data(),
-              Loss{}, &out);
+    linearise(ray, bundle::frame_of(rotation_by(rotation) * pose.rotation, moved_centre.data()), lens,
+              moved_point.data(), Loss{}, &out);
     return out;
   };
   const bundle::LinearRay at = residual({0, 0, 0}, {0, 0, 0}, {0, 0, 0});
@@ -132,11 +133,11 @@ TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   for (int c = 0; c < 3; ++c) {
     const double h = 1e-5;
     const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(c), zero = Eigen::Vector3d::Zero();
-    const auto turned = residual(e, zero, zero), back = residual(-e, zero, zero);
+    const auto rotated = residual(e, zero, zero), back = residual(-e, zero, zero);
     const auto shifted = residual(zero, zero, e), shifted_back = residual(zero, zero, -e);
     const auto moved = residual(zero, e, zero), moved_back = residual(zero, -e, zero);
     for (int row = 0; row < 2; ++row) {
-      EXPECT_NEAR(at.by_rotation[3 * row + c], -(turned.residual[row] - back.residual[row]) / (2 * h), 1e-4);
+      EXPECT_NEAR(at.by_rotation[3 * row + c], -(rotated.residual[row] - back.residual[row]) / (2 * h), 1e-4);
       EXPECT_NEAR(at.by_point[3 * row + c], -(shifted.residual[row] - shifted_back.residual[row]) / (2 * h), 1e-5);
       EXPECT_NEAR(-at.by_point[3 * row + c], -(moved.residual[row] - moved_back.residual[row]) / (2 * h), 1e-5);
     }

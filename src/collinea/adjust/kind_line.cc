@@ -12,7 +12,7 @@ GeodeticModel OnLine::model(const ShapePoint& at) {
   const int axis = at.observation.axis;
   model.computed = local[axis] - at.unknowns[0] - at.unknowns[1] * local.z();
   model.by_from = at.shape.axes.col(axis) - at.unknowns[1] * at.shape.axes.col(2);
-  model.by_extra = {-1, -local.z(), 0};
+  model.by_auxiliary = {-1, -local.z(), 0};
   model.auxiliaries = 2;
   return model;
 }

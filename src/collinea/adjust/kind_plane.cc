@@ -12,8 +12,8 @@ GeodeticModel OnPlane::model(const ShapePoint& at) {
   const double length = across.norm(), height = across.dot(local) / length;
   model.computed = height - at.unknowns[0];
   model.by_from = at.shape.axes * (across / length);
-  model.by_extra = {-1, (local.x() - height * at.unknowns[1] / length) / length,
-                    (local.y() - height * at.unknowns[2] / length) / length};
+  model.by_auxiliary = {-1, (local.x() - height * at.unknowns[1] / length) / length,
+                        (local.y() - height * at.unknowns[2] / length) / length};
   model.auxiliaries = 3;
   return model;
 }

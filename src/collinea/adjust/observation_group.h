@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "collinea/block/ground.h"
+#include "collinea/block/geodetic.h"
 
 namespace collinea {
 
@@ -36,7 +36,7 @@ enum class ObservationSource : std::uint8_t {
   kControlImagePoint,   ///< index in Block::control_observations
   kControlCoordinates,  ///< ControlId, in Block::control
   kPosition,            ///< ImageId: Image::position
-  kGeodetic,            ///< index in Block::ground
+  kGeodetic,            ///< index in Block::geodetic
   kAttitude,            ///< ImageId, in AdjustScope::attitudes
 };
 

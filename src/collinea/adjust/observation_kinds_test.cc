@@ -51,11 +51,11 @@ TEST(ObservationKinds, AStepChangesResidualsAsTheirDerivativesPredict) {
   const bundle::State& state = gathered->start;
   Random random(5);
   bundle::Step step;
-  step.reduced.resize(static_cast<std::size_t>(6 * problem.poses + problem.border));
+  step.reduced.resize(static_cast<std::size_t>(6 * problem.poses + problem.global_count));
   for (double& value : step.reduced) value = 1e-6 * random.normal();
   const bundle::State next = moved(problem, state, 0, step, kRun);
   std::set<GeodeticKind> measured;
-  for (const bundle::GeodeticLink& link : problem.ground) measured.insert(link.observation.kind);
+  for (const bundle::GeodeticLink& link : problem.geodetic) measured.insert(link.observation.kind);
   EXPECT_EQ(measured.size(), kGeodeticKinds);
   bundle::for_each_kind([&]<class Kind>() {
     if constexpr (!Kind::kIsOfPoint) {  // its derivatives are those of the point alone

@@ -27,7 +27,7 @@ void write_unknowns(const Block& block, const Problem& problem, const State& sta
     adjusted.cameras[problem.cameras[i].id] = camera;
   }
   for (std::size_t p = 0; p < problem.point_count(); ++p)
-    if (!problem.point(p).held && problem.point(p).control < 0)
+    if (!problem.point(p).is_fixed && problem.point(p).control < 0)
       adjusted.points.emplace_back(PointId{problem.point(p).id}, Eigen::Vector3d(&state.points[3 * p]));
   std::sort(adjusted.points.begin(), adjusted.points.end(), [](auto& a, auto& b) { return a.first < b.first; });
 }
@@ -68,8 +68,8 @@ RaySums write_residuals(const Problem& problem, const State& state, RobustSquare
 
 void write_auxiliaries(const Problem& problem, const State& state, Adjusted& adjusted) {
   for (std::size_t i = 0; i < problem.auxiliaries.size(); ++i) {
-    const AuxiliaryUnknown& extra = problem.auxiliaries[i];
-    adjusted.auxiliaries.push_back({extra.kind, extra.owner, extra.axis, state.auxiliaries[i]});
+    const AuxiliaryUnknown& auxiliary = problem.auxiliaries[i];
+    adjusted.auxiliaries.push_back({auxiliary.kind, auxiliary.owner, auxiliary.axis, state.auxiliaries[i]});
   }
 }
 
@@ -87,19 +87,19 @@ double squares_of(const Problem& problem, const State& state, RobustSquares& rob
   return Kind::kIsRobust ? robust.squares() : sum;
 }
 
-// The sight lines of a control point in the images that take part or are held, with their places in
+// The sight lines of a control point in the images that take part or are fixed, with their places in
 // Block::control_observations. What the adjustment left out stands where it happened to be.
 std::vector<SightLine> adjusted_sight_lines(const Block& block, const Adjusted& adjusted, ControlId point,
-                                            std::vector<std::size_t>& places) {
-  std::vector<std::size_t> all_places;
-  const std::vector<SightLine> all = sight_lines(block, point, &all_places);
+                                            std::vector<std::size_t>& indices) {
+  std::vector<std::size_t> all_indices;
+  const std::vector<SightLine> all = sight_lines(block, point, &all_indices);
   std::vector<SightLine> lines;
-  places.clear();
+  indices.clear();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const ImageId image = block.control_observations[all_places[i]].image;
+    const ImageId image = block.control_observations[all_indices[i]].image;
     if (is_left_out(adjusted, image)) continue;
     lines.push_back(all[i]);
-    places.push_back(all_places[i]);
+    indices.push_back(all_indices[i]);
     if (const auto pose = adjusted.cam_from_world.find(image); pose != adjusted.cam_from_world.end())
       lines.back().cam_from_world = pose->second;
     if (const auto camera = adjusted.cameras.find(block.images.at(image).camera); camera != adjusted.cameras.end())
@@ -121,8 +121,8 @@ void write_control(const Block& block, const AdjustScope& scope, const Problem& 
   for (const auto& [id, control] : block.control) {
     const auto used = estimated.find(id);
     if (used == estimated.end() && scope.free_images) continue;  // a local adjustment judges only what it uses
-    std::vector<std::size_t> places;
-    const std::vector<SightLine> lines = adjusted_sight_lines(block, adjusted, id, places);
+    std::vector<std::size_t> indices;
+    const std::vector<SightLine> lines = adjusted_sight_lines(block, adjusted, id, indices);
     const bool takes_part = used != estimated.end();
     if (lines.empty() && !takes_part) continue;
     ControlDifference difference;
@@ -141,7 +141,7 @@ void write_control(const Block& block, const AdjustScope& scope, const Problem& 
       for (std::size_t i = 0; i < lines.size(); ++i)
         if (const auto pixel =
                 collinea::project(*lines[i].camera, lines[i].cam_from_world * *difference.position_in_world))
-          adjusted.control_residuals_px[places[i]] = lines[i].pixel - *pixel;
+          adjusted.control_residuals_px[indices[i]] = lines[i].pixel - *pixel;
     }
     adjusted.control.push_back(difference);
   }

@@ -36,10 +36,10 @@ struct PointNormals {
       right[c] += w * r;
       cost += r * r;
     }
-    return control.correlated() ? cost + add_beside(control, point) : cost;
+    return control.correlated() ? cost + add_off_diagonal(control, point) : cost;
   }
-  double add_beside(const ControlCoordinates& control, const double* point) {
-    const double* p = control.beside;
+  double add_off_diagonal(const ControlCoordinates& control, const double* point) {
+    const double* p = control.off_diagonal_weight;
     const double d[3] = {control.given[0] - point[0], control.given[1] - point[1], control.given[2] - point[2]};
     v[1] += p[0];
     v[2] += p[1];
@@ -49,7 +49,7 @@ struct PointNormals {
     right[2] += p[1] * d[0] + p[2] * d[1];
     return 2 * (p[0] * d[0] * d[1] + p[1] * d[0] * d[2] + p[2] * d[1] * d[2]);
   }
-  /// Factors v + lambda diag(v). Directions that nothing fixes are held by a minute weight.
+  /// Factors v + lambda diag(v). Directions that nothing fixes are fixed by a minute weight.
   void factor(double lambda) {
     const double floor = 1e-12 * (v[0] + v[3] + v[5]) + 1e-300;
     const double d0 = v[0] * (1 + lambda) + floor, d1 = v[3] * (1 + lambda) + floor, d2 = v[5] * (1 + lambda) + floor;

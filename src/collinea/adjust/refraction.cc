@@ -27,8 +27,8 @@ struct Station {
   double height_m;
 };
 
-double height_of(const LocalFrame& frame, const Eigen::Vector3d& place) {
-  return frame.geographic_from_local(place).z();
+double height_of(const LocalFrame& frame, const Eigen::Vector3d& position) {
+  return frame.geographic_from_local(position).z();
 }
 
 // The pixel without the bend of its ray; nothing where the formula does not hold.
@@ -49,12 +49,12 @@ Result<Refracted> correct_refraction(Block& block) {
   COLLINEA_TRY(const auto frame, world_frame(block));
   if (!frame)
     return fail(Errc::kBadInput,
-                "refraction needs heights above the sea: this block has no place on Earth (no GPS, no CRS)");
+                "refraction needs heights above the sea: this block has no location on Earth (no GPS, no CRS)");
   std::map<ImageId, Station> stations;
   for (const auto& [id, pose] : oriented_images(block)) {
-    const Eigen::Vector3d centre = centre_of(pose), place = frame->geographic_from_local(centre);
-    const Eigen::Vector3d below = frame->local_from_geographic({place.x(), place.y(), place.z() - 1000});
-    stations[id] = {&block.camera_of(id), pose, pose.rotation * (below - centre).normalized(), place.z()};
+    const Eigen::Vector3d centre = centre_of(pose), position = frame->geographic_from_local(centre);
+    const Eigen::Vector3d below = frame->local_from_geographic({position.x(), position.y(), position.z() - 1000});
+    stations[id] = {&block.camera_of(id), pose, pose.rotation * (below - centre).normalized(), position.z()};
   }
   Refracted result;
   const auto correct = [&](ImageId image, double point_height_m, Eigen::Vector2d& pixel) {

@@ -18,7 +18,7 @@ struct Refracted {
 /// Moves the measurements of tie and control points in oriented images to where they would be without an atmosphere:
 /// each ray is turned towards the nadir by refraction_rad() times the tangent of its angle from it, with the heights of
 /// the camera and of the point, as the block has them now (a pose better by metres changes nothing to speak of).
-/// Errors: the block has no place on Earth, so that heights are not known.
+/// Errors: the block has no location on Earth, so that heights are not known.
 [[nodiscard]] Result<Refracted> correct_refraction(Block& block);
 
 }  // namespace collinea

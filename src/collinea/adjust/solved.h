@@ -22,8 +22,8 @@ class Normals;
 ///
 /// Model. The observations l have the covariance P^-1 (their sigmas, enlarged by the robust losses) and the derivatives
 /// A by all unknowns at the estimate. The normal matrix is A' P A; of it only N remains, of images, cameras and what
-/// stands in the border with them, after every point is eliminated (Schur complement). N^-1 is the covariance of these
-/// unknowns by the given sigmas (sigma0 = 1); the points follow from it one by one (PointSystem).
+/// stands among the global parameters with them, after every point is eliminated (Schur complement). N^-1 is the
+/// covariance of these unknowns by the given sigmas (sigma0 = 1); the points follow from it one by one (PointSystem).
 ///
 /// Rank and datum. Where nothing fixes position, attitude or scale of a part of the block, N is singular in as many
 /// directions as Problem::datum has constraints. factor() adds these as very heavy observations (inner constraints over

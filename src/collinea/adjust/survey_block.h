@@ -16,19 +16,19 @@ struct Surveyed {
 
 /// What a tape between neighbours, a total station and every other instrument in the first of these points and a level
 /// somewhere say, whose places `exact` has.
-inline void measure_on_ground(const Block& exact, Block& block, const std::vector<ControlId>& ids, double length_m,
-                              double angle_rad, Random& random) {
-  const auto place = [&](ControlId id) { return exact.control.at(id).position_in_world; };
+inline void measure_geodetic(const Block& exact, Block& block, const std::vector<ControlId>& ids, double length_m,
+                             double angle_rad, Random& random) {
+  const auto position = [&](ControlId id) { return exact.control.at(id).position_in_world; };
   const auto add = [&](GeodeticKind kind, ControlId from, ControlId to) {
     GeodeticObservation one{.kind = kind, .from = from, .to = to};
     one.sigma = one.is_angle() ? angle_rad : length_m;
     if (kind == GeodeticKind::kDirection) one.setup = 1;
     if (kind == GeodeticKind::kAtHeight) one.setup = 2;
     const double computed = kind == GeodeticKind::kAtHeight
-                                ? place(from).z() - 3
-                                : geodetic_model(one, place(from), place(to), 0.3, false).computed;
+                                ? position(from).z() - 3
+                                : geodetic_model(one, position(from), position(to), 0.3, false).computed;
     one.value = computed + one.sigma * random.normal();
-    block.ground.push_back(one);
+    block.geodetic.push_back(one);
   };
   for (std::size_t i = 1; i < ids.size(); ++i)
     for (std::size_t k = 0; k < kGeodeticKinds; ++k)
@@ -43,12 +43,13 @@ inline void measure_on_ground(const Block& exact, Block& block, const std::vecto
 inline Surveyed surveyed_every_way(std::uint64_t seed, double px = 1) {
   constexpr std::uint32_t kHeights = 6, kPlane = 11, kLine = 17, kAll = 22;
   constexpr double kSigma_m = 0.003, kShape_m = 0.01, kSigma_rad = 2e-4, kSigma_px = 0.5;
-  const auto move = [&](std::vector<Eigen::Vector3d>& places) {
+  const auto move = [&](std::vector<Eigen::Vector3d>& positions) {
     const Eigen::Vector3d normal = Eigen::Vector3d(0.4, 0.2, 1).normalized(), along(0.8, 0.6, 0.05);
-    for (std::uint32_t i = kHeights; i < kPlane; ++i) places[i].z() = 2;
+    for (std::uint32_t i = kHeights; i < kPlane; ++i) positions[i].z() = 2;
     for (std::uint32_t i = kPlane; i < kLine; ++i)
-      places[i] -= normal * normal.dot(places[i] - Eigen::Vector3d(20, 15, 0));
-    for (std::uint32_t i = kLine; i < kAll; ++i) places[i] = Eigen::Vector3d(5, 5, 1) + along * (places[i].x() * 0.8);
+      positions[i] -= normal * normal.dot(positions[i] - Eigen::Vector3d(20, 15, 0));
+    for (std::uint32_t i = kLine; i < kAll; ++i)
+      positions[i] = Eigen::Vector3d(5, 5, 1) + along * (positions[i].x() * 0.8);
   };
   const TestBlockOptions options{.rows = 2, .columns = 4, .points = 60, .sigma_px = kSigma_px * px, .seed = seed};
   Surveyed made{marked(options, kAll, move).block, {}};
@@ -57,17 +58,17 @@ inline Surveyed surveyed_every_way(std::uint64_t seed, double px = 1) {
   Random random(seed, 12);
   std::vector<ControlId> ids;
   for (std::uint32_t i = 0; i < kHeights; ++i) ids.push_back({i});
-  measure_on_ground(made.block, made.block, ids, kSigma_m, kSigma_rad, random);
+  measure_geodetic(made.block, made.block, ids, kSigma_m, kSigma_rad, random);
   const auto shape = [&](GeodeticKind kind, std::uint32_t from, std::uint32_t to, int axes) {
     for (std::uint32_t i = from; i < to; ++i)
       for (int axis = 0; axis < axes; ++axis)
-        made.block.ground.push_back({.kind = kind,
-                                     .from = {i},
-                                     .to = {i},
-                                     .value = kShape_m * random.normal(),
-                                     .sigma = kShape_m,
-                                     .setup = 0,
-                                     .axis = axis});
+        made.block.geodetic.push_back({.kind = kind,
+                                       .from = {i},
+                                       .to = {i},
+                                       .value = kShape_m * random.normal(),
+                                       .sigma = kShape_m,
+                                       .setup = 0,
+                                       .axis = axis});
   };
   shape(GeodeticKind::kAtHeight, kHeights, kPlane, 1);
   shape(GeodeticKind::kOnPlane, kPlane, kLine, 1);

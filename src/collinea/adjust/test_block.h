@@ -71,8 +71,8 @@ inline Rigid3 test_pose(const TestBlockOptions& o, int row, int column, Random& 
   const Eigen::Vector3d centre(column * o.spacing_m + random.normal(), row * o.spacing_m * 1.3 + random.normal(),
                                o.height_m + 3 * random.normal());
   const Eigen::Quaterniond down(0, 1, 0, 0);
-  const Eigen::Quaterniond turn = rotation_by(o.tilt_rad * normal3(random) + Eigen::Vector3d(0, 0, row % 2 * 3.1));
-  const Eigen::Quaterniond cam_from_world = (turn * down).normalized();
+  const Eigen::Quaterniond rotation = rotation_by(o.tilt_rad * normal3(random) + Eigen::Vector3d(0, 0, row % 2 * 3.1));
+  const Eigen::Quaterniond cam_from_world = (rotation * down).normalized();
   return {cam_from_world, -(cam_from_world * centre)};
 }
 
@@ -132,11 +132,11 @@ inline Block test_block(const TestBlockOptions& o = {}) {
 }
 
 /// The block with its unknowns moved off the truth.
-inline Block disturbed(Block block, double turn_rad, double move_m, std::uint64_t seed = 9) {
+inline Block disturbed(Block block, double rotation_rad, double move_m, std::uint64_t seed = 9) {
   Random random(seed);
   for (auto [id, pose] : oriented_images(block)) {
     const Eigen::Vector3d centre = centre_of(pose) + move_m * normal3(random);
-    const Eigen::Quaterniond rotation = (rotation_by(turn_rad * normal3(random)) * pose.rotation).normalized();
+    const Eigen::Quaterniond rotation = (rotation_by(rotation_rad * normal3(random)) * pose.rotation).normalized();
     pose = {rotation, -(rotation * centre)};
     set_pose(block, id, pose);
   }
@@ -153,7 +153,7 @@ struct Marked {
     GeodeticObservation one{.kind = kind, .from = {from}, .to = {to}, .sigma = sigma};
     one.value = geodetic_model(one, truth.at(one.from), truth.at(one.to), 0, false).computed;
     if (random) one.value += sigma * random->normal();
-    block.ground.push_back(one);
+    block.geodetic.push_back(one);
   }
 };
 
@@ -165,14 +165,14 @@ inline Marked marked(TestBlockOptions options, int points = 9,
   options.control = points;
   Marked made{test_block(options), {}};
   Random random(options.seed, 5);
-  std::vector<Eigen::Vector3d> places;
-  for (const auto& [id, point] : made.block.control) places.push_back(point.position_in_world);
+  std::vector<Eigen::Vector3d> positions;
+  for (const auto& [id, point] : made.block.control) positions.push_back(point.position_in_world);
   if (move) {
-    move(places);
+    move(positions);
     made.block.control_observations.clear();
   }
   for (auto& [id, point] : made.block.control) {
-    made.truth[id] = point.position_in_world = places[id.value];
+    made.truth[id] = point.position_in_world = positions[id.value];
     point.role = ControlRole::kControl;
     point.sigma_m.setConstant(std::numeric_limits<double>::infinity());
     if (!move) continue;

@@ -34,7 +34,7 @@ std::string outcome_text(const AdjustmentReport& report, const std::filesystem::
   for (const AdditionalTest& test : report.additional) {
     const std::string dropped = dropped_names(test);
     text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
-    if (!dropped.empty() && test.kept > 0) text += " (--additional-held " + dropped + ")";
+    if (!dropped.empty() && test.kept > 0) text += " (--additional-fixed " + dropped + ")";
   }
   for (const Finding& pair : adjusted.inseparable) text += "; " + sentence_of(pair, report.block);
   return text + "; " + (folder / "adjustment.html").string();

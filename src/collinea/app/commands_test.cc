@@ -34,7 +34,7 @@ Outcome collinea_with(std::vector<std::string> arguments) {
   return outcome;
 }
 
-// A folder with three small photographs of a made-up village in images/.
+// A folder with three small images of a made-up village in images/.
 void simulate_into(const std::string& folder) {
   const Outcome made = collinea_with({"simulate",       folder, "--strips",         "1",   "--images-per-strip", "3",
                                       "--cross-strips", "0",    "--width-px",       "160", "--height-px",        "120",

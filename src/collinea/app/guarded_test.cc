@@ -14,14 +14,15 @@ TEST(Guarded, HandsOnWhatTheWorkReturns) {
 }
 
 TEST(Guarded, EveryExceptionIsADefectWithExitCodeOne) {
-  const auto said = [](const std::function<int()>& work) {
+  const auto printed = [](const std::function<int()>& work) {
     ::testing::internal::CaptureStderr();
     EXPECT_EQ(guarded(work), 1);
     return ::testing::internal::GetCapturedStderr();
   };
-  EXPECT_EQ(said([]() -> int { throw std::logic_error("a < b"); }), "collinea has a defect, please report it: a < b\n");
-  EXPECT_NE(said([]() -> int { throw std::bad_alloc(); }).find("memory does not suffice"), std::string::npos);
-  EXPECT_NE(said([]() -> int { throw 7; }).find("unknown kind"), std::string::npos);
+  EXPECT_EQ(printed([]() -> int { throw std::logic_error("a < b"); }),
+            "collinea has a defect, please report it: a < b\n");
+  EXPECT_NE(printed([]() -> int { throw std::bad_alloc(); }).find("memory does not suffice"), std::string::npos);
+  EXPECT_NE(printed([]() -> int { throw 7; }).find("unknown kind"), std::string::npos);
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST(InfoText, BeforeOrientationFiguresAreNullOrZero) {
   EXPECT_NE(text.find("map                    none: local gauge"), std::string::npos) << text;
 }
 
-TEST(InfoText, TheOrientationIsToldUnderItsKeys) {
+TEST(InfoText, TheOrientationIsStatedUnderItsKeys) {
   const json info = json::parse(info_json(oriented()));
   EXPECT_EQ(info.at("crs"), "EPSG:32633");
   EXPECT_EQ(info.at("oriented"), 1);

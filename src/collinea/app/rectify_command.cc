@@ -12,7 +12,7 @@ std::string with_advice(const RectifiedReport& report) {
   const auto& from = report.from_points;
   if (!report.shift_per_depth) text += "with --focal-px it is known where the camera stood\n";
   if (from && !from->is_lens_known)
-    text += "the lens is not known (--project, --orientation): its distortion stays in the picture\n";
+    text += "the lens is not known (--project, --orientation): its distortion stays in the image\n";
   return text;
 }
 
@@ -28,7 +28,7 @@ Command rectify_command() {
       "rectify", "a plane (a façade) at a metric scale, from a photograph or an oriented project",
       [](Flags& flags, Asked& asked) {
         flags.positional("source", asked.source, "photograph, or folder of an oriented project");
-        flags.required("-o", "out", asked.out, "picture to be written: .tif (GeoTIFF) or .png (and .pgw)");
+        flags.required("-o", "out", asked.out, "image to be written: .tif (GeoTIFF) or .png (and .pgw)");
         flags.add_all(asked.options, "rectify");
         flags.add_all(asked.console, "run");
       },

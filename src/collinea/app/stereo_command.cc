@@ -15,8 +15,8 @@ Command stereo_command() {
   return console_command<Asked>(
       "stereo", "match a single pair: disparities with sigmas, and a cloud",
       [](Flags& flags, Asked& asked) {
-        flags.positional("left", asked.left, "left picture");
-        flags.positional("right", asked.right, "right picture");
+        flags.positional("left", asked.left, "left image");
+        flags.positional("right", asked.right, "right image");
         flags.required("-o", "out", asked.out, "folder for the results; made when missing");
         flags.add_all(asked.pair, "pair");
         flags.add_all(asked.stereo, "matching");

@@ -35,13 +35,13 @@ struct Survey {
       set_pose(block, ImageId{i}, truth[file]);
     }
     std::uint32_t id = 0;
-    for (const auto& [name, place] : marks) {
+    for (const auto& [name, position] : marks) {
       ControlPoint point;
       point.name = name;
       point.role = name == "A" ? ControlRole::kCheck : ControlRole::kControl;
       block.control[ControlId{id}] = point;
       for (const auto& [image, pose] : oriented_images(block))
-        if (const auto pixel = project(block.camera_of(image), pose * place))
+        if (const auto pixel = project(block.camera_of(image), pose * position))
           block.control_observations.push_back({ControlId{id}, image, *pixel, 0.5});
       ++id;
     }
@@ -140,20 +140,20 @@ TEST(SurfaceErrors, BiasNoiseHolesAndEdgesAreToldApart) {
 }
 
 // The block of the plain, turned by 30 degrees and `wider` on every side.
-float turned_block(double x, double y, double wider) {
+float rotated_block(double x, double y, double wider) {
   const double u = (x - 20) * std::cos(0.5236) + (y - 20) * std::sin(0.5236);
   const double v = (y - 20) * std::cos(0.5236) - (x - 20) * std::sin(0.5236);
   return std::max(std::abs(u), std::abs(v)) < 6 + wider ? 5 : float(0.1 * x);
 }
 
-// Cells of 10 cm tell the place of a wall to 10 / sqrt(12) cm, one by one.
+// Cells of 10 cm tell the point of a wall to 10 / sqrt(12) cm, one by one.
 TEST(WallErrors, AreHowMuchTooWideABlockIs) {
-  const HeightField truth = field_of(0.05, 800, [](double x, double y) { return turned_block(x, y, 0); });
+  const HeightField truth = field_of(0.05, 800, [](double x, double y) { return rotated_block(x, y, 0); });
   for (const double wider : {-0.3, 0.0, 0.4}) {
-    const HeightField model = field_of(0.1, 400, [=](double x, double y) { return turned_block(x, y, wider); });
+    const HeightField model = field_of(0.1, 400, [=](double x, double y) { return rotated_block(x, y, wider); });
     const auto errors = wall_errors(model, truth, 0.1, collinea::Run{});
     ASSERT_TRUE(errors);
-    EXPECT_GT(errors->places, 250u);  // 48 m of walls, the corners left out
+    EXPECT_GT(errors->samples, 250u);  // 48 m of walls, the corners left out
     EXPECT_NEAR(errors->mean_m, wider, 0.03);
     EXPECT_NEAR(errors->median_m, std::abs(wider), 0.05);
     EXPECT_NEAR(errors->rms_m, std::hypot(wider, 0.1 / std::sqrt(12.0)), 0.03);
@@ -163,18 +163,18 @@ TEST(WallErrors, AreHowMuchTooWideABlockIs) {
 
 TEST(WallErrors, SlopesAndWallsInHolesAreNotLookedAt) {
   const auto slope = [](double x, double) { return float(x); };
-  EXPECT_EQ(wall_errors(field_of(0.1, 400, slope), field_of(0.1, 400, slope), 0.1, collinea::Run{})->places, 0u);
-  const auto rim = [](double x, double y) { return y < 20 ? kNone : turned_block(x, y, 0); };  // of the truth
-  const HeightField whole = field_of(0.1, 400, [](double x, double y) { return turned_block(x, y, 0); });
+  EXPECT_EQ(wall_errors(field_of(0.1, 400, slope), field_of(0.1, 400, slope), 0.1, collinea::Run{})->samples, 0u);
+  const auto rim = [](double x, double y) { return y < 20 ? kNone : rotated_block(x, y, 0); };  // of the truth
+  const HeightField whole = field_of(0.1, 400, [](double x, double y) { return rotated_block(x, y, 0); });
   const auto at_rim = wall_errors(whole, field_of(0.1, 400, rim), 0.1, collinea::Run{});
   ASSERT_TRUE(at_rim);
-  EXPECT_GT(at_rim->places, 0u);
+  EXPECT_GT(at_rim->samples, 0u);
   EXPECT_LT(at_rim->rms_m, 0.1);
-  const auto holed = [](double x, double y) { return std::abs(x - 20) < 7 ? kNone : turned_block(x, y, 0); };
-  const HeightField truth = field_of(0.1, 400, [](double x, double y) { return turned_block(x, y, 0); });
+  const auto holed = [](double x, double y) { return std::abs(x - 20) < 7 ? kNone : rotated_block(x, y, 0); };
+  const HeightField truth = field_of(0.1, 400, [](double x, double y) { return rotated_block(x, y, 0); });
   const auto errors = wall_errors(field_of(0.1, 400, holed), truth, 0.1, collinea::Run{});
   ASSERT_TRUE(errors);
-  EXPECT_LT(errors->places, 60u);
+  EXPECT_LT(errors->samples, 60u);
 }
 
 TEST(SurfaceErrors, MeasuredAndInterpolatedCellsAreToldApart) {
@@ -229,7 +229,7 @@ TEST(TakeOffPlane, WhatIsGrossDoesNotTiltIt) {
   };
   for (const Gross gross : {Gross{0.02, 10, 0.02f}, {0.2, 3, 0.02f}, {0.02, 10, 5}, {0.02, 10, 1e-6f}}) {
     Random random(9);
-    std::vector<PlacedError> errors;
+    std::vector<LocatedError> errors;
     std::vector<bool> good;
     for (int i = 0; i < 10'000; ++i) {
       const double east = random.uniform(0, 100), north = random.uniform(0, 200);
@@ -250,7 +250,7 @@ TEST(TakeOffPlane, WhatIsGrossDoesNotTiltIt) {
 }
 
 // Whether sigmas tell errors is not known where no plane can be taken off.
-TEST(CloudErrors, OfPointsOnALineNothingIsTold) {
+TEST(CloudErrors, OfPointsOnALineNothingIsStated) {
   const TestFolder folder;
   std::vector<CloudPoint> points(100);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -266,7 +266,7 @@ TEST(CloudErrors, OfPointsOnALineNothingIsTold) {
 }
 
 // Points of a tilted plane, whose sigmas are right for two images and half for three; some lie on something else.
-TEST(CloudErrors, AreToldInSigmasByTheNumberOfImages) {
+TEST(CloudErrors, AreStatedInSigmasByTheNumberOfImages) {
   const TestFolder folder;
   Random random(7);
   std::vector<CloudPoint> points;
@@ -358,27 +358,27 @@ TEST(SurfaceErrors, RastersThatDoNotMeetAreAnError) {
   EXPECT_FALSE(surface_errors(away, nullptr, field_of(0.1, 50, height_at), {}, nullptr, collinea::Run{}));
 }
 
-ImageField picture_of(double cell_m, int side, double shift_x_m, double shift_y_m) {
+ImageField image_of(double cell_m, int side, double shift_x_m, double shift_y_m) {
   ImageField field;
   field.grid = {0, side * cell_m, cell_m, side, side, ""};
   field.read = [grid = field.grid, shift_x_m, shift_y_m](int column, int row, int width,
                                                          int rows) -> Result<Raster<std::uint8_t>> {
-    Raster<std::uint8_t> picture(width, rows, 4, 255);
+    Raster<std::uint8_t> image(width, rows, 4, 255);
     for (int y = 0; y < rows; ++y) {
       for (int x = 0; x < width; ++x) {
         const double e = grid.east_of(column + x + 0.5) - shift_x_m, n = grid.north_of(row + y + 0.5) - shift_y_m;
         const double v = 120 + 40 * std::sin(7 * e + 2 * std::sin(n)) + 40 * std::sin(6 * n + std::cos(1.3 * e));
-        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = std::uint8_t(std::lround(v));
-        if (e > 25 && n > 25) picture.at(x, y, 3) = 0;
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = std::uint8_t(std::lround(v));
+        if (e > 25 && n > 25) image.at(x, y, 3) = 0;
       }
     }
-    return picture;
+    return image;
   };
   return field;
 }
 
 TEST(OrthoErrors, AShiftIsFoundToAFewHundredthsOfAPixel) {
-  const auto errors = ortho_errors(picture_of(0.1, 400, 0.13, -0.24), picture_of(0.05, 800, 0, 0), collinea::Run{});
+  const auto errors = ortho_errors(image_of(0.1, 400, 0.13, -0.24), image_of(0.05, 800, 0, 0), collinea::Run{});
   ASSERT_TRUE(errors);
   EXPECT_GT(errors->windows, 30u);
   EXPECT_EQ(errors->share_failed, 0);
@@ -389,14 +389,14 @@ TEST(OrthoErrors, AShiftIsFoundToAFewHundredthsOfAPixel) {
 }
 
 TEST(OrthoErrors, WhatIsFurtherAwayThanTheSearchFails) {
-  ImageField grey = picture_of(0.1, 400, 0, 0);
+  ImageField grey = image_of(0.1, 400, 0, 0);
   grey.read = [](int, int, int width, int rows) -> Result<Raster<std::uint8_t>> {
     return Raster<std::uint8_t>(width, rows, 1, 99);
   };
-  const auto errors = ortho_errors(grey, picture_of(0.1, 400, 0, 0), collinea::Run{});
+  const auto errors = ortho_errors(grey, image_of(0.1, 400, 0, 0), collinea::Run{});
   ASSERT_TRUE(errors);
   EXPECT_EQ(errors->share_failed, 1);
-  EXPECT_FALSE(ortho_errors(picture_of(0.1, 400, 0, 0), grey, collinea::Run{}));  // no texture to look for
+  EXPECT_FALSE(ortho_errors(image_of(0.1, 400, 0, 0), grey, collinea::Run{}));  // no texture to look for
 }
 
 }  // namespace

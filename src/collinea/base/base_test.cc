@@ -81,7 +81,7 @@ TEST(Words, AreListedAsPeopleDo) {
   EXPECT_EQ(listed({}), "");
 }
 
-TEST(Options, PartsAreToldAmongTheFieldsAndGroupsByThemselves) {
+TEST(Options, PartsAreStatedAmongTheFieldsAndGroupsByThemselves) {
   std::string names;
   RoomOptions room;
   for_each_group("room", room, [&](const std::string& group, auto& part) {

@@ -42,7 +42,7 @@ constexpr CodeRow kCodes[] = {
     {C::kFolderUnreadable, "folder_unreadable", kNote},
     {C::kCamerasMerged, "cameras_merged", kWeak, F::kFocalLowest, F::kFocalHighest},
     {C::kOrientationTaken, "orientation_taken", kNote, F::kCount, F::kOf, F::kCameras},
-    {C::kOrientationHeld, "orientation_held", kNote, F::kCount, F::kOf, F::kCameras},
+    {C::kOrientationFixed, "orientation_fixed", kNote, F::kCount, F::kOf, F::kCameras},
     {C::kControlMeasurement, "control_measurement", kWrong, F::kOffsetPx},
     {C::kControlMeasurementsDisagree, "control_measurements_disagree", kWrong, F::kOffsetPx, F::kCount},
     {C::kControlPoint, "control_point", kWrong, F::kOffset, F::kOffsetPlan, F::kOffsetHeight},
@@ -60,8 +60,8 @@ constexpr CodeRow kCodes[] = {
     {C::kPositionsShifted, "positions_shifted", kNote, F::kEast, F::kNorth, F::kUp},
     {C::kDistancesContradict, "distances_contradict", kWrong, F::kRelative},
     {C::kDistanceWrong, "distance_wrong", kWrong, F::kRelative, F::kDifference},
-    {C::kGroundDiffers, "ground_differs", kWrong, F::kDifference, F::kRatio},
-    {C::kGroundAngleDiffers, "ground_angle_differs", kWrong, F::kDifferenceAngle, F::kRatio},
+    {C::kGeodeticDiffers, "geodetic_differs", kWrong, F::kDifference, F::kRatio},
+    {C::kGeodeticAngleDiffers, "geodetic_angle_differs", kWrong, F::kDifferenceAngle, F::kRatio},
     {C::kNoDatum, "no_datum", kWeak, F::kDefect},
     {C::kDatumDefect, "datum_defect", kWeak, F::kDefect, F::kAzimuth, F::kSteepness},
     {C::kLocalGauge, "local_gauge", kNote},
@@ -72,7 +72,7 @@ constexpr CodeRow kCodes[] = {
      F::kSigmaAzimuth},
     {C::kLevelByAttitudes, "level_by_attitudes", kWeak, F::kHeights, F::kSigmaAngle, F::kSigmaScale, F::kSigmaAzimuth},
     {C::kHeightsRelative, "heights_relative", kNote},
-    {C::kWeakTurn, "weak_turn", kWeak, F::kAzimuth, F::kSteepness, F::kSigmaAngle, F::kExtent, F::kMotion,
+    {C::kWeakRotation, "weak_rotation", kWeak, F::kAzimuth, F::kSteepness, F::kSigmaAngle, F::kExtent, F::kMotion,
      F::kReference},
     {C::kWeakScale, "weak_scale", kWeak, F::kSigmaScale, F::kExtent, F::kMotion, F::kReference},
     {C::kFocalAndHeight, "focal_and_height", kWeak, F::kCorrelation, F::kRatio},
@@ -96,7 +96,7 @@ constexpr CodeRow kCodes[] = {
     {C::kCriticalSurface, "critical_surface", kWeak},
     {C::kFewFitGiven, "few_fit_given", kWeak, F::kCount, F::kOf},
     {C::kLooseGiven, "loose_given", kWeak, F::kLimit, F::kCount},
-    {C::kAdditionalHeld, "additional_held", kNote},
+    {C::kAdditionalFixed, "additional_fixed", kNote},
     {C::kAdditionalUncalibrated, "additional_uncalibrated", kNote},
     {C::kAdditionalSignificant, "additional_significant", kNote, F::kCount, F::kOf},
     {C::kPositionsUnused, "positions_unused", kNote},
@@ -180,7 +180,7 @@ constexpr KindRow kKinds[] = {
     {SubjectKind::kCamera, "camera"},
     {SubjectKind::kTiePoint, "tie_point"},
     {SubjectKind::kControlPoint, "control_point"},
-    {SubjectKind::kGround, "ground"},
+    {SubjectKind::kGeodetic, "geodetic"},
     {SubjectKind::kStrip, "strip"},
     {SubjectKind::kSetup, "setup"},
     {SubjectKind::kLevel, "level"},
@@ -250,7 +250,7 @@ constexpr RemedyRow kRemedies[] = {
     {R::kWidenControlInPlan, "widen_control_in_plan"},
     {R::kAddCrossStrip, "add_cross_strip"},
     {R::kVaryHeights, "vary_heights"},
-    {R::kTurnImages, "turn_images"},
+    {R::kRotateImages, "rotate_images"},
     {R::kReachCorners, "reach_corners"},
     {R::kFewerParameters, "fewer_parameters"},
     {R::kCalibrateCamera, "calibrate_camera"},
@@ -264,7 +264,7 @@ constexpr RemedyRow kRemedies[] = {
     {R::kAddDistances, "add_distances"},
     {R::kAddSideViews, "add_side_views"},
     {R::kHoldStill, "hold_still"},
-    {R::kTakeRepeatsOut, "take_repeats_out"},
+    {R::kRemoveRepeats, "remove_repeats"},
     {R::kLeaveSurface, "leave_surface"},
     {R::kGiveThreeControlPoints, "give_three_control_points"},
     {R::kAddStripOrControl, "add_strip_or_control"},
@@ -300,7 +300,7 @@ const CodeRow& row_of(C code) { return row_in(kCodes, code); }
 
 }  // namespace
 
-Subject Subject::ground(std::size_t index) { return {SubjectKind::kGround, static_cast<std::uint32_t>(index)}; }
+Subject Subject::geodetic(std::size_t index) { return {SubjectKind::kGeodetic, static_cast<std::uint32_t>(index)}; }
 
 Subject Subject::file(std::string name) {
   Subject subject(SubjectKind::kFile, kAll);

@@ -28,12 +28,12 @@ enum class Severity : std::uint8_t { kNote, kWeak, kWrong };
 
 /// What was found. Closed: each has one row in finding.cc (word, severity, figures) and one sentence in `report`.
 enum class FindingCode : std::uint8_t {
-  // Photographs and files as given
+  // Images and files as given
   kFocalAssumed,         ///< no focal length in the files of a camera
   kFocalImpossible,      ///< one that cannot be
   kHeightsCountFrom,     ///< what heights of positions count from
   kPositionsOfOthers,    ///< a file of positions names images that are not there
-  kPositionsAmbiguous,   ///< the same; several photographs end in one number
+  kPositionsAmbiguous,   ///< the same; several images end in one number
   kPositionsNotStated,   ///< images that a file of positions does not name
   kTimesOfHeaders,       ///< times are those of the headers, because the file of positions states not all
   kControlOutsideImage,  ///< a measurement of control outside its image
@@ -41,13 +41,13 @@ enum class FindingCode : std::uint8_t {
   kControlUnseen,        ///< a control point in no image
   kCheckSeenOnce,        ///< a check point in one image
   kControlSeenOnce,      ///< a control point in one image
-  kImageUnreadable,      ///< a file that is no readable photograph
+  kImageUnreadable,      ///< a file that is no readable image
   kImageTooSmall,
   kImageDuplicate,    ///< the same bytes as another one
   kFolderUnreadable,  ///< a folder of images that cannot be looked into
   kCamerasMerged,     ///< an orientation gives one camera several interior orientations
   kOrientationTaken,  ///< poses come from elsewhere
-  kOrientationHeld,   ///< the same, and are not adjusted
+  kOrientationFixed,  ///< the same, and are not adjusted
   // Control against images and positions
   kControlMeasurement,           ///< one image measurement does not meet the others; excluded
   kControlMeasurementsDisagree,  ///< rays of a point miss each other; the point is excluded
@@ -63,11 +63,11 @@ enum class FindingCode : std::uint8_t {
   kControlMeasurementSigma,  ///< image measurements of control are worse than stated
   kControlSigmaPlan,         ///< coordinates of control are worse than stated
   kControlSigmaHeight,
-  kPositionsShifted,     ///< positions were shifted to the control
-  kDistancesContradict,  ///< two distances, and nothing tells which is wrong
-  kDistanceWrong,        ///< a distance contradicts the others; excluded
-  kGroundDiffers,        ///< a geodetic observation differs from the block beyond its sigma
-  kGroundAngleDiffers,   ///< the same of an angle
+  kPositionsShifted,      ///< positions were shifted to the control
+  kDistancesContradict,   ///< two distances, and nothing tells which is wrong
+  kDistanceWrong,         ///< a distance contradicts the others; excluded
+  kGeodeticDiffers,       ///< a geodetic observation differs from the block beyond its sigma
+  kGeodeticAngleDiffers,  ///< the same of an angle
   // Datum
   kNoDatum,            ///< nothing fixes position, attitude and scale
   kDatumDefect,        ///< nothing fixes some of them: the subjects
@@ -79,7 +79,7 @@ enum class FindingCode : std::uint8_t {
   kLevelByAttitudes,
   kHeightsRelative,  ///< no position has a height
   // What is determined badly
-  kWeakTurn,  ///< a rotation of the block
+  kWeakRotation,  ///< a rotation of the block
   kWeakScale,
   kFocalAndHeight,          ///< parameters of a camera and the distance between images and object
   kCameraAndPose,           ///< parameters of a camera and another motion of the images
@@ -103,7 +103,7 @@ enum class FindingCode : std::uint8_t {
   // What orientation did
   kFewFitGiven,             ///< few tie points fit poses as given
   kLooseGiven,              ///< images whose given pose hardly a tie point fits
-  kAdditionalHeld,          ///< no additional parameters, because poses are held
+  kAdditionalFixed,         ///< no additional parameters, because poses are held
   kAdditionalUncalibrated,  ///< none, because no camera is calibrated
   kAdditionalSignificant,   ///< how many of a camera's are
   kPositionsUnused,         ///< no lever arm, shift or time offset of positions that take no part
@@ -198,7 +198,7 @@ enum class SubjectKind : std::uint8_t {
   kCamera,
   kTiePoint,
   kControlPoint,  ///< or check point
-  kGround,        ///< a geodetic observation: index in Block::ground
+  kGeodetic,      ///< a geodetic observation: index in Block::geodetic
   kStrip,         ///< of image positions, from 0
   kSetup,         ///< of an instrument on the ground, from 0
   kLevel,         ///< a height that points have in common: number of the shape
@@ -263,10 +263,10 @@ struct Subject {
   Subject(PointId point) : Subject(SubjectKind::kTiePoint, point.value) {}
   Subject(ControlId point, Aspect what = Aspect::kWhole) : Subject(SubjectKind::kControlPoint, point.value, what) {}
   Subject(Product product) : Subject(SubjectKind::kProduct, static_cast<std::uint32_t>(product)) {}
-  /// Of the block as a whole.
+  /// A subject that is an aspect of the block as a whole.
   explicit Subject(Aspect what) : Subject(SubjectKind::kBlock, kAll, what) {}
 
-  [[nodiscard]] static Subject ground(std::size_t index);  ///< in Block::ground
+  [[nodiscard]] static Subject geodetic(std::size_t index);  ///< in Block::geodetic
   [[nodiscard]] static Subject file(std::string name);
   [[nodiscard]] static Subject crs(std::string name);
 
@@ -311,7 +311,7 @@ enum class RemedyCode : std::uint8_t {
   kWidenControlInPlan,
   kAddCrossStrip,  ///< or control off the line, or attitudes
   kVaryHeights,    ///< of images, control or relief
-  kTurnImages,     ///< by 90 and 180 degrees
+  kRotateImages,   ///< by 90 and 180 degrees
   kReachCorners,   ///< points out to the corners of images
   kFewerParameters,
   kCalibrateCamera,
@@ -324,8 +324,8 @@ enum class RemedyCode : std::uint8_t {
   kGiveOne,       ///< of two unknowns that cannot be separated
   kAddDistances,  ///< images from other distances, turned, oblique; control at different heights
   kAddSideViews,
-  kHoldStill,       ///< or use a global shutter
-  kTakeRepeatsOut,  ///< images of repeated structure, or add some that show the positions apart
+  kHoldStill,      ///< or use a global shutter
+  kRemoveRepeats,  ///< images of repeated structure, or add some that show the positions apart
   kLeaveSurface,
   kGiveThreeControlPoints,
   kAddStripOrControl,

@@ -12,7 +12,7 @@ namespace collinea {
 Hash& Hash::add(std::span<const std::byte> bytes) {
   constexpr std::uint64_t kPrime = 0x100000001b3u;
   std::size_t i = 0;
-  for (; i + 8 <= bytes.size(); i += 8) {  // eight bytes a step: photographs are long
+  for (; i + 8 <= bytes.size(); i += 8) {  // eight bytes a step: images are long
     std::uint64_t word;
     std::memcpy(&word, bytes.data() + i, 8);
     state_ = (state_ ^ word) * kPrime;

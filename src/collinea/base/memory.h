@@ -3,9 +3,9 @@
 
 namespace collinea {
 
-/// To be called before anything else: rasters and pictures, which come and go by hundreds of kilobytes, go back to the
+/// To be called before anything else: rasters and images, which come and go by hundreds of kilobytes, go back to the
 /// system as soon as they are freed. By default the C library learns from the first that goes to keep the like of it in
-/// its heaps, where what is small and stays keeps much of what was large from going back: an orthophoto of 400 pictures
+/// its heaps, where what is small and stays keeps much of what was large from going back: an orthophoto of 400 images
 /// then holds half as much again as it uses. The price is a few per cent of system time.
 void give_large_memory_back();
 

@@ -39,10 +39,10 @@ constexpr auto little_endian_bits(T value) {
   using U = typename UnsignedOf<sizeof(T)>::type;
   U bits = std::bit_cast<U>(value);
   if constexpr (std::endian::native == std::endian::big) {
-    U turned = 0;
+    U swapped = 0;
     for (std::size_t i = 0; i < sizeof(U); ++i)
-      turned = U(turned | U(((bits >> (8 * i)) & 0xff) << (8 * (sizeof(U) - 1 - i))));
-    bits = turned;
+      swapped = U(swapped | U(((bits >> (8 * i)) & 0xff) << (8 * (sizeof(U) - 1 - i))));
+    bits = swapped;
   }
   return bits;
 }

@@ -7,18 +7,19 @@ namespace collinea {
 
 SharedBudget::Part SharedBudget::take(std::size_t bytes) {
   std::unique_lock lock(mutex_);
-  const std::uint64_t turn = asked_++;
-  changed_.wait(lock, [&] { return turn == served_ && (held_ == 0 || (held_ <= bytes_ && bytes <= bytes_ - held_)); });
+  const std::uint64_t ticket = asked_++;
+  changed_.wait(
+      lock, [&] { return ticket == served_ && (in_use_ == 0 || (in_use_ <= bytes_ && bytes <= bytes_ - in_use_)); });
   ++served_;
-  held_ += bytes;
-  most_held_ = std::max(most_held_, held_);
+  in_use_ += bytes;
+  most_in_use_ = std::max(most_in_use_, in_use_);
   changed_.notify_all();  // the next one may fit, too
   return {this, bytes};
 }
 
-std::size_t SharedBudget::most_held() const {
+std::size_t SharedBudget::most_in_use() const {
   const std::lock_guard lock(mutex_);
-  return most_held_;
+  return most_in_use_;
 }
 
 std::uint64_t SharedBudget::waiting() const {
@@ -28,7 +29,7 @@ std::uint64_t SharedBudget::waiting() const {
 
 void SharedBudget::give_back(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
-  held_ -= bytes;
+  in_use_ -= bytes;
   changed_.notify_all();
 }
 

@@ -35,7 +35,7 @@ class SharedBudget {
   [[nodiscard]] Part take(std::size_t bytes);
 
   /// The most that was held at the same time.
-  [[nodiscard]] std::size_t most_held() const;
+  [[nodiscard]] std::size_t most_in_use() const;
   /// How many threads wait for a part.
   [[nodiscard]] std::uint64_t waiting() const;
 
@@ -45,7 +45,7 @@ class SharedBudget {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   const std::size_t bytes_;
-  std::size_t held_ = 0, most_held_ = 0;
+  std::size_t in_use_ = 0, most_in_use_ = 0;
   std::uint64_t asked_ = 0, served_ = 0;  // who asked n-th is served n-th
 };
 

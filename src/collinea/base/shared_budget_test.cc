@@ -21,20 +21,20 @@ Run run_on(int threads) {
 
 TEST(SharedBudget, NeverHoldsMoreThanThereIs) {
   SharedBudget room(100);
-  std::atomic<std::size_t> held = 0, most = 0, served = 0;
+  std::atomic<std::size_t> in_use = 0, most = 0, served = 0;
   parallel_for(run_on(4), 2000, [&](std::size_t i) {
     const std::size_t bytes = 20 + 13 * (i % 7);
     const SharedBudget::Part part = room.take(bytes);
-    const std::size_t now = held += bytes;
+    const std::size_t now = in_use += bytes;
     for (std::size_t before = most; now > before && !most.compare_exchange_weak(before, now);) {
     }
     ++served;
-    held -= bytes;
+    in_use -= bytes;
   });
   EXPECT_EQ(served, 2000u);
   EXPECT_LE(most, 100u);
-  EXPECT_LE(room.most_held(), 100u);
-  EXPECT_GE(room.most_held(), 98u);  // the largest part alone
+  EXPECT_LE(room.most_in_use(), 100u);
+  EXPECT_GE(room.most_in_use(), 98u);  // the largest part alone
 }
 
 TEST(SharedBudget, WhatIsLargerThanAllOfItIsAlone) {
@@ -48,7 +48,7 @@ TEST(SharedBudget, WhatIsLargerThanAllOfItIsAlone) {
     inside -= large ? 100 : 1;
   });
   EXPECT_EQ(together, 0);
-  EXPECT_EQ(room.most_held(), 1000u);
+  EXPECT_EQ(room.most_in_use(), 1000u);
 }
 
 // Else something large could wait for ever while small ones come and go.

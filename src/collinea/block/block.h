@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "collinea/base/id.h"
-#include "collinea/block/ground.h"
+#include "collinea/block/geodetic.h"
 #include "collinea/camera/camera.h"
 #include "collinea/geometry/rigid3.h"
 
@@ -34,7 +34,7 @@ struct PositionPrior {
 /// north, pitch -90 = straight down, roll about the optical axis.
 struct AttitudePrior {
   double heading_deg = 0, pitch_deg = 0, roll_deg = 0;
-  /// Of turns about east, north and the plumb line; 0: not stated.
+  /// Standard deviations of rotations about east, north and the plumb line; 0: not stated.
   Eigen::Vector3d sigma_deg = Eigen::Vector3d::Zero();
 };
 
@@ -112,7 +112,7 @@ struct Block {
   std::vector<Observation> observations;  ///< of tie points; sorted by (point, image)
   std::map<ControlId, ControlPoint> control;
   std::vector<ControlObservation> control_observations;
-  std::vector<GeodeticObservation> ground;  ///< measured between control points, or known of them
+  std::vector<GeodeticObservation> geodetic;  ///< measured between control points, or known of them
 
   [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras.at(images.at(image).camera); }
 };

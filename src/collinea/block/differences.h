@@ -60,7 +60,7 @@ struct PositionDifference {
 
 /// A measurement on the ground after the adjustment.
 struct GeodeticDifference {
-  std::uint32_t observation = 0;  ///< index in Block::ground
+  std::uint32_t observation = 0;  ///< index in Block::geodetic
   bool used = false;              ///< it took part; false: only compared
   bool excluded = false;          ///< it contradicts the others and was left out; then not used
   double adjusted = 0;            ///< [m] or [rad]

@@ -15,7 +15,7 @@ namespace collinea {
 struct Keypoint {
   float x = 0, y = 0;   ///< [px]
   float scale_px = 0;   ///< standard deviation of the blur it was found at
-  float angle_rad = 0;  ///< main gradient direction, from x to y (clockwise on the picture)
+  float angle_rad = 0;  ///< main gradient direction, from x to y (clockwise on the image)
   float strength = 0;   ///< the detector's response, in part beside that of the region; larger is stronger
 };
 

@@ -10,7 +10,7 @@
 
 namespace collinea {
 
-/// The right edge of a picture as it is looked at, from its middle, in the camera as pixels are stored. `orientation`
+/// The right edge of an image as it is looked at, from its middle, in the camera as pixels are stored. `orientation`
 /// is Image::orientation; left and right are not told apart.
 inline Eigen::Vector3d right_in_cam(int orientation) {
   return orientation >= 5 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();

@@ -34,7 +34,7 @@ struct InstrumentOptions {
                 "shift that the positions have in common, to be found with control"});
     visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
     visit(Field{"time_offset", &O::time_offset, "",
-                "find by how much later than the pictures their positions were taken, for each camera"});
+                "find by how much later than the images their positions were taken, for each camera"});
     visit(Field{"use_attitudes", &O::use_attitudes, "",
                 "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
     visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg",

@@ -31,15 +31,15 @@ struct PositionTrack {
 /// What receivers and inertial systems measure beside Image::position, and what of their mounting is not known.
 struct Instruments {
   std::map<ImageId, GivenAttitude> attitudes;
-  /// Of the turn from the camera that `attitudes` mean to the true one, about its axes: 0 there is none, infinite not
-  /// known.
+  /// Sigmas of the rotation from the camera that `attitudes` mean to the true one, about its axes: 0 there is none,
+  /// infinite not known.
   std::map<CameraId, Eigen::Vector3d> boresight_sigma_rad;
   std::map<CameraId, LeverArm> lever_arms;
   std::vector<PositionTrack> position_tracks;  ///< an image is in one at most
   /// By how much later than the exposure the position was taken, of all images of a camera. 0: at once; infinite: not
   /// known. Images without a velocity know nothing of it.
   std::map<CameraId, double> time_offset_sigma_s;
-  std::map<ImageId, Eigen::Vector3d> velocity_m_s;  ///< of the antenna through the world, while the picture was taken
+  std::map<ImageId, Eigen::Vector3d> velocity_m_s;  ///< of the antenna through the world, while the image was taken
 };
 
 }  // namespace collinea

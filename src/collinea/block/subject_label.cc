@@ -10,14 +10,14 @@ std::string number_of(const Subject& subject) { return std::to_string(subject.id
 
 // As the observations of it call it.
 std::string name_of_shape(const Subject& subject, const Block& block, GeodeticKind kind) {
-  for (const GeodeticObservation& one : block.ground)
+  for (const GeodeticObservation& one : block.geodetic)
     if (one.kind == kind && one.setup == subject.id && !one.name.empty()) return one.name;
   return number_of(subject);
 }
 
-std::string name_of_ground(const Subject& subject, const Block& block) {
-  if (subject.id >= block.ground.size()) return number_of(subject);
-  const GeodeticObservation& one = block.ground[subject.id];
+std::string name_of_geodetic(const Subject& subject, const Block& block) {
+  if (subject.id >= block.geodetic.size()) return number_of(subject);
+  const GeodeticObservation& one = block.geodetic[subject.id];
   const std::string& from = block.control.at(one.from).name;
   return one.is_of_shape() ? from : from + " - " + block.control.at(one.to).name;
 }
@@ -42,8 +42,8 @@ std::string name_in_block(const Subject& subject, const Block& block) {
       return name_in(block.cameras, CameraId{subject.id}, by_name, subject);
     case SubjectKind::kControlPoint:
       return name_in(block.control, ControlId{subject.id}, by_name, subject);
-    case SubjectKind::kGround:
-      return name_of_ground(subject, block);
+    case SubjectKind::kGeodetic:
+      return name_of_geodetic(subject, block);
     case SubjectKind::kLevel:
       return name_of_shape(subject, block, GeodeticKind::kAtHeight);
     case SubjectKind::kPlane:

@@ -11,7 +11,7 @@ namespace collinea {
 /// The world frame that a georeference stands for. Errors: those of LocalFrame::create.
 [[nodiscard]] Result<LocalFrame> world_frame(const Georeference& georeference);
 
-/// That of a block; nothing when its world frame has no place on Earth.
+/// That of a block; nothing when its world frame has no location on Earth.
 [[nodiscard]] Result<std::optional<LocalFrame>> world_frame(const Block& block);
 
 }  // namespace collinea

@@ -43,7 +43,7 @@ struct Product {
   Part column, row;
 };
 
-// Of the products of both variables those that orientation, principal point and focal length do not imitate.
+// Products of both variables that orientation, principal point and focal length do not imitate.
 std::vector<Product> products_of(const Orthogonal& o) {
   std::vector<Product> list = {{{Part::kHeight, 1, 0}, {Part::kMinusWidth, 0, 1}},      // not the scale
                                {{Part::kWidth, 0, 1}, {Part::kHeight, 1, 0}},           // not the rotation
@@ -89,13 +89,13 @@ double factor_of(Part::Factor factor, const Orthogonal& o, double width, double 
 // The waves of the Fourier set: m u + n v; their cosines come first, then their sines, for the column, then the row.
 constexpr std::array<std::array<int, 2>, 4> kWaves = {{{1, 0}, {0, 1}, {1, -1}, {1, 1}}};
 
-struct Place {
-  double x, y;           // -1 to 1 over the picture
+struct NormalisedPosition {
+  double x, y;           // -1 to 1 over the image
   double by_x, by_y;     // of them by the pixel
   double width, height;  // of the longer side
 };
 
-Place place_of(ImageExtent size, const Eigen::Vector2d& pixel) {
+NormalisedPosition normalised_position(ImageExtent size, const Eigen::Vector2d& pixel) {
   const double half_width = std::max(1.0, size.width_px) / 2, half_height = std::max(1.0, size.height_px) / 2;
   const double longer = std::max(half_width, half_height);
   return {(pixel.x() - half_width) / half_width,
@@ -108,7 +108,7 @@ Place place_of(ImageExtent size, const Eigen::Vector2d& pixel) {
 
 // Calls visit(number, column, row, their derivatives by x and y) for every parameter.
 template <class Visit>
-void for_each(AdditionalSet set, const Place& at, Visit&& visit) {
+void for_each(AdditionalSet set, const NormalisedPosition& at, Visit&& visit) {
   if (set == AdditionalSet::kFourier) {
     constexpr double kPi = std::numbers::pi;
     for (std::size_t w = 0; w < kWaves.size(); ++w) {
@@ -148,7 +148,7 @@ AdditionalShift additional_shift(AdditionalSet set, const double* values, ImageE
                                  const Eigen::Vector2d& pixel) {
   AdditionalShift sum;
   if (set == AdditionalSet::kNone) return sum;
-  const Place at = place_of(size, pixel);
+  const NormalisedPosition at = normalised_position(size, pixel);
   for_each(set, at, [&](std::size_t k, double column, double row, double cx, double cy, double rx, double ry) {
     const double a = values[k];
     sum.shift_px += a * Eigen::Vector2d(column, row);
@@ -162,10 +162,11 @@ AdditionalShift additional_shift(AdditionalSet set, const double* values, ImageE
 
 void additional_effect(AdditionalSet set, ImageExtent size, const Eigen::Vector2d& pixel, AdditionalEffect& effect) {
   if (set == AdditionalSet::kNone) return;
-  for_each(set, place_of(size, pixel), [&](std::size_t k, double column, double row, double, double, double, double) {
-    effect.column[k] = column;
-    effect.row[k] = row;
-  });
+  for_each(set, normalised_position(size, pixel),
+           [&](std::size_t k, double column, double row, double, double, double, double) {
+             effect.column[k] = column;
+             effect.row[k] = row;
+           });
 }
 
 }  // namespace collinea

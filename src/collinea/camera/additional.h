@@ -12,8 +12,8 @@
 
 namespace collinea {
 
-/// Functions of the place in the picture that are added to the pixel on top of any camera model, for what a lens
-/// polynomial does not say: film, mirrors, the support of a sensor, pictures put together from several.
+/// Functions of the position in the image that are added to the pixel on top of any camera model, for what a lens
+/// polynomial does not say: film, mirrors, the support of a sensor, images put together from several.
 enum class AdditionalSet : std::uint8_t {
   kNone,
   kPolynomial,  ///< complete polynomials of the third degree: 14
@@ -43,7 +43,7 @@ struct AdditionalShift {
   Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Zero();
 };
 
-/// The picture over which the functions are normalised: from its middle, in halves of its sides, -1 to 1.
+/// The image over which the functions are normalised: from its middle, in halves of its sides, -1 to 1.
 struct ImageExtent {
   double width_px = 1, height_px = 1;
 };

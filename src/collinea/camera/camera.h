@@ -53,7 +53,7 @@ struct Camera : CameraParameters {
 /// The parameter of that name, if the camera has it.
 [[nodiscard]] std::optional<int> param_named(const Camera& camera, std::string_view name);
 
-/// The camera of pictures resampled to `times` their size.
+/// The camera of images resampled to `times` their size.
 void scale_params(Camera& camera, double times);
 
 /// Where a point of the camera frame is seen [px]; nothing when it lies behind the camera (of a fisheye: on its axis
@@ -79,7 +79,7 @@ struct CameraCore {
                                                      Matrix23* by_point, Matrix2P* by_params);
 
 /// The undistorted image coordinates (X/Z, Y/Z) of a pixel: the inverse of project. As exact as its model says.
-/// Of a fisheye the rays beyond kWidestPlane_rad have no such coordinates that are of use: they get those of that
+/// Rays of a fisheye beyond kWidestPlane_rad have no such coordinates that are of use: they get those of that
 /// angle, in their direction; see in_plane().
 [[nodiscard]] Eigen::Vector2d normalized(const Camera& camera, const Eigen::Vector2d& pixel);
 
@@ -89,14 +89,14 @@ struct CameraCore {
 /// Whether normalized() is that of the pixel's ray.
 [[nodiscard]] bool in_plane(const Camera& camera, const Eigen::Vector2d& pixel);
 
-/// How many pixels a unit of X/Z, Y/Z is in the picture at a place: the focal length of a central projection, less and
+/// How many pixels a unit of X/Z, Y/Z is in the image at a place: the focal length of a central projection, less and
 /// less towards the rim of a fisheye (the mean of along and across the radius).
 [[nodiscard]] double pixels_per_unit(const Camera& camera, const Eigen::Vector2d& normalized_xy);
 
 /// The unit direction of a pixel in the camera frame.
 [[nodiscard]] Eigen::Vector3d ray_in_cam(const Camera& camera, const Eigen::Vector2d& pixel);
 
-/// True when the pixel lies on the picture: [0, width] x [0, height].
+/// True when the pixel lies on the image: [0, width] x [0, height].
 [[nodiscard]] inline bool inside(const Camera& camera, const Eigen::Vector2d& pixel) {
   return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width_px && pixel.y() <= camera.height_px;
 }

@@ -113,7 +113,7 @@ TEST(CameraModels, KannalaAndBrandtHaveAFourthCoefficientAndNoDecentring) {
   EXPECT_EQ(params_of(camera).size(), 9u);
 }
 
-TEST_P(CameraLaws, ResampledPicturesHaveTheScaledCamera) {
+TEST_P(CameraLaws, ResampledImagesHaveTheScaledCamera) {
   Camera half = camera;
   half.width_px /= 2;
   half.height_px /= 2;
@@ -242,7 +242,7 @@ TEST(Fisheye, RadiusIsThatOfItsLaw) {
   }
 }
 
-// Beyond a right angle from the axis there is a picture still, and its rays point backwards.
+// Beyond a right angle from the axis there is an image still, and its rays point backwards.
 TEST(Fisheye, SeesBehindItsPlane) {
   for (const CameraModel& model : fisheyes()) {
     const Camera camera = fisheye(model);
@@ -300,7 +300,7 @@ TEST(Fisheye, PixelsPerUnitAreTheMeanStretch) {
 
 // --- additional parameters -------------------------------------------------------------------------------------------
 
-// Ebner's twelve as they are printed, b = 1, of a square picture.
+// Ebner's twelve as they are printed, b = 1, of a square image.
 TEST(Additional, EbnerIsThatOfHisPaper) {
   Random random(3);
   for (int trial = 0; trial < 20; ++trial) {
@@ -317,17 +317,17 @@ TEST(Additional, EbnerIsThatOfHisPaper) {
 }
 
 // On the places they are made for, the functions are orthogonal to each other and to what shift, turn, scale and tilts
-// of the picture do; the sets are as large as the papers say.
-TEST(Additional, FunctionsAreOrthogonalOnTheirPlaces) {
+// of the image do; the sets are as large as the papers say.
+TEST(Additional, FunctionsAreOrthogonalOnTheirPositions) {
   const std::pair<AdditionalSet, int> sets[] = {{AdditionalSet::kEbner, 3}, {AdditionalSet::kGruen, 5}};
-  for (const auto& [set, places] : sets)
+  for (const auto& [set, side] : sets)
     for (const ImageExtent size : {ImageExtent{1000, 1000}, ImageExtent{1500, 1000}}) {
       const auto count = Eigen::Index(count_of(set));
-      const int coordinates = 2 * places * places;
+      const int coordinates = 2 * side * side;
       Eigen::MatrixXd functions(coordinates, count + 6);
-      for (int i = 0; i < places * places; ++i) {
-        const double x = (2.0 * (i % places) / (places - 1) - 1) * size.width_px / 2;
-        const double y = (2.0 * (i / places) / (places - 1) - 1) * size.height_px / 2;
+      for (int i = 0; i < side * side; ++i) {
+        const double x = (2.0 * (i % side) / (side - 1) - 1) * size.width_px / 2;
+        const double y = (2.0 * (i / side) / (side - 1) - 1) * size.height_px / 2;
         AdditionalEffect effect;
         additional_effect(set, size, {size.width_px / 2 + x, size.height_px / 2 + y}, effect);
         for (Eigen::Index k = 0; k < count; ++k) {

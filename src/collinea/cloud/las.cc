@@ -330,7 +330,7 @@ Result<> LasReader::find_chunks() {
   return {};
 }
 
-// Of the expanded chunk what is left of it; of a LAS file what is asked for.
+// Records: what is left of the expanded chunk, or what is asked for of a LAS file.
 Result<std::string> LasReader::records(std::size_t count) {
   if (!compressed_) return bytes_at(points_at_ + next_ * record_bytes_, count * record_bytes_);
   if (expanded_from_ == expanded_.size()) {

@@ -74,7 +74,7 @@ class LasWriter {
 
 /// Reads LAS 1.0 to 1.4, point formats 0 to 3 and 6 to 8, piece by piece. Colours are taken as 16 bits; of the extra
 /// bytes only sigma_m and images are looked at. Compressed files (LAZ) are read when they are of point formats 6 to 8
-/// and hold one return for each pulse, as clouds of photographs do. Errors: not LAS, another compression, damaged,
+/// and hold one return for each pulse, as clouds of images do. Errors: not LAS, another compression, damaged,
 /// truncated.
 class LasReader {
  public:

@@ -48,7 +48,7 @@ class RunningMedian {
   bool drop_largest_ = true;
 };
 
-// The layers of a chunk that vary in clouds of photographs.
+// The layers of a chunk that vary in clouds of images.
 template <class Coder>
 struct Layers {
   Coder plan, height, colour;

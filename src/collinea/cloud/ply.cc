@@ -51,9 +51,9 @@ struct Header {
 template <class T>
 double taken(Unpacker& unpacker, bool big) {
   if (!big) return double(unpacker.get<T>());
-  std::string turned(unpacker.get_bytes(sizeof(T)));
-  std::reverse(turned.begin(), turned.end());
-  return double(Unpacker(turned).get<T>());
+  std::string swapped(unpacker.get_bytes(sizeof(T)));
+  std::reverse(swapped.begin(), swapped.end());
+  return double(Unpacker(swapped).get<T>());
 }
 
 double take(Unpacker& unpacker, Type type, bool big) {

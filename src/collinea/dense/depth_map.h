@@ -15,7 +15,7 @@
 
 namespace collinea {
 
-/// How far the surface is from one camera, pixel by pixel of its working picture: the photograph without distortion,
+/// How far the surface is from one camera, pixel by pixel of its working image: the image without distortion,
 /// at the resolution it was matched in. Pixels without a measurement are NaN in both rasters.
 struct DepthMap {
   Camera camera;     ///< pinhole without distortion; its size is that of the rasters
@@ -33,11 +33,11 @@ class DepthStore {
   [[nodiscard]] virtual bool has(ImageId image) const = 0;
 };
 
-/// The grey pixels of a photograph as it was taken, at 1/shrink of its size (shrink 1, 2, 4 or 8; size rounded up;
+/// The grey pixels of an image as it was taken, at 1/shrink of its size (shrink 1, 2, 4 or 8; size rounded up;
 /// pixel i of the result covers [i shrink, (i + 1) shrink) of the original). May be called from several threads.
 using PixelSource = std::function<Result<GreyImage>(ImageId image, int shrink)>;
 
-/// The size at which photographs are matched: the whole number by which they are reduced.
+/// The size at which images are matched: the whole number by which they are reduced.
 enum class Resolution { kFull = 1, kHalf = 2, kQuarter = 4 };
 inline constexpr Word<Resolution> kResolutionWords[] = {
     {Resolution::kFull, "full"}, {Resolution::kHalf, "half"}, {Resolution::kQuarter, "quarter"}};
@@ -74,7 +74,7 @@ struct DenseOptions {
     visit(Field{"max_sigmas", &O::max_sigmas, "1", "the same, in standard deviations of the two depths", 1, 100});
     visit(Field{
         "memory_mb", &O::memory_mb, "MB",
-        "half of it for pictures kept at hand and half for matching costs (39 MB a thread, if that is more); then all "
+        "half of it for images kept at hand and half for matching costs (39 MB a thread, if that is more); then all "
         "of it for depth maps",
         10, 1e6});
     visit(Field{"cloud", &O::cloud, "", "form of the cloud in the map"});
@@ -84,7 +84,7 @@ struct DenseOptions {
 /// The options that depth maps depend on; all others, which only fusion reads, as by default.
 [[nodiscard]] DenseOptions options_of_matching(DenseOptions options);
 
-/// By which whole number the photographs of a camera are reduced for matching.
+/// By which whole number the images of a camera are reduced for matching.
 [[nodiscard]] Result<int> working_shrink(const Camera& camera, const DenseOptions& options);
 
 }  // namespace collinea

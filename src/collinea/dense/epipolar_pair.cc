@@ -20,20 +20,20 @@ constexpr std::size_t kFewestPoints = 8;
 constexpr double kGrossest = 0.005, kMargin = 0.3, kLeastFarther = 0.1, kLeastNearer = 0.8;
 constexpr double kLargestGrowth = 4;  // of the number of pixels
 
-// The rectangle that a photograph fills on the plane z = 1 of a turned camera; nothing when parts of it are beside or
+// The rectangle that an image fills on the plane z = 1 of a turned camera; nothing when parts of it are beside or
 // behind that camera.
 struct Extent {
   double x0 = std::numeric_limits<double>::max(), x1 = -x0, y0 = x0, y1 = -x0;
 };
 
-std::optional<Extent> extent_of(const Camera& camera, const Eigen::Quaterniond& turned_from_camera) {
+std::optional<Extent> extent_of(const Camera& camera, const Eigen::Quaterniond& rotated_from_camera) {
   constexpr int kSteps = 32;  // along each side
   Extent extent;
   for (int i = 0; i <= kSteps; ++i)
     for (int j = 0; j <= kSteps; ++j) {
       if (i % kSteps && j % kSteps) continue;  // the border alone
       const Eigen::Vector2d pixel(double(camera.width_px) * i / kSteps, double(camera.height_px) * j / kSteps);
-      const Eigen::Vector3d ray = turned_from_camera * ray_in_cam(camera, pixel);
+      const Eigen::Vector3d ray = rotated_from_camera * ray_in_cam(camera, pixel);
       if (!(std::hypot(ray.y(), ray.z()) > kSteepest && ray.z() > kSteepest)) return std::nullopt;
       const double x = ray.x() / ray.z(), y = ray.y() / ray.z();
       extent.x0 = std::min(extent.x0, x), extent.x1 = std::max(extent.x1, x);
@@ -42,11 +42,11 @@ std::optional<Extent> extent_of(const Camera& camera, const Eigen::Quaterniond& 
   return extent;
 }
 
-// The focal length with which the middle of a photograph keeps its area: a plane turned by an angle spreads it by
+// The focal length with which the middle of an image keeps its area: a plane turned by an angle spreads it by
 // 1 / cos^3.
-double focal_for(const Camera& camera, const Eigen::Quaterniond& turned_from_camera) {
+double focal_for(const Camera& camera, const Eigen::Quaterniond& rotated_from_camera) {
   const Eigen::Vector2d middle(camera.width_px / 2.0, camera.height_px / 2.0);
-  return camera.focal_px() * std::pow((turned_from_camera * ray_in_cam(camera, middle)).z(), 1.5);
+  return camera.focal_px() * std::pow((rotated_from_camera * ray_in_cam(camera, middle)).z(), 1.5);
 }
 
 Camera camera_over(const Extent& extent, double y0, double y1, double focal_px) {
@@ -118,14 +118,14 @@ Result<EpipolarPair> epipolar_pair(const Camera& left, const Rigid3& left_from_w
   pair.base_m = base.norm();
   pair.left_from_world.rotation = Eigen::Quaterniond(pair_from_world).normalized();
   pair.left_from_world.translation = -(pair.left_from_world.rotation * centre_of(left_from_world));
-  pair.left_from_photo = pair.left_from_world.rotation * left_from_world.rotation.conjugate();
-  pair.right_from_photo = pair.left_from_world.rotation * right_from_world.rotation.conjugate();
-  const auto own = extent_of(left, pair.left_from_photo), other = extent_of(right, pair.right_from_photo);
+  pair.left_from_image = pair.left_from_world.rotation * left_from_world.rotation.conjugate();
+  pair.right_from_image = pair.left_from_world.rotation * right_from_world.rotation.conjugate();
+  const auto own = extent_of(left, pair.left_from_image), other = extent_of(right, pair.right_from_image);
   if (!own || !other)
     return fail(Errc::kIllPosed, "a photograph looks along the line between the two, in a part of it at least");
   const double y0 = std::max(own->y0, other->y0), y1 = std::min(own->y1, other->y1);
   if (!(y1 > y0)) return fail(Errc::kIllPosed, "the photographs have nothing in common");
-  const double focal = (focal_for(left, pair.left_from_photo) + focal_for(right, pair.right_from_photo)) / 2;
+  const double focal = (focal_for(left, pair.left_from_image) + focal_for(right, pair.right_from_image)) / 2;
   pair.left = camera_over(*own, y0, y1, focal);
   pair.right = camera_over(*other, y0, y1, focal);
   const auto pixels = [](const Camera& camera) { return double(camera.width_px) * camera.height_px; };
@@ -143,21 +143,21 @@ EpipolarPair epipolar_pair(double focal_px, double base_m, int left_width_px, in
   return pair;
 }
 
-Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& photo, const Camera& camera_of_photo,
-                               const Eigen::Quaterniond& camera_from_photo, const Camera& camera, const Run& run) {
+Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& camera_of_image,
+                               const Eigen::Quaterniond& camera_from_image, const Camera& camera, const Run& run) {
   const int columns = (camera.width_px - 1) / kGrid + 2, rows = (camera.height_px - 1) / kGrid + 2;
-  const Eigen::Quaterniond photo_from_camera = camera_from_photo.conjugate();
+  const Eigen::Quaterniond image_from_camera = camera_from_image.conjugate();
   const dense::Pinhole pinhole(camera);
   std::vector<Eigen::Vector2f> grid(std::size_t(columns) * std::size_t(rows));
   parallel_for(run, std::size_t(rows), [&](std::size_t j) {
     for (int i = 0; i < columns; ++i) {
-      const Eigen::Vector3d ray = photo_from_camera * pinhole.ray(i * kGrid + 0.5, double(j) * kGrid + 0.5);
-      const auto pixel = project(camera_of_photo, ray);
+      const Eigen::Vector3d ray = image_from_camera * pinhole.ray(i * kGrid + 0.5, double(j) * kGrid + 0.5);
+      const auto pixel = project(camera_of_image, ray);
       grid[j * std::size_t(columns) + std::size_t(i)] =
           pixel ? Eigen::Vector2f((*pixel - Eigen::Vector2d(0.5, 0.5)).cast<float>()) : Eigen::Vector2f(NAN, NAN);
     }
   });
-  Raster<std::uint8_t> result(camera.width_px, camera.height_px, photo.channels);
+  Raster<std::uint8_t> result(camera.width_px, camera.height_px, image.channels);
   parallel_for(run, std::size_t(result.height), [&](std::size_t row) {
     const int y = int(row);
     const Eigen::Vector2f* upper = grid.data() + std::size_t(y / kGrid) * std::size_t(columns);
@@ -168,9 +168,9 @@ Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& photo, const Camera& 
       const Eigen::Vector2f above = upper[i] + u * (upper[i + 1] - upper[i]);
       const Eigen::Vector2f below = upper[columns + i] + u * (upper[columns + i + 1] - upper[columns + i]);
       const Eigen::Vector2f at = above + v * (below - above);
-      for (int c = 0; c < photo.channels; ++c)
+      for (int c = 0; c < image.channels; ++c)
         result.at(x, y, c) =
-            photo.channels == 1 ? dense::cubic<1>(photo, at.x(), at.y()) : dense::cubic<3>(photo, at.x(), at.y(), c);
+            image.channels == 1 ? dense::cubic<1>(image, at.x(), at.y()) : dense::cubic<3>(image, at.x(), at.y(), c);
     }
   });
   return result;

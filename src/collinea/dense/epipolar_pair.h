@@ -13,35 +13,35 @@
 
 namespace collinea {
 
-/// Two cameras side by side that look the same way: what is in a row of one picture is in the same row of the other.
+/// Two cameras side by side that look the same way: what is in a row of one image is in the same row of the other.
 /// The right one stands base_m to the right of the left one; a point at depth z has the disparity
 ///     d = left_cx - right_cx + f base_m / z.
 struct EpipolarPair {
   Camera left, right;  ///< pinholes with the same focal length and the same cy
   Rigid3 left_from_world;
   double base_m = 1;
-  /// What turns the cameras of the photographs into these.
-  Eigen::Quaterniond left_from_photo = Eigen::Quaterniond::Identity(),
-                     right_from_photo = Eigen::Quaterniond::Identity();
+  /// What turns the cameras of the images into these.
+  Eigen::Quaterniond left_from_image = Eigen::Quaterniond::Identity(),
+                     right_from_image = Eigen::Quaterniond::Identity();
 
   [[nodiscard]] double disparity_at(double depth_m) const;
   [[nodiscard]] double depth_at(double disparity_px) const;
 };
 
-/// The pair that two oriented photographs are resampled to: looking at right angles to the base, midway between the two
-/// optical axes; pixels in the middle as large as those of the photographs. Errors: the photographs were taken from the
+/// The pair that two oriented images are resampled to: looking at right angles to the base, midway between the two
+/// optical axes; pixels in the middle as large as those of the images. Errors: the images were taken from the
 /// same place, look along the line between them, or have no rows in common.
 [[nodiscard]] Result<EpipolarPair> epipolar_pair(const Camera& left, const Rigid3& left_from_world, const Camera& right,
                                                  const Rigid3& right_from_world);
 
-/// Pictures that are an epipolar pair already: the left camera is the world, the principal points are in the middle.
+/// Images that are an epipolar pair already: the left camera is the world, the principal points are in the middle.
 [[nodiscard]] EpipolarPair epipolar_pair(double focal_px, double base_m, int left_width_px, int right_width_px,
                                          int height_px);
 
-/// A photograph (1 or 3 channels) as `camera` sees it, which is turned by camera_from_photo; bicubic. 0 where the
-/// photograph has nothing, else 1 to 255.
-[[nodiscard]] Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& photo, const Camera& camera_of_photo,
-                                             const Eigen::Quaterniond& camera_from_photo, const Camera& camera,
+/// An image (1 or 3 channels) as `camera` sees it, which is turned by camera_from_image; bicubic. 0 where the
+/// image has nothing, else 1 to 255.
+[[nodiscard]] Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& camera_of_image,
+                                             const Eigen::Quaterniond& camera_from_image, const Camera& camera,
                                              const Run& run);
 
 /// The disparities of points that both cameras see, but the grossest half per cent on either side, and more beyond: a

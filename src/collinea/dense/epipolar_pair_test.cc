@@ -34,7 +34,7 @@ TEST(EpipolarPair, PointsLieInTheSameRowAndDisparityTellsTheirDepth) {
     for (const auto& [id, point] : scene.block.points) {
       const Eigen::Vector3d in_left = pair.left_from_world * point.position_in_world;
       const Eigen::Vector3d in_right =
-          pair.right_from_photo * (pose_of(scene.block, ImageId{b}) * point.position_in_world);
+          pair.right_from_image * (pose_of(scene.block, ImageId{b}) * point.position_in_world);
       const Eigen::Vector2d p = left.project(in_left), q = right.project(in_right);
       EXPECT_NEAR(p.y(), q.y(), 1e-9);
       EXPECT_NEAR(p.x() - q.x(), pair.disparity_at(in_left.z()), 1e-9);
@@ -79,13 +79,13 @@ TEST(EpipolarPair, TheRangeHoldsEveryTiePoint) {
   EXPECT_FALSE(range_of(pair, std::span(points).first(7)));
 }
 
-// From photographs to the cloud: a slope and a block on it, both lenses distorted.
+// From images to the cloud: a slope and a block on it, both lenses distorted.
 TEST(EpipolarPair, TheCloudLiesOnTheSurface) {
   const test::Scene scene = test::Scene::of_four({.roof = 1.5, .noise = 2}, with_distortion());
   const EpipolarPair pair = pair_of(scene.block, 0, 1);
-  const auto photo = [&](std::uint32_t id) { return *scene.pixels()(ImageId{id}, 1); };
-  const GreyImage left = resampled(photo(0), with_distortion(), pair.left_from_photo, pair.left, {});
-  const GreyImage right = resampled(photo(1), with_distortion(), pair.right_from_photo, pair.right, {});
+  const auto image = [&](std::uint32_t id) { return *scene.pixels()(ImageId{id}, 1); };
+  const GreyImage left = resampled(image(0), with_distortion(), pair.left_from_image, pair.left, {});
+  const GreyImage right = resampled(image(1), with_distortion(), pair.right_from_image, pair.right, {});
   std::vector<Eigen::Vector3d> points;
   for (const auto& [id, point] : scene.block.points) points.push_back(point.position_in_world);
   const auto range = range_of(pair, points);

@@ -23,11 +23,11 @@ namespace {
 constexpr int kStripRows = 32;
 constexpr std::size_t kStripsAtOnce = 4;  // for each thread: their points and marks are in memory together
 constexpr std::size_t kMostNeighbours = 20;
-constexpr double kFramePx = 6;           // at the border of a picture little is measured
-constexpr double kSharedSource = 8;      // in so many maps depths of one point have as much in common as of their own
-constexpr double kSamePlacePx = 0.63;    // smaller: places are written twice; larger: gaps where one image takes over
-constexpr double kRoughReach = 2;        // sigmas, where these are larger than max_reprojection_px: rough surfaces
-constexpr double kSmallestCosine = 0.1;  // between ray and normal, to move a depth along the surface
+constexpr double kFramePx = 6;            // at the border of an image little is measured
+constexpr double kSharedSource = 8;       // in so many maps depths of one point have as much in common as of their own
+constexpr double kSamePositionPx = 0.63;  // smaller: places are written twice; larger: gaps where one image takes over
+constexpr double kRoughReach = 2;         // sigmas, where these are larger than max_reprojection_px: rough surfaces
+constexpr double kSmallestCosine = 0.1;   // between ray and normal, to move a depth along the surface
 
 using dense::Pinhole;
 using Matrix3 = Eigen::Matrix3d;
@@ -48,12 +48,12 @@ struct Mark {
 
 // What the depth maps say of a point, the one it is written for included. Counts of maps, and sums of 1 / sigma^2.
 struct Votes {
-  int in_view = 1, looking = 1;    // that have it on their picture; of these, those that are not far aside
+  int in_view = 1, looking = 1;    // that have it on their image; of these, those that are not far aside
   int agreeing = 1, measured = 1;  // the second: of these, those that know it to a part of a pixel
   int looking_through = 0;
   double agreed = 0, against = 0;  // of those that agree, and of those that look through
 
-  // What is only known from coarse pictures comes from one and the same vote of overviews, whichever map tells it:
+  // What is only known from coarse images comes from one and the same vote of overviews, whichever map tells it:
   // there every image that could have measured it counts, and a few precise depths behind it outweigh many such.
   [[nodiscard]] bool confirmed(int min_images) const {
     const bool enough =
@@ -62,9 +62,9 @@ struct Votes {
   }
 };
 
-// Of depths by 1 / sigma^2. They come from the same pictures: beside what each errs by itself there is what it shares
-// with each other one, also when that looks too much aside to be averaged. As many count as would, equally sure, say as
-// much: those of next to no weight add no certainty.
+// Mean of depths, weighted by 1 / sigma^2. They come from the same images: beside what each errs by itself there is
+// what it shares with each other one, also when that looks too much aside to be averaged. As many count as would,
+// equally sure, say as much: those of next to no weight add no certainty.
 struct Mean {
   double weights = 0, squares = 0, sum = 0;
 
@@ -89,7 +89,7 @@ struct Strip {
 // The image whose points are being written, strip by strip.
 struct Written {
   ImageId image;
-  ColourImage picture;  // read when the first of its points is there
+  ColourImage colours;  // read when the first of its points is there
   std::int64_t measured = 0, confirmed = 0;
 };
 
@@ -330,7 +330,7 @@ class Fusion {
     const int x0 = int(std::floor(u - 0.5)), y0 = int(std::floor(v - 0.5));
     for (int j = std::max(y0, 0); j <= std::min(y0 + 1, map.depth.height - 1); ++j)
       for (int i = std::max(x0, 0); i <= std::min(x0 + 1, map.depth.width - 1); ++i)
-        if (std::hypot(i + 0.5 - u, j + 0.5 - v) <= kSamePlacePx &&
+        if (std::hypot(i + 0.5 - u, j + 0.5 - v) <= kSamePositionPx &&
             std::abs(double(map.depth.at(i, j)) - depth) <= tolerance)
           marks.push_back({std::uint32_t(other), std::uint32_t(j * map.depth.width + i)});
   }
@@ -342,20 +342,19 @@ class Fusion {
     const Camera& original = block_.camera_of(written.image);
     COLLINEA_TRY(const int shrink, working_shrink(original, options_));
     const Camera camera = shrunk(original, shrink);
-    ColourImage& picture = written.picture;
-    if (picture.empty()) {
-      COLLINEA_TRY(picture, colours_(written.image, shrink));
+    ColourImage& colours = written.colours;
+    if (colours.empty()) {
+      COLLINEA_TRY(colours, colours_(written.image, shrink));
     }
-    if (picture.channels < 3 || picture.width != camera.width_px || picture.height != camera.height_px)
-      return fail(Errc::kBadInput,
-                  block_.images.at(written.image).file + ": the colour picture does not fit its camera");
+    if (colours.channels < 3 || colours.width != camera.width_px || colours.height != camera.height_px)
+      return fail(Errc::kBadInput, block_.images.at(written.image).file + ": the colour image does not fit its camera");
     const Rigid3& cam_from_world = pose_of(block_, written.image);
     parallel_for(run_, strips.size(), [&](std::size_t i) {
       for (FusedPoint& point : strips[i].points) {
         const auto pixel = project(camera, cam_from_world * point.position_in_world);
         if (!pixel) continue;
         for (int c = 0; c < 3; ++c)
-          point.colour[std::size_t(c)] = std::uint8_t(bilinear(picture, pixel->x(), pixel->y(), c) + 0.5f);
+          point.colour[std::size_t(c)] = std::uint8_t(bilinear(colours, pixel->x(), pixel->y(), c) + 0.5f);
       }
     });
     return {};

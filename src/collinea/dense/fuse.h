@@ -13,7 +13,7 @@
 
 namespace collinea {
 
-/// The colours of a photograph as it was taken, at 1/shrink of its size as in PixelSource.
+/// The colours of an image as it was taken, at 1/shrink of its size as in PixelSource.
 using ColourSource = std::function<Result<ColourImage>(ImageId image, int shrink)>;
 using PointSink = std::function<Result<>(std::span<const FusedPoint> points)>;
 
@@ -25,7 +25,7 @@ struct FuseReport {
 /// One cloud from the depth maps of `images`, written to `sink` in batches, in an order that depends on nothing but the
 /// input. A pixel becomes a point when at least options.min_images maps (itself included; or all that look at it, but
 /// two) agree within max_sigmas and max_reprojection_px (or two sigmas, where that is more) and know it to max_sigma_px
-/// of parallax; where they do not, min_images, or all that have it on their picture. Fewer, and by 1 / sigma^2 none
+/// of parallax; where they do not, min_images, or all that have it on their image. Fewer, and by 1 / sigma^2 none
 /// weightier, look through it. The point is the weighted mean along its ray. Pixels of
 /// other maps that show a point already written are not written again. Memory: options.memory_mb of depth maps, the
 /// points of a few strips of an image and a bit per pixel of the images that overlap those already written and are

@@ -94,7 +94,7 @@ TEST(Fuse, ExactMapsGiveExactPointsAndNormals) {
   }
 }
 
-TEST(Fuse, EachPlaceIsWrittenHardlyMoreThanOnce) {
+TEST(Fuse, EachPositionIsWrittenHardlyMoreThanOnce) {
   const Scene scene = Scene::of_four({.slope = 0});
   MemoryStore store = true_maps(scene, 0.01f, 0);
   const Cloud cloud = fused(scene, store);
@@ -116,8 +116,8 @@ TEST(Fuse, AgreeingMapsAreMoreAccurateThanOne) {
   EXPECT_LT(std::sqrt(sum / double(cloud.points.size())), 0.8 * 0.05);
 }
 
-// The same pictures tell all of them: n maps err less than one, but more than n independent ones would.
-TEST(Fuse, SigmasKnowThatMapsShareTheirPictures) {
+// The same images tell all of them: n maps err less than one, but more than n independent ones would.
+TEST(Fuse, SigmasKnowThatMapsShareTheirImages) {
   constexpr float kSigma = 0.01f;
   const Scene scene = Scene::of_four({.slope = 0});
   MemoryStore store = true_maps(scene, kSigma, 0);
@@ -182,12 +182,12 @@ TEST(Fuse, ABlindImageMustNotAgreeWhereItLooksFromFarAsideOrWithItsFrame) {
   MemoryStore near_maps = true_maps(near, 0.01f, 0), wide_maps = true_maps(wide, 0.01f, 0);
   EXPECT_EQ(part_written(near, near_maps, 7, 60), 0);  // it looks, and does not agree
   EXPECT_GT(part_written(wide, wide_maps, 7, 60), 0.9);
-  EXPECT_GT(part_written(near, near_maps, 0.5, 5.5), 0.9);  // windows do not fit into the frame of a picture
+  EXPECT_GT(part_written(near, near_maps, 0.5, 5.5), 0.9);  // windows do not fit into the frame of an image
 }
 
 // Two images 2 m apart: a metre of depth is 4 px. Depths of 0.3 m less interpolated ones of 0.2 m have a deviation of
 // 0.36 m = 1.44 px; within 2 sigmas = 2.4 px lie 90 % of them, within the 1 px of max_reprojection_px 51 %, within its
-// four sigmas all. A fifth of the picture is not on the other.
+// four sigmas all. A fifth of the image is not on the other.
 TEST(Fuse, RoughSurfacesAgreeWithinTwoSigmas) {
   Scene scene = {.slope = 0};
   for (const double x : {0.0, 2.0}) scene.add_camera(x, 0, 0, Scene::camera());
@@ -198,7 +198,7 @@ TEST(Fuse, RoughSurfacesAgreeWithinTwoSigmas) {
 }
 
 // The same two images and the blind one far aside: what the two know to 0.02 px is written, what they know to 0.6 px
-// needs everybody that has it on the picture.
+// needs everybody that has it on the image.
 TEST(Fuse, CoarseDepthsNeedImagesFarAsideToo) {
   const Scene wide = with_a_blind_third(6);
   MemoryStore coarse = true_maps(wide, 0.3f, 0);
@@ -256,16 +256,16 @@ TEST(Fuse, HolesStayHoles) {
   for (const FusedPoint& p : fused(scene, store).points) EXPECT_FALSE(in_hole(p.position_in_world));
 }
 
-TEST(Fuse, ColourIsThatOfThePicture) {
+TEST(Fuse, ColourIsThatOfTheImage) {
   const Scene scene = Scene::of_four({.slope = 0});
   MemoryStore store = true_maps(scene, 0.01f, 0);
   std::map<ImageId, int> reads;
   const ColourSource colours = [&](ImageId id, int) -> Result<ColourImage> {
     ++reads[id];
     const Camera& camera = scene.block.camera_of(id);
-    ColourImage picture(camera.width_px, camera.height_px, 3);
-    for (std::size_t i = 0; i < picture.data.size(); i += 3) picture.data[i] = 200, picture.data[i + 1] = 100;
-    return picture;
+    ColourImage image(camera.width_px, camera.height_px, 3);
+    for (std::size_t i = 0; i < image.data.size(); i += 3) image.data[i] = 200, image.data[i + 1] = 100;
+    return image;
   };
   const Cloud cloud = fused(scene, store, {}, 1, colours);
   ASSERT_FALSE(cloud.points.empty());

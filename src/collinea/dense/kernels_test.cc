@@ -19,18 +19,18 @@ namespace collinea::dense {
 namespace {
 
 GreyImage random_image(int width, int height, std::uint64_t seed) {
-  GreyImage picture(width, height);
+  GreyImage image(width, height);
   Random random(seed);
-  for (auto& value : picture.data) value = std::uint8_t(1 + random.below(255));
-  return picture;
+  for (auto& value : image.data) value = std::uint8_t(1 + random.below(255));
+  return image;
 }
 
 // A transfer that shifts by (dx, dy) at inverse depth 0.
 Transfer shift(float dx, float dy) { return {{1, 0, dx, 0, 1, dy, 0, 0, 1}, {1, 0, 0}}; }
 
 TEST(Sample, IsBilinearInterpolation) {
-  const GreyImage picture = random_image(80, 70, 1);
-  const Quads quads = quads_of(picture);
+  const GreyImage image = random_image(80, 70, 1);
+  const Quads quads = quads_of(image);
   const auto carried = std::make_unique<Carried>();
   const std::vector<float> w(kRegion, 0);
   carry(shift(10.3f, 7.8f), 0, 0, w.data(), *carried);
@@ -40,15 +40,15 @@ TEST(Sample, IsBilinearInterpolation) {
   sample(quads, *carried, 0.25f, 0, 0, bytes);
   for (int j = 0; j < kRegionHeight; ++j)
     for (int i = 0; i < kRegionWidth; ++i) {
-      const double truth = double(bilinear(picture, i + 0.5 + 10.3 + 0.25, j + 0.5 + 7.8)) - 128;
+      const double truth = double(bilinear(image, i + 0.5 + 10.3 + 0.25, j + 0.5 + 7.8)) - 128;
       EXPECT_NEAR(floats[j * kRegionWidth + i], truth, 0.01);
       EXPECT_NEAR(bytes[j * kRegionWidth + i], truth, 0.5 + 255 / 128.0);  // rounding; position to 1/128 px
     }
 }
 
 TEST(Sample, OutsideThereIsNothing) {
-  const GreyImage picture = random_image(60, 60, 2);
-  const Quads quads = quads_of(picture);
+  const GreyImage image = random_image(60, 60, 2);
+  const Quads quads = quads_of(image);
   const auto carried = std::make_unique<Carried>();
   const std::vector<float> w(kRegion, 0);
   carry(shift(-10, 30), 0, 0, w.data(), *carried);
@@ -136,7 +136,7 @@ TEST(Correlate, IsTheCorrelationCoefficient) {
     }
 }
 
-// The same recursion, written plainly for a picture whose labels are the same everywhere.
+// The same recursion, written plainly for an image whose labels are the same everywhere.
 std::vector<int> plain_sums(const std::vector<int>& costs, int width, int height, int labels, int small, int large) {
   std::vector<int> sums(costs.size(), 0);
   for (int dy = -1; dy <= 1; ++dy)
@@ -177,7 +177,7 @@ TEST(Aggregate, EqualsThePlainRecursionAlsoAcrossCells) {
   Volume volume = volume_for(labels, {0, 0, labels.columns, labels.rows});
   std::vector<int> costs(std::size_t(width * height * count));
   Random random(5);
-  const auto place = [&](int x, int y) {
+  const auto index_of = [&](int x, int y) {
     const Cell& cell = labels.cell(x / kCell, y / kCell);
     return volume.offset(x / kCell, y / kCell) +
            std::size_t(((y - cell.top) * kCell + x - cell.left) * cell.stride + kGuard);
@@ -185,7 +185,7 @@ TEST(Aggregate, EqualsThePlainRecursionAlsoAcrossCells) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int k = 0; k < count; ++k)
-        volume.costs[place(x, y) + std::size_t(k)] =
+        volume.costs[index_of(x, y) + std::size_t(k)] =
             std::uint8_t(costs[std::size_t((y * width + x) * count + k)] = int(random.below(140)));
   const GreyImage flat(width, height, 1, 100);
   const auto sums = aggregate(labels, volume, flat, uniform_smoothness(width, height, 8, 60), [] { return false; });
@@ -193,7 +193,7 @@ TEST(Aggregate, EqualsThePlainRecursionAlsoAcrossCells) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int k = 0; k < count; ++k)
-        ASSERT_EQ(int(sums[place(x, y) + std::size_t(k)]), truth[std::size_t((y * width + x) * count + k)])
+        ASSERT_EQ(int(sums[index_of(x, y) + std::size_t(k)]), truth[std::size_t((y * width + x) * count + k)])
             << x << " " << y << " " << k;
 }
 
@@ -271,17 +271,17 @@ TEST(SmoothedWithin, IsTheMeanOfWhatIsAlike) {
   }
 }
 
-Level level_of(const GreyImage& picture) {
+Level level_of(const GreyImage& image) {
   Level level;
-  level.picture = &picture;
+  level.image = &image;
   level.focal_px = 100;
-  level.cx = 0.5f * float(picture.width);
-  level.cy = 0.5f * float(picture.height);
+  level.cx = 0.5f * float(image.width);
+  level.cy = 0.5f * float(image.height);
   level.step = 0.002f;
   return level;
 }
 
-// A view `aside` to the right whose picture, of chance, shows the whole reference at depths around 10.
+// A view `aside` to the right whose image, of chance, shows the whole reference at depths around 10.
 View view_of_chance(float aside, std::uint64_t seed) {
   View view{quads_of(random_image(160, 90, seed)), shift(30 + 10 * aside, 12), {aside, 0, 0}};
   view.transfer.b = {-100 * aside, 0, 0};
@@ -289,8 +289,8 @@ View view_of_chance(float aside, std::uint64_t seed) {
 }
 
 FloatImage surface_by(const std::vector<View>& views) {
-  const GreyImage picture = random_image(64, 64, 11);
-  Level level = level_of(picture);
+  const GreyImage image = random_image(64, 64, 11);
+  Level level = level_of(image);
   level.views = views;
   SharedBudget costs(usual_bytes_to_match());
   return match_level(level, labels_around_plane(64, 64, level.step, 0.1f, 0, 0, -8, 8), costs, {});
@@ -306,8 +306,8 @@ TEST(MatchLevel, ViewsAtWideAnglesHaveNoSayWhereTwoOthersSee) {
 // A strip of five tiles, matched in three threads.
 TEST(MatchLevel, TilesThatDoNotFitIntoTheRoomWaitAndComeOutTheSame) {
   constexpr int kWidth = 3200, kHeight = 40;
-  const GreyImage picture = random_image(kWidth, kHeight, 11);
-  Level level = level_of(picture);
+  const GreyImage image = random_image(kWidth, kHeight, 11);
+  Level level = level_of(image);
   level.views = {view_of_chance(1, 12), view_of_chance(-1, 13)};
   const Labels labels = labels_around_plane(kWidth, kHeight, level.step, 0.1f, 0, 0, -8, 8);
   const std::size_t all = bytes_to_match(labels, {0, 0, labels.columns, labels.rows});
@@ -315,8 +315,8 @@ TEST(MatchLevel, TilesThatDoNotFitIntoTheRoomWaitAndComeOutTheSame) {
   run.threads = 3;
   SharedBudget one(1), many(all * 2);
   const FloatImage waited = match_level(level, labels, one, run), free = match_level(level, labels, many, run);
-  EXPECT_LT(one.most_held(), all / 3);
-  EXPECT_GT(one.most_held(), all / 6);
+  EXPECT_LT(one.most_in_use(), all / 3);
+  EXPECT_GT(one.most_in_use(), all / 6);
   EXPECT_EQ(0, std::memcmp(waited.data.data(), free.data.data(), free.data.size() * sizeof(float)));
 }
 
@@ -384,13 +384,13 @@ TEST(RemoveSpeckles, EqualsFillingPatches) {
 
 TEST(TextureAround, IsTheMeanOfTwoDifferences) {
   for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {64, 9}, {90, 40}}) {
-    const GreyImage picture = random_image(width, height, 5);
+    const GreyImage image = random_image(width, height, 5);
     const auto texture = [&](int x, int y) {
-      const int own = picture.at(x, y), right = picture.at(std::min(x + 1, width - 1), y),
-                below = picture.at(x, std::min(y + 1, height - 1));
+      const int own = image.at(x, y), right = image.at(std::min(x + 1, width - 1), y),
+                below = image.at(x, std::min(y + 1, height - 1));
       return std::min(std::abs(own - right) + std::abs(own - below), 255);
     };
-    const GreyImage found = texture_around(picture);
+    const GreyImage found = texture_around(image);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         int sum = 0, count = 0;

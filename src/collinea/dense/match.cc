@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/dense/internal/foreground_fattening.h"
 #include "collinea/dense/internal/level.h"
 #include "collinea/dense/internal/measured_sigma.h"
 #include "collinea/dense/internal/overview.h"
 #include "collinea/dense/internal/pinhole.h"
-#include "collinea/dense/internal/rims.h"
 #include "collinea/dense/internal/texture_centroid.h"
 #include "collinea/math/median.h"
 
@@ -47,7 +47,7 @@ Eigen::Matrix3d calibration(const Camera& camera) {
   return k;
 }
 
-// A tie point as matching sees it: its place on the working picture and its inverse depth.
+// A tie point as matching sees it: its place on the working image and its inverse depth.
 struct DepthSample {
   double x, y, w;
 };
@@ -109,12 +109,12 @@ double sensitivity(const Eigen::Matrix3d& h, const Eigen::Vector3d& b, const std
 
 // Everything about the pair that does not depend on the level.
 struct Neighbour {
-  std::shared_ptr<const WorkingImage> picture;
+  std::shared_ptr<const WorkingImage> image;
   Rigid3 from_reference;  // neighbour_cam_from_reference_cam
   int level_offset = 0;   // so much coarser its pyramid is used, that pixels on the ground are alike
 
   [[nodiscard]] int level_for(int reference_level) const {
-    return std::clamp(reference_level + level_offset, 0, int(picture->levels.size()) - 1);
+    return std::clamp(reference_level + level_offset, 0, int(image->levels.size()) - 1);
   }
 };
 
@@ -143,14 +143,14 @@ void prefer(const FloatImage& finer, float step, FloatImage& surface, FloatImage
       certainty.data[i] = step;
 }
 
-FloatImage cut(const FloatImage& raster, const GreyImage& picture) {
-  FloatImage result(picture.width, picture.height);
+FloatImage cut(const FloatImage& raster, const GreyImage& image) {
+  FloatImage result(image.width, image.height);
   for (int y = 0; y < result.height; ++y) std::copy_n(raster.row(y), result.width, result.row(y));
   return result;
 }
 
 // Empties what is measured badly. The rest is drawn towards the smooth surface as far as that is the more certain
-// one; sigma is not made smaller by that, because both come from the same pictures.
+// one; sigma is not made smaller by that, because both come from the same images.
 void keep_good(const Level& level, const FloatImage& surface, const FloatImage& certainty, const DenseOptions& options,
                dense::Refined& refined) {
   const float px = level.step / level.parallax_px;
@@ -191,9 +191,9 @@ class Matching {
   Matching(const DenseOptions& options, SharedBudget& costs, const Run& run)
       : options_(options), costs_(costs), run_(run) {}
 
-  Result<> prepare(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures) {
+  Result<> prepare(const Block& block, ImageId image, const TieView& ties, WorkingImages& images) {
     const std::string& file = block.images.at(image).file;
-    COLLINEA_TRY(reference_, pictures.picture(image));
+    COLLINEA_TRY(reference_, images.image_of(image));
     COLLINEA_TRY(depth_samples_, depth_samples(ties, image, reference_->camera));
     if (depth_samples_.size() < kFewestTiePoints)
       return fail(Errc::kIllPosed, file + ": too few tie points to match it");
@@ -202,10 +202,10 @@ class Matching {
     for (const ImageId id : others) {
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       Neighbour neighbour;
-      COLLINEA_TRY(neighbour.picture, pictures.picture(id));
+      COLLINEA_TRY(neighbour.image, images.image_of(id));
       neighbour.from_reference = pose_of(block, id) * inverse(pose);
       neighbour.level_offset =
-          level_offset(reference_->camera, neighbour.picture->camera, neighbour.from_reference, depth_samples_);
+          level_offset(reference_->camera, neighbour.image->camera, neighbour.from_reference, depth_samples_);
       neighbours_.push_back(std::move(neighbour));
     }
     if (neighbours_.empty()) return fail(Errc::kIllPosed, file + ": no other image sees its tie points");
@@ -245,10 +245,10 @@ class Matching {
     COLLINEA_TRY(const DepthMap own, store.read(image));
     const Rigid3& pose = pose_of(block, image);
     COLLINEA_TRY(const auto overlapping, ties.overlapping(image, kOverviewsCompared));
-    std::vector<dense::PlacedMap> others;
+    std::vector<dense::LocatedMap> others;
     for (const ImageId id : overlapping) {
       if (!store.has(id)) continue;
-      dense::PlacedMap other;
+      dense::LocatedMap other;
       COLLINEA_TRY(other.map, store.read(id));
       other.reference_from_cam = pose * inverse(pose_of(block, id));
       others.push_back(std::move(other));
@@ -272,14 +272,14 @@ class Matching {
   Level level_at(int l) const {
     Level level = outline_of(l);
     for (std::size_t i = 0; i < neighbours_.size(); ++i)
-      level.views[i].quads = dense::quads_of(neighbours_[i].picture->levels[std::size_t(neighbours_[i].level_for(l))]);
+      level.views[i].quads = dense::quads_of(neighbours_[i].image->levels[std::size_t(neighbours_[i].level_for(l))]);
     return level;
   }
 
-  // A level whose views have no pictures yet: these take most of its memory.
+  // A level whose views have no images yet: these take most of its memory.
   Level outline_of(int l) const {
     Level level;
-    level.picture = &reference_->levels[std::size_t(l)];
+    level.image = &reference_->levels[std::size_t(l)];
     const Eigen::Matrix3d own = calibration(camera_of_level(reference_->camera, l)), back = own.inverse();
     level.focal_px = float(own(0, 0)), level.cx = float(own(0, 2)), level.cy = float(own(1, 2));
     const double scale = std::ldexp(1.0, -l);
@@ -287,7 +287,7 @@ class Matching {
     for (DepthSample& s : here) s.x *= scale, s.y *= scale;
     std::vector<double> px_per_w;
     for (const Neighbour& n : neighbours_) {
-      const Eigen::Matrix3d k = calibration(camera_of_level(n.picture->camera, n.level_for(l)));
+      const Eigen::Matrix3d k = calibration(camera_of_level(n.image->camera, n.level_for(l)));
       const Eigen::Matrix3d h = k * n.from_reference.rotation.toRotationMatrix() * back;
       const Eigen::Vector3d b = k * n.from_reference.translation;
       dense::View view;
@@ -326,7 +326,7 @@ class Matching {
   Labels start_labels(const Level& level, int l) const {
     const double size = std::ldexp(1.0, l);
     const double at_corner = start_.c + (start_.a + start_.b) * 0.5 * size;  // at the centre of the first pixel
-    return dense::labels_around_plane(level.picture->width, level.picture->height, level.step, float(at_corner),
+    return dense::labels_around_plane(level.image->width, level.image->height, level.step, float(at_corner),
                                       float(start_.a * size), float(start_.b * size), float(start_.low / level.step),
                                       float(start_.high / level.step));
   }
@@ -334,8 +334,7 @@ class Matching {
   static Labels next_labels(FloatImage coarse, const Level& level) {
     dense::remove_speckles(coarse, 3 * level.step, kSmallestCoarsePatch);  // a coarse label is two fine ones
     dense::fill_holes(coarse);
-    return dense::labels_around(dense::median3(coarse), level.picture->width, level.picture->height, level.step,
-                                kMargin);
+    return dense::labels_around(dense::median3(coarse), level.image->width, level.image->height, level.step, kMargin);
   }
 
   // Correlation at full resolution and, for what is too rough or has too little texture for small windows, at lower
@@ -344,7 +343,7 @@ class Matching {
     Level finest = level_at(0);
     dense::Refined result;
     FloatImage finer, finest_surface;
-    dense::TextureCentroid finest_place;
+    dense::TextureCentroid finest_centroid;
     for (int l = 0; l < kMeasuredLevels && !surfaces[std::size_t(l)].empty(); ++l) {
       Level coarse = l == 0 ? Level() : level_at(l);
       Level& level = l == 0 ? finest : coarse;
@@ -352,26 +351,26 @@ class Matching {
       dense::fill_holes(surface);
       surface = dense::smoothed_within(dense::median3(surface), level.step);
       FloatImage certainty(surface.width, surface.height, 1, dense::kSmoothSigmaPx / finest.parallax_px * finest.step);
-      if (l > 0) prefer(cut(dense::halved(finer), *level.picture), level.step, surface, certainty);
+      if (l > 0) prefer(cut(dense::halved(finer), *level.image), level.step, surface, certainty);
       follow(dense::refine(level, surface, false, run_).inverse_depth, surface);
       surface = dense::smoothed_within(surface, level.step);
       dense::Refined refined = dense::refine(level, surface, true, run_);
-      level.views.clear();  // what follows looks at no other picture
+      level.views.clear();  // what follows looks at no other image
       if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
       keep_good(level, surface, certainty, options_, refined);
-      dense::TextureCentroid place = dense::texture_centroid(*level.picture);
-      dense::keep_textured(place, kAgreeing * level.step, refined.inverse_depth);
+      dense::TextureCentroid centroid = dense::texture_centroid(*level.image);
+      dense::keep_textured(centroid, kAgreeing * level.step, refined.inverse_depth);
       if (l == 0) {
         result = std::move(refined);
-        finest_place = std::move(place);
+        finest_centroid = std::move(centroid);
       } else {
         fill_from(refined, 1 << l, finest_surface, kAgreeing * level.step, result);
       }
       finer = std::move(surface);
       if (l == 0) finest_surface = finer;
     }
-    if (!agreed.empty()) dense::fill_rough(finest, finest_place, agreed, result);
-    dense::empty_foreground_fattening(*finest.picture, kOneSurface * finest.step, result.sigma, result.inverse_depth,
+    if (!agreed.empty()) dense::fill_rough(finest, finest_centroid, agreed, result);
+    dense::empty_foreground_fattening(*finest.image, kOneSurface * finest.step, result.sigma, result.inverse_depth,
                                       run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "dense matching was stopped");
     return finished(finest, result);
@@ -397,12 +396,12 @@ class Matching {
   StartSurface start_;
 };
 
-Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures,
+Result<Matching> prepared(const Block& block, ImageId image, const TieView& ties, WorkingImages& images,
                           SharedBudget& costs, const DenseOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
   if (!is_oriented(block, image)) return fail(Errc::kIllPosed, block.images.at(image).file + " is not oriented");
   Matching matching(options, costs, run);
-  COLLINEA_TRY(matching.prepare(block, image, ties, pictures));
+  COLLINEA_TRY(matching.prepare(block, image, ties, images));
   return matching;
 }
 
@@ -413,15 +412,15 @@ SharedBudget budget_for_costs(const DenseOptions& options, int at_once) {
                                std::size_t(std::max(1, at_once)) * dense::usual_bytes_to_match()));
 }
 
-Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures,
+Result<DepthMap> overview(const Block& block, ImageId image, const TieView& ties, WorkingImages& images,
                           SharedBudget& costs, const DenseOptions& options, const Run& run) {
-  COLLINEA_TRY(const Matching matching, prepared(block, image, ties, pictures, costs, options, run));
+  COLLINEA_TRY(const Matching matching, prepared(block, image, ties, images, costs, options, run));
   return matching.overview();
 }
 
-Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingImages& pictures,
+Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& ties, WorkingImages& images,
                            SharedBudget& costs, DepthStore* overviews, const DenseOptions& options, const Run& run) {
-  COLLINEA_TRY(Matching matching, prepared(block, image, ties, pictures, costs, options, run));
+  COLLINEA_TRY(Matching matching, prepared(block, image, ties, images, costs, options, run));
   FloatImage agreed;
   if (overviews && overviews->has(image)) {
     COLLINEA_TRY(agreed, matching.agreed_overview(block, image, ties, *overviews));
@@ -432,9 +431,9 @@ Result<DepthMap> depth_map(const Block& block, ImageId image, const TieView& tie
 Result<DepthMap> depth_map(const Block& block, ImageId image, const PixelSource& pixels, const DenseOptions& options,
                            const Run& run) {
   const TieView ties(block);
-  WorkingImages pictures(block, pixels, options);
+  WorkingImages images(block, pixels, options);
   SharedBudget costs = budget_for_costs(options, 1);
-  return depth_map(block, image, ties, pictures, costs, nullptr, options, run);
+  return depth_map(block, image, ties, images, costs, nullptr, options, run);
 }
 
 }  // namespace collinea

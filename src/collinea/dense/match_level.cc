@@ -21,12 +21,12 @@ constexpr int kTileOverlap = 2;  // cells around it that take part, so that its 
 // every depth.
 constexpr int kFewestViews = 2;
 
-void reference_region(const GreyImage& picture, int left, int top, std::int8_t* region) {
+void reference_region(const GreyImage& image, int left, int top, std::int8_t* region) {
   for (int j = 0; j < kRegionHeight; ++j)
     for (int i = 0; i < kRegionWidth; ++i) {
       const int x = left - kRadius + i, y = top - kRadius + j;
-      const bool there = x >= 0 && y >= 0 && x < picture.width && y < picture.height;
-      region[j * kRegionWidth + i] = std::int8_t((there ? picture.at(x, y) : 0) - 128);
+      const bool there = x >= 0 && y >= 0 && x < image.width && y < image.height;
+      region[j * kRegionWidth + i] = std::int8_t((there ? image.at(x, y) : 0) - 128);
     }
 }
 
@@ -81,8 +81,8 @@ void cell_costs(const Level& level, const Labels& labels, const Cell& cell, std:
     for (int i = 0; i < kRegionWidth; ++i)
       scene.inverse_depth[std::size_t(j * kRegionWidth + i)] =
           labels.base(cell, cell.left - kRadius + i, cell.top - kRadius + j) + cell.first * labels.step;
-  place_views(level, 0, float(cell.labels - 1) * labels.step, scene);
-  reference_region(*level.picture, cell.left, cell.top, scratch.region.data());
+  locate_views(level, 0, float(cell.labels - 1) * labels.step, scene);
+  reference_region(*level.image, cell.left, cell.top, scratch.region.data());
   census(scratch.region.data(), scratch.planes.data());
   const auto views = views_at_small_angles(level, scene, float(cell.labels) * labels.step / 2);
   for (int k = 0; k < cell.labels; ++k) {
@@ -114,7 +114,7 @@ void take_winners(const Level& level, const Labels& labels, const Volume& volume
       const std::uint16_t* of_cell = sums.data() + volume.offset(column, row);
       for (int y = cell.top; y < std::min(cell.top + kCell, labels.height); ++y)
         for (int x = cell.left; x < std::min(cell.left + kCell, labels.width); ++x) {
-          if (level.picture->at(x, y) == 0) continue;
+          if (level.image->at(x, y) == 0) continue;
           const int pixel = (y - cell.top) * kCell + x - cell.left;
           const float best = winner(of_cell + std::size_t(pixel) * std::size_t(cell.stride), cell.labels);
           result.at(x, y) = labels.base(cell, x, y) + (cell.first + best) * labels.step;
@@ -134,13 +134,13 @@ void match_tile(const Level& level, const Labels& labels, const Smoothness& smoo
       if (run.stopped()) return;
       cell_costs(level, labels, labels.cell(column, row), volume.costs.data() + volume.offset(column, row), *scratch);
     }
-  const auto sums = aggregate(labels, volume, *level.picture, smoothness, [&] { return run.stopped(); });
+  const auto sums = aggregate(labels, volume, *level.image, smoothness, [&] { return run.stopped(); });
   if (!run.stopped()) take_winners(level, labels, volume, sums, tile, result);
 }
 
 }  // namespace
 
-void place_views(const Level& level, float low, float high, CellScene& scene) {
+void locate_views(const Level& level, float low, float high, CellScene& scene) {
   scene.views.clear();
   scene.carried.resize(level.views.size());
   for (std::size_t v = 0; v < level.views.size(); ++v) {
@@ -170,7 +170,7 @@ std::size_t usual_bytes_to_match() {
 
 FloatImage match_level(const Level& level, const Labels& labels, SharedBudget& costs, const Run& run) {
   FloatImage result(labels.width, labels.height, 1, std::numeric_limits<float>::quiet_NaN());
-  const Smoothness smoothness = smoothness_for(*level.picture);
+  const Smoothness smoothness = smoothness_for(*level.image);
   const int across = (labels.columns + kTileCells - 1) / kTileCells, down = (labels.rows + kTileCells - 1) / kTileCells;
   parallel_for(run, std::size_t(across * down), [&](std::size_t i) {
     const int column = int(i) % across, row = int(i) / across;

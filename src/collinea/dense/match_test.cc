@@ -135,27 +135,27 @@ TEST(TieView, OnDiskIsThatInMemory) {
 
 TEST(TieView, OnDiskHoldsNoMoreOfManyTiesThanOfFew) {
   const Block block = block_of_many_ties();
-  EXPECT_GT(TieView(block).bytes_held(), 4 * TieView::kBuffered);
+  EXPECT_GT(TieView(block).bytes_in_memory(), 4 * TieView::kBuffered);
   auto ties = TieView::on_disk(block, std::filesystem::temp_directory_path() / "collinea_tie_view");
   ASSERT_TRUE(ties) << ties.error().message;
   for (auto seen = block.observations.begin(); const auto& [id, point] : block.points) {
     ties->add(point.position_in_world, {seen, seen + 9});
     seen += 9;
-    ASSERT_LT(ties->bytes_held(), 2 * TieView::kBuffered + 64 * 1024);  // strings grow to twice what is in them
+    ASSERT_LT(ties->bytes_in_memory(), 2 * TieView::kBuffered + 64 * 1024);  // strings grow to twice what is in them
   }
 }
 
 // Pyramids end where the shorter side does, while the longer one is still wider than overviews are.
-TEST(Overview, OfALongStripIsTheSmallestPictureThereIs) {
+TEST(Overview, OfALongStripIsTheSmallestImageThereIs) {
   const Camera strip = ideal_camera(3000, 3000, 200);
   Scene scene = {.slope = 0};
   for (const double x : {0.0, 1.0, -1.0}) scene.add_camera(x, 0, 0, strip);
   scene.add_ties(0.15);
   const TieView ties(scene.block);
   const PixelSource pixels = scene.pixels();
-  WorkingImages pictures(scene.block, pixels, {});
+  WorkingImages images(scene.block, pixels, {});
   SharedBudget costs = budget_for_costs({}, 1);
-  const auto map = overview(scene.block, kFirst, ties, pictures, costs, {}, {});
+  const auto map = overview(scene.block, kFirst, ties, images, costs, {}, {});
   ASSERT_TRUE(map) << map.error().message;
   EXPECT_EQ(map->depth.width, 750);
   EXPECT_EQ(map->depth.height, 50);
@@ -203,9 +203,9 @@ TEST(DepthMap, SigmaTellsTheTruthWhereNoiseDecides) {
 }
 
 // Noise of 4 makes 0.055 px where the formula gives that, too, before its factor of 1.2 and its floor of 0.05 px, which
-// stands for errors of interpolation and adds to noise what these pictures have little of: sigma is
+// stands for errors of interpolation and adds to noise what these images have little of: sigma is
 // hypot(1.2 0.055, 0.05) / 0.055 = 1.5 times too large, and no more than that and the 12 % of above.
-TEST(DepthMap, SigmaIsRatherTooLargeOnClearPictures) {
+TEST(DepthMap, SigmaIsRatherTooLargeOnClearImages) {
   const Scene scene = Scene::of_four({.slope = 0.05, .noise = 4});
   const Errors e = errors(scene, matched(scene), everywhere);
   EXPECT_GT(e.part_measured(), 0.85);
@@ -230,7 +230,7 @@ TEST(DepthMap, ImageAloneIsIllPosed) {
   EXPECT_EQ(map.error().code, Errc::kIllPosed);
 }
 
-TEST(DepthMap, ImagesFromOnePlaceAreIllPosed) {
+TEST(DepthMap, ImagesFromOnePositionAreIllPosed) {
   Scene scene;
   scene.add_camera(0, 0, 0, Scene::camera());
   scene.add_camera(0, 0, 0.3, Scene::camera());
@@ -251,7 +251,7 @@ TEST(DepthMap, StopIsHeard) {
   EXPECT_EQ(map.error().code, Errc::kCancelled);
 }
 
-TEST(DepthMap, PictureThatDoesNotFitItsCameraIsRefused) {
+TEST(DepthMap, ImageThatDoesNotFitItsCameraIsRefused) {
   const Scene scene = Scene::of_four({});
   const auto map =
       depth_map(scene.block, kFirst, [](ImageId, int) -> Result<GreyImage> { return GreyImage(100, 80); }, {}, {});

@@ -30,12 +30,12 @@ struct RefineScratch {
   std::vector<Trials> trials;  // by view
 };
 
-void reference_region(const GreyImage& picture, int left, int top, float* region) {
+void reference_region(const GreyImage& image, int left, int top, float* region) {
   for (int j = 0; j < kRegionHeight; ++j)
     for (int i = 0; i < kRegionWidth; ++i) {
       const int x = left - kRadius + i, y = top - kRadius + j;
-      const bool there = x >= 0 && y >= 0 && x < picture.width && y < picture.height && picture.at(x, y) != 0;
-      region[j * kRegionWidth + i] = there ? float(picture.at(x, y)) - 128 : kNaN;
+      const bool there = x >= 0 && y >= 0 && x < image.width && y < image.height && image.at(x, y) != 0;
+      region[j * kRegionWidth + i] = there ? float(image.at(x, y)) - 128 : kNaN;
     }
 }
 
@@ -81,7 +81,7 @@ struct Peak {
   float variance = 0;  // [trials^2]
 };
 
-// The variance is that of least squares matching: residuals between pictures against the squared gradients, both
+// The variance is that of least squares matching: residuals between images against the squared gradients, both
 // expressed by the correlation and its curvature. The reference's own noise is common to all views.
 std::optional<Peak> peak_of(const Curve& curve) {
   const auto& c = curve.mean;
@@ -106,9 +106,9 @@ void refine_cell(const Level& level, const FloatImage& surface, int left, int to
     for (int i = 0; i < kRegionWidth; ++i)
       scene.inverse_depth[std::size_t(j * kRegionWidth + i)] = surface.at(
           std::clamp(left - kRadius + i, 0, surface.width - 1), std::clamp(top - kRadius + j, 0, surface.height - 1));
-  place_views(level, -level.step, level.step, scene);
+  locate_views(level, -level.step, level.step, scene);
   scratch.trials.resize(level.views.size());
-  reference_region(*level.picture, left, top, scratch.reference.data());
+  reference_region(*level.image, left, top, scratch.reference.data());
   window_statistics(scratch.reference.data(), scratch.statistics);
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const View& view = level.views[std::size_t(scene.views[v])];

@@ -113,16 +113,16 @@ class Patches {
       const std::uint64_t meets = joined_[word] & ~(still << 1 | joined_before);
       before = here_.goes_on[word] >> 63;
       joined_before = still >> 63;
-      for (std::uint64_t places = starts | above_.starts[word] | meets; places; places &= places - 1) {
-        const std::uint64_t place = places & -places;
-        if (starts & place) {
+      for (std::uint64_t bits_left = starts | above_.starts[word] | meets; bits_left; bits_left &= bits_left - 1) {
+        const std::uint64_t bit = bits_left & -bits_left;
+        if (starts & bit) {
           ++run_here;
           first_.push_back(std::uint32_t(std::size_t(y) * std::size_t(width) + 64 * word) +
-                           std::uint32_t(std::countr_zero(place)));
+                           std::uint32_t(std::countr_zero(bit)));
           patch_.push_back(run_here);
         }
-        if (above_.starts[word] & place) ++run_above;
-        if (meets & place) unite(run_here, run_above);
+        if (above_.starts[word] & bit) ++run_above;
+        if (meets & bit) unite(run_here, run_above);
       }
     }
   }

@@ -19,9 +19,9 @@ constexpr std::size_t kLargestVolume = 400'000'000;  // pixels times labels of a
 Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
                const StereoOptions& options) {
   COLLINEA_TRY(validate(options));
-  if (left.empty() || right.empty()) return fail(Errc::kBadInput, "a picture of the pair is empty");
+  if (left.empty() || right.empty()) return fail(Errc::kBadInput, "an image of the pair is empty");
   if (left.height != right.height)
-    return fail(Errc::kBadInput, "the pictures of a rectified pair have the same height; these have " +
+    return fail(Errc::kBadInput, "the images of a rectified pair have the same height; these have " +
                                      std::to_string(left.height) + " and " + std::to_string(right.height) + " rows");
   if (range.high < range.low)
     return fail(Errc::kBadInput,
@@ -31,7 +31,7 @@ Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRan
                                      std::to_string(kMostDisparities) + ": use a lower resolution");
   if (range.low >= left.width || range.high <= -right.width)
     return fail(Errc::kBadInput, "disparities from " + std::to_string(range.low) + " to " + std::to_string(range.high) +
-                                     " lead out of the pictures everywhere");
+                                     " lead out of the images everywhere");
   return {};
 }
 

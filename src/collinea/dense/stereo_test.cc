@@ -38,13 +38,13 @@ struct TestPair {
   }
   [[nodiscard]] bool on_square(double x, int y) const { return square > 0 && x >= 80 && x < 130 && y >= 35 && y < 85; }
   [[nodiscard]] double truth(int x, int y) const { return on_square(x, y) ? square : at_left + slope * x; }
-  // whether the right picture shows what the left one shows there
+  // whether the right image shows what the left one shows there
   [[nodiscard]] bool seen_twice(int x, int y) const {
     const double other = x - truth(x, y);
     return other >= 0 && (on_square(x, y) || !on_square(other + square, y));
   }
 
-  [[nodiscard]] GreyImage picture(bool is_left) const {
+  [[nodiscard]] GreyImage image_of(bool is_left) const {
     GreyImage result(width, height);
     Random random(3, is_left);
     for (int y = 0; y < height; ++y)
@@ -56,7 +56,7 @@ struct TestPair {
     return result;
   }
   [[nodiscard]] Result<DisparityMap> matched(const StereoOptions& options = {}, const Run& run = {}) const {
-    return match_pair(picture(true), picture(false), {0, 40}, options, run);
+    return match_pair(image_of(true), image_of(false), {0, 40}, options, run);
   }
 };
 
@@ -65,7 +65,7 @@ struct Errors {
   double rms = 0, in_sigmas = 0;
 };
 
-// Of the pixels that both pictures show, `border` pixels off the edge of the picture.
+// Of the pixels that both images show, `border` pixels off the edge of the image.
 Errors errors_of(const TestPair& pair, const DisparityMap& map, int border = 6) {
   Errors e;
   double squares = 0, relative = 0;
@@ -186,7 +186,7 @@ TEST(Stereo, TheVectorsOfTheProcessorDoNotMatter) {
 
 TEST(Stereo, DisparitiesMayBeNegative) {
   const TestPair pair;
-  const auto map = match_pair(pair.picture(false), pair.picture(true), {-30, 3}, {}, {});
+  const auto map = match_pair(pair.image_of(false), pair.image_of(true), {-30, 3}, {}, {});
   ASSERT_TRUE(map) << map.error().message;
   int right = 0;
   for (int x = 20; x < 160; ++x) right += std::abs(map->disparity.at(x, 60) + 12.3) < 0.3;
@@ -194,17 +194,17 @@ TEST(Stereo, DisparitiesMayBeNegative) {
 }
 
 TEST(Stereo, WhatCannotBeMatchedIsRefused) {
-  const GreyImage picture(40, 30, 1, 100);
+  const GreyImage image(40, 30, 1, 100);
   const auto code = [&](const Result<DisparityMap>& result) { return result ? Errc::kNotFound : result.error().code; };
-  EXPECT_EQ(code(match_pair(picture, GreyImage(40, 31, 1, 100), {0, 9}, {}, {})), Errc::kBadInput);
-  EXPECT_EQ(code(match_pair(picture, GreyImage(), {0, 9}, {}, {})), Errc::kBadInput);
-  EXPECT_EQ(code(match_pair(picture, picture, {10, 9}, {}, {})), Errc::kBadInput);
-  EXPECT_EQ(code(match_pair(picture, picture, {0, 2000}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(image, GreyImage(40, 31, 1, 100), {0, 9}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(image, GreyImage(), {0, 9}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(image, image, {10, 9}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(image, image, {0, 2000}, {}, {})), Errc::kBadInput);
   constexpr int kLowest = std::numeric_limits<int>::min(), kHighest = std::numeric_limits<int>::max();
-  EXPECT_EQ(code(match_pair(picture, picture, {kLowest, kHighest}, {}, {})), Errc::kBadInput);
-  EXPECT_EQ(code(match_pair(picture, picture, {kLowest, kLowest + 9}, {}, {})), Errc::kBadInput);
-  EXPECT_EQ(code(match_pair(picture, picture, {40, 49}, {}, {})), Errc::kBadInput);
-  EXPECT_EQ(code(match_pair(picture, picture, {0, 9}, {.max_sigma_px = -1}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(image, image, {kLowest, kHighest}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(image, image, {kLowest, kLowest + 9}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(image, image, {40, 49}, {}, {})), Errc::kBadInput);
+  EXPECT_EQ(code(match_pair(image, image, {0, 9}, {.max_sigma_px = -1}, {})), Errc::kBadInput);
 }
 
 // Before it begins, and at any time while three threads are at work on it: it ends, and says that it was stopped unless
@@ -231,10 +231,10 @@ TEST(Stereo, StopsWhenItIsTold) {
   }
 }
 
-TEST(Stereo, TinyPicturesAreNoTrouble) {
+TEST(Stereo, TinyImagesAreNoTrouble) {
   for (const int size : {1, 2, 5}) {
-    const GreyImage picture(size, size, 1, 100);
-    EXPECT_TRUE(match_pair(picture, picture, {0, 3}, {}, {})) << size;
+    const GreyImage image(size, size, 1, 100);
+    EXPECT_TRUE(match_pair(image, image, {0, 3}, {}, {})) << size;
   }
 }
 
@@ -390,7 +390,7 @@ TEST(SweepColumns, IsWhatTheFormulasSay) {
   }
 }
 
-TEST(DisparitiesOfRow, AreParabolasWhereBothPicturesAgree) {
+TEST(DisparitiesOfRow, AreParabolasWhereBothImagesAgree) {
   constexpr int kWidth = 75, kLabels = 40, kLow = -7;
   Random random(21);
   std::vector<std::uint8_t> left(kWidth + kCensusSlack);
@@ -429,15 +429,15 @@ TEST(DisparitiesOfRow, AreParabolasWhereBothPicturesAgree) {
 }
 
 TEST(Census, IsOneBitForEachDarkerPixelAround) {
-  GreyImage picture(90, 5);
+  GreyImage image(90, 5);
   Random random(4);
-  for (auto& grey : picture.data) grey = std::uint8_t(1 + random.below(255));
-  picture.at(40, 2) = 0;
+  for (auto& grey : image.data) grey = std::uint8_t(1 + random.below(255));
+  image.at(40, 2) = 0;
   std::vector<std::vector<std::uint8_t>> rows;
   std::array<const std::uint8_t*, 5> around;
   for (int y = 0; y < 5; ++y) {
     auto& row = rows.emplace_back(std::size_t(90 + 2 * kCensusReach + kCensusSlack), std::uint8_t(7));
-    std::copy_n(picture.row(y), 90, row.begin() + kCensusReach);
+    std::copy_n(image.row(y), 90, row.begin() + kCensusReach);
   }
   for (std::size_t y = 0; y < 5; ++y) around[y] = rows[y].data() + kCensusReach;
   const auto census = [&](bool mirrored) {
@@ -451,7 +451,7 @@ TEST(Census, IsOneBitForEachDarkerPixelAround) {
   for (std::size_t x = 2; x < 88; ++x) {
     int darker = 0;
     for (int y = 0; y < 5; ++y)
-      for (int i = int(x) - 2; i <= int(x) + 2; ++i) darker += picture.at(i, y) < picture.at(int(x), 2);
+      for (int i = int(x) - 2; i <= int(x) + 2; ++i) darker += image.at(i, y) < image.at(int(x), 2);
     EXPECT_EQ(bytes[3][x] == 255, std::abs(int(x) - 40) <= 2) << x;
     EXPECT_EQ(__builtin_popcount(unsigned(bytes[0][x] | bytes[1][x] << 8 | bytes[2][x] << 16)), darker) << x;
   }
@@ -528,7 +528,7 @@ TEST(StereoTiles, KeepEveryPixelOnceAndBoundMemory) {
 
 TEST(StereoTiles, TheirBordersAreHardlyFelt) {
   const TestPair pair{.width = 300, .height = 240, .at_left = 10, .square = 24, .noise = 6};
-  const GreyImage left = pair.picture(true), right = pair.picture(false);
+  const GreyImage left = pair.image_of(true), right = pair.image_of(false);
   const DisparityCosts costs(left, right, StereoCost::kCensus, {});
   const GreyImage small = small_changes(left);
   const DisparityRange range{0, 31};

@@ -61,20 +61,20 @@ Camera camera_of_level(const Camera& camera, int level) {
   return result;
 }
 
-GreyImage undistorted(const GreyImage& picture, const Camera& camera) {
+GreyImage undistorted(const GreyImage& image, const Camera& camera) {
   if (!is_ideal(camera))
-    return resampled(picture, camera, Eigen::Quaterniond::Identity(), without_distortion(camera), Run{});
-  GreyImage result(picture.width, picture.height);
-  std::transform(picture.data.begin(), picture.data.end(), result.data.begin(),
+    return resampled(image, camera, Eigen::Quaterniond::Identity(), without_distortion(camera), Run{});
+  GreyImage result(image.width, image.height);
+  std::transform(image.data.begin(), image.data.end(), result.data.begin(),
                  [](std::uint8_t v) { return std::max<std::uint8_t>(v, 1); });
   return result;
 }
 
-GreyImage halved(const GreyImage& picture) {
-  GreyImage half(picture.width / 2, picture.height / 2);
+GreyImage halved(const GreyImage& image) {
+  GreyImage half(image.width / 2, image.height / 2);
   for (int y = 0; y < half.height; ++y) {
-    const std::uint8_t* a = picture.row(2 * y);
-    const std::uint8_t* b = picture.row(2 * y + 1);
+    const std::uint8_t* a = image.row(2 * y);
+    const std::uint8_t* b = image.row(2 * y + 1);
     std::uint8_t* out = half.row(y);
     for (int x = 0; x < half.width; ++x) {
       const int p = a[2 * x], q = a[2 * x + 1], r = b[2 * x], s = b[2 * x + 1];
@@ -96,20 +96,20 @@ Result<Camera> WorkingImages::camera(ImageId image) const {
 Result<WorkingImage> WorkingImages::make(ImageId image) const {
   const Camera& original = block_.camera_of(image);
   COLLINEA_TRY(const int shrink, working_shrink(original, options_));
-  COLLINEA_TRY(const GreyImage photo, pixels_(image, shrink));
+  COLLINEA_TRY(const GreyImage file, pixels_(image, shrink));
   const Camera camera = shrunk(original, shrink);
-  if (photo.width != camera.width_px || photo.height != camera.height_px)
-    return fail(Errc::kBadInput, block_.images.at(image).file + ": the picture has " + std::to_string(photo.width) +
-                                     " x " + std::to_string(photo.height) + " pixels, its camera " +
+  if (file.width != camera.width_px || file.height != camera.height_px)
+    return fail(Errc::kBadInput, block_.images.at(image).file + ": the image has " + std::to_string(file.width) +
+                                     " x " + std::to_string(file.height) + " pixels, its camera " +
                                      std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
   WorkingImage result{without_distortion(camera), {}};
-  result.levels.push_back(undistorted(photo, camera));
+  result.levels.push_back(undistorted(file, camera));
   while (std::min(result.levels.back().width, result.levels.back().height) >= 2 * kSmallestSide)
     result.levels.push_back(halved(result.levels.back()));
   return result;
 }
 
-Result<std::shared_ptr<const WorkingImage>> WorkingImages::picture(ImageId image) {
+Result<std::shared_ptr<const WorkingImage>> WorkingImages::image_of(ImageId image) {
   std::shared_ptr<Entry> entry;
   {
     const std::lock_guard lock(mutex_);
@@ -117,19 +117,19 @@ Result<std::shared_ptr<const WorkingImage>> WorkingImages::picture(ImageId image
     if (!slot) {
       slot = std::make_shared<Entry>();
       by_use_.push_front(image);
-      slot->place = by_use_.begin();
+      slot->use = by_use_.begin();
     } else {
-      by_use_.splice(by_use_.begin(), by_use_, slot->place);
+      by_use_.splice(by_use_.begin(), by_use_, slot->use);
     }
     entry = slot;
   }
   const std::lock_guard making(entry->making);
-  if (!entry->picture) {
+  if (!entry->image) {
     COLLINEA_TRY(WorkingImage made, make(image));
-    entry->picture = std::make_shared<const WorkingImage>(std::move(made));
+    entry->image = std::make_shared<const WorkingImage>(std::move(made));
     keep(image, entry);
   }
-  return entry->picture;
+  return entry->image;
 }
 
 void WorkingImages::clear() {
@@ -143,7 +143,7 @@ void WorkingImages::keep(ImageId image, const std::shared_ptr<Entry>& entry) {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(image);
   if (found == entries_.end() || found->second != entry) return;  // pushed out while it was being made
-  for (const GreyImage& level : entry->picture->levels) entry->bytes += level.data.size();
+  for (const GreyImage& level : entry->image->levels) entry->bytes += level.data.size();
   bytes_ += entry->bytes;
   const auto limit = std::size_t(options_.memory_mb * 1e6 / 2);
   while (bytes_ > limit && by_use_.back() != image) {

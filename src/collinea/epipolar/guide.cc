@@ -142,7 +142,7 @@ std::optional<Eigen::Matrix3d> mapping(const Camera& camera_first, std::span<con
   return fit->model;
 }
 
-// Keypoints of the second picture in pixels freed from distortion.
+// Keypoints of the second image in pixels freed from distortion.
 struct Undistorted {
   std::vector<double> u, v;
 
@@ -155,7 +155,7 @@ struct Undistorted {
   }
 };
 
-// The candidates of every keypoint of the first picture as add(its normalised coordinates, candidates) gives them.
+// The candidates of every keypoint of the first image as add(its normalised coordinates, candidates) gives them.
 template <class Add>
 Guide guide_of(const Camera& camera, std::span<const Keypoint> keypoints, const Add& add) {
   Guide found;
@@ -177,8 +177,8 @@ std::optional<Guide> guide(const Camera& camera_first, std::span<const Keypoint>
   if (verified.geometry == PairGeometry::kPlanar) {
     const auto matrix = mapping(camera_first, first, camera_second, second, verified, threshold_px);
     if (!matrix) return std::nullopt;
-    const Undistorted places(camera_second, second);
-    const Strips upright(places.u, places.v);
+    const Undistorted undistorted(camera_second, second);
+    const Strips upright(undistorted.u, undistorted.v);
     return guide_of(camera_first, first, [&](const Eigen::Vector2d& p, std::vector<std::uint32_t>& candidates) {
       const Eigen::Vector2d at = focal_px * (*matrix * p.homogeneous()).hnormalized();
       if (at.allFinite()) upright.add_round(at.x(), at.y(), reach_px, candidates);
@@ -187,8 +187,8 @@ std::optional<Guide> guide(const Camera& camera_first, std::span<const Keypoint>
   if (verified.geometry != PairGeometry::kGeneral) return std::nullopt;
   const auto matrix = relation(camera_first, first, camera_second, second, verified, threshold_px);
   if (!matrix) return std::nullopt;
-  const Undistorted places(camera_second, second);
-  const Strips upright(places.u, places.v), level(places.v, places.u);
+  const Undistorted undistorted(camera_second, second);
+  const Strips upright(undistorted.u, undistorted.v), level(undistorted.v, undistorted.u);
   std::vector<std::uint32_t> room(second.size() + 1);
   return guide_of(camera_first, first, [&](const Eigen::Vector2d& p, std::vector<std::uint32_t>& candidates) {
     const Eigen::Vector3d line = *matrix * p.homogeneous();

@@ -21,12 +21,12 @@ Camera lens(double sigma_f_px = 0) {
 }
 
 // `count` points seen by both cameras; keypoint i of one is keypoint i of the other.
-struct Pictures {
+struct MatchedImages {
   std::vector<Keypoint> first, second;
   ImagePair verified;
   Rigid3 motion;
 
-  Pictures(const Camera& camera, std::size_t count, std::size_t matched, Random& random)
+  MatchedImages(const Camera& camera, std::size_t count, std::size_t matched, Random& random)
       : motion(random_motion(random)) {
     while (first.size() < count) {
       const Eigen::Vector3d x = random_point(random);
@@ -48,8 +48,8 @@ std::span<const std::uint32_t> candidates_of(const Guide& guide, std::size_t i) 
   return std::span(guide.candidates).subspan(guide.begin[i], guide.begin[i + 1] - guide.begin[i]);
 }
 
-// Distance of keypoint j from the epipolar line of keypoint i, on the picture freed from distortion.
-double distance_px(const Camera& camera, const Pictures& p, std::size_t i, std::size_t j) {
+// Distance of keypoint j from the epipolar line of keypoint i, on the image freed from distortion.
+double distance_px(const Camera& camera, const MatchedImages& p, std::size_t i, std::size_t j) {
   const Eigen::Vector3d line =
       essential_matrix(p.motion) * normalized(camera, {p.first[i].x, p.first[i].y}).homogeneous();
   const Eigen::Vector2d at = normalized(camera, {p.second[j].x, p.second[j].y});
@@ -58,9 +58,9 @@ double distance_px(const Camera& camera, const Pictures& p, std::size_t i, std::
 
 TEST(Guide, GivesExactlyTheKeypointsNearTheLine) {
   const Camera camera = lens();
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {  // lines of all slopes, epipoles inside and outside the picture
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {  // lines of all slopes, epipoles inside and outside the image
     Random random(seed);
-    const Pictures p(camera, 300, 40, random);
+    const MatchedImages p(camera, 300, 40, random);
     const auto found = p.guided(camera);
     ASSERT_TRUE(found);
     ASSERT_EQ(found->begin.size(), p.first.size() + 1);
@@ -77,7 +77,7 @@ TEST(Guide, GivesExactlyTheKeypointsNearTheLine) {
 
 TEST(Guide, OfADoubtfulFocalLengthComesFromTheMatchesThemselves) {
   Random random(9);
-  const Pictures p(lens(), 300, 60, random);
+  const MatchedImages p(lens(), 300, 60, random);
   const auto found = [&] {
     Camera wrong = lens(300);
     wrong.params[Camera::kF] *= 1.1;  // and the motion that was given belongs to another focal length
@@ -92,7 +92,7 @@ TEST(Guide, OfADoubtfulFocalLengthComesFromTheMatchesThemselves) {
 
 TEST(Guide, NeedsParallaxAndEnoughMatches) {
   Random random(10);
-  Pictures p(lens(), 100, 24, random);
+  MatchedImages p(lens(), 100, 24, random);
   EXPECT_FALSE(p.guided(lens()));
   p.verified.matches.emplace_back(24, 24);
   EXPECT_TRUE(p.guided(lens()));
@@ -104,8 +104,8 @@ TEST(Guide, NeedsParallaxAndEnoughMatches) {
 }
 
 // Keypoints on a plane: `off` of every hundred lie elsewhere.
-Pictures flat(std::size_t count, std::size_t matched, int off, Random& random) {
-  Pictures p(lens(), 0, 0, random);
+MatchedImages flat(std::size_t count, std::size_t matched, int off, Random& random) {
+  MatchedImages p(lens(), 0, 0, random);
   while (p.first.size() < count) {
     const bool is_off = static_cast<int>(p.first.size() % 100) < off;
     const Eigen::Vector3d x = is_off ? random_point(random) : random_point_on_plane(random);
@@ -119,10 +119,10 @@ Pictures flat(std::size_t count, std::size_t matched, int off, Random& random) {
   return p;
 }
 
-TEST(Guide, OfAPlaneIsThePlaceWhereTheKeypointIsMapped) {
+TEST(Guide, OfAPlaneIsThePositionWhereTheKeypointIsMapped) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Random random(seed);
-    const Pictures p = flat(600, 60, 0, random);
+    const MatchedImages p = flat(600, 60, 0, random);
     const auto found = p.guided(lens());
     ASSERT_TRUE(found);
     ASSERT_EQ(found->begin.size(), p.first.size() + 1);
@@ -151,7 +151,7 @@ TEST(Guide, OfAPlaneNeedsEnoughMatchesAndNothingBesideThePlane) {
 TEST(Guide, HasNoCandidatesWhereThereAreNoKeypoints) {
   Random random(11);
   const Camera camera = lens();
-  const Pictures p(camera, 50, 40, random);
+  const MatchedImages p(camera, 50, 40, random);
   const auto found = guide(camera, {}, camera, p.second, p.verified, {});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->begin, std::vector<std::uint32_t>{0});

@@ -88,16 +88,16 @@ std::optional<Intersection> intersect(std::span<const SightLine> lines) {
   return result;
 }
 
-std::vector<SightLine> sight_lines(const Block& block, ControlId point, std::vector<std::size_t>* places) {
+std::vector<SightLine> sight_lines(const Block& block, ControlId point, std::vector<std::size_t>* indices) {
   std::vector<SightLine> lines;
-  if (places) places->clear();
+  if (indices) indices->clear();
   for (std::size_t i = 0; i < block.control_observations.size(); ++i) {
     const ControlObservation& observation = block.control_observations[i];
     if (observation.point != point) continue;
     const std::optional<Rigid3> pose = find_pose(block, observation.image);
     if (!pose) continue;
     lines.push_back({&block.camera_of(observation.image), *pose, observation.pixel, observation.sigma_px});
-    if (places) places->push_back(i);
+    if (indices) indices->push_back(i);
   }
   return lines;
 }

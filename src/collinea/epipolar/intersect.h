@@ -33,6 +33,6 @@ struct Intersection {
 /// The sight lines of a control point in the oriented images of the block; `places` (may be null) receives their places
 /// in Block::control_observations.
 [[nodiscard]] std::vector<SightLine> sight_lines(const Block& block, ControlId point,
-                                                 std::vector<std::size_t>* places = nullptr);
+                                                 std::vector<std::size_t>* indices = nullptr);
 
 }  // namespace collinea

@@ -22,9 +22,9 @@ struct Rays {
 Rays rays_to(const Eigen::Vector3d& point, int count, double sigma, Random& random) {
   Rays rays;
   for (int i = 0; i < count; ++i) {
-    const double turn = 2 * M_PI * i / count;
+    const double angle = 2 * M_PI * i / count;
     const Eigen::Quaterniond rotation = rotation_by(random_vector(random, 0.1));
-    rays.cams.push_back({rotation, -(rotation * Eigen::Vector3d(std::cos(turn), std::sin(turn), 0))});
+    rays.cams.push_back({rotation, -(rotation * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0))});
     rays.xy.push_back(seen(rays.cams.back(), point) + noise(random, sigma));
     rays.focal_px.push_back(1000);
   }
@@ -129,7 +129,7 @@ TEST(RobustIntersect, DisagreeingRaysHaveNoAnswer) {
   for (auto& xy : rays.xy) xy += random_vector(random, 0.3).head<2>();
   EXPECT_FALSE(robust_intersect(rays.cams, rays.xy, rays.focal_px, 1, 1e-3, 4));
   EXPECT_FALSE(robust_intersect(std::span(rays.cams).first(1), std::span(rays.xy).first(1),
-                                  std::span(rays.focal_px).first(1), 1));
+                                std::span(rays.focal_px).first(1), 1));
 }
 
 }  // namespace

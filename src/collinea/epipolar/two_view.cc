@@ -19,7 +19,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kReferenceSize_px = 3000;  // pictures up to this size share one threshold
+constexpr double kReferenceSize_px = 3000;  // images up to this size share one threshold
 constexpr double kLensDoubt = 3;            // thresholds that an uncalibrated lens may feign as parallax
 
 // Matches in random order.
@@ -49,7 +49,7 @@ double median_parallax(const Rigid3& motion, const PointPairs& pairs, std::span<
 }
 
 // Keeps the inliers in front of both cameras (or too far to tell) and measures their parallax.
-void place(const TwoViews& views, const Rigid3& motion, const PointPairs& pairs, Verdict& finding) {
+void set_motion(const TwoViews& views, const Rigid3& motion, const PointPairs& pairs, Verdict& finding) {
   finding.second_from_first = motion;
   const double blind = blind_angle_rad(views, pairs);
   std::erase_if(finding.inliers, [&](int i) {
@@ -61,12 +61,12 @@ void place(const TwoViews& views, const Rigid3& motion, const PointPairs& pairs,
 
 Verdict general(const TwoViews& views, const EpipolarRelation& epipolar) {
   Verdict finding{PairGeometry::kGeneral, epipolar.inliers, {}, 0};
-  if (epipolar.motion) place(views, *epipolar.motion, epipolar.pairs, finding);
+  if (epipolar.motion) set_motion(views, *epipolar.motion, epipolar.pairs, finding);
   return finding;
 }
 
-Verdict rotation(const RotationRelation& turned, const PointPairs& pairs, std::vector<int> inliers) {
-  Verdict finding{PairGeometry::kRotation, std::move(inliers), {turned.rotation, {0, 0, 0}}, 0};
+Verdict rotation(const RotationRelation& rotated, const PointPairs& pairs, std::vector<int> inliers) {
+  Verdict finding{PairGeometry::kRotation, std::move(inliers), {rotated.rotation, {0, 0, 0}}, 0};
   finding.median_parallax_rad = median_parallax(finding.second_from_first, pairs, finding.inliers);
   return finding;
 }
@@ -102,18 +102,18 @@ Verdict planar(const TwoViews& views, const EpipolarRelation& epipolar, const Pl
     std::set_union(inliers.begin(), inliers.end(), plane.inliers.begin(), plane.inliers.end(),
                    std::back_inserter(finding.inliers));
   }
-  if (best) place(views, *best, pairs, finding);
+  if (best) set_motion(views, *best, pairs, finding);
   return finding;
 }
 
-// With a lens not yet calibrated, the distortion looks like a little parallax, which is a share of the picture's
+// With a lens not yet calibrated, the distortion looks like a little parallax, which is a share of the image's
 // size: what remains after a rotation must be clearly more.
-bool hardly_more_than(const TwoViews& views, const RotationRelation& turned, std::span<const int> items) {
+bool hardly_more_than(const TwoViews& views, const RotationRelation& rotated, std::span<const int> items) {
   if (views.first.prior.sigma_f_px == 0 && views.second.prior.sigma_f_px == 0) return false;
   const double limit_px =
       kLensDoubt * views.options.max_error_px * longest_side_px(views.first, views.second) / kReferenceSize_px;
   const auto near = std::count_if(items.begin(), items.end(), [&](int i) {
-    return turned.errors[static_cast<std::size_t>(i)] < limit_px * limit_px;
+    return rotated.errors[static_cast<std::size_t>(i)] < limit_px * limit_px;
   });
   return static_cast<double>(near) > 0.9 * static_cast<double>(items.size());
 }
@@ -141,11 +141,11 @@ Verdict judged(const TwoViews& views, const EpipolarRelation& epipolar, const st
   const double sigma_px = noise_px(views, has_epipolar ? errors : plane->errors, epipolar.inliers);
   const double as_general = gric(errors, either, sigma_px, 3, epipolar.parameters);
   const double as_plane = gric(plane->errors, either, sigma_px, 2, 8);
-  if (const auto turned = by_rotation(views, *plane, nominal)) {
-    const double as_rotation = gric(turned->errors, either, sigma_px, 2, turned->parameters);
+  if (const auto rotated = by_rotation(views, *plane, nominal)) {
+    const double as_rotation = gric(rotated->errors, either, sigma_px, 2, rotated->parameters);
     if (as_rotation < as_general && as_rotation <= as_plane)
-      return rotation(*turned, nominal, below(turned->errors, kPlaneThreshold * views.threshold_px));
-    if (hardly_more_than(views, *turned, either)) return rotation(*turned, nominal, epipolar.inliers);
+      return rotation(*rotated, nominal, below(rotated->errors, kPlaneThreshold * views.threshold_px));
+    if (hardly_more_than(views, *rotated, either)) return rotation(*rotated, nominal, epipolar.inliers);
   }
   if (as_general <= as_plane) return general(views, epipolar);
   return planar(views, epipolar, *plane, nominal);
@@ -182,7 +182,7 @@ Prepared prepared_pairs(const Camera& camera_first, std::span<const Keypoint> fi
   prepared.pairs.focal_first_px = camera_first.focal_px();
   prepared.pairs.focal_second_px = camera_second.focal_px();
   prepared.pairs.reserve(order.size());
-  std::vector<TurnAndScale> changes;
+  std::vector<RotationAndScale> changes;
   for (const int i : order) {
     const Match& match = matches[static_cast<std::size_t>(i)];
     const Keypoint &a = first[match.first], &b = second[match.second];

@@ -19,8 +19,8 @@ Camera lens() {
   return camera;
 }
 
-// Two pictures and their matches; the first `good` matches are right, the others join random pixels.
-struct Pictures {
+// Two images and their matches; the first `good` matches are right, the others join random pixels.
+struct MatchedImages {
   std::vector<Keypoint> first, second;
   std::vector<Match> matches;
   std::size_t good = 0;
@@ -39,9 +39,9 @@ struct Pictures {
 Eigen::Vector2d random_pixel(Random& random) { return {random.uniform(0, 3000), random.uniform(0, 2000)}; }
 
 template <class PointOf>
-Pictures pictures(const Camera& camera, const Rigid3& second_from_first, int good, int bad, double sigma_px,
-                  Random& random, PointOf point) {
-  Pictures result;
+MatchedImages matched_images(const Camera& camera, const Rigid3& second_from_first, int good, int bad, double sigma_px,
+                             Random& random, PointOf point) {
+  MatchedImages result;
   while (static_cast<int>(result.first.size()) < good) {
     const Eigen::Vector3d x = point(random);
     const auto a = project(camera, x), b = project(camera, second_from_first * x);
@@ -53,7 +53,7 @@ Pictures pictures(const Camera& camera, const Rigid3& second_from_first, int goo
   return result;
 }
 
-ImagePair verified(const Camera& camera, const Pictures& p, std::uint64_t seed = 1) {
+ImagePair verified(const Camera& camera, const MatchedImages& p, std::uint64_t seed = 1) {
   return verify(camera, p.first, camera, p.second, p.matches, {}, seed);
 }
 
@@ -67,7 +67,7 @@ TEST(Verify, FindsTheMotionAmongManyOutliers) {
   for (const double share : {0.0, 0.5, 0.7}) {
     const Rigid3 truth = random_motion(random);
     const int good = 150, bad = static_cast<int>(good * share / (1 - share));
-    const Pictures p = pictures(lens(), truth, good, bad, 0.5, random, random_point);
+    const MatchedImages p = matched_images(lens(), truth, good, bad, 0.5, random, random_point);
     const ImagePair pair = verified(lens(), p);
     EXPECT_EQ(pair.geometry, PairGeometry::kGeneral);
     EXPECT_EQ(pair.putative, good + bad);
@@ -82,7 +82,7 @@ TEST(Verify, FindsTheMotionAmongManyOutliers) {
 TEST(Verify, PerfectPairIsFoundToFloatPrecision) {
   Random random(2);
   const Rigid3 truth = random_motion(random);
-  const ImagePair pair = verified(lens(), pictures(lens(), truth, 200, 0, 0, random, random_point));
+  const ImagePair pair = verified(lens(), matched_images(lens(), truth, 200, 0, 0, random, random_point));
   EXPECT_EQ(pair.matches.size(), 200u);
   expect_motion(pair, truth, 1e-6);  // keypoints are floats: 1e-4 px of 2000
 }
@@ -91,7 +91,7 @@ TEST(Verify, PlaneIsRecognisedAndOneOfItsMotionsGiven) {
   Random random(3);
   for (int k = 0; k < 5; ++k) {
     const Rigid3 truth = random_motion(random);
-    const Pictures p = pictures(lens(), truth, 200, 100, 0.5, random, random_point_on_plane);
+    const MatchedImages p = matched_images(lens(), truth, 200, 100, 0.5, random, random_point_on_plane);
     const ImagePair pair = verified(lens(), p);
     EXPECT_EQ(pair.geometry, PairGeometry::kPlanar);
     EXPECT_GE(p.right_ones(pair), 195u);
@@ -103,7 +103,7 @@ TEST(Verify, PlaneWithSomethingOnItHasTheRightMotion) {
   Random random(4);
   for (int k = 0; k < 5; ++k) {
     const Rigid3 truth = random_motion(random);
-    const Pictures p = pictures(lens(), truth, 200, 60, 0.5, random, [](Random& r) {
+    const MatchedImages p = matched_images(lens(), truth, 200, 60, 0.5, random, [](Random& r) {
       return r.uniform() < 0.9 ? random_point_on_plane(r) : random_point(r);
     });
     const ImagePair pair = verified(lens(), p);
@@ -116,12 +116,12 @@ TEST(Verify, PlaneWithSomethingOnItHasTheRightMotion) {
 TEST(Verify, PureRotationIsRecognised) {
   Random random(5);
   for (int k = 0; k < 5; ++k) {
-    const Rigid3 turn{rotation_by(random_vector(random, 0.2)), {0, 0, 0}};
-    const Pictures p = pictures(lens(), turn, 200, 100, 0.5, random, random_point);
+    const Rigid3 rotation{rotation_by(random_vector(random, 0.2)), {0, 0, 0}};
+    const MatchedImages p = matched_images(lens(), rotation, 200, 100, 0.5, random, random_point);
     const ImagePair pair = verified(lens(), p);
     EXPECT_EQ(pair.geometry, PairGeometry::kRotation);
     EXPECT_GE(p.right_ones(pair), 190u);
-    EXPECT_LT(angle_between(pair.second_from_first.rotation, turn.rotation), 1e-3);
+    EXPECT_LT(angle_between(pair.second_from_first.rotation, rotation.rotation), 1e-3);
     EXPECT_EQ(pair.second_from_first.translation.norm(), 0);
     EXPECT_LT(pair.median_parallax_rad, 1e-3);
   }
@@ -129,8 +129,8 @@ TEST(Verify, PureRotationIsRecognised) {
 
 TEST(Verify, PureRotationIsRecognisedThroughAWrongFocalLength) {
   Random random(6);
-  const Rigid3 turn{rotation_by({0.02, 0.2, 0.01}), {0, 0, 0}};
-  const Pictures p = pictures(lens(), turn, 200, 50, 0.5, random, random_point);
+  const Rigid3 rotation{rotation_by({0.02, 0.2, 0.01}), {0, 0, 0}};
+  const MatchedImages p = matched_images(lens(), rotation, 200, 50, 0.5, random, random_point);
   Camera wrong = lens();
   wrong.params[Camera::kF] *= 1.08;
   wrong.prior.sigma_f_px = 0.08 * wrong.focal_px();
@@ -139,25 +139,25 @@ TEST(Verify, PureRotationIsRecognisedThroughAWrongFocalLength) {
 
 TEST(Verify, PureRotationIsRecognisedThroughALensNotYetCalibrated) {
   Random random(13);
-  const Rigid3 turn{rotation_by({0.02, 0.2, 0.01}), {0, 0, 0}};
-  const Pictures p = pictures(lens(), turn, 200, 50, 0.5, random, random_point);
+  const Rigid3 rotation{rotation_by({0.02, 0.2, 0.01}), {0, 0, 0}};
+  const MatchedImages p = matched_images(lens(), rotation, 200, 50, 0.5, random, random_point);
   Camera first_guess = ideal_camera(2000 * 1.05, 3000, 2000);
   first_guess.prior.sigma_f_px = 0.05 * first_guess.focal_px();
   EXPECT_EQ(verified(first_guess, p).geometry, PairGeometry::kRotation);
 }
 
-// A picture with few pixels: what a lens may feign is a share of its width, not a number of pixels.
+// An image with few pixels: what a lens may feign is a share of its width, not a number of pixels.
 Camera small_camera() {
   Camera camera = ideal_camera(533, 336, 256);
   camera.prior.sigma_f_px = 0.05 * camera.focal_px();
   return camera;
 }
 
-TEST(Verify, AFlightOverFlatGroundWithSmallPicturesIsNoRotation) {
+TEST(Verify, AFlightOverFlatGroundWithSmallImagesIsNoRotation) {
   Random random(17);
   for (int k = 0; k < 5; ++k) {
     const Rigid3 truth{rotation_by(random_vector(random, 0.02)), {0.05, -0.35, 0.02}};
-    const Pictures p = pictures(small_camera(), truth, 300, 0, 0.3, random, [](Random& r) {
+    const MatchedImages p = matched_images(small_camera(), truth, 300, 0, 0.3, random, [](Random& r) {
       const double depth = r.uniform() < 0.7 ? 5 : r.uniform(4.7, 5);  // houses on flat ground
       return Eigen::Vector3d(r.uniform(-0.35, 0.35) * depth, r.uniform(-0.35, 0.35) * depth, depth);
     });
@@ -165,15 +165,15 @@ TEST(Verify, AFlightOverFlatGroundWithSmallPicturesIsNoRotation) {
   }
 }
 
-TEST(Verify, PureRotationOfSmallPicturesIsRecognisedThroughALensNotYetCalibrated) {
+TEST(Verify, PureRotationOfSmallImagesIsRecognisedThroughALensNotYetCalibrated) {
   Random random(18);
   for (int k = 0; k < 5; ++k) {
-    const Rigid3 turn{rotation_by({0.02, 0.1, 0.01}), {0, 0, 0}};
+    const Rigid3 rotation{rotation_by({0.02, 0.1, 0.01}), {0, 0, 0}};
     Camera truth = small_camera();
     truth.params[Camera::kF] *= 0.97;
     truth.params[Camera::kK1] = -0.05;
     truth.params[Camera::kK2] = 0.01;
-    const Pictures p = pictures(truth, turn, 200, 0, 0.3, random, random_point);
+    const MatchedImages p = matched_images(truth, rotation, 200, 0, 0.3, random, random_point);
     EXPECT_EQ(verified(small_camera(), p).geometry, PairGeometry::kRotation) << k;
   }
 }
@@ -181,13 +181,14 @@ TEST(Verify, PureRotationOfSmallPicturesIsRecognisedThroughALensNotYetCalibrated
 TEST(Verify, RandomMatchesAreRefused) {
   Random random(7);
   for (const int count : {20, 60, 300, 1500})
-    EXPECT_EQ(verified(lens(), pictures(lens(), {}, 0, count, 0, random, random_point)).geometry, PairGeometry::kNone)
+    EXPECT_EQ(verified(lens(), matched_images(lens(), {}, 0, count, 0, random, random_point)).geometry,
+              PairGeometry::kNone)
         << count;
 }
 
 TEST(Verify, WatermarkIsRefusedButNotWhatLiesBehindIt) {
   Random random(8);
-  Pictures mark;
+  MatchedImages mark;
   for (int i = 0; i < 60; ++i) {
     const Eigen::Vector2d at(random.uniform(2500, 2900), random.uniform(1800, 1950));
     mark.add(at, at + noise(random, 0.2));
@@ -195,7 +196,7 @@ TEST(Verify, WatermarkIsRefusedButNotWhatLiesBehindIt) {
   EXPECT_EQ(verified(lens(), mark).geometry, PairGeometry::kNone);
 
   const Rigid3 truth = random_motion(random);
-  Pictures both = pictures(lens(), truth, 40, 0, 0.5, random, random_point);
+  MatchedImages both = matched_images(lens(), truth, 40, 0, 0.5, random, random_point);
   for (std::size_t i = 0; i < 300; ++i) {
     const Eigen::Vector2d at(random.uniform(2500, 2900), random.uniform(1800, 1950));
     both.add(at, at + noise(random, 0.2));
@@ -208,12 +209,12 @@ TEST(Verify, WatermarkIsRefusedButNotWhatLiesBehindIt) {
 
 // A camera that does not turn fits every mark: its essential matrix takes it for something far away. And the geometry
 // of no motion at all would fit the mark and much else by chance.
-TEST(Verify, DateBurntIntoThePictureIsNoMatch) {
+TEST(Verify, DateBurntIntoTheImageIsNoMatch) {
   Random random(17);
   for (const Rigid3& motion : {Rigid3{rotation_by({0, 0, 0}), {-1, 0, 0}}, Rigid3{rotation_by({0, 0, 0}), {0, 0.1, -1}},
                                Rigid3{rotation_by({0.02, 0.2, 0.01}), {0, 0, 0}}, random_motion(random)})
     for (const int marks : {8, 40, 120}) {
-      Pictures p = pictures(lens(), motion, 200, 60, 0.5, random, random_point);
+      MatchedImages p = matched_images(lens(), motion, 200, 60, 0.5, random, random_point);
       const std::size_t scene = p.first.size();
       for (int i = 0; i < marks; ++i) {
         const Eigen::Vector2d at(random.uniform(100, 600), random.uniform(1850, 1950));
@@ -230,7 +231,7 @@ TEST(Verify, DateBurntIntoThePictureIsNoMatch) {
 TEST(Verify, WhatHardlyMovesBecauseItIsFarAwayStays) {
   Random random(18);
   const Rigid3 ahead{rotation_by({0, 0, 0}), {0, 0, -1}};
-  const Pictures p = pictures(lens(), ahead, 400, 50, 0.3, random, [](Random& r) {
+  const MatchedImages p = matched_images(lens(), ahead, 400, 50, 0.3, random, [](Random& r) {
     const double depth = std::exp(r.uniform(1, 8));
     return Eigen::Vector3d(r.uniform(-0.6, 0.6) * depth, r.uniform(-0.4, 0.4) * depth, depth);
   });
@@ -248,12 +249,14 @@ TEST(Verify, LinesRepeatedPointsAndTooFewHaveNoGeometry) {
     const double s = r.uniform(-1, 1);
     return Eigen::Vector3d(s, 0.3 * s, 5);
   };
-  EXPECT_EQ(verified(lens(), pictures(lens(), truth, 100, 0, 0, random, on_line)).geometry, PairGeometry::kNone);
-  EXPECT_EQ(verified(lens(), pictures(lens(), truth, 100, 0, 0.5, random, on_line)).geometry, PairGeometry::kNone);
-  Pictures repeated;
+  EXPECT_EQ(verified(lens(), matched_images(lens(), truth, 100, 0, 0, random, on_line)).geometry, PairGeometry::kNone);
+  EXPECT_EQ(verified(lens(), matched_images(lens(), truth, 100, 0, 0.5, random, on_line)).geometry,
+            PairGeometry::kNone);
+  MatchedImages repeated;
   for (int i = 0; i < 100; ++i) repeated.add({700, 800}, {900, 750});
   EXPECT_EQ(verified(lens(), repeated).geometry, PairGeometry::kNone);
-  EXPECT_EQ(verified(lens(), pictures(lens(), truth, 14, 0, 0, random, random_point)).geometry, PairGeometry::kNone);
+  EXPECT_EQ(verified(lens(), matched_images(lens(), truth, 14, 0, 0, random, random_point)).geometry,
+            PairGeometry::kNone);
   EXPECT_EQ(verified(lens(), {}).geometry, PairGeometry::kNone);
 }
 
@@ -261,7 +264,7 @@ TEST(Verify, AssumedFocalLengthKeepsTheMatchesAndFindsTheMotion) {
   Random random(10);
   for (const double factor : {0.6, 1.0, 1.5}) {
     const Rigid3 truth = random_motion(random);
-    const Pictures p = pictures(lens(), truth, 200, 200, 0.5, random, random_point);
+    const MatchedImages p = matched_images(lens(), truth, 200, 200, 0.5, random, random_point);
     Camera assumed = lens();
     assumed.params[Camera::kF] *= factor;
     assumed.prior.sigma_f_px = 0.4 * assumed.focal_px();
@@ -276,7 +279,7 @@ TEST(Verify, FocalLengthOfTheExifTenPercentOffIsGoodEnough) {
   Random random(11);
   for (const double factor : {0.9, 1.1}) {
     const Rigid3 truth = random_motion(random);
-    const Pictures p = pictures(lens(), truth, 200, 100, 0.5, random, random_point);
+    const MatchedImages p = matched_images(lens(), truth, 200, 100, 0.5, random, random_point);
     Camera off = lens();
     off.params[Camera::kF] *= factor;
     off.prior.sigma_f_px = 0.05 * off.focal_px();
@@ -291,7 +294,7 @@ TEST(Verify, FlatSceneThroughAWrongFocalLengthKeepsItsMatches) {
   Random random(16);
   for (const double factor : {0.93, 1.07}) {
     const Rigid3 truth{rotation_by({0.03, 0.05, 0.2}), {-1, 0.1, 0.05}};
-    const Pictures p = pictures(lens(), truth, 300, 100, 0.5, random, [](Random& r) {
+    const MatchedImages p = matched_images(lens(), truth, 300, 100, 0.5, random, [](Random& r) {
       const double depth = r.uniform() < 0.7 ? 5 : r.uniform(4.8, 5);  // houses on flat ground
       return Eigen::Vector3d(r.uniform(-0.7, 0.7) * depth, r.uniform(-0.5, 0.5) * depth, depth);
     });
@@ -307,7 +310,7 @@ TEST(Verify, FlatSceneThroughAWrongFocalLengthKeepsItsMatches) {
 
 TEST(Verify, SameSeedSameBits) {
   Random random(12);
-  const Pictures p = pictures(lens(), random_motion(random), 150, 150, 0.5, random, random_point);
+  const MatchedImages p = matched_images(lens(), random_motion(random), 150, 150, 0.5, random, random_point);
   const ImagePair a = verified(lens(), p, 3), b = verified(lens(), p, 3);
   EXPECT_EQ(a.matches, b.matches);
   EXPECT_EQ(a.second_from_first.translation, b.second_from_first.translation);

@@ -15,13 +15,13 @@ namespace {
 
 constexpr int kLeastSize_px = 16;
 constexpr double kUpsampleBelow_px2 = 2.5e6;
-constexpr double kDirectionsOfPlace = 1.17;  // on an average
+constexpr double kDirectionsPerSite = 1.17;  // on an average
 
 // The levels that features are described on; the others are needed for detection only.
 struct DescribingLevels {
   std::array<Plane, kSteps + 1> planes;  // 1 to kSteps
-  double pixel_px;                       // size of the octave's pixel in pixels of the picture
-  double origin_px;                      // x and y of its first pixel's centre in the picture
+  double pixel_px;                       // size of the octave's pixel in pixels of the image
+  double origin_px;                      // x and y of its first pixel's centre in the image
 };
 
 struct Candidate {
@@ -39,9 +39,9 @@ struct Detection {
   std::vector<Candidate> candidates;
 };
 
-Detection detect(const GreyImage& picture, const SiftOptions& options, bool upsample) {
+Detection detect(const GreyImage& image, const SiftOptions& options, bool upsample) {
   Detection detection;
-  Plane level0 = first_level(picture, upsample);
+  Plane level0 = first_level(image, upsample);
   for (double pixel_px = upsample ? 0.5 : 1;; pixel_px *= 2) {
     Octave octave = octave_from(std::move(level0));
     const auto index = static_cast<std::uint32_t>(detection.octaves.size());
@@ -82,28 +82,27 @@ Keypoint keypoint(const Site& site, float angle_rad, float strength) {
 }
 
 // The candidates with their directions, strongest first, as many features as wanted.
-std::vector<Oriented> choose(const Detection& detection, const GreyImage& picture, const SiftOptions& options) {
+std::vector<Oriented> choose(const Detection& detection, const GreyImage& image, const SiftOptions& options) {
   std::vector<Spot> spots;
   spots.reserve(detection.candidates.size());
   for (std::uint32_t i = 0; i < detection.candidates.size(); ++i) {
     const float strength = detection.candidates[i].extremum.strength;
-    const Keypoint place = keypoint(Site(detection, i), 0, strength);
-    spots.push_back({place.x, place.y, strength});
+    const Keypoint located = keypoint(Site(detection, i), 0, strength);
+    spots.push_back({located.x, located.y, strength});
   }
   const auto most = static_cast<std::size_t>(std::max(0, options.max_features));
-  const int places = static_cast<int>(std::lround(options.max_features / kDirectionsOfPlace));
-  const std::vector<float> strengths =
-      regional_strengths(spots, picture.width, picture.height, places, options.evenness);
+  const int sites = static_cast<int>(std::lround(options.max_features / kDirectionsPerSite));
+  const std::vector<float> strengths = regional_strengths(spots, image.width, image.height, sites, options.evenness);
   std::vector<std::uint32_t> order(spots.size());
   std::iota(order.begin(), order.end(), 0u);
   std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::uint32_t i) { return strengths[i]; });
   if (order.size() > most) order.resize(most);
 
   // Neighbours are looked at one after the other: their pixels are still in the cache.
-  std::vector<std::uint32_t> by_place = order;
-  std::ranges::sort(by_place);
+  std::vector<std::uint32_t> by_index = order;
+  std::ranges::sort(by_index);
   std::vector<MainDirections> directions(detection.candidates.size());
-  for (const std::uint32_t i : by_place) {
+  for (const std::uint32_t i : by_index) {
     const Site site(detection, i);
     directions[i] =
         main_directions(site.plane.view(), site.candidate.extremum.x, site.candidate.extremum.y, site.blur_px);

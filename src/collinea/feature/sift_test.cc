@@ -31,7 +31,7 @@ struct Blob {
 };
 
 // Gaussian blobs on grey. Each pixel holds the value at its centre, as after an ideal sampling, rounded to a byte.
-GreyImage picture_of(const std::vector<Blob>& blobs, int width, int height) {
+GreyImage image_of(const std::vector<Blob>& blobs, int width, int height) {
   FloatImage sum(width, height, 1, 60);
   for (const Blob& blob : blobs) {
     const int reach = static_cast<int>(5 * blob.sigma_px) + 1, middle_x = static_cast<int>(blob.x),
@@ -43,16 +43,16 @@ GreyImage picture_of(const std::vector<Blob>& blobs, int width, int height) {
             static_cast<float>(blob.height * std::exp(-(dx * dx + dy * dy) / (2 * blob.sigma_px * blob.sigma_px)));
       }
   }
-  GreyImage picture(width, height);
-  std::ranges::transform(sum.data, picture.data.begin(), [](float value) {
+  GreyImage image(width, height);
+  std::ranges::transform(sum.data, image.data.begin(), [](float value) {
     return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 255.0f)));
   });
-  return picture;
+  return image;
 }
 
 double distance(const Keypoint& keypoint, double x, double y) { return std::hypot(keypoint.x - x, keypoint.y - y); }
 
-// A picture with structure of many sizes: it can be looked at turned and scaled about its middle.
+// An image with structure of many sizes: it can be looked at turned and scaled about its middle.
 struct Scene {
   std::vector<Blob> blobs;
   explicit Scene(std::uint64_t seed) {
@@ -64,12 +64,12 @@ struct Scene {
   [[nodiscard]] GreyImage seen(double angle_rad, double scale, int size = 240) const {
     std::vector<Blob> moved;
     for (const Blob& blob : blobs) {
-      const auto [x, y] = place(blob.x, blob.y, angle_rad, scale, size);
+      const auto [x, y] = position(blob.x, blob.y, angle_rad, scale, size);
       moved.push_back({x, y, blob.sigma_px * scale, blob.height});
     }
-    return picture_of(moved, size, size);
+    return image_of(moved, size, size);
   }
-  static std::pair<double, double> place(double x, double y, double angle_rad, double scale, int size) {
+  static std::pair<double, double> position(double x, double y, double angle_rad, double scale, int size) {
     return {size / 2.0 + scale * (std::cos(angle_rad) * x - std::sin(angle_rad) * y),
             size / 2.0 + scale * (std::sin(angle_rad) * x + std::cos(angle_rad) * y)};
   }
@@ -104,7 +104,7 @@ Agreement compare(double angle_rad, double scale, bool upsample) {
   std::vector<double> angles, scales;
   for (std::size_t i = 0; i < a.keypoints.size(); ++i) {
     const Keypoint& from = a.keypoints[i];
-    const auto [x, y] = Scene::place(from.x - size / 2.0, from.y - size / 2.0, angle_rad, scale, size);
+    const auto [x, y] = Scene::position(from.x - size / 2.0, from.y - size / 2.0, angle_rad, scale, size);
     if (x < 25 || y < 25 || x > size - 25 || y > size - 25) continue;
     ++agreement.expected;
     int best = 1 << 30, second = 1 << 30;
@@ -144,8 +144,7 @@ TEST(Sift, BlobsAreFoundWhereTheyAreInEveryOctaveAndWithoutBias) {
         const int size = static_cast<int>(60 + 10 * sigma_px);
         // Over a whole pixel of the coarsest octave.
         const double x = size / 2 + random.uniform(-8, 8), y = size / 2 + random.uniform(-8, 8);
-        const Features features =
-            detect_sift(picture_of({{x, y, sigma_px, 150}}, size, size), with_upsampling(upsample));
+        const Features features = detect_sift(image_of({{x, y, sigma_px, 150}}, size, size), with_upsampling(upsample));
         ASSERT_FALSE(features.keypoints.empty()) << sigma_px;
         const Keypoint& found = features.keypoints.front();
         EXPECT_LT(distance(found, x, y), 0.025 * found.scale_px) << sigma_px << " upsampled " << upsample;
@@ -166,7 +165,7 @@ TEST(Sift, TheScaleIsThatOfTheBlob) {
       // The area of a pixel is counted as blur, which a sampled function does not have.
       const double expected_px = std::sqrt(sigma_px * sigma_px + 1.0 / 12) / std::pow(2.0, 1.0 / 6);
       const Features features =
-          detect_sift(picture_of({{size / 2.0, size / 2.0, sigma_px, 150}}, size, size), with_upsampling(upsample));
+          detect_sift(image_of({{size / 2.0, size / 2.0, sigma_px, 150}}, size, size), with_upsampling(upsample));
       ASSERT_FALSE(features.keypoints.empty()) << sigma_px;
       const Keypoint& found = features.keypoints.front();
       EXPECT_NEAR(found.scale_px / expected_px, 1, 0.05) << sigma_px << " upsampled " << upsample;
@@ -215,10 +214,10 @@ TEST(Sift, ContrastAndBrightnessDoNotMatterToTheDescriptor) {
 }
 
 TEST(Sift, EverythingIsAsTheHeaderPromises) {
-  const GreyImage picture = Scene(5).seen(0, 1);
+  const GreyImage image = Scene(5).seen(0, 1);
   SiftOptions options;
   options.max_features = 150;
-  const Features features = detect_sift(picture, options);
+  const Features features = detect_sift(image, options);
   ASSERT_EQ(features.keypoints.size(), 150u);
   ASSERT_EQ(features.descriptors.size(), 150u);
   for (std::size_t i = 0; i < features.keypoints.size(); ++i) {
@@ -226,16 +225,16 @@ TEST(Sift, EverythingIsAsTheHeaderPromises) {
     EXPECT_LE(keypoint.strength, features.keypoints[i > 0 ? i - 1 : 0].strength);
     EXPECT_GE(keypoint.angle_rad, 0);
     EXPECT_LT(keypoint.angle_rad, 2 * kPi + 1e-6);
-    EXPECT_TRUE(keypoint.x > 0 && keypoint.y > 0 && keypoint.x < picture.width && keypoint.y < picture.height);
+    EXPECT_TRUE(keypoint.x > 0 && keypoint.y > 0 && keypoint.x < image.width && keypoint.y < image.height);
     double squares = 0;
     for (const std::uint8_t value : features.descriptors[i]) squares += double{1} * value * value;
     EXPECT_NEAR(std::sqrt(squares), 512, 6);
   }
 }
 
-TEST(Sift, TheSamePictureGivesTheSameBits) {
-  const GreyImage picture = Scene(6).seen(0.1, 1);
-  const Features a = detect_sift(picture, {}), b = detect_sift(picture, {});
+TEST(Sift, TheSameImageGivesTheSameBits) {
+  const GreyImage image = Scene(6).seen(0.1, 1);
+  const Features a = detect_sift(image, {}), b = detect_sift(image, {});
   ASSERT_EQ(a.keypoints.size(), b.keypoints.size());
   for (std::size_t i = 0; i < a.keypoints.size(); ++i) {
     EXPECT_EQ(a.keypoints[i].x, b.keypoints[i].x);
@@ -245,7 +244,7 @@ TEST(Sift, TheSamePictureGivesTheSameBits) {
   EXPECT_EQ(a.descriptors, b.descriptors);
 }
 
-TEST(Sift, PicturesWithoutStructureHaveNoFeatures) {
+TEST(Sift, ImagesWithoutStructureHaveNoFeatures) {
   EXPECT_TRUE(detect_sift(GreyImage(), {}).keypoints.empty());
   EXPECT_TRUE(detect_sift(GreyImage(15, 400, 1, 9), {}).keypoints.empty());
   EXPECT_TRUE(detect_sift(GreyImage(16, 16, 1, 9), {}).keypoints.empty());
@@ -253,10 +252,10 @@ TEST(Sift, PicturesWithoutStructureHaveNoFeatures) {
 }
 
 TEST(Sift, AStraightEdgeHasNoFeatures) {
-  GreyImage picture(200, 200);
+  GreyImage image(200, 200);
   for (int y = 0; y < 200; ++y)
-    for (int x = 0; x < 200; ++x) picture.at(x, y) = x + y / 3 < 130 ? 30 : 220;
-  for (const Keypoint& keypoint : detect_sift(picture, above(0.01)).keypoints)
+    for (int x = 0; x < 200; ++x) image.at(x, y) = x + y / 3 < 130 ? 30 : 220;
+  for (const Keypoint& keypoint : detect_sift(image, above(0.01)).keypoints)
     EXPECT_TRUE(keypoint.y < 40 || keypoint.y > 160) << keypoint.x << " " << keypoint.y;
 }
 

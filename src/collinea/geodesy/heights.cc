@@ -19,7 +19,7 @@ std::string short_name(pj_ctx* context, const PJ* crs) {
   return wkt2_of(context, crs);
 }
 
-// The same map without heights of its own.
+// The CRS of a map without the heights of a compound one.
 Result<std::string> plan_of(pj_ctx* context, const std::string& crs) {
   COLLINEA_TRY(const MapCrs map, read_map_crs(context, crs));
   if (proj_get_type(map.object.get()) != PJ_TYPE_COMPOUND_CRS) return crs;
@@ -64,7 +64,7 @@ Result<std::string> with_heights(const std::string& crs, const HeightsFrom& from
   return plan + std::string(kGeoidMark) + file.string();
 }
 
-Result<bool> says_heights(const std::string& crs) {
+Result<bool> states_heights(const std::string& crs) {
   const ProjContext context = quiet_proj_context();
   COLLINEA_TRY(const MapCrs map, read_map_crs(context.get(), crs));
   return map.has_height;

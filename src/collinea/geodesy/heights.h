@@ -22,6 +22,6 @@ using HeightsFrom = WordOr<HeightSurface, std::string>;
 [[nodiscard]] Result<std::string> with_heights(const std::string& crs, const HeightsFrom& heights);
 
 /// True when a CRS says what its heights are; those of others are ellipsoidal.
-[[nodiscard]] Result<bool> says_heights(const std::string& crs);
+[[nodiscard]] Result<bool> states_heights(const std::string& crs);
 
 }  // namespace collinea

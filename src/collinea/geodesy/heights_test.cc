@@ -37,14 +37,14 @@ TEST_F(GeoidFile, ItsHeightsAreTakenOffThoseOverTheEllipsoid) {
   ASSERT_TRUE(frame) << frame.error().message;
   const LocalFrame plain = LocalFrame::create("EPSG:32633", 48.2, 15.6, 300).value();
   for (const auto& [latitude, longitude] : {std::pair(48.2, 15.6), {48.25, 15.51}, {48.03, 15.72}}) {
-    const Eigen::Vector3d place(latitude, longitude, 412.5), local = frame->local_from_geographic(place);
+    const Eigen::Vector3d geographic(latitude, longitude, 412.5), local = frame->local_from_geographic(geographic);
     const Eigen::Vector3d map = frame->map_from_local(local);
     EXPECT_NEAR(map.z(), 412.5 - test_geoid_m(latitude, longitude), 1e-4);
     EXPECT_LT((map - plain.map_from_local(local)).head<2>().norm(), 1e-6);
     EXPECT_LT((frame->local_from_map(map) - local).norm(), 1e-6);
   }
   EXPECT_NE(frame->crs_name().find("test geoid.gtx"), std::string::npos) << frame->crs_name();
-  EXPECT_TRUE(says_heights(crs).value());
+  EXPECT_TRUE(states_heights(crs).value());
   EXPECT_FALSE(frame->wkt1().empty());
 }
 
@@ -54,8 +54,8 @@ TEST_F(GeoidFile, HeightsOfACompoundCrsAreReplaced) {
   EXPECT_EQ(with_heights("EPSG:32633", "EPSG:5773").value(), "EPSG:32633+EPSG:5773");
   EXPECT_EQ(with_heights("EPSG:32633+5773", geoid()).value(), "EPSG:32633+geoid:" + geoid());
   EXPECT_EQ(with_heights("EPSG:32633+geoid:" + geoid(), "ellipsoidal").value(), "EPSG:32633");
-  EXPECT_TRUE(says_heights("EPSG:32633+5773").value());
-  EXPECT_FALSE(says_heights("EPSG:32633").value());
+  EXPECT_TRUE(states_heights("EPSG:32633+5773").value());
+  EXPECT_FALSE(states_heights("EPSG:32633").value());
 }
 
 // A CRS without a code is written out.
@@ -65,7 +65,7 @@ TEST_F(GeoidFile, ACrsInManyWordsMayHaveThemToo) {
   ASSERT_TRUE(frame) << frame.error().message;
   const Eigen::Vector3d local = frame->local_from_geographic({48.2, 15.6, 400});
   EXPECT_NEAR(frame->map_from_local(local).z(), 400 - test_geoid_m(48.2, 15.6), 1e-4);
-  EXPECT_TRUE(says_heights(with_heights(utm, "EPSG:5773").value()).value());
+  EXPECT_TRUE(states_heights(with_heights(utm, "EPSG:5773").value()).value());
 }
 
 TEST_F(GeoidFile, WhatIsNoSystemOfHeightsIsRefusedInWords) {

@@ -121,7 +121,7 @@ TEST(LocalFrame, MapsWhoseMetresAreNoneAreRefusedAndABetterOneIsNamed) {
   EXPECT_TRUE(geographic_from_map("EPSG:3857", {1669792.36, 6106854.83, 300}));
 }
 
-TEST(LocalFrame, AnOriginThatIsNoPlaceIsRefused) {
+TEST(LocalFrame, AnOriginThatIsNoPositionIsRefused) {
   EXPECT_FALSE(LocalFrame::create("EPSG:32633", 95, 15, 0));
   EXPECT_FALSE(LocalFrame::create("EPSG:32633", 45, std::nan(""), 0));
 }
@@ -167,8 +167,8 @@ TEST(Utm, ZonesAndTheirExceptions) {
 TEST(GeographicFromMap, InvertsTheLocalFrame) {
   const LocalFrame local_frame = frame();
   const Eigen::Vector3d map = local_frame.map_from_local(Eigen::Vector3d(1, 2, 3));
-  const Eigen::Vector3d place = geographic_from_map("EPSG:32633", map).value();
-  EXPECT_LT((local_frame.local_from_geographic(place) - Eigen::Vector3d(1, 2, 3)).norm(), 1e-6);
+  const Eigen::Vector3d geographic = geographic_from_map("EPSG:32633", map).value();
+  EXPECT_LT((local_frame.local_from_geographic(geographic) - Eigen::Vector3d(1, 2, 3)).norm(), 1e-6);
   EXPECT_FALSE(geographic_from_map("EPSG:4326", map));
 }
 

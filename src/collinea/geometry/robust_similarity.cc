@@ -12,9 +12,9 @@
 namespace collinea::bundle {
 namespace {
 
-std::optional<Similarity3> fit(const std::vector<PlacePair>& pairs, const std::vector<double>& weights) {
+std::optional<Similarity3> fit(const std::vector<PositionPair>& pairs, const std::vector<double>& weights) {
   std::vector<Eigen::Vector3d> a, b;
-  for (const PlacePair& pair : pairs) {
+  for (const PositionPair& pair : pairs) {
     a.push_back(pair.in_block);
     b.push_back(pair.in_world);
   }
@@ -22,7 +22,7 @@ std::optional<Similarity3> fit(const std::vector<PlacePair>& pairs, const std::v
 }
 
 // The similarity of the triple whose median distance is least. All triples when they are few.
-std::optional<Similarity3> least_median(const std::vector<PlacePair>& pairs, std::uint64_t seed) {
+std::optional<Similarity3> least_median(const std::vector<PositionPair>& pairs, std::uint64_t seed) {
   constexpr std::size_t kMostTrials = 500;
   const std::size_t n = pairs.size();
   std::optional<Similarity3> best;
@@ -54,7 +54,7 @@ std::optional<Similarity3> least_median(const std::vector<PlacePair>& pairs, std
 }
 
 // Pairs count fully within 27^1/2 standard deviations, beyond not at all.
-std::optional<Similarity3> refined(const std::vector<PlacePair>& pairs, Similarity3 world_from_block,
+std::optional<Similarity3> refined(const std::vector<PositionPair>& pairs, Similarity3 world_from_block,
                                    std::vector<double>& weights) {
   for (int round = 0; round < 10; ++round) {
     const std::vector<double> distance = distances(pairs, world_from_block);
@@ -73,13 +73,13 @@ std::optional<Similarity3> refined(const std::vector<PlacePair>& pairs, Similari
 
 }  // namespace
 
-bool span_a_plane(const std::vector<PlacePair>& pairs) {
+bool span_a_plane(const std::vector<PositionPair>& pairs) {
   if (pairs.size() < 3) return false;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const PlacePair& pair : pairs) mean += pair.in_world / double(pairs.size());
+  for (const PositionPair& pair : pairs) mean += pair.in_world / double(pairs.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   double variance = 0;
-  for (const PlacePair& pair : pairs) {
+  for (const PositionPair& pair : pairs) {
     spread += (pair.in_world - mean) * (pair.in_world - mean).transpose();
     variance += pair.sigma_m * pair.sigma_m / double(pairs.size());
   }
@@ -88,13 +88,13 @@ bool span_a_plane(const std::vector<PlacePair>& pairs) {
   return axes[1] > 1e-6 * axes[2] && axes[1] > 4 * variance / double(pairs.size());
 }
 
-std::vector<double> distances(const std::vector<PlacePair>& pairs, const Similarity3& world_from_block) {
+std::vector<double> distances(const std::vector<PositionPair>& pairs, const Similarity3& world_from_block) {
   std::vector<double> result;
-  for (const PlacePair& pair : pairs) result.push_back((world_from_block * pair.in_block - pair.in_world).norm());
+  for (const PositionPair& pair : pairs) result.push_back((world_from_block * pair.in_block - pair.in_world).norm());
   return result;
 }
 
-std::optional<RobustSimilarity> robust_similarity(const std::vector<PlacePair>& pairs, std::uint64_t seed) {
+std::optional<RobustSimilarity> robust_similarity(const std::vector<PositionPair>& pairs, std::uint64_t seed) {
   if (pairs.size() < 3) return std::nullopt;
   const auto start = least_median(pairs, seed);
   if (!start) return std::nullopt;

@@ -10,7 +10,7 @@
 namespace collinea::bundle {
 
 /// A place known in the block's frame and in the world.
-struct PlacePair {
+struct PositionPair {
   Eigen::Vector3d in_block, in_world;
   double sigma_m = 1;  ///< of one coordinate in the world
 };
@@ -22,14 +22,15 @@ struct RobustSimilarity {
 };
 
 /// True when three or more places do not lie on a line: the second axis of their spread is more than uncertainty.
-[[nodiscard]] bool span_a_plane(const std::vector<PlacePair>& pairs);
+[[nodiscard]] bool span_a_plane(const std::vector<PositionPair>& pairs);
 
 /// Least median of squares over triples, then least squares of those whose distance is within 27^1/2 = 5.2 robust
 /// standard deviations of one coordinate and their own (three on each of three axes). Nothing with fewer than three
 /// pairs or when those that agree lie on one line.
-[[nodiscard]] std::optional<RobustSimilarity> robust_similarity(const std::vector<PlacePair>& pairs,
+[[nodiscard]] std::optional<RobustSimilarity> robust_similarity(const std::vector<PositionPair>& pairs,
                                                                 std::uint64_t seed);
 
-[[nodiscard]] std::vector<double> distances(const std::vector<PlacePair>& pairs, const Similarity3& world_from_block);
+[[nodiscard]] std::vector<double> distances(const std::vector<PositionPair>& pairs,
+                                            const Similarity3& world_from_block);
 
 }  // namespace collinea::bundle

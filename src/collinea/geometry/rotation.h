@@ -19,7 +19,7 @@ namespace collinea {
 
 /// Photogrammetric angles of a camera [deg], for the border of the program (reports, files):
 /// ground_from_image = Rx(omega) * Ry(phi) * Rz(kappa), with the image frame x right, y up, z backward, so that a nadir
-/// photograph with its x axis to the east has all three zero.
+/// image with its x axis to the east has all three zero.
 struct OmegaPhiKappa {
   double omega_deg = 0, phi_deg = 0, kappa_deg = 0;
 };

@@ -40,7 +40,7 @@ std::optional<ImageId> ImageNames::find(const std::string& name) const {
   return std::nullopt;
 }
 
-Result<ImageId> ImageNames::find_photo(const std::filesystem::path& path) const {
+Result<ImageId> ImageNames::find_image(const std::filesystem::path& path) const {
   std::error_code ignored;
   const std::string whole =
       path_of(std::filesystem::exists(path, ignored) ? std::filesystem::absolute(path).string() : path.string());

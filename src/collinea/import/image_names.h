@@ -20,7 +20,7 @@ class ImageNames {
   [[nodiscard]] std::optional<ImageId> find(const std::string& name) const;
   /// The image whose path below the photo folder is the end of `path` (the whole one, where a file is there), the
   /// longest of them; else as find() does. Errors: none, or several.
-  [[nodiscard]] Result<ImageId> find_photo(const std::filesystem::path& path) const;
+  [[nodiscard]] Result<ImageId> find_image(const std::filesystem::path& path) const;
 
  private:
   /// By path, path in lower case, name, name in lower case; nothing: several have it.

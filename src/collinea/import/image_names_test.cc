@@ -29,15 +29,15 @@ TEST(ImageNames, TheExactNameWinsAndAnyOtherLetterCaseMustBeUnique) {
   EXPECT_EQ(names.find("else/F.jpg"), ImageId{4});
 }
 
-TEST(ImageNames, APhotographIsFoundByTheEndOfItsPath) {
+TEST(ImageNames, AnImageIsFoundByTheEndOfItsPath) {
   const ImageNames names(block_of({"A.jpg", "b/A.jpg", "b/C.jpg", "d/E.jpg", "f/e.jpg"}));
-  EXPECT_EQ(names.find_photo("/photos/A.jpg"), ImageId{0});
-  EXPECT_EQ(names.find_photo("/photos/b/A.jpg"), ImageId{1});
-  EXPECT_EQ(names.find_photo("b/./A.jpg"), ImageId{1});
-  EXPECT_EQ(names.find_photo("A.jpg"), ImageId{0});
-  EXPECT_EQ(names.find_photo("/A.jpg"), ImageId{0});
-  EXPECT_EQ(names.find_photo("copies/c.JPG"), ImageId{2});
-  const auto message = [&](const char* path) { return names.find_photo(path).error().message; };
+  EXPECT_EQ(names.find_image("/photos/A.jpg"), ImageId{0});
+  EXPECT_EQ(names.find_image("/photos/b/A.jpg"), ImageId{1});
+  EXPECT_EQ(names.find_image("b/./A.jpg"), ImageId{1});
+  EXPECT_EQ(names.find_image("A.jpg"), ImageId{0});
+  EXPECT_EQ(names.find_image("/A.jpg"), ImageId{0});
+  EXPECT_EQ(names.find_image("copies/c.JPG"), ImageId{2});
+  const auto message = [&](const char* path) { return names.find_image(path).error().message; };
   EXPECT_EQ(message("/photos/xA.jpg"), "no photograph of the orientation is called xA.jpg");
   EXPECT_EQ(message("g/E.JPG"),
             "several photographs of the orientation are called E.JPG: give its path below the photo folder");
@@ -50,7 +50,7 @@ TEST(ImageNames, TheFileMeantIsThatOfTheWorkingFolder) {
   const ImageNames names(block_of({"A.jpg", "b/A.jpg"}));
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::current_path(folder / "b");
-  const auto found = names.find_photo("A.jpg");
+  const auto found = names.find_image("A.jpg");
   std::filesystem::current_path(before);
   EXPECT_EQ(found, ImageId{1});
 }

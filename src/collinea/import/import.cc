@@ -18,7 +18,7 @@
 #include "collinea/import/internal/import_control.h"
 #include "collinea/import/internal/import_positions.h"
 #include "collinea/import/reason.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -28,15 +28,15 @@ namespace fs = std::filesystem;
 constexpr double kAssumedFocal = 1.2;       // times the longer side: a plain wide-angle lens
 constexpr double kAssumedFocalSigma = 0.3;  // relative
 constexpr double kFullFrameDiagonal_mm = 43.2666;
-constexpr int kSmallest_px = 64;  // width and height of a photograph of use
+constexpr int kSmallest_px = 64;  // width and height of an image of use
 
-struct Photo {
+struct ImageFile {
   std::string file;
   Result<ImageHeader> header = fail(Errc::kNotFound, "not read");
   Result<std::uint64_t> hash = fail(Errc::kNotFound, "not read");
 };
 
-bool looks_like_photo(const fs::path& path) {
+bool looks_like_image(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
@@ -44,7 +44,7 @@ bool looks_like_photo(const fs::path& path) {
          extension == ".tiff";
 }
 
-// A project below the photo folder, or in it, holds rasters that are no photographs.
+// A project below the photo folder, or in it, holds rasters that are no images.
 bool belongs_to_project(const fs::path& directory) {
   std::error_code ignored;
   if (fs::exists(directory / "block.db", ignored)) return true;
@@ -75,7 +75,7 @@ Listing files_below(const fs::path& folder) {
     for (auto it = fs::directory_iterator(here, error); !error && it != fs::directory_iterator(); it.increment(error))
       if (it->is_directory(ignored)) {
         if (!it->is_symlink(ignored) && !belongs_to_project(it->path())) left.push_back(it->path());
-      } else if (it->is_regular_file(ignored) && looks_like_photo(it->path())) {
+      } else if (it->is_regular_file(ignored) && looks_like_image(it->path())) {
         listing.files.push_back(path_below(folder, it->path()));
       }
     if (error)
@@ -120,7 +120,7 @@ Result<std::vector<double>> numbers_in(const std::string& text, CameraModel mode
   return numbers;
 }
 
-// One camera fits pictures of one size: focal length and principal point are in its pixels.
+// One camera fits images of one size: focal length and principal point are in its pixels.
 Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
   const Image* first = nullptr;
   for (const auto& [id, image] : block.images) {
@@ -129,14 +129,14 @@ Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
       first = &image;
       if (!inside(camera, {v[2], v[3]}))
         return fail(Errc::kBadInput,
-                    fmt::format("the principal point {}, {} of the given camera lies outside the pictures ({} x {} px)",
+                    fmt::format("the principal point {}, {} of the given camera lies outside the images ({} x {} px)",
                                 v[2], v[3], camera.width_px, camera.height_px),
                     {"camera_params"_option});
     }
     const Camera& of_first = block.cameras.at(first->camera);
     if (camera.width_px != of_first.width_px || camera.height_px != of_first.height_px)
       return fail(Errc::kBadInput,
-                  fmt::format("one camera is given, but the pictures differ in size: {} has {} x {} px, "
+                  fmt::format("one camera is given, but the images differ in size: {} has {} x {} px, "
                               "{} has {} x {} px; keep those of one size in a folder of their own",
                               first->file, of_first.width_px, of_first.height_px, image.file, camera.width_px,
                               camera.height_px),
@@ -159,7 +159,7 @@ Camera given_camera(CameraModel model, const std::vector<double>& v, int width_p
 }
 
 // The shortest focal length that can be true, and the one assumed where none is stated [times the longer side]. A
-// fisheye is taken for one that fills the picture with 180 degrees from corner to corner; one that sees 220 degrees
+// fisheye is taken for one that fills the image with 180 degrees from corner to corner; one that sees 220 degrees
 // along the shorter of 16:9 sides has an eighth of the longer side.
 struct UsualFocal {
   double shortest, assumed;
@@ -188,7 +188,7 @@ Camera camera_from_header(const ImageHeader& header, CameraModel model) {
     focal_px = *header.focal_mm / *header.pixel_pitch_mm;
     source = Provenance::kExifPixelPitch;
   }
-  // A picture resampled after it was taken keeps its old pixel pitch: then the two sources disagree and the equivalent
+  // An image resampled after it was taken keeps its old pixel pitch: then the two sources disagree and the equivalent
   // wins.
   if (header.focal_35mm_mm && *header.focal_35mm_mm > 0) {
     const double equivalent_px = *header.focal_35mm_mm * diagonal_px / kFullFrameDiagonal_mm;
@@ -239,8 +239,9 @@ std::optional<PositionPrior> position_prior(const ImageHeader& header, const Imp
   return prior;
 }
 
-Result<std::vector<Photo>> read_headers(const fs::path& folder, const std::vector<std::string>& files, const Run& run) {
-  std::vector<Photo> photos(files.size());
+Result<std::vector<ImageFile>> read_headers(const fs::path& folder, const std::vector<std::string>& files,
+                                            const Run& run) {
+  std::vector<ImageFile> photos(files.size());
   UnitList list{.stage = "import"};
   for (std::size_t i = 0; i < files.size(); ++i) list.units.push_back(Unit::file(i));
   const auto read = [&](std::size_t i, const Run&) -> Result<UnitWorked> {
@@ -259,34 +260,34 @@ class Importer {
            std::optional<std::vector<double>> camera_params)
       : folder_(folder), options_(options), model_(model), camera_params_(std::move(camera_params)) {}
 
-  void add(const Photo& photo) {
-    if (!photo.header) return skip_unreadable(photo, photo.header.error());
-    if (!photo.hash) return skip_unreadable(photo, photo.hash.error());
-    const Subject file = Subject::file(photo.file);
-    if (std::min(photo.header->width_px, photo.header->height_px) < kSmallest_px)
+  void add(const ImageFile& source) {
+    if (!source.header) return skip_unreadable(source, source.header.error());
+    if (!source.hash) return skip_unreadable(source, source.hash.error());
+    const Subject file = Subject::file(source.file);
+    if (std::min(source.header->width_px, source.header->height_px) < kSmallest_px)
       return skip(finding_of(FindingCode::kImageTooSmall, {file}, {{FigureName::kLimit, kSmallest_px}}));
-    const auto [same, is_new] = file_of_hash_.emplace(*photo.hash, photo.file);
+    const auto [same, is_new] = file_of_hash_.emplace(*source.hash, source.file);
     if (!is_new) return skip(finding_of(FindingCode::kImageDuplicate, {file, Subject::file(same->second)}));
     Image image;
-    image.file = photo.file;
-    image.camera = camera_of(*photo.header);
-    image.taken = photo.header->taken;
-    image.orientation = photo.header->orientation;
-    image.position = position_prior(*photo.header, options_);
-    if (photo.header->heading_deg && photo.header->pitch_deg)
+    image.file = source.file;
+    image.camera = camera_of(*source.header);
+    image.taken = source.header->taken;
+    image.orientation = source.header->orientation;
+    image.position = position_prior(*source.header, options_);
+    if (source.header->heading_deg && source.header->pitch_deg)
       image.attitude =
-          AttitudePrior{*photo.header->heading_deg, *photo.header->pitch_deg, photo.header->roll_deg.value_or(0)};
+          AttitudePrior{*source.header->heading_deg, *source.header->pitch_deg, source.header->roll_deg.value_or(0)};
     result.block.images[ImageId{static_cast<std::uint32_t>(result.block.images.size())}] = image;
-    result.file_hash.push_back(Hash().add(*photo.hash).hex());
+    result.file_hash.push_back(Hash().add(*source.hash).hex());
   }
 
   Imported result;
 
  private:
   void skip(Finding because) { result.skipped.push_back(std::move(because)); }
-  void skip_unreadable(const Photo& photo, const Error& error) {
-    skip(finding_of(FindingCode::kImageUnreadable, {Subject::file(photo.file)}, {}, {},
-                    reason_without_name(error.message, folder_ / photo.file)));
+  void skip_unreadable(const ImageFile& image, const Error& error) {
+    skip(finding_of(FindingCode::kImageUnreadable, {Subject::file(image.file)}, {}, {},
+                    reason_without_name(error.message, folder_ / image.file)));
   }
 
   CameraId camera_of(const ImageHeader& header) {
@@ -323,7 +324,7 @@ class Importer {
   std::map<std::uint64_t, std::string> file_of_hash_;
 };
 
-// That a folder holds too few photographs, with what is wrong with the first of its other files.
+// That a folder holds too few images, with what is wrong with the first of its other files.
 Error too_few(const Imported& imported, const fs::path& photos) {
   Error error{Errc::kNotFound, fmt::format("{} usable photographs (JPEG, TIFF, PNG) in {}",
                                            imported.block.images.size(), photos.string())};
@@ -392,8 +393,8 @@ Result<Systems> systems_of(const ImportOptions& options, const std::string& map,
                    return std::move(error).about("control_heights"_option);
                  }));
   } else if (options.heights && !control.empty()) {
-    COLLINEA_TRY(const bool said, says_heights(control));
-    if (!said) {
+    COLLINEA_TRY(const bool is_stated, states_heights(control));
+    if (!is_stated) {
       COLLINEA_TRY(systems.control, with_heights(control, *options.heights));
     }
   }
@@ -405,7 +406,7 @@ bool has_positions(const Block& block) {
                      [](const auto& entry) { return entry.second.position.has_value(); });
 }
 
-// How high what the photographs count their heights from lies over the ellipsoid, for all of the block. Not for
+// How high what the images count their heights from lies over the ellipsoid, for all of the block. Not for
 // positions of a file, which says itself what its heights are.
 Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, const ImportOptions& options) {
   if (options.gps_heights.word() == HeightSurface::kEllipsoid || !has_positions(imported.block)) return {};
@@ -436,7 +437,7 @@ Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, c
   return {};
 }
 
-Result<> place_on_earth(Imported& imported, const ImportOptions& options, ControlFile control) {
+Result<> location_on_earth(Imported& imported, const ImportOptions& options, ControlFile control) {
   Block& block = imported.block;
   const bool has_gps = has_positions(block);
   std::string crs = options.crs.value_or(control.crs);
@@ -489,7 +490,7 @@ Result<ControlFile> control_of(const ImportOptions& options) {
 
 }  // namespace
 
-Result<Imported> import_photos(const fs::path& photos, const ImportOptions& options, const Run& run) {
+Result<Imported> import_images(const fs::path& photos, const ImportOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
   const CameraModel model = options.camera_model;
   std::optional<std::vector<double>> camera_params;
@@ -502,8 +503,8 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
     return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
   Importer importer(photos, options, model, camera_params);
   const Listing listing = files_below(photos);
-  COLLINEA_TRY(const std::vector<Photo> read, read_headers(photos, listing.files, run));
-  for (const Photo& photo : read) importer.add(photo);
+  COLLINEA_TRY(const std::vector<ImageFile> read, read_headers(photos, listing.files, run));
+  for (const ImageFile& image : read) importer.add(image);
   Imported imported = std::move(importer.result);
   imported.skipped.insert(imported.skipped.end(), listing.unreadable_folders.begin(), listing.unreadable_folders.end());
   if (imported.block.images.size() < 2) return tl::unexpected(too_few(imported, photos));
@@ -515,9 +516,9 @@ Result<Imported> import_photos(const fs::path& photos, const ImportOptions& opti
     COLLINEA_TRY(of_file, add_positions(imported, positions, *options.positions, options));
   }
   COLLINEA_TRY(raise_positions(imported, of_file, options));
-  COLLINEA_TRY(place_on_earth(imported, options, control));
+  COLLINEA_TRY(location_on_earth(imported, options, control));
   COLLINEA_TRY(add_map_attitudes(imported, positions));
-  if (options.ground) COLLINEA_TRY(add_ground(imported, *options.ground));
+  if (options.geodetic) COLLINEA_TRY(add_geodetic(imported, *options.geodetic));
   name_unseen_control(imported);
   return imported;
 }
@@ -531,7 +532,7 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   };
   for (const std::string& file : files_below(photos).files) add_file(photos / file);
   if (options.control) add_file(*options.control);
-  if (options.ground) add_file(*options.ground);
+  if (options.geodetic) add_file(*options.geodetic);
   if (options.positions) add_file(*options.positions);
   const std::optional<HeightsFrom> gps_heights = options.gps_heights;
   for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})

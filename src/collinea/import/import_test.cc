@@ -14,7 +14,7 @@
 #include "collinea/block/world_frame.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/geodesy/test_geoid.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -28,7 +28,7 @@ ImageHeader drone_header() {
   return header;
 }
 
-ImageHeader at_place(double latitude_deg, double longitude_deg) {
+ImageHeader header_at(double latitude_deg, double longitude_deg) {
   ImageHeader header = drone_header();
   header.latitude_deg = latitude_deg;
   header.longitude_deg = longitude_deg;
@@ -36,13 +36,13 @@ ImageHeader at_place(double latitude_deg, double longitude_deg) {
   return header;
 }
 
-// No two pictures have the same bytes.
-void put_photo(const std::filesystem::path& path, const ImageHeader* header, int width_px = 120, int height_px = 90) {
+// No two images have the same bytes.
+void put_image(const std::filesystem::path& path, const ImageHeader* header, int width_px = 120, int height_px = 90) {
   static std::uint8_t shade = 0;
-  Raster<std::uint8_t> picture(width_px, height_px, 1);
-  std::fill(picture.data.begin(), picture.data.end(), ++shade);
+  Raster<std::uint8_t> image(width_px, height_px, 1);
+  std::fill(image.data.begin(), image.data.end(), ++shade);
   std::filesystem::create_directories(path.parent_path());
-  ASSERT_TRUE(write_jpeg(path, picture, 90, header));
+  ASSERT_TRUE(write_jpeg(path, image, 90, header));
 }
 
 // What the findings of that code say, one a line.
@@ -65,12 +65,12 @@ std::string reason_for(const Imported& imported, const std::string& file) {
   return "not skipped";
 }
 
-// The camera that a picture of 120 x 90 pixels with this header gets.
+// The camera that an image of 120 x 90 pixels with this header gets.
 Camera camera_of(const ImageHeader& header) {
   const TestFolder folder;
-  put_photo(folder / "a.jpg", &header);
-  put_photo(folder / "b.jpg", &header);
-  const auto imported = import_photos(folder / "", {}, {});
+  put_image(folder / "a.jpg", &header);
+  put_image(folder / "b.jpg", &header);
+  const auto imported = import_images(folder / "", {}, {});
   EXPECT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->block.cameras.size(), 1u);
   return imported->block.cameras.begin()->second;
@@ -108,8 +108,8 @@ TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
   impossible.focal_35mm_mm = 3000;
   const TestFolder folder;
   for (const auto& [file, header] : {std::pair("a.jpg", ImageHeader{}), std::pair("b.jpg", impossible)})
-    put_photo(folder / file, &header);
-  const auto imported = import_photos(folder / "", {}, {});
+    put_image(folder / file, &header);
+  const auto imported = import_images(folder / "", {}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(labels_of(*imported, FindingCode::kFocalAssumed),
             "focal_assumed: camera unknown camera; width_px 120; height_px 90; focal_px 144\n");
@@ -117,11 +117,11 @@ TEST(ImportFocal, TheFindingTellsAMissingFromAnImpossibleOne) {
             "focal_impossible: camera Maker Model; width_px 120; height_px 90; focal_px 144\n");
 }
 
-TEST(ImportFocal, AGivenCameraIsHeldFixed) {
+TEST(ImportFocal, AGivenCameraIsFixed) {
   const TestFolder folder;
-  put_photo(folder / "a.jpg", nullptr);
-  put_photo(folder / "b.jpg", nullptr);
-  const auto imported = import_photos(folder / "", {.camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,-2e-4"}, {});
+  put_image(folder / "a.jpg", nullptr);
+  put_image(folder / "b.jpg", nullptr);
+  const auto imported = import_images(folder / "", {.camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,-2e-4"}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   const Camera& camera = imported->block.cameras.begin()->second;
   const std::array<double, Camera::kAllParams> expected = {100, 61, 44, -0.1, 0.01, 0.002, 1e-4, -2e-4, 1, 0};
@@ -132,9 +132,9 @@ TEST(ImportFocal, AGivenCameraIsHeldFixed) {
 
 TEST(ImportFocal, AFisheyeIsWhatTheUserSays) {
   const TestFolder folder;
-  put_photo(folder / "a.jpg", nullptr);
-  put_photo(folder / "b.jpg", nullptr);
-  const auto given = import_photos(
+  put_image(folder / "a.jpg", nullptr);
+  put_image(folder / "b.jpg", nullptr);
+  const auto given = import_images(
       folder / "", {.camera_model = KannalaBrandt{}, .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4"}, {});
   ASSERT_TRUE(given) << given.error().message;
   const Camera& camera = given->block.cameras.begin()->second;
@@ -142,56 +142,56 @@ TEST(ImportFocal, AFisheyeIsWhatTheUserSays) {
   EXPECT_EQ(camera.params[Camera::kK4], 1e-4);
   EXPECT_EQ(camera.params[Camera::kP1], 0);
   // Nothing said: from corner to corner (150 px) half a turn.
-  const auto assumed = import_photos(folder / "", {.camera_model = Equidistant{}}, {});
+  const auto assumed = import_images(folder / "", {.camera_model = Equidistant{}}, {});
   ASSERT_TRUE(assumed);
   EXPECT_NEAR(assumed->block.cameras.begin()->second.focal_px(), 150 / 3.14159265, 1e-6);
   EXPECT_TRUE(is<Equidistant>(assumed->block.cameras.begin()->second.model));
-  const auto of_no_lens = import_photos(folder / "", {.camera_model = BrownOfMeasured{}}, {});
+  const auto of_no_lens = import_images(folder / "", {.camera_model = BrownOfMeasured{}}, {});
   ASSERT_FALSE(of_no_lens);
   EXPECT_EQ(of_no_lens.error().options, std::vector{"camera_model"_option});
   EXPECT_NE(of_no_lens.error().message.find("brown, equidistant, equisolid or kannala_brandt"), std::string::npos);
-  const auto long_list = import_photos(
+  const auto long_list = import_images(
       folder / "", {.camera_model = KannalaBrandt{}, .camera_params = "101,100,61,44,-0.1,0.01,0.002,1e-4,0"}, {});
   EXPECT_FALSE(long_list);
 }
 
 TEST(ImportFocal, AGivenCameraThatIsNoneIsAnError) {
   const TestFolder folder;
-  put_photo(folder / "a.jpg", nullptr);
-  put_photo(folder / "b.jpg", nullptr);
+  put_image(folder / "a.jpg", nullptr);
+  put_image(folder / "b.jpg", nullptr);
   for (const char* params :
        {"100,100", "100,100,x,45", "0,100,60,45", "-100,100,60,45", "1,2,3,4,5,6,7,8,9,10", "100,100,nan,45",
         "inf,inf,60,45", "100,100,60,45,nan", "100,100,130,45", "100,100,60,-1"}) {
-    const auto imported = import_photos(folder / "", {.camera_params = params}, {});
+    const auto imported = import_images(folder / "", {.camera_params = params}, {});
     ASSERT_FALSE(imported) << params;
     EXPECT_EQ(imported.error().code, Errc::kBadInput) << params;
     EXPECT_EQ(imported.error().options, std::vector{"camera_params"_option});
   }
 }
 
-TEST(ImportFocal, AGivenCameraFitsPicturesOfOneSizeOnly) {
+TEST(ImportFocal, AGivenCameraFitsImagesOfOneSizeOnly) {
   const TestFolder folder;
-  put_photo(folder / "a.jpg", nullptr);
-  put_photo(folder / "b.jpg", nullptr, 90, 120);
-  const auto imported = import_photos(folder / "", {.camera_params = "100,100,45,45"}, {});
+  put_image(folder / "a.jpg", nullptr);
+  put_image(folder / "b.jpg", nullptr, 90, 120);
+  const auto imported = import_images(folder / "", {.camera_params = "100,100,45,45"}, {});
   ASSERT_FALSE(imported);
   EXPECT_EQ(imported.error().code, Errc::kBadInput);
   EXPECT_NE(imported.error().message.find("b.jpg has 90 x 120 px"), std::string::npos) << imported.error().message;
 }
 
-TEST(Import, OneCameraForPicturesOfOneBodyLensAndSize) {
+TEST(Import, OneCameraForImagesOfOneBodyLensAndSize) {
   const TestFolder folder;
   ImageHeader header = drone_header(), zoomed = header, other_body = header;
   zoomed.focal_mm = 20;
   zoomed.focal_35mm_mm = 55;
   other_body.serial = "2";
-  put_photo(folder / "1.jpg", &header);
-  put_photo(folder / "2.jpg", &header);
-  put_photo(folder / "3.jpg", &zoomed);
-  put_photo(folder / "4.jpg", &other_body);
-  put_photo(folder / "5.jpg", &header, 90, 120);  // turned, or another format: not the same pixels
-  put_photo(folder / "6.jpg", &header);
-  const auto imported = import_photos(folder / "", {}, {});
+  put_image(folder / "1.jpg", &header);
+  put_image(folder / "2.jpg", &header);
+  put_image(folder / "3.jpg", &zoomed);
+  put_image(folder / "4.jpg", &other_body);
+  put_image(folder / "5.jpg", &header, 90, 120);  // turned, or another format: not the same pixels
+  put_image(folder / "6.jpg", &header);
+  const auto imported = import_images(folder / "", {}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   std::vector<std::uint32_t> cameras;
   for (const auto& [id, image] : imported->block.images) cameras.push_back(image.camera.value);
@@ -201,14 +201,14 @@ TEST(Import, OneCameraForPicturesOfOneBodyLensAndSize) {
 TEST(Import, BrokenDuplicateAndTinyFilesAreNamedAndTheRestGoesOn) {
   const TestFolder folder;
   const ImageHeader header = drone_header();
-  put_photo(folder / "a.jpg", &header);
-  put_photo(folder / "sub/b.jpg", &header);
+  put_image(folder / "a.jpg", &header);
+  put_image(folder / "sub/b.jpg", &header);
   std::filesystem::copy_file(folder / "a.jpg", folder / "copy.jpg");
-  put_photo(folder / "tiny.jpg", &header, 40, 30);
-  ASSERT_TRUE(write_file(folder / "text.jpg", "no picture"));
+  put_image(folder / "tiny.jpg", &header, 40, 30);
+  ASSERT_TRUE(write_file(folder / "text.jpg", "no image"));
   ASSERT_TRUE(write_file(folder / "empty.png", ""));
-  ASSERT_TRUE(write_file(folder / "notes.txt", "not even called a picture"));
-  const auto imported = import_photos(folder / "", {}, {});
+  ASSERT_TRUE(write_file(folder / "notes.txt", "not even called an image"));
+  const auto imported = import_images(folder / "", {}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   ASSERT_EQ(imported->block.images.size(), 2u);
   EXPECT_EQ(imported->block.images.at(ImageId{0}).file, "a.jpg");
@@ -221,43 +221,43 @@ TEST(Import, BrokenDuplicateAndTinyFilesAreNamedAndTheRestGoesOn) {
   EXPECT_EQ(reason_for(*imported, "tiny.jpg"), "image_too_small, limit 64");
 }
 
-TEST(Import, RastersOfAProjectAmongThePhotosAreNoPhotos) {
+TEST(Import, RastersOfAProjectAmongTheInputAreNotImported) {
   const TestFolder folder;
   for (const char* file : {"a.jpg", "b.jpg", "project/products/ortho.jpg", "products/ortho.jpg", "depth/1.jpg"})
-    put_photo(folder / file, nullptr);
+    put_image(folder / file, nullptr);
   ASSERT_TRUE(write_file(folder / "project/block.db", "a project below"));
-  const auto below = import_photos(folder / "", {}, {});
+  const auto below = import_images(folder / "", {}, {});
   ASSERT_TRUE(below) << below.error().message;
   EXPECT_EQ(below->block.images.size(), 4u);  // products and depth here are the user's own
   ASSERT_TRUE(write_file(folder / "block.db", "a project in the folder itself"));
-  const auto within = import_photos(folder / "", {}, {});
+  const auto within = import_images(folder / "", {}, {});
   ASSERT_TRUE(within) << within.error().message;
   EXPECT_EQ(within->block.images.size(), 2u);
 }
 
-TEST(Import, FewerThanTwoPhotosAreAnErrorThatSaysWhere) {
+TEST(Import, FewerThanTwoImagesAreAnErrorThatSaysWhere) {
   const TestFolder folder;
-  put_photo(folder / "only.jpg", nullptr);
-  for (const std::string& place : {std::string(), std::string("missing")}) {
-    const auto imported = import_photos(folder / place, {}, {});
+  put_image(folder / "only.jpg", nullptr);
+  for (const std::string& name : {std::string(), std::string("missing")}) {
+    const auto imported = import_images(folder / name, {}, {});
     ASSERT_FALSE(imported);
     EXPECT_EQ(imported.error().code, Errc::kNotFound);
-    EXPECT_NE(imported.error().message.find((folder / place).string()), std::string::npos) << imported.error().message;
+    EXPECT_NE(imported.error().message.find((folder / name).string()), std::string::npos) << imported.error().message;
   }
 }
 
 TEST(Import, PositionsGetTheUtmZoneAndStatedSigmasWin) {
   const TestFolder folder;
-  const ImageHeader plain = at_place(48.2, 15.6);
-  ImageHeader precise = at_place(48.2005, 15.6), flat = at_place(48.2, 15.6005);
+  const ImageHeader plain = header_at(48.2, 15.6);
+  ImageHeader precise = header_at(48.2005, 15.6), flat = header_at(48.2, 15.6005);
   precise.sigma_east_m = 0.02;
   precise.sigma_north_m = 0.03;
   precise.sigma_height_m = 0.05;
   flat.height_m.reset();
-  put_photo(folder / "1.jpg", &plain);
-  put_photo(folder / "2.jpg", &precise);
-  put_photo(folder / "3.jpg", &flat);
-  const auto imported = import_photos(folder / "", {.gps_sigma_m = 3, .gps_sigma_height_m = 6}, {});
+  put_image(folder / "1.jpg", &plain);
+  put_image(folder / "2.jpg", &precise);
+  put_image(folder / "3.jpg", &flat);
+  const auto imported = import_images(folder / "", {.gps_sigma_m = 3, .gps_sigma_height_m = 6}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   const Block& block = imported->block;
   ASSERT_TRUE(block.georeference);
@@ -271,12 +271,12 @@ TEST(Import, PositionsGetTheUtmZoneAndStatedSigmasWin) {
   EXPECT_NEAR(second.position_in_world.y() - first.position_in_world.y(), 55.6, 0.1);
 }
 
-TEST(Import, PicturesOnBothSidesOfTheDateLineAreBesideEachOther) {
+TEST(Import, ImagesOnBothSidesOfTheDateLineAreBesideEachOther) {
   const TestFolder folder;
-  const ImageHeader west = at_place(-17, 179.999), east = at_place(-17, -179.997);
-  put_photo(folder / "1.jpg", &west);
-  put_photo(folder / "2.jpg", &east);
-  const auto imported = import_photos(folder / "", {}, {});
+  const ImageHeader west = header_at(-17, 179.999), east = header_at(-17, -179.997);
+  put_image(folder / "1.jpg", &west);
+  put_image(folder / "2.jpg", &east);
+  const auto imported = import_images(folder / "", {}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   const Block& block = imported->block;
   EXPECT_EQ(block.georeference.value().crs, "EPSG:32701");
@@ -287,35 +287,35 @@ TEST(Import, PicturesOnBothSidesOfTheDateLineAreBesideEachOther) {
 
 TEST(Import, AMapThatIsNoneIsAnErrorAlsoWhereNothingIsPlaced) {
   const TestFolder folder;
-  put_photo(folder / "a.jpg", nullptr);
-  put_photo(folder / "b.jpg", nullptr);
-  const auto imported = import_photos(folder / "", {.crs = "nonsense"}, {});
+  put_image(folder / "a.jpg", nullptr);
+  put_image(folder / "b.jpg", nullptr);
+  const auto imported = import_images(folder / "", {.crs = "nonsense"}, {});
   ASSERT_FALSE(imported);
   EXPECT_EQ(imported.error().options, std::vector{"crs"_option});
 }
 
 TEST(Import, WithoutPositionsAndControlThereIsNoMap) {
   const TestFolder folder;
-  put_photo(folder / "a.jpg", nullptr);
-  put_photo(folder / "b.jpg", nullptr);
-  const auto imported = import_photos(folder / "", {}, {});
+  put_image(folder / "a.jpg", nullptr);
+  put_image(folder / "b.jpg", nullptr);
+  const auto imported = import_images(folder / "", {}, {});
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_FALSE(imported->block.georeference);
 }
 
-// Three photographs without positions and a control file with this text.
+// Three images without positions and a control file with this text.
 Result<Imported> import_with_control(const std::string& text, ImportOptions options = {},
                                      const std::string& ground = "") {
   const TestFolder folder;
   const ImageHeader header = drone_header();
-  for (const char* file : {"IMG_1.jpg", "IMG_2.jpg", "sub/IMG_3.JPG"}) put_photo(folder / file, &header);
+  for (const char* file : {"IMG_1.jpg", "IMG_2.jpg", "sub/IMG_3.JPG"}) put_image(folder / file, &header);
   EXPECT_TRUE(write_file(folder / "control.csv", text));
   options.control = (folder / "control.csv").string();
   if (!ground.empty()) {
-    EXPECT_TRUE(write_file(folder / "ground.csv", ground));
-    options.ground = (folder / "ground.csv").string();
+    EXPECT_TRUE(write_file(folder / "geodetic.csv", ground));
+    options.geodetic = (folder / "geodetic.csv").string();
   }
-  return import_photos(folder / "", options, {});
+  return import_images(folder / "", options, {});
 }
 
 const std::string kControl = R"(# collinea control, EPSG:32633
@@ -406,7 +406,7 @@ TEST(ImportControl, CheckPointsMayBeNamedOnTheCommandLine) {
   EXPECT_EQ(imported->block.control.at(ControlId{1}).role, ControlRole::kCheck);
 }
 
-TEST(ImportControl, WhatIsWrongIsSaid) {
+TEST(ImportControl, WhatIsWrongIsStated) {
   const struct {
     std::string text;
     ImportOptions options;
@@ -441,9 +441,9 @@ TEST(ImportGeodetic, PointsWithoutCoordinatesNeedNoMap) {
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_FALSE(imported->block.georeference);
   EXPECT_EQ(imported->block.control_observations.size(), 4u);
-  ASSERT_EQ(imported->block.ground.size(), 1u);
-  EXPECT_EQ(imported->block.ground[0].value, 2.5);
-  EXPECT_EQ(imported->block.ground[0].to, ControlId{1});
+  ASSERT_EQ(imported->block.geodetic.size(), 1u);
+  EXPECT_EQ(imported->block.geodetic[0].value, 2.5);
+  EXPECT_EQ(imported->block.geodetic[0].to, ControlId{1});
 }
 
 TEST(ImportGeodetic, DirectionsOfOneSetupShareIt) {
@@ -451,8 +451,8 @@ TEST(ImportGeodetic, DirectionsOfOneSetupShareIt) {
                                             "from,to,setup,direction_gon,sigma_direction_mgon\n"
                                             "A,B,,10,1\nA,B,,20,1\nB,A,x,30,1\n");
   ASSERT_TRUE(imported) << imported.error().message;
-  EXPECT_EQ(imported->block.ground[0].setup, imported->block.ground[1].setup);
-  EXPECT_NE(imported->block.ground[0].setup, imported->block.ground[2].setup);
+  EXPECT_EQ(imported->block.geodetic[0].setup, imported->block.geodetic[1].setup);
+  EXPECT_NE(imported->block.geodetic[0].setup, imported->block.geodetic[2].setup);
 }
 
 TEST(ImportGeodetic, WhatDoesNotFitIsNamedWithFileAndLine) {
@@ -469,32 +469,32 @@ TEST(ImportGeodetic, WhatDoesNotFitIsNamedWithFileAndLine) {
 
 TEST(ImportControl, CheckPointsWithoutControlAreAnError) {
   const TestFolder folder;
-  const auto imported = import_photos(folder / "", {.check = "A"}, {});
+  const auto imported = import_images(folder / "", {.check = "A"}, {});
   ASSERT_FALSE(imported);
   EXPECT_EQ(imported.error().options, (std::vector{"check"_option, "control"_option}));
 }
 
-TEST(SourcesFingerprint, ChangesWithPhotosAndControlOnly) {
+TEST(SourcesFingerprint, ChangesWithImagesAndControlOnly) {
   const TestFolder folder;
-  put_photo(folder / "a.jpg", nullptr);
+  put_image(folder / "a.jpg", nullptr);
   ASSERT_TRUE(write_file(folder / "control.csv", kControl));
   const ImportOptions options{.control = (folder / "control.csv").string()};
   const std::string before = fingerprint_of_sources(folder / "", options);
   ASSERT_TRUE(write_file(folder / "notes.txt", "of no interest"));
   EXPECT_EQ(fingerprint_of_sources(folder / "", options), before);
-  put_photo(folder / "b.jpg", nullptr);
+  put_image(folder / "b.jpg", nullptr);
   const std::string more = fingerprint_of_sources(folder / "", options);
   EXPECT_NE(more, before);
   ASSERT_TRUE(write_file(folder / "control.csv", kControl + "image, A, a.jpg, 1, 2\n"));
   EXPECT_NE(fingerprint_of_sources(folder / "", options), more);
 }
 
-// Control above a geoid and positions above the ellipsoid, or the other way round: the same place on Earth.
+// Control above a geoid and positions above the ellipsoid, or the other way round: the same location on Earth.
 class ImportHeights : public ::testing::Test {
  protected:
   ImportHeights() {
-    const ImageHeader header = at_place(48.2, 15.6);
-    for (const char* file : {"a.jpg", "b.jpg"}) put_photo(folder_ / "photos" / file, &header);
+    const ImageHeader header = header_at(48.2, 15.6);
+    for (const char* file : {"a.jpg", "b.jpg"}) put_image(folder_ / "photos" / file, &header);
     write_test_geoid(folder_ / "geoid.gtx");
     geoid_m_ = test_geoid_m(48.2, 15.6);
     options_.control = (folder_ / "control.csv").string();
@@ -508,7 +508,7 @@ class ImportHeights : public ::testing::Test {
                         fmt::format("point, A, {:.4f}, {:.4f}, {:.4f}\nimage, A, a.jpg, 50, 50\n", map_.x(), map_.y(),
                                     map_.z())))
       return fail(Errc::kBadInput, "not written");
-    auto imported = import_photos(folder_ / "photos", options_, {});
+    auto imported = import_images(folder_ / "photos", options_, {});
     if (!imported) return tl::unexpected(imported.error());
     imported_ = std::move(*imported);
     const Block& block = imported_.block;
@@ -539,7 +539,7 @@ TEST_F(ImportHeights, HeightsOfTheMapAreThoseOfControlThatStatesNone) {
   EXPECT_EQ(imported_.block.georeference->crs, "EPSG:32633+geoid:" + (folder_ / "geoid.gtx").string());
 }
 
-TEST_F(ImportHeights, HeightsOfThePhotographsMayCountFromAGeoid) {
+TEST_F(ImportHeights, HeightsOfTheImagesMayCountFromAGeoid) {
   options_.gps_heights = (folder_ / "geoid.gtx").string();
   EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -2 * geoid_m_, 1e-3);
   EXPECT_FALSE(labels_of(imported_, FindingCode::kHeightsCountFrom).empty());
@@ -549,10 +549,10 @@ TEST_F(ImportHeights, HeightsOfThePhotographsMayCountFromAGeoid) {
 
 // A file of positions says itself what its heights count from: its CRS, else --heights; --gps-heights is of headers.
 TEST_F(ImportHeights, HeightsOfAPositionFileAreThoseOfItsMap) {
-  const std::string places = fmt::format(",{:.4f},{:.4f},{:.4f}\n", map_.x(), map_.y(), map_.z());
-  ASSERT_TRUE(write_file(
-      folder_ / "gnss.csv",
-      "# collinea positions, EPSG:32633\nimage,easting_m,northing_m,height_m\na.jpg" + places + "b.jpg" + places));
+  const std::string coordinates = fmt::format(",{:.4f},{:.4f},{:.4f}\n", map_.x(), map_.y(), map_.z());
+  ASSERT_TRUE(
+      write_file(folder_ / "gnss.csv", "# collinea positions, EPSG:32633\nimage,easting_m,northing_m,height_m\na.jpg" +
+                                           coordinates + "b.jpg" + coordinates));
   options_.positions = (folder_ / "gnss.csv").string();
   EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), 0, 1e-3);  // both over the ellipsoid
   options_.heights = (folder_ / "geoid.gtx").string();

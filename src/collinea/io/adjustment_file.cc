@@ -42,7 +42,7 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   lies_on SHAPE NAME POINT SIGMA ROLE [AXIS]   SHAPE: plane, line, height; AXIS of a line: sideways, upwards, or both
 #   point NUMBER X Y Z                           tie point, approximately [m]
 #   measured_control IMAGE NAME COLUMN ROW SIGMA, measured_tie IMAGE NUMBER COLUMN ROW SIGMA
-#                                                [px] from the upper-left corner of the picture
+#                                                [px] from the upper-left corner of the image
 )";
 
 std::string in_quotes(std::string_view name) {
@@ -53,7 +53,7 @@ std::string in_quotes(std::string_view name) {
   return out + "\"";
 }
 
-// Of a definition in words (WKT) line breaks mean no more than blanks.
+// Line breaks in a definition in words (WKT) mean no more than blanks.
 std::string on_one_line(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
@@ -77,7 +77,7 @@ Result<> check_names(const Block& block) {
     COLLINEA_TRY(check_name("the time of an image", image.taken));
   }
   for (const auto& [id, point] : block.control) COLLINEA_TRY(check_name("control point", point.name));
-  for (const GeodeticObservation& one : block.ground) COLLINEA_TRY(check_name("shape", one.name));
+  for (const GeodeticObservation& one : block.geodetic) COLLINEA_TRY(check_name("shape", one.name));
   return {};
 }
 
@@ -106,7 +106,7 @@ std::map<Id, std::string> unique_names(const Things& things, const Name& name_of
   return names;
 }
 
-std::string ground_line(const GeodeticObservation& one, const std::map<ControlId, std::string>& names) {
+std::string geodetic_line(const GeodeticObservation& one, const std::map<ControlId, std::string>& names) {
   const char* role = one.role == ControlRole::kCheck ? " check" : " control";
   if (one.is_of_shape())
     return "lies_on " + geodetic_word(std::size_t(one.kind)) + " " +
@@ -168,9 +168,10 @@ void write_instruments(const Instruments& instruments, const std::map<CameraId, 
 std::string adjustment_file_text(const AdjustmentFile& file) {
   const Block& block = file.block;
   std::string text(kHead);
-  if (const auto& place = block.georeference)
-    text += "\ngeoreference " + in_quotes(on_one_line(place->crs)) + " " + exact(place->origin_latitude_deg) + " " +
-            exact(place->origin_longitude_deg) + " " + exact(place->origin_height_m) + "\n";
+  if (const auto& georeference = block.georeference)
+    text += "\ngeoreference " + in_quotes(on_one_line(georeference->crs)) + " " +
+            exact(georeference->origin_latitude_deg) + " " + exact(georeference->origin_longitude_deg) + " " +
+            exact(georeference->origin_height_m) + "\n";
   const auto cameras = unique_names<CameraId>(block.cameras, [](const Camera& camera) { return camera.name; });
   const auto images = unique_names<ImageId>(block.images, [](const Image& image) { return image.file; });
   const auto control = unique_names<ControlId>(block.control, [](const ControlPoint& point) { return point.name; });
@@ -182,7 +183,7 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
       const OmegaPhiKappa angles = omega_phi_kappa(pose->rotation);
       text += "pose " + images.at(id) + words(centre_of(*pose)) +
               words({angles.omega_deg, angles.phi_deg, angles.kappa_deg}) +
-              (file.held_images.contains(id) ? " fixed\n" : "\n");
+              (file.fixed_images.contains(id) ? " fixed\n" : "\n");
     }
     if (!image.taken.empty()) text += "taken " + images.at(id) + " " + in_quotes(image.taken) + "\n";
     if (image.position)
@@ -201,7 +202,7 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
             words(point.position_in_world) + words(point.sigma_m) + "\n";
     if (!point.correlation.isZero(0)) text += "control_correlation " + control.at(id) + words(point.correlation) + "\n";
   }
-  for (const GeodeticObservation& one : block.ground) text += ground_line(one, control);
+  for (const GeodeticObservation& one : block.geodetic) text += geodetic_line(one, control);
   for (const auto& [id, point] : block.points)
     text += "point " + std::to_string(id.value) + words(point.position_in_world) + "\n";
   text += "\n";

@@ -19,9 +19,9 @@ namespace collinea {
 /// block.images and block.observations, but are not oriented and not in block.points.
 struct AdjustmentFile {
   Block block;  ///< sigmas of control: 0 = held, infinite = not given
-  std::set<ImageId> held_images;
+  std::set<ImageId> fixed_images;
   std::set<CameraId> corrected_cameras;  ///< of BrownOfMeasured: their sigmas hold after the correction
-  /// Of each of Camera::params. 0: held; a standard deviation: observed; infinite: free.
+  /// Sigma of each of Camera::params. 0: fixed; a standard deviation: observed; infinite: free.
   std::map<CameraId, std::array<double, Camera::kAllParams>> camera_sigmas;
   std::map<CameraId, Camera> given_cameras;  ///< what was observed of the cameras; block.cameras is where they start
   Instruments instruments;

@@ -46,7 +46,7 @@ TEST(AdjustmentFile, IsReadAsItSays) {
   EXPECT_EQ(camera.params[Camera::kK1], -0.02);
   EXPECT_EQ(file->given_cameras.at({0}).params[Camera::kK1], -0.03);
   EXPECT_EQ(block.images.at({0}).file, "left one.jpg");
-  EXPECT_TRUE(file->held_images.contains({0}));
+  EXPECT_TRUE(file->fixed_images.contains({0}));
   EXPECT_LT((centre_of(pose_of(block, {0})) - Eigen::Vector3d(0, 0, 50)).norm(), 1e-14);
   EXPECT_FALSE(is_oriented(block, {1}));
   EXPECT_EQ(block.images.at({1}).position->sigma_m.z(), kInfinity);
@@ -82,12 +82,12 @@ AdjustmentFile random_file() {
   for (std::uint32_t i = 0; i < 6; ++i) {
     block.images[{i}] = {.file = i < 2 ? "IMG.jpg" : "a\"" + std::to_string(i), .camera = {i % 2}};
     if (i == 4) continue;
-    const Eigen::Vector3d turn(random.normal(), random.normal(), random.normal());
-    set_pose(block, {i}, {rotation_by(turn), 100 * turn});
+    const Eigen::Vector3d rotation(random.normal(), random.normal(), random.normal());
+    set_pose(block, {i}, {rotation_by(rotation), 100 * rotation});
     if (i == 2)
       block.images[{i}].position = PositionPrior{{random.normal(), random.normal(), kNaN}, {0.1, 0.2, kInfinity}};
   }
-  file.held_images.insert({3});
+  file.fixed_images.insert({3});
   for (std::uint32_t p = 0; p < 3; ++p)
     block.control[{p}] = {.name = std::to_string(p),
                           .role = p == 1 ? ControlRole::kCheck : ControlRole::kControl,
@@ -111,7 +111,7 @@ AdjustmentFile random_file() {
       one = {.kind = one.kind, .name = "the wall", .from = {1}, .to = {1}, .sigma = 0.02, .setup = 0};
       if (one.kind == GeodeticKind::kOnLine) one.axis = 1, one.role = ControlRole::kCheck;
     }
-    block.ground.push_back(one);
+    block.geodetic.push_back(one);
   }
   for (auto& [id, image] : block.images) image.taken = "2024:05:17 10:31:0" + std::to_string(id.value);
   Instruments& instruments = file.instruments;
@@ -132,7 +132,7 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
   const auto back = parse_adjustment_file(text);
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(back->camera_sigmas, file.camera_sigmas);
-  EXPECT_EQ(back->held_images, file.held_images);
+  EXPECT_EQ(back->fixed_images, file.fixed_images);
   EXPECT_EQ(back->corrected_cameras, file.corrected_cameras);
   EXPECT_EQ(back->block.georeference->crs, "EPSG:32633");
   EXPECT_EQ(back->block.georeference->origin_height_m, 312.25);
@@ -160,9 +160,9 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
     EXPECT_EQ(back->block.control.at(id).correlation, control.correlation);
     EXPECT_EQ(back->block.control.at(id).position_in_world.y(), control.position_in_world.y());
   }
-  ASSERT_EQ(back->block.ground.size(), kGeodeticKinds);
+  ASSERT_EQ(back->block.geodetic.size(), kGeodeticKinds);
   for (std::size_t i = 0; i < kGeodeticKinds; ++i) {
-    const GeodeticObservation &one = back->block.ground[i], &before = file.block.ground[i];
+    const GeodeticObservation &one = back->block.geodetic[i], &before = file.block.geodetic[i];
     EXPECT_EQ(one.kind, before.kind);
     EXPECT_EQ(one.from, before.from);
     EXPECT_EQ(one.to, before.to);
@@ -312,8 +312,8 @@ TEST(AdjustmentFile, WhatIsWrongWithInstrumentsAndShapesIsNamed) {
   // A line without an axis is two observations.
   const auto file = parse_adjustment_file(std::string(kSmall) + "lies_on line kerb G1 0.01 control\n");
   ASSERT_TRUE(file) << file.error().message;
-  ASSERT_EQ(file->block.ground.size(), 2u);
-  EXPECT_EQ(file->block.ground[1].axis, 1);
+  ASSERT_EQ(file->block.geodetic.size(), 2u);
+  EXPECT_EQ(file->block.geodetic[1].axis, 1);
 }
 
 }  // namespace

@@ -22,19 +22,19 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Line = AdjustmentLine;
 using Draft = AdjustmentDraft;
-using Ground = AdjustmentDraft::Ground;
+using GeodeticLine = AdjustmentDraft::GeodeticLine;
 
 // Coordinates with standard deviations behind them; what is not given is NaN and infinite.
-Result<> given3(const Line& line, std::size_t i, Eigen::Vector3d& place, Eigen::Vector3d& sigma) {
+Result<> given3(const Line& line, std::size_t i, Eigen::Vector3d& position, Eigen::Vector3d& sigma) {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = Eigen::Index(k);
     const bool no_value = line.words[i + k] == "-";
     COLLINEA_TRY(sigma[axis], deviation(line, i + 3 + k));
     if (no_value && std::isfinite(sigma[axis]))
       return bad_line(line.number, "a coordinate is not given (-), but its standard deviation is: write - for it too");
-    place[axis] = std::numeric_limits<double>::quiet_NaN();
+    position[axis] = std::numeric_limits<double>::quiet_NaN();
     if (!no_value) {
-      COLLINEA_TRY(place[axis], finite(line, i + k, "a coordinate"));
+      COLLINEA_TRY(position[axis], finite(line, i + k, "a coordinate"));
     }
   }
   return {};
@@ -93,8 +93,8 @@ Result<> take_shape(const Line& line, Draft& draft) {
   if (kind == std::end(kKinds))
     return bad_line(line.number, shown(line.words[1]) + " is no shape; there are: plane line height");
   auto& numbers = draft.shapes[*kind];
-  Ground ground{line.number, line.words[3], line.words[3], {.kind = *kind, .name = line.words[2]}};
-  GeodeticObservation& one = ground.measured;
+  GeodeticLine geodetic{line.number, line.words[3], line.words[3], {.kind = *kind, .name = line.words[2]}};
+  GeodeticObservation& one = geodetic.measured;
   one.setup = numbers.try_emplace(line.words[2], std::uint32_t(numbers.size())).first->second;
   COLLINEA_TRY(one.sigma, finite(line, 4, "a standard deviation"));
   if (!(one.sigma > 0)) return bad_line(line.number, "the standard deviation of a measurement is above 0");
@@ -102,21 +102,21 @@ Result<> take_shape(const Line& line, Draft& draft) {
   const std::string axis = line.count() > 5 ? line.words[6] : "";
   if ((axis != "" && axis != "sideways" && axis != "upwards") || (axis != "" && *kind != GeodeticKind::kOnLine))
     return bad_line(line.number, "behind the role stands nothing, or of a line sideways or upwards");
-  if (axis != "upwards") draft.ground.push_back(ground);
-  ground.measured.axis = 1;
-  if (*kind == GeodeticKind::kOnLine && axis != "sideways") draft.ground.push_back(ground);
+  if (axis != "upwards") draft.geodetic.push_back(geodetic);
+  geodetic.measured.axis = 1;
+  if (*kind == GeodeticKind::kOnLine && axis != "sideways") draft.geodetic.push_back(geodetic);
   return {};
 }
 
 Result<> take_georeference(const Line& line, Draft& draft) {
   if (draft.file.block.georeference) return bad_line(line.number, "a second georeference; there can be one");
-  Georeference place{.crs = line.words[1]};
-  COLLINEA_TRY(place.origin_latitude_deg, finite(line, 2, "a latitude"));
-  COLLINEA_TRY(place.origin_longitude_deg, finite(line, 3, "a longitude"));
-  COLLINEA_TRY(place.origin_height_m, finite(line, 4, "a height"));
-  if (std::abs(place.origin_latitude_deg) > 90 || std::abs(place.origin_longitude_deg) > 360)
+  Georeference georeference{.crs = line.words[1]};
+  COLLINEA_TRY(georeference.origin_latitude_deg, finite(line, 2, "a latitude"));
+  COLLINEA_TRY(georeference.origin_longitude_deg, finite(line, 3, "a longitude"));
+  COLLINEA_TRY(georeference.origin_height_m, finite(line, 4, "a height"));
+  if (std::abs(georeference.origin_latitude_deg) > 90 || std::abs(georeference.origin_longitude_deg) > 360)
     return bad_line(line.number, "no such latitude and longitude: degrees are expected, latitude first");
-  draft.file.block.georeference = std::move(place);
+  draft.file.block.georeference = std::move(georeference);
   return {};
 }
 
@@ -133,7 +133,7 @@ Result<> take_camera(const Line& line, Draft& draft) {
   const auto size = [&](std::size_t i) { return integer(line.words[i]).value_or(0); };
   constexpr std::int64_t kWidest = 1'000'000;
   if (size(2) < 1 || size(3) < 1 || size(2) > kWidest || size(3) > kWidest)
-    return bad_line(line.number, "width and height of a picture are whole numbers of pixels above 0");
+    return bad_line(line.number, "width and height of an image are whole numbers of pixels above 0");
   camera.width_px = int(size(2));
   camera.height_px = int(size(3));
   camera.name = name;
@@ -216,7 +216,7 @@ Result<> take_pose(const Line& line, Draft& draft) {
   COLLINEA_TRY(const Eigen::Vector3d angles, finite3(line, 5, "an angle"));
   if (line.count() > 7) {
     if (line.words[8] != "fixed") return bad_line(line.number, "behind kappa stands fixed or nothing");
-    draft.file.held_images.insert(image);
+    draft.file.fixed_images.insert(image);
   }
   const Eigen::Quaterniond rotation = cam_from_world(OmegaPhiKappa{angles[0], angles[1], angles[2]});
   if (is_oriented(draft.file.block, image)) return bad_line(line.number, "a second pose of " + shown(line.words[1]));
@@ -273,7 +273,7 @@ Result<> take_correlation(const Line& line, Draft& draft) {
   return {};
 }
 
-Result<> take_ground(const Line& line, Draft& draft) {
+Result<> take_geodetic(const Line& line, Draft& draft) {
   std::size_t kind = kGeodeticKinds;
   std::string known;
   for (std::size_t k = 0; k < kGeodeticKinds; ++k) {
@@ -287,8 +287,8 @@ Result<> take_ground(const Line& line, Draft& draft) {
   if (line.count() != 6 && line.count() != 9)
     return bad_line(line.number,
                     "behind the role stand set-up, height of the instrument and of the target, or nothing");
-  Ground ground{line.number, line.words[2], line.words[3], {.kind = GeodeticKind(kind)}};
-  GeodeticObservation& one = ground.measured;
+  GeodeticLine geodetic{line.number, line.words[2], line.words[3], {.kind = GeodeticKind(kind)}};
+  GeodeticObservation& one = geodetic.measured;
   const double unit = one.is_angle() ? kDegree : 1;
   COLLINEA_TRY(one.value, finite(line, 4, "a value"));
   COLLINEA_TRY(one.sigma, finite(line, 5, "a standard deviation"));
@@ -297,7 +297,7 @@ Result<> take_ground(const Line& line, Draft& draft) {
     return bad_line(line.number, "a distance is above 0 [m]");
   one.value *= unit, one.sigma *= unit;
   COLLINEA_TRY(take_role(line, 6, one));
-  if (ground.from == ground.to) return bad_line(line.number, "a measurement from a point to itself");
+  if (geodetic.from == geodetic.to) return bad_line(line.number, "a measurement from a point to itself");
   if (line.count() > 6) {
     if (line.words[7] != "-") {
       const auto setup = integer(line.words[7]);
@@ -310,7 +310,7 @@ Result<> take_ground(const Line& line, Draft& draft) {
   }
   if (one.kind == GeodeticKind::kDirection && one.setup == GeodeticObservation::kNoSetup)
     return bad_line(line.number, "a direction belongs to a set-up: the instrument's orientation is found for each");
-  draft.ground.push_back(std::move(ground));
+  draft.geodetic.push_back(std::move(geodetic));
   return {};
 }
 
@@ -326,8 +326,8 @@ Result<> take_point(const Line& line, Draft& draft) {
     return bad_line(line.number, shown(line.words[1]) +
                                      " is no number of a tie point: a whole number from 0 is "
                                      "expected; points with names are control or check");
-  COLLINEA_TRY(const Eigen::Vector3d place, finite3(line, 2, "a coordinate"));
-  if (!draft.file.block.points.emplace(*id, TiePoint{place, {}}).second)
+  COLLINEA_TRY(const Eigen::Vector3d position, finite3(line, 2, "a coordinate"));
+  if (!draft.file.block.points.emplace(*id, TiePoint{position, {}}).second)
     return bad_line(line.number, "a second tie point " + line.words[1]);
   return {};
 }
@@ -382,7 +382,7 @@ Result<> take_adjustment_line(const AdjustmentLine& line, AdjustmentDraft& draft
       {"control_in_map", "NAME EASTING NORTHING HEIGHT SX SY SZ", 7, 7, take_control},
       {"check_in_map", "NAME EASTING NORTHING HEIGHT SX SY SZ", 7, 7, take_control},
       {"lies_on", "plane|line|height NAME POINT SIGMA ROLE [sideways|upwards]", 5, 6, take_shape},
-      {"ground", "KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]", 6, 9, take_ground},
+      {"ground", "KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]", 6, 9, take_geodetic},
       {"point", "NUMBER X Y Z", 4, 4, take_point},
       {"measured_control", "IMAGE NAME COLUMN ROW SIGMA", 5, 5, take_measured},
       {"measured_tie", "IMAGE NUMBER COLUMN ROW SIGMA", 5, 5, take_measured},

@@ -20,7 +20,7 @@ namespace {
 using Line = AdjustmentLine;
 using Draft = AdjustmentDraft;
 using Measured = AdjustmentDraft::Measured;
-using Ground = AdjustmentDraft::Ground;
+using GeodeticLine = AdjustmentDraft::GeodeticLine;
 using Tie = AdjustmentDraft::Tie;
 
 Result<Line> taken_apart(std::size_t number, std::string_view text) {
@@ -68,7 +68,7 @@ Result<> sort_measured(Draft& draft) {
       return twice(one.line, one.point, one.image, before->second, draft);
     draft.file.block.control_observations.push_back({control->second, one.image, one.pixel, one.sigma});
   }
-  for (Ground& one : draft.ground) {
+  for (GeodeticLine& one : draft.geodetic) {
     const auto from = draft.control.find(one.from), to = draft.control.find(one.to);
     if (from == draft.control.end() || to == draft.control.end())
       return bad_line(one.line, "there is no control or check point " +
@@ -76,7 +76,7 @@ Result<> sort_measured(Draft& draft) {
                                     ": add a line control (a point without coordinates has - for all of them)");
     one.measured.from = from->second;
     one.measured.to = to->second;
-    draft.file.block.ground.push_back(one.measured);
+    draft.file.block.geodetic.push_back(one.measured);
   }
   sort_by_point_and_image(draft.ties, [](const Tie& one) -> const Observation& { return one.seen; });
   for (std::size_t i = 0; i < draft.ties.size(); ++i) {

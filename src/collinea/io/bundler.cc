@@ -22,7 +22,7 @@ const Eigen::DiagonalMatrix<double, 3> kFlip(1, -1, -1);
 
 // --- to Bundler ------------------------------------------------------------------------------------------------------
 
-// What is left of a camera in Bundler: f, k1, k2 about the middle of the picture.
+// What is left of a camera in Bundler: f, k1, k2 about the middle of the image.
 Camera bundler_camera(const Camera& camera) {
   Camera plain = ideal_camera(camera.focal_px(), camera.width_px, camera.height_px);
   plain.params[Camera::kK1] = camera.params[Camera::kK1];
@@ -30,7 +30,7 @@ Camera bundler_camera(const Camera& camera) {
   return plain;
 }
 
-// From the middle of the picture, y up.
+// From the middle of the image, y up.
 Eigen::Vector2d from_middle(const Camera& camera, const Eigen::Vector2d& pixel) {
   return {pixel.x() - 0.5 * camera.width_px, 0.5 * camera.height_px - pixel.y()};
 }
@@ -38,7 +38,7 @@ Eigen::Vector2d from_middle(const Camera& camera, const Eigen::Vector2d& pixel) 
 struct View {
   std::size_t camera;
   std::uint32_t feature;
-  Eigen::Vector2d place;
+  Eigen::Vector2d pixel;
 };
 
 std::string camera_text(const Camera& camera, const Rigid3& pose) {
@@ -57,8 +57,8 @@ std::string point_text(const TiePoint& point, const std::vector<View>& views) {
                      " " + std::to_string(point.colour[1]) + " " + std::to_string(point.colour[2]) + "\n" +
                      std::to_string(views.size());
   for (const View& view : views)
-    text += " " + std::to_string(view.camera) + " " + std::to_string(view.feature) + " " + exact(view.place.x()) + " " +
-            exact(view.place.y());
+    text += " " + std::to_string(view.camera) + " " + std::to_string(view.feature) + " " + exact(view.pixel.x()) + " " +
+            exact(view.pixel.y());
   return text + "\n";
 }
 
@@ -175,14 +175,14 @@ Result<> take_point(Numbers& numbers, PointId id, Block& block) {
   for (std::size_t i = 0; i < views; ++i) {
     COLLINEA_TRY(const std::size_t image, numbers.count(double(block.images.size()), "the camera of a view"));
     COLLINEA_TRY(const std::size_t feature, numbers.count(0xffffffffu, "the feature of a view"));
-    std::array<double, 2> place{};
-    COLLINEA_TRY(numbers.take(place, "a view"));
+    std::array<double, 2> pixel{};
+    COLLINEA_TRY(numbers.take(pixel, "a view"));
     Observation o;
     o.image = {std::uint32_t(image)};
     o.point = id;
     o.feature = std::uint32_t(feature);
     const Camera& camera = block.camera_of(o.image);
-    o.pixel = {0.5 * camera.width_px + place[0], 0.5 * camera.height_px - place[1]};
+    o.pixel = {0.5 * camera.width_px + pixel[0], 0.5 * camera.height_px - pixel[1]};
     if (is_oriented(block, o.image)) block.observations.push_back(o);
   }
   return {};

@@ -97,7 +97,7 @@ TEST(ControlFile, ErrorsOfOurCsvNameTheLine) {
   EXPECT_TRUE(contains(message_of("# collinea control, EPSG:32633\n"), "no control point"));
 }
 
-TEST(ControlFile, OpenDroneMapRowsOfOnePlaceAreOnePoint) {
+TEST(ControlFile, OpenDroneMapRowsOfOnePositionAreOnePoint) {
   const auto control = parse_control(
       "WGS84 UTM 17N\n"
       "441024.157 4564001.87 345.1 2648 2147 IMG_1356.jpg \n"

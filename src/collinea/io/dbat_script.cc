@@ -36,7 +36,7 @@ class Reader {
     const XmlElement* input = script.child("input");
     if (!input) return fail(Errc::kBadFormat, path.string() + ": there is no element input: not a script of DBAT");
     here_ = base_ = path.parent_path();
-    if (!input->attribute("base_dir").empty()) base_ = place(input->attribute("base_dir"));
+    if (!input->attribute("base_dir").empty()) base_ = path_of(input->attribute("base_dir"));
     COLLINEA_TRY(const double pixel_height_mm, take_cameras(*input, path));
     COLLINEA_TRY(take_tables(*input));
     const XmlElement* operations = script.child("operations");
@@ -57,7 +57,7 @@ class Reader {
   }
 
   // $HERE is the folder of the script; other names are relative to its base_dir.
-  [[nodiscard]] std::filesystem::path place(std::string_view name) const {
+  [[nodiscard]] std::filesystem::path path_of(std::string_view name) const {
     constexpr std::string_view kHere = "$HERE";
     name = trimmed(name);
     if (name.starts_with(kHere)) {
@@ -89,7 +89,7 @@ class Reader {
     const XmlElement* cameras = input.child("cameras");
     if (!cameras) return bad(script, input.line, "there is no element cameras");
     if (const XmlElement* file = cameras->child("file")) {
-      const std::filesystem::path path = place(file->text);
+      const std::filesystem::path path = path_of(file->text);
       COLLINEA_TRY(const XmlElement document, read_xml(path));
       const XmlElement* inner = document.child("cameras");
       if (!inner) return bad(path, document.line, "there is no element cameras");
@@ -108,7 +108,7 @@ class Reader {
     MillimetreCamera mm;
     COLLINEA_TRY(const auto size, numbers(*camera->child("image"), 2, path));
     if (!(size[0] >= 1 && size[1] >= 1 && size[0] < 1e6 && size[1] < 1e6))
-      return bad(path, camera->child("image")->line, "width and height of a picture are numbers of pixels above 0");
+      return bad(path, camera->child("image")->line, "width and height of an image are numbers of pixels above 0");
     mm.width_px = int(size[0]);
     mm.height_px = int(size[1]);
     XmlElement sensor = *camera->child("sensor");
@@ -158,7 +158,7 @@ class Reader {
     if (!file)
       return needed ? Result<>(fail(Errc::kBadFormat, std::string("the script names no file for ") + table))
                     : Result<>{};
-    const std::filesystem::path path = place(file->text);
+    const std::filesystem::path path = path_of(file->text);
     COLLINEA_TRY(const std::string text, read_file(path));
     const std::string format = lower(file->attribute("format"));
     const std::vector<std::string_view> columns = fields_of(format, ',');
@@ -206,8 +206,8 @@ class Reader {
 
   std::string take_control(const Row& row) {
     const auto point = id(row, "id");
-    const auto place = three(row, "x", "y", "z");
-    if (!point || !place) return "a control point needs id, x, y and z";
+    const auto coordinates = three(row, "x", "y", "z");
+    if (!point || !coordinates) return "a control point needs id, x, y and z";
     if (file_.block.control.contains({*point})) return "a second control point " + std::to_string(*point);
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
     if (row.has("sxyz")) sigma.setConstant(value(row, "sxyz").value_or(-1));
@@ -220,8 +220,8 @@ class Reader {
     file_.block.control[{*point}] = {
         .name = label == row.text.end() || label->second.empty() ? std::to_string(*point) : label->second,
         .role = ControlRole::kControl,
-        .position_in_map = *place,
-        .position_in_world = *place,
+        .position_in_map = *coordinates,
+        .position_in_world = *coordinates,
         .sigma_m = sigma};
     return {};
   }

@@ -84,7 +84,7 @@ TEST_F(DbatScript, IsReadWithItsTables) {
   EXPECT_NEAR(block.cameras.at({0}).params[Camera::kK1], 0.064, 1e-12);
   EXPECT_NEAR(block.cameras.at({0}).params[Camera::kCx], 1000, 1e-9);
   // Of the second image y is farthest from the first.
-  EXPECT_TRUE(file->held_images.contains({1}));
+  EXPECT_TRUE(file->fixed_images.contains({1}));
   ASSERT_TRUE(block.images.at({2}).position);
   EXPECT_TRUE(std::isinf(block.images.at({2}).position->sigma_m.x()));
   EXPECT_LT(block.images.at({2}).position->sigma_m.y(), 1e-8);
@@ -114,7 +114,7 @@ TEST_F(DbatScript, AnglesAreInTheirUnits) {
   EXPECT_NE(error_of(with("units=\"degrees\"", "units=\"gon\"")).find("angles in gon"), std::string::npos);
 }
 
-TEST_F(DbatScript, HeldImagesAndPointsAreRefused) {
+TEST_F(DbatScript, FixedImagesAndPointsAreRefused) {
   EXPECT_NE(error_of(with("<io><all>true", "<eo><all>false</all></eo><io><all>true")).find("eo: all = false"),
             std::string::npos);
   EXPECT_NE(error_of(with("<io><all>true", "<op><all>false</all></op><io><all>true")).find("op: all = false"),

@@ -201,7 +201,7 @@ Result<std::vector<GeodeticFileRow>> parse_geodetic(std::string_view text) {
   return std::move(reader.rows);
 }
 
-Result<std::vector<GeodeticFileRow>> read_ground(const std::filesystem::path& path) {
+Result<std::vector<GeodeticFileRow>> read_geodetic(const std::filesystem::path& path) {
   constexpr std::uint64_t kLargest = 64 << 20;
   COLLINEA_TRY(const std::string text, read_file(path, kLargest));
   return parse_geodetic(text).map_error([&](Error e) { return std::move(e).within(path.string()); });

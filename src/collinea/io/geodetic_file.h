@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collinea/base/result.h"
-#include "collinea/block/ground.h"
+#include "collinea/block/geodetic.h"
 
 namespace collinea {
 
@@ -36,7 +36,7 @@ struct GeodeticFileRow {
 ///     name, role (control, check), setup (directions of one share an orientation; else all from one point do),
 ///     instrument_height_m, target_height_m        above the marks; not of height differences
 /// Every measured value needs a positive sigma. Errors name the line.
-[[nodiscard]] Result<std::vector<GeodeticFileRow>> read_ground(const std::filesystem::path& path);
+[[nodiscard]] Result<std::vector<GeodeticFileRow>> read_geodetic(const std::filesystem::path& path);
 
 /// The same, from text in memory.
 [[nodiscard]] Result<std::vector<GeodeticFileRow>> parse_geodetic(std::string_view text);

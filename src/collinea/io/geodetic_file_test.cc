@@ -48,7 +48,7 @@ TEST(GeodeticFile, ATotalStationMeasuresThreeThingsARow) {
   EXPECT_EQ((*rows)[3].setup, "1");
 }
 
-TEST(GeodeticFile, WhatIsWrongIsToldWithItsLine) {
+TEST(GeodeticFile, WhatIsWrongIsStatedWithItsLine) {
   const auto message = [](const char* text) {
     const auto rows = parse_geodetic(text);
     return rows ? std::string("accepted") : rows.error().message;

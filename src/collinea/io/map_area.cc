@@ -8,11 +8,11 @@
 
 namespace collinea {
 
-bool contains(const MapArea& area, const Eigen::Vector2d& place) {
+bool contains(const MapArea& area, const Eigen::Vector2d& position) {
   bool in = false;
   for (std::size_t i = 0; i < area.size(); ++i) {
-    const auto border = crossing(area[i], area[(i + 1) % area.size()], place.y());
-    if (border && place.x() < *border) in = !in;
+    const auto border = crossing(area[i], area[(i + 1) % area.size()], position.y());
+    if (border && position.x() < *border) in = !in;
   }
   return in;
 }
@@ -26,8 +26,8 @@ double size_m2(const MapArea& area) {
   return std::abs(twice) / 2;
 }
 
-Result<std::vector<Eigen::Vector2d>> parse_places(const std::string& text) {
-  std::vector<Eigen::Vector2d> places;
+Result<std::vector<Eigen::Vector2d>> parse_map_points(const std::string& text) {
+  std::vector<Eigen::Vector2d> positions;
   const auto lines = lines_of(text);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string_view line = trimmed(lines[i].substr(0, lines[i].find('#')));
@@ -36,16 +36,16 @@ Result<std::vector<Eigen::Vector2d>> parse_places(const std::string& text) {
     const auto east = fields.size() > 1 ? number(fields[0]) : std::nullopt;
     const auto north = fields.size() > 1 ? number(fields[1]) : std::nullopt;
     if (east && north && std::isfinite(*east) && std::isfinite(*north)) {
-      places.emplace_back(*east, *north);
-    } else if (!places.empty() || east || north || fields.size() < 2) {
+      positions.emplace_back(*east, *north);
+    } else if (!positions.empty() || east || north || fields.size() < 2) {
       return fail(Errc::kBadFormat, "line " + std::to_string(i + 1) + ": not a corner: easting, northing");
     }
   }
-  return places;
+  return positions;
 }
 
 Result<MapArea> parse_area(const std::string& text) {
-  COLLINEA_TRY(MapArea area, parse_places(text));
+  COLLINEA_TRY(MapArea area, parse_map_points(text));
   if (area.size() > 1 && area.front() == area.back()) area.pop_back();
   if (area.size() < 3) return fail(Errc::kBadFormat, "an area needs three corners: easting, northing in each line");
   return area;

@@ -12,12 +12,12 @@ namespace collinea {
 /// A simple polygon on the map, east and north [m], closed from the last to the first corner.
 using MapArea = std::vector<Eigen::Vector2d>;
 
-[[nodiscard]] bool contains(const MapArea& area, const Eigen::Vector2d& place);
+[[nodiscard]] bool contains(const MapArea& area, const Eigen::Vector2d& position);
 [[nodiscard]] double size_m2(const MapArea& area);
 
 /// Reads places: easting and northing a line, between commas or blanks; # starts a comment, a line without numbers
 /// above all others is a title, further fields are left alone. Errors name the line.
-[[nodiscard]] Result<std::vector<Eigen::Vector2d>> parse_places(const std::string& text);
+[[nodiscard]] Result<std::vector<Eigen::Vector2d>> parse_map_points(const std::string& text);
 /// The same as the corners of an area; the first may stand at the end once more. Also an error: fewer than three.
 [[nodiscard]] Result<MapArea> parse_area(const std::string& text);
 

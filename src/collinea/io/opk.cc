@@ -55,13 +55,13 @@ Result<std::vector<ExteriorOrientation>> read_opk(const std::filesystem::path& p
     const auto words = words_of(lines[i]);
     if (words.empty() || words[0].starts_with('#')) continue;
     auto row = row_of(words);
-    const std::string place = path.string() + ": line " + std::to_string(i + 1) + ": ";
+    const std::string where = path.string() + ": line " + std::to_string(i + 1) + ": ";
     if (!row)
-      return fail(Errc::kBadFormat, place + "not an orientation: image X Y Z omega phi kappa, in metres and degrees");
+      return fail(Errc::kBadFormat, where + "not an orientation: image X Y Z omega phi kappa, in metres and degrees");
     const auto [earlier, is_new] = line_of.emplace(row->file, i + 1);
     if (!is_new)
       return fail(Errc::kBadFormat,
-                  place + row->file + " is there twice, first in line " + std::to_string(earlier->second));
+                  where + row->file + " is there twice, first in line " + std::to_string(earlier->second));
     rows.push_back(*std::move(row));
   }
   if (rows.empty()) return fail(Errc::kBadFormat, path.string() + ": no orientation in it");

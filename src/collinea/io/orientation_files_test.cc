@@ -141,7 +141,7 @@ TEST_F(OrientationFiles, PointsCarryTheirMeanResidual) {
   EXPECT_NEAR(points->at(0).error_px, 5 / count, 1e-9);
 }
 
-TEST_F(OrientationFiles, WhatColmapCannotHoldIsSaid) {
+TEST_F(OrientationFiles, WhatColmapCannotHoldIsStated) {
   Block block = nadir_block();
   block.cameras[{0}].params[Camera::kB2] = 0.5;
   remove_pose(block, {2});
@@ -264,7 +264,7 @@ TEST(Opk, WithoutGeoreferenceItIsTheWorldFrame) {
   EXPECT_NEAR(rows->at(2).angles.kappa_deg, 60, 1e-9);
 }
 
-// A nadir photograph with x to the true east: its kappa in the map is the meridian convergence (east of the central
+// A nadir image with x to the true east: its kappa in the map is the meridian convergence (east of the central
 // meridian grid north lies clockwise of true north, so true east anticlockwise of grid east), which is
 // atan(tan(dlon) sin(lat)) for the transverse Mercator on the sphere; the ellipsoid changes it by less than 0.001 deg.
 TEST(Opk, AnglesReferToTheGridOfTheMap) {

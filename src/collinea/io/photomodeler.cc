@@ -58,13 +58,13 @@ class Parser {
     return *std::move(values);
   }
 
-  // Old exports lack width and height of the pictures, without which a millimetre is no number of pixels: refused.
+  // Old exports lack width and height of the images, without which a millimetre is no number of pixels: refused.
   Result<> take_camera() {
     ++at_;  // the title
-    COLLINEA_TRY(const auto head, row(2, "tolerance, iterations, width and height of the pictures"));
+    COLLINEA_TRY(const auto head, row(2, "tolerance, iterations, width and height of the images"));
     if (head.size() < 4 || !is_whole(head[2], 1e6) || !is_whole(head[3], 1e6) || head[2] < 1 || head[3] < 1)
       return bad(
-          "the line above lacks width and height of the pictures [px]: export again with a newer PhotoModeler, "
+          "the line above lacks width and height of the images [px]: export again with a newer PhotoModeler, "
           "or add them behind the number of iterations");
     COLLINEA_TRY(const auto unused, row(9, "standard deviations"));
     COLLINEA_TRY(const auto v, row(10, "the camera: focal length, principal point, format, K1 K2 K3 P1 P2 [mm]"));
@@ -87,7 +87,7 @@ class Parser {
     return {};
   }
 
-  // "3 photos/IMG_3.JPG", the pose, its standard deviations, and after a blank line the camera once more.
+  // "3 images/IMG_3.JPG", the pose, its standard deviations, and after a blank line the camera once more.
   Result<> take_images() {
     while (!at_blank()) {
       const auto words = words_of(lines_[at_]);
@@ -120,13 +120,13 @@ class Parser {
     for (; !at_blank();) {
       COLLINEA_TRY(const auto v, row(7, "a control point: number, X, Y, Z and their standard deviations"));
       if (!is_whole(v[0], 4e9)) return bad("the number of a point is expected first in the line above");
-      const Eigen::Vector3d place(v[1], v[2], v[3]);
+      const Eigen::Vector3d position(v[1], v[2], v[3]);
       const ControlId id{std::uint32_t(v[0])};
       if (file_.block.control.contains(id)) return bad("control point " + std::to_string(id.value) + " comes twice");
       file_.block.control[id] = {.name = std::to_string(id.value),
                                  .role = ControlRole::kControl,
-                                 .position_in_map = place,
-                                 .position_in_world = place,
+                                 .position_in_map = position,
+                                 .position_in_world = position,
                                  .sigma_m = Eigen::Vector3d(v[4], v[5], v[6]).cwiseMax(0)};
     }
     ++at_;

@@ -29,7 +29,7 @@ constexpr Three kGeographic = {"latitude_deg", "longitude_deg", "height_m"},
                 kAngles = {"omega_deg", "phi_deg", "kappa_deg"}, kOfAircraft = {"yaw_deg", "pitch_deg", "roll_deg"},
                 kOfCamera = {"camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"},
                 kAngleSigmas = {"sigma_omega_deg", "sigma_phi_deg", "sigma_kappa_deg"},
-                kTurnSigmas = {"sigma_yaw_deg", "sigma_pitch_deg", "sigma_roll_deg"};
+                kRotationSigmas = {"sigma_yaw_deg", "sigma_pitch_deg", "sigma_roll_deg"};
 
 tl::unexpected<Error> bad_line(int line, const std::string& what) {
   return fail(Errc::kBadFormat, "line " + std::to_string(line) + ": " + what);
@@ -57,7 +57,7 @@ std::optional<std::string> date_and_time(std::string_view text) {
 // Turns about the plumb line, the level axis to the right of the heading and the axis of the roll, as turns about east,
 // north and the plumb line. The axis of the roll points to the heading, as far up as `rises_deg`. Upright it says
 // nothing of the tilt to the sides, which is taken to be known as well as the pitch.
-Eigen::Vector3d turned(const Eigen::Vector3d& sigma_yaw_pitch_roll, double heading_deg, double rises_deg) {
+Eigen::Vector3d rotated(const Eigen::Vector3d& sigma_yaw_pitch_roll, double heading_deg, double rises_deg) {
   const double sine = std::sin(heading_deg * kRadians), cosine = std::cos(heading_deg * kRadians);
   const double up = std::sin(rises_deg * kRadians), ahead = std::cos(rises_deg * kRadians);
   const double pitch = sigma_yaw_pitch_roll[1];
@@ -93,7 +93,7 @@ bool is_column(const std::string& name) {
   for (const char* other : {"image", "taken", "sigma_m", "sigma_plan_m", "sigma_attitude_deg"})
     if (name == other) return true;
   for (const Three* three :
-       {&kGeographic, &kInMap, &kSigmas, &kAngles, &kOfAircraft, &kOfCamera, &kAngleSigmas, &kTurnSigmas})
+       {&kGeographic, &kInMap, &kSigmas, &kAngles, &kOfAircraft, &kOfCamera, &kAngleSigmas, &kRotationSigmas})
     if (std::find(three->begin(), three->end(), name) != three->end()) return true;
   return false;
 }
@@ -111,16 +111,16 @@ class TableReader {
       if (table_.has((*three)[0]) != table_.has((*three)[1]))
         return table_.bad_row("columns belong together: " + joined(*three));
     const bool geographic = table_.has(kGeographic[0]), in_map = table_.has(kInMap[0]);
-    const bool angles = table_.has(kAngles[0]), turns = table_.has(kOfAircraft[0]) || table_.has(kOfCamera[0]);
+    const bool angles = table_.has(kAngles[0]), rotations = table_.has(kOfAircraft[0]) || table_.has(kOfCamera[0]);
     if (geographic && in_map)
       return table_.bad_row("positions are given by latitude and longitude or by easting and northing, not both");
     if (angles + table_.has(kOfAircraft[0]) + table_.has(kOfCamera[0]) > 1)
       return table_.bad_row("attitudes are given in one form: " + joined(kAngles) + "; " + joined(kOfAircraft) +
                             "; or " + joined(kOfCamera));
-    if (!geographic && !in_map && !angles && !turns)
+    if (!geographic && !in_map && !angles && !rotations)
       return table_.bad_row("no column holds a position (" + joined(kGeographic) + "; " + joined(kInMap) +
                             ") or an attitude (" + joined(kAngles) + ")");
-    return check_sigmas(geographic || in_map, angles, turns);
+    return check_sigmas(geographic || in_map, angles, rotations);
   }
 
   Result<> take_row() {
@@ -145,7 +145,7 @@ class TableReader {
 
  private:
   // Every standard deviation must be of something that the table holds.
-  [[nodiscard]] Result<> check_sigmas(bool positions, bool angles, bool turns) const {
+  [[nodiscard]] Result<> check_sigmas(bool positions, bool angles, bool rotations) const {
     const auto refuse = [&](std::string_view column) {
       return table_.bad_row("column " + std::string(column) + " is the standard deviation of nothing in this table");
     };
@@ -153,9 +153,9 @@ class TableReader {
       if (table_.has(column) && !positions) return refuse(column);
     for (const char* column : kAngleSigmas)
       if (table_.has(column) && !angles) return refuse(column);
-    for (const char* column : kTurnSigmas)
-      if (table_.has(column) && !turns) return refuse(column);
-    if (table_.has("sigma_attitude_deg") && !angles && !turns) return refuse("sigma_attitude_deg");
+    for (const char* column : kRotationSigmas)
+      if (table_.has(column) && !rotations) return refuse(column);
+    if (table_.has("sigma_attitude_deg") && !angles && !rotations) return refuse("sigma_attitude_deg");
     return {};
   }
 
@@ -182,13 +182,13 @@ class TableReader {
 
   Result<> take_position(PositionFileRow& row) const {
     const bool geographic = table_.has(kGeographic[0]);
-    COLLINEA_TRY(const Eigen::Vector3d place, three_in(geographic ? kGeographic : kInMap));
+    COLLINEA_TRY(const Eigen::Vector3d position, three_in(geographic ? kGeographic : kInMap));
     COLLINEA_TRY(row.sigma_m, sigmas(kSigmas, "sigma_plan_m", "sigma_m"));
-    if (place.head<2>().array().isNaN().all()) return {};
-    if (!place.head<2>().allFinite()) return table_.bad_row("half a position of " + row.image);
-    if (geographic && (std::abs(place[0]) > 90 || std::abs(place[1]) > 360))
+    if (position.head<2>().array().isNaN().all()) return {};
+    if (!position.head<2>().allFinite()) return table_.bad_row("half a position of " + row.image);
+    if (geographic && (std::abs(position[0]) > 90 || std::abs(position[1]) > 360))
       return table_.bad_row("there is no such latitude and longitude");
-    (geographic ? row.geographic : row.in_map) = place;
+    (geographic ? row.geographic : row.in_map) = position;
     return {};
   }
 
@@ -197,7 +197,7 @@ class TableReader {
     const Three& names = table_.has(kAngles[0]) ? kAngles : of_camera ? kOfCamera : kOfAircraft;
     COLLINEA_TRY(const Eigen::Vector3d angles, three_in(names));
     COLLINEA_TRY(const double all, table_.number_in("sigma_attitude_deg"));
-    COLLINEA_TRY(row.sigma_deg, sigmas(&names == &kAngles ? kAngleSigmas : kTurnSigmas, "", "sigma_attitude_deg"));
+    COLLINEA_TRY(row.sigma_deg, sigmas(&names == &kAngles ? kAngleSigmas : kRotationSigmas, "", "sigma_attitude_deg"));
     if (angles.array().isNaN().all()) return {};
     if (!angles.allFinite()) return table_.bad_row("only a part of the angles of " + row.image);
     if (&names == &kAngles) {
@@ -206,7 +206,7 @@ class TableReader {
     }
     row.attitude = of_camera ? AttitudePrior{angles[0], angles[1], angles[2]} : attitude_of_aircraft(angles);
     if (!(row.sigma_deg.array() == all).all())  // one for all: about any axes
-      row.sigma_deg = turned(row.sigma_deg, angles[0], of_camera ? angles[1] : 0);
+      row.sigma_deg = rotated(row.sigma_deg, angles[0], of_camera ? angles[1] : 0);
     return {};
   }
 

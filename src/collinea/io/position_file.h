@@ -43,7 +43,7 @@ struct PositionFile {
 ///     sigma_m, or sigma_plan_m, sigma_east_m, sigma_north_m, sigma_height_m
 ///     omega_deg, phi_deg, kappa_deg                ground = Rx Ry Rz image (x right, y up, z backward), in the map; or
 ///     yaw_deg, pitch_deg, roll_deg                 of an aircraft whose camera looks down with the upper edge of the
-///                                                  picture in front (all zero: level, nose to the north); or
+///                                                  image in front (all zero: level, nose to the north); or
 ///     camera_yaw_deg, camera_pitch_deg, camera_roll_deg   of the optical axis, as drones write it (pitch -90: down)
 ///     sigma_attitude_deg (about any axis), or those of the three angles: sigma_omega_deg, sigma_phi_deg,
 ///     sigma_kappa_deg; or sigma_yaw_deg, sigma_pitch_deg, sigma_roll_deg

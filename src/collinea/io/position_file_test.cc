@@ -11,7 +11,7 @@
 namespace collinea {
 namespace {
 
-TEST(PositionFile, TablesSayPlacesAnglesAndSigmas) {
+TEST(PositionFile, TablesSayPositionsAnglesAndSigmas) {
   const auto file = parse_positions(
       "# collinea positions, EPSG:32633\n"
       "image, easting_m, northing_m, height_m, sigma_plan_m, sigma_height_m, omega_deg, phi_deg, kappa_deg, "

@@ -200,11 +200,11 @@ TEST(PublishedAdjustment, FixedAndWeightedControl) {
   auto row = table_in(folder / "fixed" / "poses.csv").at("\"P8250021.JPG\"");
   const double fixed[] = {-0.045117, 1.294186, 1.469723, -39.433594, -1.177710, -179.839440};
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(*number(row[1 + i]), fixed[i], 5.1e-7);
-  const std::string held = " 0 0 0\n", weighted = " 0.001 0.001 0.001\n";
+  const std::string exact = " 0 0 0\n", weighted = " 0.001 0.001 0.001\n";
   for (std::size_t at = text.find("\ncontrol 10"); at != std::string::npos; at = text.find("\ncontrol 10", at + 1)) {
     const std::size_t end = text.find('\n', at + 1) + 1;
-    ASSERT_EQ(text.substr(end - held.size(), held.size()), held);
-    text.replace(end - held.size(), held.size(), weighted);
+    ASSERT_EQ(text.substr(end - exact.size(), exact.size()), exact);
+    text.replace(end - exact.size(), exact.size(), weighted);
   }
   ASSERT_TRUE(write_file(folder / "weighted.txt", text));
   ASSERT_TRUE(adjust_file(folder / "weighted.txt", folder / "weighted", {.loss = Loss::kNone}, {}));
@@ -265,7 +265,7 @@ TEST(AdjustFile, AdditionalParametersAreTestedAndKept) {
   survey.control_points = 8;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0});
   ASSERT_TRUE(project && bring_up_to(*project, "orient"));
-  const AdjustProjectOptions asked{.additional = AdditionalSet::kEbner, .additional_held = "a3"};
+  const AdjustProjectOptions asked{.additional = AdditionalSet::kEbner, .additional_fixed = "a3"};
   const auto adjusted = adjust_project(*project, asked);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   ASSERT_EQ(adjusted->additional.size(), 1u);
@@ -290,8 +290,8 @@ TEST(AdjustFile, AdditionalParametersAreTestedAndKept) {
   EXPECT_FALSE(parameters.at("p1").contains("sigma"));  // the set says the same
   EXPECT_NE(read_file(folder / "out" / "adjustment.html")->find("<h2>Additional parameters</h2>"), std::string::npos);
   for (const AdjustProjectOptions& wrong :
-       {AdjustProjectOptions{.additional = AdditionalSet::kEbner, .additional_held = "a13"},
-        AdjustProjectOptions{.additional_held = "a1"}})
+       {AdjustProjectOptions{.additional = AdditionalSet::kEbner, .additional_fixed = "a13"},
+        AdjustProjectOptions{.additional_fixed = "a1"}})
     EXPECT_EQ(adjust_project(*project, wrong).error().code, Errc::kBadInput);
   const auto bent = adjust_project(*project, {.refraction = true});
   ASSERT_TRUE(bent) << bent.error().message;

@@ -38,12 +38,12 @@ Calibration calibration_of(const OrientationRecord& orientation) {
 }
 
 // What orientation did without, or shall be done without, is compared all the same.
-void choose_ground(Block& block, const OrientationRecord& orientation, bool use_ground) {
+void choose_geodetic(Block& block, const OrientationRecord& orientation, bool use_geodetic) {
   std::set<std::size_t> used;
-  for (const GeodeticDifference& one : orientation.ground)
+  for (const GeodeticDifference& one : orientation.geodetic)
     if (one.used) used.insert(one.observation);
-  for (std::size_t i = 0; i < block.ground.size(); ++i)
-    if (!use_ground || !used.contains(i)) block.ground[i].role = ControlRole::kCheck;
+  for (std::size_t i = 0; i < block.geodetic.size(); ++i)
+    if (!use_geodetic || !used.contains(i)) block.geodetic[i].role = ControlRole::kCheck;
 }
 
 void change_instruments(const AdjustProjectOptions& asked, InstrumentOptions& instruments) {
@@ -104,7 +104,7 @@ std::vector<std::string> words_in(const std::string& list) {
 // Gives the cameras the additional set that was asked for, free or held. A camera with another set begins at zero.
 Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run& run) {
   const std::optional<AdditionalSet>& wanted = asked.additional;
-  const std::vector<std::string> held = words_in(asked.additional_held);
+  const std::vector<std::string> fixed = words_in(asked.additional_fixed);
   std::set<std::string> instead;
   bool any = false;
   for (auto& [id, camera] : task.block.cameras) {
@@ -119,31 +119,31 @@ Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run
       first.additional = camera.additional;  // found by orient, around zero
     if (camera.additional == AdditionalSet::kNone) continue;
     any = true;
-    if (own != task.scope.camera_sigmas.end() && !wanted && held.empty()) continue;
+    if (own != task.scope.camera_sigmas.end() && !wanted && fixed.empty()) continue;
     CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
     if (own != task.scope.camera_sigmas.end())
       sigmas = own->second;
     else if (camera.prior.calibrate)
       sigmas = calibration_sigmas(task.options.adjust.calibration, first);
-    const auto both = with_additional(sigmas, first, held);
+    const auto both = with_additional(sigmas, first, fixed);
     if (!both)
       return fail(Errc::kBadInput,
-                  "additional_held = \"" + asked.additional_held + "\": the " +
+                  "additional_fixed = \"" + asked.additional_fixed + "\": the " +
                       std::to_string(count_of(camera.additional)) + " parameters of " +
                       std::string(kAdditionalNames[std::size_t(camera.additional)]) + " are a1 to a" +
                       std::to_string(count_of(camera.additional)),
-                  {"additional_held"_option});
+                  {"additional_fixed"_option});
     for (int k = 0; k < Camera::kParams; ++k)
       if (sigmas[std::size_t(k)] > 0 && (*both)[std::size_t(k)] == 0) instead.insert(param_name(k));
     task.scope.camera_sigmas[id] = *both;
   }
-  if (!held.empty() && !any)
-    return fail(Errc::kBadInput, "additional parameters are to be held, but no camera has any",
-                {"additional_held"_option, "additional"_option});
+  if (!fixed.empty() && !any)
+    return fail(Errc::kBadInput, "additional parameters are to be fixed, but no camera has any",
+                {"additional_fixed"_option, "additional"_option});
   if (!instead.empty()) {
     std::string names;
     for (const std::string& one : instead) names += (names.empty() ? "" : ", ") + one;
-    run.say("note: held, because the additional parameters say the same: " + names);
+    run.say("note: fixed, because the additional parameters say the same: " + names);
   }
   return {};
 }
@@ -166,7 +166,7 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
   if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
   if (task.scope.use_control && !asked.given_sigmas)
     judge_as_orient_did(orientation, instruments.position_shift == PositionShift::kNone, task.block, project.run);
-  choose_ground(task.block, orientation, asked.use_ground);
+  choose_geodetic(task.block, orientation, asked.use_geodetic);
   if (Result<> known = add_instruments(task.block, instruments, task.scope); !known)
     return tl::unexpected(known.error());
   task.options = options_of(asked, asked.calibration ? *asked.calibration : calibration_of(orientation));
@@ -248,9 +248,9 @@ Result<> complete(Block& block, const Run& run) {
     run.say("note: no approximate pose, and fewer than four known points to find one: " +
             names(found.without_pose, [&](ImageId id) { return block.images.at(id).file; }) +
             "; left out. Give a line pose, or measure more points there");
-  if (!found.without_place.empty())
+  if (!found.without_position.empty())
     run.say("note: seen in fewer than two oriented images, or along nearly the same line: tie points " +
-            names(found.without_place, [](PointId id) { return std::to_string(id.value); }) + "; left out");
+            names(found.without_position, [](PointId id) { return std::to_string(id.value); }) + "; left out");
   return {};
 }
 
@@ -310,15 +310,15 @@ Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const st
     return tl::unexpected(std::move(completed).error().within(path.string()));
   Task task{.title = path.stem().string(),
             .block = {},
-            .scope = {.fixed_images = file.held_images,
+            .scope = {.fixed_images = file.fixed_images,
                       .first_cameras = file.given_cameras,
                       .corrected_cameras = file.corrected_cameras,
                       .use_positions = asked.use_positions,
                       .use_control = asked.use_control},
             .options = options_of(asked, Calibration::kNone)};
   set_calibration(asked.calibration, file, task.scope);
-  if (!asked.use_ground)
-    for (GeodeticObservation& measured : file.block.ground) measured.role = ControlRole::kCheck;
+  if (!asked.use_geodetic)
+    for (GeodeticObservation& measured : file.block.geodetic) measured.role = ControlRole::kCheck;
   if (Result<> known = add_instruments_of_file(file, asked, task.scope); !known) return tl::unexpected(known.error());
   task.block = std::move(file.block);
   if (Result<> added = set_additional(asked, task, run); !added) return tl::unexpected(added.error());

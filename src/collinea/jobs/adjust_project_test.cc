@@ -51,7 +51,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
   for (const auto& [id, pose] : oriented_images(before)) EXPECT_EQ(pose.translation, pose_of(after, id).translation);
 }
 
-// Gross errors in the oriented block of a project: they are taken out, told, and do not spoil what is written.
+// Gross errors in the oriented block of a project: they are rejected, told, and do not spoil what is written.
 TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   const TestFolder folder;
   auto project = open_small_survey(folder / "block");
@@ -77,19 +77,19 @@ TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   ASSERT_EQ(wrong.size(), 5u);
   ASSERT_TRUE(project->store.write_orientation(block));
   EXPECT_FALSE(report_of(false).contains("snooping"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "block" / "adjustment" / "taken_out.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "block" / "adjustment" / "rejected.csv"));
   const nlohmann::json report = report_of(true);
   EXPECT_NEAR(report.at("sigma0").get<double>(), sigma0, 0.02 * sigma0);
   const nlohmann::json& snooping = report.at("snooping");
   EXPECT_TRUE(snooping.at("finished").get<bool>());
   EXPECT_GT(snooping.at("sigma0_before").get<double>(), 1.05 * sigma0);
-  std::ifstream file(folder / "block" / "adjustment" / "taken_out.csv");
+  std::ifstream file(folder / "block" / "adjustment" / "rejected.csv");
   const std::string table{std::istreambuf_iterator<char>(file), {}};
   for (const std::string& name : wrong) {
     EXPECT_NE(table.find(name), std::string::npos) << name;
-    bool told = false;
-    for (const auto& gone : snooping.at("rejected")) told |= gone.at("observation") == name;
-    EXPECT_TRUE(told) << name;
+    bool reported = false;
+    for (const auto& rejected : snooping.at("rejected")) reported |= rejected.at("observation") == name;
+    EXPECT_TRUE(reported) << name;
   }
 }
 

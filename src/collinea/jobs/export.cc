@@ -15,7 +15,7 @@
 #include "collinea/io/opk.h"
 #include "collinea/io/text.h"
 #include "collinea/radiometry/tie_point_colours.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/steps/cloud_pieces.h"
 
@@ -134,7 +134,7 @@ std::optional<LasForm> cloud_form_of(ExportFormat format) {
 }
 
 PixelSource pixels_of(const Project& project, const Block& block) {
-  return [&](ImageId image, int shrink) { return read_colour(project.photo(block.images.at(image)), shrink); };
+  return [&](ImageId image, int shrink) { return read_colour(project.image_file(block.images.at(image)), shrink); };
 }
 
 }  // namespace

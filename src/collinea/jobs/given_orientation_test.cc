@@ -48,7 +48,7 @@ class GivenOrientationTest : public ::testing::Test {
     EXPECT_TRUE(done) << done.error().message;
     const auto record = project.store.read_outcome<OrientationRecord>();
     EXPECT_TRUE(record && record->findings.front().subjects == std::vector{Subject::file(given.string())});
-    EXPECT_EQ(record->findings.front().code, FindingCode::kOrientationHeld);
+    EXPECT_EQ(record->findings.front().code, FindingCode::kOrientationFixed);
     return *project.store.read_block();
   }
 
@@ -75,12 +75,12 @@ TEST_F(GivenOrientationTest, ABlockThatWasExportedComesBackFromColmap) {
   expect_same_poses(block, 1e-6, 1e-9);
   EXPECT_NEAR(double(block.points.size()), double(block_.points.size()), 0.02 * double(block_.points.size()));
   // The same rays: points move by what single rays taken or left make, a fraction of a pixel on the ground.
-  std::map<std::pair<ImageId, std::uint32_t>, Eigen::Vector3d> place;
+  std::map<std::pair<ImageId, std::uint32_t>, Eigen::Vector3d> position;
   for (const Observation& seen : block_.observations)
-    place[{seen.image, seen.feature}] = block_.points.at(seen.point).position_in_world;
+    position[{seen.image, seen.feature}] = block_.points.at(seen.point).position_in_world;
   std::vector<double> moved_m;
   for (const Observation& seen : block.observations)
-    if (const auto before = place.find({seen.image, seen.feature}); before != place.end())
+    if (const auto before = position.find({seen.image, seen.feature}); before != position.end())
       moved_m.push_back((before->second - block.points.at(seen.point).position_in_world).norm());
   ASSERT_GT(moved_m.size(), block_.observations.size() * 95 / 100);
   std::sort(moved_m.begin(), moved_m.end());
@@ -99,7 +99,7 @@ TEST_F(GivenOrientationTest, BundlersFilesGivePosesAndCameras) {
   EXPECT_TRUE(read->findings.empty());
 }
 
-TEST_F(GivenOrientationTest, ModelsOfSmallerPicturesAreScaledAndOthersRefused) {
+TEST_F(GivenOrientationTest, ModelsOfSmallerImagesAreScaledAndOthersRefused) {
   Block small = block_;
   for (auto& [id, camera] : small.cameras) {
     camera.width_px /= 2, camera.height_px /= 2;

@@ -43,16 +43,16 @@ Result<std::vector<Eigen::Vector2d>> line_of(const std::string& line) {
     const auto value = finite_number(field);
     if (!value) {
       COLLINEA_TRY(const std::string text, read_file(line));
-      return parse_places(text).map_error([&](Error e) { return std::move(e).within(line); });
+      return parse_map_points(text).map_error([&](Error e) { return std::move(e).within(line); });
     }
     numbers.push_back(*value);
   }
   if (numbers.size() < 4 || numbers.size() % 2)
     return fail(Errc::kBadInput, "\"" + line + "\" is no line: give east,north of two places and more",
                 {"line"_option});
-  std::vector<Eigen::Vector2d> places;
-  for (std::size_t i = 0; i < numbers.size(); i += 2) places.emplace_back(numbers[i], numbers[i + 1]);
-  return places;
+  std::vector<Eigen::Vector2d> positions;
+  for (std::size_t i = 0; i < numbers.size(); i += 2) positions.emplace_back(numbers[i], numbers[i + 1]);
+  return positions;
 }
 
 // A field of a table as RFC 4180 has it: text with commas, quotes or line breaks stands in quotes.
@@ -70,7 +70,8 @@ std::string profile_csv(const Profile& profile, const std::vector<std::string>& 
   text += "\n";
   const auto field = [](double value) { return std::isfinite(value) ? fmt::format(",{:.4f}", value) : ","; };
   for (std::size_t i = 0; i < profile.distance_m.size(); ++i) {
-    text += fmt::format("{:.4f},{:.4f},{:.4f}", profile.distance_m[i], profile.place[i].x(), profile.place[i].y());
+    text +=
+        fmt::format("{:.4f},{:.4f},{:.4f}", profile.distance_m[i], profile.positions[i].x(), profile.positions[i].y());
     for (const auto& surface : profile.of) text += field(surface[i].height_m) + field(surface[i].sigma_m);
     text += "\n";
   }

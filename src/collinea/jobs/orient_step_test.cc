@@ -74,10 +74,10 @@ TEST_F(OrientStepTest, ControlThatWasFoundWrongIsInReportAndInfoWithWhatItIsOff)
   EXPECT_TRUE(listed.excluded);
   EXPECT_NEAR(listed.difference_m.x(), -3, 0.2);
   EXPECT_GE(listed.rays, 2);
-  const auto told = report();
-  EXPECT_EQ(row(told.at("control_points"), wrong.name).at("role"), "excluded");
-  EXPECT_EQ(told.at("control_rmse_m").at("points"), 5);
-  EXPECT_EQ(told.at("check_rmse_m").at("points"), 2);
+  const auto reported = report();
+  EXPECT_EQ(row(reported.at("control_points"), wrong.name).at("role"), "excluded");
+  EXPECT_EQ(reported.at("control_rmse_m").at("points"), 5);
+  EXPECT_EQ(reported.at("check_rmse_m").at("points"), 2);
 }
 
 TEST_F(OrientStepTest, SigmasOfCentresAndCamerasAreTimesSigma0) {
@@ -90,19 +90,19 @@ TEST_F(OrientStepTest, SigmasOfCentresAndCamerasAreTimesSigma0) {
   ASSERT_TRUE(found) << found.error().message;
   const double sigma0 = found->adjusted.sigma0;
   ASSERT_GT(std::abs(sigma0 - 1), 0.002);
-  const auto told = report();
+  const auto reported = report();
   const auto& [image, pose] = *found->adjusted.pose_covariance.begin();
-  const auto& row = told.at("image_list").at(0);
+  const auto& row = reported.at("image_list").at(0);
   ASSERT_EQ(row.at("file"), setup_.images.at(image).file);
   EXPECT_NEAR(row.at("centre_sigma_m").at(2).get<double>() / (sigma0 * std::sqrt(pose(5, 5))), 1, 1e-9);
   const MatrixPd& camera = found->adjusted.camera_covariance.begin()->second;
-  EXPECT_NEAR(told.at("cameras").at(0).at("parameters").at("f").at("sigma").get<double>() /
+  EXPECT_NEAR(reported.at("cameras").at(0).at("parameters").at("f").at("sigma").get<double>() /
                   (sigma0 * std::sqrt(camera(Camera::kF, Camera::kF))),
               1, 1e-9);
 }
 
-// No place on Earth, and control points that are only marked: what is measured between them tells the scale.
-TEST_F(OrientStepTest, DistancesMakeABlockWithoutPlaceMetric) {
+// No location on Earth, and control points that are only marked: what is measured between them tells the scale.
+TEST_F(OrientStepTest, DistancesMakeABlockWithoutPositionMetric) {
   std::map<ControlId, Eigen::Vector3d> truth;
   for (auto& [id, point] : setup_.control) {
     truth[id] = point.position_in_world;
@@ -114,24 +114,24 @@ TEST_F(OrientStepTest, DistancesMakeABlockWithoutPlaceMetric) {
   for (auto& [id, image] : setup_.images) image.position.reset();
   const auto measure = [&](std::uint32_t from, std::uint32_t to, double error_m, ControlRole role) {
     const double length = (truth.at({from}) - truth.at({to})).norm();
-    setup_.ground.push_back({.from = {from}, .to = {to}, .value = length + error_m, .sigma = 0.02, .role = role});
+    setup_.geodetic.push_back({.from = {from}, .to = {to}, .value = length + error_m, .sigma = 0.02, .role = role});
   };
   measure(0, 1, 0.01, ControlRole::kControl);
   measure(1, 2, -0.01, ControlRole::kControl);
   measure(2, 3, 10, ControlRole::kControl);  // a slip of the pen
   measure(3, 4, 0, ControlRole::kCheck);
   orient();
-  const OrientationRecord told = record();
-  EXPECT_FALSE(told.georeferenced);
-  EXPECT_TRUE(told.metric);
-  EXPECT_TRUE(told.gsd_m());
-  EXPECT_EQ(told.gauge.distances, 2u);
+  const OrientationRecord reported = record();
+  EXPECT_FALSE(reported.georeferenced);
+  EXPECT_TRUE(reported.metric);
+  EXPECT_TRUE(reported.gsd_m());
+  EXPECT_EQ(reported.gauge.distances, 2u);
   EXPECT_TRUE(finds("contradicts the other distances"));
   const nlohmann::json shown = report();
   EXPECT_EQ(shown.at("length_unit"), "m");
-  ASSERT_EQ(shown.at("ground").size(), 4u);
-  EXPECT_EQ(shown.at("ground").at(2).at("role"), "excluded");
-  const nlohmann::json& check = shown.at("ground").at(3);
+  ASSERT_EQ(shown.at("geodetic").size(), 4u);
+  EXPECT_EQ(shown.at("geodetic").at(2).at("role"), "excluded");
+  const nlohmann::json& check = shown.at("geodetic").at(3);
   EXPECT_EQ(check.at("role"), "check");
   EXPECT_LT(std::abs(check.at("difference").get<double>()), 4 * check.at("sigma").get<double>());
   EXPECT_LT(check.at("sigma").get<double>(), 0.1);
@@ -139,10 +139,10 @@ TEST_F(OrientStepTest, DistancesMakeABlockWithoutPlaceMetric) {
   ASSERT_TRUE(adjust_project(*project_, {}));
   const nlohmann::json adjusted =
       nlohmann::json::parse(*read_file(folder_ / "block" / "adjustment" / "adjustment.json"));
-  ASSERT_EQ(adjusted.at("ground").size(), 4u);
-  EXPECT_EQ(adjusted.at("ground").at(0).at("role"), "control");
-  EXPECT_EQ(adjusted.at("ground").at(2).at("role"), "check");  // what orientation left out stays out
-  EXPECT_NE(read_file(folder_ / "block" / "adjustment" / "ground.csv")->find("\"distance\",m,check"),
+  ASSERT_EQ(adjusted.at("geodetic").size(), 4u);
+  EXPECT_EQ(adjusted.at("geodetic").at(0).at("role"), "control");
+  EXPECT_EQ(adjusted.at("geodetic").at(2).at("role"), "check");  // what orientation left out stays out
+  EXPECT_NE(read_file(folder_ / "block" / "adjustment" / "geodetic.csv")->find("\"distance\",m,check"),
             std::string::npos);
 }
 
@@ -214,10 +214,11 @@ TEST_F(InstrumentsTest, AShiftNeedsControl) {
   orient();
   EXPECT_TRUE(finds("No control point separates a shift of the positions"));
   ASSERT_TRUE(adjust_project(*project_, {}));
-  EXPECT_FALSE(adjusted().contains("auxiliary_unknowns"));  // adjust takes over what orient did, not what it was asked for
+  EXPECT_FALSE(
+      adjusted().contains("auxiliary_unknowns"));  // adjust takes over what orient did, not what it was asked for
 }
 
-TEST_F(InstrumentsTest, WhatThePhotographsDoNotSayIsRefusedBeforeAnyWork) {
+TEST_F(InstrumentsTest, WhatTheImagesDoNotSayIsRefusedBeforeAnyWork) {
   for (auto& [id, image] : setup_.images) image.taken.clear();
   ASSERT_TRUE(project_->store.write_setup(setup_));
   project_->settings.orient.instruments.time_offset = true;

@@ -45,8 +45,8 @@ struct Crs {
 // A CRS must fit the place: a corner of the site.
 Result<Crs> crs_of(const std::optional<std::string>& crs, const FlightPlan& plan) {
   if (!crs) return Crs{};
-  const Eigen::Vector2d place = plan.area[0];
-  COLLINEA_TRY(const Eigen::Vector3d geographic, geographic_from_map(*crs, {place.x(), place.y(), 0}));
+  const Eigen::Vector2d position = plan.area[0];
+  COLLINEA_TRY(const Eigen::Vector3d geographic, geographic_from_map(*crs, {position.x(), position.y(), 0}));
   COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(*crs, geographic[0], geographic[1], 0));
   return Crs{frame.wkt1(), frame.crs_name()};
 }
@@ -93,9 +93,9 @@ std::string control_csv(const PlanReport& report, const std::optional<std::strin
   std::string text = "# collinea control" + (crs ? ", " + *crs : "") + kPlannedRemark + kControlPointColumns + "\n";
   const auto sigma = [](double value) { return std::isfinite(value) ? fmt::format("{:g}", value) : "inf"; };
   for (const PlannedPoint& point : report.points)
-    text += fmt::format("point, {}, {:.3f}, {:.3f}, 0, {}, {}, {}, {}\n", point.name, point.place.x(), point.place.y(),
-                        sigma(point.sigma_m.x()), sigma(point.sigma_m.y()), sigma(point.sigma_m.z()),
-                        point.role == ControlRole::kControl ? "control" : "check");
+    text += fmt::format("point, {}, {:.3f}, {:.3f}, 0, {}, {}, {}, {}\n", point.name, point.position.x(),
+                        point.position.y(), sigma(point.sigma_m.x()), sigma(point.sigma_m.y()),
+                        sigma(point.sigma_m.z()), point.role == ControlRole::kControl ? "control" : "check");
   return text;
 }
 
@@ -114,12 +114,12 @@ Result<> write_raster(const Precision& precision, const std::string& wkt, const 
   return writer.finish();
 }
 
-Eigen::Vector3d on_ground(const Eigen::Vector2d& place) { return {place.x(), place.y(), 0}; }
+Eigen::Vector3d on_ground(const Eigen::Vector2d& position) { return {position.x(), position.y(), 0}; }
 
 std::vector<VectorLayer> layers_of(const PlanReport& report) {
   VectorLayer site{"site", VectorKind::kPolygon, {{"area_m2"}}, {}};
   VectorRow outline{{}, {size_m2(report.plan.area)}};
-  for (const Eigen::Vector2d& corner : report.plan.area) outline.places.push_back(on_ground(corner));
+  for (const Eigen::Vector2d& corner : report.plan.area) outline.positions.push_back(on_ground(corner));
   site.rows.push_back(std::move(outline));
 
   VectorLayer images{"images",
@@ -203,7 +203,7 @@ Result<PlanReport> plan_survey(const FlightOptions& flight, const LayoutOptions&
     const Eigen::Vector3d survey(layout.control_sigma_plan_m, layout.control_sigma_plan_m,
                                  layout.control_sigma_height_m);
     COLLINEA_TRY(const std::optional<Gain> point, one_more_point(report.plan, report.points, survey, measurements,
-                                                                 report.precision, options.places, run));
+                                                                 report.precision, options.candidates, run));
     if (point) report.gains.push_back(*point);
     COLLINEA_TRY(const auto strip, one_more_cross_strip(flight, area, report.points, measurements, run));
     if (strip) report.gains.push_back(*strip);

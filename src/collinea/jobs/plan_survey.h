@@ -17,7 +17,7 @@ struct PlanOptions {
   std::optional<std::filesystem::path> area;
   std::optional<std::string> crs;
   bool gains = true;
-  int places = 8;
+  int candidates = 8;
   int trials = 0;
   int seed = 1;
 
@@ -30,7 +30,7 @@ struct PlanOptions {
     visit(Field{"gains", &O::gains, "",
                 "tell what one more control point, one more cross strip and measured projection centres would "
                 "gain"});
-    visit(Field{"places", &O::places, "1", "places tried for that control point", 1, 1000});
+    visit(Field{"candidates", &O::candidates, "1", "positions tried for that control point", 1, 1000});
     visit(
         Field{"trials", &O::trials, "1", "blocks with simulated errors, adjusted to try what is predicted", 0, 10000});
     visit(Field{"seed", &O::seed, "1", "of the simulated errors", 0});

@@ -32,8 +32,8 @@ TEST(PlanSurvey, TellsTheSameInTextJsonRasterAndGeoPackage) {
   flight.south_m = 5338000;
   MeasurementOptions measurements = small_measurements();
   measurements.map_cell_m = 10;
-  const auto text =
-      plan_survey(flight, {}, measurements, {.crs = "EPSG:32633", .places = 2, .trials = 2}, folder / "out", kSerial);
+  const auto text = plan_survey(flight, {}, measurements, {.crs = "EPSG:32633", .candidates = 2, .trials = 2},
+                                folder / "out", kSerial);
   ASSERT_TRUE(text) << text.error().message;
   const json plan = json::parse(read_file(folder / "out" / "plan.json").value());
   EXPECT_EQ(plan.at("crs"), "WGS 84 / UTM zone 33N");
@@ -103,8 +103,8 @@ TEST(PlanSurvey, TheSameBitsOnAnyNumberOfThreads) {
   const TestFolder folder;
   collinea::Run one, four;
   four.threads = 4;
-  ASSERT_TRUE(plan_survey(small_flight(), {}, small_measurements(), {.places = 2}, folder / "one" / "s", one));
-  ASSERT_TRUE(plan_survey(small_flight(), {}, small_measurements(), {.places = 2}, folder / "four" / "s", four));
+  ASSERT_TRUE(plan_survey(small_flight(), {}, small_measurements(), {.candidates = 2}, folder / "one" / "s", one));
+  ASSERT_TRUE(plan_survey(small_flight(), {}, small_measurements(), {.candidates = 2}, folder / "four" / "s", four));
   for (const char* file : {"plan.json", "plan.html", "stations.csv", "plan.gpkg", "sigma.tif"})
     EXPECT_TRUE(read_file(folder / "one" / "s" / file).value() == read_file(folder / "four" / "s" / file).value())
         << file;

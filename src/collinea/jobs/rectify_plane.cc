@@ -17,7 +17,7 @@
 #include "collinea/ortho/rectify.h"
 #include "collinea/project/fitted_camera.h"
 #include "collinea/project/json_text.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -98,21 +98,21 @@ Result<RectifiedReport> finished(RectifiedReport report) {
   return report;
 }
 
-// --- from a photograph -----------------------------------------------------------------------------------------------
+// --- from an image -----------------------------------------------------------------------------------------------
 
-struct PhotoCamera {
+struct CameraOfImage {
   Camera camera;
   bool known = false;  // its focal length and lens
 };
 
-Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& options, const Run& run) {
-  COLLINEA_TRY(const ImageHeader header, read_image_header(photo));
+Result<CameraOfImage> camera_of(const fs::path& file, const RectifyOptions& options, const Run& run) {
+  COLLINEA_TRY(const ImageHeader header, read_image_header(file));
   if (int(options.project.has_value()) + int(options.orientation.has_value()) + int(options.focal_px.has_value()) > 1)
     return fail(Errc::kBadInput, "one of a project, an orientation and a focal length says the camera, not several",
                 {"project"_option, "orientation"_option, "focal_px"_option});
   if (!options.project && !options.orientation) {
     const double focal_px = options.focal_px.value_or(std::max(header.width_px, header.height_px));
-    return PhotoCamera{ideal_camera(focal_px, header.width_px, header.height_px), options.focal_px.has_value()};
+    return CameraOfImage{ideal_camera(focal_px, header.width_px, header.height_px), options.focal_px.has_value()};
   }
   Block block;
   if (options.project) {
@@ -121,9 +121,9 @@ Result<PhotoCamera> camera_of(const fs::path& photo, const RectifyOptions& optio
   } else {
     COLLINEA_TRY(block, read_colmap(*options.orientation));
   }
-  COLLINEA_TRY(const ImageId image, ImageNames(block).find_photo(photo));
-  COLLINEA_TRY(Camera camera, fitted_to(block.camera_of(image), header.width_px, header.height_px, photo.string()));
-  return PhotoCamera{std::move(camera), true};
+  COLLINEA_TRY(const ImageId image, ImageNames(block).find_image(file));
+  COLLINEA_TRY(Camera camera, fitted_to(block.camera_of(image), header.width_px, header.height_px, file.string()));
+  return CameraOfImage{std::move(camera), true};
 }
 
 Result<std::vector<PlanePoint>> plane_points(const RectifyOptions& options) {
@@ -181,13 +181,13 @@ RectifiedReport::FromPoints worth_of(const PlaneHomography& homography, const st
   return out;
 }
 
-Result<RectifiedReport> rectify_photo(const fs::path& photo, const fs::path& out, const RectifyOptions& options,
+Result<RectifiedReport> rectify_image(const fs::path& image, const fs::path& out, const RectifyOptions& options,
                                       const Run& run) {
-  if (options.control || options.places || options.region || options.tolerance_m)
-    return fail(Errc::kBadInput, "control, places, a region and its tolerance are for a project, not a photograph",
-                {"control"_option, "places"_option, "region"_option, "tolerance_m"_option});
+  if (options.control || options.map_points || options.region || options.tolerance_m)
+    return fail(Errc::kBadInput, "control, map points, a region and its tolerance are for a project, not a photograph",
+                {"control"_option, "map_points"_option, "region"_option, "tolerance_m"_option});
   COLLINEA_TRY(const auto points, plane_points(options));
-  COLLINEA_TRY(const PhotoCamera used, camera_of(photo, options, run));
+  COLLINEA_TRY(const CameraOfImage used, camera_of(image, options, run));
   COLLINEA_TRY(const PlaneHomography homography, PlaneHomography::fit(used.camera, points));
   std::vector<Vector2d> around;
   for (const PlanePoint& p : points) around.push_back(p.on_plane_m);
@@ -202,8 +202,8 @@ Result<RectifiedReport> rectify_photo(const fs::path& photo, const fs::path& out
     worth.focal_px = focal->times * used.camera.focal_px();
     worth.focal_sigma_px = focal->sigma * std::max(1.0, homography.sigma0()) * used.camera.focal_px();
   }
-  const auto pixels = [&](ImageId, int shrink) { return read_colour(photo, shrink); };
-  COLLINEA_TRY(RectifiedReport report, paint(out, extent, {view}, {photo.filename().string()}, pixels, options, run));
+  const auto pixels = [&](ImageId, int shrink) { return read_colour(image, shrink); };
+  COLLINEA_TRY(RectifiedReport report, paint(out, extent, {view}, {image.filename().string()}, pixels, options, run));
   report.from_points = std::move(worth);
   return finished(std::move(report));
 }
@@ -240,20 +240,22 @@ Result<RectifiedReport> rectify_project(const fs::path& folder, const fs::path& 
   COLLINEA_TRY(const Block block, project.store.read_block());
   if (oriented_images(block).empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + folder.string());
-  COLLINEA_TRY(const Places places, places_of(project, block));
-  const AskedPlane asked{options.control, options.places, options.region, options.tolerance_m};
-  COLLINEA_TRY(const ProjectPlane plane, plane_of_project(project, block, places, asked));
+  COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
+  const AskedPlane asked{options.control, options.map_points, options.region, options.tolerance_m};
+  COLLINEA_TRY(const ProjectPlane plane, plane_of_project(project, block, product_frame, asked));
   COLLINEA_TRY(const PlaneExtent extent, extent_of(options, {Vector2d::Zero(), plane.extent}));
   const auto views = views_for(views_of_plane(block, plane.frame), extent);
   if (views.empty()) return fail(Errc::kIllPosed, "no photograph shows the plane from its front");
   std::vector<std::string> names;
   for (const PlaneView& view : views) names.push_back(block.images.at(view.image).file);
   const auto pixels = [&](ImageId image, int shrink) {
-    return read_colour(project.photo(block.images.at(image)), shrink);
+    return read_colour(project.image_file(block.images.at(image)), shrink);
   };
   COLLINEA_TRY(RectifiedReport report, paint(out, extent, views, names, pixels, options, run));
-  const auto on_map = [&](const Vector3d& p) { return places.frame ? places.frame->map_from_local(p) : p; };
-  report.is_metric = places.metric;
+  const auto on_map = [&](const Vector3d& p) {
+    return product_frame.frame ? product_frame.frame->map_from_local(p) : p;
+  };
+  report.is_metric = product_frame.metric;
   report.from_project = {
       .points = plane.points,
       .points_looked_at = plane.of,
@@ -274,9 +276,9 @@ Result<RectifiedReport> rectify_plane(const fs::path& source, const fs::path& ou
   COLLINEA_TRY(validate(options));
   std::string extension = lower(out.extension().string());
   if (extension != ".tif" && extension != ".tiff" && extension != ".png")
-    return fail(Errc::kBadInput, out.string() + ": the picture is a .tif or a .png");
+    return fail(Errc::kBadInput, out.string() + ": the image is a .tif or a .png");
   std::error_code error;
-  for (const std::optional<fs::path>& read : {std::optional(source), options.points, options.places})
+  for (const std::optional<fs::path>& read : {std::optional(source), options.points, options.map_points})
     for (const fs::path& made :
          {out, fs::path(out).replace_extension(".json"), fs::path(out).replace_extension(".pgw")})
       if (read && fs::equivalent(*read, made, error))
@@ -285,7 +287,7 @@ Result<RectifiedReport> rectify_plane(const fs::path& source, const fs::path& ou
   if (out.has_parent_path()) fs::create_directories(out.parent_path(), error);
   if (error) return fail(Errc::kBadInput, "cannot make " + out.parent_path().string() + ": " + error.message());
   return fs::is_directory(source, error) ? rectify_project(source, out, options, run)
-                                         : rectify_photo(source, out, options, run);
+                                         : rectify_image(source, out, options, run);
 }
 
 }  // namespace collinea

@@ -12,14 +12,14 @@
 
 namespace collinea {
 
-/// What makes the plane of a photograph or of a block, and how it is drawn.
+/// What makes the plane of an image or of a block, and how it is drawn.
 struct RectifyOptions {
   std::optional<std::filesystem::path> points = {};
   std::optional<std::string> rectangle = {}, size = {};
   std::optional<std::filesystem::path> project = {}, orientation = {};
   std::optional<double> focal_px = {};
   std::optional<std::string> control = {};
-  std::optional<std::filesystem::path> places = {};
+  std::optional<std::filesystem::path> map_points = {};
   std::optional<std::string> region = {};
   std::optional<double> tolerance_m = {};
   std::optional<std::string> extent = {};
@@ -49,8 +49,8 @@ struct RectifyOptions {
                 1, 1e7});
     visit(Field{"control", &O::control, "",
                 "of a project: names of three surveyed points of the plane or more, separated by commas"});
-    visit(Field{"places", &O::places, "",
-                "of a project: file with easting, northing, height of three places of the plane or more"}
+    visit(Field{"map_points", &O::map_points, "",
+                "of a project: file with easting, northing, height of three points of the plane or more"}
               .leads_to(PathKind::kFile));
     visit(Field{"region", &O::region, "",
                 "of a project: west,south,east,north[,lowest,highest] of the part of the cloud in which the largest "
@@ -62,7 +62,7 @@ struct RectifyOptions {
     visit(
         Field{"extent", &O::extent, "",
               "left,bottom,right,top in metres on the plane; nothing: around the points, a tenth wider on each side"});
-    visit(Field{"cell_m", &O::cell_m, "m", "cell of the picture; nothing: the pixel of the photograph in its middle",
+    visit(Field{"cell_m", &O::cell_m, "m", "cell of the image; nothing: the pixel of the photograph in its middle",
                 1e-6, 1e6});
     visit(Field{"sigma_px", &O::sigma_px, "px",
                 "of the image coordinates of a photograph's points that state none; nothing: 0.5", 1e-6, 1e4});
@@ -70,7 +70,7 @@ struct RectifyOptions {
   }
 };
 
-/// Draws a plane at a metric scale, from a photograph (file) or an oriented project (folder), into `out` (.tif or .png)
+/// Draws a plane at a metric scale, from an image (file) or an oriented project (folder), into `out` (.tif or .png)
 /// and states its quality in a JSON file of the same name. Errors: options, files, geometry.
 [[nodiscard]] Result<RectifiedReport> rectify_plane(const std::filesystem::path& source,
                                                     const std::filesystem::path& out, const RectifyOptions& options,

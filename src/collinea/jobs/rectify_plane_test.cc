@@ -11,7 +11,7 @@
 #include "collinea/camera/camera.h"
 #include "collinea/io/colmap.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// A photograph of a wall with a grid painted on it, at whose corners points are measured; the wall is the plane x, z of
+// An image of a wall with a grid painted on it, at whose corners points are measured; the wall is the plane x, z of
 // the world, seen from the south. Beside it the orientation as a COLMAP model.
 class RectifyPlane : public testing::Test {
  protected:
@@ -31,15 +31,15 @@ class RectifyPlane : public testing::Test {
     Eigen::Matrix3d rotation;
     rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
     pose_ = {Eigen::Quaterniond(rotation), -(rotation * centre)};
-    ColourImage picture(800, 600, 3);
+    ColourImage image(800, 600, 3);
     for (int y = 0; y < 600; ++y)
       for (int x = 0; x < 800; ++x) {
         const Vector3d ray = rotation.transpose() * ray_in_cam(camera_, {x + 0.5, y + 0.5});
         const Vector3d at = centre - ray * (centre.y() / ray.y());
         const bool white = ray.y() > 0 && std::sin(M_PI * at.x()) * std::sin(M_PI * at.z()) > 0;
-        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = white ? 220 : 40;
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = white ? 220 : 40;
       }
-    ASSERT_TRUE(write_jpeg(folder_ / "wall.jpg", picture, 95));
+    ASSERT_TRUE(write_jpeg(folder_ / "wall.jpg", image, 95));
     Block block;
     block.cameras[CameraId{0}] = camera_;
     block.images[ImageId{0}] = {"wall.jpg", CameraId{0}};
@@ -49,12 +49,12 @@ class RectifyPlane : public testing::Test {
   [[nodiscard]] Vector2d pixel(double x, double y) const { return project(camera_, pose_ * Vector3d(x, 0, y)).value(); }
   void put_points(int count, double wrong_px = 0) {
     std::string text = "# wall\nname,column_px,row_px,x_m,y_m\n";
-    const Vector2d places[] = {{1, 1}, {5, 1}, {5, 4}, {1, 4}, {3, 2}, {2, 3}, {4, 3}, {2, 1}};
+    const Vector2d positions[] = {{1, 1}, {5, 1}, {5, 4}, {1, 4}, {3, 2}, {2, 3}, {4, 3}, {2, 1}};
     for (int i = 0; i < count; ++i) {
-      const Vector2d p = pixel(places[i].x(), places[i].y());
+      const Vector2d p = pixel(positions[i].x(), positions[i].y());
       text += "p" + std::to_string(i) + ", " + std::to_string(p.x() + (i == 4 ? wrong_px : 0)) + ", " +
-              std::to_string(p.y()) + ", " + std::to_string(places[i].x()) + ", " + std::to_string(places[i].y()) +
-              "\n";
+              std::to_string(p.y()) + ", " + std::to_string(positions[i].x()) + ", " +
+              std::to_string(positions[i].y()) + "\n";
     }
     ASSERT_TRUE(write_file(folder_ / "points.csv", text));
   }
@@ -68,7 +68,7 @@ class RectifyPlane : public testing::Test {
   Rigid3 pose_;
 };
 
-TEST_F(RectifyPlane, APhotographOfAKnownCameraIsMetricAndFreeOfDistortion) {
+TEST_F(RectifyPlane, AnImageOfAKnownCameraIsMetricAndFreeOfDistortion) {
   put_points(8);
   RectifyOptions options;
   options.points = folder_ / "points.csv";
@@ -96,10 +96,10 @@ TEST_F(RectifyPlane, APhotographOfAKnownCameraIsMetricAndFreeOfDistortion) {
     }
   EXPECT_GT(looked_at, 150'000);
   EXPECT_EQ(wrong, 0);
-  const auto told = json();
-  EXPECT_LT(told.at("sigma0").get<double>(), 1e-3);
-  EXPECT_LT(told.at("sigma_position_m").at("middle").get<double>(), 0.005);
-  const auto centre = told.at("photographs")[0].at("centre_over_plane_m");
+  const auto reported = json();
+  EXPECT_LT(reported.at("sigma0").get<double>(), 1e-3);
+  EXPECT_LT(reported.at("sigma_position_m").at("middle").get<double>(), 0.005);
+  const auto centre = reported.at("photographs")[0].at("centre_over_plane_m");
   EXPECT_NEAR(centre[0].get<double>(), 1, 1e-3);
   EXPECT_NEAR(centre[2].get<double>(), 6, 1e-3);
 }
@@ -142,7 +142,7 @@ TEST_F(RectifyPlane, ARectangleOfKnownSidesIsEnough) {
   EXPECT_EQ(json().at("redundancy"), 0);
 }
 
-TEST_F(RectifyPlane, WhatCannotBeIsSaidInWords) {
+TEST_F(RectifyPlane, WhatCannotBeIsStatedInWords) {
   put_points(8);
   const std::string points = folder_ / "points.csv";
   const auto why = [&](const RectifyOptions& options, const char* out = "out.tif") {

@@ -18,7 +18,7 @@
 #include "collinea/project/json_text.h"
 #include "collinea/project/project.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/raster/pyramid.h"
 
 namespace collinea {
@@ -31,7 +31,7 @@ constexpr int kPartOfWidth = 8;  // largest disparity of a rectified pair of whi
 // Everything matching needs of a pair.
 struct Prepared {
   GreyImage left, right;
-  ColourImage colours;  // of the left picture
+  ColourImage colours;  // of the left image
   std::optional<EpipolarPair> cameras;
   std::optional<DisparityRange> from_points;
   bool resampled = false;
@@ -44,9 +44,9 @@ Result<int> shrink_for(const Camera& camera, const StereoPairOptions& pair) {
   return working_shrink(camera, options);
 }
 
-GreyImage without_zero(GreyImage picture) {
-  for (auto& grey : picture.data) grey = std::max<std::uint8_t>(grey, 1);
-  return picture;
+GreyImage without_zero(GreyImage image) {
+  for (auto& grey : image.data) grey = std::max<std::uint8_t>(grey, 1);
+  return image;
 }
 
 Result<Prepared> rectified_pair(const fs::path& left, const fs::path& right, const StereoPairOptions& pair) {
@@ -69,18 +69,17 @@ Result<Prepared> rectified_pair(const fs::path& left, const fs::path& right, con
 
 struct Side {
   ImageId image;
-  fs::path photo;
-  Camera camera;  // of the photograph, shrunk
+  fs::path file;
+  Camera camera;  // of the image, shrunk
   int shrink = 1;
 };
 
-Result<Side> side_of(const Block& block, ImageId image, const fs::path& photo, const StereoPairOptions& pair) {
-  if (!is_oriented(block, image)) return fail(Errc::kIllPosed, photo.string() + " is not oriented");
-  COLLINEA_TRY(const ImageHeader header, read_image_header(photo));
-  COLLINEA_TRY(const Camera whole,
-               fitted_to(block.camera_of(image), header.width_px, header.height_px, photo.string()));
+Result<Side> side_of(const Block& block, ImageId image, const fs::path& file, const StereoPairOptions& pair) {
+  if (!is_oriented(block, image)) return fail(Errc::kIllPosed, file.string() + " is not oriented");
+  COLLINEA_TRY(const ImageHeader header, read_image_header(file));
+  COLLINEA_TRY(const Camera whole, fitted_to(block.camera_of(image), header.width_px, header.height_px, file.string()));
   COLLINEA_TRY(const int shrink, shrink_for(whole, pair));
-  return Side{image, photo, shrunk(whole, shrink), shrink};
+  return Side{image, file, shrunk(whole, shrink), shrink};
 }
 
 std::vector<Eigen::Vector3d> points_seen_by_both(const Block& block, ImageId left, ImageId right) {
@@ -98,12 +97,12 @@ Result<Prepared> oriented_pair(const Block& block, const Side& left, const Side&
   Prepared ready;
   COLLINEA_TRY(const EpipolarPair cameras,
                epipolar_pair(left.camera, pose_of(block, left.image), right.camera, pose_of(block, right.image)));
-  COLLINEA_TRY(const ColourImage left_photo, read_colour(left.photo, left.shrink));
-  COLLINEA_TRY(const GreyImage left_grey, read_grey(left.photo, left.shrink));
-  COLLINEA_TRY(const GreyImage right_grey, read_grey(right.photo, right.shrink));
-  ready.colours = resampled(left_photo, left.camera, cameras.left_from_photo, cameras.left, run);
-  ready.left = resampled(left_grey, left.camera, cameras.left_from_photo, cameras.left, run);
-  ready.right = resampled(right_grey, right.camera, cameras.right_from_photo, cameras.right, run);
+  COLLINEA_TRY(const ColourImage left_image, read_colour(left.file, left.shrink));
+  COLLINEA_TRY(const GreyImage left_grey, read_grey(left.file, left.shrink));
+  COLLINEA_TRY(const GreyImage right_grey, read_grey(right.file, right.shrink));
+  ready.colours = resampled(left_image, left.camera, cameras.left_from_image, cameras.left, run);
+  ready.left = resampled(left_grey, left.camera, cameras.left_from_image, cameras.left, run);
+  ready.right = resampled(right_grey, right.camera, cameras.right_from_image, cameras.right, run);
   const auto points = points_seen_by_both(block, left.image, right.image);
   ready.from_points = range_of(cameras, points);
   ready.cameras = cameras;
@@ -133,7 +132,7 @@ Result<Prepared> prepared(const std::string& left, const std::string& right, con
   }
   const ImageNames names(block);
   const auto side = [&](const std::string& asked) -> Result<Side> {
-    COLLINEA_TRY(const ImageId image, names.find_photo(asked));
+    COLLINEA_TRY(const ImageId image, names.find_image(asked));
     return side_of(block, image, pair.project ? folder / block.images.at(image).file : fs::path(asked), pair);
   };
   COLLINEA_TRY(const Side left_side, side(left));
@@ -168,16 +167,16 @@ ColourImage coloured(const FloatImage& disparity) {
   std::vector<float> values;
   for (const float value : disparity.data)
     if (!std::isnan(value)) values.push_back(value);
-  ColourImage picture(disparity.width, disparity.height, 3);
-  if (values.empty()) return picture;
+  ColourImage image(disparity.width, disparity.height, 3);
+  if (values.empty()) return image;
   std::sort(values.begin(), values.end());
   const float low = values[values.size() / 50], high = values[values.size() - 1 - values.size() / 50];
   for (std::size_t i = 0; i < disparity.data.size(); ++i) {
     if (std::isnan(disparity.data[i])) continue;
     const auto colour = rainbow(std::clamp((disparity.data[i] - low) / std::max(high - low, 1e-6f), 0.0f, 1.0f));
-    std::copy(colour.begin(), colour.end(), picture.data.begin() + std::ptrdiff_t(3 * i));
+    std::copy(colour.begin(), colour.end(), image.data.begin() + std::ptrdiff_t(3 * i));
   }
-  return picture;
+  return image;
 }
 
 Result<std::size_t> write_cloud(const fs::path& path, const Prepared& ready, const DisparityMap& map) {

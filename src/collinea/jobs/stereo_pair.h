@@ -27,7 +27,7 @@ struct StereoPairOptions {
     visit(Field{"orientation", &O::orientation, "",
                 "folder with a COLMAP model (text or binary) that holds both photographs; instead of a project"}
               .leads_to(PathKind::kFolder));
-    visit(Field{"rectified", &O::rectified, "", "the pictures are an epipolar pair as they are"});
+    visit(Field{"rectified", &O::rectified, "", "the images are an epipolar pair as they are"});
     visit(Field{"min_disparity", &O::min_disparity, "px",
                 "least column left less column right; nothing: 0 for rectified pairs, else from the tie points"});
     visit(Field{"max_disparity", &O::max_disparity, "px",
@@ -35,14 +35,14 @@ struct StereoPairOptions {
     visit(Field{"focal_px", &O::focal_px, "px", "of a rectified pair: for the cloud", 1, 1e7});
     visit(Field{"base_m", &O::base_m, "m", "distance of the cameras of a rectified pair: for the cloud", 1e-9, 1e9});
     visit(Field{"resolution", &O::resolution, "",
-                "size at which the pictures are matched (nothing: full for rectified pairs, else the largest with at "
+                "size at which the images are matched (nothing: full for rectified pairs, else the largest with at "
                 "most 3.2 million pixels)"});
   }
 };
 
-/// Matches two pictures and writes into `folder`: disparity.tif, sigma.tif (float, NaN: nothing), disparity.png
+/// Matches two images and writes into `folder`: disparity.tif, sigma.tif (float, NaN: nothing), disparity.png
 /// (colours, black: nothing), cloud.ply where the cameras are known, stereo.json; and left.png, right.png when they
-/// were resampled. Returns a few lines for people. Errors: neither or both kinds of orientation, pictures not in it,
+/// were resampled. Returns a few lines for people. Errors: neither or both kinds of orientation, images not in it,
 /// geometry, disk.
 [[nodiscard]] Result<StereoReport> match_stereo(const std::string& left, const std::string& right,
                                                 const std::filesystem::path& folder, const StereoPairOptions& pair,

@@ -12,7 +12,7 @@
 #include "collinea/math/random.h"
 #include "collinea/project/project.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -23,19 +23,19 @@ constexpr double kFocal_px = 200, kBase_m = 0.5, kDepth_m = 5;  // disparity 20
 // A textured wall parallel to both cameras.
 GreyImage wall(double shift_px) {
   Random random(12);
-  GreyImage dots(kWidth + 60, kHeight), picture(kWidth, kHeight);
+  GreyImage dots(kWidth + 60, kHeight), image(kWidth, kHeight);
   for (auto& grey : dots.data) grey = std::uint8_t(40 + random.below(180));
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
-      picture.at(x, y) = std::uint8_t((dots.at(x + int(shift_px), y) + dots.at(x + int(shift_px) + 1, y)) / 2);
-  return picture;
+      image.at(x, y) = std::uint8_t((dots.at(x + int(shift_px), y) + dots.at(x + int(shift_px) + 1, y)) / 2);
+  return image;
 }
 
-struct Photos {
+struct StereoImages {
   TestFolder folder;
   std::string left = (folder / "photos/left.png").string(), right = (folder / "photos/right.png").string();
 
-  Photos() {
+  StereoImages() {
     std::filesystem::create_directories(folder / "photos");
     EXPECT_TRUE(write_png(left, wall(0)));
     EXPECT_TRUE(write_png(right, wall(20)));
@@ -76,8 +76,8 @@ void expect_the_wall(const std::filesystem::path& cloud_file) {
   EXPECT_GT(near, 0.97 * double(cloud->size()));
 }
 
-TEST(StereoPair, RectifiedPicturesGiveDisparitiesAndACloudWhereTheCamerasAreKnown) {
-  const Photos photos;
+TEST(StereoPair, RectifiedImagesGiveDisparitiesAndACloudWhereTheCamerasAreKnown) {
+  const StereoImages photos;
   StereoPairOptions pair;
   pair.rectified = true;
   pair.max_disparity = 40;
@@ -97,15 +97,15 @@ TEST(StereoPair, RectifiedPicturesGiveDisparitiesAndACloudWhereTheCamerasAreKnow
   expect_the_wall(photos.folder / "cloud/cloud.ply");
 }
 
-TEST(StereoPair, PhotographsOfAProjectAreFoundByName) {
-  const Photos photos;
+TEST(StereoPair, ImagesOfAProjectAreFoundByName) {
+  const StereoImages photos;
   Settings settings;
   settings.photos = (photos.folder / "photos").string();
   {
     auto project = create_project(photos.folder / "project", settings, {});
     ASSERT_TRUE(project) << project.error().message;
-    ASSERT_TRUE(project->store.write_setup(Photos::block()));
-    ASSERT_TRUE(project->store.write_orientation(Photos::block()));
+    ASSERT_TRUE(project->store.write_setup(StereoImages::block()));
+    ASSERT_TRUE(project->store.write_orientation(StereoImages::block()));
   }
   StereoPairOptions pair;
   pair.project = (photos.folder / "project").string();
@@ -116,8 +116,8 @@ TEST(StereoPair, PhotographsOfAProjectAreFoundByName) {
 }
 
 TEST(StereoPair, AModelOfAnotherProgramWillDo) {
-  const Photos photos;
-  ASSERT_TRUE(write_colmap(photos.folder / "model", Photos::block(), ColmapEncoding::kText));
+  const StereoImages photos;
+  ASSERT_TRUE(write_colmap(photos.folder / "model", StereoImages::block(), ColmapEncoding::kText));
   StereoPairOptions pair;
   pair.orientation = (photos.folder / "model").string();
   const auto done = match_stereo(photos.left, photos.right, photos.folder / "out", pair, {}, {});
@@ -125,8 +125,8 @@ TEST(StereoPair, AModelOfAnotherProgramWillDo) {
   expect_the_wall(photos.folder / "out/cloud.ply");
 }
 
-TEST(StereoPair, WhatIsMissingOrTooMuchIsSaid) {
-  const Photos photos;
+TEST(StereoPair, WhatIsMissingOrTooMuchIsStated) {
+  const StereoImages photos;
   const auto out = photos.folder / "out";
   StereoPairOptions nothing, both, rectified, half;
   EXPECT_FALSE(match_stereo(photos.left, photos.right, out, nothing, {}, {}));
@@ -138,7 +138,7 @@ TEST(StereoPair, WhatIsMissingOrTooMuchIsSaid) {
   half.rectified = true;
   half.focal_px = 100;
   EXPECT_FALSE(match_stereo(photos.left, photos.right, out, half, {}, {}));
-  Block without_points = Photos::block();
+  Block without_points = StereoImages::block();
   without_points.points.clear();
   without_points.observations.clear();
   ASSERT_TRUE(write_colmap(photos.folder / "bare", without_points, ColmapEncoding::kText));

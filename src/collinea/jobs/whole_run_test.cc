@@ -21,7 +21,7 @@
 #include "collinea/jobs/info.h"
 #include "collinea/ortho/ortho_tile.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/steps/test_small_project.h"
 #include "collinea/vector/geopackage.h"
 
@@ -55,7 +55,7 @@ class WholeProject : public SmallProject {
   void a_lost_cloud_comes_back_with_its_classes();
   void a_changed_option_redoes_its_step_and_what_follows();
   void options_of_fusion_leave_depth_maps_alone_and_others_do_not();
-  void photographs_that_were_moved_are_only_read_again();
+  void images_that_were_moved_are_only_read_again();
   void what_stands_in_the_way_of_a_product_is_named();
   void a_changed_control_file_leaves_matching_alone();
   void a_missing_product_is_made_again();
@@ -64,7 +64,7 @@ class WholeProject : public SmallProject {
   void stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   void files_left_half_written_are_swept_and_others_are_not();
   void a_second_program_is_kept_out_but_may_look();
-  void a_photograph_that_breaks_off_is_named_and_the_rest_goes_on();
+  void an_image_that_breaks_off_is_named_and_the_rest_goes_on();
 };
 
 void WholeProject::every_image_is_oriented_and_every_product_there() {
@@ -236,7 +236,7 @@ void WholeProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() 
   for (const auto& [path, time] : times) EXPECT_TRUE(!later.contains(path) || later.at(path) > time) << path;
 }
 
-void WholeProject::photographs_that_were_moved_are_only_read_again() {
+void WholeProject::images_that_were_moved_are_only_read_again() {
   Settings changed = settings();
   changed.photos = (root_ / "moved").string();
   fs::copy(root_ / "images", root_ / "moved");
@@ -287,7 +287,7 @@ void WholeProject::a_missing_product_is_made_again() {
 
 void WholeProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_they_change() {
   const fs::path project = copy("seamlines"), mine = project / "mine.gpkg";
-  const std::string picture = bytes_of(project / "products/ortho.tif");
+  const std::string image = bytes_of(project / "products/ortho.tif");
   fs::copy_file(project / "products/seamlines.gpkg", mine);
   Settings changed = settings();
   Log log;
@@ -299,14 +299,14 @@ void WholeProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_the
   changed.ortho.seamlines = mine.string();
   ASSERT_TRUE(bring(project, changed, log, "ortho"));
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
-  EXPECT_EQ(bytes_of(project / "products/ortho.tif"), picture);
+  EXPECT_EQ(bytes_of(project / "products/ortho.tif"), image);
   // No polygon at all: every cell goes to its cheapest view.
   ASSERT_TRUE(write_geopackage(mine, {{"seamlines", VectorKind::kPolygon, {{"photo", VectorType::kText}}, {}, true}},
                                GeoTiffReader::open(project / "products/dsm.tif")->grid().wkt));
   const auto done = bring(project, changed, log = {}, "ortho");
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
-  EXPECT_NE(bytes_of(project / "products/ortho.tif"), picture);
+  EXPECT_NE(bytes_of(project / "products/ortho.tif"), image);
   fs::remove(mine);
   const auto missing = bring(project, changed, log, "ortho");
   ASSERT_FALSE(missing);
@@ -398,7 +398,7 @@ void WholeProject::a_second_program_is_kept_out_but_may_look() {
   EXPECT_TRUE(open_project(root_ / "mapped", {}));
 }
 
-void WholeProject::a_photograph_that_breaks_off_is_named_and_the_rest_goes_on() {
+void WholeProject::an_image_that_breaks_off_is_named_and_the_rest_goes_on() {
   const fs::path photos = root_ / "with_broken";
   fs::copy(root_ / "images", photos);
   const fs::path broken = photos / "IMG_0002.jpg";
@@ -424,7 +424,7 @@ TEST_F(WholeProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   a_lost_cloud_comes_back_with_its_classes();
   a_changed_option_redoes_its_step_and_what_follows();
   options_of_fusion_leave_depth_maps_alone_and_others_do_not();
-  photographs_that_were_moved_are_only_read_again();
+  images_that_were_moved_are_only_read_again();
   what_stands_in_the_way_of_a_product_is_named();
   a_changed_control_file_leaves_matching_alone();
   a_missing_product_is_made_again();
@@ -433,7 +433,7 @@ TEST_F(WholeProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte();
   files_left_half_written_are_swept_and_others_are_not();
   a_second_program_is_kept_out_but_may_look();
-  a_photograph_that_breaks_off_is_named_and_the_rest_goes_on();
+  an_image_that_breaks_off_is_named_and_the_rest_goes_on();
 }
 
 TEST(Project, ADamagedDatabaseIsNamedWithTheWayOut) {
@@ -447,7 +447,7 @@ TEST(Project, ADamagedDatabaseIsNamedWithTheWayOut) {
   EXPECT_NE(project.error().message.find("remove that file"), std::string::npos) << project.error().message;
 }
 
-TEST(Project, PhotosThatAreNoFolderAreAnErrorBeforeAnythingIsMade) {
+TEST(Project, ImagesThatAreNoFolderAreAnErrorBeforeAnythingIsMade) {
   const TestFolder folder;
   Settings settings;
   settings.photos = (folder / "nothing").string();

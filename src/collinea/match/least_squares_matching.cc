@@ -15,7 +15,7 @@ constexpr double kSettled = 0.003;  // spacings: a tenth of what a good match is
 constexpr double kLeastCorrelation = 0.8;
 constexpr double kLargestChange = 0.5;  // of the map against its start
 constexpr double kLargestSigma = 0.25;  // spacings: less is no better than a feature's own place
-constexpr double kLeastNoise_grey = 1;  // of any picture: what is smaller is no texture
+constexpr double kLeastNoise_grey = 1;  // of any image: what is smaller is no texture
 
 // The points of a window, in spacings from its middle, and their weights; what fills the arrays up has none.
 struct Points {
@@ -40,11 +40,11 @@ const Points& points() {
 }
 
 // Grey values where a window whose place lies at `place` from its middle [spacings] is put.
-bool sample(const Patch& patch, const Placement& placement, const Eigen::Vector2d& place, double spacing_px,
+bool sample(const Patch& patch, const Placement& placement, const Eigen::Vector2d& position, double spacing_px,
             float* out) {
   const Eigen::Matrix2d step = placement.warp * (spacing_px / patch.pixel_px);
   const Eigen::Vector2d middle =
-      (placement.place_px - patch.corner_px) / patch.pixel_px - Eigen::Vector2d(0.5, 0.5) - step * place;
+      (placement.position_px - patch.corner_px) / patch.pixel_px - Eigen::Vector2d(0.5, 0.5) - step * position;
   if (!(middle.norm() + step.norm() < 1e6)) return false;
   return sample_window({patch.grey.data(), Patch::kSize},
                        {static_cast<float>(middle.x()), static_cast<float>(middle.y()), static_cast<float>(step(0, 0)),
@@ -71,13 +71,14 @@ float slope(const std::uint8_t* pixel, int across, int step) {
 
 }  // namespace
 
-std::optional<Patch> cut_patch(const GreyImage& level, double pixel_px, const Eigen::Vector2d& place_px) {
+std::optional<Patch> cut_patch(const GreyImage& level, double pixel_px, const Eigen::Vector2d& position_px) {
   if (std::min(level.width, level.height) < Patch::kSize) return std::nullopt;
-  const auto first = [&](double place, int end) {
-    const double wanted = std::clamp(std::round(place / pixel_px) - Patch::kSize / 2, 0.0, double(end - Patch::kSize));
+  const auto first = [&](double position, int end) {
+    const double wanted =
+        std::clamp(std::round(position / pixel_px) - Patch::kSize / 2, 0.0, double(end - Patch::kSize));
     return static_cast<int>(wanted);
   };
-  const int left = first(place_px.x(), level.width), top = first(place_px.y(), level.height);
+  const int left = first(position_px.x(), level.width), top = first(position_px.y(), level.height);
   Patch patch;
   patch.pixel_px = pixel_px;
   patch.corner_px = {left * pixel_px, top * pixel_px};
@@ -87,14 +88,14 @@ std::optional<Patch> cut_patch(const GreyImage& level, double pixel_px, const Ei
 }
 
 // Between pixels noise is smoothed, the more the farther from their centres, and so it would have a mean gradient of
-// its own where points lie alike between pixels: places would be off by tenths of a pixel in noisy pictures. At the
+// its own where points lie alike between pixels: places would be off by tenths of a pixel in noisy images. At the
 // pixels themselves a grey value and the slopes there share no noise.
-std::optional<ReferenceWindow> ReferenceWindow::of(const Patch& patch, const Eigen::Vector2d& place_px) {
+std::optional<ReferenceWindow> ReferenceWindow::of(const Patch& patch, const Eigen::Vector2d& position_px) {
   ReferenceWindow window;
   window.spacing_px_ = patch.pixel_px;
-  const Eigen::Vector2d place = (place_px - patch.corner_px) / patch.pixel_px - Eigen::Vector2d(0.5, 0.5);
-  const Eigen::Vector2d middle(std::round(place.x()), std::round(place.y()));
-  window.place_ = place - middle;
+  const Eigen::Vector2d position = (position_px - patch.corner_px) / patch.pixel_px - Eigen::Vector2d(0.5, 0.5);
+  const Eigen::Vector2d middle(std::round(position.x()), std::round(position.y()));
+  window.position_ = position - middle;
   constexpr double kInside = kHalf + 1;  // slopes
   if (!(middle.minCoeff() >= kInside && middle.maxCoeff() <= Patch::kSize - 1 - kInside)) return std::nullopt;
 
@@ -117,7 +118,8 @@ std::optional<ReferenceWindow> ReferenceWindow::of(const Patch& patch, const Eig
   for (std::size_t i = 0; i < kPoints; ++i) {
     const std::uint8_t* pixel = pixel_of(i);
     const float x = slope(pixel, Patch::kSize, 1), y = slope(pixel, 1, Patch::kSize);
-    const float u = p.u[i] - static_cast<float>(window.place_.x()), v = p.v[i] - static_cast<float>(window.place_.y());
+    const float u = p.u[i] - static_cast<float>(window.position_.x()),
+                v = p.v[i] - static_cast<float>(window.position_.y());
     const float of[kUnknowns] = {x, y, x * u, x * v, y * u, y * v, window.grey_[i], 1};
     for (std::size_t k = 0; k < kUnknowns; ++k) {
       derivatives[k * kWindowFloats + i] = of[k];
@@ -156,7 +158,7 @@ std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const
   const Eigen::Matrix2d first_inverse = start.warp.inverse();
   Values seen, left_over;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    if (!sample(other, now, place_, spacing_px_, seen.data())) return std::nullopt;
+    if (!sample(other, now, position_, spacing_px_, seen.data())) return std::nullopt;
     const double mean = weighted_mean(seen);
     double square = 0, common = 0;
     for (std::size_t i = 0; i < kPoints; ++i) {
@@ -185,8 +187,8 @@ std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const
     if (!(stretch.determinant() > 0.1)) return std::nullopt;
     now.warp = now.warp * stretch.inverse();
     const Eigen::Vector2d moved_px = now.warp * step.head<2>() * spacing_px_;
-    now.place_px -= moved_px;
-    if (!((now.place_px - start.place_px).norm() <= farthest_px)) return std::nullopt;
+    now.position_px -= moved_px;
+    if (!((now.position_px - start.position_px).norm() <= farthest_px)) return std::nullopt;
     if (!((first_inverse * now.warp - Eigen::Matrix2d::Identity()).norm() <= kLargestChange)) return std::nullopt;
     if (step.head<2>().norm() > kSettled) continue;
     const Eigen::Matrix2d cofactor = cofactor_ * (squares_left / redundancy_);

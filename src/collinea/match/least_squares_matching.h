@@ -11,22 +11,23 @@
 
 namespace collinea {
 
-/// A square of a picture, or of a level of its pyramid, kept while the picture itself is let go.
+/// A square of an image, or of a level of its pyramid, kept while the image itself is let go.
 struct Patch {
   static constexpr int kSize = 48;  ///< pixels a side: the window, turned and stretched, and room to move
 
   std::array<std::uint8_t, kSize * kSize + 4> grey{};
-  Eigen::Vector2d corner_px = Eigen::Vector2d::Zero();  ///< outer corner of the first pixel, in the picture
-  double pixel_px = 1;                                  ///< size of a pixel of the level, in pixels of the picture
+  Eigen::Vector2d corner_px = Eigen::Vector2d::Zero();  ///< outer corner of the first pixel, in the image
+  double pixel_px = 1;                                  ///< size of a pixel of the level, in pixels of the image
 };
 
-/// The square round a place of the picture, moved inwards at its border. Nothing when the level is smaller.
-[[nodiscard]] std::optional<Patch> cut_patch(const GreyImage& level, double pixel_px, const Eigen::Vector2d& place_px);
+/// The square round a position in the image, moved inwards at its border. Nothing when the level is smaller.
+[[nodiscard]] std::optional<Patch> cut_patch(const GreyImage& level, double pixel_px,
+                                             const Eigen::Vector2d& position_px);
 
-/// Where a window lies in another picture: a point `offset` [px] from the middle of the reference is seen at
-/// place_px + warp * offset.
+/// Where a window lies in another image: a point `offset` [px] from the middle of the reference is seen at
+/// position_px + warp * offset.
 struct Placement {
-  Eigen::Vector2d place_px;
+  Eigen::Vector2d position_px;
   Eigen::Matrix2d warp;
 };
 
@@ -36,17 +37,17 @@ struct LeastSquaresMatch {
   double correlation = 0;          ///< of the grey values
 };
 
-/// A window of a reference picture that is looked for in others by least squares matching (Ackermann 1984; Gruen 1985):
+/// A window of a reference image that is looked for in others by least squares matching (Ackermann 1984; Gruen 1985):
 /// place, affine map, gain and offset such that grey values differ least. The window has kWindow x kWindow points,
 /// weighted by a Gaussian of 0.6 of its half width. The derivatives are those of the reference (inverse composition,
-/// Baker and Matthews 2004): they and their normal equations are set up once for all other pictures.
+/// Baker and Matthews 2004): they and their normal equations are set up once for all other images.
 class ReferenceWindow {
  public:
   /// The points are the pixels of the patch round the place. Nothing where the window does not lie in the patch or its
   /// texture does not fix a place in both directions (constant, or a straight edge).
-  static std::optional<ReferenceWindow> of(const Patch& patch, const Eigen::Vector2d& place_px);
+  static std::optional<ReferenceWindow> of(const Patch& patch, const Eigen::Vector2d& position_px);
 
-  /// The window in another picture, from a place good to a few pixels of the reference's patch. Nothing when this does
+  /// The window in another image, from a place good to a few pixels of the reference's patch. Nothing when this does
   /// not converge, leaves the patch, moves by more than farthest_px or changes the map by more than a half, correlates
   /// by less than 0.8, or when the standard deviation of the place is more than a quarter of such a pixel.
   [[nodiscard]] std::optional<LeastSquaresMatch> find(const Patch& other, const Placement& start,
@@ -57,7 +58,7 @@ class ReferenceWindow {
   using Matrix8d = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
   double spacing_px_ = 1;                                    // between neighbouring points
-  Eigen::Vector2d place_;                                    // from the window's middle, in spacings
+  Eigen::Vector2d position_;                                 // from the window's middle, in spacings
   Values grey_{};                                            // minus its mean
   double grey_square_ = 0;                                   // weighted mean
   std::array<float, kUnknowns * kWindowFloats> weighted_{};  // derivatives by place, map, gain and offset, by weight

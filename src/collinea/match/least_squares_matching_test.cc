@@ -44,75 +44,73 @@ class Texture {
   std::array<Wave, 12> waves_;
 };
 
-// The picture of a surface: place (0.5, 0.5) is the centre of its first pixel.
-GreyImage picture_of(const std::function<double(const Vector2d&)>& grey, double noise_grey = 0,
-                     std::uint64_t seed = 1) {
+// The image of a surface: place (0.5, 0.5) is the centre of its first pixel.
+GreyImage image_of(const std::function<double(const Vector2d&)>& grey, double noise_grey = 0, std::uint64_t seed = 1) {
   Random random(seed);
-  GreyImage picture(kSize, kSize);
+  GreyImage image(kSize, kSize);
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x)
-      picture.at(x, y) = static_cast<std::uint8_t>(
+      image.at(x, y) = static_cast<std::uint8_t>(
           std::clamp(std::round(grey({x + 0.5, y + 0.5}) + noise_grey * random.normal()), 0.0, 255.0));
-  return picture;
+  return image;
 }
 
-// What is at place + warp * offset in the other picture is at kMiddle + offset in the reference.
+// What is at place + warp * offset in the other image is at kMiddle + offset in the reference.
 GreyImage other_image(const Texture& texture, const Placement& placement, double gain = 1, double offset = 0,
-                        double noise_grey = 0, std::uint64_t seed = 2) {
+                      double noise_grey = 0, std::uint64_t seed = 2) {
   const Matrix2d back = placement.warp.inverse();
-  return picture_of(
-      [&](const Vector2d& at) { return gain * texture(kMiddle + back * (at - placement.place_px)) + offset; },
+  return image_of(
+      [&](const Vector2d& at) { return gain * texture(kMiddle + back * (at - placement.position_px)) + offset; },
       noise_grey, seed);
 }
 
-std::optional<ReferenceWindow> window_of(const GreyImage& picture) {
-  return ReferenceWindow::of(*cut_patch(picture, 1, kMiddle), kMiddle);
+std::optional<ReferenceWindow> window_of(const GreyImage& image) {
+  return ReferenceWindow::of(*cut_patch(image, 1, kMiddle), kMiddle);
 }
 
-std::optional<LeastSquaresMatch> found_in(const GreyImage& picture, const ReferenceWindow& window,
-                                          const Placement& start, double farthest_px = 2) {
-  return window.find(*cut_patch(picture, 1, start.place_px), start, farthest_px);
+std::optional<LeastSquaresMatch> found_in(const GreyImage& image, const ReferenceWindow& window, const Placement& start,
+                                          double farthest_px = 2) {
+  return window.find(*cut_patch(image, 1, start.position_px), start, farthest_px);
 }
 
 TEST(LeastSquaresMatching, FindsShiftsOfPartsOfAPixel) {
   const Texture texture(3);
-  const auto window = window_of(picture_of(texture));
+  const auto window = window_of(image_of(texture));
   ASSERT_TRUE(window);
   for (int i = 0; i < 16; ++i) {
     const Placement truth{kMiddle + Vector2d(i % 4, i / 4) * 0.25, Matrix2d::Identity()};
     const auto found = found_in(other_image(texture, truth), *window, {kMiddle, Matrix2d::Identity()});
     ASSERT_TRUE(found);
-    EXPECT_LT((found->placement.place_px - truth.place_px).norm(), 0.01);  // grey values are whole numbers
+    EXPECT_LT((found->placement.position_px - truth.position_px).norm(), 0.01);  // grey values are whole numbers
     EXPECT_GT(found->correlation, 0.99);
   }
 }
 
 TEST(LeastSquaresMatching, FindsTheAffineMapUnderOtherLight) {
   const Texture texture(5);
-  const auto window = window_of(picture_of(texture));
+  const auto window = window_of(image_of(texture));
   ASSERT_TRUE(window);
   Placement truth{kMiddle + Vector2d(0.6, -0.45), {}};
   truth.warp << 0.93, -0.17, 0.11, 1.12;
   const auto found = found_in(other_image(texture, truth, 0.6, 40), *window, {kMiddle, Matrix2d::Identity()});
   ASSERT_TRUE(found);
-  EXPECT_LT((found->placement.place_px - truth.place_px).norm(), 0.02);
+  EXPECT_LT((found->placement.position_px - truth.position_px).norm(), 0.02);
   EXPECT_LT((found->placement.warp - truth.warp).norm(), 0.01);
 }
 
-TEST(LeastSquaresMatching, LevelsOfAPyramidHaveTheSamePlaces) {
+TEST(LeastSquaresMatching, LevelsOfAPyramidHaveTheSamePositions) {
   const Texture texture(7);
-  const auto window =
-      ReferenceWindow::of(*cut_patch(picture_of(texture), 2, 2 * kMiddle), 2 * kMiddle);  // pixels of two
+  const auto window = ReferenceWindow::of(*cut_patch(image_of(texture), 2, 2 * kMiddle), 2 * kMiddle);  // pixels of two
   ASSERT_TRUE(window);
   const Placement truth{2 * kMiddle + Vector2d(0.9, -0.7), Matrix2d::Identity()};
-  const GreyImage other = other_image(texture, {truth.place_px / 2, truth.warp});
-  const auto found = window->find(*cut_patch(other, 2, truth.place_px), {2 * kMiddle, Matrix2d::Identity()}, 4);
+  const GreyImage other = other_image(texture, {truth.position_px / 2, truth.warp});
+  const auto found = window->find(*cut_patch(other, 2, truth.position_px), {2 * kMiddle, Matrix2d::Identity()}, 4);
   ASSERT_TRUE(found);
-  EXPECT_LT((found->placement.place_px - truth.place_px).norm(), 0.02);
+  EXPECT_LT((found->placement.position_px - truth.position_px).norm(), 0.02);
 }
 
 // e' C^-1 e is chi-squared with two degrees of freedom: mean 2, standard deviation 2, of the mean of 200 0.14.
-// Interpolation smooths the noise of the other picture, so that the residuals show less of it than acts: measured over
+// Interpolation smooths the noise of the other image, so that the residuals show less of it than acts: measured over
 // 400 trials is 2.37.
 TEST(LeastSquaresMatching, CovarianceMatchesTheRealErrors) {
   constexpr int kTrials = 200;
@@ -121,32 +119,32 @@ TEST(LeastSquaresMatching, CovarianceMatchesTheRealErrors) {
   Random random(11);
   for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
     const Texture texture(100 + trial % 20);
-    const auto window = window_of(picture_of(texture, kNoise_grey, 1000 + trial));
+    const auto window = window_of(image_of(texture, kNoise_grey, 1000 + trial));
     ASSERT_TRUE(window);
     const Placement truth{kMiddle + Vector2d(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)),
                           Matrix2d::Identity()};
     const auto found = found_in(other_image(texture, truth, 1, 0, kNoise_grey, 5000 + trial), *window,
                                 {kMiddle, Matrix2d::Identity()});
     ASSERT_TRUE(found);
-    const Vector2d error = found->placement.place_px - truth.place_px;
+    const Vector2d error = found->placement.position_px - truth.position_px;
     sum += error.dot(found->covariance_px2.inverse() * error);
   }
   EXPECT_NEAR(sum / kTrials, 2.3, 4 * 0.14);
 }
 
-TEST(LeastSquaresMatching, ConstantPicturesAndStraightEdgesFixNoPlace) {
-  EXPECT_FALSE(window_of(picture_of([](const Vector2d&) { return 90; })));
+TEST(LeastSquaresMatching, ConstantImagesAndStraightEdgesFixNoPosition) {
+  EXPECT_FALSE(window_of(image_of([](const Vector2d&) { return 90; })));
   const auto edge = [](const Vector2d& at) { return 128 + 90 * std::tanh((at - kMiddle).dot(Vector2d(0.8, 0.6)) / 3); };
-  EXPECT_FALSE(window_of(picture_of(edge)));
+  EXPECT_FALSE(window_of(image_of(edge)));
 }
 
-TEST(LeastSquaresMatching, RefusesAnotherTextureAndDistantPlaces) {
+TEST(LeastSquaresMatching, RefusesAnotherTextureAndDistantPositions) {
   const Texture texture(3);
-  const auto window = window_of(picture_of(texture));
+  const auto window = window_of(image_of(texture));
   ASSERT_TRUE(window);
   const Placement start{kMiddle, Matrix2d::Identity()};
-  EXPECT_FALSE(found_in(picture_of(Texture(4)), *window, start));
-  EXPECT_FALSE(found_in(picture_of([](const Vector2d&) { return 90; }), *window, start));
+  EXPECT_FALSE(found_in(image_of(Texture(4)), *window, start));
+  EXPECT_FALSE(found_in(image_of([](const Vector2d&) { return 90; }), *window, start));
   const GreyImage moved = other_image(texture, {kMiddle + Vector2d(1.2, 0), Matrix2d::Identity()});
   EXPECT_TRUE(found_in(moved, *window, start, 1.5));
   EXPECT_FALSE(found_in(moved, *window, start, 1));
@@ -157,9 +155,9 @@ TEST(LeastSquaresMatching, RefusesAnotherTextureAndDistantPlaces) {
 
 TEST(LeastSquaresMatching, EveryProcessorGivesTheSameBits) {
   const Texture texture(9);
-  const GreyImage reference = picture_of(texture, 3);
+  const GreyImage reference = image_of(texture, 3);
   const GreyImage other = other_image(texture, {kMiddle + Vector2d(0.3, 0.4), Matrix2d::Identity()}, 1, 0, 3);
-  std::vector<Vector2d> places;
+  std::vector<Vector2d> positions;
   const std::int64_t supported = hwy::SupportedTargets();
   for (int bit = 0; bit < 63; ++bit) {
     if (!(supported >> bit & 1)) continue;
@@ -169,8 +167,8 @@ TEST(LeastSquaresMatching, EveryProcessorGivesTheSameBits) {
     ASSERT_TRUE(window);
     const auto found = found_in(other, *window, {kMiddle, Matrix2d::Identity()});
     ASSERT_TRUE(found);
-    places.push_back(found->placement.place_px);
-    EXPECT_EQ(places.back(), places.front()) << "target " << bit;
+    positions.push_back(found->placement.position_px);
+    EXPECT_EQ(positions.back(), positions.front()) << "target " << bit;
   }
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().DeInit();

@@ -118,19 +118,19 @@ std::optional<Eigen::Vector3d> looked_at(const Image& image, const PairOptions& 
 }
 
 void add_by_position(const Block& setup, const PairOptions& options, PairSet& pairs) {
-  Stations stations, places;
+  Stations stations, positions;
   for (const auto& [id, image] : setup.images) {
     if (!image.position) continue;
     stations.images.push_back(id);
     stations.positions_m.push_back(image.position->position_in_world);
-    if (const auto place = looked_at(image, options)) {
-      places.images.push_back(id);
-      places.positions_m.push_back(*place);
+    if (const auto position = looked_at(image, options)) {
+      positions.images.push_back(id);
+      positions.positions_m.push_back(*position);
     }
   }
   const auto count = static_cast<std::size_t>(std::max(0, options.neighbours));
   add_nearest(stations, count, pairs);
-  add_nearest(places, count, pairs);
+  add_nearest(positions, count, pairs);
   if (count > 0) add_by_sector(stations, pairs);
 }
 

@@ -104,7 +104,7 @@ TEST(CandidatePairs, GrowAsTheNumberOfImages) {
   EXPECT_LT(large.size(), 4000u * 32);
 }
 
-// A ring of oblique pictures 100 m above and 100 m outside of what they all look at: the nearest by position are those
+// A ring of oblique images 100 m above and 100 m outside of what they all look at: the nearest by position are those
 // beside, but opposite ones show the same place.
 TEST(CandidatePairs, TiltedCamerasAreNeighboursByWhatTheyLookAt) {
   Block block;
@@ -153,7 +153,7 @@ TEST(CandidatePairs, WithoutPositionsTheOrderOfTakingCountsAndNumbersCountAsNumb
   EXPECT_EQ(candidate_pairs(block, {}), pairs);
 }
 
-TEST(CandidatePairs, ManyImagesAtOnePlaceDoNotBecomeAllWithAll) {
+TEST(CandidatePairs, ManyImagesAtOnePositionDoNotBecomeAllWithAll) {
   Block block = sequence(400);
   for (auto& [id, image] : block.images) image.position = PositionPrior{{0, 0, 0}, {5, 5, 10}};
   EXPECT_LT(candidate_pairs(block, {}).size(), 400u * 36);

@@ -133,13 +133,13 @@ bool has_two_of_one_image(std::span<const Node> sorted_nodes, const std::vector<
          }) != sorted_nodes.end();
 }
 
-std::size_t place_among(std::span<const Node> sorted_nodes, Node node) {
+std::size_t index_among(std::span<const Node> sorted_nodes, Node node) {
   return static_cast<std::size_t>(std::ranges::lower_bound(sorted_nodes, node) - sorted_nodes.begin());
 }
 
 // How many third nodes are linked with both ends of each link.
 std::vector<std::uint32_t> confirmations(std::span<const Node> nodes, std::span<const Link> links) {
-  const auto local = [&](Node node) { return place_among(nodes, node); };
+  const auto local = [&](Node node) { return index_among(nodes, node); };
   std::vector<std::vector<Node>> neighbours(nodes.size());
   for (const Link& link : links) {
     neighbours[local(link.a)].push_back(link.b);
@@ -182,7 +182,7 @@ std::vector<std::vector<Node>> parts_of(std::span<const Node> nodes, std::span<c
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t i) { return confirmed[i]; });
 
-  const auto local = [&](Node node) { return place_among(nodes, node); };
+  const auto local = [&](Node node) { return index_among(nodes, node); };
   std::vector<std::vector<Node>> parts(nodes.size());
   std::vector<std::size_t> part_of(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -152,12 +152,12 @@ void TileCholesky::subtract_common(int row, std::size_t row_end, int column) {
 }
 
 // A tile of the matrix to its place in the factor, or zeros.
-void TileCholesky::fetch(const TileMatrix& matrix, int row, int column, std::size_t place) {
+void TileCholesky::fetch(const TileMatrix& matrix, int row, int column, std::size_t index) {
   const std::size_t given = matrix.find(row, column);
   if (given == TileMatrix::kNowhere)
-    std::fill_n(tiles_.tile(place), kTileSize, 0.0);
+    std::fill_n(tiles_.tile(index), kTileSize, 0.0);
   else
-    std::copy_n(matrix.tile(given), kTileSize, tiles_.tile(place));
+    std::copy_n(matrix.tile(given), kTileSize, tiles_.tile(index));
 }
 
 int TileCholesky::factor_column(const TileMatrix& matrix, int j, double least_pivot, const Run& run) {
@@ -174,9 +174,9 @@ int TileCholesky::factor_column(const TileMatrix& matrix, int j, double least_pi
   const std::span<const Below> rows = below(j);
   parallel_for(rows.size() * (on_diagonal - first) > kTilesWorthThreads ? run : serial, rows.size(),
                [&](std::size_t i) {
-                 fetch(matrix, rows[i].row, j, rows[i].place);
-                 subtract_common(rows[i].row, rows[i].place, j);
-                 multiply_by_transposed(tiles_.tile(rows[i].place), inverse);
+                 fetch(matrix, rows[i].row, j, rows[i].index);
+                 subtract_common(rows[i].row, rows[i].index, j);
+                 multiply_by_transposed(tiles_.tile(rows[i].index), inverse);
                });
   return -1;
 }
@@ -232,29 +232,29 @@ void TileCholesky::invert_column(int k, const Run& run) {
   std::array<double, kTileSize> inverse_t, sum;
   transpose(inverse, inverse_t.data());
   std::vector<double> transposed_m(count * kTileSize), above(count * kTileSize, 0.0);
-  std::vector<std::size_t> places(count * count);  // of Z(i,j), by rows
-  for (std::size_t a = 0; a < count; ++a) {        // M^T by columns = M by rows
-    multiply_by_transposed(tiles_.tile(rows[a].place), inverse_t.data());
-    transpose(tiles_.tile(rows[a].place), transposed_m.data() + a * kTileSize);
-    std::size_t place = rows[a].place;
+  std::vector<std::size_t> indices(count * count);  // of Z(i,j), by rows
+  for (std::size_t a = 0; a < count; ++a) {         // M^T by columns = M by rows
+    multiply_by_transposed(tiles_.tile(rows[a].index), inverse_t.data());
+    transpose(tiles_.tile(rows[a].index), transposed_m.data() + a * kTileSize);
+    std::size_t index = rows[a].index;
     for (std::size_t b = 0; b < a; ++b) {
-      while (tiles_.column_of(place) != rows[b].row) ++place;
-      places[a * count + b] = place;
+      while (tiles_.column_of(index) != rows[b].row) ++index;
+      indices[a * count + b] = index;
     }
-    places[a * count + a] = tiles_.diagonal(rows[a].row);
+    indices[a * count + a] = tiles_.diagonal(rows[a].row);
   }
   Run serial;
   parallel_for(count >= kRowsWorthThreads ? run : serial, count, [&](std::size_t a) {  // Z(i,k)
     double* its = above.data() + a * kTileSize;
-    const std::size_t* place = places.data() + a * count;
+    const std::size_t* index = indices.data() + a * count;
     std::array<double, kTileSize> transposed{};
     for (std::size_t b = a + 1; b < count; ++b)
       subtract_plain_product(transposed.data(), transposed_m.data() + b * kTileSize,
-                             tiles_.tile(places[b * count + a]));
+                             tiles_.tile(indices[b * count + a]));
     transpose(transposed.data(), its);
     for (std::size_t b = 0, end = 0; b <= a; b = end) {
-      for (end = b + 1; end <= a && place[end] == place[end - 1] + 1;) ++end;
-      subtract_product(its, tiles_.tile(place[b]), transposed_m.data() + b * kTileSize,
+      for (end = b + 1; end <= a && index[end] == index[end - 1] + 1;) ++end;
+      subtract_product(its, tiles_.tile(index[b]), transposed_m.data() + b * kTileSize,
                        static_cast<int>(end - b) * kTile);
     }
   });
@@ -267,7 +267,7 @@ void TileCholesky::invert_column(int k, const Run& run) {
   for (int c = 0; c < kTile; ++c)  // the whole tile, symmetric to the last bit
     for (int r = 0; r < kTile; ++r) on_diagonal[c * kTile + r] = r >= c ? sum[c * kTile + r] : sum[r * kTile + c];
   for (std::size_t a = 0; a < count; ++a)
-    std::copy_n(above.data() + a * kTileSize, kTileSize, tiles_.tile(rows[a].place));
+    std::copy_n(above.data() + a * kTileSize, kTileSize, tiles_.tile(rows[a].index));
 }
 
 void TileCholesky::invert(const Run& run) {

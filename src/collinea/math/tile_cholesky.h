@@ -39,7 +39,7 @@ class TileCholesky {
  private:
   struct Below {
     int row;
-    std::size_t place;
+    std::size_t index;
   };
 
   struct Columns {
@@ -50,7 +50,7 @@ class TileCholesky {
   [[nodiscard]] std::span<const Below> below(int column) const {
     return {below_.data() + below_begin_[column], below_.data() + below_begin_[column + 1]};
   }
-  void fetch(const TileMatrix& matrix, int row, int column, std::size_t place);
+  void fetch(const TileMatrix& matrix, int row, int column, std::size_t index);
   [[nodiscard]] int factor_column(const TileMatrix& matrix, int column, double least_pivot, const Run& run);
   [[nodiscard]] int factor_diagonal(int row, double least_pivot);
   void subtract_common(int row, std::size_t row_end, int column);

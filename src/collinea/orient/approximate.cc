@@ -13,13 +13,13 @@ namespace collinea {
 namespace {
 
 // A lens may be known badly beforehand (a camera that is to be calibrated): then even good measurements lie this part
-// of the picture's width off, and that is what a pose may miss them by.
+// of the image's width off, and that is what a pose may miss them by.
 constexpr double kLoosePart = 0.1;
 constexpr int kLeastPoints = 4;  // three have up to four solutions
 
 struct Known {
   std::vector<Eigen::Vector2d> pixels;
-  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Vector3d> positions;
 };
 
 class Approximator {
@@ -33,7 +33,7 @@ class Approximator {
 
   Result<Approximation> approximate() {
     std::set<PointId> missing;
-    for (const auto& [point, places] : of_point_)
+    for (const auto& [point, positions] : of_point_)
       if (!block_.points.contains(point)) missing.insert(point);
     intersect_all(missing);
     while (resect_best()) intersect_all(missing);
@@ -44,7 +44,7 @@ class Approximator {
           "that do not lie on a line: give the poses of two images at least, or measure more control");
     for (const auto& [id, image] : block_.images)
       if (!is_oriented(block_, id)) found_.without_pose.push_back(id);
-    found_.without_place.assign(missing.begin(), missing.end());
+    found_.without_position.assign(missing.begin(), missing.end());
     return std::move(found_);
   }
 
@@ -55,13 +55,13 @@ class Approximator {
       const ControlPoint& control = block_.control.at(seen.point);
       if (seen.image != image || control.role != ControlRole::kControl || !control.sigma_m.allFinite()) continue;
       known.pixels.push_back(seen.pixel);
-      known.places.push_back(control.position_in_world);
+      known.positions.push_back(control.position_in_world);
     }
     if (const auto its = of_image_.find(image); its != of_image_.end())
       for (const std::size_t i : its->second)
         if (const auto point = block_.points.find(block_.observations[i].point); point != block_.points.end()) {
           known.pixels.push_back(block_.observations[i].pixel);
-          known.places.push_back(point->second.position_in_world);
+          known.positions.push_back(point->second.position_in_world);
         }
     return known;
   }
@@ -83,7 +83,7 @@ class Approximator {
       const ResectOptions options{.max_error_px = kLoosePart * std::max(camera.width_px, camera.height_px),
                                   .min_inliers = kLeastPoints,
                                   .min_inlier_ratio = 0.5};
-      const auto pose = resect(camera, known[id].pixels, known[id].places, options, seed_);
+      const auto pose = resect(camera, known[id].pixels, known[id].positions, options, seed_);
       if (!pose) continue;
       set_pose(block_, id, pose->cam_from_world);
       found_.resected.push_back(id);

@@ -15,7 +15,7 @@ struct Approximation {
   int intersected = 0;            ///< tie points that had no coordinates
   std::vector<ImageId>
       without_pose;  ///< nothing determines them; with fewer than four measured points, or these on a line
-  std::vector<PointId> without_place;  ///< measured in fewer than two oriented images, or along nearly parallel rays
+  std::vector<PointId> without_position;  ///< measured in fewer than two oriented images, or along nearly parallel rays
 };
 
 /// Finds approximate poses and coordinates where they are missing: images are resected from control and from tie points

@@ -25,10 +25,10 @@ struct Scene {
     std::uint32_t number = 0;
     for (int x = -1; x < 6; ++x)
       for (int y = -1; y < 2; ++y) {
-        const Eigen::Vector3d place(5 * x, 5 * y, 0.3 * ((x * x + 3 * y) % 5));
-        truth.points[{number}] = {place, {}};
+        const Eigen::Vector3d position(5 * x, 5 * y, 0.3 * ((x * x + 3 * y) % 5));
+        truth.points[{number}] = {position, {}};
         for (std::uint32_t i = 0; i < 4; ++i)
-          if (const auto pixel = project(camera, pose_of(truth, {i}) * place); pixel && inside(camera, *pixel))
+          if (const auto pixel = project(camera, pose_of(truth, {i}) * position); pixel && inside(camera, *pixel))
             truth.observations.push_back({{i}, {number}, 0, *pixel, 1});
         ++number;
       }
@@ -38,11 +38,11 @@ struct Scene {
   [[nodiscard]] Block with_control(const std::vector<std::uint32_t>& points) const {
     Block block = truth;
     for (const std::uint32_t p : points) {
-      const Eigen::Vector3d place = truth.points.at({p}).position_in_world;
+      const Eigen::Vector3d position = truth.points.at({p}).position_in_world;
       block.control[{p}] = {.name = std::to_string(p),
                             .role = ControlRole::kControl,
-                            .position_in_map = place,
-                            .position_in_world = place,
+                            .position_in_map = position,
+                            .position_in_world = position,
                             .sigma_m = {0.01, 0.01, 0.01}};
       for (const Observation& seen : truth.observations)
         if (seen.point == PointId{p}) block.control_observations.push_back({{p}, seen.image, seen.pixel, 1});
@@ -78,7 +78,7 @@ TEST(Approximate, NamesWhatItCannotFind) {
   const auto found = approximate(block, 1);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->without_pose, std::vector<ImageId>{{9}});
-  EXPECT_EQ(found->without_place, (std::vector<PointId>{{50}, {51}}));
+  EXPECT_EQ(found->without_position, (std::vector<PointId>{{50}, {51}}));
 }
 
 TEST(Approximate, SaysWhenThereIsNothingToBeginAt) {

@@ -12,7 +12,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kTurn_cos = 0.7071;  // 45 degrees: less is a strip flown in wind, more a cross strip
+constexpr double kBend_cos = 0.7071;  // 45 degrees: less is a strip flown in wind, more a cross strip
 constexpr double kPause = 5;          // median intervals
 constexpr std::size_t kShortest = 3;  // a shift and a drift of two images fit whatever they say
 
@@ -57,7 +57,7 @@ std::vector<Exposure> exposures_of(const Block& block, bool* is_timed = nullptr)
 
 bool turns(const Eigen::Vector3d& before, const Eigen::Vector3d& after, double shortest_m) {
   const double a = before.head<2>().norm(), b = after.head<2>().norm();
-  return a > shortest_m && b > shortest_m && before.head<2>().dot(after.head<2>()) < kTurn_cos * a * b;
+  return a > shortest_m && b > shortest_m && before.head<2>().dot(after.head<2>()) < kBend_cos * a * b;
 }
 
 std::vector<FlightStrip> centred(const std::vector<std::vector<Exposure>>& parts) {

@@ -12,7 +12,7 @@ namespace collinea {
 struct GivenOrientation {
   std::map<ImageId, Rigid3> cam_from_world;
   std::map<CameraId, Camera> cameras;  ///< none: the source knows no cameras; they are calibrated on its poses
-  bool in_world = false;               ///< the poses are in the block's world frame, and that is a place on Earth
+  bool in_world = false;               ///< the poses are in the block's world frame, and that is a location on Earth
   std::string source;                  ///< file or folder, for people
 };
 

@@ -106,11 +106,11 @@ TEST(OrientAsGiven, RefiningMendsPosesThatAreALittleOff) {
   const Matched input = small();
   GivenOrientation given = truth_of(input);
   given.cam_from_world = testing::poses_of(testing::disturbed(input.truth, 0.0005, 0.03));
-  const auto held = take(input, given), refined = take(input, given, true);
-  ASSERT_TRUE(held) << held.error().message;
+  const auto fixed = take(input, given), refined = take(input, given, true);
+  ASSERT_TRUE(fixed) << fixed.error().message;
   ASSERT_TRUE(refined) << refined.error().message;
   EXPECT_LT(centre_rms_m(refined->block, input.truth, true), 2 * kPixel_m);
-  EXPECT_GT(held->adjusted.sigma0, 1.1 * refined->adjusted.sigma0);
+  EXPECT_GT(fixed->adjusted.sigma0, 1.1 * refined->adjusted.sigma0);
   EXPECT_FALSE(refined->adjusted.pose_covariance.empty());
 }
 
@@ -143,10 +143,10 @@ TEST(OrientAsGiven, AnImageWhosePoseNothingFitsIsNotOriented) {
   EXPECT_TRUE(refined->excluded_control.empty());
   ASSERT_EQ(refined->findings.size(), 1u);
   EXPECT_EQ(refined->findings[0], finding_of(FindingCode::kImagesAlone, {wrong}, {{FigureName::kCount, 1}}));
-  const auto held = take(input, given);
-  ASSERT_TRUE(held) << held.error().message;
-  EXPECT_EQ(count_oriented(held->block), 8u);
-  EXPECT_TRUE(std::any_of(held->findings.begin(), held->findings.end(), [&](const Finding& finding) {
+  const auto fixed = take(input, given);
+  ASSERT_TRUE(fixed) << fixed.error().message;
+  EXPECT_EQ(count_oriented(fixed->block), 8u);
+  EXPECT_TRUE(std::any_of(fixed->findings.begin(), fixed->findings.end(), [&](const Finding& finding) {
     return finding.code == FindingCode::kLooseGiven && finding.subjects == std::vector<Subject>{wrong} &&
            finding.figure(FigureName::kCount) == 1;
   }));

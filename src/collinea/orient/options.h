@@ -35,7 +35,7 @@ struct OrientOptions {
   double sigma_px = 0.5;
   bool use_positions = true;
   bool use_control = true;
-  bool use_ground = true;
+  bool use_geodetic = true;
   bool remeasure = false;
   std::optional<std::filesystem::path> orientation;
   bool refine_orientation = false;
@@ -58,16 +58,16 @@ struct OrientOptions {
     visit(Field{"sigma_px", &O::sigma_px, "px", "standard deviation of a tie point's image before adjustment", 1e-3});
     visit(Field{"use_positions", &O::use_positions, "", "use GNSS positions of the images as observations"});
     visit(Field{"use_control", &O::use_control, "", "use control points as observations"});
-    visit(Field{"use_ground", &O::use_ground, "", "use what was measured between control points as observations"});
+    visit(Field{"use_geodetic", &O::use_geodetic, "", "use what was measured between control points as observations"});
     visit(Field{"remeasure", &O::remeasure, "",
-                "measure the images of the tie points once more, by least squares matching of the pictures: smaller "
-                "errors on rendered pictures, little change on photographs; sigmas come out too small"});
+                "measure the images of the tie points once more, by least squares matching of the images: smaller "
+                "errors on rendered images, little change on photographs; sigmas come out too small"});
     visit(Field{"orientation", &O::orientation, "",
                 "take cameras and poses from another program: folder of a COLMAP model, Bundler's folder or "
                 "bundle.out, or a table of omega, phi, kappa"}
               .leads_to(PathKind::kFileOrFolder));
     visit(Field{"refine_orientation", &O::refine_orientation, "",
-                "adjust the orientation that was taken; otherwise it is held as it is"});
+                "adjust the orientation that was taken; otherwise it is fixed as it is"});
     visit(Group{"instruments", &O::instruments});
   }
 };

@@ -27,7 +27,7 @@ constexpr int kGivenRounds = 2;        // points that fit appear in the first, t
 struct Sources {
   std::span<const ImagePair> pairs;
   const KeypointSource& keypoints;
-  const PictureSource& images;  // may be empty
+  const ImageSource& images;  // may be empty
 };
 
 // A block in a gauge of its own.
@@ -88,7 +88,7 @@ void take_sigma(Reconstruction& part, double sigma0) {
 Result<SettledPart> settle_alone(Reconstruction& part, bool in_world, const Sources& sources,
                                  const OrientOptions& options, const Run& run) {
   SettledPart result;
-  AdjustScope scope{.use_positions = in_world && options.use_positions, .use_control = false, .use_ground = false};
+  AdjustScope scope{.use_positions = in_world && options.use_positions, .use_control = false, .use_geodetic = false};
   COLLINEA_TRY(Adjusted adjusted, settle(part, scope, options, true, run));
   if (options.additional != AdditionalSet::kNone) {
     add_parameters(part, options, result);
@@ -185,7 +185,7 @@ Result<Orientation> adjust_in_world(BegunBlock begun, const Sources& sources, co
   result.gross_measurements = settled.gross_measurements;
   add(result, settled.findings);
 
-  Placement placed = place(part, begun.given, options, run.seed);
+  Placement placed = set_datum(part, begun.given, options, run.seed);
   take(placed, result);
   AdjustScope& scope = placed.scope;
   scope.camera_sigmas = settled.camera_sigmas;
@@ -211,7 +211,7 @@ Result<Orientation> adjust_in_world(BegunBlock begun, const Sources& sources, co
 Result<Orientation> keep_poses(BegunBlock begun, const OrientOptions& options, const Run& run) {
   Reconstruction& part = begun.part;
   Orientation result = std::move(begun.result);
-  AdjustScope scope{.use_positions = false, .use_control = false, .use_ground = false};
+  AdjustScope scope{.use_positions = false, .use_control = false, .use_geodetic = false};
   for (const auto& [image, pose] : part.poses()) scope.fixed_images.insert(image);
   AdjustOptions adjust = settled_options(part, options);
   if (!begun.given->cameras.empty()) adjust.calibration = Calibration::kNone;
@@ -222,7 +222,7 @@ Result<Orientation> keep_poses(BegunBlock begun, const OrientOptions& options, c
     if (const auto shown = part.shown_noise()) part.set_noise(*shown);
   }
   if (options.additional != AdditionalSet::kNone)
-    add(result, FindingCode::kAdditionalHeld, {}, {}, {OptionName{"refine_orientation", "orient"}});
+    add(result, FindingCode::kAdditionalFixed, {}, {}, {OptionName{"refine_orientation", "orient"}});
   // Poses that hardly a tie point fits stay all the same, but that is stated.
   std::vector<ImageId> loose;
   for (const auto& [image, pose] : part.poses())
@@ -232,7 +232,7 @@ Result<Orientation> keep_poses(BegunBlock begun, const OrientOptions& options, c
         {{FigureName::kLimit, static_cast<double>(options.min_points)},
          {FigureName::kCount, static_cast<double>(loose.size())}});
 
-  const Placement placed = place(part, begun.given, options, run.seed);
+  const Placement placed = set_datum(part, begun.given, options, run.seed);
   take(placed, result);
   COLLINEA_TRY(Adjusted adjusted, part.adjust_all(adjust, scope, run));
   result.adjusted = Examined{std::move(adjusted)};
@@ -249,7 +249,7 @@ Result<BegunBlock> begin_as_given(Block setup, const GivenOrientation& given, co
   for (const auto& [id, camera] : given.cameras) setup.cameras.at(id) = camera;
   COLLINEA_TRY(Reconstruction part, Reconstruction::create(setup, sources.pairs, sources.keypoints, options));
   BegunBlock begun{.part = std::move(part), .given = &given};
-  begun.part.place(given.cam_from_world);
+  begun.part.start_from_poses(given.cam_from_world);
   begun.part.extend_all(run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   if (begun.part.point_count() == 0)
@@ -265,7 +265,7 @@ Result<BegunBlock> begin_as_given(Block setup, const GivenOrientation& given, co
 }  // namespace
 
 Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs, const KeypointSource& keypoints,
-                           const OrientOptions& options, const Run& run, const PictureSource& pictures) {
+                           const OrientOptions& options, const Run& run, const ImageSource& images) {
   if (options.mode == OrientMode::kGlobal && !options.use_positions)
     return fail(Errc::kBadInput,
                 "a block that begins all at once begins from the positions of its images, and these are not to be "
@@ -275,15 +275,15 @@ Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
   COLLINEA_TRY(BlockParts parts, grow_parts(setup, pairs, keypoints, options, run));
   BegunBlock grown{.part = std::move(parts.largest), .in_world = parts.in_world};
   grown.result.other_parts = std::move(parts.others);
-  return adjust_in_world(std::move(grown), {pairs, keypoints, pictures}, options, run);
+  return adjust_in_world(std::move(grown), {pairs, keypoints, images}, options, run);
 }
 
 Result<Orientation> orient_as_given(const Block& setup, std::span<const ImagePair> pairs,
                                     const KeypointSource& keypoints, const GivenOrientation& given,
-                                    const OrientOptions& options, const Run& run, const PictureSource& pictures) {
+                                    const OrientOptions& options, const Run& run, const ImageSource& images) {
   if (given.cam_from_world.empty()) return fail(Errc::kBadInput, given.source + " has no pose of any photograph");
   COLLINEA_TRY(check_instruments(options.instruments, setup));
-  const Sources sources{pairs, keypoints, pictures};
+  const Sources sources{pairs, keypoints, images};
   COLLINEA_TRY(BegunBlock begun, begin_as_given(setup, given, sources, options, run));
   if (options.refine_orientation) return adjust_in_world(std::move(begun), sources, options, run);
   return keep_poses(std::move(begun), options, run);

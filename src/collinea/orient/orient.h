@@ -30,7 +30,7 @@ struct Orientation {
   int gross_measurements = 0;                     ///< of tie points, left out before the final least squares
   std::vector<Finding> findings;                  ///< gross errors in control among them
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
-  std::set<std::size_t> excluded_geodetic;        ///< the same of Block::ground
+  std::set<std::size_t> excluded_geodetic;        ///< the same of Block::geodetic
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows
   Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
   InstrumentOptions instruments;              ///< those of the options that took part
@@ -40,13 +40,13 @@ struct Orientation {
 };
 
 /// Orients a block from verified pairs: growth image by image, or from all at once (options.mode); the largest of
-/// several parts is kept; with options.remeasure its tie points are measured anew in `pictures`; then datum by
+/// several parts is kept; with options.remeasure its tie points are measured anew in `images`; then datum by
 /// positions (GNSS) and control, or scale by distances where neither fixes it, examination of both, and a final
 /// adjustment with all observations. Errors: no two
 /// images fit together; mode global without positions; cancelled.
 [[nodiscard]] Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
                                          const KeypointSource& keypoints, const OrientOptions& options, const Run& run,
-                                         const PictureSource& pictures = {});
+                                         const ImageSource& images = {});
 
 /// Intersects the tie points of the pairs with the poses as they are given; images without a pose stay out. With
 /// options.refine_orientation the block is then adjusted (and options.remeasure followed) as one that was grown here.
@@ -56,6 +56,6 @@ struct Orientation {
 [[nodiscard]] Result<Orientation> orient_as_given(const Block& setup, std::span<const ImagePair> pairs,
                                                   const KeypointSource& keypoints, const GivenOrientation& given,
                                                   const OrientOptions& options, const Run& run,
-                                                  const PictureSource& pictures = {});
+                                                  const ImageSource& images = {});
 
 }  // namespace collinea

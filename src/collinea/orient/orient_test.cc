@@ -53,18 +53,18 @@ Block photographed(Block block, bool bent) {
   if (bent) camera.additional = AdditionalSet::kEbner;
   for (std::size_t k = 0; k < count_of(camera.additional); ++k) camera.params[Camera::kParams + k] = k % 2 ? -3 : 2;
   Random random(7);
-  const auto measure = [&](auto& seen, const Eigen::Vector3d& place) {
+  const auto measure = [&](auto& seen, const Eigen::Vector3d& position) {
     const double du = random.normal(), dv = random.normal();
-    const auto pixel = project(camera, pose_of(block, seen.image) * place);
+    const auto pixel = project(camera, pose_of(block, seen.image) * position);
     if (pixel) seen.pixel = *pixel + 0.5 * Eigen::Vector2d(du, dv);
   };
   for (Observation& seen : block.observations) measure(seen, block.points.at(seen.point).position_in_world);
   return block;
 }
 
-// Additional parameters take up what bends the pictures: the block that densify and ortho go on with has the errors of
+// Additional parameters take up what bends the images: the block that densify and ortho go on with has the errors of
 // one without it.
-TEST(Orient, AdditionalParametersUnbendThePictures) {
+TEST(Orient, AdditionalParametersUnbendTheImages) {
   const Matched straight = matched(photographed(small_block(0), false)),
                 bent = matched(photographed(small_block(0), true));
   ASSERT_EQ(bent.setup.cameras.begin()->second.additional, AdditionalSet::kNone);
@@ -75,13 +75,13 @@ TEST(Orient, AdditionalParametersUnbendThePictures) {
   const double best = centre_rms_m(as_it_is->block, straight.truth, true);
   // The same noise: that more is unknown costs something, but not half as much again.
   EXPECT_LT(centre_rms_m(with->block, bent.truth, true), 1.5 * best);
-  EXPECT_GT(centre_rms_m(without->block, bent.truth, true), 3 * kPixel_m);  // by which the picture is bent
+  EXPECT_GT(centre_rms_m(without->block, bent.truth, true), 3 * kPixel_m);  // by which the image is bent
   EXPECT_TRUE(mentions(with->findings, FindingCode::kAdditionalSignificant));
 }
 
-TEST(Orient, WithoutReadablePicturesNothingIsMeasuredAnew) {
+TEST(Orient, WithoutReadableImagesNothingIsMeasuredAnew) {
   const Matched input = matched(small_block());
-  const auto unreadable = [](ImageId) -> Result<GreyImage> { return fail(Errc::kNotFound, "no picture"); };
+  const auto unreadable = [](ImageId) -> Result<GreyImage> { return fail(Errc::kNotFound, "no image"); };
   const auto found = orient(input.setup, input.pairs, input.source(), {.remeasure = true}, {}, unreadable);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_LT(centre_rms_m(found->block, input.truth, true), 2 * kPixel_m);
@@ -349,8 +349,8 @@ TEST(Orient, WithoutControlOrPositionsTheGaugeIsLocalAndReadable) {
   EXPECT_LT(middle.norm(), 0.1);
 }
 
-// One strip flown with the camera turned by a quarter: the right edge of its pixels is the lower edge of the picture.
-TEST(Orient, InTheFreeGaugePicturesStandAsTheyAreLookedAt) {
+// One strip flown with the camera turned by a quarter: the right edge of its pixels is the lower edge of the image.
+TEST(Orient, InTheFreeGaugeImagesStandAsTheyAreLookedAt) {
   for (const int orientation : {1, 6}) {
     Block strip = test_block({.rows = 1, .columns = 5, .points = 400, .sigma_px = 0.5, .seed = 3});
     for (auto& [id, image] : strip.images) image.orientation = orientation;
@@ -363,7 +363,7 @@ TEST(Orient, InTheFreeGaugePicturesStandAsTheyAreLookedAt) {
   }
 }
 
-TEST(Orient, TwoPositionsDoNotFixThePlaceAndThisIsSaid) {
+TEST(Orient, TwoPositionsDoNotFixThePositionAndThisIsStated) {
   Matched input = on_the_map(small_block(0.5, 0, 0.3));
   int kept = 0;
   for (auto& [id, image] : input.setup.images)
@@ -407,7 +407,7 @@ void write_attitudes(Block& block, Random& random) {
 // 1000 cases. The same of the turn about the line of flight alone: between 0.42 and 1.90.
 TEST(Orient, ASingleStripErrsAsItsSigmasSay) {
   constexpr int kStrips = 40;
-  double pose_sum = 0, turn_sum = 0;
+  double pose_sum = 0, rotation_sum = 0;
   for (std::uint64_t seed = 1; seed <= kStrips; ++seed) {
     Block block = test_block({.rows = 1,
                               .columns = 8,
@@ -428,13 +428,13 @@ TEST(Orient, ASingleStripErrsAsItsSigmasSay) {
     error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
     const Matrix6d& covariance = found->adjusted.pose_covariance.at(middle);
     pose_sum += error.dot(covariance.ldlt().solve(error)) / kStrips;
-    turn_sum += error[0] * error[0] / covariance(0, 0) / kStrips;
+    rotation_sum += error[0] * error[0] / covariance(0, 0) / kStrips;
     EXPECT_GT(std::sqrt(covariance(0, 0)), 0.005);  // 17 mrad of the attitudes, and what the positions add
   }
   EXPECT_GT(pose_sum, 4.36);
   EXPECT_LT(pose_sum, 7.97);
-  EXPECT_GT(turn_sum, 0.42);
-  EXPECT_LT(turn_sum, 1.90);
+  EXPECT_GT(rotation_sum, 0.42);
+  EXPECT_LT(rotation_sum, 1.90);
 }
 
 Matched without_heights(double sigma_m) {
@@ -446,7 +446,7 @@ Matched without_heights(double sigma_m) {
   return input;
 }
 
-double turn_deg(const Orientation& found, const Block& truth, const Eigen::Vector3d& axis) {
+double rotation_deg(const Orientation& found, const Block& truth, const Eigen::Vector3d& axis) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& [image, pose] : oriented_images(found.block))
     mean += rotation_vector(pose.rotation.conjugate() * pose_of(truth, image).rotation) /
@@ -454,7 +454,7 @@ double turn_deg(const Orientation& found, const Block& truth, const Eigen::Vecto
   return mean.dot(axis) * 180 / std::numbers::pi;
 }
 
-TEST(Orient, PositionsWithoutHeightsPlaceTheBlockInPlan) {
+TEST(Orient, PositionsWithoutHeightsPositionTheBlockInPlan) {
   const Matched input = without_heights(0.3);
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
@@ -465,14 +465,14 @@ TEST(Orient, PositionsWithoutHeightsPlaceTheBlockInPlan) {
   EXPECT_TRUE(mentions(found->findings, FindingCode::kHeightsRelative));
   for (const auto& [image, pose] : oriented_images(found->block))
     EXPECT_LT((centre_of(pose) - centre_of(pose_of(input.truth, image))).head<2>().norm(), 1) << image.value;
-  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitZ()), 0, 1.5);
-  // Each picture is held up to 0.15 rad askew; eight of them say what is level.
-  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitX()), 0, 9);
-  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitY()), 0, 9);
+  EXPECT_NEAR(rotation_deg(*found, input.truth, Eigen::Vector3d::UnitZ()), 0, 1.5);
+  // Each image is held up to 0.15 rad askew; eight of them say what is level.
+  EXPECT_NEAR(rotation_deg(*found, input.truth, Eigen::Vector3d::UnitX()), 0, 9);
+  EXPECT_NEAR(rotation_deg(*found, input.truth, Eigen::Vector3d::UnitY()), 0, 9);
   EXPECT_NEAR(found->gsd_m, kPixel_m, 0.1 * kPixel_m);
 }
 
-TEST(Orient, PositionsTooVagueToTellTheTiltLeaveItToThePictures) {
+TEST(Orient, PositionsTooVagueToTellTheTiltLeaveItToTheImages) {
   const Matched input = on_the_map(small_block(0.5, 0, 9));
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
@@ -482,11 +482,11 @@ TEST(Orient, PositionsTooVagueToTellTheTiltLeaveItToThePictures) {
     return one.code >= FindingCode::kLevelByEdges && one.code <= FindingCode::kLevelByAttitudes &&
            one.figure(FigureName::kSigmaAzimuth) > 0;
   }));
-  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitX()), 0, 9);
-  EXPECT_NEAR(turn_deg(*found, input.truth, Eigen::Vector3d::UnitY()), 0, 9);
+  EXPECT_NEAR(rotation_deg(*found, input.truth, Eigen::Vector3d::UnitX()), 0, 9);
+  EXPECT_NEAR(rotation_deg(*found, input.truth, Eigen::Vector3d::UnitY()), 0, 9);
 }
 
-TEST(Orient, PositionsThatDoNotTellTheScaleAreNoPlace) {
+TEST(Orient, PositionsThatDoNotTellTheScaleAreNoPosition) {
   const auto found = orient(on_the_map(small_block(0.5, 0, 60)));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->georeferenced);
@@ -501,7 +501,7 @@ TEST(Orient, NoPairsAreAnErrorInWords) {
   EXPECT_NE(found.error().message.find("overlapping"), std::string::npos) << found.error().message;
 }
 
-TEST(Orient, PicturesOfARotationAloneAreAnErrorInWords) {
+TEST(Orient, ImagesOfARotationAloneAreAnErrorInWords) {
   Matched input = matched(small_block());
   for (ImagePair& pair : input.pairs) {
     pair.geometry = PairGeometry::kRotation;

@@ -75,7 +75,7 @@ class Occluders {
 
   FloatImage near_m_;  // no higher than the surface certainly is; minus infinity where nothing is
   CellArea all_{};     // all that is known of, in the field; begins with whole blocks
-  // Of the blocks in it the number of those that are known in coarse cells, or -1, and their cells block by block.
+  // Numbers of the blocks in it that are known in coarse cells, or -1, and their cells block by block.
   Raster<std::int32_t> far_block_;
   std::vector<float> far_m_, far_wide_m_;
   FloatImage ceiling_m_;  // of all, per kCeilingReach cells
@@ -86,7 +86,7 @@ class Occluders {
 
 /// Those around an area. `near`: a window of the field that begins at multiples of Occluders::kCeilingReach and reaches
 /// kNear cells beyond the area, or as far as anything hides, and kBesides more; `near_heights_m`: its heights. `far`:
-/// where else there may be things that hide a place of the area more than kNear cells away, the window included. Reads
+/// where else there may be things that hide a point of the area more than kNear cells away, the window included. Reads
 /// the surface piece by piece. Error: it cannot be read.
 [[nodiscard]] Result<Occluders> occluders_of(const HeightField& field, FloatImage near_heights_m, const CellArea& near,
                                              const SurfaceBlocks& far);

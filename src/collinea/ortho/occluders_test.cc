@@ -48,7 +48,7 @@ TEST(Occluders, AnUncertainTowerHidesLess) {
   EXPECT_FALSE(hidden(50, 71.5));
 }
 
-TEST(Occluders, ThinThingsAreToldFromWideOnes) {
+TEST(Occluders, ThinThingsAreStatedFromWideOnes) {
   FloatImage heights = flat_with_tower();
   for (int y = 40; y < 60; ++y)
     for (int x = 84; x < 88; ++x) heights.at(x, y) = 25;  // a wall of four cells
@@ -172,7 +172,7 @@ TEST(Occluders, TheWindowDoesNotMatter) {
   const HeightField field = field_of(heights);
   const Occluders one = around(field, 300, 500, 200, 400), other = around(field, 380, 700, 150, 420);
   const Occluders full(heights, 0, 0, 1);
-  int places = 0, hidden = 0, more = 0, less = 0;
+  int samples = 0, hidden = 0, more = 0, less = 0;
   for (int i = 0; i < 4000; ++i) {
     const double x = random.uniform(380, 500), y = random.uniform(200, 400);
     const float z = heights.at(int(x), int(y));
@@ -185,13 +185,13 @@ TEST(Occluders, TheWindowDoesNotMatter) {
                        camera_m);
     };
     EXPECT_EQ(hides(one), hides(other)) << x << ' ' << y;
-    ++places, hidden += hides(full);
+    ++samples, hidden += hides(full);
     more += hides(one) && !hides(full), less += hides(full) && !hides(one);
   }
-  EXPECT_GT(hidden, places / 10);
-  EXPECT_LT(hidden, 3 * places / 4);
-  EXPECT_LE(more, places / 50);
-  EXPECT_LE(less, places / 500);
+  EXPECT_GT(hidden, samples / 10);
+  EXPECT_LT(hidden, 3 * samples / 4);
+  EXPECT_LE(more, samples / 50);
+  EXPECT_LE(less, samples / 500);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ TEST(Pinholes, TakeTheViewOfMostCellsAround) {
   EXPECT_EQ(labels.at(4, 4), 2);
 }
 
-TEST(Pinholes, HiddenPlacesKeepTheirBordersAndCellsWithoutHeightStayEmpty) {
+TEST(Pinholes, HiddenPositionsKeepTheirBordersAndCellsWithoutHeightStayEmpty) {
   Labels labels(12, 12, 1, 0);
   for (int y = 0; y < 12; ++y)
     for (int x = 0; x < 6; ++x) labels.at(x, y) = kNoView;
@@ -53,21 +53,21 @@ TEST(Pinholes, HiddenPlacesKeepTheirBordersAndCellsWithoutHeightStayEmpty) {
 
 // Keys' kernel reproduces polynomials of degree 2.
 TEST(Bicubic, ReproducesAParabola) {
-  ColourImage picture(12, 12, 3);
+  ColourImage image(12, 12, 3);
   const auto value = [](double x, double y, int c) {
     return 20 + 1.0 * c + (x - 0.5) * (x - 0.5) + (y - 0.5) * (x - 0.5);
   };
   for (int y = 0; y < 12; ++y)
     for (int x = 0; x < 12; ++x)
-      for (int c = 0; c < 3; ++c) picture.at(x, y, c) = std::uint8_t(value(x + 0.5, y + 0.5, c));
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = std::uint8_t(value(x + 0.5, y + 0.5, c));
   float colour[3];
-  bicubic(picture, 5.8, 4.3, colour);
+  bicubic(image, 5.8, 4.3, colour);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour[c], value(5.8, 4.3, c), 1e-4);
 }
 
 // A tower of 133 m on a plateau hides places of it 266 m away, by lines of sight flatter than those from a pit that the
 // area holds, too: what it casts over the area must not be told by these alone.
-TEST(OrthoScene, WhatIsFarAwayHidesPlacesAboveTheLowestOfTheArea) {
+TEST(OrthoScene, WhatIsFarAwayHidesPositionsAboveTheLowestOfTheArea) {
   HeightField surface;
   surface.grid = {0, 800, 1, 1760, 800, ""};
   surface.read = [](int column, int row, int width, int height) -> Result<FloatImage> {

@@ -34,7 +34,7 @@ WantedViews wanted_views(const OrthoScene& scene, const CellArea& area, const st
   return wanted;
 }
 
-// Of the cells of the tile.
+// The colours mixed so far, of the cells of the tile.
 struct Mixture {
   CellArea cells;     // in the patch
   FloatImage colour;  // 3 channels, times weight
@@ -45,16 +45,16 @@ struct Source {
   const ColourBalance& balance;
   std::size_t index;
   const View& view;
-  const ColourImage& picture;
+  const ColourImage& image;
 };
 
 bool colour_at(const OrthoPatch& patch, const Source& source, int x, int y, float colour[3]) {
-  const Eigen::Vector3d place = patch.world_at(x, y);
-  const auto pixel = pixel_of(source.view, place);
+  const Eigen::Vector3d position = patch.world_at(x, y);
+  const auto pixel = pixel_of(source.view, position);
   if (!pixel) return false;
-  bicubic(source.picture, pixel->x() * source.picture.width / source.view.camera.width_px,
-          pixel->y() * source.picture.height / source.view.camera.height_px, colour);
-  const auto factor = source.balance.factor(source.index, source.view, place, *pixel);
+  bicubic(source.image, pixel->x() * source.image.width / source.view.camera.width_px,
+          pixel->y() * source.image.height / source.view.camera.height_px, colour);
+  const auto factor = source.balance.factor(source.index, source.view, position, *pixel);
   for (std::size_t c = 0; c < 3; ++c) colour[c] *= factor[c];
   return true;
 }
@@ -198,7 +198,7 @@ void SeamAgreement::add(const SeamAgreement& other) {
   }
 }
 
-void bicubic(const ColourImage& picture, double x, double y, float colour[3]) {
+void bicubic(const ColourImage& image, double x, double y, float colour[3]) {
   const double u = std::floor(x - 0.5), v = std::floor(y - 0.5);
   const auto weights = [](float t, float w[4]) {
     w[0] = ((-0.5f * t + 1) * t - 0.5f) * t;
@@ -211,10 +211,10 @@ void bicubic(const ColourImage& picture, double x, double y, float colour[3]) {
   weights(float(y - 0.5 - v), down);
   const int left = int(u) - 1, top = int(v) - 1;
   int offset[4];
-  for (int i = 0; i < 4; ++i) offset[i] = 3 * std::clamp(left + i, 0, picture.width - 1);
+  for (int i = 0; i < 4; ++i) offset[i] = 3 * std::clamp(left + i, 0, image.width - 1);
   colour[0] = colour[1] = colour[2] = 0;
   for (int j = 0; j < 4; ++j) {
-    const std::uint8_t* row = picture.row(std::clamp(top + j, 0, picture.height - 1));
+    const std::uint8_t* row = image.row(std::clamp(top + j, 0, image.height - 1));
     float sum[3] = {0, 0, 0};
     for (int i = 0; i < 4; ++i)
       for (int c = 0; c < 3; ++c) sum[c] += across[i] * float(row[offset[i] + c]);
@@ -238,8 +238,8 @@ Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, 
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     const std::size_t v = over[std::size_t(label)];
     const ViewWeights weights = weights_of(labels, label, scene.feather_cells, visibility);
-    COLLINEA_TRY(const auto picture, scene.pictures->picture(scene.views[v].image, scene.shrink[v]));
-    const Source source{scene.balance, v, scene.views[v], *picture};
+    COLLINEA_TRY(const auto image, scene.images->image_of(scene.views[v].image, scene.shrink[v]));
+    const Source source{scene.balance, v, scene.views[v], *image};
     add_view(*patch, source, weights, mixture);
     look_along_seams(*patch, source, label, sides);
   }

@@ -11,7 +11,7 @@
 
 namespace collinea {
 
-/// How well the pictures agree along seams: sides between neighbouring cells of different views, colours after
+/// How well the images agree along seams: sides between neighbouring cells of different views, colours after
 /// balancing.
 struct SeamAgreement {
   struct Step {
@@ -33,14 +33,14 @@ struct OrthoTile {
 };
 
 /// A piece of the orthophoto; column and row are multiples of OrthoPatch::kBlock. What a cell becomes depends only on
-/// its surroundings, not on the tile it lies in. Errors: a picture or the surface cannot be read; cancelled.
+/// its surroundings, not on the tile it lies in. Errors: an image or the surface cannot be read; cancelled.
 [[nodiscard]] Result<OrthoTile> make_ortho_tile(const OrthoScene& scene, int column, int row, int width, int height,
                                                 const Run& run);
 
 /// The side of the tiles in which an orthophoto is made.
 constexpr int kOrthoTile = 1024;
 
-/// The colour at a place of a picture [px] by bicubic convolution (Keys 1981), clamped at the border; three channels.
-void bicubic(const ColourImage& picture, double x, double y, float colour[3]);
+/// The colour at a position in an image [px] by bicubic convolution (Keys 1981), clamped at the border; three channels.
+void bicubic(const ColourImage& image, double x, double y, float colour[3]);
 
 }  // namespace collinea

@@ -14,12 +14,12 @@
 namespace collinea {
 namespace {
 
-constexpr std::size_t kPictureMemory = std::size_t{512} << 20;
-// Those that two tiles in work side by side take their cells from. Of 400 pictures of a megapixel, 64 in place of these
-// 24 spared one per cent of the time; of pictures so large that fewer fill the memory above, there is no use for more.
-std::size_t most_pictures(const Run& run) { return 8 + 8 * std::size_t(std::max(1, run.threads)); }
+constexpr std::size_t kImageMemory = std::size_t{512} << 20;
+// Those that two tiles in work side by side take their cells from. Of 400 images of a megapixel, 64 in place of these
+// 24 spared one per cent of the time; of images so large that fewer fill the memory above, there is no use for more.
+std::size_t most_images(const Run& run) { return 8 + 8 * std::size_t(std::max(1, run.threads)); }
 constexpr double kMostCells = 4e10;
-constexpr std::size_t kMostPlaces = 40'000;
+constexpr std::size_t kMostPoints = 40'000;
 
 // The grid of the orthophoto covers the surface model; its cell edges lie on multiples of the cell size.
 Result<MapGrid> grid_over(const MapGrid& surface, double cell_m) {
@@ -38,16 +38,16 @@ Result<MapGrid> grid_over(const MapGrid& surface, double cell_m) {
   return grid;
 }
 
-std::vector<Eigen::Vector3d> places_in_world(const HeightOverview& overview, const MapGrid& grid,
-                                             const LocalFrame* frame) {
-  std::vector<Eigen::Vector3d> places;
-  const std::size_t stride = (overview.places.size() + kMostPlaces - 1) / kMostPlaces;
-  for (std::size_t i = 0; i < overview.places.size(); i += stride) {
-    const SurfacePlace& place = overview.places[i];
-    places.emplace_back(grid.east_of(place.column), grid.north_of(place.row), double(place.height_m));
+std::vector<Eigen::Vector3d> positions_in_world(const HeightOverview& overview, const MapGrid& grid,
+                                                const LocalFrame* frame) {
+  std::vector<Eigen::Vector3d> positions;
+  const std::size_t stride = (overview.samples.size() + kMostPoints - 1) / kMostPoints;
+  for (std::size_t i = 0; i < overview.samples.size(); i += stride) {
+    const SurfaceSample& sample = overview.samples[i];
+    positions.emplace_back(grid.east_of(sample.column), grid.north_of(sample.row), double(sample.height_m));
   }
-  if (frame) frame->local_from_map(places);
-  return places;
+  if (frame) frame->local_from_map(positions);
+  return positions;
 }
 
 void tally(const OrthoTile& tile, OrthoSummary& summary, std::set<std::uint16_t>& used, SeamAgreement& seams) {
@@ -87,7 +87,7 @@ Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary
     return taken;
   };
   COLLINEA_TRY(run_units_in_order(run, list, make, take));
-  summary.photographs_used = used.size();
+  summary.images_used = used.size();
   sum_up(seams, summary);
   return {};
 }
@@ -106,14 +106,14 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   COLLINEA_TRY(scene.grid, grid_over(surface.grid, options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m)));
   COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
-  PixelCache pictures(pixels, kPictureMemory, most_pictures(run));
-  scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame, scene.pictures = &pictures;
+  PixelCache images(pixels, kImageMemory, most_images(run));
+  scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame, scene.images = &images;
   scene.terrain = guides.terrain, scene.scratch = sink.scratch;
   scene.shrink = shrinks(scene, scene.grid.cell_m);
   scene.feather_cells = options.feather_cells;
   scene.balance.exposures.resize(scene.views.size());
   if (options.balance) {
-    COLLINEA_TRY(scene.balance, balance_of(scene.views, places_in_world(heights, surface.grid, frame), pixels, run));
+    COLLINEA_TRY(scene.balance, balance_of(scene.views, positions_in_world(heights, surface.grid, frame), pixels, run));
   }
   SeamPlan seams;
   if (guides.given) {

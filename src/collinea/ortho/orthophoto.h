@@ -18,7 +18,7 @@
 namespace collinea {
 
 struct OrthoOptions {
-  std::optional<double> cell_m;  ///< nothing: the ground size of a pixel of the photographs
+  std::optional<double> cell_m;  ///< nothing: the ground size of a pixel of the images
   int feather_cells = 12;
   bool balance = true;
   std::optional<std::filesystem::path> seamlines;
@@ -27,8 +27,8 @@ struct OrthoOptions {
   static void describe(Visit&& visit) {
     using O = OrthoOptions;
     visit(Field{"cell_m", &O::cell_m, "m", "cell of the orthophoto; else the ground size of a pixel", 1e-6});
-    visit(Field{"feather_cells", &O::feather_cells, "cells",
-                "width of the zone along seams in which pictures are mixed", 2, 24});
+    visit(Field{"feather_cells", &O::feather_cells, "cells", "width of the zone along seams in which images are mixed",
+                2, 24});
     visit(Field{"seamlines", &O::seamlines, "",
                 "take each polygon of this GeoPackage from the photograph that its field \"photo\" names, wherever "
                 "that sees it (an edited products/seamlines.gpkg); nothing: find the seams"}
@@ -45,8 +45,8 @@ struct SeamGuides {
 };
 
 struct OrthoFiles {
-  std::filesystem::path picture;  ///< red, green, blue, alpha; Cloud-Optimised GeoTIFF
-  std::filesystem::path source;   ///< 16 bit: 1 + place in OrthoSummary::sources of the leading photograph; 0 none
+  std::filesystem::path image;   ///< red, green, blue, alpha; Cloud-Optimised GeoTIFF
+  std::filesystem::path source;  ///< 16 bit: 1 + place in OrthoSummary::sources of the leading image; 0 none
 };
 
 struct OrthoSummary {
@@ -54,13 +54,13 @@ struct OrthoSummary {
   std::vector<ImageId> sources;  ///< all oriented images, by id
   ColourBalance balance;         ///< of the sources
   std::uint64_t painted_cells = 0, empty_cells = 0;
-  std::uint64_t photographs_used = 0;
+  std::uint64_t images_used = 0;
   std::vector<SeamPolygon> seamlines;  ///< the plan: sources are places in `sources`, from 1 on
   std::map<std::size_t, std::uint64_t>
       not_followed;                 ///< by places in `sources`: cells planned for it that it does not see
-  double seam_length_m = 0;         ///< where both photographs see the place
-  double seam_difference_grey = 0;  ///< mean over the seams: by how much the two pictures differ, after balancing
-  double seam_step_grey = 0;        ///< root mean square over the seams: mean step between the two pictures of a pair
+  double seam_length_m = 0;         ///< where both images see the place
+  double seam_difference_grey = 0;  ///< mean over the seams: by how much the two images differ, after balancing
+  double seam_step_grey = 0;        ///< root mean square over the seams: mean step between the two images of a pair
 };
 
 /// Takes the orthophoto piece by piece: windows of one grid, from the upper left, row by row.
@@ -70,12 +70,12 @@ struct OrthoSink {
   std::filesystem::path scratch = {};  ///< beside it what is unpacked lies for a while; empty: slower
 };
 
-/// The true orthophoto: each cell of the map takes the colour of its place on the surface, from the photograph that
-/// sees it most from above and is not hidden by the surface; photographs are mixed in a narrow zone along the seams.
-/// Seams run as given, or are found (plan_seams). Cells that no photograph sees, and cells without height, stay
+/// The true orthophoto: each cell of the map takes the colour of its place on the surface, from the image that
+/// sees it most from above and is not hidden by the surface; images are mixed in a narrow zone along the seams.
+/// Seams run as given, or are found (plan_seams). Cells that no image sees, and cells without height, stay
 /// transparent: nothing is copied from the wrong surface. `frame`: null when the surface model lies in the plane x, y
-/// of the world. `gsd_m`: ground size of a pixel of the photographs. Holds at most about 512 MB of decoded photographs.
-/// Same bits with any number of threads. Errors: a photograph cannot be read, no oriented images, raster too large,
+/// of the world. `gsd_m`: ground size of a pixel of the images. Holds at most about 512 MB of decoded images.
+/// Same bits with any number of threads. Errors: an image cannot be read, no oriented images, raster too large,
 /// cancelled.
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
                                      const SeamGuides& guides, const PixelSource& pixels, double gsd_m,

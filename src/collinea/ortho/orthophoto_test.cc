@@ -14,7 +14,7 @@ namespace {
 
 using Colour = std::array<double, 3>;
 
-// A world to photograph: level ground at height 0 with a soft pattern and one box with a red roof and blue walls.
+// A world to image: level ground at height 0 with a soft pattern and one box with a red roof and blue walls.
 struct World {
   double box_from = 12, box_to = 20, box_height_m = 8;  // in x and in y [m]
 
@@ -74,34 +74,33 @@ std::array<double, 3> gain_of(ImageId image) {
   return gain;
 }
 
-ColourImage photograph(const World& world, const Block& block, ImageId image, bool uneven) {
+ColourImage raster(const World& world, const Block& block, ImageId image, bool uneven) {
   const Camera& camera = block.camera_of(image);
   const Rigid3 world_from_cam = inverse(pose_of(block, image));
   const std::array<double, 3> gain = gain_of(image);
-  ColourImage picture(camera.width_px, camera.height_px, 3);
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
+  ColourImage pixels(camera.width_px, camera.height_px, 3);
+  for (int y = 0; y < pixels.height; ++y) {
+    for (int x = 0; x < pixels.width; ++x) {
       const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
       const Colour colour = world.seen(world_from_cam.translation, world_from_cam.rotation * ray_in_cam(camera, pixel));
       const double darker = std::exp(-0.25 * relative_radius2(camera, pixel));
       for (std::size_t c = 0; c < 3; ++c) {
         const double factor = uneven ? gain[c] * darker : 1;
-        picture.at(x, y, int(c)) = std::uint8_t(std::lround(std::min(255.0, factor * colour[c])));
+        pixels.at(x, y, int(c)) = std::uint8_t(std::lround(std::min(255.0, factor * colour[c])));
       }
     }
   }
-  return picture;
+  return pixels;
 }
 
-ColourImage shrunk(const ColourImage& picture, int shrink) {
-  ColourImage small((picture.width + shrink - 1) / shrink, (picture.height + shrink - 1) / shrink, 3);
+ColourImage shrunk(const ColourImage& image, int shrink) {
+  ColourImage small((image.width + shrink - 1) / shrink, (image.height + shrink - 1) / shrink, 3);
   for (int y = 0; y < small.height; ++y) {
     for (int x = 0; x < small.width; ++x) {
       for (int c = 0; c < 3; ++c) {
         int sum = 0, count = 0;
-        for (int v = y * shrink; v < std::min(picture.height, (y + 1) * shrink); ++v)
-          for (int u = x * shrink; u < std::min(picture.width, (x + 1) * shrink); ++u)
-            sum += picture.at(u, v, c), ++count;
+        for (int v = y * shrink; v < std::min(image.height, (y + 1) * shrink); ++v)
+          for (int u = x * shrink; u < std::min(image.width, (x + 1) * shrink); ++u) sum += image.at(u, v, c), ++count;
         small.at(x, y, c) = std::uint8_t((sum + count / 2) / count);
       }
     }
@@ -137,10 +136,10 @@ struct Product {
 
 Product make(const World& world, const Block& block, OrthoOptions options, bool uneven = false, int threads = 1,
              const SeamGuides& guides = {}) {
-  std::map<ImageId, ColourImage> photographs;
-  for (const auto& [id, image] : block.images) photographs[id] = photograph(world, block, id, uneven);
+  std::map<ImageId, ColourImage> images;
+  for (const auto& [id, image] : block.images) images[id] = raster(world, block, id, uneven);
   const PixelSource pixels = [&](ImageId image, int shrink) -> Result<ColourImage> {
-    return shrunk(photographs.at(image), shrink);
+    return shrunk(images.at(image), shrink);
   };
   Product product;
   const OrthoSink sink{[&](const MapGrid& grid) -> Result<> {
@@ -191,7 +190,7 @@ double worst_colour(const Product& product, const World& world) {
   return worst;
 }
 
-// Pictures and result are rounded to whole levels: 0.5 each, and a little for interpolation.
+// Images and result are rounded to whole levels: 0.5 each, and a little for interpolation.
 TEST(Orthophoto, ColoursAreThoseOfTheGround) {
   const World world;
   const Product product =
@@ -199,7 +198,7 @@ TEST(Orthophoto, ColoursAreThoseOfTheGround) {
   ASSERT_TRUE(product.summary);
   EXPECT_LT(worst_colour(product, world), 1.5);
   EXPECT_GT(product.summary->painted_cells, 0.97 * kSide * kSide);
-  EXPECT_GE(product.summary->photographs_used, 6u);
+  EXPECT_GE(product.summary->images_used, 6u);
   EXPECT_EQ(product.grid.cell_m, kCell);
   EXPECT_EQ(product.grid.width, kSide);
 }
@@ -248,7 +247,7 @@ TEST(Orthophoto, UnevenExposuresAreBalanced) {
   const Block block = block_of(nine_centres());
   const Product product = make(world, block, {}, true);
   ASSERT_TRUE(product.summary);
-  // Every place of the ground gets the same colour from all pictures that show it: to a grey level of the hundred that
+  // Every point of the ground gets the same colour from all images that show it: to a grey level of the hundred that
   // it has in the mean, to three at worst. Planted are up to 50 %.
   const ColourBalance& balance = product.summary->balance;
   const std::vector<View> views = views_of(block, nullptr);
@@ -257,15 +256,15 @@ TEST(Orthophoto, UnevenExposuresAreBalanced) {
   int common = 0, sightings = 0;
   for (int y = 2; y < 30; y += 3) {
     for (int x = 2; x < 30; x += 3) {
-      const Eigen::Vector3d place(x, y, 0);
+      const Eigen::Vector3d position(x, y, 0);
       std::array<std::vector<double>, 3> brightness, uneven;
       for (std::size_t i = 0; i < views.size(); ++i) {
-        const auto pixel = pixel_of(views[i], place);
+        const auto pixel = pixel_of(views[i], position);
         if (!pixel || !well_inside(views[i], *pixel)) continue;
         const double darker = std::exp(-0.25 * relative_radius2(views[i].camera, *pixel));
         for (std::size_t c = 0; c < 3; ++c) {
           uneven[c].push_back(gain_of(views[i].image)[c] * darker);
-          brightness[c].push_back(uneven[c].back() * double(balance.factor(i, views[i], place, *pixel)[c]));
+          brightness[c].push_back(uneven[c].back() * double(balance.factor(i, views[i], position, *pixel)[c]));
         }
       }
       if (brightness[0].size() < 2) continue;
@@ -298,7 +297,7 @@ TEST(Orthophoto, ThreadsDoNotMatter) {
   EXPECT_EQ(one.source.data, three.source.data);
 }
 
-TEST(Orthophoto, TheSeamlinesThatWereFoundGiveTheSamePictureWhenTheyAreGiven) {
+TEST(Orthophoto, TheSeamlinesThatWereFoundGiveTheSameImageWhenTheyAreGiven) {
   const Block block = block_of(nine_centres());
   const OrthoOptions fine{.cell_m = 0.07, .feather_cells = 12, .balance = true, .seamlines = {}};
   const Product found = make({}, block, fine, true);
@@ -312,8 +311,8 @@ TEST(Orthophoto, TheSeamlinesThatWereFoundGiveTheSamePictureWhenTheyAreGiven) {
 }
 
 // A view from the west is asked for everywhere: it is taken everywhere but in the lee of the box and beside its
-// picture.
-TEST(Orthophoto, AGivenPhotographIsUsedWhereverItSeesTheGround) {
+// image.
+TEST(Orthophoto, AGivenImageIsUsedWhereverItSeesTheGround) {
   const World world;
   const Block block = block_of({{4, 16, 50}, {28, 16, 50}});
   const std::vector<SeamPolygon> everything = {{1, {{{-1, -1}, {-1, 40}, {40, 40}, {40, -1}}}}};
@@ -338,9 +337,9 @@ TEST(Orthophoto, TheCutIntoTilesDoesNotMatter) {
   const HeightField surface = surface_of(world);
   const auto heights = overview(surface, collinea::Run{});
   ASSERT_TRUE(heights);
-  PixelCache pictures([&](ImageId image, int) -> Result<ColourImage> { return photograph(world, block, image, true); },
-                      1 << 30);
-  OrthoScene scene{surface.grid, &surface, &*heights, nullptr, views_of(block, nullptr), {}, {}, &pictures, 12};
+  PixelCache images([&](ImageId image, int) -> Result<ColourImage> { return raster(world, block, image, true); },
+                    1 << 30);
+  OrthoScene scene{surface.grid, &surface, &*heights, nullptr, views_of(block, nullptr), {}, {}, &images, 12};
   scene.shrink.assign(9, 1);
   scene.balance.exposures.resize(9);
   const auto whole = make_ortho_tile(scene, 0, 0, kSide, kSide, collinea::Run{});

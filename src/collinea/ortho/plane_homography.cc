@@ -75,7 +75,7 @@ std::optional<Matrix3d> direct_solution(const std::vector<Vector2d>& from, const
   return Matrix3d(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data()));
 }
 
-// One point as the adjustment sees it: the plane whitened, the picture undistorted.
+// One point as the adjustment sees it: the plane whitened, the image undistorted.
 struct Measured {
   Vector2d from, to;
   double sigma_to;
@@ -123,16 +123,16 @@ Matrix3d PlaneHomography::as_matrix(const Parameters& h) {
 Result<PlaneHomography> PlaneHomography::fit(const Camera& camera, std::span<const PlanePoint> points) {
   if (points.size() < 4)
     return fail(Errc::kIllPosed, std::to_string(points.size()) + " points: a plane needs four or more");
-  std::vector<Vector2d> on_plane, on_picture;
+  std::vector<Vector2d> on_plane, on_image;
   for (const PlanePoint& p : points) {
     if (!p.pixel.allFinite() || !p.on_plane_m.allFinite() || !(p.sigma_px > 0) || !(p.sigma_m >= 0))
       return fail(Errc::kBadInput, "point " + p.name + ": its numbers make no sense");
     if (!in_plane(camera, p.pixel))
       return fail(Errc::kIllPosed, "point " + p.name +
-                                       " lies too far off the axis of a fisheye: a picture of a plane "
+                                       " lies too far off the axis of a fisheye: an image of a plane "
                                        "reaches 80 degrees");
     on_plane.push_back(p.on_plane_m);
-    on_picture.push_back(normalized(camera, p.pixel));
+    on_image.push_back(normalized(camera, p.pixel));
   }
   const auto open = [] {
     return fail(Errc::kIllPosed,
@@ -142,12 +142,12 @@ Result<PlaneHomography> PlaneHomography::fit(const Camera& camera, std::span<con
     return fail(Errc::kIllPosed,
                 "no view of a plane shows the points so: two of them may be exchanged, or one is wrong by far");
   };
-  const auto white_plane = whitening(on_plane), white_image = whitening(on_picture);
+  const auto white_plane = whitening(on_plane), white_image = whitening(on_image);
   if (!white_plane || !white_image) return open();
   std::vector<Vector2d> from, to;
   for (std::size_t i = 0; i < points.size(); ++i) {
     from.push_back(mapped(*white_plane, on_plane[i]));
-    to.push_back(mapped(*white_image, on_picture[i]));
+    to.push_back(mapped(*white_image, on_image[i]));
   }
   const auto direct = direct_solution(from, to);
   if (!direct) return open();
@@ -159,7 +159,7 @@ Result<PlaneHomography> PlaneHomography::fit(const Camera& camera, std::span<con
   std::vector<Measured> measured;
   const Matrix2d scale = white_plane->topLeftCorner<2, 2>();
   for (std::size_t i = 0; i < points.size(); ++i)
-    measured.push_back({from[i], on_picture[i], points[i].sigma_px / pixels_per_unit(camera, on_picture[i]),
+    measured.push_back({from[i], on_image[i], points[i].sigma_px / pixels_per_unit(camera, on_image[i]),
                         points[i].sigma_m * points[i].sigma_m * scale * scale.transpose()});
   if (!all_before(start, measured)) return impossible();
 
@@ -180,7 +180,7 @@ Result<PlaneHomography> PlaneHomography::fit(const Camera& camera, std::span<con
   result.covariance_ = normals.matrix.ldlt().solve(Eigen::Matrix<double, 8, 8>::Identity());
   result.white_from_plane_ = *white_plane;
   result.matrix_ = from_white * *white_plane;
-  if (!(derivative(result.matrix_, on_plane[0]).determinant() < 0))  // y is up on the plane, down in the picture
+  if (!(derivative(result.matrix_, on_plane[0]).determinant() < 0))  // y is up on the plane, down in the image
     return fail(Errc::kIllPosed,
                 "the points go round the other way in the photograph than on the plane, whose x is to the right and y "
                 "up: some are exchanged, or the plane is told as seen from behind");
@@ -188,11 +188,11 @@ Result<PlaneHomography> PlaneHomography::fit(const Camera& camera, std::span<con
   if (result.redundancy_ > 0) result.sigma0_ = std::sqrt(normals.squares / result.redundancy_);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector2d residual = measured[i].to - mapped(from_white, measured[i].from);
-    Residual told;
-    told.px = residual * pixels_per_unit(camera, on_picture[i]);
-    told.m = derivative(result.matrix_, on_plane[i]).inverse() * residual;
-    told.in_sigmas = std::sqrt(residual.dot(measured[i].weight(from_white) * residual));
-    result.residuals_.push_back(told);
+    Residual of_point;
+    of_point.px = residual * pixels_per_unit(camera, on_image[i]);
+    of_point.m = derivative(result.matrix_, on_plane[i]).inverse() * residual;
+    of_point.in_sigmas = std::sqrt(residual.dot(measured[i].weight(from_white) * residual));
+    result.residuals_.push_back(of_point);
   }
   return result;
 }

@@ -12,7 +12,7 @@
 
 namespace collinea {
 
-/// A place of a plane and where a photograph shows it. Plane frame: x to the right and y up, seen from the front.
+/// A point of a plane and where an image shows it. Plane frame: x to the right and y up, seen from the front.
 struct PlanePoint {
   std::string name;
   Eigen::Vector2d pixel;       ///< as measured, with the lens distortion [px]
@@ -21,8 +21,8 @@ struct PlanePoint {
   double sigma_m = 0;          ///< of each coordinate on the plane
 };
 
-/// The central projection of a plane into a photograph by eight parameters, with their covariance. Coordinates of the
-/// picture are undistorted (X/Z, Y/Z of the camera).
+/// The central projection of a plane into an image by eight parameters, with their covariance. Coordinates of the
+/// image are undistorted (X/Z, Y/Z of the camera).
 class PlaneHomography {
  public:
   struct Residual {
@@ -42,7 +42,7 @@ class PlaneHomography {
 
   [[nodiscard]] const std::vector<Residual>& residuals() const { return residuals_; }
   [[nodiscard]] int redundancy() const { return redundancy_; }
-  /// Of unit weight: 1 when the sigmas stated are right; nothing is told without redundancy.
+  /// Standard deviation of unit weight: 1 when the sigmas stated are right; it says nothing without redundancy.
   [[nodiscard]] double sigma0() const { return sigma0_; }
   /// Whether residuals so large come from the sigmas stated in less than one of a thousand cases.
   [[nodiscard]] bool residuals_too_large() const;

@@ -44,7 +44,7 @@ struct Wall {
   }
 };
 
-Vector2d place_of(const PlaneHomography& homography, const Camera& camera, const Vector2d& pixel) {
+Vector2d position_of(const PlaneHomography& homography, const Camera& camera, const Vector2d& pixel) {
   return (homography.matrix().inverse() * normalized(camera, pixel).homogeneous()).hnormalized();
 }
 
@@ -58,8 +58,8 @@ TEST(PlaneHomography, ExactPointsGiveTheExactProjection) {
     ASSERT_TRUE(fit) << fit.error().message;
     EXPECT_EQ(fit->redundancy(), more ? 12 : 0);
     EXPECT_LT(fit->sigma0(), 1e-6);
-    for (const Vector2d& place : {Vector2d(0, 0), Vector2d(6, 3), Vector2d(12, 9)})
-      EXPECT_LT((place_of(*fit, wall.camera, wall.pixel({place.x(), place.y(), 0})) - place).norm(), 1e-8);
+    for (const Vector2d& position : {Vector2d(0, 0), Vector2d(6, 3), Vector2d(12, 9)})
+      EXPECT_LT((position_of(*fit, wall.camera, wall.pixel({position.x(), position.y(), 0})) - position).norm(), 1e-8);
     EXPECT_LT((centre_over_plane(fit->matrix()) - wall.centre).norm(), 1e-7);
   }
 }
@@ -79,8 +79,8 @@ TEST(PlaneHomography, PerspectiveTellsTheFocalLength) {
 TEST(PlaneHomography, AFrontalViewDoesNotTellTheFocalLength) {
   const Camera camera = ideal_camera(1500, 2000, 1400);
   std::vector<PlanePoint> points;
-  for (const Vector2d& place : {Vector2d(0, 0), Vector2d(4, 0), Vector2d(4, 3), Vector2d(0, 3)})
-    points.push_back({"p", {600 + 200 * place.x(), 1000 - 200 * place.y()}, place});
+  for (const Vector2d& position : {Vector2d(0, 0), Vector2d(4, 0), Vector2d(4, 3), Vector2d(0, 3)})
+    points.push_back({"p", {600 + 200 * position.x(), 1000 - 200 * position.y()}, position});
   const auto fit = PlaneHomography::fit(camera, points);
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_FALSE(fit->focal());
@@ -91,8 +91,8 @@ TEST(PlaneHomography, AFrontalViewDoesNotTellTheFocalLength) {
 TEST(PlaneHomography, CovarianceMatchesTheRealErrors) {
   const Wall wall;
   constexpr int kTrials = 1500;
-  const std::vector<Vector2d> places = {{6, 4}, {1, 8}};
-  std::vector<double> squared(places.size(), 0);
+  const std::vector<Vector2d> positions = {{6, 4}, {1, 8}};
+  std::vector<double> squared(positions.size(), 0);
   double residuals = 0, focal_squared = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
     Random random(3, std::uint64_t(trial));
@@ -112,9 +112,10 @@ TEST(PlaneHomography, CovarianceMatchesTheRealErrors) {
     const auto focal = fit->focal();
     ASSERT_TRUE(focal);
     focal_squared += std::pow((focal->times - 1) / focal->sigma, 2);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const Vector2d e = place_of(*fit, wall.camera, wall.pixel({places[i].x(), places[i].y(), 0})) - places[i];
-      squared[i] += e.dot(fit->covariance_at(places[i]).inverse() * e);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const Vector2d e =
+          position_of(*fit, wall.camera, wall.pixel({positions[i].x(), positions[i].y(), 0})) - positions[i];
+      squared[i] += e.dot(fit->covariance_at(positions[i]).inverse() * e);
     }
   }
   for (const double sum : squared) EXPECT_NEAR(sum / kTrials, 2, 4 * 2 / std::sqrt(kTrials));
@@ -151,12 +152,12 @@ TEST(PlaneHomography, ANarrowStripIsEnough) {
                                          wall.point("d", 2, 3.05)};
   const auto fit = PlaneHomography::fit(wall.camera, strip);
   ASSERT_TRUE(fit) << fit.error().message;
-  EXPECT_LT((place_of(*fit, wall.camera, wall.pixel({5, 3.02, 0})) - Vector2d(5, 3.02)).norm(), 1e-7);
+  EXPECT_LT((position_of(*fit, wall.camera, wall.pixel({5, 3.02, 0})) - Vector2d(5, 3.02)).norm(), 1e-7);
   EXPECT_GT(std::sqrt(fit->covariance_at({5, 3.02}).trace()), 0.1);
   EXPECT_LT(std::sqrt(fit->covariance_at({5, 3.02}).trace()), 0.5);
 }
 
-TEST(PlaneHomography, WhatGivesNoPlaneIsSaidInWords) {
+TEST(PlaneHomography, WhatGivesNoPlaneIsStatedInWords) {
   const Wall wall;
   const auto why = [&](const std::vector<PlanePoint>& points) -> std::string {
     const auto fit = PlaneHomography::fit(wall.camera, points);
@@ -188,15 +189,15 @@ TEST(PlaneHomography, WhatGivesNoPlaneIsSaidInWords) {
 }
 
 // A point before the plane is shown where the line of sight through it meets the plane.
-TEST(PlaneView, DepthShiftsAPlaceAsTold) {
+TEST(PlaneView, DepthShiftsAPositionAsStated) {
   const Wall wall;
   const auto fit = PlaneHomography::fit(wall.camera, wall.corners());
   ASSERT_TRUE(fit);
   const PlaneView view{ImageId{0}, wall.camera, fit->matrix(), centre_over_plane(fit->matrix())};
-  for (const Vector2d& place : {Vector2d(3, 1.5), Vector2d(8, 2), Vector2d(5, 7)}) {
+  for (const Vector2d& position : {Vector2d(3, 1.5), Vector2d(8, 2), Vector2d(5, 7)}) {
     constexpr double kDepth = 1e-4;
-    const Vector2d shown = place_of(*fit, wall.camera, wall.pixel({place.x(), place.y(), kDepth}));
-    EXPECT_NEAR((shown - place).norm() / kDepth, *shift_per_depth(view, place), 1e-4);
+    const Vector2d shown = position_of(*fit, wall.camera, wall.pixel({position.x(), position.y(), kDepth}));
+    EXPECT_NEAR((shown - position).norm() / kDepth, *shift_per_depth(view, position), 1e-4);
   }
   const double step = 1e-4, size_m = pixel_size_m(view, {6, 4});
   const Vector2d a = wall.pixel({6, 4, 0}), right = wall.pixel({6 + step, 4, 0}), up = wall.pixel({6, 4 + step, 0});

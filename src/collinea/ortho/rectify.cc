@@ -12,7 +12,7 @@
 #include "collinea/io/text.h"
 #include "collinea/ortho/ortho_tile.h"
 #include "collinea/raster/band_descriptions.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -21,7 +21,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kBand = 512;  // rows made at once
-constexpr std::size_t kPictureBytes = std::size_t{512} << 20;
+constexpr std::size_t kImageBytes = std::size_t{512} << 20;
 
 }  // namespace
 
@@ -50,26 +50,26 @@ std::optional<double> shift_per_depth(const PlaneView& view, const Vector2d& on_
 }
 
 std::vector<PlaneView> views_for(std::span<const PlaneView> views, const PlaneExtent& extent) {
-  constexpr int kPlaces = 9;
+  constexpr int kSamples = 9;
   std::vector<Vector2d> open;
-  for (int i = 0; i < kPlaces * kPlaces; ++i)
-    open.push_back(extent.at(double(i % kPlaces) / (kPlaces - 1), double(i / kPlaces) / (kPlaces - 1)));
+  for (int i = 0; i < kSamples * kSamples; ++i)
+    open.push_back(extent.at(double(i % kSamples) / (kSamples - 1), double(i / kSamples) / (kSamples - 1)));
   std::vector<PlaneView> chosen;
   for (;;) {
     const PlaneView* best = nullptr;
     double most = 0;
     for (const PlaneView& view : views) {
       double worth = 0;
-      for (const Vector2d& place : open) {
-        const double size_m = pixel_size_m(view, place);
-        const double slope = shift_per_depth(view, place).value_or(0);
+      for (const Vector2d& position : open) {
+        const double size_m = pixel_size_m(view, position);
+        const double slope = shift_per_depth(view, position).value_or(0);
         if (std::isfinite(size_m)) worth += 1 / (size_m * (1 + slope * slope));
       }
       if (worth > most) most = worth, best = &view;
     }
     if (!best) return chosen;
     chosen.push_back(*best);
-    std::erase_if(open, [&](const Vector2d& place) { return pixel_of(*best, place).has_value(); });
+    std::erase_if(open, [&](const Vector2d& position) { return pixel_of(*best, position).has_value(); });
   }
 }
 
@@ -78,8 +78,7 @@ Result<MapGrid> plane_grid(const PlaneExtent& extent, double cell_m) {
   if (!(cells.x() >= 1 && cells.y() >= 1 && cell_m > 0))
     return fail(Errc::kBadInput, "the area to be rectified has no extent");
   if (!(cells.x() < 1e6 && cells.y() < 1e6 && cells.x() * cells.y() < 2147483648.0))
-    return fail(Errc::kBadInput,
-                "the rectified picture would have too many cells: give a larger cell or a smaller area");
+    return fail(Errc::kBadInput, "the rectified image would have too many cells: give a larger cell or a smaller area");
   MapGrid grid;
   grid.cell_m = cell_m;
   grid.width = int(cells.x());
@@ -89,7 +88,7 @@ Result<MapGrid> plane_grid(const PlaneExtent& extent, double cell_m) {
   return grid;
 }
 
-// --- the picture -----------------------------------------------------------------------------------------------------
+// --- the image -----------------------------------------------------------------------------------------------------
 
 namespace {
 
@@ -103,7 +102,7 @@ int shrink_for(const PlaneView& view, const MapGrid& grid) {
   return shrink;
 }
 
-// Some cell of a band that is still empty lies in the picture.
+// Some cell of a band that is still empty lies in the image.
 bool shows_some(const PlaneView& view, const MapGrid& grid, int top, const Raster<std::uint8_t>& rgba) {
   for (int y = 0; y < rgba.height; ++y)
     for (int x = 0; x < grid.width; ++x)
@@ -115,7 +114,7 @@ struct Painter {
   const MapGrid& grid;
   std::span<const PlaneView> views;
   std::vector<int> shrinks;
-  PixelCache& pictures;
+  PixelCache& images;
   const Run& run;
 
   // Rows [top, top + rows). Counts what each view painted.
@@ -124,9 +123,9 @@ struct Painter {
     for (std::size_t v = 0; v < views.size(); ++v) {
       const PlaneView& view = views[v];
       if (!shows_some(view, grid, top, rgba)) continue;
-      COLLINEA_TRY(const auto picture, pictures.picture(view.image, shrinks[v]));
-      const double across = double(picture->width) / view.camera.width_px;
-      const double down = double(picture->height) / view.camera.height_px;
+      COLLINEA_TRY(const auto image, images.image_of(view.image, shrinks[v]));
+      const double across = double(image->width) / view.camera.width_px;
+      const double down = double(image->height) / view.camera.height_px;
       std::vector<std::uint64_t> painted(std::size_t(rows), 0);
       parallel_for(run, std::size_t(rows), [&](std::size_t y) {
         std::uint8_t* cell = rgba.row(int(y));
@@ -135,7 +134,7 @@ struct Painter {
           const auto pixel = pixel_of(view, {grid.east_of(x + 0.5), grid.north_of(top + double(y) + 0.5)});
           if (!pixel) continue;
           float colour[3];
-          bicubic(*picture, pixel->x() * across, pixel->y() * down, colour);
+          bicubic(*image, pixel->x() * across, pixel->y() * down, colour);
           for (int c = 0; c < 3; ++c) cell[c] = std::uint8_t(std::lround(std::clamp(colour[c], 0.0f, 255.0f)));
           cell[3] = 255;
           ++painted[y];
@@ -160,8 +159,8 @@ std::string world_file(const MapGrid& grid) {
 
 Result<RectifiedSummary> write_rectified(const std::filesystem::path& path, const MapGrid& grid,
                                          std::span<const PlaneView> views, const PixelSource& pixels, const Run& run) {
-  PixelCache pictures(pixels, kPictureBytes);
-  Painter painter{grid, views, {}, pictures, run};
+  PixelCache images(pixels, kImageBytes);
+  Painter painter{grid, views, {}, images, run};
   for (const PlaneView& view : views) painter.shrinks.push_back(shrink_for(view, grid));
   RectifiedSummary summary;
   summary.cells_of.resize(views.size());

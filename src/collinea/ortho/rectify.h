@@ -14,7 +14,7 @@
 
 namespace collinea {
 
-/// A photograph that shows a plane: (x, y, 1) of the plane times cam_from_plane is a ray of the camera.
+/// An image that shows a plane: (x, y, 1) of the plane times cam_from_plane is a ray of the camera.
 struct PlaneView {
   ImageId image;
   Camera camera;
@@ -22,7 +22,7 @@ struct PlaneView {
   std::optional<Eigen::Vector3d> centre_over_plane;  ///< of projection, in the frame of the plane; nothing: not known
 };
 
-/// Where a place of the plane is seen; nothing behind the camera and beside the picture.
+/// Where a point of the plane is seen; nothing behind the camera and beside the image.
 [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const PlaneView& view, const Eigen::Vector2d& on_plane_m);
 
 /// The side of a pixel on the plane: the square root of its area [m]. Infinite where the view shows nothing.
@@ -53,11 +53,11 @@ struct RectifiedSummary {
   std::vector<std::uint64_t> cells_of;  ///< painted from each view
 };
 
-/// The picture of a plane at a metric scale: every cell takes its colour (bicubic) from the first of `views` that shows
-/// it; cells that none shows stay transparent. Photographs are read at the largest reduction whose pixels are no larger
+/// The image of a plane at a metric scale: every cell takes its colour (bicubic) from the first of `views` that shows
+/// it; cells that none shows stay transparent. Images are read at the largest reduction whose pixels are no larger
 /// than the cell. Written as GeoTIFF (cloud-optimised, coordinates of the plane in metres), or as PNG with a world file
-/// when `path` ends so: then the whole picture is held in memory. Same bits with any number of threads. Errors: a
-/// photograph or the file, cancelled.
+/// when `path` ends so: then the whole image is held in memory. Same bits with any number of threads. Errors: a
+/// image or the file, cancelled.
 [[nodiscard]] Result<RectifiedSummary> write_rectified(const std::filesystem::path& path, const MapGrid& grid,
                                                        std::span<const PlaneView> views, const PixelSource& pixels,
                                                        const Run& run);

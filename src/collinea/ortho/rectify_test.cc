@@ -9,7 +9,7 @@
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
 #include "collinea/math/random.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -18,16 +18,16 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // What is painted on the wall, smooth enough for pixels of 1 cm.
-float painted(const Vector2d& place, int channel) {
-  return float(128 + 100 * std::sin(2.1 * place.x() + channel) * std::cos(1.7 * place.y()));
+float painted(const Vector2d& position, int channel) {
+  return float(128 + 100 * std::sin(2.1 * position.x() + channel) * std::cos(1.7 * position.y()));
 }
 
 struct Shot {
   PlaneView view;
-  ColourImage picture;
+  ColourImage image;
 };
 
-// A photograph of the wall by a distorting camera that stands at `centre` of the plane's frame.
+// An image of the wall by a distorting camera that stands at `centre` of the plane's frame.
 Shot shoot(std::uint32_t id, const Vector3d& centre, const Vector3d& target) {
   Camera camera = ideal_camera(500, 600, 400);
   camera.params[Camera::kK1] = -0.06;
@@ -41,18 +41,18 @@ Shot shoot(std::uint32_t id, const Vector3d& centre, const Vector3d& target) {
     for (int x = 0; x < 600; ++x) {
       const Vector3d ray = rotation.transpose() * ray_in_cam(camera, {x + 0.5, y + 0.5});
       const Vector3d at = centre - ray * (centre.z() / ray.z());
-      for (int c = 0; c < 3; ++c) shot.picture.at(x, y, c) = std::uint8_t(std::lround(painted(at.head<2>(), c)));
+      for (int c = 0; c < 3; ++c) shot.image.at(x, y, c) = std::uint8_t(std::lround(painted(at.head<2>(), c)));
     }
   return shot;
 }
 
-TEST(WriteRectified, EveryCellHasTheColourOfItsPlace) {
+TEST(WriteRectified, EveryCellHasTheColourOfItsPosition) {
   const TestFolder folder;
   const std::vector<Shot> shots = {shoot(0, {2, 1, 5}, {2.5, 1.5, 0}), shoot(1, {7, 2, 4}, {6, 2, 0})};
   const std::vector<PlaneView> views = {shots[0].view, shots[1].view};
   const PixelSource pixels = [&](ImageId image, int shrink) -> Result<ColourImage> {
     EXPECT_EQ(shrink, 1);
-    return shots[image.value].picture;
+    return shots[image.value].image;
   };
   const auto grid = plane_grid({{-2, -1}, {10, 4}}, 0.01);
   ASSERT_TRUE(grid);
@@ -80,12 +80,12 @@ TEST(WriteRectified, EveryCellHasTheColourOfItsPlace) {
   double squares = 0;
   for (int y = 0; y < 500; ++y)
     for (int x = 0; x < 1200; ++x) {
-      const Vector2d place(grid->east_of(x + 0.5), grid->north_of(y + 0.5));
-      const bool shown = pixel_of(views[0], place) || pixel_of(views[1], place);
+      const Vector2d position(grid->east_of(x + 0.5), grid->north_of(y + 0.5));
+      const bool shown = pixel_of(views[0], position) || pixel_of(views[1], position);
       ASSERT_EQ(rgba->at(x, y, 3), shown ? 255 : 0);
       if (!shown) continue;
       ++seen;
-      for (int c = 0; c < 3; ++c) squares += std::pow(double(rgba->at(x, y, c)) - double(painted(place, c)), 2);
+      for (int c = 0; c < 3; ++c) squares += std::pow(double(rgba->at(x, y, c)) - double(painted(position, c)), 2);
     }
   EXPECT_EQ(seen, summary->painted_cells);
   EXPECT_LT(std::sqrt(squares / double(3 * seen)), 0.6);  // twice rounded: 0.29 each

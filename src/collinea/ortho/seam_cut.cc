@@ -96,7 +96,7 @@ class Expansion {
 
   void add_cell(int x, int y) {
     const Cell& cell = at(x, y);
-    if (cell.free) pull(x, y, cell.own ? cell.own->price : SeamWindow::kForbidden, cell.alpha->price);
+    if (cell.free) add_price(x, y, cell.own ? cell.own->price : SeamWindow::kForbidden, cell.alpha->price);
     if (x + 1 < window_.width()) add_side(x, y, x + 1, y, GridCut::kEast);
     if (y + 1 < window_.height()) add_side(x, y, x, y + 1, GridCut::kSouth);
     // Sides to what lies before the box belong to no cell of the box.
@@ -113,14 +113,14 @@ class Expansion {
   void add_free_side(int x, int y, int u, int v, GridCut::Direction to) {
     const int both_keep = price_as_is(x, y, u, v);
     const int first_moves = price_if_first_moves(x, y, u, v), second_moves = price_if_first_moves(u, v, x, y);
-    pull(x, y, 0, first_moves - both_keep);
-    pull(u, v, 0, -first_moves);
+    add_price(x, y, 0, first_moves - both_keep);
+    add_price(u, v, 0, -first_moves);
     // Not negative but for rounding: the price is a metric.
     cut_.add_edge(x - box_.left, y - box_.top, to, std::max(0, second_moves + first_moves - both_keep), 0);
   }
 
   void add_to_fixed(int x, int y, int u, int v) {
-    if (labels_.at(u, v) != kNoView) pull(x, y, price_as_is(x, y, u, v), price_if_first_moves(x, y, u, v));
+    if (labels_.at(u, v) != kNoView) add_price(x, y, price_as_is(x, y, u, v), price_if_first_moves(x, y, u, v));
   }
 
   int price_as_is(int x, int y, int u, int v) {
@@ -139,9 +139,9 @@ class Expansion {
     return window_.seam_price(x, y, u, v, (here + at(u, v).different) / 2);
   }
 
-  void pull(int x, int y, int keeps, int takes) {
+  void add_price(int x, int y, int keeps, int takes) {
     constexpr int kMost = 1 << 20;  // more than all sides of a cell together
-    cut_.add_pull(x - box_.left, y - box_.top, std::min(keeps, kMost), std::min(takes, kMost));
+    cut_.add_terminal(x - box_.left, y - box_.top, std::min(keeps, kMost), std::min(takes, kMost));
   }
 
   const SeamWindow& window_;

@@ -105,10 +105,11 @@ bool absorb_once(std::size_t fewest_cells, Raster<std::uint16_t>& source) {
     std::map<std::uint16_t, int> borders;
     for (const Eigen::Vector2i& cell : own) {
       for (const auto& step : kStep) {
-        const Eigen::Vector2i beside = cell + step;
-        if (beside.x() < 0 || beside.y() < 0 || beside.x() >= source.width || beside.y() >= source.height) continue;
-        if (area.at(beside.x(), beside.y()) == area.at(cell.x(), cell.y())) continue;
-        if (const std::uint16_t other = source.at(beside.x(), beside.y()); other != 0) ++borders[other];
+        const Eigen::Vector2i neighbour = cell + step;
+        if (neighbour.x() < 0 || neighbour.y() < 0 || neighbour.x() >= source.width || neighbour.y() >= source.height)
+          continue;
+        if (area.at(neighbour.x(), neighbour.y()) == area.at(cell.x(), cell.y())) continue;
+        if (const std::uint16_t other = source.at(neighbour.x(), neighbour.y()); other != 0) ++borders[other];
       }
     }
     const auto longest = std::max_element(borders.begin(), borders.end(),
@@ -178,9 +179,9 @@ void fill(const std::vector<SeamPolygon>& polygons, const MapGrid& grid, int col
   for (const SeamPolygon& polygon : polygons) {
     MapRing corners;  // of the rectangle around it
     for (const MapRing& ring : polygon.rings)
-      for (const auto& place : ring) {
-        if (corners.empty()) corners = {place, place};
-        corners = {corners[0].cwiseMin(place), corners[1].cwiseMax(place)};
+      for (const auto& corner : ring) {
+        if (corners.empty()) corners = {corner, corner};
+        corners = {corners[0].cwiseMin(corner), corners[1].cwiseMax(corner)};
       }
     if (corners.empty() || corners[1].x() < west_m || corners[0].x() > east_m || corners[1].y() < south_m ||
         corners[0].y() > north_m)

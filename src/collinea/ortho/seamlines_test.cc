@@ -57,8 +57,8 @@ TEST(Seamlines, OutlinesAreClockwiseHolesAreNotAndNoRingMeetsItself) {
       for (std::size_t i = 0; i < polygon.rings.size(); ++i) {
         EXPECT_EQ(area_of(polygon.rings[i]) < 0, i == 0);
         std::set<std::pair<double, double>> corners;
-        for (const auto& place : polygon.rings[i])
-          EXPECT_TRUE(corners.emplace(place.x(), place.y()).second) << "a ring meets itself";
+        for (const auto& corner : polygon.rings[i])
+          EXPECT_TRUE(corners.emplace(corner.x(), corner.y()).second) << "a ring meets itself";
       }
     }
   }

@@ -26,17 +26,17 @@ struct Frame {
     low += Vector2d::Constant(inset);
     high -= Vector2d::Constant(inset);
   }
-  [[nodiscard]] Vector2d place(double u_share, double v_share) const {
-    return axes.place(low.x() + u_share * (high.x() - low.x()), low.y() + v_share * (high.y() - low.y()));
+  [[nodiscard]] Vector2d position(double u_share, double v_share) const {
+    return axes.position(low.x() + u_share * (high.x() - low.x()), low.y() + v_share * (high.y() - low.y()));
   }
 };
 
-// The place of the area nearest to a corner of the frame; that itself where it is inside.
+// The point of the area nearest to a corner of the frame; that itself where it is inside.
 Vector2d drawn_into(const MapArea& area, const Vector2d& corner, const Vector2d& middle) {
   constexpr int kSteps = 200;
   for (int i = 0; i < kSteps; ++i) {
-    const Vector2d place = corner + (middle - corner) * (double(i) / kSteps);
-    if (contains(area, place)) return place;
+    const Vector2d position = corner + (middle - corner) * (double(i) / kSteps);
+    if (contains(area, position)) return position;
   }
   return middle;
 }
@@ -46,12 +46,12 @@ std::vector<Vector2d> grid_of(const Frame& frame, const MapArea& area, int wante
   const int columns = std::max(1, int(std::lround(std::sqrt(wanted * size.x() / size.y()))));
   const int rows = std::max(1, int(std::lround(double(wanted) / columns)));
   const auto share = [](int i, int count) { return count == 1 ? 0.5 : double(i) / (count - 1); };
-  std::vector<Vector2d> places;
+  std::vector<Vector2d> positions;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      if (const Vector2d place = frame.place(share(column, columns), share(row, rows)); contains(area, place))
-        places.push_back(place);
-  return places;
+      if (const Vector2d position = frame.position(share(column, columns), share(row, rows)); contains(area, position))
+        positions.push_back(position);
+  return positions;
 }
 
 }  // namespace
@@ -64,19 +64,19 @@ Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& o, const FlightPl
                 "control = \"" + o.control.text() + "\": choose none, corners, corners_middle, grid or a file",
                 {"control"_option});
   const Frame frame(plan, o.control_inset_m);
-  std::vector<Vector2d> places;
-  if (pattern == ControlPattern::kGrid) places = grid_of(frame, plan.area, o.control_points);
+  std::vector<Vector2d> positions;
+  if (pattern == ControlPattern::kGrid) positions = grid_of(frame, plan.area, o.control_points);
   if (pattern == ControlPattern::kCorners || pattern == ControlPattern::kCornersMiddle) {
-    const Vector2d middle = frame.place(0.5, 0.5);
+    const Vector2d middle = frame.position(0.5, 0.5);
     for (const auto& [u, v] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}})
-      places.push_back(drawn_into(plan.area, frame.place(u, v), middle));
-    if (pattern == ControlPattern::kCornersMiddle) places.push_back(middle);
+      positions.push_back(drawn_into(plan.area, frame.position(u, v), middle));
+    if (pattern == ControlPattern::kCornersMiddle) positions.push_back(middle);
   }
   std::vector<PlannedPoint> points;
-  for (const Vector2d& place : places)
+  for (const Vector2d& position : positions)
     points.push_back({"G" + std::to_string(points.size() + 1),
                       ControlRole::kControl,
-                      place,
+                      position,
                       {o.control_sigma_plan_m, o.control_sigma_plan_m, o.control_sigma_height_m}});
   return points;
 }

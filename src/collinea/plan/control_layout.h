@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "collinea/block/ground.h"
+#include "collinea/block/geodetic.h"
 #include "collinea/io/control_file.h"
 #include "collinea/plan/internal/flight_plan.h"
 
@@ -46,11 +46,11 @@ struct LayoutOptions {
 struct PlannedPoint {
   std::string name;
   ControlRole role = ControlRole::kControl;
-  Eigen::Vector2d place;
+  Eigen::Vector2d position;
   Eigen::Vector3d sigma_m;  ///< east, north, height; infinite: not surveyed
 };
 
-/// The layout of the words; of a file see planned_points(). Corners: the four places of the area farthest out between
+/// The layout of the words; of a file see planned_points(). Corners: the four points of the area farthest out between
 /// the directions of the strips and across. Errors: options out of range, a word that is none.
 [[nodiscard]] Result<std::vector<PlannedPoint>> lay_out(const LayoutOptions& options, const FlightPlan& plan);
 /// Those of a control file. Error: one has a covariance, which is not planned with.

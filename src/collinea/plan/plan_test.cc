@@ -69,15 +69,15 @@ TEST(FlightPlan, OverlapsAreThoseAskedForAndTheBorderIsReached) {
 }
 
 TEST(FlightPlan, StripsOfATurnedSiteAreAsLongAsTheSite) {
-  const double turn = 0.4;
+  const double rotation = 0.4;
   MapArea area;
   for (const Vector2d& p : {Vector2d(0, 0), Vector2d(400, 0), Vector2d(400, 100), Vector2d(0, 100)})
-    area.emplace_back(500000 + std::cos(turn) * p.x() - std::sin(turn) * p.y(),
-                      5e6 + std::sin(turn) * p.x() + std::cos(turn) * p.y());
-  FlightOptions turned, straight;
+    area.emplace_back(500000 + std::cos(rotation) * p.x() - std::sin(rotation) * p.y(),
+                      5e6 + std::sin(rotation) * p.x() + std::cos(rotation) * p.y());
+  FlightOptions rotated, straight;
   straight.east_m = 400;
   straight.north_m = 100;
-  const FlightPlan a = plan_flight(turned, area).value(), b = plan_flight(straight, {}).value();
+  const FlightPlan a = plan_flight(rotated, area).value(), b = plan_flight(straight, {}).value();
   EXPECT_EQ(a.images.size(), b.images.size());
   EXPECT_EQ(a.strips, b.strips);
   EXPECT_NEAR(a.path_m, b.path_m, 1e-6);
@@ -97,7 +97,7 @@ TEST(FlightPlan, CrossStripsAreSquareToTheOthersAndHigher) {
     }
 }
 
-TEST(FlightPlan, WhatCannotBeFlownIsSaid) {
+TEST(FlightPlan, WhatCannotBeFlownIsStated) {
   const auto error = [](auto change, const MapArea& area = {}) {
     FlightOptions flight = small_flight();
     change(flight);
@@ -137,7 +137,7 @@ TEST(ControlLayout, WordsGiveTheirPoints) {
   layout.control_points = 6;
   EXPECT_EQ(count("grid"), 6u);
   const auto points = lay_out(layout, plan).value();
-  for (const PlannedPoint& point : points) EXPECT_TRUE(contains(plan.area, point.place));
+  for (const PlannedPoint& point : points) EXPECT_TRUE(contains(plan.area, point.position));
   layout.control = "everywhere";
   EXPECT_NE(lay_out(layout, plan).error().message.find("everywhere"), std::string::npos);
 }
@@ -149,7 +149,7 @@ TEST(ControlLayout, CornersOfASlantedSiteLieInIt) {
   LayoutOptions layout;
   layout.control = "corners";
   const auto points = lay_out(layout, plan).value();
-  for (const PlannedPoint& point : points) EXPECT_TRUE(contains(plan.area, point.place));
+  for (const PlannedPoint& point : points) EXPECT_TRUE(contains(plan.area, point.position));
 }
 
 // The sigmas are those that the adjustment of the block with its errors gives: the design hardly changes with these,
@@ -178,17 +178,17 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
   survey.measurements.position_shift_m = 0.1;
   const Precision planned = precision_of(survey);
   constexpr int kBlocks = 150;
-  double places = 0, images = 0, cameras = 0;
+  double points = 0, images = 0, cameras = 0;
   int camera_degrees = 0;
   for (int i = 0; i < kBlocks; ++i) {
     PlannedBlock noisy = with_errors(planned.planned, std::uint64_t(1000 + i));
     const Examined adjusted = examine(noisy.block, noisy.scope, noisy.options, kSerial).value();
     ASSERT_TRUE(adjusted.converged);
     const std::size_t which = planned.adjusted.control.size() - 1 - std::size_t(i) % planned.cells.size();
-    const ControlDifference& place = planned.adjusted.control[which];
-    const Vector3d error =
-        *adjusted.control[which].position_in_world - planned.planned.block.control.at(place.point).position_in_world;
-    places += error.dot(place.covariance_m2->ldlt().solve(error));
+    const ControlDifference& difference = planned.adjusted.control[which];
+    const Vector3d error = *adjusted.control[which].position_in_world -
+                           planned.planned.block.control.at(difference.point).position_in_world;
+    points += error.dot(difference.covariance_m2->ldlt().solve(error));
 
     auto image = planned.adjusted.pose_covariance.begin();
     std::advance(image, i % int(planned.adjusted.pose_covariance.size()));
@@ -217,7 +217,7 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
   }
   // The mean of n chi-squared over d degrees of freedom has the standard deviation sqrt(2 / n d) about 1.
   const auto bound = [](int degrees) { return 4 * std::sqrt(2.0 / (kBlocks * degrees)); };
-  EXPECT_NEAR(places / (3 * kBlocks), 1, bound(3));
+  EXPECT_NEAR(points / (3 * kBlocks), 1, bound(3));
   EXPECT_NEAR(images / (6 * kBlocks), 1, bound(6));
   EXPECT_EQ(camera_degrees, 8);
   EXPECT_NEAR(cameras / (camera_degrees * kBlocks), 1, bound(camera_degrees));
@@ -274,10 +274,10 @@ TEST(Precision, OneMorePointGainsWhereItIsPlacedBest) {
   const Vector3d sigma(0.01, 0.01, 0.015);
   const auto one = one_more_point(survey.plan, survey.points, sigma, survey.measurements, now, 1, kSerial).value();
   const auto best = one_more_point(survey.plan, survey.points, sigma, survey.measurements, now, 5, kSerial).value();
-  ASSERT_TRUE(one && best && best->place);
+  ASSERT_TRUE(one && best && best->position);
   EXPECT_LT(one->area.rms_m.norm(), now.area.rms_m.norm());
   EXPECT_LE(best->area.rms_m.norm(), one->area.rms_m.norm());
-  EXPECT_TRUE(contains(survey.plan.area, *best->place));
+  EXPECT_TRUE(contains(survey.plan.area, *best->position));
 }
 
 TEST(Precision, ABlockWithoutControlSaysThatItHasNoDatum) {
@@ -301,7 +301,7 @@ TEST(Precision, TheEngineAnswersInSigmasThatWereGiven) {
   EXPECT_NEAR(precision_of(fine).area.rms_m.z() / precision.area.rms_m.z(), 0.5, 0.02);
 }
 
-TEST(Precision, PlacesThatOnlyOneImageShowsAreCountedNotMadeUp) {
+TEST(Precision, PositionsThatOnlyOneImageShowsAreCountedNotMadeUp) {
   FlightOptions flight = small_flight();
   flight.forward_overlap = flight.side_overlap = 0;
   Survey survey = small_survey("none");
@@ -353,17 +353,17 @@ TEST(Trials, ACameraWithoutUnknownsIsNotCompared) {
 }
 
 TEST(Customs, FourPointsInARowAreNotAtTheCorners) {
-  const auto corners_held = [](const Survey& survey) {
+  const auto corners_occupied = [](const Survey& survey) {
     return customs(survey.plan, small_flight(), survey.points, precision_of(survey)).back().kept;
   };
   Survey survey = small_survey("corners");
-  EXPECT_TRUE(corners_held(survey));
-  for (std::size_t i = 0; i < 4; ++i) survey.points[i].place = {20.0 + 15 * double(i), 30};
-  EXPECT_FALSE(corners_held(survey));
+  EXPECT_TRUE(corners_occupied(survey));
+  for (std::size_t i = 0; i < 4; ++i) survey.points[i].position = {20.0 + 15 * double(i), 30};
+  EXPECT_FALSE(corners_occupied(survey));
 }
 
 TEST(RulesOfThumb, AreThoseOfTheBook) {
-  // An aerial camera at a photo scale of 1 : 10000: 6 cm in plan, 0.06 per mille of 1500 m, contours 0.25 per mille.
+  // An aerial camera at an image scale of 1 : 10000: 6 cm in plan, 0.06 per mille of 1500 m, contours 0.25 per mille.
   FlightOptions flight = small_flight();
   flight.focal_mm = 150;
   flight.sensor_width_mm = 230;

@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // What a stabilised camera and an autopilot leave over.
-constexpr double kTurn_rad = std::numbers::pi / 180, kMove_m = 0.3;
+constexpr double kRotation_rad = std::numbers::pi / 180, kMove_m = 0.3;
 constexpr double kHeightOverPlan = 1.5;  // of GNSS
 constexpr double kCells = 500;
 enum Stream : std::uint64_t { kPoses = 1, kPoints, kFound, kErrors };
@@ -26,12 +26,13 @@ Vector3d normal3(Random& random) {
   return {x, y, z};
 }
 
-/// Waves as long as a picture is wide.
+/// Waves as long as an image is wide.
 struct Ground {
   double relief_m, length_m;
-  [[nodiscard]] Vector3d at(const Vector2d& place) const {
-    const double turn = 2 * std::numbers::pi / length_m;
-    return {place.x(), place.y(), relief_m / 4 * (std::sin(turn * place.x()) + std::sin(turn * place.y()))};
+  [[nodiscard]] Vector3d at(const Vector2d& position) const {
+    const double radians_per_m = 2 * std::numbers::pi / length_m;
+    return {position.x(), position.y(),
+            relief_m / 4 * (std::sin(radians_per_m * position.x()) + std::sin(radians_per_m * position.y()))};
   }
 };
 
@@ -43,7 +44,7 @@ Rigid3 pose_of(const PlannedImage& image, double tilt_rad, const Vector2d& origi
   rotation.row(1) = std::sin(tilt_rad) * down - std::cos(tilt_rad) * along;
   rotation.row(2) = std::cos(tilt_rad) * down + std::sin(tilt_rad) * along;
   const Eigen::Quaterniond cam_from_world =
-      (rotation_by(kTurn_rad * normal3(random)) * Eigen::Quaterniond(rotation)).normalized();
+      (rotation_by(kRotation_rad * normal3(random)) * Eigen::Quaterniond(rotation)).normalized();
   const Vector3d centre = image.centre - Vector3d(origin.x(), origin.y(), 0) + kMove_m * normal3(random);
   return {cam_from_world, -(cam_from_world * centre)};
 }
@@ -109,7 +110,7 @@ void add_images(const FlightPlan& plan, const MeasurementOptions& o, PlannedBloc
   if (!track.time.empty() && o.position_shift_m > 0) planned.scope.position_tracks.push_back(track);
 }
 
-// Evenly spread over all that the pictures may show, so many that a picture holds those that are wanted. Whether an
+// Evenly spread over all that the images may show, so many that an image holds those that are wanted. Whether an
 // image finds a point does not depend on what other images there are.
 void add_tie_points(const FlightPlan& plan, const MeasurementOptions& o, const Ground& ground,
                     const std::vector<Viewer>& viewers, PlannedBlock& planned) {
@@ -136,14 +137,14 @@ void add_tie_points(const FlightPlan& plan, const MeasurementOptions& o, const G
   }
 }
 
-// A surveyed point or a place of the map; measured in every image that shows it. Answers how many these are.
+// A surveyed point or a point of the map; measured in every image that shows it. Answers how many these are.
 int add_surveyed(const PlannedPoint& point, ControlId id, const Ground& ground, const std::vector<Viewer>& viewers,
                  double sigma_px, PlannedBlock& planned) {
   ControlPoint control;
   control.name = point.name;
   control.role = point.role;
-  control.position_in_world = ground.at(point.place - planned.origin);
-  control.position_in_map = {point.place.x(), point.place.y(), control.position_in_world.z()};
+  control.position_in_world = ground.at(point.position - planned.origin);
+  control.position_in_map = {point.position.x(), point.position.y(), control.position_in_world.z()};
   control.sigma_m = point.sigma_m;
   int seen = 0;
   for (const Viewer& viewer : viewers)
@@ -160,10 +161,11 @@ void add_cells(const MapArea& area, const MeasurementOptions& o, const Ground& g
   const Vector3d not_surveyed = Vector3d::Constant(std::numeric_limits<double>::infinity());
   auto next = static_cast<std::uint32_t>(planned.block.control.size());
   for (std::size_t cell = 0; cell < planned.grid.size(); ++cell) {
-    const Vector2d place = planned.grid.centre(cell);
-    if (!contains(area, place)) continue;
+    const Vector2d position = planned.grid.centre(cell);
+    if (!contains(area, position)) continue;
     const ControlId id{next++};
-    add_surveyed({"cell", ControlRole::kCheck, place, not_surveyed}, id, ground, viewers, o.control_sigma_px, planned);
+    add_surveyed({"cell", ControlRole::kCheck, position, not_surveyed}, id, ground, viewers, o.control_sigma_px,
+                 planned);
     planned.cells[id] = cell;
   }
 }

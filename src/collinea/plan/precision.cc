@@ -16,11 +16,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 void write_cells(Precision& precision) {
-  for (const ControlDifference& place : precision.adjusted.control) {
-    const auto cell = precision.planned.cells.find(place.point);
-    if (cell == precision.planned.cells.end() || !place.covariance_m2) continue;
+  for (const ControlDifference& difference : precision.adjusted.control) {
+    const auto cell = precision.planned.cells.find(difference.point);
+    if (cell == precision.planned.cells.end() || !difference.covariance_m2) continue;
     precision.cells.push_back(
-        {cell->second, precision.planned.grid.centre(cell->second), *place.covariance_m2, place.rays});
+        {cell->second, precision.planned.grid.centre(cell->second), *difference.covariance_m2, difference.rays});
   }
 }
 
@@ -33,11 +33,11 @@ AreaSigma area_sigma(const Precision& precision) {
     sum += cell.covariance_m2.diagonal();
     if (cell.plan_m() > area.worst_plan_m) {
       area.worst_plan_m = cell.plan_m();
-      area.worst_plan_at = cell.place;
+      area.worst_plan_at = cell.position;
     }
     if (cell.sigma_m().z() > area.worst_height_m) {
       area.worst_height_m = cell.sigma_m().z();
-      area.worst_height_at = cell.place;
+      area.worst_height_at = cell.position;
     }
   }
   area.rms_m = precision.cells.empty() ? Vector3d::Constant(std::nan(""))
@@ -54,9 +54,10 @@ void write_rays(Precision& precision) {
   std::vector<Vector3d> sums(precision.rays.size(), Vector3d::Zero());
   const PrecisionGrid& grid = precision.planned.grid;
   for (std::size_t i = 0; i < adjusted.point_covariance.size(); ++i) {
-    const Vector2d place = adjusted.points[i].second.head<2>() + precision.planned.origin;
-    if (place.x() < grid.west_m || place.y() > grid.north_m || place.x() > grid.west_m + grid.width * grid.cell_m ||
-        place.y() < grid.north_m - grid.height * grid.cell_m)
+    const Vector2d position = adjusted.points[i].second.head<2>() + precision.planned.origin;
+    if (position.x() < grid.west_m || position.y() > grid.north_m ||
+        position.x() > grid.west_m + grid.width * grid.cell_m ||
+        position.y() < grid.north_m - grid.height * grid.cell_m)
       continue;
     const int count = rays.at(adjusted.points[i].first);
     for (std::size_t k = 0; k < sums.size(); ++k) {
@@ -73,43 +74,43 @@ void write_rays(Precision& precision) {
 }
 
 void write_poses(Precision& precision) {
-  Vector3d turns = Vector3d::Zero(), moves = Vector3d::Zero();
+  Vector3d rotations = Vector3d::Zero(), moves = Vector3d::Zero();
   for (const auto& [id, covariance] : precision.adjusted.pose_covariance) {
     const Matrix3d rotation = pose_of(precision.planned.block, id).rotation.toRotationMatrix();
-    turns += (rotation * covariance.topLeftCorner<3, 3>() * rotation.transpose()).diagonal();
+    rotations += (rotation * covariance.topLeftCorner<3, 3>() * rotation.transpose()).diagonal();
     moves += covariance.bottomRightCorner<3, 3>().diagonal();
   }
   const double count = double(precision.adjusted.pose_covariance.size());
   const double nothing = std::nan("");
-  precision.turn_rms_rad = count > 0 ? Vector3d((turns / count).cwiseSqrt()) : Vector3d::Constant(nothing);
+  precision.rotation_rms_rad = count > 0 ? Vector3d((rotations / count).cwiseSqrt()) : Vector3d::Constant(nothing);
   precision.pose_rms_m = count > 0 ? Vector3d((moves / count).cwiseSqrt()) : Vector3d::Constant(nothing);
 }
 
 // The place known worst, then those farthest from all points there are and all chosen.
-std::vector<Vector2d> places_to_try(const std::vector<PlannedPoint>& points, const Precision& now, int count) {
-  std::vector<Vector2d> places, known;
+std::vector<Vector2d> candidates_to_try(const std::vector<PlannedPoint>& points, const Precision& now, int count) {
+  std::vector<Vector2d> positions, known;
   for (const PlannedPoint& point : points)
-    if (point.role == ControlRole::kControl) known.push_back(point.place);
-  const auto room = [&](const Vector2d& place) {
+    if (point.role == ControlRole::kControl) known.push_back(point.position);
+  const auto room = [&](const Vector2d& position) {
     double nearest = 1e300;
-    for (const Vector2d& other : known) nearest = std::min(nearest, (other - place).norm());
+    for (const Vector2d& other : known) nearest = std::min(nearest, (other - position).norm());
     return nearest;
   };
-  while (int(places.size()) < count) {
+  while (int(positions.size()) < count) {
     const CellPrecision* best = nullptr;
     double most = 0;
     for (const CellPrecision& cell : now.cells) {
-      const double free = room(cell.place);
-      const double value = places.empty() ? cell.covariance_m2.trace() : free;
+      const double free = room(cell.position);
+      const double value = positions.empty() ? cell.covariance_m2.trace() : free;
       if (free < 2 * now.planned.grid.cell_m || value <= most) continue;
       most = value;
       best = &cell;
     }
     if (!best) break;
-    places.push_back(best->place);
-    known.push_back(best->place);
+    positions.push_back(best->position);
+    known.push_back(best->position);
   }
-  return places;
+  return positions;
 }
 
 struct Sum {
@@ -171,18 +172,18 @@ Result<Precision> predicted(PlannedBlock planned, const Run& run) {
 
 Result<std::optional<Gain>> one_more_point(const FlightPlan& plan, const std::vector<PlannedPoint>& points,
                                            const Eigen::Vector3d& sigma_m, const MeasurementOptions& options,
-                                           const Precision& now, int places, const Run& run) {
+                                           const Precision& now, int count, const Run& run) {
   std::optional<Gain> best;
-  const std::vector<Vector2d> candidates = places_to_try(points, now, places);
+  const std::vector<Vector2d> candidates = candidates_to_try(points, now, count);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const Vector2d& place = candidates[i];
+    const Vector2d& position = candidates[i];
     std::vector<PlannedPoint> more = points;
-    more.push_back({"one more", ControlRole::kControl, place, sigma_m});
+    more.push_back({"one more", ControlRole::kControl, position, sigma_m});
     COLLINEA_TRY(PlannedBlock planned, planned_block(plan, more, options));
     COLLINEA_TRY(const Precision with, predicted(std::move(planned), run));
     run.report("places of one more control point", double(i + 1) / double(candidates.size()));
     if (best && with.area.rms_m.norm() >= best->area.rms_m.norm()) continue;
-    best = Gain{GainBy::kControlPoint, place, sigma_m, with.area};
+    best = Gain{GainBy::kControlPoint, position, sigma_m, with.area};
   }
   return best;
 }
@@ -197,13 +198,13 @@ Result<Trials> tried(const Precision& predicted, int blocks, const Run& run) {
   for (int i = 0; i < blocks; ++i) {
     PlannedBlock noisy = with_errors(predicted.planned, run.seed + std::uint64_t(i));
     COLLINEA_TRY(const Adjusted one, adjust(noisy.block, noisy.scope, noisy.options.adjust, run));
-    for (const ControlDifference& place : one.control) {
-      const auto known = noisy.cells.find(place.point);
-      if (known == noisy.cells.end() || !place.position_in_world) continue;
+    for (const ControlDifference& difference : one.control) {
+      const auto known = noisy.cells.find(difference.point);
+      if (known == noisy.cells.end() || !difference.position_in_world) continue;
       const auto cell = of_cell.find(known->second);
       if (cell == of_cell.end()) continue;
       const Vector3d error =
-          *place.position_in_world - predicted.planned.block.control.at(place.point).position_in_world;
+          *difference.position_in_world - predicted.planned.block.control.at(difference.point).position_in_world;
       squares += error.cwiseQuotient(cell->second->sigma_m()).cwiseAbs2();
       cells.squares += chi2(cell->second->covariance_m2, error);
       ++cells.count;

@@ -20,7 +20,7 @@ struct AreaSigma {
 /// What is predicted of a cell of the map.
 struct CellPrecision {
   std::size_t cell = 0;
-  Eigen::Vector2d place;          ///< plan coordinates of its middle
+  Eigen::Vector2d position;       ///< plan coordinates of its middle
   Eigen::Matrix3d covariance_m2;  ///< east, north, height
   int images = 0;
 
@@ -43,7 +43,7 @@ struct Precision {
   AreaSigma area;
   std::vector<RaysPrecision> rays;
   Eigen::Vector3d pose_rms_m = Eigen::Vector3d::Zero(),
-                  turn_rms_rad = Eigen::Vector3d::Zero();  ///< turns: in the camera
+                  rotation_rms_rad = Eigen::Vector3d::Zero();  ///< turns: in the camera
 };
 
 /// Adjusts the block as planned and tells the standard deviations of everything. Errors: those of the adjustment; a
@@ -56,9 +56,9 @@ enum class GainBy : std::uint8_t { kControlPoint, kCrossStrip, kPositions };
 /// What something more would gain.
 struct Gain {
   GainBy by{};
-  std::optional<Eigen::Vector2d> place;  ///< of a point
-  Eigen::Vector3d sigma_m{0, 0, 0};      ///< with which it is measured: points, positions
-  AreaSigma area;                        ///< with it
+  std::optional<Eigen::Vector2d> position;  ///< of a point
+  Eigen::Vector3d sigma_m{0, 0, 0};         ///< with which it is measured: points, positions
+  AreaSigma area;                           ///< with it
 };
 
 /// One more control point where it gains most: of the place that is known worst and others spread between the points
@@ -68,7 +68,7 @@ struct Gain {
                                                          const std::vector<PlannedPoint>& points,
                                                          const Eigen::Vector3d& sigma_m,
                                                          const MeasurementOptions& options, const Precision& now,
-                                                         int places, const Run& run);
+                                                         int count, const Run& run);
 
 /// The true errors of simulated blocks against what was predicted.
 struct Trials {

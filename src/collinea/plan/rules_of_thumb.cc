@@ -52,10 +52,10 @@ bool holds_corners(const FlightPlan& plan, const std::vector<PlannedPoint>& poin
   if (!corners) return false;
   double near_m = 1e300;
   for (std::size_t i = 0; i < corners->size(); ++i)
-    near_m = std::min(near_m, ((*corners)[i].place - (*corners)[(i + 1) % corners->size()].place).norm() / 3);
+    near_m = std::min(near_m, ((*corners)[i].position - (*corners)[(i + 1) % corners->size()].position).norm() / 3);
   return std::all_of(corners->begin(), corners->end(), [&](const PlannedPoint& corner) {
     return std::any_of(points.begin(), points.end(), [&](const PlannedPoint& point) {
-      return point.role == ControlRole::kControl && (point.place - corner.place).norm() <= near_m;
+      return point.role == ControlRole::kControl && (point.position - corner.position).norm() <= near_m;
     });
   });
 }

@@ -9,7 +9,7 @@
 
 namespace collinea {
 
-/// What a rule for the design of a survey is of; photo scale 1 : mb, height above ground h.
+/// What a rule for the design of a survey is of; image scale 1 : mb, height above ground h.
 enum class PlanRule : std::uint8_t {
   kSignalisedPlan,             ///< 6 um mb
   kSignalisedHeight,           ///< 0.06 per mille of h
@@ -44,8 +44,8 @@ struct Custom {
   bool kept = true;
 };
 
-/// The a-priori precisions that analytical photogrammetry goes by (V. Franco; photo scale 1 : mb, height h), and the
-/// normal case of two pictures.
+/// The a-priori precisions that analytical photogrammetry goes by (V. Franco; image scale 1 : mb, height h), and the
+/// normal case of two images.
 [[nodiscard]] std::vector<RuleOfThumb> rules_of_thumb(const FlightPlan& plan, const FlightOptions& flight,
                                                       const MeasurementOptions& options, const Precision& precision);
 /// Overlaps, tie points and control by the same book.

@@ -31,7 +31,7 @@ Result<> remove_maps(const fs::path& folder) {
 }  // namespace
 
 Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string& inputs_hash, const Block& block,
-                                      const WorkingImages& pictures) {
+                                      const WorkingImages& images) {
   const fs::path made_from = folder / "inputs.txt";
   if (read_file(made_from).value_or("") != inputs_hash) {
     std::error_code error;
@@ -40,7 +40,7 @@ Result<DepthFolder> DepthFolder::open(const fs::path& folder, const std::string&
     COLLINEA_TRY(remove_maps(folder));
     COLLINEA_TRY(write_file(made_from, inputs_hash));
   }
-  return DepthFolder(folder, block, pictures);
+  return DepthFolder(folder, block, images);
 }
 
 fs::path DepthFolder::path(ImageId image, const char* what) const {
@@ -57,7 +57,7 @@ Result<> DepthFolder::write(ImageId image, const DepthMap& map) {
 
 Result<DepthMap> DepthFolder::read(ImageId image) {
   DepthMap map;
-  COLLINEA_TRY(map.camera, pictures_->camera(image));
+  COLLINEA_TRY(map.camera, images_->camera(image));
   COLLINEA_TRY(map.depth, read_float_tiff(path(image, "depth")));
   COLLINEA_TRY(map.sigma, read_float_tiff(path(image, "sigma")));
   while (map.camera.width_px > map.depth.width && map.camera.width_px > 1) map.camera = camera_of_level(map.camera, 1);

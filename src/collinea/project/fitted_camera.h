@@ -8,8 +8,8 @@
 
 namespace collinea {
 
-/// A camera as of photographs of another size: a model may have been made on copies of them. `photo` is named in the
-/// error: the proportions of the pictures differ by more than a pixel.
-[[nodiscard]] Result<Camera> fitted_to(Camera camera, int width_px, int height_px, const std::string& photo);
+/// A camera as of images of another size: a model may have been made on copies of them. `image` is named in the
+/// error: the proportions of the images differ by more than a pixel.
+[[nodiscard]] Result<Camera> fitted_to(Camera camera, int width_px, int height_px, const std::string& image);
 
 }  // namespace collinea

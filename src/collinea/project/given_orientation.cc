@@ -24,7 +24,7 @@ tl::unexpected<Error> unknown(const std::string& source, const std::string& imag
   return fail(Errc::kBadInput, source + ": no photograph of the project is called " + image);
 }
 
-// The camera as of the photographs, under the name and with the sigma that these give it.
+// The camera as of the images, under the name and with the sigma that these give it.
 Result<Camera> fitted(Camera camera, const Camera& ours, const std::string& image) {
   COLLINEA_TRY(camera, fitted_to(std::move(camera), ours.width_px, ours.height_px, image));
   camera.name = ours.name;
@@ -32,7 +32,7 @@ Result<Camera> fitted(Camera camera, const Camera& ours, const std::string& imag
   return camera;
 }
 
-// A model may know several cameras where the photographs say one: the one with the middle focal length is taken.
+// A model may know several cameras where the images say one: the one with the middle focal length is taken.
 void take_common(const std::map<CameraId, std::vector<Camera>>& cameras, ReadOrientation& read) {
   for (const auto& [id, found] : cameras) {
     std::vector<Camera> sorted = found;
@@ -61,7 +61,7 @@ Result<ReadOrientation> from_model(const Block& model, const Block& setup, const
     COLLINEA_TRY(Camera camera, fitted(model.camera_of(id), setup.camera_of(*image), file).map_error([&](Error error) {
       return std::move(error).within(path.string());
     }));
-    // What the photographs say of a camera: that it is known and held.
+    // What the images say of a camera: that it is known and held.
     camera.prior.calibrate = setup.camera_of(*image).prior.calibrate;
     cameras[setup.images.at(*image).camera].push_back(camera);
   }

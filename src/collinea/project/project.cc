@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 void sweep(const fs::path& folder) {
   if (!is_there(folder / "block.db")) return;
   std::error_code ignored;
-  const auto remove_in = [&](const char* place, const char* name_start, const char* extension_start) {
-    for (auto it = fs::directory_iterator(folder / place, ignored); it != fs::directory_iterator();
+  const auto remove_in = [&](const char* subfolder, const char* name_start, const char* extension_start) {
+    for (auto it = fs::directory_iterator(folder / subfolder, ignored); it != fs::directory_iterator();
          it.increment(ignored)) {
       const fs::path name = it->path().filename();
       const bool half = name.extension().string().starts_with(extension_start) ||
@@ -34,15 +34,15 @@ void sweep(const fs::path& folder) {
       if (half && name.string().starts_with(name_start)) fs::remove(it->path(), ignored);
     }
   };
-  for (const char* place : {"products", "depth", "depth/overview", "report", "adjustment"})
-    remove_in(place, "", ".part");
+  for (const char* subfolder : {"products", "depth", "depth/overview", "report", "adjustment"})
+    remove_in(subfolder, "", ".part");
   remove_in(".", "project.json", ".part");
   remove_in("scratch", "points_", ".bin");
   fs::remove(folder / "scratch", ignored);  // stays when it holds anything else
 }
 
 // Seamlines that are asked for anew are looked at before they are noted: a wrong file would stay in the project. Until
-// there is a surface, nothing says which map and which photographs they are of.
+// there is a surface, nothing says which map and which images they are of.
 Result<> check_new_seamlines(const fs::path& folder, const Settings& settings, const ProjectStore& store) {
   const auto& given = settings.ortho.seamlines;
   const fs::path surface = folder / "products" / "dsm.tif";

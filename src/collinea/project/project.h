@@ -21,7 +21,7 @@ struct Project {
   Run run;
   std::shared_ptr<const ProjectLock> lock = {};  ///< held by who works on it; none: only looked at
 
-  [[nodiscard]] std::filesystem::path photo(const Image& image) const {
+  [[nodiscard]] std::filesystem::path image_file(const Image& image) const {
     return std::filesystem::path(settings.photos) / image.file;
   }
   /// The cloud in the map, in the form that was asked for.

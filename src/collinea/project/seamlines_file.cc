@@ -11,10 +11,10 @@
 namespace collinea {
 namespace {
 
-std::vector<Eigen::Vector3d> flat_places(const MapRing& ring) {
-  std::vector<Eigen::Vector3d> places;
-  for (const Eigen::Vector2d& place : ring) places.emplace_back(place.x(), place.y(), 0);
-  return places;
+std::vector<Eigen::Vector3d> flat_positions(const MapRing& ring) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const Eigen::Vector2d& position : ring) positions.emplace_back(position.x(), position.y(), 0);
+  return positions;
 }
 
 }  // namespace
@@ -23,8 +23,8 @@ Result<> write_seamlines(const std::filesystem::path& path, const std::vector<Se
                          const Block& block, std::span<const ImageId> sources, const std::string& wkt) {
   VectorLayer layer{"seamlines", VectorKind::kPolygon, {{"photo", VectorType::kText}}, {}, /*flat=*/true};
   for (const SeamPolygon& polygon : seamlines) {
-    VectorRow row{flat_places(polygon.rings.front()), {block.images.at(sources[polygon.source - 1u]).file}};
-    for (std::size_t i = 1; i < polygon.rings.size(); ++i) row.holes.push_back(flat_places(polygon.rings[i]));
+    VectorRow row{flat_positions(polygon.rings.front()), {block.images.at(sources[polygon.source - 1u]).file}};
+    for (std::size_t i = 1; i < polygon.rings.size(); ++i) row.holes.push_back(flat_positions(polygon.rings[i]));
     layer.rows.push_back(std::move(row));
   }
   return write_geopackage(path, {layer}, wkt);

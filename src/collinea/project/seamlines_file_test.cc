@@ -8,7 +8,7 @@
 namespace collinea {
 namespace {
 
-Block three_photographs() {
+Block three_images() {
   Block block;
   block.cameras[CameraId{1}] = ideal_camera(250, 240, 200);
   for (std::uint32_t i = 1; i <= 3; ++i) {
@@ -28,7 +28,7 @@ const std::vector<SeamPolygon> kSeamlines = {{2, {{{0.5, 0}, {0.5, 10}, {10, 10}
 
 TEST(SeamlinesFile, ComesBackAsItWasWritten) {
   const TestFolder folder;
-  const Block block = three_photographs();
+  const Block block = three_images();
   ASSERT_TRUE(write_seamlines(folder / "s.gpkg", kSeamlines, block, kSources, ""));
   const auto read = read_seamlines(folder / "s.gpkg", block, kSources, "");
   ASSERT_TRUE(read) << read.error().message;
@@ -39,9 +39,9 @@ TEST(SeamlinesFile, ComesBackAsItWasWritten) {
   }
 }
 
-TEST(SeamlinesFile, PhotographsThatCannotBeUsedAreNamed) {
+TEST(SeamlinesFile, ImagesThatCannotBeUsedAreNamed) {
   const TestFolder folder;
-  Block block = three_photographs();
+  Block block = three_images();
   ASSERT_TRUE(write_seamlines(folder / "s.gpkg", kSeamlines, block, kSources, ""));
   const auto complaint = [&] {
     const auto read = read_seamlines(folder / "s.gpkg", block, std::vector<ImageId>{ImageId{1}}, "");

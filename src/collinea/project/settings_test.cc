@@ -55,7 +55,7 @@ TEST(Settings, AFolderWithoutProjectIsNotFound) {
   EXPECT_EQ(settings.error().code, Errc::kNotFound);
 }
 
-TEST(Settings, WhatIsWrongIsNamedWithItsPlace) {
+TEST(Settings, WhatIsWrongIsNamedWithItsPosition) {
   const TestFolder folder;
   const struct {
     const char *text, *named;
@@ -104,7 +104,7 @@ TEST(Settings, AnOlderProjectIsRead) {
   ASSERT_TRUE(write_file(folder / "project.json", R"({
     "photos": "/p", "seed": 3,
     "options": {
-      "import": {"camera_model": "kannala_brandt", "control": "/c/gcp.csv", "crs": null, "ground": null},
+      "import": {"camera_model": "kannala_brandt", "control": "/c/gcp.csv", "crs": null, "geodetic": null},
       "pairs": {"pairs": "all"},
       "orient": {"mode": "global", "calibration": "auto", "additional": "ebner", "orientation": "/m"},
       "instruments": {"position_shift": "strips", "lever_arm": null},

@@ -133,10 +133,10 @@ AdditionalTest tested(CameraId id, const Camera& camera, const MatrixPd& covaria
 }  // namespace
 
 std::optional<CameraSigmas> with_additional(CameraSigmas sigmas, const Camera& camera,
-                                            const std::vector<std::string>& held) {
+                                            const std::vector<std::string>& fixed) {
   for (const int k : spanned_by(camera.additional)) sigmas[std::size_t(k)] = 0;
   for (std::size_t k = 0; k < count_of(camera.additional); ++k) sigmas[Camera::kParams + k] = kWeak * camera.focal_px();
-  for (const std::string& name : held) {
+  for (const std::string& name : fixed) {
     const auto param = param_named(camera, name);
     if (!param || *param < Camera::kParams) return std::nullopt;
     sigmas[std::size_t(*param)] = 0;

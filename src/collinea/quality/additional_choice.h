@@ -10,11 +10,11 @@
 namespace collinea {
 
 /// The standard deviations of AdditionalSet's parameters in an adjustment: weak observations of zero, 0.5 % of the
-/// focal length, where `held` does not name them ("a3"). Parameters of the model that the set spans by itself are held:
-/// b1, b2, p1, p2 and with cubic functions k1 (not of kFourier, which is no polynomial). Nothing when `held` names one
-/// that there is not.
+/// focal length, where `fixed` does not name them ("a3"). Parameters of the model that the set spans by itself are
+/// fixed: b1, b2, p1, p2 and with cubic functions k1 (not of kFourier, which is no polynomial). Nothing when `fixed`
+/// names one that there is not.
 [[nodiscard]] std::optional<CameraSigmas> with_additional(CameraSigmas sigmas, const Camera& camera,
-                                                          const std::vector<std::string>& held);
+                                                          const std::vector<std::string>& fixed);
 
 /// One additional parameter after the adjustment.
 struct AdditionalParameter {
@@ -22,7 +22,7 @@ struct AdditionalParameter {
   double value_px = 0, sigma_px = 0;  ///< times sigma0 when that is estimated
   double chance = 1;                  ///< that a parameter that is zero comes out as large as this (t-test)
   bool significant = false;
-  double largest_px = 0;  ///< what it shifts, at most, over the picture
+  double largest_px = 0;  ///< what it shifts, at most, over the image
   /// With the other free parameters of the camera: the one it is most alike, and how far they all together replace it
   /// (multiple correlation).
   int partner = -1;

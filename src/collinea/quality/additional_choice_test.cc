@@ -66,11 +66,11 @@ ExamineOptions plain() {
   return options;
 }
 
-Result<Examined> adjusted_of(Block block, const std::vector<std::string>& held = {}) {
+Result<Examined> adjusted_of(Block block, const std::vector<std::string>& fixed = {}) {
   Camera& camera = block.cameras.begin()->second;
   std::fill(camera.params.begin() + Camera::kParams, camera.params.end(), 0.0);
   AdjustScope scope{.first_cameras = block.cameras};
-  scope.camera_sigmas[block.cameras.begin()->first] = *with_additional({}, camera, held);
+  scope.camera_sigmas[block.cameras.begin()->first] = *with_additional({}, camera, fixed);
   return examine(block, scope, plain(), {});
 }
 
@@ -136,14 +136,14 @@ TEST(AdditionalChoice, WhatIsNotThereIsProposedToGo) {
   ASSERT_TRUE(adjusted);
   const AdditionalTest test = test_additional(block, *adjusted, false, 0.001).at(0);
   EXPECT_EQ(test.kept, 3);
-  std::vector<std::string> held;
+  std::vector<std::string> fixed;
   for (const AdditionalParameter& one : test.parameters) {
     const int number = one.param - Camera::kParams + 1;
     EXPECT_EQ(one.keep, number == 2 || number == 5 || number == 9) << number;
-    if (!one.keep) held.push_back(param_name(one.param));
+    if (!one.keep) fixed.push_back(param_name(one.param));
   }
   EXPECT_GT(test.dropped_chance, 1e-3);
-  const auto without = adjusted_of(block, held);
+  const auto without = adjusted_of(block, fixed);
   ASSERT_TRUE(without);
   const AdditionalTest again = test_additional(block, *without, false, 0.001).at(0);
   EXPECT_EQ(again.parameters.size(), 3u);
@@ -151,7 +151,7 @@ TEST(AdditionalChoice, WhatIsNotThereIsProposedToGo) {
   EXPECT_EQ(again.dropped_chance, 1);
 }
 
-// The covariance of cameras against the inverse of normal equations whose derivatives are numeric: control is held, so
+// The covariance of cameras against the inverse of normal equations whose derivatives are numeric: control is fixed, so
 // poses and the camera are the only unknowns.
 TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
   Block block = film_block(AdditionalSet::kGruen, {{1, 2}, {7, -1}}, 0.5, 21);
@@ -235,7 +235,7 @@ TEST(AdditionalChoice, CorrelationsAreThoseOfNumericDerivatives) {
   }
 }
 
-TEST(AdditionalChoice, WhatTheSetSpansIsHeld) {
+TEST(AdditionalChoice, WhatTheSetSpansIsFixed) {
   Camera camera = testing::test_camera();
   const CameraSigmas brown = calibration_sigmas(Calibration::kBrownAffinity, camera);
   camera.additional = AdditionalSet::kEbner;

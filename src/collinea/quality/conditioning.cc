@@ -36,14 +36,14 @@ std::vector<UnknownShare> shares_of(const Problem& problem, const Eigen::VectorX
 
 Subject subject_of_row(const Problem& problem, int row) {
   if (row < 6 * problem.poses) return {problem.images[row / 6].id, row % 6 < 3 ? Aspect::kAttitude : Aspect::kPosition};
-  const int in_border = row - 6 * problem.poses;
+  const int among_globals = row - 6 * problem.poses;
   for (const ProblemCamera& camera : problem.cameras)
-    if (const int k = in_border - camera.border; k >= 0 && k < static_cast<int>(camera.free.size()))
+    if (const int k = among_globals - camera.first_global; k >= 0 && k < static_cast<int>(camera.free.size()))
       return {camera.id, Aspect::kParameter, camera.free[k]};
-  if (const auto k = static_cast<std::size_t>(in_border - problem.first_extra); k < problem.auxiliaries.size())
+  if (const auto k = static_cast<std::size_t>(among_globals - problem.first_auxiliary); k < problem.auxiliaries.size())
     return subject_of(problem.auxiliaries[k].kind, problem.auxiliaries[k].owner, problem.auxiliaries[k].axis);
-  for (const std::uint32_t p : problem.joined)
-    if (const int k = in_border - problem.point(p).joined; k >= 0 && k < 3)
+  for (const std::uint32_t p : problem.retained_points)
+    if (const int k = among_globals - problem.point(p).first_retained; k >= 0 && k < 3)
       return {ControlId{problem.point(p).id}, Aspect::kPosition};
   return {};
 }
@@ -54,7 +54,7 @@ Conditioning conditioning_of(const Solved& solved, const bundle::TileCholesky& f
   const bundle::Problem& problem = solved.problem();
   const std::vector<double>& weights = solved.diagonal();
   Conditioning found;
-  const int size = 6 * problem.poses + problem.border;
+  const int size = 6 * problem.poses + problem.global_count;
   if (size == 0) return found;
   Eigen::VectorXd root(size), vector(size);
   Random random(1);

@@ -16,7 +16,7 @@ struct UnknownShare {
   double share = 0;  ///< of the sum of squares, 0 to 1
 };
 
-/// How well images, cameras and what stands in the border can be told apart.
+/// How well images, cameras and what stands among the global parameters can be told apart.
 struct Conditioning {
   /// The largest variance that any combination of them has, over what it would be if everything else (points too) were
   /// known: 1 / the least eigenvalue of the reduced normal equations with each unknown in units of its own weight. Of

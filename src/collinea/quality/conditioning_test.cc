@@ -17,7 +17,7 @@ ExamineOptions with_covariances(Calibration calibration) {
   return {.adjust = {.calibration = calibration, .loss = Loss::kNone, .position_loss = Loss::kNone}};
 }
 
-// One image over held points: the normal equations are the inverse of its covariance.
+// One image over fixed points: the normal equations are the inverse of its covariance.
 TEST(Conditioning, IsThatOfTheNormalEquationsWithOnesOnTheDiagonal) {
   const Block block = test_block({.rows = 1, .columns = 2, .points = 60, .sigma_px = 0.5});
   AdjustScope scope{.use_control = false};

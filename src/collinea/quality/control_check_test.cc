@@ -23,7 +23,7 @@ Block block_with_control(int control = 9, bool own_frame = true, std::uint64_t s
   return block;
 }
 
-std::size_t place_of(const Block& block, ControlId id, int which) {
+std::size_t index_of(const Block& block, ControlId id, int which) {
   for (std::size_t i = 0; i < block.control_observations.size(); ++i)
     if (block.control_observations[i].point == id && which-- == 0) return i;
   return block.control_observations.size();
@@ -40,17 +40,17 @@ TEST(CheckControl, GoodControlGivesNoFinding) {
 TEST(CheckControl, NamesTheWrongMeasurementAndTheImage) {
   Block block = block_with_control();
   const ControlId id{4};
-  const std::size_t place = place_of(block, id, 1);
-  ASSERT_LT(place, block.control_observations.size());
-  block.control_observations[place].pixel += Eigen::Vector2d(21, -28);
+  const std::size_t index = index_of(block, id, 1);
+  ASSERT_LT(index, block.control_observations.size());
+  block.control_observations[index].pixel += Eigen::Vector2d(21, -28);
   const ControlDiagnosis diagnosis = check_control(block);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
   const Finding& finding = diagnosis.findings.front();
   EXPECT_EQ(finding.code, FindingCode::kControlMeasurement);
-  EXPECT_EQ(finding.subjects, (std::vector<Subject>{id, block.control_observations[place].image}));
+  EXPECT_EQ(finding.subjects, (std::vector<Subject>{id, block.control_observations[index].image}));
   EXPECT_EQ(finding.severity, Severity::kWrong);
   EXPECT_NEAR(finding.figure(FigureName::kOffsetPx).value_or(0), 35, 4);
-  EXPECT_EQ(diagnosis.excluded_observations, std::set<std::size_t>{place});
+  EXPECT_EQ(diagnosis.excluded_observations, std::set<std::size_t>{index});
   EXPECT_TRUE(diagnosis.excluded_points.empty());
   Block mended = block;
   apply(diagnosis, mended);
@@ -61,14 +61,14 @@ TEST(CheckControl, NamesTheWrongMeasurementAndTheImage) {
 TEST(CheckControl, TwoRaysThatMissAreNotUsed) {
   Block block = block_with_control();
   const ControlId id{3};
-  const ImageId first = block.control_observations[place_of(block, id, 0)].image;
-  const ImageId second = block.control_observations[place_of(block, id, 3)].image;
+  const ImageId first = block.control_observations[index_of(block, id, 0)].image;
+  const ImageId second = block.control_observations[index_of(block, id, 3)].image;
   std::erase_if(block.control_observations,
                 [&](const ControlObservation& o) { return o.point == id && o.image != first && o.image != second; });
   const Eigen::Vector3d base = centre_of(pose_of(block, first)) - centre_of(pose_of(block, second));
   const Eigen::Vector3d in_cam = pose_of(block, first).rotation * base;
   const Eigen::Vector2d across = Eigen::Vector2d(-in_cam.y(), in_cam.x()).normalized();
-  block.control_observations[place_of(block, id, 0)].pixel += 90 * across;
+  block.control_observations[index_of(block, id, 0)].pixel += 90 * across;
   const ControlDiagnosis diagnosis = check_control(block);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
   EXPECT_EQ(diagnosis.findings.front().code, FindingCode::kControlMeasurementsDisagree);
@@ -143,7 +143,7 @@ TEST(CheckControl, ExchangedAxesAreFoundInReliefAndOnFlatGround) {
 }
 
 // Six cameras look 20 degrees down over flat ground, held upside down: the pixels are stored with the sky below.
-TEST(CheckControl, PicturesStoredUpsideDownAreNotTakenForExchangedAxes) {
+TEST(CheckControl, ImagesStoredUpsideDownAreNotTakenForExchangedAxes) {
   Block block;
   block.cameras[{1}] = testing::test_camera();
   for (std::uint32_t i = 0; i < 9; ++i) {

@@ -24,11 +24,11 @@ Block block_with_control(std::uint64_t seed) {
 }
 
 // The same block in a world turned about two axes: the errors of control are now correlated.
-Block turned(const Block& block, const Eigen::Matrix3d& rotation) {
+Block rotated(const Block& block, const Eigen::Matrix3d& rotation) {
   Block out = block;
-  const Eigen::Quaterniond turn(rotation);
+  const Eigen::Quaterniond angle(rotation);
   for (auto [id, pose] : oriented_images(out)) {
-    pose = {(pose.rotation * turn.conjugate()).normalized(), pose.translation};
+    pose = {(pose.rotation * angle.conjugate()).normalized(), pose.translation};
     set_pose(out, id, pose);
   }
   for (auto& [id, point] : out.points) point.position_in_world = rotation * point.position_in_world;
@@ -51,15 +51,15 @@ TEST(CorrelatedControl, ATurnedWorldHasTheSameAdjustment) {
   const Eigen::Matrix3d rotation = rotation_by({0.1, -0.2, 0.7}).toRotationMatrix();
   const Block block = block_with_control(4);
   const auto plain = examine(block, {}, all_statistics(), {});
-  const auto other = examine(turned(block, rotation), {}, all_statistics(), {});
+  const auto other = examine(rotated(block, rotation), {}, all_statistics(), {});
   ASSERT_TRUE(plain) << plain.error().message;
   ASSERT_TRUE(other) << other.error().message;
   EXPECT_NEAR(plain->sigma0, other->sigma0, 1e-9);
   EXPECT_NEAR(plain->reliability->redundancy_sum, other->reliability->redundancy_sum, 1e-6);
   for (const auto& [id, pose] : plain->cam_from_world)
     EXPECT_LT((rotation * centre_of(pose) - centre_of(other->cam_from_world.at(id))).norm(), 1e-8);
-  const auto same = [&](const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& in_turned) {
-    return (rotation * covariance * rotation.transpose() - in_turned).norm() < 1e-7 * in_turned.norm();
+  const auto same = [&](const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& in_rotated) {
+    return (rotation * covariance * rotation.transpose() - in_rotated).norm() < 1e-7 * in_rotated.norm();
   };
   for (std::size_t i = 0; i < plain->control.size(); ++i) {
     const ControlDifference &one = plain->control[i], &its = other->control[i];
@@ -96,7 +96,7 @@ TEST(CorrelatedControl, TestsAreStandardNormal) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     ExamineOptions options = tested();
     options.test.sigma0_known = true;
-    const auto adjusted = examine(turned(block_with_control(seed), rotation), {}, options, {});
+    const auto adjusted = examine(rotated(block_with_control(seed), rotation), {}, options, {});
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     for (const TestedObservation& one : adjusted->reliability->others)
       if (one.group == ObservationGroup::kControlPlan && std::isfinite(one.w)) {

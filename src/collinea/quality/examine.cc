@@ -63,7 +63,7 @@ class Examination {
     weaknesses_.look_at_bases(&inverse, run_);
     weaknesses_.look_at_images(out_.pose_covariance);
     out_.camera_covariance = camera_covariances(solved_, inverse);
-    out_.places = place_precisions(solved_, free_network, inverse, run_);
+    out_.point_precisions = point_precisions(solved_, free_network, inverse, run_);
     out_.camera_pose_correlations = correlate_cameras_and_poses(solved_, out_.pose_covariance, inverse);
   }
 

@@ -30,9 +30,10 @@ struct ExamineOptions {
 struct Examined : Adjusted {
   std::map<ImageId, Matrix6d>
       pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
-  std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those held
+  std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those fixed
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points; when asked for
-  std::vector<PointPrecision> places;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
+  std::vector<PointPrecision>
+      point_precisions;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
   std::vector<CameraPoseCorrelation> camera_pose_correlations;  ///< where the datum is complete
   std::vector<Finding> inseparable;  ///< pairs of unknowns that hardly differ in what they do (correlation beyond 0.99)
   std::optional<Finding> undetermined;  ///< what is not determined; nothing when everything is

@@ -79,36 +79,36 @@ TEST(Adjust, CovarianceMatchesTheRealErrors) {
 
 // Points measured without error in the adjusted images are off by what Examined::places says, and by nothing else:
 // chi-squared with 3 degrees of freedom, as above.
-TEST(Adjust, PlacesMeasuredWithoutErrorAreAsFarOffAsTheImagesMakeThem) {
+TEST(Adjust, PositionsMeasuredWithoutErrorAreAsFarOffAsTheImagesMakeThem) {
   ExamineOptions options = examined(Calibration::kFocal);
-  Series places;
+  Series points;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     const Block truth = test_block({.rows = 2, .columns = 3, .points = 60, .seed = seed});
     AdjustScope scope;
     const auto adjusted = examine(measured_anew(truth, scope, seed), scope, options, kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
-    ASSERT_GT(adjusted->places.size(), 20u);
+    ASSERT_GT(adjusted->point_precisions.size(), 20u);
     Block exact = truth;  // its measurements have no errors
     apply(*adjusted, exact);
-    AdjustScope held;
-    for (const auto& [id, pose] : oriented_images(exact)) held.fixed_images.insert(id);
-    const auto intersected = examine(exact, held, examined(), kRun);
+    AdjustScope fixed;
+    for (const auto& [id, pose] : oriented_images(exact)) fixed.fixed_images.insert(id);
+    const auto intersected = examine(exact, fixed, examined(), kRun);
     ASSERT_TRUE(intersected) << intersected.error().message;
     const std::map<PointId, Eigen::Vector3d> found(intersected->points.begin(), intersected->points.end());
     double sum = 0;
     int count = 0;
-    for (const PointPrecision& place : adjusted->places)
+    for (const PointPrecision& precision : adjusted->point_precisions)
       for (const auto& [id, position] : adjusted->points) {
-        if (position != place.position_in_world) continue;
+        if (position != precision.position_in_world) continue;
         const Eigen::Vector3d error = found.at(id) - truth.points.at(id).position_in_world;
-        sum += error.dot(place.covariance_m2.inverse() * error);
+        sum += error.dot(precision.covariance_m2.inverse() * error);
         ++count;
       }
-    ASSERT_EQ(count, int(adjusted->places.size()));
-    places.values.push_back(sum / count);
+    ASSERT_EQ(count, int(adjusted->point_precisions.size()));
+    points.values.push_back(sum / count);
   }
-  EXPECT_NEAR(places.mean(), 3, 4 * places.sigma_of_mean());
-  EXPECT_LT(4 * places.sigma_of_mean(), 0.6);
+  EXPECT_NEAR(points.mean(), 3, 4 * points.sigma_of_mean());
+  EXPECT_LT(4 * points.sigma_of_mean(), 0.6);
 }
 
 // Errors of Student's distribution with three degrees of freedom and the loss that goes with it: the whitened errors of
@@ -243,7 +243,7 @@ TEST(Adjust, CheckPointsDoNotUseImagesThatAreLeftOut) {
                                  [&](const ControlObservation& o) { return o.point == check; });
   ASSERT_NE(seen, block.control_observations.end());
   const ImageId lonely = seen->image;
-  const auto place = std::size_t(seen - block.control_observations.begin());
+  const auto precision = std::size_t(seen - block.control_observations.begin());
   std::erase_if(block.observations, [&](const Observation& o) { return o.image == lonely; });
   for (ControlObservation& o : block.control_observations)
     if (o.image == lonely && o.point != check) o.image = ImageId{999};  // not oriented
@@ -260,7 +260,7 @@ TEST(Adjust, CheckPointsDoNotUseImagesThatAreLeftOut) {
   const auto expected = examine(without, {}, options, kRun);
   ASSERT_TRUE(expected) << expected.error().message;
   ASSERT_EQ(adjusted->control.size(), expected->control.size());
-  EXPECT_TRUE(std::isnan(adjusted->control_residuals_px[place].x()));
+  EXPECT_TRUE(std::isnan(adjusted->control_residuals_px[precision].x()));
   for (std::size_t i = 0; i < expected->control.size(); ++i) {
     const ControlDifference &is = adjusted->control[i], &should = expected->control[i];
     EXPECT_EQ(is.rays, should.rays);

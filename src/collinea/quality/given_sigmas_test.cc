@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Control that is held, cameras whose parameters are free, weighted or held one by one, and lenses that correct
+// Control that is fixed, cameras whose parameters are free, weighted or fixed one by one, and lenses that correct
 // measured coordinates.
 #include <gtest/gtest.h>
 
@@ -41,46 +41,46 @@ Block with_control_sigma(Block block, const Eigen::Vector3d& sigma_m) {
 
 // Half a pixel is 2 cm on the ground: sigmas of 0.02 mm differ from no freedom by (0.02 / 20)^2, for each of some
 // images.
-TEST(HeldControl, IsTheLimitOfEverSmallerSigmas) {
+TEST(FixedControl, IsTheLimitOfEverSmallerSigmas) {
   const Block block = test_block({.sigma_px = 0.5, .control = 12});
-  const auto held = examine(with_control_sigma(block, {0, 0, 0}), {}, exact(), kRun);
+  const auto fixed = examine(with_control_sigma(block, {0, 0, 0}), {}, exact(), kRun);
   const auto stiff = examine(with_control_sigma(block, {2e-5, 2e-5, 2e-5}), {}, exact(), kRun);
-  ASSERT_TRUE(held && stiff);
-  EXPECT_EQ(held->redundancy, stiff->redundancy);
-  EXPECT_EQ(held->unknown_count, stiff->unknown_count - 3 * 8);
-  EXPECT_EQ(held->rank_defect, 0);
-  EXPECT_NEAR(held->sigma0, stiff->sigma0, 1e-4);
-  EXPECT_LT(largest_difference_m(*held, *stiff), 1e-4);
-  for (const auto& [id, covariance] : held->pose_covariance)
+  ASSERT_TRUE(fixed && stiff);
+  EXPECT_EQ(fixed->redundancy, stiff->redundancy);
+  EXPECT_EQ(fixed->unknown_count, stiff->unknown_count - 3 * 8);
+  EXPECT_EQ(fixed->rank_defect, 0);
+  EXPECT_NEAR(fixed->sigma0, stiff->sigma0, 1e-4);
+  EXPECT_LT(largest_difference_m(*fixed, *stiff), 1e-4);
+  for (const auto& [id, covariance] : fixed->pose_covariance)
     EXPECT_NEAR(covariance(3, 3) / stiff->pose_covariance.at(id)(3, 3), 1, 1e-4);
-  for (const ControlDifference& control : held->control) {
+  for (const ControlDifference& control : fixed->control) {
     if (control.used) {
       EXPECT_EQ(control.difference_m, Eigen::Vector3d::Zero());
     }
   }
 }
 
-TEST(HeldControl, HoldsSingleAxes) {
+TEST(FixedControl, HoldsSingleAxes) {
   const Block block = test_block({.sigma_px = 0.5, .control = 12});
-  const auto held = examine(with_control_sigma(block, {0, 0, 0.02}), {}, exact(), kRun);
+  const auto fixed = examine(with_control_sigma(block, {0, 0, 0.02}), {}, exact(), kRun);
   const auto stiff = examine(with_control_sigma(block, {2e-5, 2e-5, 0.02}), {}, exact(), kRun);
-  ASSERT_TRUE(held && stiff);
-  EXPECT_EQ(held->redundancy, stiff->redundancy);
-  EXPECT_LT(largest_difference_m(*held, *stiff), 1e-4);
-  for (const ControlDifference& control : held->control) {
+  ASSERT_TRUE(fixed && stiff);
+  EXPECT_EQ(fixed->redundancy, stiff->redundancy);
+  EXPECT_LT(largest_difference_m(*fixed, *stiff), 1e-4);
+  for (const ControlDifference& control : fixed->control) {
     if (!control.used) continue;
     EXPECT_LT(control.difference_m.head<2>().norm(), 1e-5);
     EXPECT_GT(std::abs(control.difference_m.z()), 1e-6);
   }
 }
 
-TEST(HeldControl, IsTestedAndReportedWithoutHarm) {
+TEST(FixedControl, IsTestedAndReportedWithoutHarm) {
   Block block = with_control_sigma(test_block({.sigma_px = 0.5, .control = 12}), {0, 0, 0});
   ExamineOptions options = exact();
   options.reliability = options.point_covariances = true;
   const auto adjusted = examine(block, {}, options, kRun);
   ASSERT_TRUE(adjusted && adjusted->reliability);
-  // Redundancies add up to the redundancy, held points or not.
+  // Redundancies add up to the redundancy, fixed points or not.
   double sum = 0;
   for (const GroupSums& group : adjusted->reliability->groups) sum += group.redundancy;
   EXPECT_NEAR(sum, double(adjusted->redundancy), 1e-6 * double(adjusted->redundancy));
@@ -132,8 +132,8 @@ Block of_measured(const testing::TestBlockOptions& o) {
   camera.params[Camera::kK1] = 0.12;
   camera.params[Camera::kB1] = 1.5;
   Random random(12);
-  const auto measure = [&](ImageId image, const Eigen::Vector3d& place, Eigen::Vector2d& pixel) {
-    const auto seen = project(camera, pose_of(block, image) * place);
+  const auto measure = [&](ImageId image, const Eigen::Vector3d& position, Eigen::Vector2d& pixel) {
+    const auto seen = project(camera, pose_of(block, image) * position);
     ASSERT_TRUE(seen);
     const double du = random.normal(), dv = random.normal();
     pixel = *seen + o.sigma_px * Eigen::Vector2d(du, dv);

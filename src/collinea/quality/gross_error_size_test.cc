@@ -26,9 +26,10 @@ ExamineOptions options() {
           .reliability = true};
 }
 
-bool is_gone(const Snooped& snooped, const TestedObservation& one) {
-  return std::any_of(snooped.rejected.begin(), snooped.rejected.end(),
-                     [&](const Rejected& gone) { return gone.group == one.group && gone.ground == one.source; });
+bool is_rejected(const Snooped& snooped, const TestedObservation& one) {
+  return std::any_of(snooped.rejected.begin(), snooped.rejected.end(), [&](const Rejected& rejected) {
+    return rejected.group == one.group && rejected.geodetic == one.source;
+  });
 }
 
 // The best checked observation of a kind.
@@ -43,7 +44,7 @@ TestedObservation best_checked(const Reliability& tests, ObservationGroup group)
 // that were just within the limit): sigma0, which it enlarges, shall not make its neighbours look worse than itself.
 // Also where image points are twice as bad as stated, so that tests of what is measured on the ground scale differently
 // with their redundancy.
-TEST(GrossErrorSize, ABlunderOnTheGroundGoesHoweverLargeItIs) {
+TEST(GrossErrorSize, AGrossErrorOnTheGroundGoesHoweverLargeItIs) {
   std::array<int, kGeodeticKinds> tried{};
   for (const double px : {1.0, 2.0})
     for (const std::uint64_t seed : {1, 2}) {
@@ -55,13 +56,14 @@ TEST(GrossErrorSize, ABlunderOnTheGroundGoesHoweverLargeItIs) {
         const TestedObservation one = best_checked(*clean->reliability, group_of(static_cast<GeodeticKind>(kind)));
         ASSERT_GT(one.redundancy, 0.1) << kGeodeticKindNames[kind];
         for (const double sigmas : {25.0, 66.0, 500.0}) {
-          if (sigmas < 2 * one.minimal_detectable_bias / one.sigma) continue;  // this is found but for one in a hundred thousand
+          if (sigmas < 2 * one.minimal_detectable_bias / one.sigma)
+            continue;  // this is found but for one in a hundred thousand
           ++tried[kind];
           Surveyed wrong = made;
-          wrong.block.ground[one.source].value += sigmas * one.sigma;
+          wrong.block.geodetic[one.source].value += sigmas * one.sigma;
           const auto snooped = snoop(wrong.block, wrong.scope, options(), kMost, kRun);
           ASSERT_TRUE(snooped) << snooped.error().message;
-          EXPECT_TRUE(is_gone(*snooped, one)) << kGeodeticKindNames[kind] << " " << sigmas << " seed " << seed;
+          EXPECT_TRUE(is_rejected(*snooped, one)) << kGeodeticKindNames[kind] << " " << sigmas << " seed " << seed;
           EXPECT_TRUE(snooped->finished);
           EXPECT_LE(snooped->rejected.size(), before->rejected.size() + 3) << kGeodeticKindNames[kind] << " " << sigmas;
         }
@@ -82,8 +84,8 @@ TEST(GrossErrorSize, TwoThatAreAsSuspectButDifferentBothGo) {
   Block block;
   for (int repeat = 0; repeat < 5; ++repeat) {
     block = made.block;
-    block.ground[one.source].value += 40 * one.sigma;
-    block.ground[other.source].value += size;
+    block.geodetic[one.source].value += 40 * one.sigma;
+    block.geodetic[other.source].value += size;
     const auto wrong = examine(block, made.scope, options(), kRun);
     ASSERT_TRUE(wrong && wrong->reliability);
     double w[2] = {};
@@ -97,8 +99,8 @@ TEST(GrossErrorSize, TwoThatAreAsSuspectButDifferentBothGo) {
   ASSERT_NEAR(ratio, 1, 0.005);
   const auto snooped = snoop(block, made.scope, options(), kMost, kRun);
   ASSERT_TRUE(snooped) << snooped.error().message;
-  EXPECT_TRUE(is_gone(*snooped, one));
-  EXPECT_TRUE(is_gone(*snooped, other));
+  EXPECT_TRUE(is_rejected(*snooped, one));
+  EXPECT_TRUE(is_rejected(*snooped, other));
 }
 
 // Every tenth ray is wrong, by up to 200 sigmas, and some that are not go with them at first. In the end every wrong
@@ -138,10 +140,10 @@ TEST(GrossErrorSize, RaysThatWereSpoiltByOthersComeBack) {
       lost += static_cast<int>(left_without.size() - now.size());
       // What is told to be out is what is missing, a point that lost one of two rays without the other.
       std::size_t out = block.observations.size() - left.size();
-      for (const Rejected& gone : snooped->rejected)
-        if (gone.group == ObservationGroup::kTieImages) {
-          EXPECT_FALSE(now.contains({gone.point, gone.image}));
-          out -= gone.as_pair ? 2 : 1;
+      for (const Rejected& rejected : snooped->rejected)
+        if (rejected.group == ObservationGroup::kTieImages) {
+          EXPECT_FALSE(now.contains({rejected.point, rejected.image}));
+          out -= rejected.as_pair ? 2 : 1;
         }
       EXPECT_EQ(out, 0u);
     }

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/adjust/geodetic_positions.h"
 #include "collinea/adjust/geodetic_model.h"
+#include "collinea/adjust/geodetic_positions.h"
 #include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/internal/test_examine.h"
@@ -36,7 +36,7 @@ struct Network : Marked {
     one.value = geodetic_model(one, truth.at(one.from), truth.at(one.to), orientation_rad, false).computed;
     if (random) one.value += sigma * random->normal();
     if (one.is_angle()) one.value = std::fmod(one.value + 4 * std::numbers::pi, 2 * std::numbers::pi);
-    block.ground.push_back(one);
+    block.geodetic.push_back(one);
   }
 };
 
@@ -55,7 +55,7 @@ Network network(std::uint64_t seed, double sigma_px, bool noise) {
                               .sigma_m = Eigen::Vector3d::Constant(kInfinity)};
   }
   for (std::uint32_t s = 0; s < Network::kStations; ++s)
-    for (const auto& [target, place] : made.truth) {
+    for (const auto& [target, position] : made.truth) {
       const ControlId station{Network::kFirst + s};
       if (target == station) continue;
       GeodeticObservation one{.from = station, .to = target, .setup = s};
@@ -72,39 +72,39 @@ Network network(std::uint64_t seed, double sigma_px, bool noise) {
   return made;
 }
 
-TEST(Network, PlacesOfStationsAreFoundFromWhatTheyMeasured) {
+TEST(Network, PositionsOfStationsAreFoundFromWhatTheyMeasured) {
   const Network made = network(1, 0, false);
-  std::vector<std::uint32_t> links(made.block.ground.size());
+  std::vector<std::uint32_t> links(made.block.geodetic.size());
   for (std::uint32_t i = 0; i < links.size(); ++i) links[i] = i;
-  std::map<ControlId, Eigen::Vector3d> places = made.truth;
-  places.erase({Network::kFirst});
-  places.erase({Network::kSecond});
-  places.erase({Network::kSecond + 1});
-  places.erase({4});  // a target that no image shows
-  bundle::find_positions_by_geodetic(made.block, links, places);
-  ASSERT_EQ(places.size(), made.truth.size());
-  for (const auto& [id, place] : places) EXPECT_LT((place - made.truth.at(id)).norm(), 1e-9) << id.value;
+  std::map<ControlId, Eigen::Vector3d> positions = made.truth;
+  positions.erase({Network::kFirst});
+  positions.erase({Network::kSecond});
+  positions.erase({Network::kSecond + 1});
+  positions.erase({4});  // a target that no image shows
+  bundle::find_positions_by_geodetic(made.block, links, positions);
+  ASSERT_EQ(positions.size(), made.truth.size());
+  for (const auto& [id, position] : positions) EXPECT_LT((position - made.truth.at(id)).norm(), 1e-9) << id.value;
   // Without distances a target is where the rays of both stations meet.
   Network angles = network(1, 0, false);
-  std::erase_if(angles.block.ground, [](const GeodeticObservation& one) {
+  std::erase_if(angles.block.geodetic, [](const GeodeticObservation& one) {
     return one.kind == GeodeticKind::kDistance && one.to.value == 4;
   });
-  places.erase({4});
-  links.resize(angles.block.ground.size());
-  bundle::find_positions_by_geodetic(angles.block, links, places);
-  EXPECT_LT((places.at({4}) - made.truth.at({4})).norm(), 1e-9);
+  positions.erase({4});
+  links.resize(angles.block.geodetic.size());
+  bundle::find_positions_by_geodetic(angles.block, links, positions);
+  EXPECT_LT((positions.at({4}) - made.truth.at({4})).norm(), 1e-9);
 }
 
 // The block's place and north are its own, its scale and level the network's.
 TEST(Network, GivesScaleAndLevelToABlockWithout) {
   Network made = network(1, 0, false);
-  const Eigen::Quaterniond turn = rotation_by({0.02, -0.03, 0.8});
+  const Eigen::Quaterniond rotation = rotation_by({0.02, -0.03, 0.8});
   for (auto [id, pose] : oriented_images(made.block)) {
-    pose.rotation = pose.rotation * turn.conjugate();
+    pose.rotation = pose.rotation * rotation.conjugate();
     pose.translation *= 1.02;
     set_pose(made.block, id, pose);
   }
-  for (auto& [id, point] : made.block.points) point.position_in_world = 1.02 * (turn * point.position_in_world);
+  for (auto& [id, point] : made.block.points) point.position_in_world = 1.02 * (rotation * point.position_in_world);
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_TRUE(adjusted->converged);
@@ -121,7 +121,7 @@ TEST(Network, GivesScaleAndLevelToABlockWithout) {
 }
 
 // Stations with coordinates, which no image shows: through what they measured the block has its place.
-TEST(Network, StationsWithCoordinatesPlaceTheBlock) {
+TEST(Network, StationsWithCoordinatesPositionTheBlock) {
   Network made = network(1, 0, false);
   for (std::uint32_t s = 0; s < Network::kStations; ++s) {
     ControlPoint& station = made.block.control.at({Network::kFirst + s});
@@ -163,9 +163,9 @@ TEST(Network, ErrorsOfStationsAndPointsAreAsLargeAsTheirSigmas) {
       (point.point.value >= Network::kFirst ? stations : of_targets) += square;
     }
     targets += of_targets / static_cast<double>(adjusted->control.size() - Network::kStations);
-    for (const EstimatedUnknown& extra : adjusted->auxiliaries)
-      orientations +=
-          std::pow(std::remainder(extra.value - kOrientations[extra.owner], 2 * std::numbers::pi) / extra.sigma, 2);
+    for (const EstimatedUnknown& auxiliary : adjusted->auxiliaries)
+      orientations += std::pow(
+          std::remainder(auxiliary.value - kOrientations[auxiliary.owner], 2 * std::numbers::pi) / auxiliary.sigma, 2);
     for (const GeodeticKind kind : {GeodeticKind::kDistance, GeodeticKind::kDirection, GeodeticKind::kZenithAngle}) {
       const GroupSums& group = adjusted->reliability->groups[static_cast<std::size_t>(group_of(kind))];
       residuals += group.squares;
@@ -179,13 +179,13 @@ TEST(Network, ErrorsOfStationsAndPointsAreAsLargeAsTheirSigmas) {
   EXPECT_NEAR(residuals / freedom, 1, 4 * std::sqrt(2 / freedom));
 }
 
-TEST(Network, ABlunderIsFound) {
+TEST(Network, AGrossErrorIsFound) {
   for (const GeodeticKind kind : {GeodeticKind::kDirection, GeodeticKind::kZenithAngle, GeodeticKind::kDistance}) {
     Network made = network(3, 0.5, true);
-    std::size_t wrong = made.block.ground.size();
-    for (std::size_t i = 0; i < made.block.ground.size() && wrong == made.block.ground.size(); ++i)
-      if (made.block.ground[i].kind == kind && made.block.ground[i].to.value == 5) wrong = i;
-    made.block.ground[wrong].value += kind == GeodeticKind::kDistance ? 0.1 : 0.003;
+    std::size_t wrong = made.block.geodetic.size();
+    for (std::size_t i = 0; i < made.block.geodetic.size() && wrong == made.block.geodetic.size(); ++i)
+      if (made.block.geodetic[i].kind == kind && made.block.geodetic[i].to.value == 5) wrong = i;
+    made.block.geodetic[wrong].value += kind == GeodeticKind::kDistance ? 0.1 : 0.003;
     const auto adjusted = examine(made.block, {}, tested(Calibration::kFocal), kRun);
     ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
     EXPECT_EQ(adjusted->reliability->suspects[0].source, wrong);
@@ -246,20 +246,20 @@ TEST(Network, WhatItLeavesOpenIsNamed) {
 // damped step the block only creeps towards what it hangs on by the network.
 TEST(Network, ABlockThatHangsOnStationsGoesAllTheWay) {
   for (const double sigma_m : {0.0, 1e-5})
-    for (const double turn : {0.003, 0.05, 0.3}) {
+    for (const double rotation : {0.003, 0.05, 0.3}) {
       Network made = network(1, 0, false);
       for (const std::uint32_t id : {Network::kFirst, Network::kSecond}) {
         made.block.control.at({id}).position_in_world = made.truth.at({id});
         made.block.control.at({id}).sigma_m.setConstant(sigma_m);
       }
       Block start = testing::disturbed(made.block, 0.003, 0.2);
-      const Eigen::Quaterniond turned = rotation_by({turn / 3, -turn / 4, turn});
-      const auto moved = [&](const Eigen::Vector3d& place) {
-        return Eigen::Vector3d(turned * (1.02 * place) + Eigen::Vector3d(3, -2, 1));
+      const Eigen::Quaterniond rotated = rotation_by({rotation / 3, -rotation / 4, rotation});
+      const auto moved = [&](const Eigen::Vector3d& position) {
+        return Eigen::Vector3d(rotated * (1.02 * position) + Eigen::Vector3d(3, -2, 1));
       };
       for (auto [id, pose] : oriented_images(start)) {
         const Eigen::Vector3d centre = moved(centre_of(pose));
-        pose.rotation = pose.rotation * turned.conjugate();
+        pose.rotation = pose.rotation * rotated.conjugate();
         pose.translation = -(pose.rotation * centre);
         set_pose(start, id, pose);
       }
@@ -270,20 +270,20 @@ TEST(Network, ABlockThatHangsOnStationsGoesAllTheWay) {
       EXPECT_TRUE(adjusted->converged);
       EXPECT_EQ(adjusted->rank_defect, 0);
       EXPECT_LE(adjusted->iterations, 8);
-      EXPECT_LT(testing::largest_centre_error(*adjusted, made.block), 1e-9) << sigma_m << " " << turn;
+      EXPECT_LT(testing::largest_centre_error(*adjusted, made.block), 1e-9) << sigma_m << " " << rotation;
     }
 }
 
 // One distance does not place a station; without its points being known a set-up is nowhere.
 TEST(Network, WhatDoesNotDetermineAPointIsLeftOut) {
   Network made = network(1, 0, false);
-  std::erase_if(made.block.ground, [](const GeodeticObservation& one) {
+  std::erase_if(made.block.geodetic, [](const GeodeticObservation& one) {
     return one.from.value == Network::kSecond && (one.kind != GeodeticKind::kDistance || one.to.value != 3);
   });
-  std::erase_if(made.block.ground, [](const GeodeticObservation& one) { return one.to.value == Network::kSecond; });
+  std::erase_if(made.block.geodetic, [](const GeodeticObservation& one) { return one.to.value == Network::kSecond; });
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
-  EXPECT_EQ(adjusted->ground.size(), made.block.ground.size() - 1);
+  EXPECT_EQ(adjusted->geodetic.size(), made.block.geodetic.size() - 1);
   for (const ControlDifference& point : adjusted->control) EXPECT_NE(point.point.value, Network::kSecond);
 }
 

@@ -21,7 +21,7 @@ using testing::tested;
 const Run kRun;
 const Eigen::Vector3d kUnknown = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
 const Eigen::Vector3d kArm(0.3, -0.2, -0.5), kShift(0.4, -0.7, 1.1), kDrift(0.03, -0.02, 0.05),
-    kTurn(0.02, -0.015, 0.03);
+    kRotation(0.02, -0.015, 0.03);
 constexpr double kOffset_s = 0.13;
 
 /// A block with control, and what its instruments say: antenna and attitudes with the errors above. The strips are
@@ -50,7 +50,7 @@ Flight flight(double sigma_px, double sigma_m, double sigma_rad, std::uint64_t s
         Eigen::Vector3d::Constant(sigma_m > 0 ? sigma_m : 0.01)};
     // cam_from_world = turn * given; errors are turns in the world.
     made.scope.attitudes[id] = {
-        (rotation_by(kTurn).conjugate() * pose.rotation * rotation_by(sigma_rad * normal3(random))).normalized(),
+        (rotation_by(kRotation).conjugate() * pose.rotation * rotation_by(sigma_rad * normal3(random))).normalized(),
         Eigen::Vector3d::Constant(sigma_rad > 0 ? sigma_rad : 0.001)};
     track.time[id] = time++;
   }
@@ -66,7 +66,7 @@ Eigen::Vector3d truth_of(UnknownKind kind) {
          : kind == UnknownKind::kLeverArm ? kArm
          : kind == UnknownKind::kShift    ? kShift
          : kind == UnknownKind::kDrift    ? kDrift
-                                          : kTurn;
+                                          : kRotation;
 }
 
 TEST(PositionModel, DerivativesAreThoseOfDifferences) {
@@ -80,7 +80,7 @@ TEST(PositionModel, DerivativesAreThoseOfDifferences) {
   const auto moved = [&](int row, double by) {
     bundle::State next = state;
     if (row >= 6 * problem.poses) {
-      next.auxiliaries[static_cast<std::size_t>(row - 6 * problem.poses - problem.first_extra)] += by;
+      next.auxiliaries[static_cast<std::size_t>(row - 6 * problem.poses - problem.first_auxiliary)] += by;
       return next;
     }
     const auto image = static_cast<std::size_t>(row / 6);
@@ -102,7 +102,7 @@ TEST(PositionModel, DerivativesAreThoseOfDifferences) {
         EXPECT_NEAR(slope, part.derivative, 1e-7);
       }
     // To the first order of the residual (0.2 rad) and the third of the boresight.
-    for (const bundle::GivenTurn& given : problem.attitudes)
+    for (const bundle::GivenRotation& given : problem.attitudes)
       for (const bundle::RowPart& part : row_of(problem, state, given, axis)) {
         const double slope =
             -(residual_of(moved(part.row, kStep), given) - residual_of(moved(part.row, -kStep), given))[axis] /
@@ -120,9 +120,9 @@ TEST(PositionModel, ExactTruthComesBack) {
   EXPECT_TRUE(adjusted->converged);
   EXPECT_EQ(adjusted->rank_defect, 0);
   ASSERT_EQ(adjusted->auxiliaries.size(), 13u);
-  for (const EstimatedUnknown& extra : adjusted->auxiliaries)
-    EXPECT_NEAR(extra.value, truth_of(extra.kind)[extra.axis], 1e-6)
-        << label_of(subject_of(extra.kind, 1, extra.axis), start);
+  for (const EstimatedUnknown& auxiliary : adjusted->auxiliaries)
+    EXPECT_NEAR(auxiliary.value, truth_of(auxiliary.kind)[auxiliary.axis], 1e-6)
+        << label_of(subject_of(auxiliary.kind, 1, auxiliary.axis), start);
   for (const auto& [id, pose] : adjusted->cam_from_world)
     EXPECT_LT((centre_of(pose) - centre_of(pose_of(made.truth, id))).norm(), 1e-6);
   EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-4);
@@ -142,10 +142,10 @@ TEST(PositionModel, ErrorsAreAsLargeAsTheirSigmas) {
     made.scope.first_cameras.begin()->second.params[Camera::kF] += 50 * random.normal();
     const auto adjusted = examine(made.block, made.scope, options, kRun);
     ASSERT_TRUE(adjusted && !adjusted->undetermined);
-    for (const EstimatedUnknown& extra : adjusted->auxiliaries) {
-      const double ratio = (extra.value - truth_of(extra.kind)[extra.axis]) / extra.sigma;
-      EXPECT_LT(std::abs(ratio), 4.5) << label_of(subject_of(extra.kind, 1, extra.axis), made.block);
-      squares[extra.kind] += ratio * ratio / (extra.kind == UnknownKind::kTimeOffset ? 1 : 3);
+    for (const EstimatedUnknown& auxiliary : adjusted->auxiliaries) {
+      const double ratio = (auxiliary.value - truth_of(auxiliary.kind)[auxiliary.axis]) / auxiliary.sigma;
+      EXPECT_LT(std::abs(ratio), 4.5) << label_of(subject_of(auxiliary.kind, 1, auxiliary.axis), made.block);
+      squares[auxiliary.kind] += ratio * ratio / (auxiliary.kind == UnknownKind::kTimeOffset ? 1 : 3);
     }
   }
   EXPECT_EQ(squares.size(), 5u);
@@ -165,7 +165,7 @@ TEST(PositionModel, AGivenLeverArmIsUsed) {
   EXPECT_EQ(adjusted->auxiliaries.size(), 4u);  // boresight and time offset
 }
 
-TEST(PositionModel, AShiftOfAllPositionsLeavesThePlaceOpen) {
+TEST(PositionModel, AShiftOfAllPositionsLeavesThePositionOpen) {
   Flight made = flight(0, 0, 0, 1);
   made.scope.use_control = false;
   made.scope.lever_arms.clear();
@@ -188,10 +188,10 @@ TEST(PositionModel, TheArmAlongTheAxisAndTheFocalLengthAreNamedAsInseparable) {
   made.scope.lever_arms[{1}] = {Eigen::Vector3d::Zero(), kUnknown};
   const auto adjusted = examine(made.block, made.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
-  std::string told = label_of(adjusted->undetermined, made.block);
-  for (const Finding& pair : adjusted->inseparable) told += label_of(pair, made.block) + "\n";
-  EXPECT_NE(told.find("inseparable: lever_arm of camera test, f of camera test; correlation"), std::string::npos)
-      << told;
+  std::string reported = label_of(adjusted->undetermined, made.block);
+  for (const Finding& pair : adjusted->inseparable) reported += label_of(pair, made.block) + "\n";
+  EXPECT_NE(reported.find("inseparable: lever_arm of camera test, f of camera test; correlation"), std::string::npos)
+      << reported;
   const Flight well = flight(0.5, 0.03, 0.003);
   const auto separable = examine(well.block, well.scope, tested(Calibration::kFocal), kRun);
   ASSERT_TRUE(separable);
@@ -232,9 +232,9 @@ TEST(PositionModel, ATimeOffsetThatIsKnownToBeSmallHolds) {
   made.scope.time_offset_sigma_s[{1}] = 1e-6;
   const auto adjusted = examine(made.block, made.scope, tested(), kRun);
   ASSERT_TRUE(adjusted);
-  for (const EstimatedUnknown& extra : adjusted->auxiliaries)
-    if (extra.kind == UnknownKind::kTimeOffset) {
-      EXPECT_NEAR(extra.value, 0, 1e-4);
+  for (const EstimatedUnknown& auxiliary : adjusted->auxiliaries)
+    if (auxiliary.kind == UnknownKind::kTimeOffset) {
+      EXPECT_NEAR(auxiliary.value, 0, 1e-4);
     }
   made.scope.time_offset_sigma_s[{1}] = 0;  // there is none
   const auto without = examine(made.block, made.scope, tested(), kRun);
@@ -242,7 +242,7 @@ TEST(PositionModel, ATimeOffsetThatIsKnownToBeSmallHolds) {
   EXPECT_EQ(without->auxiliaries.size() + 1, adjusted->auxiliaries.size());
 }
 
-TEST(PositionModel, ABlunderInAnAttitudeIsFound) {
+TEST(PositionModel, AGrossErrorInAnAttitudeIsFound) {
   Flight made = flight(0.5, 0.03, 0.001);
   auto& wrong = made.scope.attitudes.at({15});
   wrong.cam_from_world = wrong.cam_from_world * rotation_by({0, 0, 0.02});

@@ -26,20 +26,20 @@ constexpr GeodeticKind kShapes[] = {GeodeticKind::kAtHeight, GeodeticKind::kOnPl
 Marked on_shape(GeodeticKind kind, double sigma_m, std::uint64_t seed, double sigma_px = 0.5, double position_m = 0.05,
                 std::uint32_t points = 8) {
   Random random(seed, 21);
-  const auto move = [&](std::vector<Eigen::Vector3d>& places) {
+  const auto move = [&](std::vector<Eigen::Vector3d>& positions) {
     const Eigen::Vector3d normal = Eigen::Vector3d(0.4, 0.2, 1).normalized(), along(0.8, 0.6, 0.05);
-    for (Eigen::Vector3d& place : places) {
-      if (kind == GeodeticKind::kAtHeight) place.z() = 2;
-      if (kind == GeodeticKind::kOnPlane) place -= normal * normal.dot(place - Eigen::Vector3d(20, 15, 0));
-      if (kind == GeodeticKind::kOnLine) place = Eigen::Vector3d(5, 5, 1) + along * (place.x() * 0.8);
-      place += sigma_m * normal3(random);
+    for (Eigen::Vector3d& position : positions) {
+      if (kind == GeodeticKind::kAtHeight) position.z() = 2;
+      if (kind == GeodeticKind::kOnPlane) position -= normal * normal.dot(position - Eigen::Vector3d(20, 15, 0));
+      if (kind == GeodeticKind::kOnLine) position = Eigen::Vector3d(5, 5, 1) + along * (position.x() * 0.8);
+      position += sigma_m * normal3(random);
     }
   };
   Marked made = marked({.points = 80, .sigma_px = sigma_px, .position_sigma_m = position_m, .seed = seed},
                        static_cast<int>(points), move);
   for (std::uint32_t i = 0; i < points; ++i)
     for (int axis = 0; axis < (kind == GeodeticKind::kOnLine ? 2 : 1); ++axis)
-      made.block.ground.push_back(
+      made.block.geodetic.push_back(
           {.kind = kind, .name = "wall", .from = {i}, .to = {i}, .sigma = kSigma_m, .setup = 0, .axis = axis});
   return made;
 }
@@ -71,7 +71,7 @@ TEST(Shape, DerivativesAreThoseOfDifferences) {
           unknowns[k] -= by;
           return computed;
         };
-        EXPECT_NEAR((at(kStep) - at(-kStep)) / (2 * kStep), model.by_extra[static_cast<std::size_t>(k)], 1e-6);
+        EXPECT_NEAR((at(kStep) - at(-kStep)) / (2 * kStep), model.by_auxiliary[static_cast<std::size_t>(k)], 1e-6);
       }
     }
   }
@@ -102,9 +102,9 @@ TEST(Shape, ExactTruthComesBack) {
     EXPECT_TRUE(adjusted->converged);
     for (const ControlDifference& point : adjusted->control)
       EXPECT_LT((*point.position_in_world - made.truth.at(point.point)).norm(), 1e-6);
-    for (const GeodeticDifference& one : adjusted->ground) EXPECT_NEAR(one.difference, 0, 1e-7);
+    for (const GeodeticDifference& one : adjusted->geodetic) EXPECT_NEAR(one.difference, 0, 1e-7);
     EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-4);
-    EXPECT_EQ(adjusted->ground.size(), kind == GeodeticKind::kOnLine ? 16u : 8u);
+    EXPECT_EQ(adjusted->geodetic.size(), kind == GeodeticKind::kOnLine ? 16u : 8u);
   }
 }
 
@@ -139,14 +139,14 @@ TEST(Shape, ErrorsAreAsLargeAsTheirSigmas) {
 TEST(Shape, APlaneHelpsItsPoints) {
   Marked made = on_shape(GeodeticKind::kOnPlane, kSigma_m, 2);
   const auto with = examine(made.block, {}, tested(), kRun);
-  const auto without = examine(made.block, {.use_ground = false}, tested(), kRun);
+  const auto without = examine(made.block, {.use_geodetic = false}, tested(), kRun);
   ASSERT_TRUE(with && without && !with->undetermined);
-  EXPECT_TRUE(without->ground.empty());
+  EXPECT_TRUE(without->geodetic.empty());
   for (std::size_t i = 0; i < with->control.size(); ++i)
     EXPECT_LT(with->control[i].covariance_m2->trace(), without->control[i].covariance_m2->trace());
 }
 
-// Three points at one height level a block whose scale and place are held by nothing; planes and lines hold nothing.
+// Three points at one height level a block whose scale and place are fixed by nothing; planes and lines hold nothing.
 TEST(Shape, HeightsLevelABlock) {
   for (const GeodeticKind kind : kShapes) {
     Marked made = on_shape(kind, 0, 1, 0, 0);
@@ -156,28 +156,28 @@ TEST(Shape, HeightsLevelABlock) {
   }
 }
 
-TEST(Shape, ABlunderIsFoundAndNamed) {
+TEST(Shape, AGrossErrorIsFoundAndNamed) {
   for (const GeodeticKind kind : kShapes) {
     const Marked made = on_shape(kind, 0, 1);
     Block block = made.block;
-    for (GeodeticObservation& one : block.ground) one.sigma = 0.005;
+    for (GeodeticObservation& one : block.geodetic) one.sigma = 0.005;
     const std::size_t wrong = kind == GeodeticKind::kOnLine ? 7 : 3;  // point 3, of a line upwards
-    block.ground[wrong].value = 0.15;                                 // what is written there is not so
+    block.geodetic[wrong].value = 0.15;                               // what is written there is not so
     const auto adjusted = examine(block, {}, tested(), kRun);
     ASSERT_TRUE(adjusted && adjusted->reliability && !adjusted->reliability->suspects.empty());
     const TestedObservation& worst = adjusted->reliability->suspects[0];
     EXPECT_EQ(worst.group, group_of(kind));
     EXPECT_EQ(worst.source, wrong);
     EXPECT_NEAR(std::abs(worst.gross_error), 0.15, 0.05);
-    EXPECT_EQ(words_of(block.ground[wrong], block), kind == GeodeticKind::kAtHeight  ? "gcp3 at height wall"
-                                                    : kind == GeodeticKind::kOnPlane ? "gcp3 on plane wall"
-                                                                                     : "gcp3 on line wall, upwards");
+    EXPECT_EQ(words_of(block.geodetic[wrong], block), kind == GeodeticKind::kAtHeight  ? "gcp3 at height wall"
+                                                      : kind == GeodeticKind::kOnPlane ? "gcp3 on plane wall"
+                                                                                       : "gcp3 on line wall, upwards");
   }
 }
 
 TEST(Shape, VarianceComponentsFindTheirSigma) {
   Marked made = on_shape(GeodeticKind::kOnPlane, 0.06, 5, 0.2, 0.02, 40);
-  for (GeodeticObservation& one : made.block.ground) one.sigma = 0.02;
+  for (GeodeticObservation& one : made.block.geodetic) one.sigma = 0.02;
   const auto found = estimate_variance_components(made.block, {}, tested(), kRun);
   ASSERT_TRUE(found) << found.error().message;
   const auto group = static_cast<std::size_t>(ObservationGroup::kOnPlane);
@@ -188,36 +188,36 @@ TEST(Shape, WhatSaysNothingIsLeftOutAndNamed) {
   for (const GeodeticKind kind : kShapes) {
     Marked made = on_shape(kind, kSigma_m, 1);
     const auto few = static_cast<std::uint32_t>(points_of_shape(kind));
-    std::erase_if(made.block.ground, [&](const GeodeticObservation& one) { return one.from.value >= few; });
+    std::erase_if(made.block.geodetic, [&](const GeodeticObservation& one) { return one.from.value >= few; });
     const auto adjusted = examine(made.block, {}, tested(), kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
-    EXPECT_TRUE(adjusted->ground.empty());
+    EXPECT_TRUE(adjusted->geodetic.empty());
     EXPECT_TRUE(!adjusted->undetermined);
     ASSERT_EQ(adjusted->weaknesses.size(), 1u);
     EXPECT_EQ(adjusted->weaknesses[0].code, FindingCode::kGeodeticLeftOut);
   }
   // A line is no plane.
   Marked line = on_shape(GeodeticKind::kOnLine, 0, 1);
-  for (GeodeticObservation& one : line.block.ground) one.kind = GeodeticKind::kOnPlane;
-  std::erase_if(line.block.ground, [](const GeodeticObservation& one) { return one.axis == 1; });
+  for (GeodeticObservation& one : line.block.geodetic) one.kind = GeodeticKind::kOnPlane;
+  std::erase_if(line.block.geodetic, [](const GeodeticObservation& one) { return one.axis == 1; });
   const auto adjusted = examine(line.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted);
-  EXPECT_TRUE(adjusted->ground.empty());
+  EXPECT_TRUE(adjusted->geodetic.empty());
   Marked two = on_shape(GeodeticKind::kOnPlane, kSigma_m, 1);
-  two.block.ground[0].to = {5};
+  two.block.geodetic[0].to = {5};
   EXPECT_EQ(examine(two.block, {}, tested(), kRun).error().code, Errc::kBadInput);
 }
 
 // A check observation is compared with the shape of the others.
 TEST(Shape, WhatIsOnlyComparedDoesNotBendTheShape) {
   Marked made = on_shape(GeodeticKind::kOnPlane, 0, 4, 0.3);
-  made.block.ground[2].role = ControlRole::kCheck;
-  made.block.ground[2].value = 1;
+  made.block.geodetic[2].role = ControlRole::kCheck;
+  made.block.geodetic[2].value = 1;
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted);
-  EXPECT_FALSE(adjusted->ground[2].used);
-  EXPECT_NEAR(adjusted->ground[2].difference, -1, 0.1);
-  EXPECT_LT(std::abs(adjusted->ground[2].difference + 1), 4 * adjusted->ground[2].difference_sigma);
+  EXPECT_FALSE(adjusted->geodetic[2].used);
+  EXPECT_NEAR(adjusted->geodetic[2].difference, -1, 0.1);
+  EXPECT_LT(std::abs(adjusted->geodetic[2].difference + 1), 4 * adjusted->geodetic[2].difference_sigma);
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ Round first_round(Measurements all, int most, const Run& run) {
   Round round;
   round.before.measurements = all;
   round.after = without_gross_control(std::move(all), most, run.seed);
-  for (const Rejection& gone : round.after.rejections) round.rejected.push_back(gone.rejected);
+  for (const Rejection& rejected : round.after.rejections) round.rejected.push_back(rejected.rejected);
   return round;
 }
 
@@ -113,9 +113,9 @@ std::vector<std::size_t> agreeing_of(const Remaining& remaining, const SuspectCh
 
 Snooped finished(Snooped out, Remaining remaining, SuspectChoice choice, Examined adjusted, const Experience& known) {
   std::set<Measurement> put_back = known.put_back;
-  for (const Rejection& gone : remaining.rejections) {
-    out.rejected.push_back(gone.rejected);
-    put_back.erase(gone.rejected);
+  for (const Rejection& rejected : remaining.rejections) {
+    out.rejected.push_back(rejected.rejected);
+    put_back.erase(rejected.rejected);
   }
   out.put_back = static_cast<int>(put_back.size());
   out.block = std::move(remaining.measurements.block);

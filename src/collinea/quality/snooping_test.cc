@@ -32,8 +32,8 @@ testing::TestBlockOptions small(std::uint64_t seed = 1) {
       .rows = 3, .columns = 4, .points = 120, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 9, .seed = seed};
 }
 
-// Eight blunders of 15 sigmas in different points: all are found, worst first by round, and each is told within four of
-// its standard deviations. Of 2000 good coordinates one exceeds the limit of 0.1 % by chance; a dozen never do.
+// Eight gross errors of 15 sigmas in different points: all are found, worst first by round, and each is told within
+// four of its standard deviations. Of 2000 good coordinates one exceeds the limit of 0.1 % by chance; a dozen never do.
 TEST(Snooping, TakesOutPlantedGrossErrorsAndTellsTheirSize) {
   Block block = test_block(small());
   std::vector<std::size_t> planted;
@@ -47,14 +47,14 @@ TEST(Snooping, TakesOutPlantedGrossErrorsAndTellsTheirSize) {
   EXPECT_GT(snooped->rounds, 1);
   for (const std::size_t i : planted) {
     const Observation& seen = block.observations[i];
-    const auto gone = std::find_if(snooped->rejected.begin(), snooped->rejected.end(), [&](const Rejected& one) {
+    const auto rejected = std::find_if(snooped->rejected.begin(), snooped->rejected.end(), [&](const Rejected& one) {
       return one.image == seen.image && one.point == seen.point && one.group == ObservationGroup::kTieImages;
     });
-    ASSERT_NE(gone, snooped->rejected.end()) << i;
-    EXPECT_EQ(gone->axis, 1);
-    EXPECT_NEAR(gone->gross_error.y(), 7.5, 4 * gone->sigma);
-    EXPECT_GT(gone->sigma, 0.5 * snooped->adjusted.sigma0);
-    EXPECT_LT(gone->sigma, 2);
+    ASSERT_NE(rejected, snooped->rejected.end()) << i;
+    EXPECT_EQ(rejected->axis, 1);
+    EXPECT_NEAR(rejected->gross_error.y(), 7.5, 4 * rejected->sigma);
+    EXPECT_GT(rejected->sigma, 0.5 * snooped->adjusted.sigma0);
+    EXPECT_LT(rejected->sigma, 2);
   }
   EXPECT_LT(snooped->rejected.size(), planted.size() + 12);
   EXPECT_EQ(snooped->block.observations.size() + snooped->rejected.size(), block.observations.size());
@@ -63,7 +63,7 @@ TEST(Snooping, TakesOutPlantedGrossErrorsAndTellsTheirSize) {
   EXPECT_EQ(snooped->adjusted.reliability->rejected, 0);
 }
 
-TEST(Snooping, GrossErrorsOnTheGroundGoByPlanAndHeight) {
+TEST(Snooping, GeodeticGrossErrorsGoByPlanAndHeight) {
   Block block = test_block(small(3));
   const ControlId wrong{3};
   block.control.at(wrong).position_in_world.z() += 0.3;
@@ -73,14 +73,14 @@ TEST(Snooping, GrossErrorsOnTheGroundGoByPlanAndHeight) {
   ASSERT_TRUE(snooped) << snooped.error().message;
   ASSERT_GE(snooped->rejected.size(), 2u);
   bool height = false, plan = false;
-  for (const Rejected& gone : snooped->rejected) {
-    if (gone.group == ObservationGroup::kControlHeight && gone.control == wrong) {
+  for (const Rejected& rejected : snooped->rejected) {
+    if (rejected.group == ObservationGroup::kControlHeight && rejected.control == wrong) {
       height = true;
-      EXPECT_NEAR(gone.gross_error.z(), 0.3, 4 * gone.sigma);
+      EXPECT_NEAR(rejected.gross_error.z(), 0.3, 4 * rejected.sigma);
     }
-    if (gone.group == ObservationGroup::kPositionPlan && gone.image == image) {
+    if (rejected.group == ObservationGroup::kPositionPlan && rejected.image == image) {
       plan = true;
-      EXPECT_NEAR(gone.gross_error.x(), -1, 4 * gone.sigma);
+      EXPECT_NEAR(rejected.gross_error.x(), -1, 4 * rejected.sigma);
     }
   }
   EXPECT_TRUE(height && plan);
@@ -117,15 +117,15 @@ TEST(Snooping, WhichOfTwoThatContradictEachOtherIsWrongCannotBeTold) {
   const auto between = [&](std::uint32_t a, std::uint32_t b) {
     return (block.control.at({a}).position_in_world - block.control.at({b}).position_in_world).norm();
   };
-  block.ground = {{.from = {0}, .to = {1}, .value = between(0, 1), .sigma = 0.2},
-                  {.from = {3}, .to = {4}, .value = 1.2 * between(3, 4), .sigma = 0.2}};
+  block.geodetic = {{.from = {0}, .to = {1}, .value = between(0, 1), .sigma = 0.2},
+                    {.from = {3}, .to = {4}, .value = 1.2 * between(3, 4), .sigma = 0.2}};
   ExamineOptions options = plain();
   options.test.sigma0_known = true;
   const auto snooped = snoop(block, {}, options, kMost, {});
   ASSERT_TRUE(snooped) << snooped.error().message;
   EXPECT_EQ(snooped->adjusted.rank_defect, 6);
   for (const std::uint32_t i : {0u, 1u}) {
-    EXPECT_EQ(snooped->block.ground[i].role, ControlRole::kControl);
+    EXPECT_EQ(snooped->block.geodetic[i].role, ControlRole::kControl);
     EXPECT_EQ(reason_of(*snooped, ObservationGroup::kDistance, i), StayReason::kSameDegree);
   }
 }
@@ -175,7 +175,7 @@ TEST(Snooping, TheBoundHoldsForGrossMeasurementsToo) {
   EXPECT_FALSE(snooped->finished);
 }
 
-TEST(Snooping, TheBoundHoldsAndIsTold) {
+TEST(Snooping, TheBoundHoldsAndIsStated) {
   Block block = test_block(small());
   for (std::size_t i = 0; i < block.observations.size(); i += 40) block.observations[i].pixel.x() += 10;
   const auto snooped = snoop(block, {}, plain(), 5, {});
@@ -205,10 +205,10 @@ TEST(Snooping, ThreadsDoNotChangeWhatGoes) {
 Surveyed surveyed(std::uint64_t seed) {
   testing::TestBlockOptions options{.rows = 2, .columns = 4, .points = 60, .control = 6, .seed = seed};
   Surveyed made{test_block(options), {}};
-  Random of_ground(seed, 11), random(seed, 12);
+  Random of_geodetic(seed, 11), random(seed, 12);
   std::vector<ControlId> ids;
   for (const auto& [id, control] : made.block.control) ids.push_back(id);
-  testing::measure_on_ground(made.block, made.block, ids, 0.003, 2e-4, of_ground);
+  testing::measure_geodetic(made.block, made.block, ids, 0.003, 2e-4, of_geodetic);
   const auto measure = [&](auto& seen) {
     const double du = random.normal(), dv = random.normal();
     seen.pixel += 0.5 * Eigen::Vector2d(du, dv);
@@ -230,8 +230,8 @@ Surveyed surveyed(std::uint64_t seed) {
   return made;
 }
 
-// One blunder of 5 to 12 sigmas in a measurement on the ground and one in an attitude of each of 100 blocks: as many
-// are found as theory says, within four binomial deviations, and of good ones no more go than the level allows.
+// One gross error of 5 to 12 sigmas in a measurement on the ground and one in an attitude of each of 100 blocks: as
+// many are found as theory says, within four binomial deviations, and of good ones no more go than the level allows.
 TEST(Snooping, GrossErrorsOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPower) {
   ExamineOptions options = plain();
   options.adjust.calibration = Calibration::kNone;
@@ -258,7 +258,7 @@ TEST(Snooping, GrossErrorsOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPow
         Eigen::Quaterniond& given = made.scope.attitudes.at(ImageId{one.source}).cam_from_world;
         given = (given * rotation_by(sigmas * one.sigma * Eigen::Vector3d::Unit(one.axis))).normalized();
       } else {
-        made.block.ground[one.source].value += sigmas * one.sigma;
+        made.block.geodetic[one.source].value += sigmas * one.sigma;
       }
       wrong.insert({one.group, one.source});
       const double power = power_of_test(sigmas * std::sqrt(one.redundancy), clean->reliability->limit);
@@ -268,23 +268,23 @@ TEST(Snooping, GrossErrorsOnTheGroundAndInAttitudesAreFoundWithTheTheoreticalPow
     }
     const auto snooped = snoop(made.block, made.scope, options, kMost, {});
     ASSERT_TRUE(snooped) << snooped.error().message;
-    for (const Rejected& gone : snooped->rejected) {
-      if (gone.group < ObservationGroup::kDistance) continue;
-      const bool attitude = gone.group >= ObservationGroup::kAttitudeLevel;
-      const std::uint32_t source = attitude ? gone.image.value : gone.ground;
-      if (wrong.contains({gone.group, source}))
+    for (const Rejected& rejected : snooped->rejected) {
+      if (rejected.group < ObservationGroup::kDistance) continue;
+      const bool attitude = rejected.group >= ObservationGroup::kAttitudeLevel;
+      const std::uint32_t source = attitude ? rejected.image.value : rejected.geodetic;
+      if (wrong.contains({rejected.group, source}))
         ++found[attitude];
       else
         ++alarms;
       // What went stands in the result as a comparison.
       if (attitude) {
-        const Eigen::Vector3d& sigma = snooped->attitudes.at(gone.image).sigma_rad;
-        EXPECT_TRUE(std::isinf(gone.group == ObservationGroup::kAttitudeHeading ? sigma.z() : sigma.x()));
+        const Eigen::Vector3d& sigma = snooped->attitudes.at(rejected.image).sigma_rad;
+        EXPECT_TRUE(std::isinf(rejected.group == ObservationGroup::kAttitudeHeading ? sigma.z() : sigma.x()));
       } else {
-        EXPECT_EQ(snooped->block.ground[gone.ground].role, ControlRole::kCheck);
+        EXPECT_EQ(snooped->block.geodetic[rejected.geodetic].role, ControlRole::kCheck);
       }
     }
-    good += static_cast<double>(3 * made.scope.attitudes.size() + made.block.ground.size());
+    good += static_cast<double>(3 * made.scope.attitudes.size() + made.block.geodetic.size());
   }
   for (const bool attitude : {false, true}) {
     EXPECT_NEAR(found[attitude], expected[attitude], 4 * std::sqrt(variance[attitude]) + 0.5) << attitude;

@@ -40,7 +40,7 @@ Block with_sigmas(const Block& block, const SigmaFactors& factors) {
     image.position->sigma_m.head<2>() *= factor_of(factors, ObservationGroup::kPositionPlan);
     image.position->sigma_m.z() *= factor_of(factors, ObservationGroup::kPositionHeight);
   }
-  for (GeodeticObservation& measured : scaled.ground)
+  for (GeodeticObservation& measured : scaled.geodetic)
     if (measured.role == ControlRole::kControl) measured.sigma *= factor_of(factors, group_of(measured.kind));
   return scaled;
 }
@@ -72,7 +72,7 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
       next[g] *= step;
       const bool moved = found.factors[g] != 1;  // drowned on the way: what remains is uncertain
       found.sigma[g] =
-          sums.told() || (moved && sums.squared_redundancy > 0) ? found.factors[g] * sums.relative_sigma() : 0;
+          sums.is_determined() || (moved && sums.squared_redundancy > 0) ? found.factors[g] * sums.relative_sigma() : 0;
     }
     found.converged = largest < kSettled;
     if (found.converged || found.iterations == kMostIterations) return found;

@@ -15,8 +15,8 @@ namespace collinea {
 namespace {
 
 constexpr int kNodes = 17;             // of the directions along each side
-constexpr float kLargestLogGain = 1;   // of pictures, of directions, and of corners by the fall-off
-constexpr std::size_t kMostSeen = 20;  // sightings of a place: more tell little new
+constexpr float kLargestLogGain = 1;   // of images, of directions, and of corners by the fall-off
+constexpr std::size_t kMostSeen = 20;  // sightings of a point: more tell little new
 
 ChannelTable directions() {
   ChannelTable table;
@@ -26,15 +26,15 @@ ChannelTable directions() {
   return table;
 }
 
-// A place in a picture, with what its logarithm depends on besides the place itself.
+// A position in an image, with what its logarithm depends on besides the place itself.
 struct Sighting {
-  std::uint32_t picture, camera;
+  std::uint32_t image, camera;
   float r2;
-  ChannelTable::Place direction;
+  ChannelTable::Interpolation direction;
   std::array<float, 3> log_colour;
 };
 
-// All sightings of places that two pictures and more see, place by place.
+// All sightings of points that two images and more see, place by place.
 struct Sightings {
   std::vector<Sighting> all;
   std::vector<std::size_t> first;  // of each place, and the end
@@ -42,18 +42,19 @@ struct Sightings {
 
 Sightings sightings_of(std::span<const std::vector<ColourSample>> samples, std::span<const std::uint32_t> cameras) {
   struct Seen {
-    std::uint32_t place, picture;
+    std::uint32_t position_index, image;
     const ColourSample* sample;
   };
   std::vector<Seen> seen;
   for (std::size_t i = 0; i < samples.size(); ++i)
-    for (const ColourSample& s : samples[i]) seen.push_back({s.place, std::uint32_t(i), &s});
-  std::sort(seen.begin(), seen.end(),
-            [](const Seen& a, const Seen& b) { return std::pair(a.place, a.picture) < std::pair(b.place, b.picture); });
+    for (const ColourSample& s : samples[i]) seen.push_back({s.position_index, std::uint32_t(i), &s});
+  std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) {
+    return std::pair(a.position_index, a.image) < std::pair(b.position_index, b.image);
+  });
   Sightings sightings;
   const ChannelTable table = directions();
   for (std::size_t begin = 0, end = 0; begin < seen.size(); begin = end) {
-    while (end < seen.size() && seen[end].place == seen[begin].place) ++end;
+    while (end < seen.size() && seen[end].position_index == seen[begin].position_index) ++end;
     if (end - begin < 2) continue;
     sightings.first.push_back(sightings.all.size());
     const std::size_t count = std::min(end - begin, kMostSeen);
@@ -61,18 +62,18 @@ Sightings sightings_of(std::span<const std::vector<ColourSample>> samples, std::
       const std::size_t i = begin + k * (end - begin) / count;
       const ColourSample& s = *seen[i].sample;
       sightings.all.push_back(
-          {seen[i].picture, cameras[seen[i].picture], s.r2, table.place_of(s.direction), s.log_colour});
+          {seen[i].image, cameras[seen[i].image], s.r2, table.interpolation_at(s.direction), s.log_colour});
     }
   }
   sightings.first.push_back(sightings.all.size());
   return sightings;
 }
 
-// The unknowns of a channel: one of each picture, one of each camera, one of each node of the directions.
+// The unknowns of a channel: one of each image, one of each camera, one of each node of the directions.
 struct Unknowns {
-  std::size_t pictures, cameras;
-  [[nodiscard]] std::size_t camera(std::size_t i) const { return pictures + i; }
-  [[nodiscard]] std::size_t node(std::size_t i) const { return pictures + cameras + i; }
+  std::size_t images, cameras;
+  [[nodiscard]] std::size_t camera(std::size_t i) const { return images + i; }
+  [[nodiscard]] std::size_t node(std::size_t i) const { return images + cameras + i; }
   [[nodiscard]] std::size_t size() const { return node(std::size_t(kNodes) * kNodes); }
 };
 
@@ -85,17 +86,17 @@ double dot(const Vector& a, const Vector& b) {
 }
 
 // The trends of the gains in plan, along the long and the short axis of the block, as vectors of length 1 over the
-// pictures. A strip has but one, as its pictures stand hardly aside of it.
+// images. A strip has but one, as its images stand hardly aside of it.
 std::vector<Vector> trends_of(const Sightings& sightings, std::span<const Standpoint> standpoints) {
   constexpr double kLeastWidth = 0.1;  // of the length
   std::vector<bool> counts(standpoints.size());
-  for (const Sighting& s : sightings.all) counts[s.picture] = true;
+  for (const Sighting& s : sightings.all) counts[s.image] = true;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  double pictures = 0;
+  double images = 0;
   for (std::size_t i = 0; i < standpoints.size(); ++i)
-    if (counts[i]) mean += standpoints[i].at, ++pictures;
-  if (pictures < 2) return {};
-  mean /= pictures;
+    if (counts[i]) mean += standpoints[i].at, ++images;
+  if (images < 2) return {};
+  mean /= images;
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (std::size_t i = 0; i < standpoints.size(); ++i)
     if (counts[i]) scatter += (standpoints[i].at - mean) * (standpoints[i].at - mean).transpose();
@@ -114,7 +115,7 @@ std::vector<Vector> trends_of(const Sightings& sightings, std::span<const Standp
   return trends;
 }
 
-// One channel's least squares. The logarithm of a sighting is that of the place + x[picture] - x[camera] r2 +
+// One channel's least squares. The logarithm of a sighting is that of the place + x[image] - x[camera] r2 +
 // x[direction]; the places are eliminated: the mean over a place's sightings is taken off both sides.
 class ChannelFit {
  public:
@@ -145,18 +146,18 @@ class ChannelFit {
   std::size_t channel_;
   const Run& run_;
   std::vector<float> weights_;
-  Vector pull_, diagonal_, right_;
+  Vector prior_weight_, diagonal_, right_;
   double smoothness_ = 0, steadiness_ = 0;
   std::vector<double> values_;  // of a place's sightings
 
   [[nodiscard]] double value(const Vector& x, const Sighting& s) const {
-    double sum = x[s.picture] - x[unknowns_.camera(s.camera)] * double(s.r2);
+    double sum = x[s.image] - x[unknowns_.camera(s.camera)] * double(s.r2);
     for (std::size_t k = 0; k < 4; ++k)
       sum += double(s.direction.weight[k]) * x[unknowns_.node(std::size_t(s.direction.node[k]))];
     return sum;
   }
   void add(Vector& y, const Sighting& s, double v) const {
-    y[s.picture] += v;
+    y[s.image] += v;
     y[unknowns_.camera(s.camera)] -= v * double(s.r2);
     for (std::size_t k = 0; k < 4; ++k)
       y[unknowns_.node(std::size_t(s.direction.node[k]))] += v * double(s.direction.weight[k]);
@@ -177,40 +178,41 @@ class ChannelFit {
     }
   }
 
-  // Beliefs, all in the weight that a picture's places have in the mean. A picture's gain is drawn to 1 by a five
-  // hundredth, so that chains of pictures do not drift. A trend of the gains by a tenth, but the directions, all
-  // together, by a fiftieth only: over many pictures a trend is the directions', between two it is their exposure. The
+  // Beliefs, all in the weight that an image's places have in the mean. An image's gain is drawn to 1 by a five
+  // hundredth, so that chains of images do not drift. A trend of the gains by a tenth, but the directions, all
+  // together, by a fiftieth only: over many images a trend is the directions', between two it is their exposure. The
   // gains of directions are smooth: a node with two sightings and a fiftieth of the usual number believes its
   // neighbours as much as these.
   void prepare() {
-    pull_.assign(unknowns_.size(), 0), diagonal_.assign(unknowns_.size(), 0), right_.assign(unknowns_.size(), 0);
+    prior_weight_.assign(unknowns_.size(), 0), diagonal_.assign(unknowns_.size(), 0),
+        right_.assign(unknowns_.size(), 0);
     double total = 0;
     for (std::size_t i = 0; i < sightings_.all.size(); ++i) {
       const Sighting& s = sightings_.all[i];
       const double w = double(weights_[i]);
       total += w;
-      diagonal_[s.picture] += w;
+      diagonal_[s.image] += w;
       diagonal_[unknowns_.camera(s.camera)] += w * double(s.r2) * double(s.r2);
       for (std::size_t k = 0; k < 4; ++k)
         diagonal_[unknowns_.node(std::size_t(s.direction.node[k]))] +=
             w * double(s.direction.weight[k]) * double(s.direction.weight[k]);
     }
     constexpr double kNodesOfAll = double(kNodes) * kNodes;
-    const double of_a_picture = total / double(unknowns_.pictures);
-    steadiness_ = 0.1 * of_a_picture;
+    const double of_an_image = total / double(unknowns_.images);
+    steadiness_ = 0.1 * of_an_image;
     smoothness_ = 0.02 * total / kNodesOfAll + 2;
     for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-      pull_[i] = i < unknowns_.pictures  ? 0.002 * diagonal_[i] + 1e-3
-                 : i < unknowns_.node(0) ? 0.1
-                                         : 0.02 * of_a_picture / kNodesOfAll + 1e-6;
-      diagonal_[i] += pull_[i] + (i < unknowns_.node(0) ? 0 : 10 * smoothness_);
+      prior_weight_[i] = i < unknowns_.images    ? 0.002 * diagonal_[i] + 1e-3
+                         : i < unknowns_.node(0) ? 0.1
+                                                 : 0.02 * of_an_image / kNodesOfAll + 1e-6;
+      diagonal_[i] += prior_weight_[i] + (i < unknowns_.node(0) ? 0 : 10 * smoothness_);
     }
     collect(right_, [this](const Sighting& s) { return double(s.log_colour[channel_]); });
   }
 
   [[nodiscard]] Vector times(const Vector& x) {
     Vector y(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) y[i] = pull_[i] * x[i];
+    for (std::size_t i = 0; i < x.size(); ++i) y[i] = prior_weight_[i] * x[i];
     collect(y, [&](const Sighting& s) { return value(x, s); });
     for (const Vector& trend : trends_) {
       double found = 0;
@@ -221,13 +223,13 @@ class ChannelFit {
     double* sums = y.data() + unknowns_.node(0);
     for (int row = 0; row < kNodes; ++row) {
       for (int middle = 1; middle + 1 < kNodes; ++middle) {
-        bend(nodes, sums, row * kNodes + middle, 1);
-        bend(nodes, sums, middle * kNodes + row, kNodes);
+        add_curvature(nodes, sums, row * kNodes + middle, 1);
+        add_curvature(nodes, sums, middle * kNodes + row, kNodes);
       }
     }
     return y;
   }
-  void bend(const double* nodes, double* sums, int at, int step) const {
+  void add_curvature(const double* nodes, double* sums, int at, int step) const {
     const double force = smoothness_ * (nodes[at - step] - 2 * nodes[at] + nodes[at + step]);
     sums[at - step] += force, sums[at] -= 2 * force, sums[at + step] += force;
   }
@@ -271,7 +273,7 @@ class ChannelFit {
   }
 };
 
-// Whether directions or pictures get the brightness common to all is arbitrary: the mean of what was seen stays.
+// Whether directions or images get the brightness common to all is arbitrary: the mean of what was seen stays.
 std::vector<float> darkness_of_directions(const Vector& x, const Unknowns& unknowns, const Sightings& sightings) {
   const std::size_t nodes = std::size_t(kNodes) * kNodes;
   double mean = 0;
@@ -285,40 +287,39 @@ std::vector<float> darkness_of_directions(const Vector& x, const Unknowns& unkno
   return gains;
 }
 
-// Smoothed over a quarter of the mean distance of the places that a picture shows.
-ChannelTable darkness_of_places(const ChannelTable& darkness, std::span<const Eigen::Vector2d> places,
-                                std::span<const std::vector<ColourSample>> samples,
-                                std::span<const Standpoint> standpoints) {
-  std::vector<ChannelValues> sums(places.size());
-  std::vector<int> counts(places.size());
+// Smoothed over a quarter of the mean distance of the places that an image shows.
+ChannelTable darkness_at(const ChannelTable& darkness, std::span<const Eigen::Vector2d> positions,
+                         std::span<const std::vector<ColourSample>> samples, std::span<const Standpoint> standpoints) {
+  std::vector<ChannelValues> sums(positions.size());
+  std::vector<int> counts(positions.size());
   double distance = 0, count = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     for (const ColourSample& sample : samples[i]) {
       const auto values = darkness.at(sample.direction);
-      for (std::size_t c = 0; c < 3; ++c) sums[sample.place].values[c] += values[c];
-      ++counts[sample.place];
-      distance += (places[sample.place] - standpoints[i].at).norm(), ++count;
+      for (std::size_t c = 0; c < 3; ++c) sums[sample.position_index].values[c] += values[c];
+      ++counts[sample.position_index];
+      distance += (positions[sample.position_index] - standpoints[i].at).norm(), ++count;
     }
   }
   std::vector<ChannelValues> means;
-  for (std::size_t place = 0; place < places.size(); ++place) {
-    if (counts[place] == 0) continue;
-    ChannelValues mean{places[place], sums[place].values};
-    for (float& value : mean.values) value /= float(counts[place]);
+  for (std::size_t position_index = 0; position_index < positions.size(); ++position_index) {
+    if (counts[position_index] == 0) continue;
+    ChannelValues mean{positions[position_index], sums[position_index].values};
+    for (float& value : mean.values) value /= float(counts[position_index]);
     means.push_back(mean);
   }
   return smoothed_table(means, count > 0 ? distance / count / 4 : 0);
 }
 
-std::optional<ColourSample> sample_at(const View& view, const ColourImage& picture, const Eigen::Vector3d& place) {
-  const auto pixel = pixel_of(view, place);
+std::optional<ColourSample> sample_at(const View& view, const ColourImage& image, const Eigen::Vector3d& position) {
+  const auto pixel = pixel_of(view, position);
   if (!pixel || !well_inside(view, *pixel)) return std::nullopt;
   ColourSample sample;
   sample.r2 = float(relative_radius2(view.camera, *pixel));
-  sample.direction = (view.centre_in_world - place).normalized().head<2>();
+  sample.direction = (view.centre_in_world - position).normalized().head<2>();
   for (int c = 0; c < 3; ++c) {
-    const float value = bilinear(picture, pixel->x() * picture.width / view.camera.width_px,
-                                 pixel->y() * picture.height / view.camera.height_px, c);
+    const float value = bilinear(image, pixel->x() * image.width / view.camera.width_px,
+                                 pixel->y() * image.height / view.camera.height_px, c);
     if (value < 10 || value > 245) return std::nullopt;  // cut off, or nothing but noise
     sample.log_colour[std::size_t(c)] = std::log(value);
   }
@@ -328,14 +329,15 @@ std::optional<ColourSample> sample_at(const View& view, const ColourImage& pictu
 }  // namespace
 
 std::array<float, 3> ColourBalance::factor(std::size_t view_index, const View& view,
-                                           const Eigen::Vector3d& place_in_world, const Eigen::Vector2d& pixel) const {
+                                           const Eigen::Vector3d& position_in_world,
+                                           const Eigen::Vector2d& pixel) const {
   const Exposure& exposure = exposures[view_index];
   std::array<float, 3> darker{0, 0, 0}, factor = exposure.gain;
   if (directions.width == 0 && exposure.falloff == darker) return factor;
   const float r2 = float(relative_radius2(view.camera, pixel));
   if (directions.width > 0) {
-    darker = directions.at((view.centre_in_world - place_in_world).normalized().head<2>());
-    const auto usual = places.at(place_in_world.head<2>());
+    darker = directions.at((view.centre_in_world - position_in_world).normalized().head<2>());
+    const auto usual = positions.at(position_in_world.head<2>());
     for (std::size_t c = 0; c < 3; ++c) darker[c] -= usual[c];
   }
   for (std::size_t c = 0; c < 3; ++c) factor[c] *= std::exp(darker[c] + exposure.falloff[c] * r2);
@@ -348,7 +350,7 @@ double relative_radius2(const Camera& camera, const Eigen::Vector2d& pixel) {
   return (x * x + y * y) / (half_width * half_width + half_height * half_height);
 }
 
-Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> places,
+Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> positions,
                                         std::span<const std::vector<ColourSample>> samples,
                                         std::span<const Standpoint> standpoints, const Run& run) {
   std::map<CameraId, std::uint32_t> index_of;
@@ -370,24 +372,24 @@ Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> places,
     balance.directions.values[channel] = darkness_of_directions(x, unknowns, sightings);
   });
   if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-  balance.places = darkness_of_places(balance.directions, places, samples, standpoints);
+  balance.positions = darkness_at(balance.directions, positions, samples, standpoints);
   return balance;
 }
 
-Result<ColourBalance> balance_of(const std::vector<View>& views, std::span<const Eigen::Vector3d> places_in_world,
+Result<ColourBalance> balance_of(const std::vector<View>& views, std::span<const Eigen::Vector3d> positions_in_world,
                                  const PixelSource& pixels, const Run& run) {
   std::vector<std::vector<ColourSample>> samples(views.size());
   std::vector<Result<>> results(views.size());
   parallel_for(run, views.size(), [&](std::size_t i) {
-    const auto picture = pixels(views[i].image, 8);
-    if (!picture) {
-      results[i] = tl::unexpected(picture.error());
+    const auto image = pixels(views[i].image, 8);
+    if (!image) {
+      results[i] = tl::unexpected(image.error());
       return;
     }
-    for (std::size_t place = 0; place < places_in_world.size(); ++place) {
-      auto sample = sample_at(views[i], *picture, places_in_world[place]);
+    for (std::size_t position_index = 0; position_index < positions_in_world.size(); ++position_index) {
+      auto sample = sample_at(views[i], *image, positions_in_world[position_index]);
       if (!sample) continue;
-      sample->place = std::uint32_t(place);
+      sample->position_index = std::uint32_t(position_index);
       samples[i].push_back(*sample);
     }
   });
@@ -396,9 +398,9 @@ Result<ColourBalance> balance_of(const std::vector<View>& views, std::span<const
     if (!result) return tl::unexpected(std::move(result).error());
   std::vector<Standpoint> standpoints;
   for (const View& view : views) standpoints.push_back({view.camera_id, view.centre_in_world.head<2>()});
-  std::vector<Eigen::Vector2d> places;
-  for (const Eigen::Vector3d& place : places_in_world) places.push_back(place.head<2>());
-  return balance_exposures(places, samples, standpoints, run);
+  std::vector<Eigen::Vector2d> positions;
+  for (const Eigen::Vector3d& position_index : positions_in_world) positions.push_back(position_index.head<2>());
+  return balance_exposures(positions, samples, standpoints, run);
 }
 
 }  // namespace collinea

@@ -13,61 +13,62 @@
 
 namespace collinea {
 
-/// What makes a picture match its neighbours: colour times gain[c] * exp(falloff[c] * r2), where r2 is the squared
-/// distance from the middle of the picture over the squared half diagonal.
+/// What makes an image match its neighbours: colour times gain[c] * exp(falloff[c] * r2), where r2 is the squared
+/// distance from the middle of the image over the squared half diagonal.
 struct Exposure {
   std::array<float, 3> gain{1, 1, 1};
-  std::array<float, 3> falloff{0, 0, 0};  ///< the same for all pictures of a camera
+  std::array<float, 3> falloff{0, 0, 0};  ///< the same for all images of a camera
 };
 
-/// What makes the pictures of a block match.
+/// What makes the images of a block match.
 struct ColourBalance {
   std::vector<Exposure> exposures;  ///< of each view
   /// How much darker the ground looks from a direction than from the mean of all, as natural logarithms over the
   /// horizontal components of the unit vector from the ground to the camera. Ground reflects more light back to the
   /// sun (the hot spot round the shadow of the camera) than away from it.
   ChannelTable directions;
-  /// The mean of `directions` over the pictures that show a place neither cut off nor black, over x and y of the world.
+  /// The mean of `directions` over the images that show a place neither cut off nor black, over x and y of the world.
   /// The colour of a place is that mean of what is seen of it: at the border of the block, which all see from the same
-  /// side, it stays what the pictures show.
-  ChannelTable places;
+  /// side, it stays what the images show.
+  ChannelTable positions;
 
-  /// By what the channels of a picture are multiplied where it shows `place_in_world` at `pixel`.
+  /// By what the channels of an image are multiplied where it shows `position_in_world` at `pixel`.
   [[nodiscard]] std::array<float, 3> factor(std::size_t view_index, const View& view,
-                                            const Eigen::Vector3d& place_in_world, const Eigen::Vector2d& pixel) const;
+                                            const Eigen::Vector3d& position_in_world,
+                                            const Eigen::Vector2d& pixel) const;
 };
 
-/// The squared distance of a pixel from the middle of the picture over the squared half diagonal.
+/// The squared distance of a pixel from the middle of the image over the squared half diagonal.
 [[nodiscard]] double relative_radius2(const Camera& camera, const Eigen::Vector2d& pixel);
 
-/// The colour of a place of the ground in a picture, as natural logarithms.
+/// The colour of a point of the ground in an image, as natural logarithms.
 struct ColourSample {
-  std::uint32_t place = 0;
+  std::uint32_t position_index = 0;
   float r2 = 0;
   std::array<float, 3> log_colour{};
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< horizontal part of the unit vector from place to camera
 };
 
-/// Of a picture: its camera, and where in plan it was taken.
+/// The camera of an image, and where in plan it was taken.
 struct Standpoint {
   CameraId camera;
   Eigen::Vector2d at;
 };
 
-/// Gains, fall-off and brightness of directions from places seen in several pictures: least squares in logarithms with
+/// Gains, fall-off and brightness of directions from places seen in several images: least squares in logarithms with
 /// robust weights. A trend of the exposures over the block and a trend of the brightness with the direction explain the
 /// same differences between neighbours; the second is taken, because exposures have no reason to follow the ground, and
 /// gains that do would pile up to a cast at the border of the block. `places`: in plan; `samples[i]` are those of
-/// picture i, ascending by place; pictures with the same `standpoints[i].camera` share a fall-off. Pictures without
+/// image i, ascending by place; images with the same `standpoints[i].camera` share a fall-off. Images without
 /// common places keep gain 1. Error: cancelled.
-[[nodiscard]] Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> places,
+[[nodiscard]] Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> positions,
                                                       std::span<const std::vector<ColourSample>> samples,
                                                       std::span<const Standpoint> standpoints, const Run& run);
 
-/// Looks up the places in all pictures (at an eighth of their size) and balances them. Errors: a picture cannot be
+/// Looks up the places in all images (at an eighth of their size) and balances them. Errors: an image cannot be
 /// read; cancelled.
 [[nodiscard]] Result<ColourBalance> balance_of(const std::vector<View>& views,
-                                               std::span<const Eigen::Vector3d> places_in_world,
+                                               std::span<const Eigen::Vector3d> positions_in_world,
                                                const PixelSource& pixels, const Run& run);
 
 }  // namespace collinea

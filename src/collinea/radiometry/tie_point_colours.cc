@@ -20,14 +20,13 @@ Result<> colour_tie_points(const PixelSource& pixels, Block& block, const Run& r
   }
   std::vector<std::pair<ImageId, std::vector<const Observation*>>> work(by_image.begin(), by_image.end());
   parallel_for(run, work.size(), [&](std::size_t i) {
-    const auto picture = pixels(work[i].first, kShrink);
-    if (!picture) return;
+    const auto image = pixels(work[i].first, kShrink);
+    if (!image) return;
     for (const Observation* seen : work[i].second) {
-      const int x = std::clamp(static_cast<int>(seen->pixel.x() / kShrink), 0, picture->width - 1);
-      const int y = std::clamp(static_cast<int>(seen->pixel.y() / kShrink), 0, picture->height - 1);
+      const int x = std::clamp(static_cast<int>(seen->pixel.x() / kShrink), 0, image->width - 1);
+      const int y = std::clamp(static_cast<int>(seen->pixel.y() / kShrink), 0, image->height - 1);
       auto& colour = block.points.at(seen->point).colour;
-      for (int c = 0; c < 3; ++c)
-        colour[static_cast<std::size_t>(c)] = picture->at(x, y, picture->channels == 3 ? c : 0);
+      for (int c = 0; c < 3; ++c) colour[static_cast<std::size_t>(c)] = image->at(x, y, image->channels == 3 ? c : 0);
     }
   });
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");

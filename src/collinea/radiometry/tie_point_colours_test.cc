@@ -25,11 +25,11 @@ Block three_points() {
 // Channel c of cell (x, y) of an image: 100 * image + 16 * y + 4 * x + c.
 Result<ColourImage> numbered(ImageId image, int shrink) {
   EXPECT_EQ(shrink, 8);
-  ColourImage picture(4, 2, 3);
+  ColourImage raster(4, 2, 3);
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 4; ++x)
-      for (int c = 0; c < 3; ++c) picture.at(x, y, c) = std::uint8_t(100 * int(image.value) + 16 * y + 4 * x + c);
-  return picture;
+      for (int c = 0; c < 3; ++c) raster.at(x, y, c) = std::uint8_t(100 * int(image.value) + 16 * y + 4 * x + c);
+  return raster;
 }
 
 using Colour = std::array<std::uint8_t, 3>;

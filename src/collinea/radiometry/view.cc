@@ -8,7 +8,7 @@
 namespace collinea {
 namespace {
 
-// Of the lines of sight through the border of the picture: within a convex picture none is flatter than all of these.
+// The flattest line of sight through the border of the image: within a convex image none is flatter.
 // Infinite where one does not rise, or where the lens folds back.
 double most_run_per_rise_of(const View& view) {
   constexpr int kPerSide = 16;

@@ -19,27 +19,27 @@ struct View {
   Rigid3 cam_from_world;
   Eigen::Matrix3d rotation;  ///< of cam_from_world: millions of points are turned by it
   Eigen::Vector3d centre_in_world, centre_in_map;
-  /// How far the flattest line of sight of the picture runs per rise, or more; infinite where one does not rise.
+  /// How far the flattest line of sight of the image runs per rise, or more; infinite where one does not rise.
   double most_run_per_rise = std::numeric_limits<double>::infinity();
 };
 
 /// The oriented images in the order of their ids. `frame`: null when the map is the plane x, y of the world.
 [[nodiscard]] std::vector<View> views_of(const Block& block, const LocalFrame* frame);
 
-/// Where a point is seen, also beside the picture; nothing when it cannot be.
+/// Where a point is seen, also beside the image; nothing when it cannot be.
 [[nodiscard]] inline std::optional<Eigen::Vector2d> pixel_of(const View& view, const Eigen::Vector3d& point_in_world) {
   return project(view.camera, view.rotation * point_in_world + view.cam_from_world.translation);
 }
 
-/// True when the pixel and its neighbours lie on the picture.
+/// True when the pixel and its neighbours lie on the image.
 [[nodiscard]] inline bool well_inside(const View& view, const Eigen::Vector2d& pixel) {
   constexpr double kRim = 2.5;  // what an interpolation by 4 x 4 pixels needs, and the JPEG's last row
   return pixel.x() >= kRim && pixel.y() >= kRim && pixel.x() <= view.camera.width_px - kRim &&
          pixel.y() <= view.camera.height_px - kRim;
 }
 
-/// How well a view serves for a place: 0 straight from above in the middle of the picture; grows with the square of the
-/// tangent of the nadir distance, towards the border of the picture and with pixels larger than the wanted cell. A
+/// How well a view serves for a place: 0 straight from above in the middle of the image; grows with the square of the
+/// tangent of the nadir distance, towards the border of the image and with pixels larger than the wanted cell. A
 /// smooth function of the place. Huge where the view shows nothing.
 [[nodiscard]] float cost_of(const View& view, const Eigen::Vector3d& point_in_world, double cell_m);
 constexpr float kUseless = 1000;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What photo.cc needs of the single file formats. Internal to the module.
+// What image.cc needs of the single file formats. Internal to the module.
 
 #include <array>
 #include <cstdint>
@@ -45,18 +45,18 @@ using Size = std::array<int, 2>;  ///< width, height [px]
 
 /// `channels` 1 (luma) or 3; `shrink` 1, 2, 4, 8 inside the decoder.
 [[nodiscard]] Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels, int shrink);
-/// Of an image whose file has so many bytes; these are the first of them.
+/// Size of an image whose file has so many bytes; these are the first of them.
 [[nodiscard]] Result<Size> jpeg_size(const std::string& bytes, std::uint64_t file_bytes);
 [[nodiscard]] Result<Samples> decode_png(const std::string& bytes);
 [[nodiscard]] Result<Size> png_size(const std::string& bytes, std::uint64_t file_bytes);
-[[nodiscard]] Result<std::string> encode_png(const Raster<std::uint8_t>& picture);
+[[nodiscard]] Result<std::string> encode_png(const Raster<std::uint8_t>& image);
 [[nodiscard]] Result<Samples> read_tiff(const std::filesystem::path& path);
 [[nodiscard]] Result<Size> tiff_size(const std::filesystem::path& path);
 
 /// To 8 bits: 16-bit samples between their 0.1 and 99.9 percentiles (over all channels together: colours stay).
 [[nodiscard]] Raster<std::uint8_t> eight_bits(Samples samples);
 /// 3 -> 1 channel by the luma of BT.601 (as JPEG), 1 -> 3 by repetition.
-[[nodiscard]] Raster<std::uint8_t> with_channels(Raster<std::uint8_t> picture, int channels);
+[[nodiscard]] Raster<std::uint8_t> with_channels(Raster<std::uint8_t> image, int channels);
 
 /// Adds EXIF and XMP to the bytes of a JPEG file.
 [[nodiscard]] Result<std::string> with_header(const std::string& jpeg, const ImageHeader& header);

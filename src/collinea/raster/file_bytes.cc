@@ -70,7 +70,7 @@ Result<> write_bytes(const std::filesystem::path& path, const std::string& bytes
 
 Result<> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t file_bytes, std::uint64_t px_per_byte) {
   constexpr std::uint64_t kMost_px = 2'000'000'000, kHarmless_px = 16'000'000;
-  if (width == 0 || height == 0) return fail(Errc::kBadFormat, "the picture has no pixels");
+  if (width == 0 || height == 0) return fail(Errc::kBadFormat, "the image has no pixels");
   const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
   if (width > kMost_px || height > kMost_px || width * height > kMost_px)
     return fail(Errc::kUnsupported, size + " are more than can be read");

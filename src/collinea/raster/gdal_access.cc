@@ -9,10 +9,10 @@
 namespace collinea {
 namespace {
 
-// Of blocks that were read or are to be written. GDAL's own limit is a twentieth of the machine's memory: as long as
-// that is not reached, whole rasters stay in memory once they were read. This is room for the windows of a surface and
-// its sigmas that two tiles of an orthophoto beside each other look at; four times as much spares some per cent of its
-// time.
+// Memory for blocks that were read or are to be written. GDAL's own limit is a twentieth of the machine's memory: as
+// long as that is not reached, whole rasters stay in memory once they were read. This is room for the windows of a
+// surface and its sigmas that two tiles of an orthophoto beside each other look at; four times as much spares some per
+// cent of its time.
 constexpr GIntBig kBlockCache = GIntBig{64} << 20;
 
 }  // namespace

@@ -63,7 +63,7 @@ ColourImage mosaic(int width, int height, int channels) {
   return raster;
 }
 
-TEST(GeoTiff, HeightsAndTheirPlaceComeBackExactly) {
+TEST(GeoTiff, HeightsAndTheirPositionComeBackExactly) {
   const TestFolder folder;
   const FloatImage heights = terrain(700, 530);
   const MapGrid grid = map_grid(700, 530);
@@ -149,7 +149,7 @@ TEST(GeoTiff, TheFileAppearsOnlyWhenFinished) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / ""), {}), 1);
 }
 
-TEST(GeoTiff, SixteenBitsAndNoPlaceWork) {
+TEST(GeoTiff, SixteenBitsAndNoPositionWork) {
   const TestFolder folder;
   MapGrid grid;
   grid.width = 300;

@@ -76,7 +76,7 @@ struct GeoTiffWriter<T>::State {
            (window.width % block == 0 || column + window.width == grid.width) &&
            (window.height % block == 0 || row + window.height == grid.height);
   }
-  bool describe_place() {
+  bool describe_location() {
     void* file = dataset.get();
     double corner[] = {grid.west_m, grid.cell_m, 0, grid.north_m, 0, -grid.cell_m};
     if (GDALSetGeoTransform(file, corner) != CE_None) return false;
@@ -134,7 +134,7 @@ Result<GeoTiffWriter<T>> GeoTiffWriter<T>::create(const std::filesystem::path& p
   const GdalErrors errors;
   state.dataset.reset(GDALCreate(GDALGetDriverByName("GTiff"), state.part.c_str(), grid.width, grid.height, channels,
                                  gdal_type<T>(), values.list()));
-  if (!state.dataset || !state.describe_place() || errors.any())
+  if (!state.dataset || !state.describe_location() || errors.any())
     return errors.error(Errc::kBadInput, path.string() + " cannot be written");
   return writer;
 }

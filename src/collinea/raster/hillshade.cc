@@ -15,12 +15,12 @@ namespace {
 constexpr int kTile = 512;
 
 Raster<std::uint8_t> shaded(const FloatImage& heights_m, double cell_m, int left, int top, int width, int height) {
-  Raster<std::uint8_t> picture(width, height);
+  Raster<std::uint8_t> image(width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       if (const double light = hillshade_at(heights_m, left + x, top + y, cell_m); !std::isnan(light))
-        picture.at(x, y) = std::uint8_t(std::lround(1 + 254 * light));
-  return picture;
+        image.at(x, y) = std::uint8_t(std::lround(1 + 254 * light));
+  return image;
 }
 
 }  // namespace
@@ -60,8 +60,8 @@ Result<> write_hillshade(const std::filesystem::path& heights, const std::filesy
       COLLINEA_TRY(const FloatImage around,
                    reader.read_known(left, top, std::min(grid.width, column + width + 1) - left,
                                      std::min(grid.height, row + height + 1) - top));
-      const auto picture = shaded(around, grid.cell_m, column - left, row - top, width, height);
-      COLLINEA_TRY(writer.write(column, row, picture));
+      const auto image = shaded(around, grid.cell_m, column - left, row - top, width, height);
+      COLLINEA_TRY(writer.write(column, row, image));
     }
   }
   // Overviews are made of rows of the whole width, beside what is in the cache: each block is looked at once.

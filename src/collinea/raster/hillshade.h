@@ -14,7 +14,7 @@ namespace collinea {
 /// as high as the middle one. NaN where that is.
 [[nodiscard]] double hillshade_at(const FloatImage& heights_m, int x, int y, double cell_m);
 
-/// Writes the picture of a surface in that light: a cloud-optimised GeoTIFF on the same grid, 1 to 255 as the cosine
+/// Writes the image of a surface in that light: a cloud-optimised GeoTIFF on the same grid, 1 to 255 as the cosine
 /// goes from 0 to 1, 0 where there is no height. Tile by tile. Errors: of the files, stopped.
 [[nodiscard]] Result<> write_hillshade(const std::filesystem::path& heights, const std::filesystem::path& out,
                                        const Run& run);

@@ -60,12 +60,12 @@ TEST(Hillshade, TilesMeetAndEmptyCellsStayEmpty) {
   EXPECT_EQ(reader.grid().west_m, grid.west_m);
   EXPECT_EQ(reader.grid().cell_m, grid.cell_m);
   EXPECT_EQ(reader.nodata(), 0);
-  const auto picture = reader.read_byte(0, 0, grid.width, grid.height).value();
+  const auto image = reader.read_byte(0, 0, grid.width, grid.height).value();
   heights.at(511, 300) = kNaN;
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       const double light = hillshade_at(heights, x, y, grid.cell_m);
-      ASSERT_EQ(picture.at(x, y), std::isnan(light) ? 0 : int(std::lround(1 + 254 * light))) << x << ' ' << y;
+      ASSERT_EQ(image.at(x, y), std::isnan(light) ? 0 : int(std::lround(1 + 254 * light))) << x << ' ' << y;
     }
   }
 }

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "collinea/raster/codec.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -92,7 +92,7 @@ std::optional<double> exif_angle_deg(const Tags& tags, const char* key, const ch
   return below ? -angle : angle;
 }
 
-bool is_place(const std::optional<double>& latitude_deg, const std::optional<double>& longitude_deg) {
+bool is_location(const std::optional<double>& latitude_deg, const std::optional<double>& longitude_deg) {
   // Devices without a fix write 0, 0.
   return latitude_deg && longitude_deg && std::abs(*latitude_deg) <= 90 && std::abs(*longitude_deg) <= 180 &&
          (*latitude_deg != 0 || *longitude_deg != 0);
@@ -110,7 +110,7 @@ void read_position(const Tags& tags, ImageHeader& header) {
   std::optional<double> longitude_deg =
       exif_angle_deg(tags, "Exif.GPSInfo.GPSLongitude", "Exif.GPSInfo.GPSLongitudeRef", 'W');
   std::optional<double> height_m = exif_height_m(tags);
-  const bool in_exif = is_place(latitude_deg, longitude_deg);
+  const bool in_exif = is_location(latitude_deg, longitude_deg);
 
   const std::optional<double> fine_latitude_deg = tags.xmp_number("Xmp.drone-dji.GpsLatitude");
   std::optional<double> fine_longitude_deg = tags.xmp_number("Xmp.drone-dji.GpsLongitude");
@@ -119,14 +119,14 @@ void read_position(const Tags& tags, ImageHeader& header) {
 
   // Where the two agree XMP has more digits; where they do not, EXIF was corrected after the flight.
   constexpr double kSame_deg = 2e-6, kSame_m = 0.2;
-  if (is_place(fine_latitude_deg, fine_longitude_deg) &&
+  if (is_location(fine_latitude_deg, fine_longitude_deg) &&
       (!in_exif || (std::abs(*fine_latitude_deg - *latitude_deg) < kSame_deg &&
                     std::abs(*fine_longitude_deg - *longitude_deg) < kSame_deg))) {
     latitude_deg = fine_latitude_deg;
     longitude_deg = fine_longitude_deg;
     if (fine_height_m && (!height_m || std::abs(*fine_height_m - *height_m) < kSame_m)) height_m = fine_height_m;
   }
-  if (!is_place(latitude_deg, longitude_deg)) return;
+  if (!is_location(latitude_deg, longitude_deg)) return;
   header.latitude_deg = latitude_deg;
   header.longitude_deg = longitude_deg;
   header.height_m = height_m;
@@ -184,7 +184,7 @@ std::string date_and_time(const Tags& tags) {
   return taken + "." + fraction;
 }
 
-// The pixel of the picture as it is now: a reduced picture keeps the resolution of its original in some programs.
+// The pixel of the image as it is now: a reduced image keeps the resolution of its original in some programs.
 std::optional<double> pixel_pitch_mm(const Tags& tags, const ImageHeader& header) {
   const std::optional<double> per_unit = positive(tags.exif_number("Exif.Photo.FocalPlaneXResolution"));
   if (!per_unit) return std::nullopt;
@@ -219,7 +219,7 @@ void read_camera(const Tags& tags, ImageHeader& header) {
   if (orientation >= 1 && orientation <= 8) header.orientation = orientation;
 }
 
-// Broken tags are common and no reason to refuse a good picture: what can be read is taken.
+// Broken tags are common and no reason to refuse a good image: what can be read is taken.
 void read_tags(const std::filesystem::path& path, ImageHeader& header) {
   set_up_exiv2();
   try {

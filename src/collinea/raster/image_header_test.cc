@@ -6,14 +6,14 @@
 
 #include "collinea/base/test_folder.h"
 #include "collinea/raster/codec.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
 
 using Tagging = std::function<void(Exiv2::ExifData&, Exiv2::XmpData&)>;
 
-// The header of a picture of 4000 x 3 pixels with the given tags.
+// The header of an image of 4000 x 3 pixels with the given tags.
 ImageHeader header_with(const Tagging& tag) {
   const TestFolder folder;
   const std::filesystem::path path = folder / "a.jpg";
@@ -35,16 +35,16 @@ void put_text(Exiv2::ExifData& exif, const char* key, Exiv2::TypeId type, const 
   exif.add(Exiv2::ExifKey(key), value.get());
 }
 
-void put_place(Exiv2::ExifData& exif, const std::string& latitude, const std::string& longitude) {
+void put_location(Exiv2::ExifData& exif, const std::string& latitude, const std::string& longitude) {
   put_text(exif, "Exif.GPSInfo.GPSLatitude", Exiv2::unsignedRational, latitude);
   put_text(exif, "Exif.GPSInfo.GPSLongitude", Exiv2::unsignedRational, longitude);
   put_text(exif, "Exif.GPSInfo.GPSLatitudeRef", Exiv2::asciiString, "N");
   put_text(exif, "Exif.GPSInfo.GPSLongitudeRef", Exiv2::asciiString, "E");
 }
 
-TEST(ImageHeader, FinerXmpPlacesWinWhereTheyAgreeWithExif) {
+TEST(ImageHeader, FinerXmpPositionsWinWhereTheyAgreeWithExif) {
   const ImageHeader header = header_with([](auto& exif, auto& xmp) {
-    put_place(exif, "50/1 30/1 0/1", "14/1 15/1 0/1");
+    put_location(exif, "50/1 30/1 0/1", "14/1 15/1 0/1");
     xmp["Xmp.drone-dji.GpsLatitude"] = std::string("50.500000123");
     xmp["Xmp.drone-dji.GpsLongtitude"] = std::string("+14.249999876");  // as early firmware spells it
   });
@@ -54,7 +54,7 @@ TEST(ImageHeader, FinerXmpPlacesWinWhereTheyAgreeWithExif) {
 
 TEST(ImageHeader, ExifCorrectedAfterTheFlightWinsOverXmp) {
   const ImageHeader header = header_with([](auto& exif, auto& xmp) {
-    put_place(exif, "50/1 30/1 0/1", "14/1 15/1 0/1");
+    put_location(exif, "50/1 30/1 0/1", "14/1 15/1 0/1");
     put_text(exif, "Exif.GPSInfo.GPSAltitude", Exiv2::unsignedRational, "3005/10");
     xmp["Xmp.drone-dji.GpsLatitude"] = std::string("50.50001");
     xmp["Xmp.drone-dji.GpsLongitude"] = std::string("14.25");
@@ -64,17 +64,17 @@ TEST(ImageHeader, ExifCorrectedAfterTheFlightWinsOverXmp) {
   EXPECT_EQ(header.height_m, 300.5);
 }
 
-TEST(ImageHeader, DivisionsByZeroAreNoPlace) {
-  const ImageHeader none = header_with([](auto& exif, auto&) { put_place(exif, "0/0 0/0 0/0", "0/0 0/0 0/0"); });
+TEST(ImageHeader, DivisionsByZeroAreNoPosition) {
+  const ImageHeader none = header_with([](auto& exif, auto&) { put_location(exif, "0/0 0/0 0/0", "0/0 0/0 0/0"); });
   EXPECT_FALSE(none.latitude_deg || none.longitude_deg);
   const ImageHeader degrees =
-      header_with([](auto& exif, auto&) { put_place(exif, "505/10 0/0 0/0", "1425/100 0/1 0/1"); });
+      header_with([](auto& exif, auto&) { put_location(exif, "505/10 0/0 0/0", "1425/100 0/1 0/1"); });
   EXPECT_EQ(degrees.latitude_deg, 50.5);
   EXPECT_EQ(degrees.longitude_deg, 14.25);
 }
 
-TEST(ImageHeader, PlacesThatAreNotOnEarthAreLeftOut) {
-  const ImageHeader header = header_with([](auto& exif, auto&) { put_place(exif, "95/1 0/1 0/1", "14/1 0/1 0/1"); });
+TEST(ImageHeader, PositionsThatAreNotOnEarthAreLeftOut) {
+  const ImageHeader header = header_with([](auto& exif, auto&) { put_location(exif, "95/1 0/1 0/1", "14/1 0/1 0/1"); });
   EXPECT_FALSE(header.latitude_deg);
 }
 
@@ -123,7 +123,7 @@ TEST(ImageHeader, PitchIsMinusNinetyDownWhoeverWroteIt) {
   EXPECT_FALSE(camera_pitch("nonsense").pitch_deg);
 }
 
-TEST(ImageHeader, ThePixelPitchIsThatOfThePictureAsItIs) {
+TEST(ImageHeader, ThePixelPitchIsThatOfTheImageAsItIs) {
   const auto pitch = [](const char* per_inch, const char* original_width) {
     return header_with([=](auto& exif, auto&) {
              put_text(exif, "Exif.Photo.FocalPlaneXResolution", Exiv2::unsignedRational, per_inch);

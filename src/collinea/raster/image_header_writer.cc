@@ -4,7 +4,7 @@
 #include <exiv2/exiv2.hpp>
 
 #include "collinea/raster/codec.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {

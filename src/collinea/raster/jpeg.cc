@@ -7,7 +7,7 @@
 #include <jpeglib.h>
 
 #include "collinea/raster/codec.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 // libjpeg leaves by longjmp. Functions that call setjmp therefore hold no C++ object with a destructor, and say by
 // their bool whether they got through; the message stays in JpegErrors.
@@ -27,7 +27,7 @@ void leave(j_common_ptr info) {
   std::longjmp(errors->back, 1);
 }
 
-// Stray bytes before a marker and odd headers leave the picture whole; every other warning means lost content.
+// Stray bytes before a marker and odd headers leave the image whole; every other warning means lost content.
 void on_message(j_common_ptr info, int level) {
   if (level >= 0) return;
   switch (info->err->msg_code) {
@@ -86,13 +86,13 @@ bool start(JpegDecoder& decoder, int channels, int shrink) {
   return true;
 }
 
-bool read_rows(JpegDecoder& decoder, Raster<std::uint8_t>& picture) {
+bool read_rows(JpegDecoder& decoder, Raster<std::uint8_t>& image) {
   if (setjmp(decoder.errors.back)) return false;
   while (decoder.info.output_scanline < decoder.info.output_height) {
     JSAMPROW rows[4];
     const int first = int(decoder.info.output_scanline);
-    const int count = std::min(4, picture.height - first);
-    for (int i = 0; i < count; ++i) rows[i] = picture.row(first + i);
+    const int count = std::min(4, image.height - first);
+    for (int i = 0; i < count; ++i) rows[i] = image.row(first + i);
     jpeg_read_scanlines(&decoder.info, rows, JDIMENSION(count));
   }
   jpeg_finish_decompress(&decoder.info);  // reads on to the end marker: a file cut just before it is noticed too
@@ -130,20 +130,20 @@ struct JpegEncoder {
   JpegEncoder& operator=(const JpegEncoder&) = delete;
 };
 
-bool encode(JpegEncoder& encoder, const Raster<std::uint8_t>& picture, int quality) {
+bool encode(JpegEncoder& encoder, const Raster<std::uint8_t>& image, int quality) {
   if (setjmp(encoder.errors.back)) return false;
   jpeg_compress_struct& info = encoder.info;
   jpeg_create_compress(&info);
   jpeg_mem_dest(&info, &encoder.bytes, &encoder.size);
-  info.image_width = JDIMENSION(picture.width);
-  info.image_height = JDIMENSION(picture.height);
-  info.input_components = picture.channels;
-  info.in_color_space = picture.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  info.image_width = JDIMENSION(image.width);
+  info.image_height = JDIMENSION(image.height);
+  info.input_components = image.channels;
+  info.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
   jpeg_set_defaults(&info);
   jpeg_set_quality(&info, quality, TRUE);
   jpeg_start_compress(&info, TRUE);
   while (info.next_scanline < info.image_height) {
-    JSAMPROW row = const_cast<JSAMPROW>(picture.row(int(info.next_scanline)));
+    JSAMPROW row = const_cast<JSAMPROW>(image.row(int(info.next_scanline)));
     jpeg_write_scanlines(&info, &row, 1);
   }
   jpeg_finish_compress(&info);
@@ -158,11 +158,11 @@ Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels,
   if (!read_header(decoder, bytes)) return decoder.error();
   COLLINEA_TRY(check_size(decoder.info.image_width, decoder.info.image_height, bytes.size(), kJpegPxPerByte));
   if (!start(decoder, channels, shrink)) return decoder.error();
-  Raster<std::uint8_t> picture(int(decoder.info.output_width), int(decoder.info.output_height),
-                               decoder.info.output_components);
-  if (!read_rows(decoder, picture)) return decoder.error();
-  if (picture.channels == 4) picture = rgb_from_cmyk(picture, decoder.info.saw_Adobe_marker);
-  return with_channels(std::move(picture), channels);
+  Raster<std::uint8_t> image(int(decoder.info.output_width), int(decoder.info.output_height),
+                             decoder.info.output_components);
+  if (!read_rows(decoder, image)) return decoder.error();
+  if (image.channels == 4) image = rgb_from_cmyk(image, decoder.info.saw_Adobe_marker);
+  return with_channels(std::move(image), channels);
 }
 
 Result<Size> jpeg_size(const std::string& bytes, std::uint64_t file_bytes) {
@@ -172,12 +172,12 @@ Result<Size> jpeg_size(const std::string& bytes, std::uint64_t file_bytes) {
   return Size{int(decoder.info.image_width), int(decoder.info.image_height)};
 }
 
-Result<std::string> encode_jpeg(const Raster<std::uint8_t>& picture, int quality) {
-  COLLINEA_CHECK(picture.channels == 1 || picture.channels == 3);
-  if (picture.width < 1 || picture.height < 1 || picture.width > 65500 || picture.height > 65500)
-    return fail(Errc::kUnsupported, "a JPEG picture has 1 to 65500 columns and rows");
+Result<std::string> encode_jpeg(const Raster<std::uint8_t>& image, int quality) {
+  COLLINEA_CHECK(image.channels == 1 || image.channels == 3);
+  if (image.width < 1 || image.height < 1 || image.width > 65500 || image.height > 65500)
+    return fail(Errc::kUnsupported, "a JPEG image has 1 to 65500 columns and rows");
   JpegEncoder encoder;
-  if (!encode(encoder, picture, std::clamp(quality, 1, 100)))
+  if (!encode(encoder, image, std::clamp(quality, 1, 100)))
     return fail(Errc::kBadInput, std::string("JPEG cannot be written: ") + encoder.errors.message);
   return std::string(reinterpret_cast<const char*>(encoder.bytes), encoder.size);
 }

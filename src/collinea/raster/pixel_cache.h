@@ -19,19 +19,19 @@ namespace collinea {
 /// called from several threads at once.
 using PixelSource = std::function<Result<ColourImage>(ImageId image, int shrink)>;
 
-/// Keeps the pictures used last, up to a number of bytes and of pictures. May be used from several threads at once; a
-/// picture that two of them want is decoded once.
+/// Keeps the images used last, up to a number of bytes and of images. May be used from several threads at once; a
+/// image that two of them want is decoded once.
 class PixelCache {
  public:
-  PixelCache(PixelSource source, std::size_t most_bytes, std::size_t most_pictures = ~std::size_t{0})
-      : source_(std::move(source)), most_bytes_(most_bytes), most_pictures_(most_pictures) {}
+  PixelCache(PixelSource source, std::size_t most_bytes, std::size_t most_images = ~std::size_t{0})
+      : source_(std::move(source)), most_bytes_(most_bytes), most_images_(most_images) {}
 
-  Result<std::shared_ptr<const ColourImage>> picture(ImageId image, int shrink);
+  Result<std::shared_ptr<const ColourImage>> image_of(ImageId image, int shrink);
 
  private:
   struct Entry {
     std::mutex decoding;
-    std::shared_ptr<const ColourImage> picture;
+    std::shared_ptr<const ColourImage> image;
     std::uint64_t last_use = 0;
     std::size_t bytes = 0;
   };
@@ -39,7 +39,7 @@ class PixelCache {
   void make_room();  // mutex_ is held
 
   PixelSource source_;
-  std::size_t most_bytes_, most_pictures_, held_bytes_ = 0, held_ = 0;
+  std::size_t most_bytes_, most_images_, cached_bytes_ = 0, cached_ = 0;
   std::uint64_t uses_ = 0;
   std::mutex mutex_;
   std::map<Key, std::shared_ptr<Entry>> entries_;

@@ -100,17 +100,17 @@ bool read_raster(PngState& state, Raster<T>& raster) {
   return read_rows(state, rows.data());
 }
 
-bool write_all(PngState& state, const Raster<std::uint8_t>& picture, png_bytepp rows) {
+bool write_all(PngState& state, const Raster<std::uint8_t>& image, png_bytepp rows) {
   if (setjmp(state.back)) return false;
   state.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, on_error, on_warning);
   if (!state.png) return false;
   state.info = png_create_info_struct(state.png);
   if (!state.info) return false;
   png_set_write_fn(state.png, &state, take, nullptr);
-  const int colour = picture.channels == 1   ? PNG_COLOR_TYPE_GRAY
-                     : picture.channels == 3 ? PNG_COLOR_TYPE_RGB
-                                             : PNG_COLOR_TYPE_RGB_ALPHA;
-  png_set_IHDR(state.png, state.info, png_uint_32(picture.width), png_uint_32(picture.height), 8, colour,
+  const int colour = image.channels == 1   ? PNG_COLOR_TYPE_GRAY
+                     : image.channels == 3 ? PNG_COLOR_TYPE_RGB
+                                           : PNG_COLOR_TYPE_RGB_ALPHA;
+  png_set_IHDR(state.png, state.info, png_uint_32(image.width), png_uint_32(image.height), 8, colour,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(state.png, state.info);
   png_write_image(state.png, rows);
@@ -141,14 +141,14 @@ Result<Size> png_size(const std::string& bytes, std::uint64_t file_bytes) {
   return Size{int(png_get_image_width(state.png, state.info)), int(png_get_image_height(state.png, state.info))};
 }
 
-Result<std::string> encode_png(const Raster<std::uint8_t>& picture) {
-  COLLINEA_CHECK(picture.channels == 1 || picture.channels == 3 || picture.channels == 4);
-  if (picture.width < 1 || picture.height < 1) return fail(Errc::kBadInput, "a picture without pixels");
+Result<std::string> encode_png(const Raster<std::uint8_t>& image) {
+  COLLINEA_CHECK(image.channels == 1 || image.channels == 3 || image.channels == 4);
+  if (image.width < 1 || image.height < 1) return fail(Errc::kBadInput, "an image without pixels");
   PngState state;
   state.writes = true;
-  std::vector<png_bytep> rows(std::size_t(picture.height));
-  for (int y = 0; y < picture.height; ++y) rows[std::size_t(y)] = const_cast<png_bytep>(picture.row(y));
-  if (!write_all(state, picture, rows.data()))
+  std::vector<png_bytep> rows(std::size_t(image.height));
+  for (int y = 0; y < image.height; ++y) rows[std::size_t(y)] = const_cast<png_bytep>(image.row(y));
+  if (!write_all(state, image, rows.data()))
     return fail(Errc::kBadInput, std::string("PNG cannot be written: ") + state.message);
   return std::move(state.output);
 }

@@ -7,7 +7,7 @@
 
 namespace collinea {
 
-/// A picture in memory: rows of interleaved channels, upper row first, no padding.
+/// An image in memory: rows of interleaved channels, upper row first, no padding.
 /// The centre of the upper-left pixel is (0.5, 0.5) in continuous coordinates.
 template <class T>
 struct Raster {

@@ -35,18 +35,18 @@ Raster<std::uint8_t> eight_bits(Samples samples) {
   return bytes;
 }
 
-Raster<std::uint8_t> with_channels(Raster<std::uint8_t> picture, int channels) {
-  if (picture.channels == channels) return picture;
-  const std::size_t count = std::size_t(picture.width) * std::size_t(picture.height);
-  Raster<std::uint8_t> changed(picture.width, picture.height, channels);
+Raster<std::uint8_t> with_channels(Raster<std::uint8_t> image, int channels) {
+  if (image.channels == channels) return image;
+  const std::size_t count = std::size_t(image.width) * std::size_t(image.height);
+  Raster<std::uint8_t> changed(image.width, image.height, channels);
   if (channels == 1) {
     for (std::size_t i = 0; i < count; ++i) {
-      const std::uint8_t* rgb = &picture.data[3 * i];
+      const std::uint8_t* rgb = &image.data[3 * i];
       changed.data[i] = std::uint8_t((19595u * rgb[0] + 38470u * rgb[1] + 7471u * rgb[2] + 32768u) >> 16);
     }
   } else {
     for (std::size_t i = 0; i < count; ++i)
-      changed.data[3 * i] = changed.data[3 * i + 1] = changed.data[3 * i + 2] = picture.data[i];
+      changed.data[3 * i] = changed.data[3 * i + 1] = changed.data[3 * i + 2] = image.data[i];
   }
   return changed;
 }

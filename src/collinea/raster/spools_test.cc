@@ -56,7 +56,7 @@ TEST(RasterSpool, GivesBackWindowsOfRasters) {
 }
 
 // A limit on the size of files stands for a full disk.
-TEST(RecordSpool, AFullDiskIsToldWhenItIsRead) {
+TEST(RecordSpool, AFullDiskIsStatedWhenItIsRead) {
   const TestFolder folder;
   RecordSpool spool = RecordSpool::create(folder / "ties").value();
   rlimit before;

@@ -20,7 +20,7 @@ constexpr double kStrong = 0.9;    // each is then known two and more times wors
 constexpr std::size_t kShown = 6;  // pairs of a pose
 constexpr int kOfPose = 6, kPairs = kOfPose * (kOfPose - 1) / 2;
 constexpr std::array<const char*, kOfPose> kPoseNames = {
-    "turn about east", "turn about north", "turn about up", "east", "north", "height"};
+    "rotation about east", "rotation about north", "rotation about up", "east", "north", "height"};
 
 double correlation(const auto& covariance, int a, int b) {
   return covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
@@ -92,13 +92,13 @@ std::string camera_table(const Camera& camera, const MatrixPd& covariance) {
 }
 
 std::string in_words(const CameraPoseCorrelation& one, const AdjustmentReport& report) {
-  constexpr std::array<const char*, kOfPose> kWords = {"turn about east", "turn about north", "turn about up",
-                                                       "easting",         "northing",         "height"};
+  constexpr std::array<const char*, kOfPose> kWords = {
+      "rotation about east", "rotation about north", "rotation about up", "easting", "northing", "height"};
   return fmt::format("{} and the {} of {} ({:+.2f})", param_name(one.param), kWords[std::size_t(one.of_pose)],
                      report.block.images.at(one.image).file, one.correlation);
 }
 
-// Of the parameters of one camera with the poses of its images: in words the strongest of each.
+// The strongest correlation of each parameter of one camera with the poses of its images, in words.
 std::string camera_pose_table(const AdjustmentReport& report, CameraId camera) {
   std::string rows, words;
   std::vector<CameraPoseCorrelation> strongest;

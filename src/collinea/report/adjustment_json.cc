@@ -26,10 +26,10 @@ json control(const AdjustmentReport& report) {
   return list;
 }
 
-json ground(const AdjustmentReport& report) {
+json geodetic_json(const AdjustmentReport& report) {
   json list = json::array();
-  for (const GeodeticDifference& one : report.adjusted.ground) {
-    const GeodeticObservation& measured = report.block.ground[one.observation];
+  for (const GeodeticDifference& one : report.adjusted.geodetic) {
+    const GeodeticObservation& measured = report.block.geodetic[one.observation];
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     list.push_back({{"measurement", words_of(measured, report.block)},
                     {"unit", measured.is_angle() ? "deg" : "m"},
@@ -44,7 +44,7 @@ json ground(const AdjustmentReport& report) {
   return list;
 }
 
-// Of each parameter its value, standard deviation and correlations with those that are free.
+// Value, standard deviation and correlations with those that are free, of each parameter.
 json cameras(const AdjustmentReport& report) {
   json list = json::array();
   for (const auto& [id, camera] : report.block.cameras) {
@@ -176,7 +176,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
       {"cameras", cameras(report)},
       {"control_points", control(report)},
       {"accuracy", accuracy_json(report)}};
-  if (!report.adjusted.ground.empty()) j["ground"] = ground(report);
+  if (!report.adjusted.geodetic.empty()) j["geodetic"] = geodetic_json(report);
   if (!adjusted.auxiliaries.empty()) j["auxiliary_unknowns"] = unknowns(report);
   if (!report.additional.empty()) j["additional"] = additional_json(report);
   if (!adjusted.inseparable.empty()) j["inseparable"] = findings_json(adjusted.inseparable, report.block);

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 // Something with a covariance, to be drawn.
 struct Marked {
   enum Kind { kTie, kControl, kCheck, kStation } kind;
-  Vector3d place_m;
+  Vector3d position_m;
   Matrix3d covariance_m2;
   std::string name;
 };
@@ -29,16 +29,16 @@ std::vector<Marked> few_points(const std::vector<ProductPoint>& points) {
   std::vector<const ProductPoint*> known;
   Vector2d low = Vector2d::Constant(1e300), high = -low;
   for (const ProductPoint& point : points)
-    if (point.covariance_m2.allFinite() && point.place_m.allFinite()) {
+    if (point.covariance_m2.allFinite() && point.position_m.allFinite()) {
       known.push_back(&point);
-      low = low.cwiseMin(point.place_m.head<2>());
-      high = high.cwiseMax(point.place_m.head<2>());
+      low = low.cwiseMin(point.position_m.head<2>());
+      high = high.cwiseMax(point.position_m.head<2>());
     }
   if (known.empty()) return {};
   const double side = std::max((high - low).maxCoeff(), 1e-9) / kAcross;
   std::map<std::pair<int, int>, std::vector<const ProductPoint*>> squares;
   for (const ProductPoint* point : known) {
-    const Vector2d at = (point->place_m.head<2>() - low) / side;
+    const Vector2d at = (point->position_m.head<2>() - low) / side;
     squares[{int(at.x()), int(at.y())}].push_back(point);
   }
   std::vector<Marked> chosen;
@@ -47,7 +47,7 @@ std::vector<Marked> few_points(const std::vector<ProductPoint>& points) {
     std::nth_element(its.begin(), middle, its.end(), [](const ProductPoint* a, const ProductPoint* b) {
       return std::pair(a->covariance_m2.trace(), a->point) < std::pair(b->covariance_m2.trace(), b->point);
     });
-    chosen.push_back({Marked::kTie, (*middle)->place_m, (*middle)->covariance_m2, ""});
+    chosen.push_back({Marked::kTie, (*middle)->position_m, (*middle)->covariance_m2, ""});
   }
   return chosen;
 }
@@ -80,12 +80,12 @@ std::string map_of(const std::vector<Marked>& marks, const std::string& label, c
   const double common = common_sigma(marks);
   if (!(common > 0)) return "";
   MapBounds bounds;
-  for (const Marked& mark : marks) bounds.add(mark.place_m.head<2>());
+  for (const Marked& mark : marks) bounds.add(mark.position_m.head<2>());
   MapView view = bounds.view(kMapWidth, kMostHeight);
   view.footer = 30;
   const double px_per_m = kCommon_px / common;
   Svg svg(view.width, view.height + view.footer, label);
-  for (const Marked& mark : marks) draw_mark(svg, view(mark.place_m), mark, px_per_m, marks.size() > 300);
+  for (const Marked& mark : marks) draw_mark(svg, view(mark.position_m), mark, px_per_m, marks.size() > 300);
   const double length = round_below(common), px = length * px_per_m;
   const Vector2d corner(view.width - 290, view.height + view.footer - 24);
   svg.rectangle(corner.x() - 30, corner.y() - 24, 310, 46, "paper");
@@ -102,8 +102,8 @@ std::string map_of(const std::vector<Marked>& marks, const std::string& label, c
 std::string precision_section(const AdjustmentReport& report, const AdjustmentProducts& products) {
   std::vector<Marked> ground = few_points(products.points), stations;
   for (const ProductControl& its : products.control)
-    if (its.place_m.allFinite() && its.covariance_m2.allFinite())
-      ground.push_back({its.difference->used ? Marked::kControl : Marked::kCheck, its.place_m, its.covariance_m2,
+    if (its.position_m.allFinite() && its.covariance_m2.allFinite())
+      ground.push_back({its.difference->used ? Marked::kControl : Marked::kCheck, its.position_m, its.covariance_m2,
                         report.block.control.at(its.difference->point).name});
   for (const ProductImage& image : products.images)
     if (image.covariance_m2.allFinite())

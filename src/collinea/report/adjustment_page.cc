@@ -83,14 +83,14 @@ std::string control_table(const AdjustmentReport& report) {
   return html + "</tbody></table></section>\n";
 }
 
-std::string ground_table(const AdjustmentReport& report) {
-  if (report.adjusted.ground.empty()) return "";
+std::string geodetic_table(const AdjustmentReport& report) {
+  if (report.adjusted.geodetic.empty()) return "";
   std::string html =
       "<section><h2>Measurements on the ground</h2>\n<p>Adjusted minus given. &sigma;: what the difference is expected "
       "to be. Red: more than three times that.</p>\n" +
       head({"measurement", "role", "unit", "given", "&sigma; given", "adjusted", "difference", "&sigma;"});
-  for (const GeodeticDifference& one : report.adjusted.ground) {
-    const GeodeticObservation& measured = report.block.ground[one.observation];
+  for (const GeodeticDifference& one : report.adjusted.geodetic) {
+    const GeodeticObservation& measured = report.block.geodetic[one.observation];
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     const int decimals = measured.is_angle() ? 5 : kDecimals;
     html += "<tr>" + text_cell(words_of(measured, report.block)) + text_cell(one.used ? "used" : "check") +
@@ -142,8 +142,8 @@ std::string folded_table(const AdjustmentReport& report, const Folded& folded) {
   for (const bool height : {false, true})
     if (const LeftOutRms rms = rms_of(folded.points, height); rms.points > 0)
       html +=
-          fmt::format("{}: root mean square {:.{}f} m over {} points, foretold {:.{}f} m. ", height ? "Height" : "Plan",
-                      rms.difference_m, kDecimals, rms.points, rms.predicted_m, kDecimals);
+          fmt::format("{}: root mean square {:.{}f} m over {} points, predicted {:.{}f} m. ",
+                      height ? "Height" : "Plan", rms.difference_m, kDecimals, rms.points, rms.predicted_m, kDecimals);
   html += "</p>\n" + head({"point", "part", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
                            "&sigma; height"});
   for (std::size_t k = 0; k < folded.points.size(); ++k) {
@@ -173,7 +173,7 @@ std::string group_table(const AdjustmentReport& report, const Reliability& tests
 
 std::string test_rows(const std::vector<TestedObservation>& observations, const Block& block, double limit) {
   std::string html = head({"observation", "unit", "residual", "&sigma; given", "redundancy", "w", "gross error",
-                           "least detectable", "its effect", "in &sigma;"});
+                           "minimal detectable", "its effect", "in &sigma;"});
   for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
     const TestedObservation one = in_unit(observations[i]);
     const std::string_view unit = unit_of(one);
@@ -210,9 +210,10 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
       surveyed.push_back(one);
   if (!surveyed.empty())
     html += fmt::format(
-                "<section><h2>Reliability of control{}</h2>\n<p>A blunder of the least detectable size is found with a "
+                "<section><h2>Reliability of control{}</h2>\n<p>A gross error of the minimal detectable size is found "
+                "with a "
                 "probability of {:.0f} %; its effect is how far it would move the adjusted coordinate unnoticed.</p>\n",
-                report.adjusted.ground.empty() ? "" : " and measurements on the ground", 100 * tests.power) +
+                report.adjusted.geodetic.empty() ? "" : " and measurements on the ground", 100 * tests.power) +
             test_rows(surveyed, report.block, tests.limit) + "</section>\n";
   return html;
 }
@@ -226,7 +227,7 @@ std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProd
                      "</style></head>\n<body><main>\n<header><div><h1>" + title +
                      "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
   html += summary(report) + snooping_section(report) + control_table(report) + accuracy_section(report) +
-          precision_section(report, products) + ground_table(report) + unknowns_table(report) +
+          precision_section(report, products) + geodetic_table(report) + unknowns_table(report) +
           additional_section(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;

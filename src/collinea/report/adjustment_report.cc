@@ -17,7 +17,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 double shown_factor(const GroupSums& sums) {
   const double factor = sums.sigma_factor();
-  return sums.told() || factor > 1 ? factor : std::nan("");
+  return sums.is_determined() || factor > 1 ? factor : std::nan("");
 }
 
 const char* unit_of(UnknownKind kind) {
@@ -76,7 +76,7 @@ std::string name_of(const TestedObservation& one, const Block& block) {
                          : one.axis == 1 ? "north"
                                          : "the plumb line");
     default:  // geodetic observations
-      return words_of(block.ground[one.source], block);
+      return words_of(block.geodetic[one.source], block);
   }
 }
 

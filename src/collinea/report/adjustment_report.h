@@ -19,19 +19,19 @@ struct AdjustmentReport {
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
   double additional_level = 0;                   ///< of their tests
-  std::optional<Snooped> snooped;                ///< when blunders were taken out; its `adjusted` may have been moved
+  std::optional<Snooped> snooped;  ///< when gross errors were rejected; its `adjusted` may have been moved
 };
 
 // Its parts.
 
 /// By what the sigmas of a group should be multiplied; NaN where too little redundancy tells nothing.
 [[nodiscard]] double shown_factor(const GroupSums& sums);
-/// Of additional parameters those that the proposal drops: "a3,a7".
+/// Names of the additional parameters that the proposal drops: "a3,a7".
 [[nodiscard]] std::string dropped_names(const AdditionalTest& test);
 /// What was measured, in words: "tie point 17 in IMG_2.jpg, row", "gcp3, height", "position of IMG_2.jpg, east".
 [[nodiscard]] std::string name_of(const TestedObservation& observation, const Block& block);
-/// A measurement that was taken out, and how wrong it was: "gcp4 in IMG_31.jpg, off by 12.3 px (row ...)".
-[[nodiscard]] std::string told(const Rejected& gone, const Block& block);
+/// A measurement that was rejected, and how wrong it was: "gcp4 in IMG_31.jpg, off by 12.3 px (row ...)".
+[[nodiscard]] std::string words_of_rejected(const Rejected& rejected, const Block& block);
 /// px in images, m on the ground, deg; and the observation with its figures in that.
 [[nodiscard]] const char* unit_of(const TestedObservation& observation);
 [[nodiscard]] TestedObservation in_unit(TestedObservation observation);

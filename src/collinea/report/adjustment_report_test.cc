@@ -16,7 +16,7 @@
 namespace collinea {
 namespace {
 
-TEST(WriteAdjustment, ACalibratedCameraWithoutCovarianceHasNoSigmasAndAHeldOneHasZeros) {
+TEST(WriteAdjustment, ACalibratedCameraWithoutCovarianceHasNoSigmasAndAFixedOneHasZeros) {
   const TestFolder folder;
   AdjustmentReport report;
   report.block.georeference = Georeference{"EPSG:32633", 45, 15, 100};
@@ -95,7 +95,7 @@ TEST(WriteAdjustment, AccuracyAtCheckPointsHoldsThatOfTheirSurvey) {
   add(2, false, {0, 0.04, -0.01}, 0.01);
   add(3, true, {1, 1, 1}, 0.01);
   add(4, false, {kNaN, kNaN, 0.01}, kInfinity);
-  add(5, false, {9, 9, 9}, 0.01);  // control that was found wrong and taken out
+  add(5, false, {9, 9, 9}, 0.01);  // control that was found wrong and rejected
   report.block.control[{5}].role = ControlRole::kControl;
   const auto accuracy = nlohmann::json::parse(adjustment_json(report)).at("accuracy");
   const auto& plan = accuracy.at("horizontal");
@@ -148,7 +148,7 @@ TEST(WriteAdjustment, TheStrongestCorrelationsAreNamed) {
   const std::string page = adjustment_page(report, {});
   EXPECT_NE(page.find("lens: strongest between k1 and f, -0.950"), std::string::npos);
   EXPECT_NE(page.find("strongest: f and the height of IMG_2.jpg (-0.97); k1 and the height of "), std::string::npos);
-  EXPECT_NE(page.find("turn about north, east</td><td>0.60</td><td>+0.700</td><td class=\"l\">IMG_2.jpg"),
+  EXPECT_NE(page.find("rotation about north, east</td><td>0.60</td><td>+0.700</td><td class=\"l\">IMG_2.jpg"),
             std::string::npos);
   const auto json = nlohmann::json::parse(adjustment_json(report));
   EXPECT_EQ(json.at("camera_pose_correlations").size(), 12u);
@@ -158,7 +158,7 @@ TEST(WriteAdjustment, TheStrongestCorrelationsAreNamed) {
   EXPECT_EQ(poses.at("pairs").size(), 15u);
   for (std::size_t k = 0; k < 15; ++k)
     EXPECT_NEAR(poses.at("images").at(0).at("correlations").at(k).get<double>(),
-                poses.at("pairs").at(k) == nlohmann::json({"turn about north", "east"}) ? 0.6 : 0, 1e-12);
+                poses.at("pairs").at(k) == nlohmann::json({"rotation about north", "east"}) ? 0.6 : 0, 1e-12);
 }
 
 TEST(WriteAdjustment, TheWeakestImagesAndPointsComeFirst) {
@@ -181,7 +181,7 @@ TEST(WriteAdjustment, WhatNoImageSeesIsCounted) {
   EXPECT_EQ(nlohmann::json::parse(adjustment_json(report)).at("reliability").at("unseen"), 3);
 }
 
-TEST(WriteAdjustment, ControlLeftOutInPartsIsTold) {
+TEST(WriteAdjustment, ControlLeftOutInPartsIsStated) {
   AdjustmentReport report;
   report.block.control[{1}].name = "gcp1";
   report.block.control[{2}].name = "gcp2";
@@ -191,23 +191,23 @@ TEST(WriteAdjustment, ControlLeftOutInPartsIsTold) {
   folded.points = {{{1}, {0.03, 0.04, 0.01}, {0.05, 0.05, 0.02}}, {{2}, {0.03, 0.04, 0.07}, {0.05, 0.05, 0.02}}};
   const std::string page = adjustment_page(report, {});
   EXPECT_NE(page.find("Control in 2 parts"), std::string::npos);
-  EXPECT_NE(page.find("Plan: root mean square 0.0500 m over 2 points, foretold 0.0707 m"), std::string::npos);
+  EXPECT_NE(page.find("Plan: root mean square 0.0500 m over 2 points, predicted 0.0707 m"), std::string::npos);
   const auto parts = nlohmann::json::parse(adjustment_json(report)).at("reliability").at("left_out_in_parts");
   EXPECT_EQ(parts.at("points").at(1).at("part"), 2);
   EXPECT_NEAR(parts.at("rms").at("height").at("rms_m").get<double>(), 0.05, 1e-12);
 }
 
-TEST(WriteAdjustment, WhatWasRejectedOfGroundAndAttitudesIsToldInDegrees) {
+TEST(WriteAdjustment, WhatWasRejectedOfGroundAndAttitudesIsStatedInDegrees) {
   Block block;
   block.images[{1}].file = "IMG_1.jpg";
   block.control[{1}].name = "A";
   block.control[{2}].name = "B";
-  block.ground = {{.kind = GeodeticKind::kZenithAngle, .from = {1}, .to = {2}}};
+  block.geodetic = {{.kind = GeodeticKind::kZenithAngle, .from = {1}, .to = {2}}};
   Rejected angle{ObservationGroup::kZenithAngle};
   angle.gross_error.x() = 0.01;
   angle.sigma = 1e-4;
   angle.w = 100;
-  EXPECT_EQ(told(angle, block),
+  EXPECT_EQ(words_of_rejected(angle, block),
             "zenith angle A - B, off by 0.5730 deg (measured +0.5730 deg with a sigma of 0.00573 deg)");
   Rejected heading{ObservationGroup::kAttitudeHeading, {1}};
   heading.axis = 2;
@@ -215,7 +215,7 @@ TEST(WriteAdjustment, WhatWasRejectedOfGroundAndAttitudesIsToldInDegrees) {
   heading.sigma = 1e-4;
   heading.w = 100;
   EXPECT_EQ(
-      told(heading, block),
+      words_of_rejected(heading, block),
       "attitude of IMG_1.jpg, heading, off by 0.5730 deg (about the plumb line -0.5730 deg with a sigma of 0.00573 "
       "deg)");
 }

@@ -16,7 +16,7 @@ using json = nlohmann::ordered_json;
 constexpr int kColumns = 12;       // of the grid; its cells are about square
 constexpr int kLeastInCell = 10;   // fewer say nothing
 constexpr double kLimit = 13.816;  // chi-squared with two degrees of freedom, 0.1 %
-constexpr double kGross = 4;       // sigmas: blunders are no system
+constexpr double kGross = 4;       // sigmas: gross errors are no system
 
 struct Cell {
   double n = 0;
@@ -109,7 +109,7 @@ Normality normality_of(const AdjustmentReport& report) {
   return found;
 }
 
-std::string picture(const Pattern& pattern, const Camera& camera) {
+std::string image(const Pattern& pattern, const Camera& camera) {
   constexpr double kWidth = 560, kMargin = 10;
   const double scale = (kWidth - 2 * kMargin) / camera.width_px, height = camera.height_px * scale + 2 * kMargin;
   double longest = 1e-9;
@@ -152,7 +152,7 @@ std::string residual_section(const AdjustmentReport& report) {
                 "square, chance taken off).</p>\n",
                 escaped(camera.name), pattern.significant, pattern.counted, 0.001 * double(pattern.counted),
                 pattern.rms_px) +
-            picture(pattern, camera);
+            image(pattern, camera);
   }
   if (const Normality normal = normality_of(report); normal.n > 0)
     html += fmt::format(

@@ -22,68 +22,70 @@ bool in_image(ObservationGroup group) {
   return group == ObservationGroup::kTieImages || group == ObservationGroup::kControlImages;
 }
 
-std::string name_of(const Rejected& gone, const Block& block) {
-  switch (gone.group) {
+std::string name_of(const Rejected& rejected, const Block& block) {
+  switch (rejected.group) {
     case ObservationGroup::kTieImages:
-      return fmt::format("tie point {} in {}", gone.point.value, block.images.at(gone.image).file);
+      return fmt::format("tie point {} in {}", rejected.point.value, block.images.at(rejected.image).file);
     case ObservationGroup::kControlImages:
-      return fmt::format("{} in {}", block.control.at(gone.control).name, block.images.at(gone.image).file);
+      return fmt::format("{} in {}", block.control.at(rejected.control).name, block.images.at(rejected.image).file);
     case ObservationGroup::kControlPlan:
-      return block.control.at(gone.control).name + ", plan";
+      return block.control.at(rejected.control).name + ", plan";
     case ObservationGroup::kControlHeight:
-      return block.control.at(gone.control).name + ", height";
+      return block.control.at(rejected.control).name + ", height";
     case ObservationGroup::kPositionPlan:
-      return "position of " + block.images.at(gone.image).file + ", plan";
+      return "position of " + block.images.at(rejected.image).file + ", plan";
     case ObservationGroup::kPositionHeight:
-      return "position of " + block.images.at(gone.image).file + ", height";
+      return "position of " + block.images.at(rejected.image).file + ", height";
     case ObservationGroup::kAttitudeLevel:
-      return "attitude of " + block.images.at(gone.image).file + ", level";
+      return "attitude of " + block.images.at(rejected.image).file + ", level";
     case ObservationGroup::kAttitudeHeading:
-      return "attitude of " + block.images.at(gone.image).file + ", heading";
+      return "attitude of " + block.images.at(rejected.image).file + ", heading";
     default:
-      return words_of(block.ground[gone.ground], block);
+      return words_of(block.geodetic[rejected.geodetic], block);
   }
 }
 
-bool is_attitude(const Rejected& gone) { return gone.group >= ObservationGroup::kAttitudeLevel; }
+bool is_attitude(const Rejected& rejected) { return rejected.group >= ObservationGroup::kAttitudeLevel; }
 
 // Angles are told in degrees.
-bool is_angle(const Rejected& gone) { return collinea::is_angle(gone.group); }
-const char* unit(const Rejected& gone) { return in_image(gone.group) ? "px" : is_angle(gone) ? "deg" : "m"; }
-double told_in_unit(const Rejected& gone, double value) {
-  return is_angle(gone) ? value * 180 / std::numbers::pi : value;
+bool is_angle(const Rejected& rejected) { return collinea::is_angle(rejected.group); }
+const char* unit(const Rejected& rejected) {
+  return in_image(rejected.group) ? "px" : is_angle(rejected) ? "deg" : "m";
+}
+double stated_in_unit(const Rejected& rejected, double value) {
+  return is_angle(rejected) ? value * 180 / std::numbers::pi : value;
 }
 
-const char* axis_of(const Rejected& gone) {
+const char* axis_of(const Rejected& rejected) {
   constexpr const char* kInImage[] = {"column", "row", ""};
   constexpr const char* kOnGround[] = {"east", "north", "height"};
-  constexpr const char* kTurn[] = {"about east", "about north", "about the plumb line"};
-  if (is_attitude(gone)) return kTurn[gone.axis];
-  if (gone.group >= ObservationGroup::kDistance) return "measured";
-  return in_image(gone.group) ? kInImage[gone.axis] : kOnGround[gone.axis];
+  constexpr const char* kRotation[] = {"about east", "about north", "about the plumb line"};
+  if (is_attitude(rejected)) return kRotation[rejected.axis];
+  if (rejected.group >= ObservationGroup::kDistance) return "measured";
+  return in_image(rejected.group) ? kInImage[rejected.axis] : kOnGround[rejected.axis];
 }
 
 }  // namespace
 
-std::string told(const Rejected& gone, const Block& block) {
-  std::string text = name_of(gone, block);
-  if (gone.as_pair) return text + " (the only other ray of the point contradicts it; both went)";
-  if (!std::isfinite(gone.w)) return text + " (not seen there)";
-  const int decimals = in_image(gone.group) ? 1 : is_angle(gone) ? 4 : 3;
-  const bool in_plan = std::isfinite(gone.gross_error.x()) && std::isfinite(gone.gross_error.y());
-  const double size =
-      told_in_unit(gone, in_plan ? gone.gross_error.head<2>().norm() : std::abs(gone.gross_error[gone.axis]));
-  if (std::isfinite(size)) text += fmt::format(", off by {:.{}f} {}", size, decimals, unit(gone));
-  return text + fmt::format(" ({} {:+.{}f} {} with a sigma of {:.{}f} {})", axis_of(gone),
-                            told_in_unit(gone, gone.gross_error[gone.axis]), decimals, unit(gone),
-                            told_in_unit(gone, gone.sigma), decimals + 1, unit(gone));
+std::string words_of_rejected(const Rejected& rejected, const Block& block) {
+  std::string text = name_of(rejected, block);
+  if (rejected.as_pair) return text + " (the only other ray of the point contradicts it; both went)";
+  if (!std::isfinite(rejected.w)) return text + " (not seen there)";
+  const int decimals = in_image(rejected.group) ? 1 : is_angle(rejected) ? 4 : 3;
+  const bool in_plan = std::isfinite(rejected.gross_error.x()) && std::isfinite(rejected.gross_error.y());
+  const double size = stated_in_unit(
+      rejected, in_plan ? rejected.gross_error.head<2>().norm() : std::abs(rejected.gross_error[rejected.axis]));
+  if (std::isfinite(size)) text += fmt::format(", off by {:.{}f} {}", size, decimals, unit(rejected));
+  return text + fmt::format(" ({} {:+.{}f} {} with a sigma of {:.{}f} {})", axis_of(rejected),
+                            stated_in_unit(rejected, rejected.gross_error[rejected.axis]), decimals, unit(rejected),
+                            stated_in_unit(rejected, rejected.sigma), decimals + 1, unit(rejected));
 }
 
 std::string snooping_section(const AdjustmentReport& report) {
   if (!report.snooped) return "";
   const Snooped& snooped = *report.snooped;
   std::string html = fmt::format(
-      "<section><h2>Data snooping</h2>\n<p>{} observations were taken out in {} adjustments; sigma 0 with all of them "
+      "<section><h2>Data snooping</h2>\n<p>{} observations were rejected in {} adjustments; sigma 0 with all of them "
       "was {:.3f}.{}{} Blunder: measured minus what the adjustment without it says. Drawn: by how much the adjusted "
       "value followed it while it took part.</p>\n",
       snooped.rejected.size(), snooped.rounds, snooped.sigma0_before,
@@ -92,20 +94,21 @@ std::string snooping_section(const AdjustmentReport& report) {
   if (!snooped.rejected.empty()) {
     html +=
         "<table><thead><tr><th class=\"l\">observation</th><th class=\"l\">coordinate</th><th>w</th><th>blunder</th>"
-        "<th>&sigma;</th><th>drawn</th><th class=\"l\">unit</th><th>redundancy</th></tr></thead><tbody>\n";
+        "<th>&sigma;</th><th>influence</th><th class=\"l\">unit</th><th>redundancy</th></tr></thead><tbody>\n";
     for (std::size_t i = 0; i < std::min(kMostRows, snooped.rejected.size()); ++i) {
-      const Rejected& gone = snooped.rejected[i];
-      const int decimals = in_image(gone.group) ? 2 : is_angle(gone) ? 5 : 4;
-      html += "<tr>" + text_cell(name_of(gone, snooped.block)) + text_cell(axis_of(gone)) + cell(gone.w, 1) +
-              cell(told_in_unit(gone, gone.gross_error[gone.axis]), decimals) +
-              cell(told_in_unit(gone, gone.sigma), decimals) + cell(told_in_unit(gone, gone.influence), decimals) +
-              text_cell(unit(gone)) + cell(gone.redundancy, 2) + "</tr>\n";
+      const Rejected& rejected = snooped.rejected[i];
+      const int decimals = in_image(rejected.group) ? 2 : is_angle(rejected) ? 5 : 4;
+      html += "<tr>" + text_cell(name_of(rejected, snooped.block)) + text_cell(axis_of(rejected)) +
+              cell(rejected.w, 1) + cell(stated_in_unit(rejected, rejected.gross_error[rejected.axis]), decimals) +
+              cell(stated_in_unit(rejected, rejected.sigma), decimals) +
+              cell(stated_in_unit(rejected, rejected.influence), decimals) + text_cell(unit(rejected)) +
+              cell(rejected.redundancy, 2) + "</tr>\n";
     }
     html += "</tbody></table>\n";
-    if (snooped.rejected.size() > kMostRows) html += "<p>taken_out.csv has more.</p>\n";
+    if (snooped.rejected.size() > kMostRows) html += "<p>rejected.csv has more.</p>\n";
   }
   if (!snooped.kept.empty()) {
-    html += "<p>Suspect, but they cannot be taken out:</p>\n<ul>";
+    html += "<p>Suspect, but they cannot be rejected:</p>\n<ul>";
     for (std::size_t i = 0; i < std::min(kMostRows, snooped.kept.size()); ++i)
       html += "<li>" +
               escaped(name_of(snooped.kept[i].observation, snooped.block) + ": " + words_of(snooped.kept[i].reason)) +
@@ -134,20 +137,20 @@ std::string snooping_section(const AdjustmentReport& report) {
 json snooping_json(const AdjustmentReport& report) {
   const Snooped& snooped = *report.snooped;
   json rejected = json::array(), kept = json::array(), with = json::array();
-  for (const Rejected& gone : snooped.rejected)
+  for (const Rejected& item : snooped.rejected)
     rejected.push_back(
-        {{"observation", name_of(gone, snooped.block)},
-         {"coordinate", axis_of(gone)},
-         {"unit", unit(gone)},
-         {"w", number(gone.w)},
+        {{"observation", name_of(item, snooped.block)},
+         {"coordinate", axis_of(item)},
+         {"unit", unit(item)},
+         {"w", number(item.w)},
          {"gross_error",
-          {number(told_in_unit(gone, gone.gross_error.x())), number(told_in_unit(gone, gone.gross_error.y())),
-           number(told_in_unit(gone, gone.gross_error.z()))}},
-         {"sigma", number(told_in_unit(gone, gone.sigma))},
-         {"influence", number(told_in_unit(gone, gone.influence))},
-         {"redundancy", number(gone.redundancy)},
-         {"as_pair", gone.as_pair},
-         {"round", gone.round}});
+          {number(stated_in_unit(item, item.gross_error.x())), number(stated_in_unit(item, item.gross_error.y())),
+           number(stated_in_unit(item, item.gross_error.z()))}},
+         {"sigma", number(stated_in_unit(item, item.sigma))},
+         {"influence", number(stated_in_unit(item, item.influence))},
+         {"redundancy", number(item.redundancy)},
+         {"as_pair", item.as_pair},
+         {"round", item.round}});
   for (const KeptSuspect& one : snooped.kept)
     kept.push_back({{"observation", name_of(one.observation, snooped.block)},
                     {"w", number(one.observation.w)},
@@ -155,21 +158,22 @@ json snooping_json(const AdjustmentReport& report) {
   for (const ControlDifference& one : snooped.with)
     with.push_back({{"name", snooped.block.control.at(one.point).name}, {"difference_m", vector(one.difference_m)}});
   return {{"adjustments", snooped.rounds}, {"finished", snooped.finished}, {"sigma0_before", snooped.sigma0_before},
-          {"rejected", rejected},          {"put_back", snooped.put_back}, {"not_to_be_taken_out", kept},
+          {"rejected", rejected},          {"put_back", snooped.put_back}, {"not_to_be_rejected", kept},
           {"control_points_before", with}};
 }
 
 std::string rejected_csv(const Snooped& snooped) {
-  std::string text = "observation,coordinate,unit,w,blunder,sigma,drawn,redundancy,as_pair,adjustment\n";
+  std::string text = "observation,coordinate,unit,w,gross_error,sigma,influence,redundancy,as_pair,adjustment\n";
   const auto value = [](double x) { return std::isfinite(x) ? fmt::format(",{:.10g}", x) : std::string(","); };
-  for (const Rejected& gone : snooped.rejected) {
+  for (const Rejected& rejected : snooped.rejected) {
     std::string name;
-    for (const char c : name_of(gone, snooped.block)) name += c == '"' ? std::string("\"\"") : std::string(1, c);
-    text += fmt::format("\"{}\",{},{}", name, axis_of(gone), unit(gone));
-    for (const double x : {gone.w, told_in_unit(gone, gone.gross_error[gone.axis]), told_in_unit(gone, gone.sigma),
-                           told_in_unit(gone, gone.influence), gone.redundancy})
+    for (const char c : name_of(rejected, snooped.block)) name += c == '"' ? std::string("\"\"") : std::string(1, c);
+    text += fmt::format("\"{}\",{},{}", name, axis_of(rejected), unit(rejected));
+    for (const double x :
+         {rejected.w, stated_in_unit(rejected, rejected.gross_error[rejected.axis]),
+          stated_in_unit(rejected, rejected.sigma), stated_in_unit(rejected, rejected.influence), rejected.redundancy})
       text += value(x);
-    text += fmt::format(",{},{}\n", gone.as_pair ? "yes" : "no", gone.round);
+    text += fmt::format(",{},{}\n", rejected.as_pair ? "yes" : "no", rejected.round);
   }
   return text;
 }

@@ -53,7 +53,7 @@ Ranking ranking_of(std::vector<Known> all) {
 
 Ranking images_of(const AdjustmentReport& report) {
   std::map<ImageId, int> rays;
-  for (const std::uint32_t place : report.adjusted.observations) ++rays[report.block.observations[place].image];
+  for (const std::uint32_t index : report.adjusted.observations) ++rays[report.block.observations[index].image];
   std::vector<Known> all;
   for (const auto& [id, covariance] : report.adjusted.pose_covariance)
     all.push_back(
@@ -63,7 +63,7 @@ Ranking images_of(const AdjustmentReport& report) {
 
 Ranking points_of(const AdjustmentReport& report) {
   std::map<PointId, int> rays;
-  for (const std::uint32_t place : report.adjusted.observations) ++rays[report.block.observations[place].point];
+  for (const std::uint32_t index : report.adjusted.observations) ++rays[report.block.observations[index].point];
   std::vector<Known> all;
   for (std::size_t i = 0; i < report.adjusted.point_covariance.size(); ++i)
     all.push_back({report.adjusted.points[i].first.value,

@@ -69,7 +69,7 @@ std::string wall_line(const WallErrors& e, double unit_m) {
   return fmt::format(
       "surface model, walls               {} places   RMS {:.4f} m = {:.2f} GSD   median {:.2f} GSD   mean {:+.4f} m   "
       "within 2 GSD {:.1f} %\n",
-      e.places, e.rms_m, e.rms_m / unit_m, e.median_m / unit_m, e.mean_m, 100 * e.share_within);
+      e.samples, e.rms_m, e.rms_m / unit_m, e.median_m / unit_m, e.mean_m, 100 * e.share_within);
 }
 
 std::string terrain_lines(const TerrainErrors& e, double unit_m) {
@@ -92,7 +92,7 @@ std::string colour_line(const ColourErrors& e) {
   return fmt::format(
       "orthophoto, colours                {} pixels   wrong surface {:.2f} %   RMS {:.1f} grey   brightness of {} "
       "photographs alike to RMS {:.1f} %, worst {:.1f} %\n",
-      e.pixels, 100 * e.share_wrong, e.rms_grey, e.photographs, 100 * e.gain_rms, 100 * e.gain_worst);
+      e.pixels, 100 * e.share_wrong, e.rms_grey, e.images, 100 * e.gain_rms, 100 * e.gain_worst);
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ std::string assessment_text(const Assessment& a) {
   std::string text = orientation_lines(a);
   if (a.cloud && a.cloud->points) text += cloud_line(*a.cloud);
   if (a.surface) text += surface_lines(*a.surface, a.relative_within_bounds, surface_unit_m);
-  if (a.walls && a.walls->places) text += wall_line(*a.walls, surface_unit_m);
+  if (a.walls && a.walls->samples) text += wall_line(*a.walls, surface_unit_m);
   if (a.terrain) text += terrain_lines(*a.terrain, a.gsd_m.value_or(a.terrain->cell_m));
   if (a.ortho) text += ortho_line(*a.ortho);
   if (a.ortho_colours) text += colour_line(*a.ortho_colours);

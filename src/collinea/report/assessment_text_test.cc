@@ -57,7 +57,7 @@ TEST(AssessmentText, LinesKeepTheirForm) {
 TEST(AssessmentText, WithTheSizeOfAPixelErrorsAreTimesThat) {
   Assessment assessment;
   assessment.surface = surface();
-  assessment.walls = WallErrors{.places = 12, .rms_m = 0.1, .median_m = 0.05, .mean_m = 0.02, .share_within = 0.75};
+  assessment.walls = WallErrors{.samples = 12, .rms_m = 0.1, .median_m = 0.05, .mean_m = 0.02, .share_within = 0.75};
   assessment.gsd_m = 0.05;
   const std::string text = assessment_text(assessment);
   EXPECT_NE(text.find("RMSE 0.2000 m = 4.00 GSD"), std::string::npos) << text;

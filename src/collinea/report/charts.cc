@@ -116,7 +116,7 @@ std::string residual_pattern(const ResidualGrid& grid, const Camera& camera) {
   constexpr int kFewest = 5;  // fewer residuals in a cell say nothing
   const double scale = std::min((kWidth - 20) / camera.width_px, 360.0 / camera.height_px);
   const double width = camera.width_px * scale, height = camera.height_px * scale, left = (kWidth - width) / 2;
-  Svg svg(kWidth, height + 50, "Mean residuals over the picture");
+  Svg svg(kWidth, height + 50, "Mean residuals over the image");
   svg.rectangle(left, 8, width, height, "frame");
   std::vector<double> lengths;
   for (std::size_t i = 0; i < grid.count.size(); ++i)

@@ -54,7 +54,7 @@ std::string orientation_words(const Words& w) {
   return fmt::format("{} of {} of {} images {} taken from {}, and {}.",
                      w[F::kCameras] > 0 ? "Orientation and camera" : "Orientation", w.whole(F::kCount), w.whole(F::kOf),
                      w[F::kCameras] > 0 ? "are" : "is", w.subject(0),
-                     w.finding.code == C::kOrientationHeld ? "held as given" : "adjusted");
+                     w.finding.code == C::kOrientationFixed ? "fixed as given" : "adjusted");
 }
 
 std::string words_of_given(const Words& w) {
@@ -82,7 +82,7 @@ std::string words_of_given(const Words& w) {
           "taken for all, and poses fit it only roughly.",
           w.subject(0), w.subject(1), w[F::kFocalLowest], w[F::kFocalHighest]);
     case C::kOrientationTaken:
-    case C::kOrientationHeld:
+    case C::kOrientationFixed:
       return orientation_words(w);
     case C::kImageUnreadable:
     case C::kImageTooSmall:
@@ -164,9 +164,9 @@ std::string words_of_control(const Words& w) {
     case C::kDistanceWrong:
       return fmt::format("The {} contradicts the other distances by {} ({:.3g} m): it is not used.", w.subject(0),
                          w.percent(F::kRelative), w[F::kDifference]);
-    case C::kGroundDiffers:
-    case C::kGroundAngleDiffers: {
-      const bool angle = w.finding.code == C::kGroundAngleDiffers;
+    case C::kGeodeticDiffers:
+    case C::kGeodeticAngleDiffers: {
+      const bool angle = w.finding.code == C::kGeodeticAngleDiffers;
       return fmt::format("On the ground, {} differs from the adjusted block by {:.3g} {}, {} times what is expected.",
                          w.subject(0), w[angle ? F::kDifferenceAngle : F::kDifference], angle ? "degrees" : "m",
                          w.whole(F::kRatio));
@@ -350,7 +350,7 @@ std::string words_of_weak_images(const Words& w) {
 
 std::string words_of_weak_unknowns(const Words& w) {
   switch (w.finding.code) {
-    case C::kWeakTurn:
+    case C::kWeakRotation:
       return fmt::format(
           "The rotation of the block about {} is known to {:.2g} degrees only, {}: all that fixes it "
           "lies near that line.",
@@ -467,8 +467,8 @@ std::string words_of_orientation(const Words& w) {
           "Fewer than {} tie points fit the pose of {}, the first: {}. Nothing here speaks for these "
           "poses.",
           w.whole(F::kLimit), w.counted(F::kCount, "image"), w.subject(0));
-    case C::kAdditionalHeld:
-      return "Poses are held as given: no camera gets additional parameters.";
+    case C::kAdditionalFixed:
+      return "Poses are fixed as given: no camera gets additional parameters.";
     case C::kAdditionalUncalibrated:
       return "No camera is calibrated: none gets additional parameters.";
     case C::kAdditionalSignificant:

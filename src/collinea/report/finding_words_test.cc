@@ -15,8 +15,8 @@ Block named_block() {
   block.cameras[{0}].name = "FC6310";
   for (std::uint32_t i = 0; i < 9; ++i) block.images[{i}] = {"IMG_" + std::to_string(i) + ".jpg", CameraId{0}};
   for (std::uint32_t i = 0; i < 3; ++i) block.control[{i}].name = "P" + std::to_string(i);
-  block.ground.push_back({.kind = GeodeticKind::kDistance, .from = {0}, .to = {1}});
-  block.ground.push_back({.kind = GeodeticKind::kDistance, .from = {1}, .to = {2}});
+  block.geodetic.push_back({.kind = GeodeticKind::kDistance, .from = {0}, .to = {1}});
+  block.geodetic.push_back({.kind = GeodeticKind::kDistance, .from = {1}, .to = {2}});
   return block;
 }
 
@@ -158,7 +158,7 @@ TEST(FindingWords, DatumGaugeAndConditioning) {
             "control points, positions of images");
   EXPECT_EQ(words_of(DatumSources{.parts = 2}, 14),
             "free network (14 degrees of freedom kept by inner constraints, 2 unconnected parts)");
-  EXPECT_TRUE(words_of(DatumSources{.ground = true}, 4).starts_with("partly measurements on the ground"));
+  EXPECT_TRUE(words_of(DatumSources{.geodetic = true}, 4).starts_with("partly measurements on the ground"));
   EXPECT_EQ(words_of(Gauge{.map = "EPSG:32633", .by_control = true, .positions = 8}),
             "in EPSG:32633, fixed by control points and the positions of 8 images");
   EXPECT_EQ(

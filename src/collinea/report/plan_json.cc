@@ -15,14 +15,14 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-json place(const Eigen::Vector2d& at) { return {at.x(), at.y()}; }
+json position(const Eigen::Vector2d& at) { return {at.x(), at.y()}; }
 
 json area_json(const AreaSigma& area) {
   return {{"rms_m", vector(area.rms_m)},
           {"worst_plan_m", number(area.worst_plan_m)},
-          {"worst_plan_at", place(area.worst_plan_at)},
+          {"worst_plan_at", position(area.worst_plan_at)},
           {"worst_height_m", number(area.worst_height_m)},
-          {"worst_height_at", place(area.worst_height_at)},
+          {"worst_height_at", position(area.worst_height_at)},
           {"cells", area.cells},
           {"cells_seen_in_fewer_than_two_images", area.empty}};
 }
@@ -33,7 +33,7 @@ json flight_json(const FlightPlan& plan) {
           {"cross_strips", plan.cross_strips},
           {"height_m", plan.height_m},
           {"gsd_m", plan.gsd_m},
-          {"picture_m", {plan.across_m, plan.along_m}},
+          {"image_m", {plan.across_m, plan.along_m}},
           {"base_m", plan.base_m},
           {"strip_spacing_m", plan.spacing_m},
           {"heading_deg", plan.heading_rad * 180 / std::numbers::pi},
@@ -49,7 +49,7 @@ json points_json(const PlanReport& report) {
     list.push_back({{"name", point.name},
                     {"role", one.used ? "control" : "check"},
                     {"images", one.rays},
-                    {"place", place(point.position_in_map.head<2>())},
+                    {"position", position(point.position_in_map.head<2>())},
                     {"sigma_m", vector(one.covariance_m2->diagonal().cwiseSqrt())},
                     {"survey_sigma_m", vector(point.sigma_m)}});
   }
@@ -86,7 +86,8 @@ std::string plan_json(const PlanReport& report) {
       {"area", area_json(precision.area)},
       {"points", points_json(report)},
       {"tie_points", json::array()},
-      {"images", {{"centre_rms_m", vector(precision.pose_rms_m)}, {"turn_rms_rad", vector(precision.turn_rms_rad)}}},
+      {"images",
+       {{"centre_rms_m", vector(precision.pose_rms_m)}, {"rotation_rms_rad", vector(precision.rotation_rms_rad)}}},
       {"cameras", cameras_json(precision)},
       {"gains", json::array()},
       {"rules_of_thumb", json::array()},
@@ -99,7 +100,7 @@ std::string plan_json(const PlanReport& report) {
                                {"rms_m", vector(rays.rms_m)}});
   for (const Gain& gain : report.gains)
     j["gains"].push_back({{"what", words_of(gain)},
-                          {"place", gain.place ? place(*gain.place) : json(nullptr)},
+                          {"position", gain.position ? position(*gain.position) : json(nullptr)},
                           {"area", area_json(gain.area)}});
   for (const RuleOfThumb& rule : report.rules)
     j["rules_of_thumb"].push_back({{"of", words_of(rule.rule)},
@@ -144,16 +145,16 @@ std::string plan_text(const PlanReport& report) {
     text += "           of the shape alone: place, attitude or scale on the map are not fixed (see weak)\n";
   for (const Gain& gain : report.gains)
     text += "with       " + sigmas(gain.area) + ": " + words_of(gain) +
-            (gain.place ? fmt::format(" at {:.1f}, {:.1f}", gain.place->x(), gain.place->y()) : "") + "\n";
+            (gain.position ? fmt::format(" at {:.1f}, {:.1f}", gain.position->x(), gain.position->y()) : "") + "\n";
   for (const RuleOfThumb& rule : report.rules)
     if (rule.predicted_m)
       text += fmt::format("rule       {:.1f} mm, here {:.1f} mm: {} = {}\n", 1000 * rule.value_m,
                           1000 * *rule.predicted_m, words_of(rule.rule), formula_of(rule.rule));
   if (report.trials)
-    text +=
-        fmt::format("simulated  errors of {} blocks over what was foretold: east {:.2f}, north {:.2f}, height {:.2f}\n",
-                    report.trials->blocks, report.trials->cell_ratio.x(), report.trials->cell_ratio.y(),
-                    report.trials->cell_ratio.z());
+    text += fmt::format(
+        "simulated  errors of {} blocks over what was predicted: east {:.2f}, north {:.2f}, height {:.2f}\n",
+        report.trials->blocks, report.trials->cell_ratio.x(), report.trials->cell_ratio.y(),
+        report.trials->cell_ratio.z());
   for (const Finding& weak : report.precision.adjusted.weaknesses)
     text += "weak       " + sentence_of(weak, report.precision.planned.block) + "\n";
   for (const Custom& custom : report.customs)

@@ -22,7 +22,7 @@ void draw_area(Svg& svg, const MapView& view, const MapArea& area, std::string_v
 
 void draw_points(Svg& svg, const MapView& view, const PlanReport& report, bool names) {
   for (const PlannedPoint& point : report.points) {
-    const Vector2d at = view(point.place);
+    const Vector2d at = view(point.position);
     if (point.role == ControlRole::kControl)
       draw_triangle(svg, at, "control");
     else
@@ -31,9 +31,9 @@ void draw_points(Svg& svg, const MapView& view, const PlanReport& report, bool n
     if (names) svg.text(at + Vector2d(9, 14), point.name, "start", "label halo");
   }
   for (const Gain& gain : report.gains) {
-    if (!gain.place) continue;
-    svg.circle(view(*gain.place), 9, "more", words_of(gain));
-    if (names) svg.text(view(*gain.place) + Vector2d(12, 4), words_of(gain), "start", "label halo");
+    if (!gain.position) continue;
+    svg.circle(view(*gain.position), 9, "more", words_of(gain));
+    if (names) svg.text(view(*gain.position) + Vector2d(12, 4), words_of(gain), "start", "label halo");
   }
 }
 
@@ -99,8 +99,8 @@ void draw_ellipses(Svg& svg, const MapView& view, const Precision& precision) {
   if (!(longest > 0)) return;
   const double px_per_m = kLongest_px / longest;
   for (const CellPrecision* cell : cells) {
-    draw_ellipse(svg, view(cell->place), cell->covariance_m2.topLeftCorner<2, 2>(), px_per_m, "ellipse");
-    draw_height_bar(svg, view(cell->place), cell->sigma_m().z(), px_per_m, "height_bar");
+    draw_ellipse(svg, view(cell->position), cell->covariance_m2.topLeftCorner<2, 2>(), px_per_m, "ellipse");
+    draw_height_bar(svg, view(cell->position), cell->sigma_m().z(), px_per_m, "height_bar");
   }
   const double length = round_below(longest), px = length * px_per_m;
   const Vector2d corner(view.width - 250, view.height + view.footer - 22);
@@ -117,7 +117,7 @@ std::string plan_map(const PlanReport& report) {
   MapBounds bounds;
   for (const Vector2d& corner : report.plan.area) bounds.add(corner);
   for (const PlannedImage& image : report.plan.images) bounds.add(image.centre.head<2>());
-  for (const PlannedPoint& point : report.points) bounds.add(point.place);
+  for (const PlannedPoint& point : report.points) bounds.add(point.position);
   MapView view = bounds.view(kMapWidth, 620);
   view.footer = 30;
   Svg svg(view.width, view.height + view.footer, "Flight, control and precision");
@@ -150,7 +150,7 @@ std::string sigma_map(const PlanReport& report, bool height) {
   Svg svg(view.width, view.height + kLegend, height ? "Standard deviation of heights" : "Standard deviation in plan");
   const double half = precision.planned.grid.cell_m / 2, px = 2 * half * view.pixels_per_unit;
   for (const CellPrecision& cell : precision.cells) {
-    const Vector2d at = view(Vector2d(cell.place + Vector2d(-half, half)));
+    const Vector2d at = view(Vector2d(cell.position + Vector2d(-half, half)));
     svg.rectangle(at.x(), at.y(), px + 0.3, px + 0.3, "cell", Classes::kColours[classes(sigma(cell))]);
   }
   draw_area(svg, view, report.plan.area, "site outline");

@@ -37,7 +37,7 @@ std::string statement(const PlanReport& report) {
                        number_text(1000 * worst_m, kMm));
   };
   if (report.precision.cells.empty())
-    return "<div class=\"statement unverified\"><p>No standard deviations can be foretold. " +
+    return "<div class=\"statement unverified\"><p>No standard deviations can be predicted. " +
            escaped((report.precision.adjusted.undetermined
                         ? sentence_of(*report.precision.adjusted.undetermined, report.precision.planned.block)
                         : "")) +
@@ -63,7 +63,7 @@ std::string facts(const PlanReport& report) {
                                        : std::to_string(plan.strips));
   fact("height above ground", fmt::format("{:.1f} m", plan.height_m));
   fact("pixel on the ground", fmt::format("{:.1f} mm", 1000 * plan.gsd_m));
-  fact("picture on the ground", fmt::format("{:.0f} x {:.0f} m", plan.across_m, plan.along_m));
+  fact("image on the ground", fmt::format("{:.0f} x {:.0f} m", plan.across_m, plan.along_m));
   fact("from image to image", fmt::format("{:.1f} m", plan.base_m));
   fact("from strip to strip", fmt::format("{:.1f} m", plan.spacing_m));
   fact("way to fly", fmt::format("{:.1f} km", plan.path_m / 1000));
@@ -109,8 +109,8 @@ std::string gains(const PlanReport& report) {
   };
   row("as planned", now);
   for (const Gain& gain : report.gains)
-    row(gain.place ? fmt::format("{} at {:.1f}, {:.1f}", words_of(gain), gain.place->x(), gain.place->y())
-                   : words_of(gain),
+    row(gain.position ? fmt::format("{} at {:.1f}, {:.1f}", words_of(gain), gain.position->x(), gain.position->y())
+                      : words_of(gain),
         gain.area);
   return html + "</tbody></table></section>\n";
 }
@@ -150,7 +150,7 @@ std::string unknowns(const PlanReport& report) {
           text_cell("projection centre: east, north, height [mm]");
   for (int i = 0; i < 3; ++i) html += cell(1000 * precision.pose_rms_m[i], kMm);
   html += "</tr>\n<tr>" + text_cell("attitude about the camera's right, down and viewing axis [deg]");
-  for (int i = 0; i < 3; ++i) html += cell(kDegrees * precision.turn_rms_rad[i], 4);
+  for (int i = 0; i < 3; ++i) html += cell(kDegrees * precision.rotation_rms_rad[i], 4);
   html += "</tr>\n</tbody></table>\n";
   for (const auto& [id, covariance] : precision.adjusted.camera_covariance) {
     html += head({"camera", "value", "&sigma;", "unit"});
@@ -184,7 +184,7 @@ std::string trials(const PlanReport& report) {
   if (!report.trials) return "";
   const Trials& t = *report.trials;
   return fmt::format(
-      "<section><h2>Foretold against simulated errors</h2>\n<p>{} blocks with all errors drawn anew were adjusted. "
+      "<section><h2>Predicted against simulated errors</h2>\n<p>{} blocks with all errors drawn anew were adjusted. "
       "Root mean "
       "square of error over standard deviation on the map (1 is expected): east {:.3f}, north {:.3f}, height {:.3f}. "
       "Chi-squared over its degrees of freedom: places {:.3f}, images {:.3f}{}.</p></section>\n",
@@ -201,7 +201,7 @@ std::string plan_page(const PlanReport& report) {
          "</h1>Planned survey: expected precision</div><p>collinea " COLLINEA_VERSION "</p></header>\n" +
          statement(report) + facts(report) + cautions(report) + maps(report) + gains(report) + check_points(report) +
          unknowns(report) + rules(report) + trials(report) +
-         "<footer>Foretold by the bundle adjustment of the planned block. Blunders, poor texture, motion blur and a "
+         "<footer>Predicted by the bundle adjustment of the planned block. Blunders, poor texture, motion blur and a "
          "bad "
          "camera model come on top. All figures are also in plan.json.</footer>\n</main></body></html>\n";
 }

@@ -12,7 +12,7 @@ namespace collinea {
 /// What a rule is of: "signalised points, plan".
 [[nodiscard]] std::string_view words_of(PlanRule rule);
 
-/// The rule itself: "6 um * mb"; h: height above ground, mb: photo scale number.
+/// The rule itself: "6 um * mb"; h: height above ground, mb: image scale number.
 [[nodiscard]] std::string_view formula_of(PlanRule rule);
 
 /// What is customary: "forward overlap of 60 % and more".

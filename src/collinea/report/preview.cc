@@ -8,7 +8,7 @@
 
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/hillshade.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/report/internal/figures.h"
 #include "collinea/report/internal/svg.h"
 
@@ -46,15 +46,15 @@ std::pair<double, double> percentiles(const FloatImage& heights, double low, dou
     if (std::isfinite(v)) values.push_back(v);
   if (values.empty()) return {0, 0};
   const auto at = [&](double share) {
-    const auto place = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-    std::nth_element(values.begin(), place, values.end());
-    return double(*place);
+    const auto quantile = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), quantile, values.end());
+    return double(*quantile);
   };
   return {at(low), at(high)};
 }
 
 Raster<std::uint8_t> shaded(const FloatImage& heights, double cell_m, double low, double high) {
-  Raster<std::uint8_t> picture(heights.width, heights.height, 3, 255);
+  Raster<std::uint8_t> image(heights.width, heights.height, 3, 255);
   for (int y = 0; y < heights.height; ++y)
     for (int x = 0; x < heights.width; ++x) {
       const float value = heights.at(x, y);
@@ -63,14 +63,14 @@ Raster<std::uint8_t> shaded(const FloatImage& heights, double cell_m, double low
       const double facing = hillshade_at(heights, x, y, cell_m) * std::numbers::sqrt2;  // 1 on a plane
       const double light = 0.35 + 0.65 * std::min(facing, 1.35);
       for (int c = 0; c < 3; ++c)
-        picture.at(x, y, c) = std::uint8_t(std::clamp(colour[std::size_t(c)] * light, 0.0, 255.0));
+        image.at(x, y, c) = std::uint8_t(std::clamp(colour[std::size_t(c)] * light, 0.0, 255.0));
     }
-  return picture;
+  return image;
 }
 
-Result<Preview> encoded(const Raster<std::uint8_t>& picture, double low, double high) {
-  COLLINEA_TRY(std::string jpeg, encode_jpeg(picture, kJpegQuality));
-  return Preview{std::move(jpeg), picture.width, picture.height, low, high};
+Result<Preview> encoded(const Raster<std::uint8_t>& image, double low, double high) {
+  COLLINEA_TRY(std::string jpeg, encode_jpeg(image, kJpegQuality));
+  return Preview{std::move(jpeg), image.width, image.height, low, high};
 }
 
 }  // namespace
@@ -84,20 +84,20 @@ Result<Preview> preview_of_heights(const std::filesystem::path& geotiff, int lon
   return encoded(shaded(heights, grid.cell_m * grid.width / size.width, low, high), low, high);
 }
 
-Result<Preview> preview_of_picture(const std::filesystem::path& geotiff, int longest_side_px) {
+Result<Preview> preview_of_image(const std::filesystem::path& geotiff, int longest_side_px) {
   COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(geotiff));
   const MapGrid& grid = reader.grid();
   const Size size = reduced(grid, longest_side_px);
   COLLINEA_TRY(const auto pixels, reader.read_byte(0, 0, grid.width, grid.height, size.width, size.height));
-  Raster<std::uint8_t> picture(size.width, size.height, 3, 255);
+  Raster<std::uint8_t> image(size.width, size.height, 3, 255);
   const bool grey = pixels.channels < 3, alpha = pixels.channels == 2 || pixels.channels == 4;
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
       const int opacity = alpha ? pixels.at(x, y, pixels.channels - 1) : 255;
       for (int c = 0; c < 3; ++c)
-        picture.at(x, y, c) = std::uint8_t((pixels.at(x, y, grey ? 0 : c) * opacity + 255 * (255 - opacity)) / 255);
+        image.at(x, y, c) = std::uint8_t((pixels.at(x, y, grey ? 0 : c) * opacity + 255 * (255 - opacity)) / 255);
     }
-  return encoded(picture, 0, 0);
+  return encoded(image, 0, 0);
 }
 
 std::string height_scale(const Preview& preview, const std::string& unit) {

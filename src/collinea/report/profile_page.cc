@@ -73,7 +73,7 @@ std::string profile_page(const Profile& profile, const std::vector<std::string>&
     svg.text({kWidth - 152, 28 + 18.0 * double(s)}, names[s]);
   }
   const double exaggeration = ((kHeight - 60) / (y.high - y.low)) / ((kWidth - 84) / x.high);
-  const Vector2d &from = profile.place.front(), &to = profile.place.back();
+  const Vector2d &from = profile.positions.front(), &to = profile.positions.back();
   return html + "<figure>" + svg.finish() +
          fmt::format(
              "<figcaption>From {:.2f}, {:.2f} to {:.2f}, {:.2f}. Heights exaggerated {:.2g} times; bands: one "

@@ -39,7 +39,7 @@ struct RectifiedReport {
     Eigen::Vector2d residual_px, residual_m;
     double in_sigmas = 0;
   };
-  /// Of a plane from points of one image.
+  /// Figures of a plane from points of one image.
   struct FromPoints {
     std::vector<Point> points;
     int redundancy = 0;
@@ -51,7 +51,7 @@ struct RectifiedReport {
   };
   std::optional<FromPoints> from_points;
 
-  /// Of a plane of a project.
+  /// Figures of a plane of a project.
   struct FromProject {
     std::size_t points = 0, points_looked_at = 0;
     double rms_m = 0;  ///< of the points off the plane

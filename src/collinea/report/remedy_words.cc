@@ -45,7 +45,7 @@ constexpr Phrase kPhrases[] = {
     {R::kWidenControlInPlan, "give control or positions farther apart in plan"},
     {R::kAddCrossStrip, "add control off that line, a parallel or cross strip, or attitudes of the images"},
     {R::kVaryHeights, "add images at different heights or oblique ones, or control or relief at different heights"},
-    {R::kTurnImages, "add strips flown across or back (images turned by 90 and 180 degrees), or relief"},
+    {R::kRotateImages, "add strips flown across or back (images turned by 90 and 180 degrees), or relief"},
     {R::kReachCorners, "measure points out to the corners of the images"},
     {R::kFewerParameters, "use fewer parameters"},
     {R::kCalibrateCamera, "give a calibrated camera"},
@@ -61,7 +61,7 @@ constexpr Phrase kPhrases[] = {
      "heights"},
     {R::kAddSideViews, "add images from the side, or looking sideways"},
     {R::kHoldStill, "hold the camera still for each image, or use one with a global shutter"},
-    {R::kTakeRepeatsOut,
+    {R::kRemoveRepeats,
      "should the model be folded or doubled, take these images out or add some that show the positions apart"},
     {R::kLeaveSurface, "add images from off that surface, or control"},
     {R::kGiveThreeControlPoints, "give three control points"},
@@ -98,7 +98,7 @@ std::string phrase_of(const Remedy& remedy, const SpellOption& spell) {
 
 std::string remedy_of(const Finding& finding, const SpellOption& spell) {
   if (finding.remedies.empty()) return "";
-  // Of a defect of the datum each remedy helps one thing, and all are needed.
+  // Remedies of a defect of the datum help one thing each, and all are needed.
   const char* last = finding.code == FindingCode::kDatumDefect ? " and " : ", or ";
   std::string text;
   for (std::size_t i = 0; i < finding.remedies.size(); ++i)

@@ -27,10 +27,10 @@ std::optional<Preview> preview(MakePreview make, const std::filesystem::path& fi
 Result<> write_report(const ReportInput& input, const std::filesystem::path& folder) {
   ReportInput shown = input;
   const auto heights = preview(preview_of_heights, input.dsm, shown.findings);
-  const auto picture = preview(preview_of_picture, input.ortho, shown.findings);
+  const auto image = preview(preview_of_image, input.ortho, shown.findings);
   const ReportSummary summary = summary_of(shown);
   COLLINEA_TRY(write_file(folder / "report.json", report_json(shown, summary)));
-  return write_file(folder / "report.html", report_page(shown, summary, heights, picture));
+  return write_file(folder / "report.html", report_page(shown, summary, heights, image));
 }
 
 }  // namespace collinea

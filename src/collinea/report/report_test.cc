@@ -96,12 +96,12 @@ TEST_F(ReportTest, TheSameInputGivesTheSameBytes) {
 
 TEST_F(ReportTest, AnEmptyProjectStillHasAReport) {
   ASSERT_TRUE(write_report({}, folder_));
-  EXPECT_TRUE(contains(page(), "neither place nor scale"));
+  EXPECT_TRUE(contains(page(), "neither location nor scale"));
   EXPECT_FALSE(contains(page(), "nan"));
   EXPECT_TRUE(figures()["check_rmse_m"].is_null());
 }
 
-TEST_F(ReportTest, WithoutCheckPointsNothingIsSaidToBeVerified) {
+TEST_F(ReportTest, WithoutCheckPointsNothingIsStatedToBeVerified) {
   ReportInput input = report_of_test_flight(2, 4, 100);
   for (ControlDifference& control : input.control) control.used = true;
   EXPECT_TRUE(contains(summary_of(input).statement, "not verified independently"));
@@ -110,7 +110,7 @@ TEST_F(ReportTest, WithoutCheckPointsNothingIsSaidToBeVerified) {
   input.georeferenced = input.metric = false;
   const ReportSummary free = summary_of(input);
   EXPECT_EQ(free.unit, "units");
-  EXPECT_TRUE(contains(free.statement, "neither place nor scale"));
+  EXPECT_TRUE(contains(free.statement, "neither location nor scale"));
 }
 
 TEST_F(ReportTest, ControlThatWasFoundWrongIsListedAndCounted) {
@@ -125,7 +125,7 @@ TEST_F(ReportTest, ControlThatWasFoundWrongIsListedAndCounted) {
   EXPECT_TRUE(contains(summary.cautions.at(1), "1 control point was found wrong and not used"));
 }
 
-TEST_F(ReportTest, PicturesAreEmbeddedAndMissingOnesBecomeFindings) {
+TEST_F(ReportTest, ImagesAreEmbeddedAndMissingOnesBecomeFindings) {
   fs::create_directories(folder_);
   MapGrid grid{500000, 4.98e6, 0.5, 300, 200, ""};
   {
@@ -205,7 +205,7 @@ TEST(ControlRms, ImageResidualsReferToTheEstimatedPosition) {
   EXPECT_TRUE(std::isnan(control_rms_px(input.block, control)));
 }
 
-TEST(Coverage, ANadirFootprintIsThePictureTimesTheScale) {
+TEST(Coverage, ANadirFootprintIsTheImageTimesTheScale) {
   Block block;
   block.cameras[{0}] = ideal_camera(1000, 800, 600);
   block.images[{0}].camera = {0};

@@ -68,11 +68,11 @@ std::string parameter_row(const ReportInput& input, CameraId id, int param) {
   const double before = first == input.first_cameras.end() ? std::nan("") : first->second.params[i];
   const double sigma = sigmas == input.camera_sigma.end() ? std::nan("") : sigmas->second[i];
   const int decimals = param_unit(param) == "px" ? 3 : 7;
-  const bool held = !(sigma > 0);
+  const bool is_fixed = !(sigma > 0);
   return "<tr>" + text_cell(param_name(param)) + text_cell(param_unit(param)) + cell(before, decimals) +
          cell(value, decimals) + cell(value - before, decimals) +
-         (held && std::isfinite(sigma) ? "<td>held</td>" : cell(sigma, decimals)) +
-         cell(held || param < Camera::kK1 ? std::nan("") : std::abs(value) / sigma, 1) + "</tr>\n";
+         (is_fixed && std::isfinite(sigma) ? "<td>fixed</td>" : cell(sigma, decimals)) +
+         cell(is_fixed || param < Camera::kK1 ? std::nan("") : std::abs(value) / sigma, 1) + "</tr>\n";
 }
 
 double field_of_view_deg(const Camera& camera) {
@@ -105,7 +105,7 @@ std::string one_camera(const ReportInput& input, const ReportSummary& summary, C
       escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), words_of_model(camera),
       camera.width_px, camera.height_px, images, images == 1 ? "" : "s", field_of_view_deg(camera),
       escaped(camera.prior.source == Provenance::kUnknown ? "unknown" : words_of(camera.prior.source)),
-      camera.prior.calibrate ? "" : " All parameters were given and held.");
+      camera.prior.calibrate ? "" : " All parameters were given and fixed.");
   html +=
       "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th "
       "class=\"l\">unit</th><th>before</th><th>adjusted</th>"
@@ -119,7 +119,7 @@ std::string one_camera(const ReportInput& input, const ReportSummary& summary, C
   for (const ResidualGrid& grid : summary.residuals.grids)
     if (grid.camera == id)
       html += "<figure>" + residual_pattern(grid, camera) +
-              "<figcaption>Mean residual vectors over the picture (observed minus computed), exaggerated. Arrows "
+              "<figcaption>Mean residual vectors over the image (observed minus computed), exaggerated. Arrows "
               "without order are "
               "noise; a pattern is what the camera model does not explain.</figcaption></figure>\n";
   return html + "</div>\n";
@@ -167,15 +167,15 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
   return html + "</tbody></table></section>\n";
 }
 
-std::string ground_section(const ReportInput& input) {
-  if (input.ground.empty()) return "";
+std::string geodetic_section(const ReportInput& input) {
+  if (input.geodetic.empty()) return "";
   std::string html =
       "<section><h2>Measurements on the ground</h2>\n<p>Differences are adjusted minus given. Red: more than three "
       "times the predicted standard deviation.</p>\n<table><thead><tr><th class=\"l\">measurement</th><th "
       "class=\"l\">role</th><th class=\"l\">unit</th><th>given</th><th>&sigma; given</th><th>adjusted</th>"
       "<th>difference</th><th>&sigma; predicted</th></tr></thead><tbody>\n";
-  for (const GeodeticDifference& one : input.ground) {
-    const GeodeticObservation& measured = input.block.ground.at(one.observation);
+  for (const GeodeticDifference& one : input.geodetic) {
+    const GeodeticObservation& measured = input.block.geodetic.at(one.observation);
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
     const int decimals = measured.is_angle() ? 5 : 4;
     html += one.excluded ? "<tr class=\"out\">" : "<tr>";

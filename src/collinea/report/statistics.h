@@ -17,9 +17,9 @@ struct AxisRms {
   int points = 0;                   ///< known on at least one axis
 };
 
-/// Of these; NaN on an axis: not measured there.
+/// Root mean square of these; NaN on an axis: not measured there.
 [[nodiscard]] AxisRms rms_of(std::span<const Eigen::Vector3d> differences_m);
-/// Of the points of one kind. An axis counts only where the point was surveyed (finite Block sigma).
+/// Root mean square over the points of one kind. An axis counts only where the point was surveyed (finite Block sigma).
 [[nodiscard]] AxisRms control_rms(const ReportInput& input, bool used);
 [[nodiscard]] AxisRms position_rms(const ReportInput& input);
 
@@ -30,7 +30,7 @@ struct ImageResiduals {
   double rms_px = 0;  ///< of the residual lengths
 };
 
-/// Mean residual vectors of one camera over a grid on its picture: shows what the camera model does not.
+/// Mean residual vectors of one camera over a grid on its image: shows what the camera model does not.
 struct ResidualGrid {
   CameraId camera;
   int columns = 0, rows = 0;

@@ -17,7 +17,7 @@ namespace {
 using json = nlohmann::ordered_json;
 
 // Members of records that have a row for each image, point or camera.
-constexpr std::array<std::string_view, 6> kTables = {"control",          "positions",      "ground",
+constexpr std::array<std::string_view, 6> kTables = {"control",          "positions",      "geodetic",
                                                      "height_precision", "centre_sigma_m", "calibration"};
 
 std::string name_of(ImageId image, const Block& block) {

@@ -14,7 +14,7 @@ std::string words(const ImportRecord& r) {
   return fmt::format(
       "{} images, {} camera{}, {} positions, {} control points{}{}", r.images, r.cameras, r.cameras == 1 ? "" : "s",
       r.positions, r.control_points,
-      r.ground_measurements == 0 ? "" : fmt::format(", {} measurements on the ground", r.ground_measurements),
+      r.geodetic_observations == 0 ? "" : fmt::format(", {} measurements on the ground", r.geodetic_observations),
       r.crs ? ", map " + *r.crs : ", no map: local gauge");
 }
 

@@ -14,7 +14,7 @@ TEST(StepWords, SayOnOneLineWhatCameOfAStep) {
   ImportRecord imported{.images = 6, .cameras = 1, .positions = 5, .control_points = 4};
   EXPECT_EQ(summary_of(imported), "6 images, 1 camera, 5 positions, 4 control points, no map: local gauge");
   imported.cameras = 2;
-  imported.ground_measurements = 3;
+  imported.geodetic_observations = 3;
   imported.crs = "EPSG:32633";
   EXPECT_EQ(summary_of(imported),
             "6 images, 2 cameras, 5 positions, 4 control points, 3 measurements on the ground, map EPSG:32633");
@@ -56,7 +56,7 @@ TEST(StepWords, SayHowMuchOfAProductIsMeasured) {
                                    "photograph does not see");
 }
 
-TEST(StepWords, SayWhyAStepMadeNothing) {
+TEST(StepWords, SayWhyAStepWasSkipped) {
   const TerrainRecord none{.skipped_because = finding_of(FindingCode::kNoScale, {Product::kTerrainModel}), .width = 3};
   EXPECT_EQ(summary_of(none), "The block has no scale, so that the size of objects is not known: no terrain model.");
 }
@@ -72,8 +72,8 @@ TEST(StepFigures, NameImagesByTheirFiles) {
   OrthoRecord ortho{.cell_m = 0.1, .images_used = 2, .cells_not_followed = {{{4}, 3}}, .sources = {{1}, {4}, {9}}};
   const auto figures = figures_of(ortho, two_images());
   EXPECT_EQ(figures.at("sources").dump(), R"(["a.jpg","b.jpg","image 9"])");
-  EXPECT_EQ(figures.at("cells_not_seen_by_their_seamlines_photograph").dump(), R"({"b.jpg":3})");
-  EXPECT_EQ(figures.at("photographs_used"), 2);
+  EXPECT_EQ(figures.at("cells_not_followed").dump(), R"({"b.jpg":3})");
+  EXPECT_EQ(figures.at("images_used"), 2);
   EXPECT_TRUE(figures.at("seamlines").is_null());
   EXPECT_FALSE(figures.contains("skipped_because"));
 }

@@ -103,8 +103,8 @@ std::string words_of(const Subject& subject, const Block& block) {
       return "tie point " + name;
     case SubjectKind::kControlPoint:
       return subject.aspect == Aspect::kPosition ? "the position of " + name : name;
-    case SubjectKind::kGround:
-      return subject.id < block.ground.size() ? words_of(block.ground[subject.id], block) : "observation " + name;
+    case SubjectKind::kGeodetic:
+      return subject.id < block.geodetic.size() ? words_of(block.geodetic[subject.id], block) : "observation " + name;
     case SubjectKind::kStrip:
       return fmt::format("the {} of positions {} of strip {}", word_of(subject.aspect), axis_in_world(subject.axis),
                          name);
@@ -142,8 +142,8 @@ std::string words_of(const DatumSources& datum, int rank_defect) {
   name(datum.control, "control points");
   name(datum.positions, "positions of images");
   name(datum.attitudes, "attitudes");
-  name(datum.ground, "measurements on the ground");
-  name(datum.fixed, "images or points held fixed");
+  name(datum.geodetic, "measurements on the ground");
+  name(datum.fixed, "images or points that are fixed");
   if (rank_defect == 0) return text.empty() ? "nothing to be fixed" : text;
   text = text.empty() ? "free network" : "partly " + text;
   text += fmt::format(" ({} degrees of freedom kept by inner constraints", rank_defect);

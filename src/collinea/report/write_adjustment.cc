@@ -45,8 +45,8 @@ std::string cameras_csv(const AdjustmentReport& report) {
 std::string geodetic_csv(const AdjustmentReport& report) {
   std::string text =
       "from,to,name,kind,unit,role,given,sigma_given,adjusted,sigma_adjusted,difference,sigma_difference\n";
-  for (const GeodeticDifference& one : report.adjusted.ground) {
-    const GeodeticObservation& measured = report.block.ground[one.observation];
+  for (const GeodeticDifference& one : report.adjusted.geodetic) {
+    const GeodeticObservation& measured = report.block.geodetic[one.observation];
     const double unit = measured.is_angle() ? kDegrees : 1;
     text += in_quotes(report.block.control.at(measured.from).name) + "," +
             (measured.is_of_shape() ? "" : in_quotes(report.block.control.at(measured.to).name)) + "," +
@@ -94,7 +94,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"cameras.csv", cameras_csv(report)},
                                                        {"points.csv", points_csv(products)},
                                                        {"control.csv", control_csv(report, products)},
-                                                       {"ground.csv", geodetic_csv(report)},
+                                                       {"geodetic.csv", geodetic_csv(report)},
                                                        {"unknowns.csv", unknowns_csv(report)},
                                                        {"observations.csv", observations_csv(report, tests.others)},
                                                        {"suspects.csv", observations_csv(report, tests.suspects)},
@@ -103,8 +103,8 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"adjustment.html", adjustment_page(report, products)}};
   for (const auto& [name, text] : files) COLLINEA_TRY(write_file(folder / name, text));
   COLLINEA_TRY(write_products(report, products, folder / "adjustment.gpkg"));
-  if (report.snooped) return write_file(folder / "taken_out.csv", rejected_csv(*report.snooped));
-  return remove_file(folder / "taken_out.csv");  // of an earlier adjustment
+  if (report.snooped) return write_file(folder / "rejected.csv", rejected_csv(*report.snooped));
+  return remove_file(folder / "rejected.csv");  // of an earlier adjustment
 }
 
 }  // namespace collinea

@@ -14,8 +14,8 @@
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
 #include "collinea/project/depth_folder.h"
-#include "collinea/project/places.h"
-#include "collinea/raster/photo.h"
+#include "collinea/project/product_frame.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -48,7 +48,7 @@ UnitList list_of(const char* stage, UnitKind kind, const std::vector<ImageId>& i
 
 // Overviews of all images first, then depth maps. Returns the images that have one.
 Result<std::vector<ImageId>> match_all(const Project& project, const Block& block, const TieView& ties,
-                                       WorkingImages& pictures, DepthFolder& overviews, DepthFolder& folder,
+                                       WorkingImages& sources, DepthFolder& overviews, DepthFolder& folder,
                                        std::vector<Finding>& left_out) {
   std::vector<ImageId> images;
   for (const auto& [image, pose] : oriented_images(block)) images.push_back(image);
@@ -56,10 +56,10 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
   SharedBudget costs = budget_for_costs(options, project.run.threads);
   COLLINEA_TRY(make_maps(
       project, list_of("densify: overviews", UnitKind::kOverview, images), overviews,
-      [&](ImageId image, const Run& run) { return overview(block, image, ties, pictures, costs, options, run); }));
+      [&](ImageId image, const Run& run) { return overview(block, image, ties, sources, costs, options, run); }));
   COLLINEA_TRY(const UnitsDone maps, make_maps(project, list_of("densify: depth maps", UnitKind::kDepthMap, images),
                                                folder, [&](ImageId image, const Run& run) {
-                                                 return depth_map(block, image, ties, pictures, costs, &overviews,
+                                                 return depth_map(block, image, ties, sources, costs, &overviews,
                                                                   options, run);
                                                }));
   std::vector<ImageId> with_map;
@@ -92,12 +92,13 @@ struct Extent {
 };
 
 // Leaves the tie points on disk.
-Result<TieView> read_ties(const Project& project, const Block& block, const Places& places, Extent& extent) {
+Result<TieView> read_ties(const Project& project, const Block& block, const ProductFrame& product_frame,
+                          Extent& extent) {
   COLLINEA_TRY(TieView ties, TieView::on_disk(block, project.folder / "depth" / "ties"));
   auto read =
       project.store.read_ties(block, [&](PointId, const TiePoint& point, std::span<const Observation> observations) {
         const Eigen::Vector3d& position = point.position_in_world;
-        const Eigen::Vector3d on_map = places.frame ? places.frame->map_from_local(position) : position;
+        const Eigen::Vector3d on_map = product_frame.frame ? product_frame.frame->map_from_local(position) : position;
         extent.lowest = extent.lowest.cwiseMin(on_map);
         extent.highest = extent.highest.cwiseMax(on_map);
         ties.add(position, observations);
@@ -109,12 +110,12 @@ Result<TieView> read_ties(const Project& project, const Block& block, const Plac
 // Both cloud files at once: LAS in the map, PLY in the world frame.
 class CloudFiles {
  public:
-  static Result<CloudFiles> create(const Project& project, const Extent& of_ties, const Places& places) {
+  static Result<CloudFiles> create(const Project& project, const Extent& of_ties, const ProductFrame& product_frame) {
     const std::filesystem::path products = project.folder / "products";
     LasWriter::Options las;
     las.lowest = of_ties.lowest;
     las.highest = of_ties.highest;
-    if (places.frame) las.wkt = places.frame->wkt1();
+    if (product_frame.frame) las.wkt = product_frame.frame->wkt1();
     las.form = project.settings.densify.cloud;
     las.run = project.run;
     // A new cloud has no classes: the step that writes them must not count as done.
@@ -122,7 +123,7 @@ class CloudFiles {
       COLLINEA_TRY(remove_file(products / earlier));
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     COLLINEA_TRY(PlyWriter ply_writer, PlyWriter::create(products / "cloud.ply", kLocalCloudComment));
-    return CloudFiles(std::move(las_writer), std::move(ply_writer), places);
+    return CloudFiles(std::move(las_writer), std::move(ply_writer), product_frame);
   }
 
   Result<> write(std::span<const FusedPoint> points) {
@@ -133,7 +134,7 @@ class CloudFiles {
       cloud.push_back({point.position_in_world, point.normal_in_world, point.colour, point.sigma, point.images, 0});
     }
     ply_.write(cloud);
-    if (places_.frame) places_.frame->map_from_local(on_map);
+    if (positions_.frame) positions_.frame->map_from_local(on_map);
     for (std::size_t i = 0; i < cloud.size(); ++i) cloud[i].position = on_map[i];
     return las_.write(cloud);
   }
@@ -144,37 +145,37 @@ class CloudFiles {
   }
 
  private:
-  CloudFiles(LasWriter las, PlyWriter ply, const Places& places)
-      : las_(std::move(las)), ply_(std::move(ply)), places_(places) {}
+  CloudFiles(LasWriter las, PlyWriter ply, const ProductFrame& product_frame)
+      : las_(std::move(las)), ply_(std::move(ply)), positions_(product_frame) {}
   LasWriter las_;
   PlyWriter ply_;
-  const Places& places_;
+  const ProductFrame& positions_;
 };
 
 }  // namespace
 
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_orientation());
-  COLLINEA_TRY(const Places places, places_of(project, block));
-  const auto photo = [&](ImageId image) { return project.photo(block.images.at(image)); };
-  WorkingImages pictures(
-      block, [&](ImageId image, int shrink) { return read_grey(photo(image), shrink); }, project.settings.densify);
+  COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
+  const auto file = [&](ImageId image) { return project.image_file(block.images.at(image)); };
+  WorkingImages sources(
+      block, [&](ImageId image, int shrink) { return read_grey(file(image), shrink); }, project.settings.densify);
   COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
-  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, pictures));
+  COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, sources));
   COLLINEA_TRY(DepthFolder overviews,
-               DepthFolder::open(project.folder / "depth" / "overview", made_from, block, pictures));
+               DepthFolder::open(project.folder / "depth" / "overview", made_from, block, sources));
   Extent of_ties;
-  COLLINEA_TRY(const TieView ties, read_ties(project, block, places, of_ties));
+  COLLINEA_TRY(const TieView ties, read_ties(project, block, product_frame, of_ties));
   DensifyRecord record;
   COLLINEA_TRY(const std::vector<ImageId> images,
-               match_all(project, block, ties, pictures, overviews, folder, record.skipped));
-  pictures.clear();
+               match_all(project, block, ties, sources, overviews, folder, record.skipped));
+  sources.clear();
   give_back_freed_memory();
 
-  COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project, of_ties, places));
+  COLLINEA_TRY(CloudFiles cloud, CloudFiles::create(project, of_ties, product_frame));
   COLLINEA_TRY(const FuseReport fused, fuse(
                                            block, ties, images, folder,
-                                           [&](ImageId image, int shrink) { return read_colour(photo(image), shrink); },
+                                           [&](ImageId image, int shrink) { return read_colour(file(image), shrink); },
                                            [&](std::span<const FusedPoint> points) { return cloud.write(points); },
                                            project.settings.densify, project.run));
   COLLINEA_TRY(cloud.finish());

@@ -5,7 +5,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/base/units.h"
 #include "collinea/import/reason.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -18,14 +18,14 @@ struct Detected {
 
 using Images = std::vector<std::pair<ImageId, const Image*>>;
 
-// The fingerprint of a picture and the options.
+// The fingerprint of an image and the options.
 Result<std::string> made_from(const Project& project, const Image& image) {
-  return hash_of_file(project.photo(image)).map([&](std::uint64_t file_hash) {
+  return hash_of_file(project.image_file(image)).map([&](std::uint64_t file_hash) {
     return Hash().add(COLLINEA_VERSION).add(options_text(project.settings, "detect")).add(file_hash).hex();
   });
 }
 
-// Images are numbered in the order of their names: a photograph that was added or taken away changes the numbers of
+// Images are numbered in the order of their names: an image that was added or taken away changes the numbers of
 // others, and their features must follow them. Returns the fingerprints of the images.
 Result<std::vector<Result<std::string>>> hand_on(Project& project, const Images& images) {
   COLLINEA_TRY(const auto done, project.store.features_done());
@@ -58,16 +58,16 @@ bool is_kept(const Project& project, ImageId id, const Result<std::string>& want
 // An image that cannot be read is skipped, and features that an earlier file of its name had are erased.
 Result<UnitWorked> detect_one(Project& project, ImageId id, const Image& image, const Result<std::string>& wanted,
                               bool has_features, Detected& detected) {
-  const auto path = project.photo(image);
+  const auto path = project.image_file(image);
   const auto skip = [&](Error error) -> Result<UnitWorked> {
     error.message = reason_without_name(error.message, path);
     if (has_features) COLLINEA_TRY(project.store.erase_features(id));
     return UnitWorked{std::move(error)};
   };
   if (!wanted) return skip(wanted.error());
-  const auto picture = read_grey(path);
-  if (!picture) return skip(picture.error());
-  const Features features = detect_sift(*picture, project.settings.detect);
+  const auto raster = read_grey(path);
+  if (!raster) return skip(raster.error());
+  const Features features = detect_sift(*raster, project.settings.detect);
   detected = {*wanted, features.keypoints.size()};
   COLLINEA_TRY(project.store.write_features(id, features, detected.hash));
   return UnitWorked{};
@@ -97,7 +97,7 @@ Result<StepOutput> detect_step(Project& project, const std::string&) {
   Images images;
   for (const auto& [id, image] : setup.images) images.emplace_back(id, &image);
   COLLINEA_TRY(auto done, project.store.features_done());
-  const bool anew = done.empty();  // then each picture is read only when its turn has come
+  const bool anew = done.empty();  // then each image is read only when its turn has come
   std::vector<Result<std::string>> wanted;
   if (!anew) {
     COLLINEA_TRY(wanted, hand_on(project, images));

@@ -6,7 +6,7 @@
 #include "collinea/base/test_folder.h"
 #include "collinea/math/random.h"
 #include "collinea/project/project.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/steps/flow.h"
 #include "collinea/store/sqlite.h"
 
@@ -15,10 +15,10 @@ namespace {
 
 void put_noise(const std::filesystem::path& path, std::uint64_t seed) {
   Random random(seed);
-  Raster<std::uint8_t> picture(96, 80, 1);
-  for (std::uint8_t& value : picture.data) value = std::uint8_t(random.below(256));
+  Raster<std::uint8_t> image(96, 80, 1);
+  for (std::uint8_t& value : image.data) value = std::uint8_t(random.below(256));
   std::filesystem::create_directories(path.parent_path());
-  ASSERT_TRUE(write_jpeg(path, picture, 90));
+  ASSERT_TRUE(write_jpeg(path, image, 90));
 }
 
 Result<Project> detected(const TestFolder& folder) {
@@ -36,7 +36,7 @@ void mark(Project& project, std::uint32_t image, float strength) {
   ASSERT_TRUE(project.store.write_features(ImageId{image}, marked, made_from));
 }
 
-TEST(DetectStep, APhotographAddedOrTakenAwayLeavesTheOthersAlone) {
+TEST(DetectStep, AnImageAddedOrTakenAwayLeavesTheOthersAlone) {
   const TestFolder folder;
   for (const char* file : {"b.jpg", "d.jpg"}) put_noise(folder / "photos" / file, std::uint64_t(file[0]));
   {
@@ -96,7 +96,7 @@ TEST(DetectStep, StoppedAndResumedItMakesOnlyWhatIsMissing) {
   EXPECT_EQ(std::count(lines.begin(), lines.end(), "detect: 2 of 5 images kept from before"), 1);
 }
 
-TEST(DetectStep, APhotographRepairedIsDetectedAgain) {
+TEST(DetectStep, AnImageRepairedIsDetectedAgain) {
   const TestFolder folder;
   for (const char* file : {"a.jpg", "b.jpg"}) put_noise(folder / "photos" / file, std::uint64_t(file[0]));
   {

@@ -12,8 +12,8 @@ namespace collinea {
 
 namespace {
 
-// What detection and matching depend on: the pictures, their cameras and places, but neither control nor the map.
-std::string hash_of_pictures(const Imported& imported) {
+// What detection and matching depend on: the images, their cameras and places, but neither control nor the map.
+std::string hash_of_images(const Imported& imported) {
   Hash hash;
   const auto add = [&](double value) { hash.add(std::bit_cast<std::uint64_t>(value)); };
   for (const std::string& file_hash : imported.file_hash) hash.add(file_hash);
@@ -35,7 +35,7 @@ std::string hash_of_pictures(const Imported& imported) {
 }  // namespace
 
 Result<StepOutput> import_step(Project& project, const std::string&) {
-  COLLINEA_TRY(const Imported imported, import_photos(project.settings.photos, project.settings.import, project.run));
+  COLLINEA_TRY(const Imported imported, import_images(project.settings.photos, project.settings.import, project.run));
   COLLINEA_TRY(project.store.write_setup(imported.block));
 
   ImportRecord record = record_of(imported.block);
@@ -45,7 +45,7 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
     project.run.say(
         fmt::format("skipped {}: {}", words_of(one.subjects[0], imported.block), reason_of(one, imported.block)));
   for (const Finding& finding : imported.findings) project.run.say("note: " + sentence_of(finding, imported.block));
-  return StepOutput{hash_of_pictures(imported), record};
+  return StepOutput{hash_of_images(imported), record};
 }
 
 }  // namespace collinea

@@ -37,7 +37,7 @@ struct Sight {
   std::span<const Keypoint> keypoints;
 };
 
-struct Picture {
+struct MatchImage {
   const Camera& camera;
   const Features& features;
 
@@ -48,8 +48,8 @@ struct Picture {
   }
 };
 
-ImagePair verify_pictures(const Sight& first, const Sight& second, std::span<const Match> putative,
-                          const VerifyOptions& options, std::uint64_t seed) {
+ImagePair verify_images(const Sight& first, const Sight& second, std::span<const Match> putative,
+                        const VerifyOptions& options, std::uint64_t seed) {
   ImagePair pair = verify(first.camera, first.keypoints, second.camera, second.keypoints, putative, options, seed);
   pair.putative = static_cast<int>(putative.size());
   return pair;
@@ -57,9 +57,9 @@ ImagePair verify_pictures(const Sight& first, const Sight& second, std::span<con
 
 // The strongest features find the epipolar geometry; all are then looked for near their epipolar lines. Nothing where
 // the strongest do not fix the geometry.
-std::optional<ImagePair> match_guided(const Picture& first, const Picture& second, std::size_t scouts,
+std::optional<ImagePair> match_guided(const MatchImage& first, const MatchImage& second, std::size_t scouts,
                                       const Settings& settings, std::uint64_t seed) {
-  const ImagePair sketch = verify_pictures(
+  const ImagePair sketch = verify_images(
       first.sight(), second.sight(),
       match_descriptors(first.strongest(scouts), second.strongest(scouts), settings.match), settings.verify, seed);
   const auto near =
@@ -71,20 +71,21 @@ std::optional<ImagePair> match_guided(const Picture& first, const Picture& secon
   strict.max_ratio *= strict.max_ratio;
   const auto putative =
       match_among(first.features.descriptors, second.features.descriptors, near->begin, near->candidates, strict);
-  ImagePair pair = verify_pictures(first.sight(), second.sight(), putative, settings.verify, seed);
+  ImagePair pair = verify_images(first.sight(), second.sight(), putative, settings.verify, seed);
   if (pair.matches.size() < sketch.matches.size()) return std::nullopt;
   return pair;
 }
 
 // With a guide, found from a quarter of the features or a half, or without.
-ImagePair match_images(const Picture& first, const Picture& second, const Settings& settings, std::uint64_t seed) {
+ImagePair match_images(const MatchImage& first, const MatchImage& second, const Settings& settings,
+                       std::uint64_t seed) {
   const std::size_t count = std::min(first.features.keypoints.size(), second.features.keypoints.size());
   for (const std::size_t part : {4, 2})
     if (count / part >= kLeastScouts)
       if (auto pair = match_guided(first, second, count / part, settings, seed)) return *std::move(pair);
-  return verify_pictures(first.sight(), second.sight(),
-                         match_descriptors(first.features.descriptors, second.features.descriptors, settings.match),
-                         settings.verify, seed);
+  return verify_images(first.sight(), second.sight(),
+                       match_descriptors(first.features.descriptors, second.features.descriptors, settings.match),
+                       settings.verify, seed);
 }
 
 // Searches, verifies and stores pairs, and knows all that are stored.
@@ -139,8 +140,8 @@ class Matcher {
   Result<ImagePair> verified_pair(Ids ids, const std::vector<Match>& putative) {
     COLLINEA_TRY(const auto first, keypoints_.of(ids.first));
     COLLINEA_TRY(const auto second, keypoints_.of(ids.second));
-    return with_ids(ids, verify_pictures({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
-                                         putative, project_.settings.verify, seed_of(ids)));
+    return with_ids(ids, verify_images({setup_.camera_of(ids.first), *first}, {setup_.camera_of(ids.second), *second},
+                                       putative, project_.settings.verify, seed_of(ids)));
   }
 
   [[nodiscard]] std::uint64_t seed_of(Ids ids) const {
@@ -249,7 +250,7 @@ Result<> close_over_tracks(const Project& project, Matcher& matcher) {
   return {};
 }
 
-// The block without the images that have no features: a picture that could not be read has no part in any pair.
+// The block without the images that have no features: an image that could not be read has no part in any pair.
 Result<Block> readable_part(const ProjectStore& store) {
   COLLINEA_TRY(Block setup, store.read_setup());
   COLLINEA_TRY(const auto detected, store.features_done());

@@ -6,7 +6,7 @@
 #include "collinea/base/test_folder.h"
 #include "collinea/math/random.h"
 #include "collinea/project/project.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/steps/flow.h"
 
 namespace collinea {

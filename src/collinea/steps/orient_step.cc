@@ -3,7 +3,7 @@
 #include "collinea/report/finding_words.h"
 
 #include "collinea/project/given_orientation.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/steps/internal/orientation_record.h"
 #include "collinea/steps/step.h"
 
@@ -14,15 +14,15 @@ namespace {
 Result<Orientation> orientation_of(Project& project, const Block& setup, const std::vector<ImagePair>& pairs) {
   const auto keypoints = [&](ImageId image) { return project.store.read_keypoints(image); };
   const OrientOptions& options = project.settings.orient;
-  const auto pictures = [&](ImageId image) { return read_grey(project.photo(setup.images.at(image))); };
-  if (!options.orientation) return orient(setup, pairs, keypoints, options, project.run, pictures);
+  const auto images = [&](ImageId image) { return read_grey(project.image_file(setup.images.at(image))); };
+  if (!options.orientation) return orient(setup, pairs, keypoints, options, project.run, images);
   COLLINEA_TRY(const ReadOrientation read, read_orientation(*options.orientation, setup));
   COLLINEA_TRY(Orientation orientation,
-               orient_as_given(setup, pairs, keypoints, read.given, options, project.run, pictures));
+               orient_as_given(setup, pairs, keypoints, read.given, options, project.run, images));
   orientation.findings.insert(orientation.findings.begin(), read.findings.begin(), read.findings.end());
   orientation.findings.insert(
       orientation.findings.begin(),
-      finding_of(options.refine_orientation ? FindingCode::kOrientationTaken : FindingCode::kOrientationHeld,
+      finding_of(options.refine_orientation ? FindingCode::kOrientationTaken : FindingCode::kOrientationFixed,
                  {Subject::file(read.given.source)},
                  {{FigureName::kCount, double(read.given.cam_from_world.size())},
                   {FigureName::kOf, double(setup.images.size())},

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include "collinea/base/file.h"
-#include "collinea/project/places.h"
+#include "collinea/project/product_frame.h"
 #include "collinea/project/seamlines_file.h"
 #include "collinea/radiometry/view.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -28,7 +28,7 @@ OrthoRecord record_of(const Project& project, const OrthoSummary& summary, const
                      .height = summary.grid.height,
                      .painted_cells = summary.painted_cells,
                      .empty_cells = summary.empty_cells,
-                     .images_used = summary.photographs_used,
+                     .images_used = summary.images_used,
                      .seam_length_m = summary.seam_length_m,
                      .seam_difference_grey = summary.seam_difference_grey,
                      .seam_step_grey = summary.seam_step_grey,
@@ -45,7 +45,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
   if (!looks_down(block))
     return StepOutput{inputs_hash,
                       OrthoRecord{.skipped_because = finding_of(FindingCode::kNotDownwards, {Product::kOrthophoto})}};
-  COLLINEA_TRY(const Places places, places_of(project, block));
+  COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
   const auto products = project.folder / "products";
   COLLINEA_TRY(const HeightField surface, open_height_field(products / "dsm.tif", products / "dsm_sigma.tif"));
   // What is raised above the terrain is no place for seams; without a terrain model the surface's own steps must do.
@@ -54,7 +54,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
     COLLINEA_TRY(terrain, open_height_field(products / "dtm.tif"));
   }
   const auto pixels = [&](ImageId image, int shrink) {
-    return read_colour(project.photo(block.images.at(image)), shrink);
+    return read_colour(project.image_file(block.images.at(image)), shrink);
   };
   SeamGuides guides;
   if (terrain.read) guides.terrain = &terrain;
@@ -66,8 +66,9 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
     guides.given = &given;
   }
   const OrthoFiles files{products / "ortho.tif", products / "ortho_source.tif"};
-  COLLINEA_TRY(const OrthoSummary summary, make_orthophoto(block, places.frame_or_null(), surface, guides, pixels,
-                                                           places.pixel_m, files, project.settings.ortho, project.run));
+  COLLINEA_TRY(const OrthoSummary summary,
+               make_orthophoto(block, product_frame.frame_or_null(), surface, guides, pixels, product_frame.pixel_m,
+                               files, project.settings.ortho, project.run));
   COLLINEA_TRY(keep_seamlines(project, block, summary));
   return StepOutput{inputs_hash, record_of(project, summary, given)};
 }

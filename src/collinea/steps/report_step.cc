@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 void add_orientation(const OrientationRecord& orientation, ReportInput& input) {
   input.control = orientation.control;
   input.positions = orientation.positions;
-  input.ground = orientation.ground;
+  input.geodetic = orientation.geodetic;
   input.centre_sigma_m = orientation.centre_sigma_m;
   for (const auto& [camera, sigma] : orientation.calibration.sigma) {
     auto& values = input.camera_sigma[camera];

@@ -17,7 +17,7 @@ namespace collinea {
 namespace {
 
 // Without wrong matches, of which sigmas know nothing.
-TEST(SimulatedProject, IsOrientedWithoutPhotographs) {
+TEST(SimulatedProject, IsOrientedWithoutImages) {
   const TestFolder folder;
   SurveyOptions survey;
   survey.images = 20;

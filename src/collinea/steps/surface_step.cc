@@ -3,7 +3,7 @@
 
 #include "collinea/base/memory.h"
 #include "collinea/cloud/las.h"
-#include "collinea/project/places.h"
+#include "collinea/project/product_frame.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/block_cache.h"
 #include "collinea/raster/hillshade.h"
@@ -23,9 +23,9 @@ PointSource points_of(LasReader& reader) {
 }
 
 // What images and cameras make of heights, as orientation found it.
-Result<std::vector<PlaceSigma>> orientation_sigmas(const Project& project, const LocalFrame* frame) {
+Result<std::vector<PositionSigma>> orientation_sigmas(const Project& project, const LocalFrame* frame) {
   COLLINEA_TRY(const auto oriented, project.store.read_outcome<OrientationRecord>());
-  std::vector<PlaceSigma> sigmas;
+  std::vector<PositionSigma> sigmas;
   for (const HeightPrecision& at : oriented.height_precision) {
     const Eigen::Vector3d in_world(at.position_in_world.x(), at.position_in_world.y(), 0);
     const Eigen::Vector3d on_map = frame ? frame->map_from_local(in_world) : in_world;
@@ -41,15 +41,16 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
   if (!looks_down(block))
     return StepOutput{inputs_hash, SurfaceRecord{.skipped_because =
                                                      finding_of(FindingCode::kNotDownwards, {Product::kSurfaceModel})}};
-  COLLINEA_TRY(const Places places, places_of(project, block));
-  COLLINEA_TRY(const std::vector<PlaceSigma> sigmas, orientation_sigmas(project, places.frame_or_null()));
+  COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
+  COLLINEA_TRY(const std::vector<PositionSigma> sigmas, orientation_sigmas(project, product_frame.frame_or_null()));
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
   const BlockCacheLimit cache(kCacheOfPieces);
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
                        products / "dsm_count.tif", products / "dsm_sigma_relative.tif"};
   COLLINEA_TRY(const DsmSummary summary,
-               build_dsm({points_of(reader), places.frame_or_null(), PointFrame::kMap, places.matched_pixel_m, sigmas},
+               build_dsm({points_of(reader), product_frame.frame_or_null(), PointFrame::kMap,
+                          product_frame.matched_pixel_m, sigmas},
                          files, project.folder / "scratch", project.settings.surface, project.run));
   give_back_freed_memory();
   COLLINEA_TRY(write_hillshade(files.height, products / "dsm_hillshade.tif", project.run));

@@ -4,7 +4,7 @@
 #include "collinea/base/file.h"
 #include "collinea/base/memory.h"
 #include "collinea/cloud/las.h"
-#include "collinea/project/places.h"
+#include "collinea/project/product_frame.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/block_cache.h"
 #include "collinea/raster/hillshade.h"
@@ -54,8 +54,8 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
     return StepOutput{inputs_hash, TerrainRecord{.skipped_because = finding_of(why, {Product::kTerrainModel})}};
   };
   if (!looks_down(block)) return without(FindingCode::kNotDownwards);
-  COLLINEA_TRY(const Places places, places_of(project, block));
-  if (!places.metric) return without(FindingCode::kNoScale);
+  COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
+  if (!product_frame.metric) return without(FindingCode::kNoScale);
   const DsmFiles dsm{products / "dsm.tif",
                      products / "dsm_sigma.tif",
                      products / "dsm_state.tif",

@@ -9,7 +9,7 @@
 
 namespace collinea {
 
-/// A project simulated without photographs, opened for `orient`; for tests.
+/// A project simulated without images, opened for `orient`; for tests.
 inline Result<Project> open_simulated(const std::filesystem::path& folder, const SurveyOptions& survey,
                                       const ObservationOptions& observations, const Run& run = {}) {
   COLLINEA_TRY(simulate_project(survey, observations, folder, {}));
@@ -17,7 +17,7 @@ inline Result<Project> open_simulated(const std::filesystem::path& folder, const
   return create_project(folder, settings, run);
 }
 
-/// Of twelve images, six control points and 120 features an image.
+/// A survey of twelve images, six control points and 120 features an image.
 inline Result<Project> open_small_survey(const std::filesystem::path& folder) {
   SurveyOptions survey;
   survey.images = 12;

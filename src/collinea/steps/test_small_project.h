@@ -31,7 +31,7 @@ struct Log {
   }
 };
 
-/// Six small photographs of a made-up village, mapped up to `last`. Tests are run one by one, each in a process of its
+/// Six small images of a made-up village, mapped up to `last`. Tests are run one by one, each in a process of its
 /// own: what follows on a mapping is therefore one test, made of many small ones.
 class SmallProject : public ::testing::Test {
  public:
@@ -52,8 +52,8 @@ class SmallProject : public ::testing::Test {
     const auto truth = make_survey(options);
     ASSERT_TRUE(truth) << truth.error().message;
     std::filesystem::create_directories(root_ / "images");
-    const auto photographs = write_photographs(*truth, root_ / "images", {.threads = 2});
-    ASSERT_TRUE(photographs) << photographs.error().message;
+    const auto images = write_images(*truth, root_ / "images", {.threads = 2});
+    ASSERT_TRUE(images) << images.error().message;
     ASSERT_TRUE(write_tables(*truth, root_));
     Log log;
     const auto done = bring(root_ / "mapped", settings(), log, last);

@@ -350,11 +350,11 @@ Result<> read_control(Database& db, std::map<ControlId, ControlPoint>& control) 
   }
 }
 
-Result<> write_ground(Database& db, const std::vector<GeodeticObservation>& ground) {
+Result<> write_geodetic(Database& db, const std::vector<GeodeticObservation>& geodetic) {
   COLLINEA_TRY(db.execute("DELETE FROM ground"));
   COLLINEA_TRY(auto insert, db.prepare("INSERT INTO ground VALUES (?, ?, ?)"));
-  for (std::size_t i = 0; i < ground.size(); ++i) {
-    const GeodeticObservation& one = ground[i];
+  for (std::size_t i = 0; i < geodetic.size(); ++i) {
+    const GeodeticObservation& one = geodetic[i];
     Packer numbers;
     for (const std::uint32_t value : {static_cast<std::uint32_t>(one.kind), one.from.value, one.to.value,
                                       static_cast<std::uint32_t>(one.role), one.setup})
@@ -368,14 +368,14 @@ Result<> write_ground(Database& db, const std::vector<GeodeticObservation>& grou
 }
 
 // Projects of older versions that cannot be written have no such table.
-Result<bool> has_ground(Database& db) {
+Result<bool> has_geodetic(Database& db) {
   return db.integer("SELECT count(*) FROM sqlite_master WHERE name = 'ground'").map([](auto count) {
     return count > 0;
   });
 }
 
-Result<> read_ground(Database& db, std::vector<GeodeticObservation>& ground) {
-  COLLINEA_TRY(const bool there, has_ground(db));
+Result<> read_geodetic(Database& db, std::vector<GeodeticObservation>& geodetic) {
+  COLLINEA_TRY(const bool there, has_geodetic(db));
   if (!there) return {};
   COLLINEA_TRY(auto select, db.prepare("SELECT name, numbers FROM ground ORDER BY id"));
   while (true) {
@@ -394,7 +394,7 @@ Result<> read_ground(Database& db, std::vector<GeodeticObservation>& ground) {
       return damaged("a measurement on the ground");
     one.axis = static_cast<int>(axis);
     one.role = static_cast<ControlRole>(role);
-    ground.push_back(std::move(one));
+    geodetic.push_back(std::move(one));
   }
 }
 
@@ -408,7 +408,7 @@ Result<> read_setup_tables(Database& db, Block& block) {
   COLLINEA_TRY(read_cameras(db, "cameras", block.cameras));
   COLLINEA_TRY(read_images(db, block));
   COLLINEA_TRY(read_control(db, block.control));
-  return read_ground(db, block.ground);
+  return read_geodetic(db, block.geodetic);
 }
 
 Result<> write_poses(Database& db, const Block& block) {
@@ -496,7 +496,7 @@ bool fits_together(const Block& block) {
   }
   for (const ControlObservation& o : block.control_observations)
     if (!block.images.contains(o.image) || !block.control.contains(o.point)) return false;
-  for (const GeodeticObservation& o : block.ground)
+  for (const GeodeticObservation& o : block.geodetic)
     if (!block.control.contains(o.from) || !block.control.contains(o.to)) return false;
   return true;
 }
@@ -529,8 +529,8 @@ Result<std::uint64_t> ProjectStore::setup_hash() const {
   return state_->read([](Database& db) -> Result<std::uint64_t> {
     Hash hash;
     std::vector<const char*> tables = {"georeference", "cameras", "images", "control", "control_observations"};
-    COLLINEA_TRY(const bool may_have_ground, has_ground(db));
-    if (may_have_ground) {
+    COLLINEA_TRY(const bool may_have_geodetic, has_geodetic(db));
+    if (may_have_geodetic) {
       COLLINEA_TRY(const auto measured, db.integer("SELECT count(*) FROM ground"));
       if (measured > 0) tables.push_back("ground");  // without any, the fingerprint is that of older versions
     }
@@ -554,7 +554,7 @@ Result<> ProjectStore::write_setup(const Block& block) {
     COLLINEA_TRY(write_cameras(db, "cameras", block.cameras));
     COLLINEA_TRY(write_images(db, block.images));
     COLLINEA_TRY(write_control(db, block.control));
-    COLLINEA_TRY(write_ground(db, block.ground));
+    COLLINEA_TRY(write_geodetic(db, block.geodetic));
     if (auto written = write_chunks<ControlObservationRecord>(db, "control_observations", block.control_observations);
         !written)
       return written;

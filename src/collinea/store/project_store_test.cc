@@ -86,9 +86,9 @@ Block setup_block() {
   block.control[{11}] = point;
   block.control[{2}] = {"S", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
   block.control_observations.push_back({{9}, {1}, {1.0 / 3, 2.0 / 3}, 0.5});
-  block.ground.push_back(
+  block.geodetic.push_back(
       {GeodeticKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
-  block.ground.push_back(
+  block.geodetic.push_back(
       {.kind = GeodeticKind::kOnLine, .name = "kerb", .from = {9}, .to = {9}, .sigma = 0.01, .setup = 0, .axis = 1});
   return block;
 }
@@ -160,9 +160,9 @@ void expect_same_control(const Block& a, const Block& b) {
     EXPECT_TRUE(same_vector(point.sigma_m, other.sigma_m));
     EXPECT_TRUE(same_vector(point.correlation, other.correlation));
   }
-  ASSERT_EQ(a.ground.size(), b.ground.size());
-  for (std::size_t i = 0; i < a.ground.size(); ++i) {
-    const GeodeticObservation &one = a.ground[i], &other = b.ground[i];
+  ASSERT_EQ(a.geodetic.size(), b.geodetic.size());
+  for (std::size_t i = 0; i < a.geodetic.size(); ++i) {
+    const GeodeticObservation &one = a.geodetic[i], &other = b.geodetic[i];
     EXPECT_EQ(std::tie(one.kind, one.name, one.from, one.to, one.role, one.setup, one.axis),
               std::tie(other.kind, other.name, other.from, other.to, other.role, other.setup, other.axis));
     EXPECT_EQ(std::tie(one.value, one.sigma, one.instrument_height_m, one.target_height_m),
@@ -307,9 +307,9 @@ TEST_F(ProjectStoreTest, FeaturesComeBackBitByBit) {
   EXPECT_TRUE(store.read_features({2})->keypoints.empty());
   EXPECT_EQ(*store.features_done(), (std::map<ImageId, std::string>{{{2}, "def"}, {{5}, "abc"}}));
   ASSERT_TRUE(store.erase_features({5}));
-  const auto gone = store.read_features({5});
-  ASSERT_FALSE(gone);
-  EXPECT_EQ(gone.error().code, Errc::kNotFound);
+  const auto deleted = store.read_features({5});
+  ASSERT_FALSE(deleted);
+  EXPECT_EQ(deleted.error().code, Errc::kNotFound);
 }
 
 TEST_F(ProjectStoreTest, FeaturesFollowTheirImagesToNewNumbers) {
@@ -341,8 +341,8 @@ TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
   changed[3].control.begin()->second.sigma_m.x() *= 2;
   changed[4].control.begin()->second.role = ControlRole::kControl;
   changed[5].control_observations.front().sigma_px *= 2;
-  changed[6].ground.front().sigma *= 2;
-  changed[7].ground.clear();
+  changed[6].geodetic.front().sigma *= 2;
+  changed[7].geodetic.clear();
   for (const Block& other : changed) EXPECT_NE(hash_of(other), first);
   EXPECT_EQ(hash_of(setup), first);
   ASSERT_TRUE(store.write_orientation(oriented_block(3)));

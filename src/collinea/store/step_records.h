@@ -29,7 +29,7 @@ namespace collinea {
 
 struct ImportRecord {
   static constexpr std::string_view kStep = "import";
-  std::uint64_t images = 0, cameras = 0, positions = 0, control_points = 0, ground_measurements = 0;
+  std::uint64_t images = 0, cameras = 0, positions = 0, control_points = 0, geodetic_observations = 0;
   std::optional<std::string> crs;  ///< of maps and control; nothing: no map
   std::vector<Finding> skipped;    ///< files that are no images, or of no use: the first subjects, and why
   std::vector<Finding> findings;
@@ -41,7 +41,7 @@ struct ImportRecord {
     visit("cameras", &R::cameras);
     visit("positions", &R::positions);
     visit("control_points", &R::control_points);
-    visit("ground_measurements", &R::ground_measurements);
+    visit("geodetic_observations", &R::geodetic_observations);
     visit("crs", &R::crs);
     visit("skipped", &R::skipped);
     visit("findings", &R::findings);
@@ -113,9 +113,9 @@ struct HeightPrecision {
 /// How cameras took part in the adjustment that gave the orientation.
 struct CalibrationRecord {
   Calibration parameters = Calibration::kNone;  ///< none when no camera was calibrated
-  /// Of each camera that was calibrated: the indices in Camera::params that were free, ascending.
+  /// Indices in Camera::params that were free, ascending, of each camera that was calibrated.
   std::map<CameraId, std::vector<std::uint32_t>> free;
-  /// Standard deviations of Camera::params, sigma0 held; 0: fixed or not known. Of cameras whose covariance is known.
+  /// Standard deviations of Camera::params, sigma0 fixed; 0: fixed or not known. Of cameras whose covariance is known.
   std::map<CameraId, std::vector<double>> sigma;
 
   template <class Visit>
@@ -137,7 +137,7 @@ struct OrientationRecord {
   double pixel_size = 0;                 ///< median at the tie points [m, or units of the gauge]
   double sigma0 = 0;
   std::int64_t redundancy = 0;
-  bool georeferenced = false;      ///< false: a gauge without place on Earth
+  bool georeferenced = false;      ///< false: a gauge without location on Earth
   bool metric = false;             ///< lengths are in metres
   bool relative_heights = false;   ///< georeferenced in plan, but nothing told a height
   bool holds_given_poses = false;  ///< poses are those of another program, not adjusted
@@ -151,7 +151,7 @@ struct OrientationRecord {
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
   std::vector<ControlDifference> control;         ///< those that were excluded last
   std::vector<PositionDifference> positions;
-  std::vector<GeodeticDifference> ground;
+  std::vector<GeodeticDifference> geodetic;
   std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; sigma0 held
   std::vector<Finding> findings;
@@ -187,7 +187,7 @@ struct OrientationRecord {
     visit("other_parts", &R::other_parts);
     visit("control", &R::control);
     visit("positions", &R::positions);
-    visit("ground", &R::ground);
+    visit("geodetic", &R::geodetic);
     visit("height_precision", &R::height_precision);
     visit("centre_sigma_m", &R::centre_sigma_m);
     visit("findings", &R::findings);
@@ -307,12 +307,12 @@ struct OrthoRecord {
     visit("height", &R::height);
     visit("painted_cells", &R::painted_cells);
     visit("empty_cells", &R::empty_cells);
-    visit("photographs_used", &R::images_used);
+    visit("images_used", &R::images_used);
     visit("seam_length_m", &R::seam_length_m);
     visit("seam_difference_grey", &R::seam_difference_grey);
     visit("seam_step_grey", &R::seam_step_grey);
     visit("seamlines", &R::seamlines);
-    visit("cells_not_seen_by_their_seamlines_photograph", &R::cells_not_followed);
+    visit("cells_not_followed", &R::cells_not_followed);
     visit("sources", &R::sources);
   }
 };

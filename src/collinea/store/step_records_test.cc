@@ -29,7 +29,7 @@ constexpr std::size_t members_of() {
 }
 
 template <class T>
-std::size_t members_told() {
+std::size_t members_stated() {
   std::size_t count = 0;
   packing::for_each_member<T>([&](std::string_view, auto) { ++count; });
   return count;
@@ -120,7 +120,7 @@ TYPED_TEST(StepRecordLaws, ARecordComesBackBitByBit) {
 }
 
 // A member that is forgotten in `fields` would be lost.
-TYPED_TEST(StepRecordLaws, EveryMemberIsTold) { EXPECT_EQ(members_told<TypeParam>(), members_of<TypeParam>()); }
+TYPED_TEST(StepRecordLaws, EveryMemberIsStated) { EXPECT_EQ(members_stated<TypeParam>(), members_of<TypeParam>()); }
 
 TYPED_TEST(StepRecordLaws, CutBytesAreDamagedAndLongerOnesToo) {
   const std::string bytes = packed(any_record<TypeParam>(0));
@@ -160,25 +160,25 @@ TYPED_TEST(StepRecordLaws, ARecordOfAnotherVersionIsToldFromADamagedOne) {
 }
 
 TEST(StepRecords, PartsOfRecordsTellEveryMember) {
-  EXPECT_EQ(members_told<Finding>(), members_of<Finding>());
-  EXPECT_EQ(members_told<Figure>(), members_of<Figure>());
-  EXPECT_EQ(members_told<OptionName>(), members_of<OptionName>());
-  EXPECT_EQ(members_told<Gauge>(), members_of<Gauge>());
+  EXPECT_EQ(members_stated<Finding>(), members_of<Finding>());
+  EXPECT_EQ(members_stated<Figure>(), members_of<Figure>());
+  EXPECT_EQ(members_stated<OptionName>(), members_of<OptionName>());
+  EXPECT_EQ(members_stated<Gauge>(), members_of<Gauge>());
   // Those with constructors are no aggregates.
   [[maybe_unused]] const auto& [kind, id, aspect, axis, name] = Subject{};
-  EXPECT_EQ(members_told<Subject>(), 5u);
+  EXPECT_EQ(members_stated<Subject>(), 5u);
   [[maybe_unused]] const auto& [code, option] = Remedy{};
-  EXPECT_EQ(members_told<Remedy>(), 2u);
-  EXPECT_EQ(members_told<PairCounts>(), members_of<PairCounts>());
-  EXPECT_EQ(members_told<HeightPrecision>(), members_of<HeightPrecision>());
-  EXPECT_EQ(members_told<CalibrationRecord>(), members_of<CalibrationRecord>());
-  EXPECT_EQ(members_told<GivenSeamlines>(), members_of<GivenSeamlines>());
-  EXPECT_EQ(members_told<InstrumentOptions>(), members_of<InstrumentOptions>());
+  EXPECT_EQ(members_stated<Remedy>(), 2u);
+  EXPECT_EQ(members_stated<PairCounts>(), members_of<PairCounts>());
+  EXPECT_EQ(members_stated<HeightPrecision>(), members_of<HeightPrecision>());
+  EXPECT_EQ(members_stated<CalibrationRecord>(), members_of<CalibrationRecord>());
+  EXPECT_EQ(members_stated<GivenSeamlines>(), members_of<GivenSeamlines>());
+  EXPECT_EQ(members_stated<InstrumentOptions>(), members_of<InstrumentOptions>());
   // Eigen's matrices in an optional take Anything for too many things: the binding counts instead.
   [[maybe_unused]] const auto& [a, b, c, d, e, f, g, h] = ControlDifference{};
-  EXPECT_EQ(members_told<ControlDifference>(), 8u);
-  EXPECT_EQ(members_told<PositionDifference>(), members_of<PositionDifference>());
-  EXPECT_EQ(members_told<GeodeticDifference>(), members_of<GeodeticDifference>());
+  EXPECT_EQ(members_stated<ControlDifference>(), 8u);
+  EXPECT_EQ(members_stated<PositionDifference>(), members_of<PositionDifference>());
+  EXPECT_EQ(members_stated<GeodeticDifference>(), members_of<GeodeticDifference>());
 }
 
 TEST(StepRecords, ThereIsNoRecordOfAStepThatThereIsNot) {

@@ -80,23 +80,23 @@ Result<> collect(const SurfaceCloud& cloud, double cell_m, PointBuckets& buckets
 // around them, go.
 void drop_strays(PointBuckets& buckets, IsolatedComponents& isolated_components, DsmSummary& summary) {
   std::uint64_t most = 0;
-  for (const auto& [place, bucket] : buckets.buckets()) most = std::max(most, bucket.count);
-  const auto filled = [&](const PointBuckets::Place& place) {
-    const auto found = buckets.buckets().find(place);
+  for (const auto& [square, bucket] : buckets.buckets()) most = std::max(most, bucket.count);
+  const auto filled = [&](const PointBuckets::Square& square) {
+    const auto found = buckets.buckets().find(square);
     return found != buckets.buckets().end() && found->second.count * 100 >= most;
   };
-  std::vector<PointBuckets::Place> strays;
-  for (const auto& [place, bucket] : buckets.buckets()) {
+  std::vector<PointBuckets::Square> strays;
+  for (const auto& [square, bucket] : buckets.buckets()) {
     bool near_filled = false;
     for (std::int64_t dy = -1; dy <= 1; ++dy)
-      for (std::int64_t dx = -1; dx <= 1; ++dx) near_filled |= filled({place.column + dx, place.row + dy});
+      for (std::int64_t dx = -1; dx <= 1; ++dx) near_filled |= filled({square.column + dx, square.row + dy});
     if (near_filled) continue;
-    strays.push_back(place);
+    strays.push_back(square);
     summary.points_dropped += bucket.count;
   }
-  for (const auto& place : strays) {
-    buckets.drop(place);
-    isolated_components.forget({place.column * kBucketCells, place.row * kBucketCells, kBucketCells, kBucketCells});
+  for (const auto& square : strays) {
+    buckets.drop(square);
+    isolated_components.forget({square.column * kBucketCells, square.row * kBucketCells, kBucketCells, kBucketCells});
   }
 }
 
@@ -203,8 +203,8 @@ Result<> make_model(const SurfaceCloud& cloud, const PointBuckets& buckets,
   COLLINEA_TRY(measure_all(buckets, isolated_components, extent, gridding, tiles, holes, run));
   holes.prepare();
   give_back_freed_memory();
-  const OrientationSigma orientation(cloud.places, {extent.west, extent.north, int(extent.width), int(extent.height)},
-                                     cell_m);
+  const OrientationSigma orientation(cloud.position_sigmas,
+                                     {extent.west, extent.north, int(extent.width), int(extent.height)}, cell_m);
   return fill_windows(tiles, extent, holes, orientation, sink, summary, run);
 }
 

@@ -32,7 +32,7 @@ enum class PointFrame { kWorld, kMap };
 using PointSource = std::function<Result<>(std::vector<SurfacePoint>& batch)>;
 
 struct DsmOptions {
-  std::optional<double> cell_m;        ///< nothing: the ground size of a pixel of the pictures that were matched
+  std::optional<double> cell_m;        ///< nothing: the ground size of a pixel of the images that were matched
   std::optional<double> fill_holes_m;  ///< nothing: 250 cells
 
   template <class Visit>
@@ -73,11 +73,12 @@ struct SurfaceCloud {
   PointSource points;
   const LocalFrame* frame = nullptr;  ///< of the world on the map; null: the map is the plane x, y of the world
   PointFrame point_frame = PointFrame::kWorld;  ///< does not matter without `frame`
-  /// Ground size of a pixel of the matched pictures: says over what distance errors of points are alike, and so how
+  /// Ground size of a pixel of the matched images: says over what distance errors of points are alike, and so how
   /// little of them many points in a cell average out; the cell, where none is asked for. 0: not known; errors are
   /// taken as independent, and the cell has to be given.
   double gsd_m = 0;
-  std::vector<PlaceSigma> places;  ///< what images and cameras add to the sigmas of heights; none: nothing is known
+  std::vector<PositionSigma>
+      position_sigmas;  ///< what images and cameras add to the sigmas of heights; none: nothing is known
 };
 
 /// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit). Cell edges lie on

@@ -36,7 +36,7 @@ std::vector<SurfacePoint> hill(double west, double south, double size, int count
 
 Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int threads = 1,
                 const LocalFrame* frame = nullptr, PointFrame point_frame = PointFrame::kWorld,
-                const std::vector<PlaceSigma>& places = {}) {
+                const std::vector<PositionSigma>& position_sigmas = {}) {
   std::size_t next = 0;
   const PointSource source = [&](std::vector<SurfacePoint>& batch) -> Result<> {
     const std::size_t end = std::min(next + 1000, points.size());
@@ -61,7 +61,7 @@ Collected build(std::vector<SurfacePoint> points, const DsmOptions& options, int
       }};
   Run run;
   run.threads = threads;
-  result.summary = build_dsm({source, frame, point_frame, 0.1234, places}, sink, "unused", options, run);
+  result.summary = build_dsm({source, frame, point_frame, 0.1234, position_sigmas}, sink, "unused", options, run);
   return result;
 }
 
@@ -153,10 +153,10 @@ TEST(Dsm, WhatGoesIsCountedOnceAndNotPartOfTheRaster) {
 TEST(Dsm, SigmasKnowWhatTheOrientationLeavesOpen) {
   std::vector<SurfacePoint> points = hill(0, 0, 40, 100'000);
   std::erase_if(points, [](const SurfacePoint& p) { return std::hypot(p.position.x() - 30, p.position.y() - 10) < 5; });
-  const std::vector<PlaceSigma> places = {{8, 20, 0.05}, {32, 20, 0.15}};
+  const std::vector<PositionSigma> position_sigmas = {{8, 20, 0.05}, {32, 20, 0.15}};
   const DsmOptions options{.cell_m = 0.25, .fill_holes_m = 0};
   const Collected bare = build(points, options);
-  const Collected dsm = build(points, options, 2, nullptr, PointFrame::kWorld, places);
+  const Collected dsm = build(points, options, 2, nullptr, PointFrame::kWorld, position_sigmas);
   ASSERT_TRUE(bare.summary && dsm.summary);
   const auto added = [&](double x, double y) {
     const int column = int((x - dsm.grid.west_m) / 0.25), row = int((dsm.grid.north_m - y) / 0.25);
@@ -249,7 +249,7 @@ TEST(PointBuckets, WhatWentToFilesComesBack) {
 }
 
 // A disk that is full (a link to what behaves like one), and a folder that cannot be made.
-TEST(PointBuckets, WhatCannotBeWrittenIsToldAndLeavesNothing) {
+TEST(PointBuckets, WhatCannotBeWrittenIsStatedAndLeavesNothing) {
   const TestFolder folder;
   const std::vector<GridPoint> points(100, {1, 1, 5, 0.1f, 0});
   std::filesystem::create_directory(folder / "full");
@@ -279,12 +279,12 @@ TEST(PointBuckets, HoldNoMoreOfManyPointsThanOfFew) {
     for (GridPoint& point : points) point = {random.uniform(-100, 100), random.uniform(-100, 100), double(i), 0.1f, 0};
     ASSERT_TRUE(buckets.add(points));
     std::size_t room = 0;
-    for (const auto& [place, bucket] : buckets.buckets()) room += bucket.in_memory.capacity();
-    ASSERT_EQ(buckets.bytes_held(), room * sizeof(GridPoint));
-    most = std::max(most, buckets.bytes_held());
+    for (const auto& [square, bucket] : buckets.buckets()) room += bucket.in_memory.capacity();
+    ASSERT_EQ(buckets.bytes_in_memory(), room * sizeof(GridPoint));
+    most = std::max(most, buckets.bytes_in_memory());
   }
   ASSERT_TRUE(buckets.finish());
-  EXPECT_EQ(buckets.bytes_held(), 0u);
+  EXPECT_EQ(buckets.bytes_in_memory(), 0u);
   EXPECT_LE(most, kLimit);
   EXPECT_GT(most, kLimit / 2);
 }

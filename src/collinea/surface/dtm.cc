@@ -152,7 +152,7 @@ class Terrain {
     return means;
   }
 
-  // Of the means before they are continued, the median: some that are known badly do not change it.
+  // The median of the means before they are continued: some that are known badly do not change it.
   [[nodiscard]] std::optional<double> usual_sigma_m() const {
     std::vector<float> sigmas;
     sigmas.reserve(mean_.weight.data.size());

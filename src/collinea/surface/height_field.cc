@@ -50,7 +50,7 @@ void add_strip(const FloatImage& strip, int first_row, HeightOverview& result) {
   const int block_row = first_row / kBlock;
   for (int block = 0; block < result.lowest_m.width; ++block) {
     float low = std::numeric_limits<float>::infinity(), high = kNothing;
-    SurfacePlace place;
+    SurfaceSample sample;
     int nearest = std::numeric_limits<int>::max();
     for (int y = 0; y < strip.height; ++y) {
       for (int x = block * kBlock; x < std::min((block + 1) * kBlock, strip.width); ++x) {
@@ -60,13 +60,13 @@ void add_strip(const FloatImage& strip, int first_row, HeightOverview& result) {
         const int dx = x - block * kBlock - kBlock / 2, dy = y - kBlock / 2;
         if (dx * dx + dy * dy >= nearest) continue;
         nearest = dx * dx + dy * dy;
-        place = {x + 0.5, first_row + y + 0.5, z};
+        sample = {x + 0.5, first_row + y + 0.5, z};
       }
     }
     if (high == kNothing) continue;
     result.lowest_m.at(block, block_row) = low;
     result.highest_m.at(block, block_row) = high;
-    result.places.push_back(place);
+    result.samples.push_back(sample);
   }
 }
 
@@ -159,8 +159,8 @@ Result<HeightOverview> overview(const HeightField& field, const Run& run) {
       add_strip(rows, row + part, result);
     }
   }
-  for (const SurfacePlace& place : result.places) result.mean_m += place.height_m;
-  if (!result.places.empty()) result.mean_m /= double(result.places.size());
+  for (const SurfaceSample& sample : result.samples) result.mean_m += sample.height_m;
+  if (!result.samples.empty()) result.mean_m /= double(result.samples.size());
   return result;
 }
 

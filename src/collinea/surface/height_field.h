@@ -39,8 +39,8 @@ struct CellArea {
   int column, row, width, height;
 };
 
-/// A place of the surface, in continuous cells of its raster.
-struct SurfacePlace {
+/// A point of the surface, in continuous cells of its raster.
+struct SurfaceSample {
   double column = 0, row = 0;
   float height_m = 0;
 };
@@ -48,9 +48,9 @@ struct SurfacePlace {
 /// The surface in blocks of kBlock x kBlock cells: between which heights it lies.
 struct HeightOverview {
   static constexpr int kBlock = 32;
-  FloatImage lowest_m, highest_m;    ///< per block; NaN where no cell has a height
-  std::vector<SurfacePlace> places;  ///< the cell nearest to the middle of each block, block by block
-  double mean_m = 0;                 ///< of the places
+  FloatImage lowest_m, highest_m;      ///< per block; NaN where no cell has a height
+  std::vector<SurfaceSample> samples;  ///< the cell nearest to the middle of each block, block by block
+  double mean_m = 0;                   ///< of the places
 };
 [[nodiscard]] Result<HeightOverview> overview(const HeightField& field, const Run& run);
 

@@ -27,7 +27,7 @@ TEST(HeightField, HeightsAreBilinearOnSlopesAndSharpAtSteps) {
   EXPECT_TRUE(std::isnan(at(-1, 3)));
 }
 
-TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
+TEST(Overview, KnowsRangeAndAPositionOfEachBlock) {
   HeightField field;
   field.grid = {0, 0, 1, 70, 300, ""};
   field.read = [](int column, int row, int width, int height) -> Result<FloatImage> {
@@ -44,9 +44,9 @@ TEST(Overview, KnowsRangeAndAPlaceOfEachBlock) {
   EXPECT_EQ(result->lowest_m.at(1, 8), 256'032);
   EXPECT_EQ(result->highest_m.at(1, 8), 287'063);
   EXPECT_TRUE(std::isnan(result->highest_m.at(2, 0)));
-  ASSERT_EQ(result->places.size(), 20u);
-  EXPECT_EQ(result->places[3].column, 48.5);
-  EXPECT_EQ(result->places[3].row, 48.5);
+  ASSERT_EQ(result->samples.size(), 20u);
+  EXPECT_EQ(result->samples[3].column, 48.5);
+  EXPECT_EQ(result->samples[3].row, 48.5);
 }
 
 TEST(HeightField, ThinnedKeepsEveryFourthHeightAndTheCorner) {

@@ -14,11 +14,11 @@ Result<Profile> profile_along(const std::vector<Eigen::Vector2d>& line, double s
     return fail(Errc::kBadInput, "a profile of a million steps and more: larger ones are needed");
   Profile profile;
   profile.of.resize(surfaces.size());
-  const auto add = [&](double distance_m, const Eigen::Vector2d& place) -> Result<> {
+  const auto add = [&](double distance_m, const Eigen::Vector2d& position) -> Result<> {
     profile.distance_m.push_back(distance_m);
-    profile.place.push_back(place);
+    profile.positions.push_back(position);
     for (std::size_t s = 0; s < surfaces.size(); ++s) {
-      COLLINEA_TRY(const HeightSample one, surfaces[s].at(place));
+      COLLINEA_TRY(const HeightSample one, surfaces[s].at(position));
       profile.of[s].push_back(one);
     }
     return {};

@@ -11,7 +11,7 @@ namespace collinea {
 /// Heights along a line, of several surfaces side by side.
 struct Profile {
   std::vector<double> distance_m;             ///< from its beginning, in plan
-  std::vector<Eigen::Vector2d> place;         ///< on the map
+  std::vector<Eigen::Vector2d> positions;     ///< on the map
   std::vector<std::vector<HeightSample>> of;  ///< one list for each surface
 };
 

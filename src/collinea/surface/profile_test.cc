@@ -30,8 +30,8 @@ class ProfileOfAPlane : public ::testing::Test {
     }
     surfaces_.push_back(HeightSamples::open(with_sigmas_beside(folder_ / "dem.tif"), 1).value());
   }
-  static double height_m(const Eigen::Vector2d& place) {
-    return 50 + 0.25 * (place.x() - 100) - 0.5 * (place.y() - 200);
+  static double height_m(const Eigen::Vector2d& position) {
+    return 50 + 0.25 * (position.x() - 100) - 0.5 * (position.y() - 200);
   }
 
   const TestFolder folder_;
@@ -45,13 +45,13 @@ TEST_F(ProfileOfAPlane, HeightsAreThoseOfThePlaneAndDistancesThoseOfTheLine) {
   EXPECT_NEAR(profile.distance_m.back(), 13, 1e-12);
   EXPECT_EQ(profile.distance_m.size(), 1u + 13 + 20);
   bool corner = false;
-  for (std::size_t i = 0; i < profile.place.size(); ++i) {
-    EXPECT_NEAR(profile.of[0][i].height_m, height_m(profile.place[i]), 1e-4) << i;
-    EXPECT_NEAR(profile.of[0][i].sigma_m, 0.01 + 0.001 * ((profile.place[i].x() - 100) / 0.5 - 0.5), 1e-6);
+  for (std::size_t i = 0; i < profile.positions.size(); ++i) {
+    EXPECT_NEAR(profile.of[0][i].height_m, height_m(profile.positions[i]), 1e-4) << i;
+    EXPECT_NEAR(profile.of[0][i].sigma_m, 0.01 + 0.001 * ((profile.positions[i].x() - 100) / 0.5 - 0.5), 1e-6);
     if (i > 0) {
       EXPECT_LE(profile.distance_m[i] - profile.distance_m[i - 1], 0.4 + 1e-9);
     }
-    corner |= (profile.place[i] - line[1]).norm() < 1e-9;
+    corner |= (profile.positions[i] - line[1]).norm() < 1e-9;
   }
   EXPECT_TRUE(corner);
 }
@@ -70,7 +70,7 @@ TEST_F(ProfileOfAPlane, ALineThatIsNoneIsRefused) {
   EXPECT_FALSE(profile_along({{110, 205}, {119, 205}}, 1e-7, surfaces_));
 }
 
-TEST_F(ProfileOfAPlane, APictureIsNoSurface) {
+TEST_F(ProfileOfAPlane, AnImageIsNoSurface) {
   MapGrid grid;
   grid.width = grid.height = 4;
   auto writer = GeoTiffWriter<float>::create(folder_ / "rgb.tif", grid, 3, {});

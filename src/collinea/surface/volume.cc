@@ -20,8 +20,8 @@ constexpr double kMostCells = 1e8;
 constexpr double kCorrelatedCells = 3;
 constexpr int kLines = 16;    // across a cell, along each of which the border is met exactly
 constexpr double kReach = 3;  // correlation lengths beyond which nothing is alike
-// Of the whole variance: a smaller common part is rounding by more than a twentieth, since standard deviations are
-// rounded to floats, in files and where they are made.
+// The least common part of the whole variance: a smaller one is rounding by more than a twentieth, since standard
+// deviations are rounded to floats, in files and where they are made.
 constexpr double kLeastCommon = 80 * std::numeric_limits<float>::epsilon();
 
 /// The part of a raster that an area touches, with the part of every cell that is inside.
@@ -37,14 +37,14 @@ struct Base {
   FloatImage height_m, sigma_m, common_m;
 };
 
-// Of a standard deviation what is beyond the relative one; NaN where one is not known, or drowns it.
+// The common part of a standard deviation, beyond the relative one; NaN where one is not known, or drowns it.
 float common_part(double sigma_m, double relative_m) {
   const double variance = sigma_m * sigma_m - relative_m * relative_m;
   return variance > kLeastCommon * sigma_m * sigma_m ? float(std::sqrt(variance))
                                                      : std::numeric_limits<float>::quiet_NaN();
 }
 
-// Of every cell the part inside, by lines through it.
+// The part of every cell that lies inside, by lines through it.
 FloatImage parts_inside(const MapGrid& grid, const MapArea& area) {
   FloatImage inside(grid.width, grid.height);
   std::vector<double> crossings;

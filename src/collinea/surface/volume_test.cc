@@ -120,7 +120,7 @@ TEST_F(VolumeOf, BetweenTwoSurfacesOfDifferentCells) {
   EXPECT_NEAR(volume.area_m2, 1200, 1e-3);
 }
 
-TEST_F(VolumeOf, WhatHasNoHeightsIsToldAndNotMadeUp) {
+TEST_F(VolumeOf, WhatHasNoHeightsIsStatedAndNotMadeUp) {
   const auto holed = surface("holed", [](double x, double) { return x < 10 ? std::nan("") : 105.0; });
   const Volume volume = volume_over_level(holed, 102, rectangle(5, 10, 25, 20), {}, run_).value();
   EXPECT_NEAR(volume.missing_m2, 50, 1e-3);

@@ -10,7 +10,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kFocalError = 1.011;  // the true focal length over what the header of a photograph says
+constexpr double kFocalError = 1.011;  // the true focal length over what the header of an image says
 
 // A camera held level but for a tilt towards its target.
 Rigid3 looking_at(const Eigen::Vector3d& centre, const Eigen::Vector3d& target, const Eigen::Quaterniond& shake) {
@@ -42,7 +42,7 @@ std::vector<Rigid3> walk(const FacadeOptions& o, const FacadeScene& scene) {
 }
 
 // Places on the wall's front where a whole board sticks to one face.
-std::vector<Mark> places_on_wall(const Scene& scene, const FacadeScene& wall, double half_size_m, int count,
+std::vector<Mark> points_on_wall(const Scene& scene, const FacadeScene& wall, double half_size_m, int count,
                                  Random random) {
   std::vector<Mark> marks;
   const Eigen::Vector3d ahead = Eigen::Vector3d::UnitY();
@@ -98,7 +98,7 @@ Result<Truth> make_facade(const FacadeOptions& o, const Run& run) {
   marks.least_images = std::min(3, int(poses.size()));
   const int candidates = 10 * (o.control_points + o.check_points) + 50;
   if (auto done = add_marks(
-          truth, places_on_wall(truth.scene, wall, 4.5 * truth.gsd_m, candidates, Random(wall.seed, 8)), marks, run);
+          truth, points_on_wall(truth.scene, wall, 4.5 * truth.gsd_m, candidates, Random(wall.seed, 8)), marks, run);
       !done)
     return tl::unexpected(std::move(done).error());
   return truth;

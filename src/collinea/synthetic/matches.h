@@ -10,7 +10,7 @@
 
 namespace collinea {
 
-/// What detection and matching would hand on, without pictures and descriptors.
+/// What detection and matching would hand on, without images and descriptors.
 struct SimulatedMatches {
   std::map<ImageId, std::vector<Keypoint>> keypoints;  ///< in the order of Observation::feature
   std::vector<ImagePair> pairs;                        ///< sorted; putative matches only, geometry not yet looked at

@@ -94,7 +94,7 @@ std::vector<float> gaussian(double sigma_px) {
   return weights;
 }
 
-// One row of the blurred picture; beyond the border the border pixel goes on.
+// One row of the blurred image; beyond the border the border pixel goes on.
 void blur_row(const Raster<Colour>& light, int row, const std::vector<float>& weights, std::vector<Colour>& vertical,
               std::vector<Colour>& out) {
   const int radius = int(weights.size()) / 2, width = light.width;
@@ -204,7 +204,7 @@ Result<ColourImage> render(const Truth& truth, ImageId image, const RayTable& ra
   in_bands([&](int row) { photographer.expose_row(row); });
   in_bands([&](int row) { photographer.refine_row(row); });
 
-  ColourImage picture(camera.width_px, camera.height_px, 3);
+  ColourImage raster(camera.width_px, camera.height_px, 3);
   const std::vector<float> weights = gaussian(truth.optics.blur_px);
   std::array<double, 3> gain;
   gain.fill(truth.exposure.at(image));
@@ -214,10 +214,10 @@ Result<ColourImage> render(const Truth& truth, ImageId image, const RayTable& ra
     thread_local std::vector<Colour> vertical, blurred;
     blur_row(photographer.light(), row, weights, vertical, blurred);
     const std::uint64_t item = (std::uint64_t{image.value} + 1) * 100000 + std::uint64_t(row);
-    write_row(blurred, row, truth, gain, camera, Random(truth.seed, item), picture.row(row));
+    write_row(blurred, row, truth, gain, camera, Random(truth.seed, item), raster.row(row));
   });
   if (run.stopped()) return fail(Errc::kCancelled, "rendering was stopped");
-  return picture;
+  return raster;
 }
 
 }  // namespace collinea

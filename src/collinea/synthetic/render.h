@@ -23,7 +23,7 @@ class RayTable {
   std::vector<float> directions_;
 };
 
-/// The photograph: for every pixel a ray through the exact camera, shaded; edges of objects and shadows supersampled;
+/// The image: for every pixel a ray through the exact camera, shaded; edges of objects and shadows supersampled;
 /// then blur, vignetting, exposure, tone curve, noise. The same whatever run.threads is. Memory: 16 bytes a pixel.
 /// Error: stopped.
 [[nodiscard]] Result<ColourImage> render(const Truth& truth, ImageId image, const RayTable& rays, const Run& run);

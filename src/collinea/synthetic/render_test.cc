@@ -21,7 +21,7 @@ SurveyOptions tiny_survey() {
   return o;
 }
 
-ColourImage picture_of(const Truth& truth, ImageId image, int threads = 1) {
+ColourImage image_of(const Truth& truth, ImageId image, int threads = 1) {
   Run run;
   run.threads = threads;
   return *render(truth, image, RayTable(truth.block.camera_of(image), run), run);
@@ -29,18 +29,18 @@ ColourImage picture_of(const Truth& truth, ImageId image, int threads = 1) {
 
 TEST(Render, DoesNotDependOnThreads) {
   const Truth truth = *make_survey(tiny_survey());
-  EXPECT_EQ(picture_of(truth, ImageId{1}).data, picture_of(truth, ImageId{1}, 2).data);
+  EXPECT_EQ(image_of(truth, ImageId{1}).data, image_of(truth, ImageId{1}, 2).data);
 }
 
 // Green keeps its exposure; the light of red and blue is changed by one factor each, in grey levels by factor^(1
 // / 2.2).
-TEST(Render, WhiteBalanceChangesRedAndBlueOfAPictureAsAWhole) {
+TEST(Render, WhiteBalanceChangesRedAndBlueOfAnImageAsAWhole) {
   SurveyOptions o = tiny_survey();
   o.light.noise_grey = 0;
-  const ColourImage plain = picture_of(*make_survey(o), ImageId{1});
+  const ColourImage plain = image_of(*make_survey(o), ImageId{1});
   o.white_balance_sigma = 0.1;
   const Truth truth = *make_survey(o);
-  const ColourImage tinted = picture_of(truth, ImageId{1});
+  const ColourImage tinted = image_of(truth, ImageId{1});
   const auto& white = truth.white.at(ImageId{1});
   EXPECT_EQ(white[1], 1);
   EXPECT_NE(white[0], white[2]);
@@ -54,25 +54,25 @@ TEST(Render, WhiteBalanceChangesRedAndBlueOfAPictureAsAWhole) {
 }
 
 TEST(Render, UsesTheWholeRangeOfGreys) {
-  const ColourImage picture = picture_of(*make_survey(tiny_survey()), ImageId{1});
+  const ColourImage image = image_of(*make_survey(tiny_survey()), ImageId{1});
   double sum = 0, squares = 0;
-  for (std::uint8_t value : picture.data) {
+  for (std::uint8_t value : image.data) {
     sum += value;
     squares += double(value) * value;
   }
-  const double mean = sum / double(picture.data.size());
+  const double mean = sum / double(image.data.size());
   EXPECT_GT(mean, 60);
   EXPECT_LT(mean, 180);
-  EXPECT_GT(std::sqrt(squares / double(picture.data.size()) - mean * mean), 15);
+  EXPECT_GT(std::sqrt(squares / double(image.data.size()) - mean * mean), 15);
 }
 
 // Two exposures that differ by noise alone; rounding to whole levels adds 1/12 to each variance.
 TEST(Render, NoiseHasItsStandardDeviation) {
   SurveyOptions o = tiny_survey();
   o.light.noise_grey = 0;
-  const ColourImage clean = picture_of(*make_survey(o), ImageId{1});
+  const ColourImage clean = image_of(*make_survey(o), ImageId{1});
   o.light.noise_grey = 3;
-  const ColourImage noisy = picture_of(*make_survey(o), ImageId{1});
+  const ColourImage noisy = image_of(*make_survey(o), ImageId{1});
   double sum = 0, squares = 0, n = 0;
   for (std::size_t i = 0; i < clean.data.size(); i += 3) {
     if (clean.data[i] < 20 || clean.data[i] > 235) continue;  // clipped
@@ -85,7 +85,7 @@ TEST(Render, NoiseHasItsStandardDeviation) {
   EXPECT_NEAR(std::sqrt(squares / n), std::sqrt(9 + 1.0 / 6), 0.05);
 }
 
-// A mark is symmetric about its centre. The place about which the picture is most symmetric is where the centre is
+// A mark is symmetric about its centre. The place about which the image is most symmetric is where the centre is
 // projected: within a step of the search and the ground's own asymmetry outside the board.
 TEST(Render, MarksAppearWhereTheyAreProjected) {
   SurveyOptions o = tiny_survey();
@@ -96,7 +96,7 @@ TEST(Render, MarksAppearWhereTheyAreProjected) {
     const ImageId image{1};
     const auto pixel = seen_at(truth, image, mark, 15);
     if (!pixel) continue;
-    const ColourImage picture = picture_of(truth, image);
+    const ColourImage raster = image_of(truth, image);
     double best = 1e30;
     Eigen::Vector2d found = *pixel;
     for (double dy = -1; dy <= 1; dy += 0.05)
@@ -105,8 +105,8 @@ TEST(Render, MarksAppearWhereTheyAreProjected) {
         double asymmetry = 0;
         for (int j = 0; j <= 3; ++j)
           for (int i = -3; i <= 3; ++i)
-            asymmetry += std::pow(bilinear(picture, centre.x() + i, centre.y() + j, 1) -
-                                      bilinear(picture, centre.x() - i, centre.y() - j, 1),
+            asymmetry += std::pow(bilinear(raster, centre.x() + i, centre.y() + j, 1) -
+                                      bilinear(raster, centre.x() - i, centre.y() - j, 1),
                                   2);
         if (asymmetry < best) {
           best = asymmetry;
@@ -141,9 +141,9 @@ TEST(Render, StopsWhenAsked) {
   source.request_stop();
   collinea::Run run;
   run.stop = source.get_token();
-  const auto picture = render(truth, ImageId{0}, rays, run);
-  ASSERT_FALSE(picture);
-  EXPECT_EQ(picture.error().code, Errc::kCancelled);
+  const auto image = render(truth, ImageId{0}, rays, run);
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().code, Errc::kCancelled);
 }
 
 TEST(Render, ToneGoesFromBlackToWhite) {

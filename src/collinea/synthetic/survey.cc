@@ -14,13 +14,13 @@ namespace {
 
 constexpr double kCrossHeight = 1.15;  // flying height of cross strips over that of the others
 constexpr double kGimbalSigma_deg = 1.2;
-constexpr double kFocalError = 1.011;  // the true focal length over what the header of a photograph says
+constexpr double kFocalError = 1.011;  // the true focal length over what the header of an image says
 
 // What follows from the options: sizes of the block on the ground.
 struct Plan {
   Camera camera;
   double height_m = 0, gsd_m = 0;
-  double across_m = 0, along_m = 0;  // a picture on the ground
+  double across_m = 0, along_m = 0;  // an image on the ground
   double base_m = 0, spacing_m = 0;
   int strips = 0, per_strip = 0, dropped = 0;  // images left out at the end of the last strip
   int cross_strips = 0, per_cross = 0;
@@ -57,7 +57,7 @@ Result<Plan> plan_of(const SurveyOptions& o) {
 }
 
 struct Station {
-  double x, y, z, heading;  // heading clockwise from north: where the upper edge of the picture points
+  double x, y, z, heading;  // heading clockwise from north: where the upper edge of the image points
 };
 
 // Strips run north and south in turn, the cross strips east and west; the block's middle is the origin.
@@ -106,7 +106,7 @@ struct Area {
   }
 };
 
-// All ground that any picture may show: its corners traced down to a level below all terrain.
+// All ground that any image may show: its corners traced down to a level below all terrain.
 Result<Area> ground_in_view(const Camera& camera, const std::vector<Rigid3>& poses, double level_m) {
   Area area;
   const double w = camera.width_px, h = camera.height_px;
@@ -116,14 +116,14 @@ Result<Area> ground_in_view(const Camera& camera, const std::vector<Rigid3>& pos
       const Eigen::Vector3d ray = pose.rotation.conjugate() * ray_in_cam(camera, pixel), centre = centre_of(pose);
       if (ray.z() > -0.3)
         return fail(Errc::kBadInput,
-                    "the pictures show the horizon: longer focal length or smaller attitude_jitter_deg needed");
+                    "the images show the horizon: longer focal length or smaller attitude_jitter_deg needed");
       area.include((centre + ray * ((level_m - centre.z()) / ray.z())).head<2>());
     }
   return area.grown(2, 2);
 }
 
 // Open ground in the sun, as a surveyor would choose it.
-std::vector<Mark> open_places(const Scene& scene, const Area& area, double half_size_m, int count, Random random) {
+std::vector<Mark> open_positions(const Scene& scene, const Area& area, double half_size_m, int count, Random random) {
   std::vector<Mark> marks;
   for (int trial = 0; trial < 20 * count && int(marks.size()) < count; ++trial) {
     const double x = random.uniform(area.low.x(), area.high.x()), y = random.uniform(area.low.y(), area.high.y());
@@ -165,7 +165,8 @@ Result<> mark_control(Truth& truth, const SurveyOptions& o, const Area& mapped, 
   marks.least_images = std::min(3, int(truth.block.images.size()));
   const int candidates = 20 * (o.control_points + o.check_points) + 100;
   const double half_size_m = 4.5 * truth.gsd_m;
-  return add_marks(truth, open_places(truth.scene, mapped, half_size_m, candidates, Random(truth.seed, 7)), marks, run);
+  return add_marks(truth, open_positions(truth.scene, mapped, half_size_m, candidates, Random(truth.seed, 7)), marks,
+                   run);
 }
 
 }  // namespace

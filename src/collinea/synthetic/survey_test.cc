@@ -57,10 +57,10 @@ TEST(Survey, NeighboursOverlapAsPlanned) {
   o.camera.k1 = o.camera.k2 = o.camera.k3 = o.camera.p1 = o.camera.p2 = o.relief_m = 0;
   o.building_area_m2 = 0;
   const Truth truth = *make_survey(o);
-  const auto place = [&](std::uint32_t i) { return centre_of(pose_of(truth.block, ImageId{i})); };
-  EXPECT_NEAR((place(1) - place(0)).norm(), 0.25 * 384 * 0.2, 1e-9);
-  EXPECT_NEAR(place(6).x() - place(0).x(), 0.35 * 512 * 0.2, 1e-9);
-  EXPECT_NEAR(place(0).z(), 0.2 * 0.67 * 512, 1e-9);
+  const auto position = [&](std::uint32_t i) { return centre_of(pose_of(truth.block, ImageId{i})); };
+  EXPECT_NEAR((position(1) - position(0)).norm(), 0.25 * 384 * 0.2, 1e-9);
+  EXPECT_NEAR(position(6).x() - position(0).x(), 0.35 * 512 * 0.2, 1e-9);
+  EXPECT_NEAR(position(0).z(), 0.2 * 0.67 * 512, 1e-9);
 }
 
 // A ray and its projection are inverse to rounding: 1e-10 in the image plane (the promise of normalized) is 1e-7 px

@@ -11,7 +11,7 @@
 #include "collinea/io/control_file.h"
 #include "collinea/io/text.h"
 #include "collinea/math/random.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/synthetic/render.h"
 
 namespace collinea {
@@ -100,10 +100,10 @@ std::string poses_text(const Truth& truth) {
 
 std::string marks_text(const Truth& truth) {
   std::string text = kMarkColumns;
-  for (const auto& [id, place] : truth.marks_in_world) {
+  for (const auto& [id, position] : truth.marks_in_world) {
     const ControlPoint& point = truth.block.control.at(id);
-    text += point.name + ", " + role_of(point) + ", " + xyz(place, 6) + ", " +
-            xyz(truth.frame.map_from_local(place), 6) + "\n";
+    text += point.name + ", " + role_of(point) + ", " + xyz(position, 6) + ", " +
+            xyz(truth.frame.map_from_local(position), 6) + "\n";
   }
   return text;
 }
@@ -119,13 +119,13 @@ Result<> write_all(const Truth& truth, const std::filesystem::path& folder, cons
   std::filesystem::create_directories(folder / "truth", error);
   if (error) return fail(Errc::kNotFound, folder.string() + ": cannot be made: " + error.message());
   COLLINEA_TRY(write_tables(truth, folder));
-  COLLINEA_TRY(write_photographs(truth, folder / "images", run));
+  COLLINEA_TRY(write_images(truth, folder / "images", run));
   return write_products(truth, folder / "truth", truth.gsd_m, run);
 }
 
 }  // namespace
 
-Result<> write_photographs(const Truth& truth, const std::filesystem::path& images, const Run& run) {
+Result<> write_images(const Truth& truth, const std::filesystem::path& images, const Run& run) {
   std::optional<RayTable> rays;
   CameraId camera;
   std::size_t done = 0;
@@ -134,9 +134,9 @@ Result<> write_photographs(const Truth& truth, const std::filesystem::path& imag
       camera = image.camera;
       rays.emplace(truth.block.cameras.at(camera), run);
     }
-    COLLINEA_TRY(const ColourImage picture, render(truth, id, *rays, run));
+    COLLINEA_TRY(const ColourImage raster, render(truth, id, *rays, run));
     const ImageHeader header = header_of(truth, id);
-    COLLINEA_TRY(write_jpeg(images / image.file, picture, kJpegQuality, &header));
+    COLLINEA_TRY(write_jpeg(images / image.file, raster, kJpegQuality, &header));
     run.report("photographs", double(++done) / double(truth.block.images.size()));
   }
   return {};
@@ -144,7 +144,7 @@ Result<> write_photographs(const Truth& truth, const std::filesystem::path& imag
 
 namespace {
 
-// What an earlier simulation left and this one does not write: rasters, and photographs that its own truth names.
+// What an earlier simulation left and this one does not write: rasters, and images that its own truth names.
 Result<> remove_earlier(const Truth& truth, const std::filesystem::path& folder) {
   if (!is_there(folder / "truth/poses.csv")) return {};
   for (const char* raster : {"truth/dsm.tif", "truth/dtm.tif", "truth/ortho.tif"})

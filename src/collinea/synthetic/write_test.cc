@@ -9,7 +9,7 @@
 #include "collinea/base/test_folder.h"
 #include "collinea/io/control_file.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -44,8 +44,8 @@ TEST(Write, WhatWasWrittenIsReadBack) {
     EXPECT_LT((read->centre_in_map.at(image.file) - truth.frame.map_from_local(centre)).norm(), 2e-6);
   }
   ASSERT_EQ(read->marks.size(), 5u);
-  for (const auto& [id, place] : truth.marks_in_world)
-    EXPECT_LT((read->marks.at(truth.block.control.at(id).name).position_in_world - place).norm(), 2e-6);
+  for (const auto& [id, position] : truth.marks_in_world)
+    EXPECT_LT((read->marks.at(truth.block.control.at(id).name).position_in_world - position).norm(), 2e-6);
   EXPECT_TRUE(std::filesystem::exists(read->dsm));
   EXPECT_TRUE(std::filesystem::exists(read->ortho));
 }
@@ -101,11 +101,11 @@ TEST(Write, WhatAnEarlierSimulationLeftGoes) {
   EXPECT_TRUE(std::filesystem::exists(folder / "survey/images/IMG_0999.jpg"));
 }
 
-TEST(Write, PhotographsSayWhereTheyWereTaken) {
+TEST(Write, ImagesSayWhereTheyWereTaken) {
   const TestFolder folder;
   const Truth truth = *make_survey(tiny_survey());
   std::filesystem::create_directories(folder / "images");
-  ASSERT_TRUE(write_photographs(truth, folder / "images", {}));
+  ASSERT_TRUE(write_images(truth, folder / "images", {}));
   for (const auto& [id, image] : truth.block.images) {
     const auto header = read_image_header(folder / "images" / image.file);
     ASSERT_TRUE(header) << header.error().message;

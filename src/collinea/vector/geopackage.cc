@@ -48,27 +48,28 @@ void set_value(OGRFeatureH feature, int field, const VectorValue& value) {
     OGR_F_SetFieldNull(feature, field);
 }
 
-void add_places(OGRGeometryH line, const std::vector<Eigen::Vector3d>& places, bool flat) {
-  for (const Eigen::Vector3d& place : places)
-    flat ? OGR_G_AddPoint_2D(line, place.x(), place.y()) : OGR_G_AddPoint(line, place.x(), place.y(), place.z());
+void add_positions(OGRGeometryH line, const std::vector<Eigen::Vector3d>& positions, bool flat) {
+  for (const Eigen::Vector3d& position : positions)
+    flat ? OGR_G_AddPoint_2D(line, position.x(), position.y())
+         : OGR_G_AddPoint(line, position.x(), position.y(), position.z());
 }
 
-bool add_ring(OGRGeometryH polygon, std::vector<Eigen::Vector3d> places, bool flat) {
+bool add_ring(OGRGeometryH polygon, std::vector<Eigen::Vector3d> positions, bool flat) {
   const OGRGeometryH ring = OGR_G_CreateGeometry(wkbLinearRing);
-  if (!places.empty()) places.push_back(places.front());
-  add_places(ring, places, flat);
+  if (!positions.empty()) positions.push_back(positions.front());
+  add_positions(ring, positions, flat);
   return OGR_G_AddGeometryDirectly(polygon, ring) == OGRERR_NONE;
 }
 
 // The feature takes what it is given.
-bool set_places(OGRFeatureH feature, const VectorLayer& layer, const VectorRow& row) {
+bool set_positions(OGRFeatureH feature, const VectorLayer& layer, const VectorRow& row) {
   const OGRGeometryH geometry = OGR_G_CreateGeometry(geometry_type(layer));
   bool added = true;
   if (layer.kind == VectorKind::kPolygon) {
-    added = add_ring(geometry, row.places, layer.flat);
+    added = add_ring(geometry, row.positions, layer.flat);
     for (const auto& hole : row.holes) added = added && add_ring(geometry, hole, layer.flat);
   } else {
-    add_places(geometry, row.places, layer.flat);
+    add_positions(geometry, row.positions, layer.flat);
   }
   return OGR_F_SetGeometryDirectly(feature, geometry) == OGRERR_NONE && added;
 }
@@ -79,7 +80,8 @@ bool add_rows(OGRLayerH made, const VectorLayer& layer) {
     COLLINEA_CHECK(row.values.size() == layer.fields.size());
     const std::unique_ptr<void, FeatureDestroyer> feature(OGR_F_Create(OGR_L_GetLayerDefn(made)));
     for (std::size_t i = 0; i < row.values.size(); ++i) set_value(feature.get(), int(i), row.values[i]);
-    if (!set_places(feature.get(), layer, row) || OGR_L_CreateFeature(made, feature.get()) != OGRERR_NONE) return false;
+    if (!set_positions(feature.get(), layer, row) || OGR_L_CreateFeature(made, feature.get()) != OGRERR_NONE)
+      return false;
   }
   return !begun || OGR_L_CommitTransaction(made) == OGRERR_NONE;
 }

@@ -25,7 +25,7 @@ struct VectorField {
 using VectorValue = std::variant<std::monostate, double, std::int64_t, std::string>;
 
 struct VectorRow {
-  std::vector<Eigen::Vector3d> places;                   ///< one of a point; a polygon is closed by itself [m]
+  std::vector<Eigen::Vector3d> positions;                ///< one of a point; a polygon is closed by itself [m]
   std::vector<VectorValue> values;                       ///< one for each field
   std::vector<std::vector<Eigen::Vector3d>> holes = {};  ///< of a polygon, closed by themselves
 };

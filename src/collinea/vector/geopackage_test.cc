@@ -34,7 +34,7 @@ std::vector<VectorLayer> two_layers() {
   return {points, site, way};
 }
 
-TEST(GeoPackage, IsReadBackByGdalWithPlacesValuesAndCrs) {
+TEST(GeoPackage, IsReadBackByGdalWithPositionsValuesAndCrs) {
   const TestFolder folder;
   set_up_gdal();
   OGRSpatialReferenceH utm = OSRNewSpatialReference(nullptr);
@@ -56,10 +56,10 @@ TEST(GeoPackage, IsReadBackByGdalWithPlacesValuesAndCrs) {
   EXPECT_EQ(std::string(OGR_F_GetFieldAsString(feature, 0)), "A, \"1\"");
   EXPECT_EQ(OGR_F_GetFieldAsInteger64(feature, 1), 7);
   EXPECT_EQ(OGR_F_GetFieldAsDouble(feature, 2), 0.015);
-  const OGRGeometryH place = OGR_F_GetGeometryRef(feature);
-  EXPECT_EQ(OGR_G_GetX(place, 0), 546812.25);
-  EXPECT_EQ(OGR_G_GetY(place, 0), 5338101.5);
-  EXPECT_EQ(OGR_G_GetZ(place, 0), 352.125);
+  const OGRGeometryH geometry = OGR_F_GetGeometryRef(feature);
+  EXPECT_EQ(OGR_G_GetX(geometry, 0), 546812.25);
+  EXPECT_EQ(OGR_G_GetY(geometry, 0), 5338101.5);
+  EXPECT_EQ(OGR_G_GetZ(geometry, 0), 352.125);
   OGR_F_Destroy(feature);
   feature = OGR_L_GetNextFeature(points);
   ASSERT_TRUE(feature);

@@ -44,14 +44,14 @@ Result<> check_crs(OGRSpatialReferenceH found, const std::string& wkt) {
 }
 
 Result<MapRing> ring_of(OGRGeometryH ring) {
-  MapRing places;
+  MapRing positions;
   for (int i = 0; i < OGR_G_GetPointCount(ring); ++i) {
-    places.emplace_back(OGR_G_GetX(ring, i), OGR_G_GetY(ring, i));
-    if (!places.back().allFinite()) return fail(Errc::kBadInput, "has places that are no numbers");
+    positions.emplace_back(OGR_G_GetX(ring, i), OGR_G_GetY(ring, i));
+    if (!positions.back().allFinite()) return fail(Errc::kBadInput, "has places that are no numbers");
   }
-  if (places.size() > 1 && places.front() == places.back()) places.pop_back();
-  if (places.size() < 3) return fail(Errc::kBadInput, "has an outline of less than three places");
-  return places;
+  if (positions.size() > 1 && positions.front() == positions.back()) positions.pop_back();
+  if (positions.size() < 3) return fail(Errc::kBadInput, "has an outline of less than three places");
+  return positions;
 }
 
 // Adds the polygons of a geometry without curves.

@@ -16,8 +16,9 @@
 namespace collinea::bundle {
 namespace {
 
-// Of the finest a pixel is on the ground: what a fixed coordinate may move beside a free one. The results then differ
-// by the square of it from those of a coordinate that is really fixed, which a stiffer spring would spoil by rounding.
+// The part of the finest pixel on the ground that a fixed coordinate may move beside a free one. The results then
+// differ by the square of it from those of a coordinate that is really fixed, which a stiffer spring would spoil by
+// rounding.
 constexpr double kFixedPart = 1e-3;
 
 // Sigma of a pixel across the sight line at that position, the least of all lines; 0 of no line.
@@ -116,9 +117,9 @@ Result<> correlate(const ControlPoint& control, const Eigen::Vector3d& sigma_m, 
                                      " are not those of a covariance (it has to be positive definite)");
   for (int axis = 0; axis < 3; ++axis)
     if ((*weight)(axis, axis) > 0) coordinates.inverse_sigma[axis] = std::sqrt((*weight)(axis, axis));
-  coordinates.beside[0] = (*weight)(0, 1);
-  coordinates.beside[1] = (*weight)(0, 2);
-  coordinates.beside[2] = (*weight)(1, 2);
+  coordinates.off_diagonal_weight[0] = (*weight)(0, 1);
+  coordinates.off_diagonal_weight[1] = (*weight)(0, 2);
+  coordinates.off_diagonal_weight[2] = (*weight)(1, 2);
   return {};
 }
 

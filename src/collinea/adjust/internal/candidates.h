@@ -50,7 +50,7 @@ struct CandidatePoints {
   std::vector<CandidatePoint> points;
   std::vector<Ray> rays;
   std::vector<ControlCoordinates> control;
-  std::vector<std::uint32_t> geodetic;  ///< indices in Block::ground
+  std::vector<std::uint32_t> geodetic;  ///< indices in Block::geodetic
 };
 
 [[nodiscard]] CandidateImages candidate_images(const Block& block, const AdjustScope& scope);

@@ -135,10 +135,10 @@ DatumConstraint constraint(const DatumPart& part, const State& state, const std:
   double squared = 0;
   for (const int pose : poses) {
     // A world turned by w turns cam_from_world by -R w in the camera frame.
-    const Eigen::Vector3d turn = -(state.rotations[pose] * unseen.segment<3>(3));
+    const Eigen::Vector3d rotation = -(state.rotations[pose] * unseen.segment<3>(3));
     const Eigen::Vector3d shift = motion_of(centre_in(state, pose), part.centre, part.size) * unseen / part.size;
-    result.direction.push_back({turn.x(), turn.y(), turn.z(), shift.x(), shift.y(), shift.z()});
-    squared += turn.squaredNorm() + shift.squaredNorm() * part.size * part.size;
+    result.direction.push_back({rotation.x(), rotation.y(), rotation.z(), shift.x(), shift.y(), shift.z()});
+    squared += rotation.squaredNorm() + shift.squaredNorm() * part.size * part.size;
   }
   for (auto& direction : result.direction)
     for (double& value : direction) value /= std::sqrt(squared);
@@ -162,7 +162,7 @@ void constrain(Problem& problem, const DatumPart& part, int index, const State& 
 DatumSources sources_of(const std::vector<DatumPart>& parts) {
   DatumSources sources;
   for (const DatumPart& part : parts) {
-    sources.ground |= part.sources.ground;
+    sources.geodetic |= part.sources.geodetic;
     sources.fixed |= part.sources.fixed;
     sources.positions |= part.sources.positions;
     sources.control |= part.sources.control;
@@ -181,10 +181,10 @@ void find_datum(Problem& problem, const State& start) {
   extend_parts(problem);
   observe_rows(problem, start, parts);
   for (std::size_t i = 0; i < parts.size(); ++i) constrain(problem, parts[i], static_cast<int>(i), start);
-  // Nothing of it is held, also no station on the ground that no image shows.
-  bool held = false;
-  for (std::size_t p = 0; p < problem.point_count(); ++p) held = held || problem.point(p).held;
-  problem.moves_as_one = parts.size() == 1 && !held && problem.images.size() == parts.front().poses.size();
+  // Nothing of it is fixed, also no station on the ground that no image shows.
+  bool is_fixed = false;
+  for (std::size_t p = 0; p < problem.point_count(); ++p) is_fixed = is_fixed || problem.point(p).is_fixed;
+  problem.moves_as_one = parts.size() == 1 && !is_fixed && problem.images.size() == parts.front().poses.size();
   problem.datum_sources = sources_of(parts);
 }
 

@@ -8,18 +8,19 @@ namespace collinea::bundle {
 
 MotionsWithAuxiliaries::MotionsWithAuxiliaries(const Problem& problem, std::size_t parts) : problem_(problem) {
   for (std::size_t k = 0; k < problem.auxiliaries.size(); ++k)
-    add_column(problem.first_extra + static_cast<int>(k), problem.auxiliaries[k].inverse_sigma > 0);
-  for (const std::uint32_t p : problem.joined) {
+    add_column(problem.first_auxiliary + static_cast<int>(k), problem.auxiliaries[k].inverse_sigma > 0);
+  for (const std::uint32_t p : problem.retained_points) {
     const ProblemPoint& point = problem.point(p);
     if (!problem.is_unseen(p)) continue;
     for (int c = 0; c < 3; ++c)
-      add_column(point.joined + c, problem.control[static_cast<std::size_t>(point.control)].inverse_sigma[c] > 0);
+      add_column(point.first_retained + c,
+                 problem.control[static_cast<std::size_t>(point.control)].inverse_sigma[c] > 0);
   }
   normals_.assign(parts, Eigen::MatrixXd::Zero(7 + count(), 7 + count()));
 }
 
-void MotionsWithAuxiliaries::add_column(int in_border, bool observed) {
-  column_[in_border] = count();
+void MotionsWithAuxiliaries::add_column(int among_globals, bool observed) {
+  column_[among_globals] = count();
   observed_.push_back(observed);
 }
 

@@ -37,10 +37,10 @@ class MotionsWithAuxiliaries {
 
  private:
   [[nodiscard]] int count() const { return static_cast<int>(observed_.size()); }
-  void add_column(int in_border, bool observed);
+  void add_column(int among_globals, bool observed);
 
   const Problem& problem_;
-  std::map<int, int> column_;  // by the index in the border
+  std::map<int, int> column_;  // by the index among the global parameters
   std::vector<bool> observed_;
   std::vector<Eigen::MatrixXd> normals_;
 };

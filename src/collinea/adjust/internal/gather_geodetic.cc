@@ -29,7 +29,7 @@ struct Members {
 std::map<ShapeKey, Members> members_of(const Block& block, const std::vector<std::uint32_t>& links) {
   std::map<ShapeKey, Members> shapes;
   for (const std::uint32_t link : links) {
-    const GeodeticObservation& measured = block.ground[link];
+    const GeodeticObservation& measured = block.geodetic[link];
     if (!measured.is_of_shape()) continue;
     Members& members = shapes[key_of(measured)];
     members.all.insert(measured.from);
@@ -38,16 +38,16 @@ std::map<ShapeKey, Members> members_of(const Block& block, const std::vector<std
   return shapes;
 }
 
-std::vector<Eigen::Vector3d> places_of(const std::set<ControlId>& points,
-                                       const std::function<Eigen::Vector3d(ControlId)>& place_of) {
-  std::vector<Eigen::Vector3d> places;
-  for (const ControlId point : points) places.push_back(place_of(point));
-  return places;
+std::vector<Eigen::Vector3d> positions_of(const std::set<ControlId>& points,
+                                          const std::function<Eigen::Vector3d(ControlId)>& position_of) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const ControlId point : points) positions.push_back(position_of(point));
+  return positions;
 }
 
-class GroundLayout {
+class GeodeticLayout {
  public:
-  GroundLayout(const Block& block, ProblemAndStart& out) : block_(block), problem_(out.problem), start_(out.start) {
+  GeodeticLayout(const Block& block, ProblemAndStart& out) : block_(block), problem_(out.problem), start_(out.start) {
     for (std::size_t p = 0; p < problem_.point_count(); ++p)
       if (problem_.point(p).control >= 0) number_[ControlId{problem_.point(p).id}] = static_cast<std::uint32_t>(p);
   }
@@ -56,27 +56,27 @@ class GroundLayout {
     problem_.level_at_origin = block_.georeference.has_value();
     begin_shapes(links);
     for (const std::uint32_t source : links) {
-      const GeodeticObservation& measured = block_.ground[source];
+      const GeodeticObservation& measured = block_.geodetic[source];
       GeodeticLink link{measured, source, number_.at(measured.from), number_.at(measured.to)};
       if (measured.role == ControlRole::kControl) link.inverse_sigma = 1 / measured.sigma;
-      if (measured.kind == GeodeticKind::kDirection) link.extra = orientation_of(measured, link);
+      if (measured.kind == GeodeticKind::kDirection) link.auxiliary = orientation_of(measured, link);
       if (measured.is_of_shape()) {
-        const auto& [shape, extra] = shapes_.at(key_of(measured));
+        const auto& [shape, auxiliary] = shapes_.at(key_of(measured));
         link.shape = shape;
-        link.extra = extra + (measured.kind == GeodeticKind::kOnLine ? 2 * measured.axis : 0);
+        link.auxiliary = auxiliary + (measured.kind == GeodeticKind::kOnLine ? 2 * measured.axis : 0);
       }
-      problem_.ground.push_back(link);
-      problem_.joined.insert(problem_.joined.end(), {link.from, link.to});
+      problem_.geodetic.push_back(link);
+      problem_.retained_points.insert(problem_.retained_points.end(), {link.from, link.to});
     }
     join();
   }
 
  private:
   void begin_shapes(const std::vector<std::uint32_t>& links) {
-    const auto place_of = [&](ControlId id) { return Eigen::Vector3d(&start_.points[3ul * number_.at(id)]); };
+    const auto position_of = [&](ControlId id) { return Eigen::Vector3d(&start_.points[3ul * number_.at(id)]); };
     for (const auto& [key, members] : members_of(block_, links)) {
-      const std::vector<Eigen::Vector3d> places = places_of(members.used, place_of);
-      const auto shape = shape_through(key.first, places);
+      const std::vector<Eigen::Vector3d> positions = positions_of(members.used, position_of);
+      const auto shape = shape_through(key.first, positions);
       COLLINEA_CHECK(shape.has_value());
       shapes_[key] = {static_cast<int>(problem_.shapes.size()), static_cast<int>(problem_.auxiliaries.size())};
       problem_.shapes.push_back(*shape);
@@ -86,10 +86,10 @@ class GroundLayout {
       start_.auxiliaries.resize(problem_.auxiliaries.size(), 0);
       if (key.first != GeodeticKind::kAtHeight) continue;
       constexpr double kZero = 0;
-      for (const Eigen::Vector3d& place : places)
+      for (const Eigen::Vector3d& position : positions)
         start_.auxiliaries.back() +=
-            shape_model({.kind = key.first}, *shape, &kZero, place, problem_.level_at_origin).computed /
-            static_cast<double>(places.size());
+            shape_model({.kind = key.first}, *shape, &kZero, position, problem_.level_at_origin).computed /
+            static_cast<double>(positions.size());
     }
   }
 
@@ -103,13 +103,14 @@ class GroundLayout {
   }
 
   void join() {
-    problem_.border += static_cast<int>(problem_.auxiliaries.size());
-    std::sort(problem_.joined.begin(), problem_.joined.end());
-    problem_.joined.erase(std::unique(problem_.joined.begin(), problem_.joined.end()), problem_.joined.end());
-    std::erase_if(problem_.joined, [&](std::uint32_t p) { return problem_.point(p).held; });
-    for (const std::uint32_t p : problem_.joined) {
-      problem_.points[p].joined = problem_.border;
-      problem_.border += 3;
+    problem_.global_count += static_cast<int>(problem_.auxiliaries.size());
+    std::sort(problem_.retained_points.begin(), problem_.retained_points.end());
+    problem_.retained_points.erase(std::unique(problem_.retained_points.begin(), problem_.retained_points.end()),
+                                   problem_.retained_points.end());
+    std::erase_if(problem_.retained_points, [&](std::uint32_t p) { return problem_.point(p).is_fixed; });
+    for (const std::uint32_t p : problem_.retained_points) {
+      problem_.points[p].first_retained = problem_.global_count;
+      problem_.global_count += 3;
     }
   }
 
@@ -117,7 +118,7 @@ class GroundLayout {
   Problem& problem_;
   State& start_;
   std::map<ControlId, std::uint32_t> number_;
-  std::map<std::uint32_t, int> orientations_;       // of set-ups, in Problem::extras
+  std::map<std::uint32_t, int> orientations_;       // of set-ups, in Problem::auxiliaries
   std::map<ShapeKey, std::pair<int, int>> shapes_;  // number of the shape, and of its first unknown
 };
 
@@ -125,9 +126,9 @@ class GroundLayout {
 
 Result<std::vector<std::uint32_t>> geodetic_taking_part(const Block& block, const AdjustScope& scope) {
   std::vector<std::uint32_t> links;
-  if (!scope.use_ground || scope.free_images) return links;
-  for (std::size_t i = 0; i < block.ground.size(); ++i) {
-    const GeodeticObservation& measured = block.ground[i];
+  if (!scope.use_geodetic || scope.free_images) return links;
+  for (std::size_t i = 0; i < block.geodetic.size(); ++i) {
+    const GeodeticObservation& measured = block.geodetic[i];
     if (!(measured.sigma > 0) || !std::isfinite(measured.sigma) || !std::isfinite(measured.value))
       return fail(Errc::kBadInput, words_of(measured, block) + " is no number with a positive standard deviation");
     if (!measured.is_of_shape() && measured.from == measured.to)
@@ -141,7 +142,7 @@ Result<std::vector<std::uint32_t>> geodetic_taking_part(const Block& block, cons
 
 std::set<ControlId> points_of(const Block& block, const std::vector<std::uint32_t>& geodetic) {
   std::set<ControlId> points;
-  for (const std::uint32_t source : geodetic) points.insert({block.ground[source].from, block.ground[source].to});
+  for (const std::uint32_t source : geodetic) points.insert({block.geodetic[source].from, block.geodetic[source].to});
   return points;
 }
 
@@ -151,23 +152,23 @@ void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(C
   std::set<ShapeKey> weak;
   for (const auto& [key, members] : shapes)
     if (static_cast<int>(members.all.size()) <= points_of_shape(key.first) ||
-        !shape_through(key.first, places_of(members.used, position_of)))
+        !shape_through(key.first, positions_of(members.used, position_of)))
       weak.insert(key);
   std::erase_if(geodetic, [&](std::uint32_t source) {
-    return block.ground[source].is_of_shape() && weak.contains(key_of(block.ground[source]));
+    return block.geodetic[source].is_of_shape() && weak.contains(key_of(block.geodetic[source]));
   });
 }
 
 std::map<ControlId, int> geodetic_counts(const Block& block, const std::vector<std::uint32_t>& geodetic) {
   std::map<std::uint32_t, int> directions;  // of each set-up
   for (const std::uint32_t source : geodetic)
-    if (const GeodeticObservation& one = block.ground[source];
+    if (const GeodeticObservation& one = block.geodetic[source];
         one.kind == GeodeticKind::kDirection && one.role == ControlRole::kControl)
       ++directions[one.setup];
   std::map<ControlId, int> counts;
   std::set<std::pair<ControlId, std::uint32_t>> oriented;
   for (const std::uint32_t source : geodetic) {
-    const GeodeticObservation& one = block.ground[source];
+    const GeodeticObservation& one = block.geodetic[source];
     const bool counts_here =
         one.role == ControlRole::kControl && (one.kind != GeodeticKind::kDirection || directions.at(one.setup) >= 2);
     for (const ControlId point : std::set{one.from, one.to}) counts[point] += counts_here;
@@ -178,7 +179,7 @@ std::map<ControlId, int> geodetic_counts(const Block& block, const std::vector<s
 }
 
 void lay_out_geodetic(const Block& block, const std::vector<std::uint32_t>& geodetic, ProblemAndStart& out) {
-  GroundLayout(block, out).lay_out(geodetic);
+  GeodeticLayout(block, out).lay_out(geodetic);
 }
 
 }  // namespace collinea::bundle

@@ -13,7 +13,7 @@
 
 namespace collinea::bundle {
 
-// The table of geodetic observations. `geodetic`: indices in Block::ground of those that take part.
+// The table of geodetic observations. `geodetic`: indices in Block::geodetic of those that take part.
 
 /// Indices of what may take part: all of it, but nothing in a local adjustment. Errors: values that are no numbers,
 /// sigmas not positive, a point measured against itself.
@@ -31,9 +31,9 @@ void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(C
 /// Points without observations are not there.
 [[nodiscard]] std::map<ControlId, int> geodetic_counts(const Block& block, const std::vector<std::uint32_t>& geodetic);
 
-/// Fills Problem::ground. Points that observations are of get their unknowns in the border, behind all others.
-/// Directions of one set-up have its orientation in common, which begins with what the first of them says; points of
-/// one shape that of their best fit.
+/// Fills Problem::ground. Points that observations are of get their unknowns among the global parameters, behind all
+/// others. Directions of one set-up have its orientation in common, which begins with what the first of them says;
+/// points of one shape that of their best fit.
 void lay_out_geodetic(const Block& block, const std::vector<std::uint32_t>& geodetic, ProblemAndStart& out);
 
 }  // namespace collinea::bundle

@@ -31,21 +31,21 @@ class InstrumentLayout {
       if (!image.position) continue;
       if (!(image.position->sigma_m.minCoeff() > 0))
         return fail(Errc::kBadInput, "the position of " + image.file + " has no positive standard deviation");
-      const Eigen::Vector3d &place = image.position->position_in_world, &sigma_m = image.position->sigma_m;
+      const Eigen::Vector3d &position = image.position->position_in_world, &sigma_m = image.position->sigma_m;
       for (int axis = 0; axis < 3; ++axis)
-        if (!is_known(place[axis], sigma_m[axis]))
+        if (!is_known(position[axis], sigma_m[axis]))
           return fail(Errc::kBadInput, "the position of " + image.file + " has no finite coordinates");
       const Eigen::Vector3d inverse_sigma = sigma_m.cwiseInverse();
       problem_.positions.push_back(
-          {static_cast<std::uint32_t>(i), (inverse_sigma.array() > 0).select(place, 0.0), inverse_sigma});
-      if (Result<> placed = place_antenna(problem_.positions.back(), image.camera); !placed) return placed;
+          {static_cast<std::uint32_t>(i), (inverse_sigma.array() > 0).select(position, 0.0), inverse_sigma});
+      if (Result<> placed = locate_antenna(problem_.positions.back(), image.camera); !placed) return placed;
     }
     return {};
   }
 
   // Three unknowns, made when they are first asked for; -1 when all sigmas are 0: there are none.
-  Result<int> three_extras(UnknownKind kind, std::uint32_t owner, const Eigen::Vector3d& given,
-                           const Eigen::Vector3d& sigma) {
+  Result<int> three_auxiliaries(UnknownKind kind, std::uint32_t owner, const Eigen::Vector3d& given,
+                                const Eigen::Vector3d& sigma) {
     if ((sigma.array() == 0).all()) return -1;
     if (!(sigma.minCoeff() > 0) || !given.allFinite())
       return fail(Errc::kBadInput, label_of(subject_of(kind, owner, 0), block_) +
@@ -62,12 +62,12 @@ class InstrumentLayout {
     return first;
   }
 
-  Result<> place_antenna(GivenPosition& position, CameraId camera) {
+  Result<> locate_antenna(GivenPosition& position, CameraId camera) {
     const ImageId id = problem_.images[position.image].id;
     if (const auto its = scope_.lever_arms.find(camera); its != scope_.lever_arms.end()) {
       const LeverArm& arm = its->second;
       COLLINEA_TRY(position.lever_arm,
-                   three_extras(UnknownKind::kLeverArm, camera.value, arm.antenna_in_cam_m, arm.sigma_m));
+                   three_auxiliaries(UnknownKind::kLeverArm, camera.value, arm.antenna_in_cam_m, arm.sigma_m));
       if (position.lever_arm < 0) position.arm = arm.antenna_in_cam_m;
       if (!position.arm.allFinite()) return fail(Errc::kBadInput, "the lever arm is no vector of finite numbers");
     }
@@ -78,8 +78,8 @@ class InstrumentLayout {
       position.time = time->second;
       if (!std::isfinite(position.time)) return fail(Errc::kBadInput, "a time of a track of positions is not finite");
       const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-      COLLINEA_TRY(position.shift, three_extras(UnknownKind::kShift, t, zero, track.shift_sigma_m));
-      COLLINEA_TRY(position.drift, three_extras(UnknownKind::kDrift, t, zero, track.drift_sigma_m));
+      COLLINEA_TRY(position.shift, three_auxiliaries(UnknownKind::kShift, t, zero, track.shift_sigma_m));
+      COLLINEA_TRY(position.drift, three_auxiliaries(UnknownKind::kDrift, t, zero, track.drift_sigma_m));
       break;
     }
     return {};
@@ -119,11 +119,11 @@ class InstrumentLayout {
       if (!(sigma_rad.minCoeff() > 0) || !(std::abs(cam_from_world.norm() - 1) < 1e-6))
         return fail(Errc::kBadInput, "the attitude of " + block_.images.at(id).file +
                                          " is no rotation with positive standard deviations");
-      GivenTurn given{static_cast<std::uint32_t>(i), cam_from_world, sigma_rad.cwiseInverse()};
+      GivenRotation given{static_cast<std::uint32_t>(i), cam_from_world, sigma_rad.cwiseInverse()};
       const CameraId camera = block_.images.at(id).camera;
       if (const auto sigma = scope_.boresight_sigma_rad.find(camera); sigma != scope_.boresight_sigma_rad.end()) {
         COLLINEA_TRY(given.boresight,
-                     three_extras(UnknownKind::kBoresight, camera.value, Eigen::Vector3d::Zero(), sigma->second));
+                     three_auxiliaries(UnknownKind::kBoresight, camera.value, Eigen::Vector3d::Zero(), sigma->second));
       }
       problem_.attitudes.push_back(given);
     }

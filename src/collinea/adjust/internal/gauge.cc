@@ -48,7 +48,7 @@ void transform(const Problem& problem, State& state, const BlockMotion& motion) 
 // Something places the block.
 bool is_placed(const Problem& problem) {
   bool placed = false;
-  for_each_kind([&]<class Kind>() { placed = placed || Kind::places_block(problem); });
+  for_each_kind([&]<class Kind>() { placed = placed || Kind::positions_block(problem); });
   return placed;
 }
 
@@ -60,10 +60,10 @@ bool is_gauge_complete(const Problem& problem) {
 }
 
 // All that a motion of the whole block changes.
-double cost_of_place(const Problem& problem, const State& state) {
+double cost_of_position(const Problem& problem, const State& state) {
   double cost = 0;
   for_each_kind([&]<class Kind>() {
-    if constexpr (Kind::kIsOfPlace)
+    if constexpr (Kind::kIsOfPosition)
       Kind::for_each(problem,
                      [&](const auto& item) { cost += Kind::loss(problem).cost(Kind::squared(problem, state, item)); });
   });
@@ -94,7 +94,7 @@ double settle_gauge(const Problem& problem, State& state) {
   }
   State there = state;
   transform(problem, there, motion);
-  fallen = cost_of_place(problem, state) - cost_of_place(problem, there);
+  fallen = cost_of_position(problem, state) - cost_of_position(problem, there);
   if (!(fallen > 0)) return 0;
   state = std::move(there);
   return fallen;

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "collinea/adjust/unknowns.h"
-#include "collinea/block/ground.h"
+#include "collinea/block/geodetic.h"
 
 // The kinds of geodetic measurements and constraints, one for each GeodeticKind: the computed value and its
 // derivatives. Each is in the file of its name. A new one is its file, a struct here and its place in the closed list
@@ -20,8 +20,8 @@ namespace collinea {
 struct GeodeticModel {
   double computed = 0;                                                                 ///< [m] or [rad]
   Eigen::Vector3d by_from = Eigen::Vector3d::Zero(), by_to = Eigen::Vector3d::Zero();  ///< [1] or [rad/m]
-  std::array<double, 3> by_extra{};  ///< unknowns of its own: orientation of the set-up, or of a shape
-  int auxiliaries = 0;               ///< how many of them
+  std::array<double, 3> by_auxiliary{};  ///< unknowns of its own: orientation of the set-up, or of a shape
+  int auxiliaries = 0;                   ///< how many of them
 };
 
 /// Where a shape that points lie on begins: a frame of three axes in the world, seen from which it is described.

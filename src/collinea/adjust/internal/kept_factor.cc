@@ -15,7 +15,8 @@ constexpr double kShareOfFactor = 0.5;  // of the cost of a factor, spent at mos
 constexpr double kFewestIterations = 3;
 constexpr double kAccuracy = 0.05;  // of a step's length in standard deviations; the next step begins anew
 
-constexpr std::uint32_t kCamera = 0, kJoined = 1, kExtra = 2;  // kinds of unknowns; extras have kinds of their own
+constexpr std::uint32_t kCamera = 0, kRetained = 1,
+                        kAuxiliary = 2;  // kinds of unknowns; auxiliaries have kinds of their own
 
 // How many iterations are worth a try.
 int worthwhile_iterations(const TileCholesky& factor, const TileMatrix& matrix) {
@@ -35,11 +36,11 @@ void KeptFactor::meet(const Problem& problem) {
   for (const ProblemCamera& camera : problem.cameras)
     for (const int parameter : camera.free)
       unknowns_.others.push_back({kCamera, camera.id.value, static_cast<std::uint32_t>(parameter)});
-  for (const AuxiliaryUnknown& extra : problem.auxiliaries)
-    unknowns_.others.push_back(
-        {kExtra + static_cast<std::uint32_t>(extra.kind), extra.owner, static_cast<std::uint32_t>(extra.axis)});
-  for (const std::uint32_t p : problem.joined)
-    for (std::uint32_t axis = 0; axis < 3; ++axis) unknowns_.others.push_back({kJoined, problem.point(p).id, axis});
+  for (const AuxiliaryUnknown& auxiliary : problem.auxiliaries)
+    unknowns_.others.push_back({kAuxiliary + static_cast<std::uint32_t>(auxiliary.kind), auxiliary.owner,
+                                static_cast<std::uint32_t>(auxiliary.axis)});
+  for (const std::uint32_t p : problem.retained_points)
+    for (std::uint32_t axis = 0; axis < 3; ++axis) unknowns_.others.push_back({kRetained, problem.point(p).id, axis});
   same_structure_ = usable_ = false;
   row_.clear();
   if (!factor_ || !complete_) return;

@@ -30,7 +30,7 @@ class KeptFactor {
  private:
   struct Unknowns {
     std::vector<ImageId> images;
-    std::vector<std::array<std::uint32_t, 3>> others;  // of the border: what it is, whose, which of its
+    std::vector<std::array<std::uint32_t, 3>> others;  // of the global parameters: what it is, whose, which of its
   };
   [[nodiscard]] bool refresh(const TileMatrix& matrix, const TilePattern& pattern, const Run& run, double least_pivot);
   [[nodiscard]] bool solve_by_old(const TileMatrix& matrix, double* x) const;

@@ -17,26 +17,27 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& b) {
 }
 
 // Given minus adjusted in the camera.
-Eigen::Vector3d turn_in_cam(const State& state, const GivenTurn& given) {
-  Eigen::Quaterniond turn = given.cam_from_world * state.rotations[given.image].conjugate();
-  if (given.boresight >= 0) turn = rotation_by(extra3(state, given.boresight)) * turn;
-  return rotation_vector(turn);
+Eigen::Vector3d rotation_in_cam(const State& state, const GivenRotation& given) {
+  Eigen::Quaterniond rotation = given.cam_from_world * state.rotations[given.image].conjugate();
+  if (given.boresight >= 0) rotation = rotation_by(auxiliary3(state, given.boresight)) * rotation;
+  return rotation_vector(rotation);
 }
 
 }  // namespace
 
-Eigen::Vector3d residual_of(const State& state, const GivenTurn& given) {
-  return rotation_in(state, given.image).transpose() * turn_in_cam(state, given);
+Eigen::Vector3d residual_of(const State& state, const GivenRotation& given) {
+  return rotation_in(state, given.image).transpose() * rotation_in_cam(state, given);
 }
 
 // The residual turns with the frame it is seen in: -(1 - [v]x / 2) e in the camera, to the first order of v.
-Row row_of(const Problem& problem, const State& state, const GivenTurn& given, int axis) {
-  const Eigen::Matrix3d by_turn =
-      rotation_in(state, given.image).transpose() * (Eigen::Matrix3d::Identity() - skew(turn_in_cam(state, given)) / 2);
+Row row_of(const Problem& problem, const State& state, const GivenRotation& given, int axis) {
+  const Eigen::Matrix3d by_rotation = rotation_in(state, given.image).transpose() *
+                                      (Eigen::Matrix3d::Identity() - skew(rotation_in_cam(state, given)) / 2);
   Row row;
-  for (int c = 0; c < 3; ++c) row.push_back({6 * static_cast<int>(given.image) + c, by_turn(axis, c)});
+  for (int c = 0; c < 3; ++c) row.push_back({6 * static_cast<int>(given.image) + c, by_rotation(axis, c)});
   if (given.boresight >= 0)
-    add_extra(problem, given.boresight, -(by_turn * left_jacobian(extra3(state, given.boresight))).row(axis), row);
+    add_auxiliaries(problem, given.boresight,
+                    -(by_rotation * left_jacobian(auxiliary3(state, given.boresight))).row(axis), row);
   return row;
 }
 
@@ -57,7 +58,7 @@ Eigen::Vector3d Attitude::predicted(const Problem& problem, const State& state, 
 
 void Attitude::observe_rows(const Problem& problem, const State& state, std::vector<DatumPart>& parts,
                             MotionsWithAuxiliaries& rows) {
-  for (const GivenTurn& given : problem.attitudes) {
+  for (const GivenRotation& given : problem.attitudes) {
     const int part = problem.part_of_pose[given.image];
     for (int axis = 0; axis < 3; ++axis)  // a world turned by w turns cam_from_world by -w in the world
       if (given.inverse_sigma[axis] > 0) rows.add(part, -Row7::Unit(3 + axis), row_of(problem, state, given, axis));
@@ -66,7 +67,7 @@ void Attitude::observe_rows(const Problem& problem, const State& state, std::vec
 }
 
 void Attitude::tabulate(const Problem& problem, const State& state, Adjusted& adjusted) {
-  for (const GivenTurn& given : problem.attitudes)
+  for (const GivenRotation& given : problem.attitudes)
     adjusted.attitudes.push_back({problem.images[given.image].id, -residual_of(state, given)});
   std::sort(adjusted.attitudes.begin(), adjusted.attitudes.end(), [](auto& a, auto& b) { return a.image < b.image; });
 }

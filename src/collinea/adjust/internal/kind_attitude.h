@@ -11,7 +11,7 @@ namespace collinea::bundle {
 /// of the world. Between the system and the camera lies a boresight b, about the camera's axes, as far as the scope has
 /// it: cam_from_world = rotation_by(b) * given.
 struct Attitude : ObservationKind<Attitude, 3> {
-  using Item = GivenTurn;
+  using Item = GivenRotation;
 
   template <class Visit>
   static void for_each(const Problem& problem, Visit&& visit) {
@@ -35,7 +35,7 @@ struct Attitude : ObservationKind<Attitude, 3> {
 };
 
 /// Given minus adjusted attitude, as a turn in the world, and the derivative of the adjusted one about one of its axes.
-[[nodiscard]] Eigen::Vector3d residual_of(const State& state, const GivenTurn& given);
-[[nodiscard]] Row row_of(const Problem& problem, const State& state, const GivenTurn& given, int axis);
+[[nodiscard]] Eigen::Vector3d residual_of(const State& state, const GivenRotation& given);
+[[nodiscard]] Row row_of(const Problem& problem, const State& state, const GivenRotation& given, int axis);
 
 }  // namespace collinea::bundle

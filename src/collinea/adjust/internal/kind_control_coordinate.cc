@@ -18,7 +18,7 @@ void ControlCoordinate::add_to_gauge(const Problem& problem, const State& state,
 void ControlCoordinate::observe_motions(const Problem& problem, const State& state, std::size_t p,
                                         std::vector<DatumPart>& parts) {
   const ProblemPoint& point = problem.point(p);
-  if (point.held || point.control < 0) return;
+  if (point.is_fixed || point.control < 0) return;
   DatumPart& its = parts[problem.part_of_point[p]];
   const Eigen::Map<const Eigen::Array3d> inverse_sigma(problem.control[point.control].inverse_sigma);
   its.add(Eigen::Map<const Eigen::Vector3d>(&state.points[3 * p]), (inverse_sigma > 0).cast<double>());

@@ -8,8 +8,8 @@ namespace collinea::bundle {
 
 /// The surveyed coordinates of a control point, with their correlations. Their only derivatives are by the point
 /// itself: they enter its own normal equations (PointNormals::add) with its image points, before the point is
-/// eliminated or, where other observations share it, in the border (Normals). Tests take the correlations into account,
-/// see reliability_of().
+/// eliminated or, where other observations share it, among the global parameters (Normals). Tests take the correlations
+/// into account, see reliability_of().
 struct ControlCoordinate : ObservationKind<ControlCoordinate, 3> {
   using Item = std::size_t;  ///< number in Problem::points
   static constexpr bool kIsOfPoint = true;
@@ -26,7 +26,7 @@ struct ControlCoordinate : ObservationKind<ControlCoordinate, 3> {
     return PointNormals().add(problem.control[problem.point(p).control], &state.points[3 * p]);
   }
 
-  static bool places_block(const Problem& problem) { return !problem.control.empty(); }
+  static bool positions_block(const Problem& problem) { return !problem.control.empty(); }
   static void add_to_gauge(const Problem& problem, const State& state, const BlockMotion& motion,
                            MotionNormals& normals);
   /// Those of point p, which a free image shows.

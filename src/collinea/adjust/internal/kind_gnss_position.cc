@@ -13,7 +13,7 @@ namespace collinea::bundle {
 namespace {
 
 Eigen::Vector3d arm_of(const State& state, const GivenPosition& position) {
-  return position.lever_arm < 0 ? position.arm : extra3(state, position.lever_arm);
+  return position.lever_arm < 0 ? position.arm : auxiliary3(state, position.lever_arm);
 }
 
 }  // namespace
@@ -22,8 +22,8 @@ Eigen::Vector3d antenna_of(const State& state, const GivenPosition& position) {
   Eigen::Vector3d antenna(state.frames[position.image].data() + 9);
   if (position.plain()) return antenna;
   antenna += rotation_in(state, position.image).transpose() * arm_of(state, position);
-  if (position.shift >= 0) antenna += extra3(state, position.shift);
-  if (position.drift >= 0) antenna += position.time * extra3(state, position.drift);
+  if (position.shift >= 0) antenna += auxiliary3(state, position.shift);
+  if (position.drift >= 0) antenna += position.time * auxiliary3(state, position.drift);
   if (position.time_offset >= 0)
     antenna += state.auxiliaries[static_cast<std::size_t>(position.time_offset)] * position.velocity;
   return antenna;
@@ -31,17 +31,17 @@ Eigen::Vector3d antenna_of(const State& state, const GivenPosition& position) {
 
 Row row_of(const Problem& problem, const State& state, const GivenPosition& position, int axis) {
   const Eigen::Matrix3d world_from_cam = rotation_in(state, position.image).transpose();
-  const Eigen::RowVector3d by_turn = (world_from_cam * skew(arm_of(state, position))).row(axis);
+  const Eigen::RowVector3d by_rotation = (world_from_cam * skew(arm_of(state, position))).row(axis);
   const int first = 6 * static_cast<int>(position.image);
   Row row;
-  for (int c = 0; c < 3; ++c) row.push_back({first + c, by_turn[c]});
+  for (int c = 0; c < 3; ++c) row.push_back({first + c, by_rotation[c]});
   row.push_back({first + 3 + axis, 1});
-  if (position.lever_arm >= 0) add_extra(problem, position.lever_arm, world_from_cam.row(axis), row);
+  if (position.lever_arm >= 0) add_auxiliaries(problem, position.lever_arm, world_from_cam.row(axis), row);
   const Eigen::RowVector3d unit = Eigen::RowVector3d::Unit(axis);
-  if (position.shift >= 0) add_extra(problem, position.shift, unit, row);
-  if (position.drift >= 0) add_extra(problem, position.drift, position.time * unit, row);
+  if (position.shift >= 0) add_auxiliaries(problem, position.shift, unit, row);
+  if (position.drift >= 0) add_auxiliaries(problem, position.drift, position.time * unit, row);
   if (position.time_offset >= 0)
-    row.push_back({6 * problem.poses + problem.first_extra + position.time_offset, position.velocity[axis]});
+    row.push_back({6 * problem.poses + problem.first_auxiliary + position.time_offset, position.velocity[axis]});
   return row;
 }
 

@@ -32,7 +32,7 @@ struct GnssPosition : ObservationKind<GnssPosition, 3> {
 
   static ObservationGroup group(const Item&, int axis) { return kGroups[axis < 2 ? 0 : 1]; }
   static std::uint32_t source(const Problem& problem, const Item& item) { return problem.images[item.image].id.value; }
-  static bool places_block(const Problem& problem) { return !problem.positions.empty(); }
+  static bool positions_block(const Problem& problem) { return !problem.positions.empty(); }
   static bool is_gauge_complete(const Problem& problem);
   /// What lies between centre and antenna is taken as it is.
   static void add_to_gauge(const Problem& problem, const State& state, const BlockMotion& motion,

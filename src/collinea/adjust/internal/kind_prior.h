@@ -11,7 +11,7 @@ template <class Kind>
 struct Prior : ObservationKind<Kind, 1> {
   using Vector = typename ObservationKind<Kind, 1>::Vector;
   static constexpr bool kIsTested = false;
-  static constexpr bool kIsOfPlace = false;
+  static constexpr bool kIsOfPosition = false;
 
   static Vector predicted(const Problem& problem, const State&, const State& next, const std::vector<double>&,
                           const auto& item) {
@@ -39,7 +39,7 @@ struct CameraPrior : Prior<CameraPrior> {
     return Vector(problem.cameras[item.camera].inverse_sigma[param_of(problem, item)]);
   }
   static Row row(const Problem& problem, const State&, const Item& item, int) {
-    return {{6 * problem.poses + problem.cameras[item.camera].border + static_cast<int>(item.number), 1}};
+    return {{6 * problem.poses + problem.cameras[item.camera].first_global + static_cast<int>(item.number), 1}};
   }
 
  private:
@@ -50,7 +50,7 @@ struct CameraPrior : Prior<CameraPrior> {
 
 /// The given value of an unknown beside images, cameras and points: lever arm, shift, drift, boresight, time offset.
 struct AuxiliaryPrior : Prior<AuxiliaryPrior> {
-  using Item = std::size_t;  ///< in Problem::extras
+  using Item = std::size_t;  ///< in Problem::auxiliaries
 
   template <class Visit>
   static void for_each(const Problem& problem, Visit&& visit) {
@@ -61,7 +61,7 @@ struct AuxiliaryPrior : Prior<AuxiliaryPrior> {
   }
   static Vector inverse_sigma(const Problem& problem, Item i) { return Vector(problem.auxiliaries[i].inverse_sigma); }
   static Row row(const Problem& problem, const State&, Item i, int) {
-    return {{6 * problem.poses + problem.first_extra + static_cast<int>(i), 1}};
+    return {{6 * problem.poses + problem.first_auxiliary + static_cast<int>(i), 1}};
   }
 };
 

@@ -136,9 +136,9 @@ Result<> lay_out_cameras(const Block& block, const AdjustScope& scope, const Adj
   Problem& problem = out.problem;
   for (ProblemCamera& unknowns : problem.cameras) {
     const Camera& camera = block.cameras.at(unknowns.id);
-    unknowns.border = problem.border;
+    unknowns.first_global = problem.global_count;
     COLLINEA_TRY(lay_out_camera(camera, scope, options, unknowns));
-    problem.border += static_cast<int>(unknowns.free.size());
+    problem.global_count += static_cast<int>(unknowns.free.size());
     out.start.cameras.push_back(camera.params);
     const bool corrected = scope.corrected_cameras.contains(unknowns.id);
     if (corrected && kind_of(camera, true) == LensKind::kGeneral)
@@ -147,12 +147,12 @@ Result<> lay_out_cameras(const Block& block, const AdjustScope& scope, const Adj
                                           "brown_of_measured alone, without additional parameters");
     out.start.lenses.push_back(lens_of(camera, corrected));
   }
-  problem.first_extra = problem.border;
+  problem.first_auxiliary = problem.global_count;
   return {};
 }
 
 void count(Problem& problem) {
-  problem.unknown_count = 6L * problem.poses + problem.border;
+  problem.unknown_count = 6L * problem.poses + problem.global_count;
   for (std::size_t p = 0; p < problem.point_count(); ++p) {
     problem.unknown_count += problem.point(p).eliminated() ? 3 : 0;
     if (problem.first_control == p && problem.point(p).control < 0) ++problem.first_control;
@@ -164,12 +164,12 @@ void count(Problem& problem) {
 }
 
 Result<> check_size(const Problem& problem) {
-  if (problem.border <= kMostGlobalUnknowns) return {};
+  if (problem.global_count <= kMostGlobalUnknowns) return {};
   return fail(Errc::kUnsupported,
-              std::to_string(problem.cameras.size()) + " cameras with " + std::to_string(problem.first_extra) +
-                  " unknowns to calibrate and " + std::to_string(problem.border - problem.first_extra) +
+              std::to_string(problem.cameras.size()) + " cameras with " + std::to_string(problem.first_auxiliary) +
+                  " unknowns to calibrate and " + std::to_string(problem.global_count - problem.first_auxiliary) +
                   " of points that are measured on the ground: more than " + std::to_string(kMostGlobalUnknowns) +
-                  " do not fit into memory. Pictures of one camera should share it; or hold the cameras, or "
+                  " do not fit into memory. Images of one camera should share it; or hold the cameras, or "
                   "calibrate fewer parameters");
 }
 

@@ -27,7 +27,7 @@ struct Lens {
   double max_r2 = 0;   ///< of X/Z, Y/Z: where a point is no longer seen; infinite when nowhere; -1: not of kBrown
   double fold_r2 = 0;  ///< where the radial polynomial stops growing
   LensKind kind = LensKind::kBrown;
-  // Of kGeneral:
+  // Members of kGeneral alone:
   CameraModel model;
   AdditionalSet additional = AdditionalSet::kNone;
   ImageExtent size;
@@ -50,14 +50,14 @@ template <class Model>
 /// The same lens with other Camera::params.
 [[nodiscard]] Lens lens_with(const Lens& lens, const double* params);
 
-/// A point of the camera frame on its way to the picture.
+/// A point of the camera frame on its way to the image.
 struct Projected {
   double pixel[2];
   double x, y, r2;  // X/Z, Y/Z, x^2 + y^2; of kGeneral X, Y, Z
   double xd, yd;    // measured coordinates; of kCorrected those of the pixel that was measured; not of kGeneral
 };
 
-// Of the other kinds.
+// Projection and derivatives of the other kinds.
 bool project_other(const Lens& lens, const double* point_in_cam, const double* measured_pixel, Projected* out);
 void derive_other_by_point(const Lens& lens, const Projected& at, double z, double* by_point);
 void derive_other_by_params(const Lens& lens, const Projected& at, double* by_params);

@@ -64,7 +64,7 @@ class LevenbergMarquardt {
     tolerance_ = options_.relative_cost_change * at.cost;
     variance_ = at.cost / static_cast<double>(std::max(1L, problem_.redundancy()));
     at.last_step_sigmas = std::sqrt(std::max(0.0, step_.squared_length) / std::max(variance_, 1e-300));
-    is_small_ = step_.largest_turn_rad < options_.parameter_change &&
+    is_small_ = step_.largest_rotation_rad < options_.parameter_change &&
                 step_.largest_move_m < options_.parameter_change * problem_.extent_m;
   }
 
@@ -107,11 +107,11 @@ class LevenbergMarquardt {
     return damping_ < kMostDamping;
   }
 
-  // Steps of images and cameras say nothing where these are held: then only the cost does. Nor do they while the block
+  // Steps of images and cameras say nothing where these are fixed: then only the cost does. Nor do they while the block
   // as a whole still moves.
   [[nodiscard]] bool is_at_rest(double before, double after, double by_gauge) const {
     const double shortest = options_.step_sigmas * options_.step_sigmas * variance_;
-    const bool is_short = problem_.poses + problem_.border > 0 && step_.squared_length < shortest;
+    const bool is_short = problem_.poses + problem_.global_count > 0 && step_.squared_length < shortest;
     const bool moved_as_one = by_gauge > std::max(tolerance_, shortest);
     return is_small_ || (!moved_as_one && (is_short || before - after <= tolerance_));
   }
@@ -147,7 +147,7 @@ Minimum minimise(Problem& problem, Normals& normals, State start, const AdjustOp
 
 void settle_points(const Problem& problem, Minimum& found, const Run& run) {
   Step none;
-  none.reduced.assign(static_cast<std::size_t>(6 * problem.poses + problem.border), 0.0);
+  none.reduced.assign(static_cast<std::size_t>(6 * problem.poses + problem.global_count), 0.0);
   State settled = moved(problem, found.state, 0, none, run);
   if (!(none.cost < found.cost)) return;
   found.state = std::move(settled);

@@ -14,17 +14,17 @@ namespace {
 
 constexpr std::size_t kRaysInBatch = 4096;
 constexpr std::size_t kMostChunks = 16;                    // of a batch
-constexpr std::size_t kBorderSums = std::size_t{1} << 24;  // of all chunks: 128 MB
+constexpr std::size_t kGlobalSums = std::size_t{1} << 24;  // of all chunks: 128 MB
 
 // Tiles whose images share a point or a datum constraint; the rows of the cameras are full.
 TilePattern pattern_of(const Problem& problem) {
-  const auto rows = static_cast<std::size_t>((6 * problem.poses + problem.border + kTile - 1) / kTile);
-  std::vector<std::vector<bool>> held(rows);
-  for (std::size_t i = 0; i < rows; ++i) held[i].resize(i + 1);
+  const auto rows = static_cast<std::size_t>((6 * problem.poses + problem.global_count + kTile - 1) / kTile);
+  std::vector<std::vector<bool>> occupied(rows);
+  for (std::size_t i = 0; i < rows; ++i) occupied[i].resize(i + 1);
   std::vector<int> tiles;
   const auto tie_all = [&] {
     for (std::size_t a = 0; a < tiles.size(); ++a)
-      for (std::size_t b = 0; b <= a; ++b) held[std::max(tiles[a], tiles[b])][std::min(tiles[a], tiles[b])] = true;
+      for (std::size_t b = 0; b <= a; ++b) occupied[std::max(tiles[a], tiles[b])][std::min(tiles[a], tiles[b])] = true;
     tiles.clear();
   };
   const auto add = [&](int pose) {
@@ -44,7 +44,7 @@ TilePattern pattern_of(const Problem& problem) {
   TilePattern pattern(rows);
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t k = 0; k < i; ++k)
-      if (held[i][k] || (problem.border > 0 && static_cast<int>(i + 1) * kTile > 6 * problem.poses))
+      if (occupied[i][k] || (problem.global_count > 0 && static_cast<int>(i + 1) * kTile > 6 * problem.poses))
         pattern[i].push_back(static_cast<int>(k));
   return pattern;
 }
@@ -78,21 +78,22 @@ Normals::Normals(const Problem& problem, KeptFactor& kept)
     : problem_(problem),
       kept_(kept),
       pattern_(pattern_of(problem)),
-      matrix_(6 * problem.poses + problem.border, pattern_) {
+      matrix_(6 * problem.poses + problem.global_count, pattern_) {
   kept_.meet(problem);
   right_.resize(static_cast<std::size_t>(matrix_.tile_rows()) * kTile);
   diagonal_.resize(right_.size());
-  pose_camera_.resize(6ul * static_cast<std::size_t>(problem.poses) * static_cast<std::size_t>(problem.border));
+  pose_camera_.resize(6ul * static_cast<std::size_t>(problem.poses) * static_cast<std::size_t>(problem.global_count));
   for (const ProblemCamera& camera : problem.cameras)
     widest_camera_ = std::max(widest_camera_, static_cast<int>(camera.free.size()));
   cut_batches();
   index_rows();
-  const auto border = static_cast<std::size_t>(problem.border);
-  chunks_.resize(std::clamp<std::size_t>(kBorderSums / std::max<std::size_t>(1, border * border), 1, kMostChunks));
-  for (BorderSums& sums : chunks_) {
-    sums.matrix.resize(border * border);
-    sums.right.resize(border);
-    sums.diagonal.resize(border);
+  const auto global_count = static_cast<std::size_t>(problem.global_count);
+  chunks_.resize(
+      std::clamp<std::size_t>(kGlobalSums / std::max<std::size_t>(1, global_count * global_count), 1, kMostChunks));
+  for (GlobalSums& sums : chunks_) {
+    sums.matrix.resize(global_count * global_count);
+    sums.right.resize(global_count);
+    sums.diagonal.resize(global_count);
   }
 }
 
@@ -187,7 +188,7 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
   std::fill(right_.begin(), right_.end(), 0.0);
   std::fill(diagonal_.begin(), diagonal_.end(), 0.0);
   std::fill(pose_camera_.begin(), pose_camera_.end(), 0.0);
-  for (BorderSums& sums : chunks_) {
+  for (GlobalSums& sums : chunks_) {
     std::fill(sums.matrix.begin(), sums.matrix.end(), 0.0);
     std::fill(sums.right.begin(), sums.right.end(), 0.0);
     std::fill(sums.diagonal.begin(), sums.diagonal.end(), 0.0);
@@ -201,17 +202,17 @@ double Normals::accumulate(const State& state, double lambda, const Run& run, do
     parallel_for(threads, batches_[b].end_row - batches_[b].first_row,
                  [&](std::size_t row) { add_row(batches_[b], batch_rows_[batches_[b].first_row + row]); });
   }
-  border_ = chunks_[0];
+  global_sums_ = chunks_[0];
   for (std::size_t c = 1; c < chunks_.size(); ++c) {
-    for (std::size_t i = 0; i < border_.matrix.size(); ++i) border_.matrix[i] += chunks_[c].matrix[i];
-    for (std::size_t i = 0; i < border_.right.size(); ++i) border_.right[i] += chunks_[c].right[i];
-    for (std::size_t i = 0; i < border_.right.size(); ++i) border_.diagonal[i] += chunks_[c].diagonal[i];
-    border_.cost += chunks_[c].cost;
+    for (std::size_t i = 0; i < global_sums_.matrix.size(); ++i) global_sums_.matrix[i] += chunks_[c].matrix[i];
+    for (std::size_t i = 0; i < global_sums_.right.size(); ++i) global_sums_.right[i] += chunks_[c].right[i];
+    for (std::size_t i = 0; i < global_sums_.right.size(); ++i) global_sums_.diagonal[i] += chunks_[c].diagonal[i];
+    global_sums_.cost += chunks_[c].cost;
   }
-  double cost = border_.cost;
+  double cost = global_sums_.cost;
   for_each_kind([&]<class Kind>() {
     if constexpr (Kind::kIsOfPoint)
-      cost += add_joined(state);
+      cost += add_retained(state);
     else
       cost += add_kind<Kind>(state);
   });
@@ -227,7 +228,7 @@ void Normals::linearise_points(const State& state, double lambda, const Batch& b
   for (std::size_t p = first; p < end; ++p) linearise_point(state, lambda, batch, p, chunks_[chunk]);
 }
 
-void Normals::linearise_point(const State& state, double lambda, const Batch& batch, std::size_t p, BorderSums& sums) {
+void Normals::linearise_point(const State& state, double lambda, const Batch& batch, std::size_t p, GlobalSums& sums) {
   const ProblemPoint& point = problem_.point(p);
   const Loss loss = problem_.loss_of(point);
   const std::uint32_t base = problem_.point(batch.first_point).first_ray;
@@ -267,25 +268,26 @@ void Normals::linearise_point(const State& state, double lambda, const Batch& ba
 
 // Camera normals of one ray: matrix += B^T B, right += B^T r, and Wc += B^T A of its point (if it is eliminated).
 void Normals::add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc,
-                             BorderSums& sums) const {
+                             GlobalSums& sums) const {
   const std::size_t count = camera.free.size();
   for (std::size_t i = 0; i < count; ++i) {
     const double b0 = b[i], b1 = b[count + i];
     if (wc)
       for (int c = 0; c < 3; ++c) wc[3 * i + c] += b0 * linear.by_point[c] + b1 * linear.by_point[3 + c];
-    const std::size_t row = static_cast<std::size_t>(camera.border) + i;
+    const std::size_t row = static_cast<std::size_t>(camera.first_global) + i;
     sums.right[row] += b0 * linear.residual[0] + b1 * linear.residual[1];
     sums.diagonal[row] += b0 * b0 + b1 * b1;
-    double* out =
-        &sums.matrix[row * static_cast<std::size_t>(problem_.border) + static_cast<std::size_t>(camera.border)];
+    double* out = &sums.matrix[row * static_cast<std::size_t>(problem_.global_count) +
+                               static_cast<std::size_t>(camera.first_global)];
     for (std::size_t k = 0; k <= i; ++k) out[k] += b0 * b[k] + b1 * b[count + k];
   }
 }
 
 // Eliminates the point from the equations of the cameras: Zc = Wc L^-T; matrix -= Zc Zc'^T, right -= Zc y.
 void Normals::reduce_cameras(std::size_t p, const PointNormals& normals, const double* y, const Batch& batch,
-                             BorderSums& sums) {
-  const auto border = static_cast<std::size_t>(problem_.border), width = static_cast<std::size_t>(widest_camera_);
+                             GlobalSums& sums) {
+  const auto global_count = static_cast<std::size_t>(problem_.global_count),
+             width = static_cast<std::size_t>(widest_camera_);
   double* zc = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
   const int* cameras = cameras_of_point_.data() + camera_begin_[p];
   const std::size_t count = camera_begin_[p + 1] - camera_begin_[p];
@@ -294,17 +296,17 @@ void Normals::reduce_cameras(std::size_t p, const PointNormals& normals, const d
     for (std::size_t i = 0; i < one.free.size(); ++i) {
       double* z = zc + 3 * (a * width + i);
       normals.forward(z);
-      sums.right[static_cast<std::size_t>(one.border) + i] -= z[0] * y[0] + z[1] * y[1] + z[2] * y[2];
+      sums.right[static_cast<std::size_t>(one.first_global) + i] -= z[0] * y[0] + z[1] * y[1] + z[2] * y[2];
     }
   }
   for (std::size_t a = 0; a < count; ++a)
     for (std::size_t b = 0; b < count; ++b) {
       const ProblemCamera &one = problem_.cameras[cameras[a]], &other = problem_.cameras[cameras[b]];
-      if (other.border > one.border) continue;
+      if (other.first_global > one.first_global) continue;
       for (std::size_t i = 0; i < one.free.size(); ++i) {
         const double* z = zc + 3 * (a * width + i);
-        double* out =
-            &sums.matrix[(static_cast<std::size_t>(one.border) + i) * border + static_cast<std::size_t>(other.border)];
+        double* out = &sums.matrix[(static_cast<std::size_t>(one.first_global) + i) * global_count +
+                                   static_cast<std::size_t>(other.first_global)];
         const std::size_t end = a == b ? i + 1 : other.free.size();
         for (std::size_t k = 0; k < end; ++k) {
           const double* q = zc + 3 * (b * width + k);
@@ -325,7 +327,7 @@ void Normals::add_row(const Batch& batch, const BatchRow& row) {
   }
   for (std::uint32_t s = row.first_ray; s < row.end_ray; ++s) {
     add_pose_ray(batch, row_rays_[s], tile_of.data(), blocks);
-    if (problem_.border > 0) add_pose_cameras(batch, row_rays_[s]);
+    if (problem_.global_count > 0) add_pose_cameras(batch, row_rays_[s]);
   }
 }
 
@@ -349,27 +351,28 @@ void Normals::add_pose_cameras(const Batch& batch, std::uint32_t r) {
   const PoseRay& ray = pose_rays_[r - base];
   const std::uint32_t image = problem_.rays[r].image, p = point_of_ray_[r];
   const auto width = static_cast<std::size_t>(widest_camera_);
-  double* out = &pose_camera_[6ul * image * static_cast<std::size_t>(problem_.border)];
+  double* out = &pose_camera_[6ul * image * static_cast<std::size_t>(problem_.global_count)];
   const ProblemCamera& own = problem_.cameras[problem_.images[image].camera];
   const double* b = camera_rays_.data() + 2ul * (r - base) * width;
-  add_pose_camera(out + 6 * own.border, ray, b, static_cast<int>(own.free.size()));
+  add_pose_camera(out + 6 * own.first_global, ray, b, static_cast<int>(own.free.size()));
   if (!problem_.point(p).eliminated()) return;
   const double* z = camera_points_.data() + 3ul * (camera_begin_[p] - camera_begin_[batch.first_point]) * width;
   for (std::uint32_t its = camera_begin_[p]; its < camera_begin_[p + 1]; ++its, z += 3 * width) {
     const ProblemCamera& camera = problem_.cameras[cameras_of_point_[its]];
-    subtract_pose_camera(out + 6 * camera.border, ray, z, static_cast<int>(camera.free.size()));
+    subtract_pose_camera(out + 6 * camera.first_global, ray, z, static_cast<int>(camera.free.size()));
   }
 }
 
-void Normals::add_to_border(int row, int column, double value) {
-  border_.matrix[static_cast<std::size_t>(std::max(row, column)) * static_cast<std::size_t>(problem_.border) +
-                 static_cast<std::size_t>(std::min(row, column))] += value;
+void Normals::add_to_globals(int row, int column, double value) {
+  global_sums_
+      .matrix[static_cast<std::size_t>(std::max(row, column)) * static_cast<std::size_t>(problem_.global_count) +
+              static_cast<std::size_t>(std::min(row, column))] += value;
 }
 
 // Points that keep their unknowns: what their rays say of images and cameras alone is there already.
-double Normals::add_joined(const State& state) {
+double Normals::add_retained(const State& state) {
   double cost = 0;
-  for (const std::uint32_t p : problem_.joined) {
+  for (const std::uint32_t p : problem_.retained_points) {
     const ProblemPoint& point = problem_.point(p);
     const double* position = &state.points[3ul * p];
     PointNormals normals;
@@ -379,13 +382,13 @@ double Normals::add_joined(const State& state) {
       LinearRay linear;
       linearise(ray, state.frames[ray.image], state.lenses[camera], position, problem_.loss_of(point), &linear);
       normals.add(linear);
-      const double *a = linear.by_point, *turn = linear.by_rotation;
+      const double *a = linear.by_point, *rotation = linear.by_rotation;
       for (int c = 0; c < 3; ++c) {
         if (static_cast<int>(ray.image) < problem_.poses) {
-          double* out = &pose_camera_[6ul * (std::size_t{ray.image} * static_cast<std::size_t>(problem_.border) +
-                                             static_cast<std::size_t>(point.joined + c))];
+          double* out = &pose_camera_[6ul * (std::size_t{ray.image} * static_cast<std::size_t>(problem_.global_count) +
+                                             static_cast<std::size_t>(point.first_retained + c))];
           for (int i = 0; i < 3; ++i) {
-            out[i] += turn[i] * a[c] + turn[3 + i] * a[3 + c];
+            out[i] += rotation[i] * a[c] + rotation[3 + i] * a[3 + c];
             out[3 + i] -= a[i] * a[c] + a[3 + i] * a[3 + c];
           }
         }
@@ -394,16 +397,18 @@ double Normals::add_joined(const State& state) {
         linearise_camera(linear, state.lenses[camera], unknowns.free, b);
         const std::size_t count = unknowns.free.size();
         for (std::size_t k = 0; k < count; ++k)
-          add_to_border(point.joined + c, unknowns.border + static_cast<int>(k), a[c] * b[k] + a[3 + c] * b[count + k]);
+          add_to_globals(point.first_retained + c, unknowns.first_global + static_cast<int>(k),
+                         a[c] * b[k] + a[3 + c] * b[count + k]);
       }
     }
     cost += normals.add(problem_.control[point.control], position);
     constexpr int kElement[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     for (int c = 0; c < 3; ++c) {
-      const auto row = static_cast<std::size_t>(point.joined + c);
-      for (int k = 0; k <= c; ++k) add_to_border(point.joined + c, point.joined + k, normals.v[kElement[c][k]]);
-      border_.right[row] += normals.right[c];
-      border_.diagonal[row] += normals.v[kElement[c][c]];
+      const auto row = static_cast<std::size_t>(point.first_retained + c);
+      for (int k = 0; k <= c; ++k)
+        add_to_globals(point.first_retained + c, point.first_retained + k, normals.v[kElement[c][k]]);
+      global_sums_.right[row] += normals.right[c];
+      global_sums_.diagonal[row] += normals.v[kElement[c][c]];
     }
   }
   return cost;
@@ -411,24 +416,24 @@ double Normals::add_joined(const State& state) {
 
 // One observation by its row; `residual` has its weight already.
 void Normals::add_observation(const Row& row, double weight, double residual) {
-  const int border = 6 * problem_.poses;
+  const int globals_begin = 6 * problem_.poses;
   for (const RowPart& one : row) {
     const double d = one.derivative * weight;
-    const bool is_pose = one.row < border;
-    (is_pose ? right_[static_cast<std::size_t>(one.row)] : border_.right[static_cast<std::size_t>(one.row - border)]) +=
-        d * residual;
+    const bool is_pose = one.row < globals_begin;
+    (is_pose ? right_[static_cast<std::size_t>(one.row)]
+             : global_sums_.right[static_cast<std::size_t>(one.row - globals_begin)]) += d * residual;
     (is_pose ? diagonal_[static_cast<std::size_t>(one.row)]
-             : border_.diagonal[static_cast<std::size_t>(one.row - border)]) += d * d;
+             : global_sums_.diagonal[static_cast<std::size_t>(one.row - globals_begin)]) += d * d;
     for (const RowPart& other : row) {
       if (other.row > one.row) continue;
       const double product = d * other.derivative * weight;
       if (is_pose)
         matrix_.at(one.row, other.row) += product;
-      else if (other.row >= border)
-        add_to_border(one.row - border, other.row - border, product);
+      else if (other.row >= globals_begin)
+        add_to_globals(one.row - globals_begin, other.row - globals_begin, product);
       else
-        pose_camera_[6ul * (static_cast<std::size_t>(other.row / 6) * static_cast<std::size_t>(problem_.border) +
-                            static_cast<std::size_t>(one.row - border)) +
+        pose_camera_[6ul * (static_cast<std::size_t>(other.row / 6) * static_cast<std::size_t>(problem_.global_count) +
+                            static_cast<std::size_t>(one.row - globals_begin)) +
                      static_cast<std::size_t>(other.row % 6)] += product;
     }
   }
@@ -452,15 +457,16 @@ void Normals::add_datum(double stiffness) {
 }
 
 void Normals::assemble(double lambda) {
-  const int first = 6 * problem_.poses, border = problem_.border;
-  for (int k = 0; k < border; ++k) {
+  const int first = 6 * problem_.poses, global_count = problem_.global_count;
+  for (int k = 0; k < global_count; ++k) {
     const int row = first + k;
     for (int pose = 0; pose < problem_.poses; ++pose)
       for (int c = 0; c < 6; ++c)
-        matrix_.at(row, 6 * pose + c) = pose_camera_[6ul * (static_cast<std::size_t>(pose) * border + k) + c];
-    for (int i = 0; i <= k; ++i) matrix_.at(row, first + i) = border_.matrix[static_cast<std::size_t>(k) * border + i];
-    right_[static_cast<std::size_t>(row)] = border_.right[k];
-    diagonal_[static_cast<std::size_t>(row)] = border_.diagonal[k];
+        matrix_.at(row, 6 * pose + c) = pose_camera_[6ul * (static_cast<std::size_t>(pose) * global_count + k) + c];
+    for (int i = 0; i <= k; ++i)
+      matrix_.at(row, first + i) = global_sums_.matrix[static_cast<std::size_t>(k) * global_count + i];
+    right_[static_cast<std::size_t>(row)] = global_sums_.right[k];
+    diagonal_[static_cast<std::size_t>(row)] = global_sums_.diagonal[k];
   }
   for (int i = 0; i < matrix_.size(); ++i) matrix_.at(i, i) += lambda * diagonal_[static_cast<std::size_t>(i)];
 }

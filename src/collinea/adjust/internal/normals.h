@@ -9,10 +9,10 @@
 
 namespace collinea::bundle {
 
-/// The reduced normal equations of poses and cameras (points eliminated). Behind the cameras in the border, whose rows
-/// are full, come other unknowns and the points that measurements join to each other. Work is cut into batches of
-/// points that stay in the cache; within a batch first every point, then every row of tiles is one item, so that sums
-/// have one order whatever the number of threads.
+/// The reduced normal equations of poses and cameras (points eliminated). Behind the cameras among the global
+/// parameters, whose rows are full, come other unknowns and the points that measurements join to each other. Work is
+/// cut into batches of points that stay in the cache; within a batch first every point, then every row of tiles is one
+/// item, so that sums have one order whatever the number of threads.
 class Normals {
  public:
   /// `kept`: may hold the factor of an earlier adjustment; outlives this.
@@ -39,7 +39,7 @@ class Normals {
     int tile_row;
     std::uint32_t first_ray, end_ray;  // in row_rays_
   };
-  struct BorderSums {  // of one chunk of points
+  struct GlobalSums {  // of one chunk of points
     std::vector<double> matrix, right, diagonal;
     double cost = 0;
   };
@@ -47,20 +47,20 @@ class Normals {
   void cut_batches();
   void index_rows();
   void linearise_points(const State& state, double lambda, const Batch& batch, std::size_t chunk);
-  void linearise_point(const State& state, double lambda, const Batch& batch, std::size_t point, BorderSums& sums);
+  void linearise_point(const State& state, double lambda, const Batch& batch, std::size_t point, GlobalSums& sums);
   void add_camera_ray(const LinearRay& linear, const ProblemCamera& camera, const double* b, double* wc,
-                      BorderSums& sums) const;
+                      GlobalSums& sums) const;
   void reduce_cameras(std::size_t point, const PointNormals& normals, const double* y, const Batch& batch,
-                      BorderSums& sums);
+                      GlobalSums& sums);
   void add_row(const Batch& batch, const BatchRow& row);
   void add_pose_ray(const Batch& batch, std::uint32_t ray, double* const* tile_of, std::vector<double*>& blocks);
   void add_pose_cameras(const Batch& batch, std::uint32_t ray);
   class Sink;
   template <class Kind>
   double add_kind(const State& state);
-  double add_joined(const State& state);
+  double add_retained(const State& state);
   void add_observation(const Row& row, double weight, double residual);
-  void add_to_border(int row, int column, double value);
+  void add_to_globals(int row, int column, double value);
   void add_datum(double stiffness);
   void assemble(double lambda);
 
@@ -70,15 +70,15 @@ class Normals {
   TileMatrix matrix_;
   std::vector<double> right_, diagonal_;  // of poses and cameras
   std::vector<double> pose_camera_;       // 6 x border of each pose, by columns of 6
-  std::vector<BorderSums> chunks_;
-  BorderSums border_;
+  std::vector<GlobalSums> chunks_;
+  GlobalSums global_sums_;
   std::vector<Batch> batches_;
   std::vector<BatchRow> batch_rows_;
   std::vector<std::uint32_t> row_rays_;
   std::vector<std::uint32_t> first_of_ray_, point_of_ray_;
   std::vector<std::uint32_t> camera_begin_;  // of each point: the cameras its rays have, in cameras_of_point_
   std::vector<int> cameras_of_point_;
-  // Of the batch in work:
+  // Buffers of the batch in work:
   std::vector<PoseRay> pose_rays_;
   std::vector<double> camera_rays_;    // 2 x P of each ray
   std::vector<double> camera_points_;  // Zc = Wc L^-T, P x 3 by rows, of each (point, camera)

@@ -51,11 +51,11 @@ struct ObservationKind {
   static constexpr int kSize = kAxes;
   static constexpr bool kIsTested = true;
   static constexpr bool kIsRobust = false;
-  static constexpr bool kIsOfPlace = true;   ///< a motion of the whole block changes it
-  static constexpr bool kIsOfPoint = false;  ///< it enters the equations of its point, before that is eliminated
+  static constexpr bool kIsOfPosition = true;  ///< a motion of the whole block changes it
+  static constexpr bool kIsOfPoint = false;    ///< it enters the equations of its point, before that is eliminated
 
   /// Where it has items, the block as a whole can be placed by them.
-  static bool places_block(const Problem&) { return false; }
+  static bool positions_block(const Problem&) { return false; }
   /// add_to_gauge() has all that this kind sees of a motion of the whole block.
   static bool is_gauge_complete(const Problem&) { return true; }
   /// Its rows have to be looked at for the datum (observe_rows), whatever unknowns there are.

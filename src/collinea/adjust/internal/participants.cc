@@ -70,7 +70,7 @@ bool reject_geodetic(const Block& block, Participants& participants) {
       positions.emplace(ControlId{point.id}, Eigen::Vector3d(point.position));
   const std::size_t before = geodetic.size();
   std::erase_if(geodetic, [&](std::uint32_t source) {
-    return !positions.contains(block.ground[source].from) || !positions.contains(block.ground[source].to);
+    return !positions.contains(block.geodetic[source].from) || !positions.contains(block.geodetic[source].to);
   });
   erase_weak_shapes(
       block, [&](ControlId id) { return positions.at(id); }, geodetic);
@@ -115,7 +115,7 @@ Result<> check_there_is_something(const Participants& participants, const Adjust
   if (!has_unknown_image && options.calibration == Calibration::kNone && scope.camera_sigmas.empty() &&
       std::all_of(participants.points.points.begin(), participants.points.points.end(),
                   [](const CandidatePoint& point) { return point.is_fixed; }))
-    return fail(Errc::kIllPosed, "every image, camera and point is held: there is nothing to adjust");
+    return fail(Errc::kIllPosed, "every image, camera and point is fixed: there is nothing to adjust");
   return {};
 }
 

@@ -24,7 +24,7 @@ struct Ray {
   double pixel[2];
   double inverse_sigma;
   std::uint32_t image;   ///< number in Problem::images
-  std::uint32_t source;  ///< place in Block::observations or Block::control_observations
+  std::uint32_t source;  ///< index in Block::observations or Block::control_observations
 };
 
 /// An image that takes part. Free images come first, in the order of elimination: image i is then pose i of the
@@ -36,26 +36,26 @@ struct ProblemImage {
 
 struct ProblemCamera {
   CameraId id;
-  int border = 0;                                          ///< where its unknowns begin among all camera unknowns
+  int first_global = 0;                                    ///< where its unknowns begin among all camera unknowns
   std::vector<int> free;                                   ///< Camera::Param of each unknown
   std::array<double, Camera::kAllParams> given{};          ///< weak observations ...
   std::array<double, Camera::kAllParams> inverse_sigma{};  ///< ... and their weights^1/2
 };
 
-/// A tie point or control point with its rays in [first_ray, next point's first_ray): first those of held images, then
+/// A tie point or control point with its rays in [first_ray, next point's first_ray): first those of fixed images, then
 /// from first_free on those of free images in ascending order.
 struct ProblemPoint {
   std::uint32_t id = 0;  ///< of a PointId or a ControlId
   std::uint32_t first_ray, first_free;
   int control = -1;  ///< number in Problem::control, -1 for tie points
-  bool held = false;
-  int joined = -1;  ///< where its three unknowns begin in the border: other points are observed with it
+  bool is_fixed = false;
+  int first_retained = -1;  ///< where its three unknowns begin among the global parameters; -1: the point is eliminated
 
   /// It has unknowns, and no observation that another point shares: it is eliminated before all others.
-  [[nodiscard]] bool eliminated() const { return !held && joined < 0; }
+  [[nodiscard]] bool eliminated() const { return !is_fixed && first_retained < 0; }
 };
 
-/// An unknown beside poses, cameras and points. It has a place in the border, behind those of the cameras.
+/// An unknown beside poses, cameras and points. It is a global parameter, behind those of the cameras.
 struct AuxiliaryUnknown {
   UnknownKind kind;
   std::uint32_t owner;  ///< of a CameraId, or a number in AdjustScope::position_tracks, of a set-up or of a shape
@@ -63,28 +63,30 @@ struct AuxiliaryUnknown {
   double given = 0, inverse_sigma = 0;  ///< its observation; 0: free
 };
 
-/// A measurement between two joined points, or of one that lies on a shape.
+/// A measurement between two retained points, or of one that lies on a shape.
 struct GeodeticLink {
   GeodeticObservation observation;
-  std::uint32_t source;      ///< place in Block::ground
+  std::uint32_t source;      ///< index in Block::geodetic
   std::uint32_t from, to;    ///< numbers in Problem::points
-  int extra = -1;            ///< first of its own unknowns in Problem::extras; -1: none
+  int auxiliary = -1;        ///< first of its own unknowns in Problem::auxiliaries; -1: none
   int shape = -1;            ///< number in Problem::shapes
   double inverse_sigma = 0;  ///< 0: only compared
 };
 
 struct ControlCoordinates {
-  double given[3], inverse_sigma[3];  ///< 0 = not given; of a coordinate beside which the two others are exact
-  double beside[3] = {};              ///< weights off the diagonal: of 0 and 1, 0 and 2, 1 and 2
+  double given[3], inverse_sigma[3];   ///< 0 = not given; of a coordinate beside which the two others are exact
+  double off_diagonal_weight[3] = {};  ///< weights off the diagonal: of 0 and 1, 0 and 2, 1 and 2
 
   [[nodiscard]] Eigen::Matrix3d weight() const {
     Eigen::Matrix3d p;
-    p << inverse_sigma[0] * inverse_sigma[0], beside[0], beside[1],  //
-        beside[0], inverse_sigma[1] * inverse_sigma[1], beside[2],   //
-        beside[1], beside[2], inverse_sigma[2] * inverse_sigma[2];
+    p << inverse_sigma[0] * inverse_sigma[0], off_diagonal_weight[0], off_diagonal_weight[1],  //
+        off_diagonal_weight[0], inverse_sigma[1] * inverse_sigma[1], off_diagonal_weight[2],   //
+        off_diagonal_weight[1], off_diagonal_weight[2], inverse_sigma[2] * inverse_sigma[2];
     return p;
   }
-  [[nodiscard]] bool correlated() const { return beside[0] != 0 || beside[1] != 0 || beside[2] != 0; }
+  [[nodiscard]] bool correlated() const {
+    return off_diagonal_weight[0] != 0 || off_diagonal_weight[1] != 0 || off_diagonal_weight[2] != 0;
+  }
 };
 
 /// The covariance of the given coordinates; 0 on axes that are not given.
@@ -105,8 +107,8 @@ struct GivenPosition {
   std::uint32_t image;
   Eigen::Vector3d given, inverse_sigma;
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< exact part of the lever arm
-  int lever_arm = -1, shift = -1, drift = -1;     ///< first of three numbers in Problem::extras; -1: none
-  int time_offset = -1;                           ///< number in Problem::extras
+  int lever_arm = -1, shift = -1, drift = -1;     ///< first of three numbers in Problem::auxiliaries; -1: none
+  int time_offset = -1;                           ///< number in Problem::auxiliaries
   double time = 0;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 
@@ -132,11 +134,11 @@ struct GivenUp {
 };
 
 /// A turn about x, y, z of the world.
-struct GivenTurn {
+struct GivenRotation {
   std::uint32_t image;
   Eigen::Quaterniond cam_from_world;
   Eigen::Vector3d inverse_sigma;
-  int boresight = -1;  ///< first of three numbers in Problem::extras; -1: none
+  int boresight = -1;  ///< first of three numbers in Problem::auxiliaries; -1: none
 };
 
 /// Directions in which the poses of some images must not move together, because nothing observes that motion.
@@ -154,19 +156,19 @@ struct Problem {
   std::vector<ProblemImage> images;
   int poses = 0;  ///< free images
   std::vector<ProblemCamera> cameras;
-  int border = 0;                    ///< unknowns of all cameras, then `extras`, then the joined points
+  int global_count = 0;              ///< unknowns of all cameras, then `auxiliaries`, then the retained points
   std::vector<ProblemPoint> points;  ///< ordered by their first free image; one more at the end closes the last
   std::vector<Ray> rays;
   std::vector<ControlCoordinates> control;
   std::vector<GivenPosition> positions;
   std::vector<GivenUp> verticals;
-  std::vector<GivenTurn> attitudes;
+  std::vector<GivenRotation> attitudes;
   std::vector<AuxiliaryUnknown> auxiliaries;
-  int first_extra = 0;                ///< of the border
-  std::vector<std::uint32_t> joined;  ///< numbers of points, ascending
-  std::vector<GeodeticLink> ground;
+  int first_auxiliary = 0;                     ///< of the global parameters
+  std::vector<std::uint32_t> retained_points;  ///< numbers of points, ascending
+  std::vector<GeodeticLink> geodetic;
   std::vector<GeodeticShape> shapes;
-  std::size_t geodetic_left_out = 0;  ///< of Block::ground, because of points that take no part or determine no shape
+  std::size_t geodetic_left_out = 0;  ///< of Block::geodetic, because of points that take no part or determine no shape
   bool level_at_origin = false;       ///< see geodetic_model()
   std::vector<DatumConstraint> datum;
   std::vector<int> part_of_pose;   ///< images connected by points, as numbers of parts
@@ -174,7 +176,7 @@ struct Problem {
   int rank_defect = 0;
   DatumSources datum_sources;
   std::vector<ImageId> images_left_out;
-  bool moves_as_one = false;      ///< one connected part, nothing held: the block can be moved as a whole
+  bool moves_as_one = false;      ///< one connected part, nothing fixed: the block can be moved as a whole
   std::size_t first_control = 0;  ///< no point before this one is a control point
   double extent_m = 0;            ///< size of the block
   Loss tie_loss, position_loss;
@@ -199,7 +201,7 @@ struct State {
   std::vector<std::array<double, Camera::kAllParams>> cameras;
   std::vector<Lens> lenses;
   std::vector<double> points;       ///< 3 of each point
-  std::vector<double> auxiliaries;  ///< parallel to Problem::extras
+  std::vector<double> auxiliaries;  ///< parallel to Problem::auxiliaries
 };
 
 /// The world's z axis in the camera.
@@ -218,12 +220,12 @@ using Row = std::vector<RowPart>;
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(state.frames[image].data());
 }
 
-/// Three unknowns of Problem::extras, and the derivatives of an observation by them.
-[[nodiscard]] inline Eigen::Vector3d extra3(const State& state, int first) {
+/// Three unknowns of Problem::auxiliaries, and the derivatives of an observation by them.
+[[nodiscard]] inline Eigen::Vector3d auxiliary3(const State& state, int first) {
   return Eigen::Map<const Eigen::Vector3d>(&state.auxiliaries[static_cast<std::size_t>(first)]);
 }
-inline void add_extra(const Problem& problem, int first, const Eigen::RowVector3d& derivative, Row& row) {
-  for (int c = 0; c < 3; ++c) row.push_back({6 * problem.poses + problem.first_extra + first + c, derivative[c]});
+inline void add_auxiliaries(const Problem& problem, int first, const Eigen::RowVector3d& derivative, Row& row) {
+  for (int c = 0; c < 3; ++c) row.push_back({6 * problem.poses + problem.first_auxiliary + first + c, derivative[c]});
 }
 
 [[nodiscard]] Frame frame_of(const Eigen::Quaterniond& rotation, const double* centre);

@@ -21,28 +21,28 @@ struct Sums {
 
 State with_reduced_moved(const Problem& problem, const State& state, Step& step) {
   State next = state;
-  step.largest_turn_rad = step.largest_move_m = 0;
+  step.largest_rotation_rad = step.largest_move_m = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(problem.poses); ++i) {
     const double* d = &step.reduced[6 * i];
-    const Eigen::Vector3d turn(d[0], d[1], d[2]), shift(d[3], d[4], d[5]);
+    const Eigen::Vector3d rotation(d[0], d[1], d[2]), shift(d[3], d[4], d[5]);
     const Eigen::Vector3d centre = Eigen::Vector3d(state.frames[i].data() + 9) + shift;
-    next.rotations[i] = (rotation_by(turn) * state.rotations[i]).normalized();
+    next.rotations[i] = (rotation_by(rotation) * state.rotations[i]).normalized();
     next.frames[i] = frame_of(next.rotations[i], centre.data());
-    step.largest_turn_rad = std::max(step.largest_turn_rad, turn.norm());
+    step.largest_rotation_rad = std::max(step.largest_rotation_rad, rotation.norm());
     step.largest_move_m = std::max(step.largest_move_m, shift.norm());
   }
   const double* by_camera = step.reduced.data() + 6 * problem.poses;
   for (std::size_t i = 0; i < problem.cameras.size(); ++i) {
     const ProblemCamera& camera = problem.cameras[i];
     for (std::size_t k = 0; k < camera.free.size(); ++k)
-      next.cameras[i][camera.free[k]] += by_camera[camera.border + static_cast<int>(k)];
+      next.cameras[i][camera.free[k]] += by_camera[camera.first_global + static_cast<int>(k)];
     if (!camera.free.empty()) next.lenses[i] = lens_with(state.lenses[i], next.cameras[i].data());
   }
   for (std::size_t i = 0; i < problem.auxiliaries.size(); ++i)
-    next.auxiliaries[i] += by_camera[problem.first_extra + static_cast<int>(i)];
-  for (const std::uint32_t p : problem.joined)
+    next.auxiliaries[i] += by_camera[problem.first_auxiliary + static_cast<int>(i)];
+  for (const std::uint32_t p : problem.retained_points)
     for (int c = 0; c < 3; ++c)
-      next.points[3ul * p + static_cast<std::size_t>(c)] += by_camera[problem.point(p).joined + c];
+      next.points[3ul * p + static_cast<std::size_t>(c)] += by_camera[problem.point(p).first_retained + c];
   return next;
 }
 
@@ -54,8 +54,8 @@ void take_step_of_image(const Problem& problem, const State& state, const Step& 
   if (static_cast<int>(ray.image) < problem.poses) {
     const double* d = &step.reduced[6ul * ray.image];
     for (int row = 0; row < 2; ++row) {
-      const double *turn = linear.by_rotation + 3 * row, *shift = linear.by_point + 3 * row;
-      linear.residual[row] -= turn[0] * d[0] + turn[1] * d[1] + turn[2] * d[2];
+      const double *rotation = linear.by_rotation + 3 * row, *shift = linear.by_point + 3 * row;
+      linear.residual[row] -= rotation[0] * d[0] + rotation[1] * d[1] + rotation[2] * d[2];
       linear.residual[row] += shift[0] * d[3] + shift[1] * d[4] + shift[2] * d[5];
     }
   }
@@ -64,7 +64,7 @@ void take_step_of_image(const Problem& problem, const State& state, const Step& 
   if (unknowns.free.empty()) return;
   double b[2 * Camera::kAllParams];
   linearise_camera(linear, state.lenses[camera], unknowns.free, b);
-  const double* d = step.reduced.data() + 6 * problem.poses + unknowns.border;
+  const double* d = step.reduced.data() + 6 * problem.poses + unknowns.first_global;
   const std::size_t count = unknowns.free.size();
   for (std::size_t k = 0; k < count; ++k) {
     linear.residual[0] -= b[k] * d[k];
@@ -117,11 +117,11 @@ double settle_point(const Problem& problem, const State& state, std::size_t p, d
 }
 
 // A point that keeps its unknowns has moved already.
-Sums of_joined(const Problem& problem, const State& state, const Step& step, std::size_t p, const State& next) {
+Sums of_retained(const Problem& problem, const State& state, const Step& step, std::size_t p, const State& next) {
   const ProblemPoint& point = problem.point(p);
   const Loss loss = problem.loss_of(point);
   const double *position = &state.points[3 * p], *there = &next.points[3 * p];
-  const double* d = step.reduced.data() + 6 * problem.poses + point.joined;
+  const double* d = step.reduced.data() + 6 * problem.poses + point.first_retained;
   Sums sums;
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
@@ -143,7 +143,7 @@ Sums of_joined(const Problem& problem, const State& state, const Step& step, std
 Sums move_point(const Problem& problem, const State& state, double lambda, const Step& step, std::size_t p,
                 State& next) {
   const ProblemPoint& point = problem.point(p);
-  if (point.joined >= 0) return of_joined(problem, state, step, p, next);
+  if (point.first_retained >= 0) return of_retained(problem, state, step, p, next);
   const Loss loss = problem.loss_of(point);
   const double* position = &state.points[3 * p];
   double* target = &next.points[3 * p];
@@ -157,10 +157,10 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
     sums.promised += squared(linear.residual);
     take_step_of_image(problem, state, step, ray, linear);
     sums.promised -= squared(linear.residual);
-    if (!point.held) normals.add(linear);
+    if (!point.is_fixed) normals.add(linear);
   }
   double before = cost.value();
-  if (!point.held) {
+  if (!point.is_fixed) {
     if (point.control >= 0) before += normals.add(problem.control[point.control], position);
     normals.factor(lambda);
     const double *v = normals.v, *b = normals.right;
@@ -176,7 +176,7 @@ Sums move_point(const Problem& problem, const State& state, double lambda, const
   // Where the linear model was wrong (outliers, a step too far) a few steps of the point alone are cheaper than another
   // of all.
   const double surprise = std::abs(before - sums.cost - sums.promised);
-  if (!point.held && surprise > std::max(kSurprise, 0.3 * std::abs(sums.promised))) {
+  if (!point.is_fixed && surprise > std::max(kSurprise, 0.3 * std::abs(sums.promised))) {
     const double stayed = cost_of_point(problem, next, p, position);
     if (stayed < sums.cost) {
       std::copy(position, position + 3, target);

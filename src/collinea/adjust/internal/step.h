@@ -14,7 +14,7 @@ struct Step {
   double squared_length = 0;  ///< of `reduced` in the metric of the reduced normal matrix: squared standard deviations
   double promised = 0;        ///< decrease of the cost by the linear model
   double cost = 0;            ///< after the step
-  double largest_turn_rad = 0, largest_move_m = 0;
+  double largest_rotation_rad = 0, largest_move_m = 0;
 };
 
 /// Applies step.reduced to images and cameras, moves every point to its best place by the linear model with that

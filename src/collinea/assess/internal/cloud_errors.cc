@@ -19,51 +19,51 @@ constexpr int kStripRows = 256;
 constexpr int kStepMargin = 6;  // [cells of the truth]
 
 // A point and where in the truth.
-struct Place {
+struct Sample {
   double x, y;
-  PlacedError point;  // its error is its height so far
+  LocatedError point;  // its error is its height so far
 };
 
-Result<std::vector<Place>> some_points(const std::filesystem::path& cloud, const MapGrid& grid, const Run& run) {
+Result<std::vector<Sample>> some_points(const std::filesystem::path& cloud, const MapGrid& grid, const Run& run) {
   COLLINEA_TRY(LasReader reader, LasReader::open(cloud));
   const std::uint64_t stride = reader.header().points / kLookedAt + 1;
-  std::vector<Place> places;
+  std::vector<Sample> samples;
   for (std::uint64_t first = 0;;) {
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     COLLINEA_TRY(const std::vector<CloudPoint> points, reader.read(kPiece));
-    if (points.empty()) return places;
+    if (points.empty()) return samples;
     for (std::size_t i = std::size_t((stride - first % stride) % stride); i < points.size(); i += stride) {
       const CloudPoint& p = points[i];
       const double x = grid.column_of(p.position.x()), y = grid.row_of(p.position.y());
       if (p.sigma_m > 0 && x >= 0 && y >= 0 && x < grid.width && y < grid.height)
-        places.push_back({x, y, {p.position.x(), p.position.y(), float(p.position.z()), p.sigma_m, p.images}});
+        samples.push_back({x, y, {p.position.x(), p.position.y(), float(p.position.z()), p.sigma_m, p.images}});
     }
     first += points.size();
   }
 }
 
-// Of places in some rows of the truth those on smooth ground, with their errors.
-Result<> add_errors(std::span<const Place> places, const HeightField& truth, int row,
-                    std::vector<PlacedError>& errors) {
+// Errors of the samples in some rows of the truth that lie on smooth ground.
+Result<> add_errors(std::span<const Sample> samples, const HeightField& truth, int row,
+                    std::vector<LocatedError>& errors) {
   const int top = std::max(0, row - kStepMargin), bottom = std::min(truth.grid.height, row + kStripRows + kStepMargin);
   COLLINEA_TRY(const FloatImage heights, truth.read(0, top, truth.grid.width, bottom - top));
   const auto rough = rough_cells(heights, truth.grid.cell_m, kStepMargin, kSteepestSmooth);
-  for (const Place& place : places) {
-    if (rough.at(int(place.x), int(place.y) - top)) continue;
-    const float height_m = bilinear(heights, place.x, place.y - top);
+  for (const Sample& sample : samples) {
+    if (rough.at(int(sample.x), int(sample.y) - top)) continue;
+    const float height_m = bilinear(heights, sample.x, sample.y - top);
     if (std::isnan(height_m)) continue;
-    errors.push_back(place.point);
+    errors.push_back(sample.point);
     errors.back().error_m -= height_m;
   }
   return {};
 }
 
-CloudErrors judged(const std::vector<PlacedError>& errors) {
+CloudErrors judged(const std::vector<LocatedError>& errors) {
   CloudErrors judged;
   judged.points = errors.size();
   std::map<int, std::pair<std::size_t, double>> by_images;
   std::size_t within = 0, gross = 0;
-  for (const PlacedError& one : errors) {
+  for (const LocatedError& one : errors) {
     const double sigmas = std::abs(double(one.error_m)) / double(one.sigma_m);
     within += sigmas <= kBoundSigmas;
     gross += sigmas > kGrossSigmas;
@@ -82,13 +82,13 @@ CloudErrors judged(const std::vector<PlacedError>& errors) {
 }  // namespace
 
 Result<CloudErrors> cloud_errors(const std::filesystem::path& cloud, const HeightField& truth, const Run& run) {
-  COLLINEA_TRY(std::vector<Place> places, some_points(cloud, truth.grid, run));
-  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.y < b.y; });
-  std::vector<PlacedError> errors;
-  for (auto begin = places.begin(); begin != places.end();) {
+  COLLINEA_TRY(std::vector<Sample> samples, some_points(cloud, truth.grid, run));
+  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.y < b.y; });
+  std::vector<LocatedError> errors;
+  for (auto begin = samples.begin(); begin != samples.end();) {
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
     const int row = int(begin->y) / kStripRows * kStripRows;
-    const auto end = std::find_if(begin, places.end(), [&](const Place& one) { return one.y >= row + kStripRows; });
+    const auto end = std::find_if(begin, samples.end(), [&](const Sample& one) { return one.y >= row + kStripRows; });
     COLLINEA_TRY(add_errors({begin, end}, truth, row, errors));
     begin = end;
   }

@@ -12,11 +12,11 @@ namespace {
 constexpr int kStrip = 128;        // rows
 constexpr int kAround = 2;         // [px] in which a true colour may lie
 constexpr double kTolerance = 25;  // [grey levels]
-constexpr int kStride = 4;         // of the pixels that tell a photograph's brightness
+constexpr int kStride = 4;         // of the pixels that tell an image's brightness
 constexpr double kDarkest = 10, kBrightest = 245;
 constexpr std::size_t kFewest = 500;  // pixels that tell it
 
-// Ratios in steps of 0.2 % between 1/e and e; the median of a channel of a photograph.
+// Ratios in steps of 0.2 % between 1/e and e; the median of a channel of an image.
 struct Histogram {
   static constexpr int kBins = 1000;
   std::array<std::uint32_t, kBins> counts{};
@@ -122,7 +122,7 @@ std::array<double, 3> common_gain(const Gains& gains, ColourErrors& errors) {
     medians.push_back({histograms[0].median(), histograms[1].median(), histograms[2].median()});
     for (std::size_t c = 0; c < 3; ++c) common[c] += medians.back()[c];
   }
-  errors.photographs = medians.size();
+  errors.images = medians.size();
   if (medians.empty()) return common;
   for (double& gain : common) gain /= double(medians.size());
   for (const auto& gain : medians) {

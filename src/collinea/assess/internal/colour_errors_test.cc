@@ -10,17 +10,17 @@ namespace {
 
 using Paint = std::function<std::array<double, 3>(double x, double y)>;
 
-ImageField picture_of(double cell_m, int side, const Paint& paint) {
+ImageField image_of(double cell_m, int side, const Paint& paint) {
   ImageField field;
   field.grid = {0, side * cell_m, cell_m, side, side, ""};
   field.read = [=, grid = field.grid](int column, int row, int width, int height) -> Result<Raster<std::uint8_t>> {
-    Raster<std::uint8_t> picture(width, height, 4, 255);
+    Raster<std::uint8_t> image(width, height, 4, 255);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
         for (int c = 0; c < 3; ++c)
-          picture.at(x, y, c) = std::uint8_t(
+          image.at(x, y, c) = std::uint8_t(
               std::lround(paint(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5))[std::size_t(c)]));
-    return picture;
+    return image;
   };
   return field;
 }
@@ -29,7 +29,7 @@ std::array<double, 3> ground(double x, double y) {
   return {120 + 20 * std::sin(x), 110 + 20 * std::cos(y), 100 + 10 * std::sin(x + y)};
 }
 
-// The left quarter is of a photograph that is 10 % darker, the right one of one that is as much brighter, what lies
+// The left quarter is of an image that is 10 % darker, the right one of one that is as much brighter, what lies
 // between of two that are as bright as all are; all of it is 20 % darker than the truth. A square of 1 % of the area
 // shows a wall.
 TEST(ColourErrors, TellsBrightnessFromTheWrongSurface) {
@@ -45,11 +45,10 @@ TEST(ColourErrors, TellsBrightnessFromTheWrongSurface) {
       for (int x = 0; x < width; ++x) source.at(x, y) = 3 + float((column + x) / 100);
     return source;
   };
-  const auto errors =
-      colour_errors(picture_of(0.1, 400, made), sources, picture_of(0.11, 364, ground), collinea::Run{});
+  const auto errors = colour_errors(image_of(0.1, 400, made), sources, image_of(0.11, 364, ground), collinea::Run{});
   ASSERT_TRUE(errors);
-  EXPECT_EQ(errors->photographs, 4u);
-  // Ratios are counted in steps of 0.002 and pictures rounded to whole levels.
+  EXPECT_EQ(errors->images, 4u);
+  // Ratios are counted in steps of 0.002 and images rounded to whole levels.
   const double common = std::log(0.9 * 1.1) / 4, darker = std::log(0.9) - common, brighter = std::log(1.1) - common;
   const double rms = std::sqrt((darker * darker + brighter * brighter + 2 * common * common) / 4);
   EXPECT_NEAR(errors->gain_rms, rms, 0.003);
@@ -59,9 +58,9 @@ TEST(ColourErrors, TellsBrightnessFromTheWrongSurface) {
 }
 
 TEST(ColourErrors, NothingInCommonIsAnError) {
-  ImageField far = picture_of(0.1, 50, ground);
+  ImageField far = image_of(0.1, 50, ground);
   far.grid.west_m += 1000;
-  EXPECT_FALSE(colour_errors(far, nullptr, picture_of(0.1, 50, ground), collinea::Run{}));
+  EXPECT_FALSE(colour_errors(far, nullptr, image_of(0.1, 50, ground), collinea::Run{}));
 }
 
 }  // namespace

@@ -20,14 +20,14 @@ using Plane = Eigen::Vector3d;  // error in the middle, and by the length of the
 
 class Levelling {
  public:
-  explicit Levelling(const std::vector<PlacedError>& errors) : errors_(errors) {
+  explicit Levelling(const std::vector<LocatedError>& errors) : errors_(errors) {
     std::vector<float> sigmas;
-    for (const PlacedError& one : errors) {
+    for (const LocatedError& one : errors) {
       middle_ += Eigen::Vector2d(one.east_m, one.north_m) / double(errors.size());
       sigmas.push_back(one.sigma_m);
     }
     usual_sigma_m_ = double(median(sigmas));
-    for (const PlacedError& one : errors)
+    for (const LocatedError& one : errors)
       length_m_ = std::max({length_m_, std::abs(one.east_m - middle_.x()), std::abs(one.north_m - middle_.y())});
   }
 
@@ -39,10 +39,10 @@ class Levelling {
     return until_stable(robust, [](double sigmas) { return sigmas <= kGrossSigmas ? 1.0 : 0.0; });
   }
 
-  [[nodiscard]] double of(const Plane& plane, const PlacedError& one) const { return row_of(one).dot(plane); }
+  [[nodiscard]] double of(const Plane& plane, const LocatedError& one) const { return row_of(one).dot(plane); }
 
  private:
-  [[nodiscard]] Plane row_of(const PlacedError& one) const {
+  [[nodiscard]] Plane row_of(const LocatedError& one) const {
     return {1, (one.east_m - middle_.x()) / length_m_, (one.north_m - middle_.y()) / length_m_};
   }
 
@@ -62,7 +62,7 @@ class Levelling {
   [[nodiscard]] std::optional<Plane> fitted(const Plane& so_far, const Weight& weight) const {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Plane right = Plane::Zero();
-    for (const PlacedError& one : errors_) {
+    for (const LocatedError& one : errors_) {
       const Plane row = row_of(one);
       const double sigma_m = std::max(double(one.sigma_m), usual_sigma_m_);
       const double w = weight(std::abs(double(one.error_m) - row.dot(so_far)) / sigma_m) / (sigma_m * sigma_m);
@@ -74,19 +74,19 @@ class Levelling {
     return solved.solve(right);
   }
 
-  const std::vector<PlacedError>& errors_;
+  const std::vector<LocatedError>& errors_;
   Eigen::Vector2d middle_{0, 0};
   double length_m_ = 0, usual_sigma_m_ = 0;
 };
 
 }  // namespace
 
-bool take_off_plane(std::vector<PlacedError>& errors) {
+bool take_off_plane(std::vector<LocatedError>& errors) {
   if (errors.size() < 4) return false;
   const Levelling levelling(errors);
   const std::optional<Plane> plane = levelling.plane();
   if (!plane) return false;
-  for (PlacedError& one : errors) one.error_m -= float(levelling.of(*plane, one));
+  for (LocatedError& one : errors) one.error_m -= float(levelling.of(*plane, one));
   return true;
 }
 

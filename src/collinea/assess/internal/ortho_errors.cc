@@ -18,26 +18,26 @@ constexpr double kLeastTexture = 9;  // mean squared gradient in the weakest dir
 constexpr double kLeastAlike = 0.6;  // correlation
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
-FloatImage grey_of(const Raster<std::uint8_t>& picture) {
-  FloatImage grey(picture.width, picture.height);
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
-      const std::uint8_t* p = picture.row(y) + x * picture.channels;
-      const float value = picture.channels >= 3 ? 0.299f * p[0] + 0.587f * p[1] + 0.114f * p[2] : float(p[0]);
-      grey.at(x, y) = picture.channels == 4 && p[3] == 0 ? kNothing : value;
+FloatImage grey_of(const Raster<std::uint8_t>& image) {
+  FloatImage grey(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const std::uint8_t* p = image.row(y) + x * image.channels;
+      const float value = image.channels >= 3 ? 0.299f * p[0] + 0.587f * p[1] + 0.114f * p[2] : float(p[0]);
+      grey.at(x, y) = image.channels == 4 && p[3] == 0 ? kNothing : value;
     }
   }
   return grey;
 }
 
-// A window of a picture, cells of `grid` from (column, row); what lies outside the picture is nothing.
+// A window of an image, cells of `grid` from (column, row); what lies outside the image is nothing.
 Result<FloatImage> grey_window(const ImageField& field, int column, int row, int width, int height) {
   FloatImage grey(width, height, 1, kNothing);
   const int left = std::max(0, column), top = std::max(0, row);
   const int right = std::min(field.grid.width, column + width), bottom = std::min(field.grid.height, row + height);
   if (right <= left || bottom <= top) return grey;
-  COLLINEA_TRY(const auto picture, field.read(left, top, right - left, bottom - top));
-  const FloatImage part = grey_of(picture);
+  COLLINEA_TRY(const auto image, field.read(left, top, right - left, bottom - top));
+  const FloatImage part = grey_of(image);
   for (int y = 0; y < part.height; ++y) std::copy_n(part.row(y), part.width, grey.row(top - row + y) + left - column);
   return grey;
 }

@@ -11,7 +11,7 @@
 
 namespace collinea {
 
-/// A picture on the map, read by windows inside the raster; 1, 3 or 4 channels, the fourth is alpha.
+/// An image on the map, read by windows inside the raster; 1, 3 or 4 channels, the fourth is alpha.
 struct ImageField {
   MapGrid grid;
   std::function<Result<Raster<std::uint8_t>>(int column, int row, int width, int height)> read;

@@ -29,7 +29,7 @@ struct PointErrors {
 
 struct PoseErrors {
   std::size_t images = 0, oriented = 0;         ///< in the truth; of these, in the block
-  std::optional<PointErrors> centres;           ///< as they are; nothing when the block has no place on Earth
+  std::optional<PointErrors> centres;           ///< as they are; nothing when the block has no location on Earth
   std::optional<PointErrors> after_similarity;  ///< nothing with fewer than three centres, or on a line
   std::optional<double> scale;                  ///< of the similarity: truth over estimate
   double rotation_rms_deg = 0;                  ///< of the attitudes, after the similarity

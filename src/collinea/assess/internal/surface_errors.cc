@@ -63,7 +63,7 @@ class Assessor {
   std::vector<float> overall_, smooth_measured_, smooth_interpolated_, roofs_;
   std::size_t bounds_ = 0, within_ = 0, roof_bounds_ = 0, roofs_within_ = 0, found_ = 0, measured_ = 0, seen_ = 0,
               seen_found_ = 0;
-  std::vector<PlacedError> some_bounded_;
+  std::vector<LocatedError> some_bounded_;
 };
 
 // Heights that are no more than the nearest on a step, and exact on smooth ground.
@@ -193,7 +193,7 @@ Result<SurfaceErrors> Assessor::all() {
   errors.within_bounds = bounds_ > 0 ? double(within_) / double(bounds_) : 0;
   errors.roofs_within_bounds = roof_bounds_ > 0 ? double(roofs_within_) / double(roof_bounds_) : 0;
   if (take_off_plane(some_bounded_)) {
-    const auto within = std::count_if(some_bounded_.begin(), some_bounded_.end(), [](const PlacedError& one) {
+    const auto within = std::count_if(some_bounded_.begin(), some_bounded_.end(), [](const LocatedError& one) {
       return std::abs(one.error_m) <= kBoundSigmas * double(one.sigma_m);
     });
     errors.levelled_within_bounds = double(within) / double(some_bounded_.size());

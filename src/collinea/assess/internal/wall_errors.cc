@@ -107,7 +107,7 @@ Result<WallErrors> wall_errors(const HeightField& model, const HeightField& trut
           if (const auto error = crossing->error(x, y)) errors_m.push_back(*error);
   }
   WallErrors result;
-  result.places = errors_m.size();
+  result.samples = errors_m.size();
   if (errors_m.empty()) return result;
   double sum = 0, squares = 0;
   std::size_t near = 0;

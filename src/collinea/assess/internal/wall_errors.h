@@ -10,7 +10,7 @@ namespace collinea {
 
 /// How far the walls of a surface model are from where they should be, across the wall.
 struct WallErrors {
-  std::size_t places = 0;          ///< looked at: a cell of the model along each wall
+  std::size_t samples = 0;         ///< looked at: a cell of the model along each wall
   double rms_m = 0, median_m = 0;  ///< the second: of the lengths
   double mean_m = 0;               ///< positive: what stands there is too wide
   double share_within = 0;         ///< of the places, no farther off than two pixels of the ground

@@ -54,7 +54,7 @@ inline constexpr auto kCameraModelWords = []<std::size_t... I>(std::index_sequen
       Word<CameraModel>{kCameraModels[I], name_of(kCameraModels[I]), is_fisheye(kCameraModels[I]) ? "fisheye" : ""}...};
 }
 (std::make_index_sequence<kCameraModels.size()>{});
-/// Of options, see base/words.h.
+/// Words of the models in options, see base/words.h.
 [[nodiscard]] constexpr std::span<const Word<CameraModel>> words(const CameraModel&) { return kCameraModelWords; }
 /// The parameters of a model, ascending: CameraParameters::Param.
 [[nodiscard]] constexpr std::span<const int> params_of(const CameraModel& model) {

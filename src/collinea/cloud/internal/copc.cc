@@ -14,11 +14,11 @@ namespace {
 constexpr int kGridBits = 7;                   // the grid over a node has 128 cells along each axis
 constexpr std::size_t kPiecePoints = 1 << 15;  // read at once from disk
 constexpr std::size_t kMostParts = 64;         // that wait, each with an open file
-constexpr int kPlaceBits = 31;                 // of a coordinate within the cube
+constexpr int kPositionBits = 31;              // of a coordinate within the cube
 constexpr int kLastLevel = 30;                 // keys are 32-bit numbers
 constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
 
-using Place = std::array<std::uint32_t, 3>;  // in 2^31 parts of the cube's side
+using Position = std::array<std::uint32_t, 3>;  // in 2^31 parts of the cube's side
 
 std::int32_t coordinate(const char* record, std::size_t axis) {
   return Unpacker(std::string_view(record + 4 * axis, 4)).get<std::int32_t>();
@@ -26,29 +26,29 @@ std::int32_t coordinate(const char* record, std::size_t axis) {
 
 CopcKey child_of(const CopcKey& key, std::size_t octant) {
   CopcKey child{key.level + 1, {}};
-  for (std::size_t i = 0; i < 3; ++i) child.place[i] = 2 * key.place[i] + std::int32_t(octant >> i & 1);
+  for (std::size_t i = 0; i < 3; ++i) child.position[i] = 2 * key.position[i] + std::int32_t(octant >> i & 1);
   return child;
 }
 
-std::size_t octant_of(const Place& place, int level) {
-  const int shift = kPlaceBits - 1 - level;
-  return (place[0] >> shift & 1) | (place[1] >> shift & 1) << 1 | (place[2] >> shift & 1) << 2;
+std::size_t octant_of(const Position& position, int level) {
+  const int shift = kPositionBits - 1 - level;
+  return (position[0] >> shift & 1) | (position[1] >> shift & 1) << 1 | (position[2] >> shift & 1) << 2;
 }
 
 }  // namespace
 
 // --- what a node keeps -----------------------------------------------------------------------------------------------
 
-// Of the points offered, the one nearest to the middle of each cell of a node's grid; of equally near ones the first.
+// The point nearest to the middle of each cell of a node's grid, of those offered; the first of equally near ones.
 class CopcStream::Sieve {
  public:
-  void offer(const Place& place, int level, std::uint64_t index) {
-    const auto [cell, rank] = cell_of(place, level, index);
+  void offer(const Position& position, int level, std::uint64_t index) {
+    const auto [cell, rank] = cell_of(position, level, index);
     if (best_[cell] == kEmpty) touched_.push_back(cell);
     best_[cell] = std::min(best_[cell], rank);
   }
-  [[nodiscard]] bool keeps(const Place& place, int level, std::uint64_t index) const {
-    const auto [cell, rank] = cell_of(place, level, index);
+  [[nodiscard]] bool keeps(const Position& position, int level, std::uint64_t index) const {
+    const auto [cell, rank] = cell_of(position, level, index);
     return best_[cell] == rank;
   }
   void clear() {
@@ -61,13 +61,13 @@ class CopcStream::Sieve {
     std::uint32_t number;
     std::uint64_t rank;  // upper 24 bits: squared distance from the middle; then the index
   };
-  static Cell cell_of(const Place& place, int level, std::uint64_t index) {
+  static Cell cell_of(const Position& position, int level, std::uint64_t index) {
     constexpr int kDistanceBits = 11;
-    const int below = kPlaceBits - kGridBits - level;  // bits within a cell
+    const int below = kPositionBits - kGridBits - level;  // bits within a cell
     const int kept = std::min(below, kDistanceBits);
     std::uint32_t number = 0;
     std::uint64_t squared = 0;
-    for (const std::uint32_t along : place) {
+    for (const std::uint32_t along : position) {
       number = number << kGridBits | (along >> below & ((1u << kGridBits) - 1));
       const auto inside = std::int64_t(along >> (below - kept) & ((1u << kept) - 1));
       const std::int64_t off = 2 * inside + 1 - (std::int64_t{1} << kept);
@@ -123,18 +123,18 @@ void CopcStream::enclose(const Eigen::Vector3d& scale, const Eigen::Vector3d& of
     side_ = std::max(side_, (double(highest_[i]) - double(lowest_[i]) + 1) * scale[axis]);
     corner_[axis] = offset[axis] + (double(lowest_[i]) - 0.5) * scale[axis];
   }
-  parts_per_unit_ = std::ldexp(1.0, kPlaceBits) / side_ * scale;
+  parts_per_unit_ = std::ldexp(1.0, kPositionBits) / side_ * scale;
   while (side_ > std::ldexp(scale.minCoeff(), kGridBits + single_level_)) ++single_level_;
-  single_level_ = std::min(single_level_, kPlaceBits - kGridBits + 1);
+  single_level_ = std::min(single_level_, kPositionBits - kGridBits + 1);
 }
 
-std::array<std::uint32_t, 3> CopcStream::place_of(const char* record) const {
-  Place place;
+std::array<std::uint32_t, 3> CopcStream::position_of(const char* record) const {
+  Position position;
   for (std::size_t i = 0; i < 3; ++i) {
     const double units = double(coordinate(record, i)) - double(lowest_[i]) + 0.5;
-    place[i] = std::uint32_t(units * parts_per_unit_[Eigen::Index(i)]);
+    position[i] = std::uint32_t(units * parts_per_unit_[Eigen::Index(i)]);
   }
-  return place;
+  return position;
 }
 
 bool CopcStream::divisible(const CopcKey& key, std::uint64_t points) const {
@@ -155,8 +155,8 @@ CopcStream::Packed CopcStream::pack(const CopcKey& key, std::string_view records
 std::vector<CopcStream::Packed> CopcStream::pack_branch(const CopcKey& key, std::string_view records) const {
   const std::size_t size = layout_.record_bytes();
   const auto record = [&](std::uint32_t i) { return records.substr(i * size, size); };
-  std::vector<Place> places(records.size() / size);
-  for (std::size_t i = 0; i < places.size(); ++i) places[i] = place_of(records.data() + i * size);
+  std::vector<Position> positions(records.size() / size);
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = position_of(records.data() + i * size);
 
   struct Open {
     CopcKey key;
@@ -164,7 +164,7 @@ std::vector<CopcStream::Packed> CopcStream::pack_branch(const CopcKey& key, std:
   };
   std::vector<Open> open(1);
   open[0].key = key;
-  for (std::uint32_t i = 0; i < places.size(); ++i) open[0].points.push_back(i);
+  for (std::uint32_t i = 0; i < positions.size(); ++i) open[0].points.push_back(i);
   std::unique_ptr<Sieve> sieve;
   std::vector<Packed> packed;
   while (!open.empty()) {
@@ -174,15 +174,15 @@ std::vector<CopcStream::Packed> CopcStream::pack_branch(const CopcKey& key, std:
     const bool divided = divisible(node.key, node.points.size());
     if (divided && !sieve) sieve = std::make_unique<Sieve>();
     if (divided && level < single_level_)
-      for (std::size_t n = 0; n < node.points.size(); ++n) sieve->offer(places[node.points[n]], level, n);
+      for (std::size_t n = 0; n < node.points.size(); ++n) sieve->offer(positions[node.points[n]], level, n);
     std::string kept;
     std::array<std::vector<std::uint32_t>, 8> handed_down;
     for (std::size_t n = 0; n < node.points.size(); ++n) {
       const std::uint32_t i = node.points[n];
-      if (!divided || keeps(node.key, n, [&] { return sieve->keeps(places[i], level, n); }))
+      if (!divided || keeps(node.key, n, [&] { return sieve->keeps(positions[i], level, n); }))
         kept += record(i);
       else
-        handed_down[octant_of(places[i], level)].push_back(i);
+        handed_down[octant_of(positions[i], level)].push_back(i);
     }
     if (divided) sieve->clear();
     packed.push_back(pack(node.key, kept));
@@ -214,8 +214,9 @@ Result<> CopcStream::divide(const CopcKey& key, std::unique_ptr<RecordSpool> rec
   };
   const bool grid = key.level < single_level_;
   if (grid) {
-    auto offered = for_each(
-        [&](std::string_view record, std::uint64_t index) { sieve.offer(place_of(record.data()), key.level, index); });
+    auto offered = for_each([&](std::string_view record, std::uint64_t index) {
+      sieve.offer(position_of(record.data()), key.level, index);
+    });
     if (!offered) return offered;
   }
   std::array<std::unique_ptr<RecordSpool>, 8> children;
@@ -225,11 +226,11 @@ Result<> CopcStream::divide(const CopcKey& key, std::unique_ptr<RecordSpool> rec
   }
   std::string kept;
   auto handed_down = for_each([&](std::string_view record, std::uint64_t index) {
-    const Place place = place_of(record.data());
-    if (keeps(key, index, [&] { return sieve.keeps(place, key.level, index); }))
+    const Position position = position_of(record.data());
+    if (keeps(key, index, [&] { return sieve.keeps(position, key.level, index); }))
       kept += record;
     else
-      children[octant_of(place, key.level)]->append(record);
+      children[octant_of(position, key.level)]->append(record);
   });
   if (!handed_down) return handed_down;
   if (grid) sieve.clear();
@@ -299,7 +300,7 @@ std::string CopcStream::hierarchy() const {
   Packer packer;
   const auto put = [&](const CopcNode& node) {
     packer.put(node.key.level);
-    for (const std::int32_t along : node.key.place) packer.put(along);
+    for (const std::int32_t along : node.key.position) packer.put(along);
     packer.put(node.chunk.at);
     packer.put(std::int32_t(node.chunk.bytes));
     packer.put(std::int32_t(node.chunk.points));

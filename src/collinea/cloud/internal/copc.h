@@ -21,7 +21,7 @@ namespace collinea {
 /// A node of the octree: at level l the cube of the cloud is cut into 2^l parts along each axis.
 struct CopcKey {
   std::int32_t level = 0;
-  std::array<std::int32_t, 3> place{};  ///< along x, y, z, from 0
+  std::array<std::int32_t, 3> position{};  ///< along x, y, z, from 0
 };
 
 struct CopcNode {
@@ -73,7 +73,7 @@ class CopcStream {
   CopcStream(std::filesystem::path path, const LazLayout& layout, const Run& run, const CopcSizes& sizes,
              RecordSpool all);
   void enclose(const Eigen::Vector3d& scale, const Eigen::Vector3d& offset);
-  [[nodiscard]] std::array<std::uint32_t, 3> place_of(const char* record) const;
+  [[nodiscard]] std::array<std::uint32_t, 3> position_of(const char* record) const;
   template <class Sieved>
   [[nodiscard]] bool keeps(const CopcKey& key, std::uint64_t index, const Sieved& sieved) const;
   [[nodiscard]] bool divisible(const CopcKey& key, std::uint64_t points) const;

@@ -23,7 +23,7 @@ constexpr LazLayout kLayout{true, false, 5};
 constexpr std::size_t kInfoAt = 375 + 54;
 
 struct Point {
-  std::array<std::int32_t, 3> place;
+  std::array<std::int32_t, 3> position;
   std::uint16_t red;
 };
 
@@ -42,7 +42,7 @@ std::vector<Point> surface(std::size_t count, double side = 1e6) {
 std::string records_of(const std::vector<Point>& points) {
   Packer packer;
   for (const Point& p : points) {
-    for (const std::int32_t along : p.place) packer.put(along);
+    for (const std::int32_t along : p.position) packer.put(along);
     packer.put(std::uint16_t{0});
     packer.put(std::uint8_t{0x11});
     packer.put_text("", 15);
@@ -200,7 +200,7 @@ TEST_F(Copc, DependsNeitherOnThreadsNorOnWhatIsSortedInMemory) {
 // gives the points classes leaves the tree as it is.
 TEST_F(Copc, SortingAgainChangesNothing) {
   std::vector<Point> points = surface(50'000);
-  for (std::size_t i = 1; i < points.size(); i += 2) points[i].place = points[i - 1].place;  // ties
+  for (std::size_t i = 1; i < points.size(); i += 2) points[i].position = points[i - 1].position;  // ties
   const std::string once = sorted(records_of(points), {3000, 20'000});
   std::string again;
   for (const Node& node : nodes_of(once, hierarchy_)) again += node.records;
@@ -240,7 +240,7 @@ TEST_F(Copc, EqualPointsAreStillCutIntoNodes) {
 TEST_F(Copc, HugeExtentsLoseNothing) {
   std::vector<Point> points = surface(3000, 1000);
   for (std::size_t i = 0; i < 1000; ++i)
-    for (std::size_t k = 0; k < 3; ++k) points[i].place[k] = INT32_MAX - std::int32_t(i % 10);
+    for (std::size_t k = 0; k < 3; ++k) points[i].position[k] = INT32_MAX - std::int32_t(i % 10);
   points.push_back({{INT32_MIN, INT32_MIN, INT32_MIN}, 7});
   const std::string records = records_of(points);
   std::string all;

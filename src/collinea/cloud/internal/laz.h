@@ -23,11 +23,11 @@ struct LazLayout {
 
 /// LAZ 1.4: point records compressed in chunks that stand alone, each attribute in a layer of its own ("layered
 /// chunked", items POINT14, RGB14, BYTE14, version 3). Format: LAZ specification 1.4 R1 (ASPRS, 2021);
-/// docs/theory/laz.md. Written are clouds of photographs: every point the only return, on one channel, without time,
+/// docs/theory/laz.md. Written are clouds of images: every point the only return, on one channel, without time,
 /// all such attributes as in the first record. `records` must hold at least one record.
 [[nodiscard]] std::string compress_laz_chunk(std::string_view records, const LazLayout& layout);
 
-/// Its inverse. Layers of what photographs do not give (intensity, flags, scan angle, user data, source, time,
+/// Its inverse. Layers of what images do not give (intensity, flags, scan angle, user data, source, time,
 /// infrared) are passed over: these attributes are as in the chunk's first record. Errors: damaged; several returns or
 /// channels.
 [[nodiscard]] Result<std::string> expand_laz_chunk(std::string_view chunk, std::uint64_t points,

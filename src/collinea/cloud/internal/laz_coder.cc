@@ -135,8 +135,8 @@ void ArithmeticDecoder::shift_in() {
 
 std::uint32_t ArithmeticDecoder::symbol(SymbolModel& model, std::uint32_t) {
   const std::vector<std::uint32_t>& begins = model.begins_;
-  const std::uint32_t unit = length_ >> kSymbolBits, place = value_ / unit;
-  const auto symbol = std::uint32_t(std::upper_bound(begins.begin() + 1, begins.end(), place) - begins.begin() - 1);
+  const std::uint32_t unit = length_ >> kSymbolBits, position = value_ / unit;
+  const auto symbol = std::uint32_t(std::upper_bound(begins.begin() + 1, begins.end(), position) - begins.begin() - 1);
   const std::uint32_t begin = begins[symbol] * unit;
   length_ = (symbol + 1 == begins.size() ? length_ : begins[symbol + 1] * unit) - begin;
   value_ -= begin;
@@ -170,16 +170,16 @@ std::uint32_t ArithmeticDecoder::raw(int bits, std::uint32_t) {
 // --- numbers ---------------------------------------------------------------------------------------------------------
 
 NumberModel::NumberModel(std::uint32_t contexts) : sizes_(contexts, SymbolModel(33)) {
-  for (std::uint32_t bits = 1; bits < 32; ++bits) places_.emplace_back(1u << std::min(bits, kHighBits));
+  for (std::uint32_t bits = 1; bits < 32; ++bits) positions_.emplace_back(1u << std::min(bits, kHighBits));
 }
 
 template <class Coder>
-std::uint32_t NumberModel::code_within(Coder& coder, std::uint32_t place) {
-  SymbolModel& model = places_[bits_ - 1];
-  if (bits_ <= kHighBits) return coder.symbol(model, place);
+std::uint32_t NumberModel::code_within(Coder& coder, std::uint32_t position) {
+  SymbolModel& model = positions_[bits_ - 1];
+  if (bits_ <= kHighBits) return coder.symbol(model, position);
   const std::uint32_t raw_bits = bits_ - kHighBits;
-  const std::uint32_t high = coder.symbol(model, place >> raw_bits);
-  return high << raw_bits | coder.raw(int(raw_bits), place & ((1u << raw_bits) - 1));
+  const std::uint32_t high = coder.symbol(model, position >> raw_bits);
+  return high << raw_bits | coder.raw(int(raw_bits), position & ((1u << raw_bits) - 1));
 }
 
 // Differences of 0 and 1 have 0 bits; k bits are the places -(2^k - 1) .. -2^(k-1), then 2^(k-1) + 1 .. 2^k.
@@ -194,8 +194,8 @@ std::int32_t NumberModel::code(Coder& coder, std::int32_t predicted, std::int32_
     difference = 1u << 31;
   } else {
     const std::uint32_t span = (1u << bits_) - 1;
-    const std::uint32_t place = code_within(coder, positive ? difference - 1 : difference + span);
-    difference = place >> (bits_ - 1) ? place + 1 : place - span;
+    const std::uint32_t position = code_within(coder, positive ? difference - 1 : difference + span);
+    difference = position >> (bits_ - 1) ? position + 1 : position - span;
   }
   return std::int32_t(std::uint32_t(predicted) + difference);
 }

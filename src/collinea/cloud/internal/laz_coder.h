@@ -87,8 +87,8 @@ class NumberModel {
 
  private:
   template <class Coder>
-  std::uint32_t code_within(Coder& coder, std::uint32_t place);
-  std::vector<SymbolModel> sizes_, places_;
+  std::uint32_t code_within(Coder& coder, std::uint32_t position);
+  std::vector<SymbolModel> sizes_, positions_;
   BitModel small_;
   std::uint32_t bits_ = 0;
 };

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint16_t kNowhere = 0x3FFF;  // path cost of a label the previous pixel does not have
 constexpr int kPad = 16;                    // elements readable before and after the path costs of a pixel
 
-// Penalties, on the scale of cost(): 6 per bit of the census. Found by trials on rendered and real pictures.
+// Penalties, on the scale of cost(): 6 per bit of the census. Found by trials on rendered and real images.
 constexpr int kSmall = 10, kSmallMore = 45;  // the second where there is no texture
 constexpr int kTexture = 8;                  // sum of two gradients that halves it [grey values]
 constexpr double kLarge = 100, kLargeLeast = 30;
@@ -40,9 +40,9 @@ struct RowOfPaths {
 
 class Sweep {
  public:
-  Sweep(const Labels& labels, const Volume& volume, const GreyImage& picture, const Smoothness& smoothness,
+  Sweep(const Labels& labels, const Volume& volume, const GreyImage& image, const Smoothness& smoothness,
         std::vector<std::uint16_t>& sums)
-      : labels_(labels), volume_(volume), picture_(picture), smoothness_(smoothness), sums_(sums) {
+      : labels_(labels), volume_(volume), image_(image), smoothness_(smoothness), sums_(sums) {
     x0_ = volume.range.column0 * kCell;
     y0_ = volume.range.row0 * kCell;
     x1_ = std::min(volume.range.column1 * kCell, labels.width);
@@ -63,7 +63,7 @@ class Sweep {
   }
 
  private:
-  std::size_t place(int x) const {
+  std::size_t offset_of(int x) const {
     const int column = x / kCell - volume_.range.column0;
     const Cell& cell = labels_.cell(x / kCell, layout_row_);
     return kPad + row_offset_[std::size_t(column)] + std::size_t(x - cell.left) * std::size_t(cell.stride);
@@ -95,19 +95,19 @@ class Sweep {
                                std::size_t(x - from.left) * std::size_t(from.stride);
         const Cell& to = labels_.cell(x / kCell, cell_row);
         carry_over(old.costs.data() + at, from, to, shift_between(labels_, to, from, x, previous_y),
-                   before_[d].costs.data() + place(x));
+                   before_[d].costs.data() + offset_of(x));
       }
     }
   }
 
   std::uint16_t large(int x, int y, int from_x, int from_y) const {
-    return smoothness_.large[std::size_t(std::abs(int(picture_.at(x, y)) - int(picture_.at(from_x, from_y))))];
+    return smoothness_.large[std::size_t(std::abs(int(image_.at(x, y)) - int(image_.at(from_x, from_y))))];
   }
 
   void row(int y, int cell_row, bool has_previous) {
     const int first = sense_ > 0 ? x0_ : x1_ - 1, end = sense_ > 0 ? x1_ : x0_ - 1;
     std::uint16_t along_smallest = 0;
-    int turn = 0;
+    int parity = 0;
     for (int x = first; x != end; x += sense_) {
       const Cell& cell = labels_.cell(x / kCell, cell_row);
       const std::size_t pixel = volume_.offset(x / kCell, cell_row) +
@@ -115,29 +115,29 @@ class Sweep {
       Arriving arriving[4];
       std::uint16_t* leaving[4];
       int count = 0;
-      arriving[count] = x == first ? nothing_before() : along(x, y, cell, cell_row, turn, along_smallest);
-      leaving[count++] = along_[turn].data() + kPad;
+      arriving[count] = x == first ? nothing_before() : along(x, y, cell, cell_row, parity, along_smallest);
+      leaving[count++] = along_[parity].data() + kPad;
       for (int d = -1; d <= 1; ++d) {
         const int from_x = x - d * sense_;
         const bool starts = !has_previous || from_x < x0_ || from_x >= x1_;
         arriving[count] = starts ? nothing_before() : across(d, x, from_x, y, cell, cell_row);
-        leaving[count++] = now_[d + 1].costs.data() + place(x);
+        leaving[count++] = now_[d + 1].costs.data() + offset_of(x);
       }
       std::uint16_t smallest[4];
       step_paths(volume_.costs.data() + pixel, cell.stride, arriving, count, smoothness_.small.at(x, y), leaving,
                  smallest, sums_.data() + pixel);
       along_smallest = smallest[0];
       for (int d = 0; d < 3; ++d) now_[d].smallest[std::size_t(x - x0_)] = smallest[d + 1];
-      turn = 1 - turn;
+      parity = 1 - parity;
     }
   }
 
   // A path that begins here: all labels alike.
   Arriving nothing_before() const { return {zeros_.data() + kPad, 0, 0}; }
 
-  Arriving along(int x, int y, const Cell& cell, int cell_row, int turn, std::uint16_t smallest) {
+  Arriving along(int x, int y, const Cell& cell, int cell_row, int parity, std::uint16_t smallest) {
     const int from_x = x - sense_;
-    std::uint16_t* costs = along_[1 - turn].data() + kPad;
+    std::uint16_t* costs = along_[1 - parity].data() + kPad;
     if (from_x / kCell != x / kCell) {
       const Cell& from = labels_.cell(from_x / kCell, cell_row);
       carry_over(costs, from, cell, shift_between(labels_, cell, from, from_x, y), crossing_[3].data() + kPad);
@@ -149,7 +149,7 @@ class Sweep {
 
   Arriving across(int d, int x, int from_x, int y, const Cell& cell, int cell_row) {
     const RowOfPaths& rows = before_[d + 1];
-    const std::uint16_t* costs = rows.costs.data() + place(from_x);
+    const std::uint16_t* costs = rows.costs.data() + offset_of(from_x);
     if (from_x / kCell != x / kCell) {
       const Cell& from = labels_.cell(from_x / kCell, cell_row);
       std::uint16_t* out = crossing_[std::size_t(d + 1)].data() + kPad;
@@ -162,7 +162,7 @@ class Sweep {
   static constexpr std::size_t kLine = std::size_t(kMaxLabels) + 3 * kStrideUnit + 2 * kPad;
   const Labels& labels_;
   const Volume& volume_;
-  const GreyImage& picture_;
+  const GreyImage& image_;
   const Smoothness& smoothness_;
   std::vector<std::uint16_t>& sums_;
   int x0_, y0_, x1_, y1_;
@@ -186,8 +186,8 @@ std::array<std::uint8_t, 256> small_for_textures() {
   return small;
 }
 
-Smoothness smoothness_for(const GreyImage& picture) {
-  Smoothness s{texture_around(picture), {}};
+Smoothness smoothness_for(const GreyImage& image) {
+  Smoothness s{texture_around(image), {}};
   const auto small = small_for_textures();
   for (auto& value : s.small.data) value = small[value];
   for (int difference = 0; difference < 256; ++difference)
@@ -222,10 +222,10 @@ Volume volume_for(const Labels& labels, const CellRange& range) {
   return volume;
 }
 
-std::vector<std::uint16_t> aggregate(const Labels& labels, const Volume& volume, const GreyImage& picture,
+std::vector<std::uint16_t> aggregate(const Labels& labels, const Volume& volume, const GreyImage& image,
                                      const Smoothness& smoothness, const std::function<bool()>& stopped) {
   std::vector<std::uint16_t> sums(volume.costs.size(), 0);
-  Sweep sweep(labels, volume, picture, smoothness, sums);
+  Sweep sweep(labels, volume, image, smoothness, sums);
   sweep.run(+1, stopped);
   sweep.run(-1, stopped);
   return sums;

@@ -20,10 +20,10 @@ struct Smoothness {
   GreyImage small;                         ///< by one label, for each pixel; more where there is little texture
   std::array<std::uint16_t, 256> large{};  ///< by more, for each difference of grey values
 };
-[[nodiscard]] Smoothness smoothness_for(const GreyImage& picture);
+[[nodiscard]] Smoothness smoothness_for(const GreyImage& image);
 /// Smoothness::small for texture_around().
 [[nodiscard]] std::array<std::uint8_t, 256> small_for_textures();
-/// The same everywhere on a picture of this size.
+/// The same everywhere on an image of this size.
 [[nodiscard]] Smoothness uniform_smoothness(int width, int height, int small, int large);
 
 /// The matching costs of a rectangle of cells; cell offsets as in `offsets`, by rows of the rectangle.
@@ -47,7 +47,7 @@ struct Volume {
 /// Semi-global aggregation (Hirschmueller 2008) along eight directions: the sums of path costs, laid out as the volume.
 /// A path that keeps its label follows the base of the labels, so a sloping base is not penalised; between cells labels
 /// are carried over by inverse depth. `stopped` is asked between rows; when it says yes the result is meaningless.
-[[nodiscard]] std::vector<std::uint16_t> aggregate(const Labels& labels, const Volume& volume, const GreyImage& picture,
+[[nodiscard]] std::vector<std::uint16_t> aggregate(const Labels& labels, const Volume& volume, const GreyImage& image,
                                                    const Smoothness& smoothness, const std::function<bool()>& stopped);
 
 /// The label with the smallest sum (the first of them) and, between labels, the minimum of the parabola.

@@ -21,27 +21,27 @@ inline std::array<std::array<float, 4>, 257> cubic_weights() {
   return weights;
 }
 
-/// The picture between its samples, by cubic convolution, 1 to 255; 0 outside. x, y: in units of samples (sample
+/// The image between its samples, by cubic convolution, 1 to 255; 0 outside. x, y: in units of samples (sample
 /// centres are whole numbers).
 template <int kChannels>
-[[nodiscard]] std::uint8_t cubic(const Raster<std::uint8_t>& picture, float x, float y, int channel = 0) {
+[[nodiscard]] std::uint8_t cubic(const Raster<std::uint8_t>& image, float x, float y, int channel = 0) {
   static const auto kWeights = cubic_weights();
-  if (!(x >= -0.5f && y >= -0.5f && x <= float(picture.width) - 0.5f && y <= float(picture.height) - 0.5f)) return 0;
+  if (!(x >= -0.5f && y >= -0.5f && x <= float(image.width) - 0.5f && y <= float(image.height) - 0.5f)) return 0;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
   const auto& wx = kWeights[std::size_t((x - float(x0)) * 256 + 0.5f)];
   const auto& wy = kWeights[std::size_t((y - float(y0)) * 256 + 0.5f)];
   float sum = 0;
   for (int j = 0; j < 4; ++j) {
-    const std::uint8_t* row = picture.row(std::clamp(y0 - 1 + j, 0, picture.height - 1)) + channel;
+    const std::uint8_t* row = image.row(std::clamp(y0 - 1 + j, 0, image.height - 1)) + channel;
     float across;
-    if (x0 >= 1 && x0 + 2 < picture.width) {
+    if (x0 >= 1 && x0 + 2 < image.width) {
       const std::uint8_t* p = row + (x0 - 1) * kChannels;
       across = wx[0] * float(p[0]) + wx[1] * float(p[kChannels]) + wx[2] * float(p[2 * kChannels]) +
                wx[3] * float(p[3 * kChannels]);
     } else {
       across = 0;
       for (int i = 0; i < 4; ++i)
-        across += wx[std::size_t(i)] * float(row[std::clamp(x0 - 1 + i, 0, picture.width - 1) * kChannels]);
+        across += wx[std::size_t(i)] * float(row[std::clamp(x0 - 1 + i, 0, image.width - 1) * kChannels]);
     }
     sum += wy[std::size_t(j)] * across;
   }

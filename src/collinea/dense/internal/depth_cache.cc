@@ -10,7 +10,7 @@ std::size_t bytes_of(const DepthMap& map) { return (map.depth.data.size() + map.
 
 Result<std::shared_ptr<const DepthMap>> DepthCache::map(ImageId image) {
   if (const auto found = entries_.find(image); found != entries_.end()) {
-    by_use_.splice(by_use_.begin(), by_use_, found->second.place);
+    by_use_.splice(by_use_.begin(), by_use_, found->second.use);
     return found->second.map;
   }
   COLLINEA_TRY(DepthMap read, store_.read(image));

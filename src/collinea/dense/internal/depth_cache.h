@@ -20,7 +20,7 @@ class DepthCache {
  private:
   struct Entry {
     std::shared_ptr<const DepthMap> map;
-    std::list<ImageId>::iterator place;
+    std::list<ImageId>::iterator use;
   };
   DepthStore& store_;
   std::size_t max_bytes_, bytes_ = 0;

@@ -16,17 +16,17 @@ constexpr int kRankReach = 3;
 constexpr int kPerGreyValue = 2;
 
 // The pixel, with those beyond the border repeated from it.
-std::uint8_t near(const GreyImage& picture, int x, int y) {
-  return picture.at(std::clamp(x, 0, picture.width - 1), std::clamp(y, 0, picture.height - 1));
+std::uint8_t near(const GreyImage& image, int x, int y) {
+  return image.at(std::clamp(x, 0, image.width - 1), std::clamp(y, 0, image.height - 1));
 }
 
 // Every row with its border repeated, as far as a census window reaches; from right to left when it is mirrored.
 struct PaddedRows {
-  const GreyImage& picture;
+  const GreyImage& image;
   int stride;
   std::vector<std::uint8_t> data;
 
-  PaddedRows(const GreyImage& p, bool mirrored) : picture(p), stride(p.width + 2 * kCensusReach) {
+  PaddedRows(const GreyImage& p, bool mirrored) : image(p), stride(p.width + 2 * kCensusReach) {
     data.resize(std::size_t(stride) * std::size_t(p.height + 2 * kCensusReach) + kCensusSlack);
     for (int y = -kCensusReach; y < p.height + kCensusReach; ++y) {
       const std::uint8_t* row = p.row(std::clamp(y, 0, p.height - 1));
@@ -44,33 +44,33 @@ struct PaddedRows {
   }
 };
 
-template <class Byte, class Picture>
-CensusRows<Byte> census_rows(Picture& census, int y) {
+template <class Byte, class Image_>
+CensusRows<Byte> census_rows(Image_& census, int y) {
   CensusRows<Byte> rows;
   for (int i = 0; i < kCensusBytes; ++i) rows[std::size_t(i)] = census.row(y * kCensusBytes + i);
   return rows;
 }
 
-GreyImage census_of(const GreyImage& picture, bool mirrored, const Run& run) {
-  const PaddedRows rows(picture, mirrored);
-  GreyImage result((picture.width + kCensusSlack - 1) / kCensusSlack * kCensusSlack, picture.height * kCensusBytes);
-  parallel_for(run, std::size_t(picture.height), [&](std::size_t row) {
+GreyImage census_of(const GreyImage& image, bool mirrored, const Run& run) {
+  const PaddedRows rows(image, mirrored);
+  GreyImage result((image.width + kCensusSlack - 1) / kCensusSlack * kCensusSlack, image.height * kCensusBytes);
+  parallel_for(run, std::size_t(image.height), [&](std::size_t row) {
     std::array<const std::uint8_t*, 2 * kCensusReach + 1> around;
     for (int j = 0; j < int(around.size()); ++j) around[std::size_t(j)] = rows.at(int(row) + j - kCensusReach);
-    census_row(around.data(), picture.width, mirrored, census_rows<std::uint8_t>(result, int(row)));
+    census_row(around.data(), image.width, mirrored, census_rows<std::uint8_t>(result, int(row)));
   });
   return result;
 }
 
-GreyImage rank_of(const GreyImage& picture, const Run& run) {
-  GreyImage result(picture.width, picture.height);
-  parallel_for(run, std::size_t(picture.height), [&](std::size_t row) {
+GreyImage rank_of(const GreyImage& image, const Run& run) {
+  GreyImage result(image.width, image.height);
+  parallel_for(run, std::size_t(image.height), [&](std::size_t row) {
     const int y = int(row);
-    for (int x = 0; x < picture.width; ++x) {
+    for (int x = 0; x < image.width; ++x) {
       int less = 0;
       for (int dy = -kRankReach; dy <= kRankReach; ++dy)
-        for (int dx = -kRankReach; dx <= kRankReach; ++dx) less += near(picture, x + dx, y + dy) < picture.at(x, y);
-      result.at(x, y) = picture.at(x, y) ? std::uint8_t(less + 1) : std::uint8_t(0);
+        for (int dx = -kRankReach; dx <= kRankReach; ++dx) less += near(image, x + dx, y + dy) < image.at(x, y);
+      result.at(x, y) = image.at(x, y) ? std::uint8_t(less + 1) : std::uint8_t(0);
     }
   });
   return result;
@@ -78,18 +78,18 @@ GreyImage rank_of(const GreyImage& picture, const Run& run) {
 
 int reach_of(StereoCost kind) { return kind == StereoCost::kZncc ? 3 : 2; }
 
-void window_sums(const GreyImage& picture, int reach, Raster<std::int32_t>& sums, FloatImage& deviations,
+void window_sums(const GreyImage& image, int reach, Raster<std::int32_t>& sums, FloatImage& deviations,
                  const Run& run) {
-  sums = Raster<std::int32_t>(picture.width, picture.height);
-  deviations = FloatImage(picture.width, picture.height);
+  sums = Raster<std::int32_t>(image.width, image.height);
+  deviations = FloatImage(image.width, image.height);
   const int pixels = (2 * reach + 1) * (2 * reach + 1);
-  parallel_for(run, std::size_t(picture.height), [&](std::size_t row) {
+  parallel_for(run, std::size_t(image.height), [&](std::size_t row) {
     const int y = int(row);
-    for (int x = 0; x < picture.width; ++x) {
+    for (int x = 0; x < image.width; ++x) {
       int sum = 0, squares = 0;
       for (int dy = -reach; dy <= reach; ++dy)
         for (int dx = -reach; dx <= reach; ++dx) {
-          const int grey = near(picture, x + dx, y + dy);
+          const int grey = near(image, x + dx, y + dy);
           sum += grey;
           squares += grey * grey;
         }
@@ -117,7 +117,7 @@ DisparityCosts::DisparityCosts(const GreyImage& left, const GreyImage& right, St
 
 void DisparityCosts::row(int y, int x0, int x1, int low, int labels, int stride, std::uint8_t* costs) const {
   if (kind_ != StereoCost::kCensus) return window_row(y, x0, x1, low, labels, stride, costs);
-  // element j is column x1 - 1 - low - j of the right picture; there is nothing beyond it
+  // element j is column x1 - 1 - low - j of the right image; there is nothing beyond it
   const std::size_t reach = std::size_t(x1 - x0 + stride);
   std::vector<std::uint8_t> memory(kCensusBytes * reach, 255);
   CensusRows<const std::uint8_t> left = census_rows<const std::uint8_t>(left_census_, y), right;

@@ -23,11 +23,11 @@ inline constexpr int kLargestCost = 48, kChanceCost = 24;
 /// The costs of a pair, row by row. Rows may be asked for from several threads.
 class DisparityCosts {
  public:
-  /// The pictures must outlive it; grey value 0 means "nothing there".
+  /// The images must outlive it; grey value 0 means "nothing there".
   DisparityCosts(const GreyImage& left, const GreyImage& right, StereoCost kind, const Run& run);
 
   /// costs[(x - x0) * stride + k] of the columns [x0, x1) of row y, label k being disparity low + k; 255 for k >=
-  /// labels. Where the right picture has nothing: kChanceCost.
+  /// labels. Where the right image has nothing: kChanceCost.
   void row(int y, int x0, int x1, int low, int labels, int stride, std::uint8_t* costs) const;
 
  private:
@@ -36,7 +36,7 @@ class DisparityCosts {
   const GreyImage& left_;
   const GreyImage& right_;
   StereoCost kind_;
-  GreyImage left_census_, right_census_;  ///< kCensusBytes rows for each of the picture, the latter from right to left
+  GreyImage left_census_, right_census_;  ///< kCensusBytes rows for each of the image, the latter from right to left
   GreyImage left_rank_, right_rank_;
   FloatImage left_deviation_, right_deviation_;  ///< root of the sum of squared deviations in a window
   Raster<std::int32_t> left_sum_, right_sum_;    ///< of grey values in a window

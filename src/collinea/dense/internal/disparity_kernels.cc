@@ -157,9 +157,9 @@ void JumpRow(const std::uint8_t* HWY_RESTRICT here, const std::uint8_t* HWY_REST
     const auto jump = [&](const std::uint8_t* from) {
       const auto other = hn::LoadU(d, from + x);
       const auto apart = hn::Min(hn::Or(hn::SaturatedSub(own, other), hn::SaturatedSub(other, own)), last);
-      const auto place = hn::AndNot(bit, apart);
-      return hn::IfThenElse(hn::TestBit(apart, bit), hn::TableLookupBytes(many, place),
-                            hn::TableLookupBytes(few, place));
+      const auto index = hn::AndNot(bit, apart);
+      return hn::IfThenElse(hn::TestBit(apart, bit), hn::TableLookupBytes(many, index),
+                            hn::TableLookupBytes(few, index));
     };
     hn::StoreInterleaved4(jump(here - sense), jump(before - sense), jump(before), jump(before + sense), d,
                           jumps + 4 * x);
@@ -396,8 +396,8 @@ void DisparitiesOfRow(const FoundRow& row, float* HWY_RESTRICT disparity) {
     const auto column = hn::Iota(i, x);
     const auto label = hn::PromoteTo(i, label16);
     const auto right = hn::Sub(hn::Sub(column, hn::Set(i, row.low)), label);
-    const auto place = hn::Add(hn::Sub(hn::Set(i, row.width - 1), column), label);
-    const auto safe = hn::Min(hn::Max(place, zero), hn::Set(i, row.right_size - 1));
+    const auto index = hn::Add(hn::Sub(hn::Set(i, row.width - 1), column), label);
+    const auto safe = hn::Min(hn::Max(index, zero), hn::Set(i, row.right_size - 1));
     const auto words =
         hn::GatherOffset(i, reinterpret_cast<const std::int32_t*>(row.right_label), hn::ShiftLeft<1>(safe));
     const auto apart = hn::Abs(hn::Sub(hn::And(words, none), label));

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-// The inner loops of semi-global matching of a rectified pair. Label k of column x of the left picture is column
-// x - (low + k) of the right one. Rows of the right picture are kept from right to left, so that the labels of one
+// The inner loops of semi-global matching of a rectified pair. Label k of column x of the left image is column
+// x - (low + k) of the right one. Rows of the right image are kept from right to left, so that the labels of one
 // pixel are neighbours in memory.
 namespace collinea::dense {
 
@@ -45,7 +45,7 @@ inline constexpr int kLeastJump = 10, kJumpScale = 400, kGreyOfJump = 12;
 void jump_row(const std::uint8_t* here, const std::uint8_t* before, int sense, int width, std::uint8_t* jumps);
 
 /// Path costs that leave the pixels of one row along three directions, and their minima. Column -1 and `width` are
-/// outside the picture: nothing has been paid there.
+/// outside the image: nothing has been paid there.
 struct PathRow {
   std::uint8_t* costs;     ///< of column x, direction p: costs + offset(x, p, stride)
   std::uint8_t* smallest;  ///< of column x, direction p: smallest[(x + 1) * 4 + 1 + p]
@@ -80,7 +80,7 @@ struct RowOfSweep {
   // upwards only:
   std::uint16_t* sums = nullptr;         ///< room for `stride`
   Best* best = nullptr;                  ///< by column
-  std::uint16_t* right_sum = nullptr;    ///< [width - 1 - x + k]: the least sum of that pixel of the right picture,
+  std::uint16_t* right_sum = nullptr;    ///< [width - 1 - x + k]: the least sum of that pixel of the right image,
   std::uint16_t* right_label = nullptr;  ///< and its label; width + stride elements, sums set to 65535 before
 };
 
@@ -96,11 +96,11 @@ struct FoundRow {
       nullptr;  ///< as RowOfSweep::right_label, `right_size` elements, readable to one more
   int width = 0, right_size = 0;
   int low = 0;                         ///< disparity of label 0
-  int first_right = 0, end_right = 0;  ///< columns the right picture has, counted from that of the tile
+  int first_right = 0, end_right = 0;  ///< columns the right image has, counted from that of the tile
   int max_apart = 0;                   ///< of the label found from the right
 };
 
-/// Disparities: low + label, at the parabola through the three sums; NaN where the left picture is 0, the right one has
+/// Disparities: low + label, at the parabola through the three sums; NaN where the left image is 0, the right one has
 /// no such column, or what is found from there is more than max_apart away. Columns are readable and writable to
 /// width + kCensusSlack.
 void disparities_of_row(const FoundRow& row, float* disparity);

@@ -18,13 +18,13 @@ inline constexpr Word<StereoCost> kStereoCostWords[] = {{StereoCost::kCensus, "c
                                                         {StereoCost::kSsd, "ssd"}};
 [[nodiscard]] constexpr std::span<const Word<StereoCost>> words(StereoCost) { return kStereoCostWords; }
 
-/// Disparities to search, both ends included [px]: column in the left picture less column in the right one.
+/// Disparities to search, both ends included [px]: column in the left image less column in the right one.
 struct DisparityRange {
   int low = 0, high = 63;
 };
 
-/// What the left picture sees, pixel by pixel; NaN where it cannot be measured (texture, occlusion, beyond the right
-/// picture).
+/// What the left image sees, pixel by pixel; NaN where it cannot be measured (texture, occlusion, beyond the right
+/// image).
 struct DisparityMap {
   FloatImage disparity;  ///< [px]
   FloatImage sigma;      ///< standard deviation [px]; NaN where the disparity was filled in

@@ -56,12 +56,12 @@ class Band {
   void measure(int begin, int end, DisparityMap& result) {
     const int width = left_.width + 2 * kMeasureReach;
     for (int y = begin - kMeasureReach; y < end + kMeasureReach; ++y) {
-      const int turn = y - begin + kMeasureReach;
-      TrialRow& entering = rows_[std::size_t(turn % (kSide + 1))];
+      const int row = y - begin + kMeasureReach;
+      TrialRow& entering = rows_[std::size_t(row % (kSide + 1))];
       warp(std::clamp(y, 0, left_.height - 1), entering);
-      const TrialRow* leaving = turn >= kSide ? &rows_[std::size_t((turn + 1) % (kSide + 1))] : nullptr;
+      const TrialRow* leaving = row >= kSide ? &rows_[std::size_t((row + 1) % (kSide + 1))] : nullptr;
       slide(entering, leaving, width, columns_);
-      if (turn >= kSide - 1) finish(y - kMeasureReach, result);
+      if (row >= kSide - 1) finish(y - kMeasureReach, result);
     }
   }
 

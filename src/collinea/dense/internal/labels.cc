@@ -61,7 +61,7 @@ FloatImage doubled(const FloatImage& raster, int width, int height) {
 }
 
 struct Footprint {
-  int x0, y0, x1, y1;  // pixels of the coarse picture, ends excluded
+  int x0, y0, x1, y1;  // pixels of the coarse image, ends excluded
 };
 
 Footprint footprint(const Cell& cell, const FloatImage& coarse) {

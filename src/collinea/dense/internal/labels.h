@@ -26,9 +26,9 @@ inline constexpr int kGuard = 1;
 inline constexpr int kStrideUnit = 16;
 inline constexpr int kMaxLabels = 190;
 
-/// The hypotheses of a picture, cell by cell.
+/// The hypotheses of an image, cell by cell.
 struct Labels {
-  int width = 0, height = 0;  ///< of the picture [px]
+  int width = 0, height = 0;  ///< of the image [px]
   int columns = 0, rows = 0;  ///< of cells
   float step = 0;             ///< inverse depth per label
   FloatImage surface;         ///< the smooth surface: inverse depth at every pixel
@@ -37,7 +37,7 @@ struct Labels {
   [[nodiscard]] const Cell& cell(int column, int row) const {
     return cells[std::size_t(row) * std::size_t(columns) + std::size_t(column)];
   }
-  [[nodiscard]] float base(const Cell& cell, int x, int y) const;  ///< clamped at the border of the picture
+  [[nodiscard]] float base(const Cell& cell, int x, int y) const;  ///< clamped at the border of the image
 };
 
 /// Labels around a plane in inverse depth (w = at_corner + by_x x + by_y y), from `low` to `high` steps off it

@@ -8,7 +8,7 @@
 
 namespace collinea::dense {
 
-/// The last `count` rows of a picture, which can be read and written some columns beyond their ends.
+/// The last `count` rows of an image, which can be read and written some columns beyond their ends.
 class LastRows {
  public:
   /// All of it is `value`, also beyond the ends.

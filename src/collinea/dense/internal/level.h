@@ -12,26 +12,26 @@
 
 namespace collinea::dense {
 
-/// One neighbour as the reference picture of a level sees it.
+/// One neighbour as the reference image of a level sees it.
 struct View {
   Quads quads;
   Transfer transfer;
   Eigen::Vector3f centre_in_cam = Eigen::Vector3f::Zero();  ///< of projection, in the reference camera
 };
 
-/// A picture and its neighbours at one level of the pyramid. Its views are in one of three states:
+/// An image and its neighbours at one level of the pyramid. Its views are in one of three states:
 /// all have quads: for match_level() and refine();
 /// all have empty ones: an outline, for what asks for geometry and step alone (quads take most of a level's memory);
-/// there are none any more: a level that has been measured, for what looks at its picture and step.
+/// there are none any more: a level that has been measured, for what looks at its image and step.
 struct Level {
-  const GreyImage* picture = nullptr;
+  const GreyImage* image = nullptr;
   std::vector<View> views;
-  float focal_px = 1, cx = 0, cy = 0;  ///< of the reference picture
+  float focal_px = 1, cx = 0, cy = 0;  ///< of the reference image
   float step = 0;                      ///< inverse depth per label
   float parallax_px = 1;               ///< of one label, in the neighbours that see most of it
 };
 
-/// A cell of the reference picture and the views that may show it, ready for comparison. Large: keep one per thread.
+/// A cell of the reference image and the views that may show it, ready for comparison. Large: keep one per thread.
 struct CellScene {
   int left = 0, top = 0;
   alignas(64) std::array<float, kRegion> inverse_depth{};
@@ -40,11 +40,11 @@ struct CellScene {
 };
 
 /// Fills in the views that can see the cell somewhere between `low` and `high` beyond scene.inverse_depth.
-void place_views(const Level& level, float low, float high, CellScene& scene);
+void locate_views(const Level& level, float low, float high, CellScene& scene);
 
-/// Multi-view matching of the whole picture: census costs (Zabih and Woodfill 1994, opposite pixels compared), the
+/// Multi-view matching of the whole image: census costs (Zabih and Woodfill 1994, opposite pixels compared), the
 /// better half of the views (Kang et al. 2001), semi-global aggregation in tiles, best label. Inverse depth per pixel;
-/// NaN where the picture is empty; everything else gets a value, right or wrong. Result is not to be used when
+/// NaN where the image is empty; everything else gets a value, right or wrong. Result is not to be used when
 /// run.stopped(). Costs of all labels of a tile are in memory together: what they take is taken from `costs`.
 [[nodiscard]] FloatImage match_level(const Level& level, const Labels& labels, SharedBudget& costs, const Run& run);
 

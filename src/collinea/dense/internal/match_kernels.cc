@@ -22,11 +22,11 @@ constexpr F f;
 constexpr I i32;
 
 // Positions in Quads, in 1/64 px from its first element.
-struct Place {
+struct Sampled {
   VF x, y;
 };
 
-HWY_INLINE Place place(const Quads& quads, const Carried& carried, int i, VF dx, VF dy, VF dz) {
+HWY_INLINE Sampled sampled(const Quads& quads, const Carried& carried, int i, VF dx, VF dy, VF dz) {
   const VF z = hn::Add(hn::Load(f, carried.z + i), dz);
   const VF scale = hn::Div(hn::Set(f, 64.0f), z);
   const auto in_front = hn::Gt(z, hn::Set(f, 1e-6f));
@@ -43,7 +43,7 @@ void SampleBytes(const Quads& quads, const Carried& carried, float dx, float dy,
   const VF vx = hn::Set(f, dx), vy = hn::Set(f, dy), vz = hn::Set(f, dz);
   const VI stride = hn::Set(i32, quads.width + 1), low_bits = hn::Set(i32, 63), bytes = hn::Set(i32, 0x00FF00FF);
   for (int i = 0; i < kRegion; i += int(hn::Lanes(f))) {
-    const Place at = place(quads, carried, i, vx, vy, vz);
+    const Sampled at = sampled(quads, carried, i, vx, vy, vz);
     const VF half = hn::Set(f, 0.5f);
     const VI x = hn::ConvertTo(i32, hn::Add(at.x, half)), y = hn::ConvertTo(i32, hn::Add(at.y, half));
     const VI index = hn::Add(hn::Mul(hn::ShiftRight<6>(y), stride), hn::ShiftRight<6>(x));
@@ -65,7 +65,7 @@ void SampleFloats(const Quads& quads, const Carried& carried, float dx, float dy
   const VI stride = hn::Set(i32, quads.width + 1), byte = hn::Set(i32, 0xFF);
   const VF unit = hn::Set(f, 1 / 64.0f);
   for (int i = 0; i < kRegion; i += int(hn::Lanes(f))) {
-    const Place at = place(quads, carried, i, vx, vy, vz);
+    const Sampled at = sampled(quads, carried, i, vx, vy, vz);
     const VF x = hn::Mul(at.x, unit), y = hn::Mul(at.y, unit);
     const VI column = hn::ConvertTo(i32, x), row = hn::ConvertTo(i32, y);
     const VI quad = hn::GatherIndex(i32, quads.data.data(), hn::Add(hn::Mul(row, stride), column));
@@ -256,15 +256,15 @@ HWY_EXPORT(Cost);
 HWY_EXPORT(WindowStatisticsOf);
 HWY_EXPORT(Correlate);
 
-Quads quads_of(const GreyImage& picture) {
-  Quads quads{picture.width, picture.height, {}};
-  const std::size_t stride = std::size_t(picture.width) + 1;
-  quads.data.assign(stride * (std::size_t(picture.height) + 1), 0);
-  for (int y = 1; y < picture.height; ++y) {
-    const std::uint8_t* upper = picture.row(y - 1);
-    const std::uint8_t* lower = picture.row(y);
+Quads quads_of(const GreyImage& image) {
+  Quads quads{image.width, image.height, {}};
+  const std::size_t stride = std::size_t(image.width) + 1;
+  quads.data.assign(stride * (std::size_t(image.height) + 1), 0);
+  for (int y = 1; y < image.height; ++y) {
+    const std::uint8_t* upper = image.row(y - 1);
+    const std::uint8_t* lower = image.row(y);
     std::int32_t* out = quads.data.data() + std::size_t(y) * stride;
-    for (int x = 1; x < picture.width; ++x) {
+    for (int x = 1; x < image.width; ++x) {
       const std::uint32_t a = upper[x - 1], b = upper[x], c = lower[x - 1], d = lower[x];
       const bool all = a && b && c && d;
       out[x] = all ? std::int32_t(a | b << 8 | c << 16 | d << 24) : 0;

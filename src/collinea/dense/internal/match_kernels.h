@@ -7,8 +7,8 @@
 
 #include "collinea/raster/raster.h"
 
-// The inner loops of matching: a cell of kCell x kCell pixels of the reference picture is compared with one other
-// picture at a time. A region is the cell with kRadius pixels around it, rows of kRegionWidth (its last columns are
+// The inner loops of matching: a cell of kCell x kCell pixels of the reference image is compared with one other
+// image at a time. A region is the cell with kRadius pixels around it, rows of kRegionWidth (its last columns are
 // idle).
 namespace collinea::dense {
 
@@ -20,15 +20,15 @@ inline constexpr int kRegionHeight = kCell + 2 * kRadius;
 inline constexpr int kRegion = kRegionWidth * kRegionHeight;
 inline constexpr int kCensusBits = 24;
 
-/// A picture prepared for bilinear sampling: element (i, j) packs pixels (i-1, j-1), (i, j-1), (i-1, j), (i, j) from
+/// An image prepared for bilinear sampling: element (i, j) packs pixels (i-1, j-1), (i, j-1), (i-1, j), (i, j) from
 /// the lowest byte on, so that one load fetches all four; 0 when any of them is missing.
 struct Quads {
-  int width = 0, height = 0;  ///< of the picture; there are (width + 1) x (height + 1) elements
+  int width = 0, height = 0;  ///< of the image; there are (width + 1) x (height + 1) elements
   std::vector<std::int32_t> data;
 };
-[[nodiscard]] Quads quads_of(const GreyImage& picture);
+[[nodiscard]] Quads quads_of(const GreyImage& image);
 
-/// Where a pixel (u, v) of the reference, seen at inverse depth w, lies in another picture (both of them pinhole):
+/// Where a pixel (u, v) of the reference, seen at inverse depth w, lies in another image (both of them pinhole):
 /// (x z, y z, z) = h (u, v, 1) + w b.
 struct Transfer {
   std::array<float, 9> h{};  ///< by rows
@@ -45,10 +45,10 @@ struct Carried {
 /// `w`: inverse depths of the region, whose upper-left pixel has the indices (left, top).
 void carry(const Transfer& transfer, int left, int top, const float* w, Carried& carried);
 
-/// Samples of the picture at carried + (dx, dy, dz); grey value - 128, or -128 where the picture has nothing.
+/// Samples of the image at carried + (dx, dy, dz); grey value - 128, or -128 where the image has nothing.
 void sample(const Quads& quads, const Carried& carried, float dx, float dy, float dz, std::int8_t* out);
 
-/// The same without rounding of the grey value, which is minus 128, too; NaN where the picture has nothing.
+/// The same without rounding of the grey value, which is minus 128, too; NaN where the image has nothing.
 void sample(const Quads& quads, const Carried& carried, float dx, float dy, float dz, float* out);
 
 /// Census of a region: for each cell pixel whether opposite pixels of the window around it rise (0 or 255).
@@ -68,8 +68,8 @@ struct Smallest {
 void clear(Smallest& smallest);
 void add(const std::uint8_t* distance, Smallest& smallest);
 
-/// The matching cost from the better half of the pictures (so that those in which the pixel is hidden do not count):
-/// 6 per differing bit; what chance gives where no picture shows the pixel.
+/// The matching cost from the better half of the images (so that those in which the pixel is hidden do not count):
+/// 6 per differing bit; what chance gives where no image shows the pixel.
 inline constexpr int kCostPerBit = 6;
 inline constexpr int kCostOfChance = kCostPerBit * kCensusBits / 2;
 void cost(const Smallest& smallest, std::uint8_t* cost_of_pixel);

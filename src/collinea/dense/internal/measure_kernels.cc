@@ -32,11 +32,11 @@ void PackQuads(const std::uint8_t* row, int width, std::int32_t* HWY_RESTRICT qu
   }
 }
 
-// Place [1/16 px] of column x on the right picture: the surface there, rounded.
-HWY_INLINE hn::Vec<I> PlaceOf(const float* surface, int x) {
+// Place [1/16 px] of column x on the right image: the surface there, rounded.
+HWY_INLINE hn::Vec<I> PositionOf(const float* surface, int x) {
   const auto column = hn::Add(hn::Iota(f, 0), hn::Set(f, float(x)));
-  const auto place = hn::Mul(hn::Sub(column, hn::LoadU(f, surface + x)), hn::Set(f, float(kPerPixel)));
-  return hn::NearestInt(place);
+  const auto position = hn::Mul(hn::Sub(column, hn::LoadU(f, surface + x)), hn::Set(f, float(kPerPixel)));
+  return hn::NearestInt(position);
 }
 
 void Warp(const std::uint8_t* left, const std::int32_t* quads, int right_width, const float* surface, int width,
@@ -46,9 +46,9 @@ void Warp(const std::uint8_t* left, const std::int32_t* quads, int right_width, 
   const auto half = hn::Set(i32, kPerPixel / 2);
   for (int x = 0; x < width; x += int(hn::Lanes(f))) {
     const auto own = hn::PromoteTo(i32, hn::LoadU(u8, left + x));
-    const auto place = PlaceOf(surface, x);
-    const auto column = hn::Min(hn::Max(hn::ShiftRight<4>(place), zero), hn::Set(i32, right_width - 1));
-    const auto part = hn::And(place, hn::Set(i32, kPerPixel - 1));
+    const auto position = PositionOf(surface, x);
+    const auto column = hn::Min(hn::Max(hn::ShiftRight<4>(position), zero), hn::Set(i32, right_width - 1));
+    const auto part = hn::And(position, hn::Set(i32, kPerPixel - 1));
     const auto quad = hn::GatherIndex(i32, quads, column);
     const auto a = hn::And(quad, byte), b = hn::And(hn::ShiftRight<8>(quad), byte);
     const auto c = hn::And(hn::ShiftRight<16>(quad), byte), e = hn::And(hn::ShiftRight<24>(quad), byte);
@@ -126,12 +126,12 @@ void Peaks(const ColumnSums& sums, int width, const MeasuredRow& row) {
     const auto safe = hn::IfThenElse(peaked, curvature, one);
     const auto off = hn::Min(hn::Max(hn::Div(hn::Mul(rises, hn::Set(f, 0.5f)), safe), hn::Set(f, -1.0f)), one);
     const auto highest = hn::Min(hn::Add(rho[1], hn::Mul(hn::Mul(rises, hn::Set(f, 0.25f)), off)), one);
-    // least squares matching of two pictures, both of them noisy: residuals over squared gradients
+    // least squares matching of two images, both of them noisy: residuals over squared gradients
     const auto residual = hn::Add(hn::Sub(one, highest), hn::Set(f, 1e-4f));
     const auto variance = hn::Div(hn::Mul(residual, hn::Set(f, 2 * kTrialPx * kTrialPx / kPixels)), safe);
     const auto column = hn::Add(hn::Iota(f, 0), hn::Set(f, float(x)));
-    const auto place = hn::Mul(hn::ConvertTo(f, PlaceOf(row.surface, x)), hn::Set(f, 1.0f / kPerPixel));
-    const auto middle = hn::Sub(column, place);
+    const auto position = hn::Mul(hn::ConvertTo(f, PositionOf(row.surface, x)), hn::Set(f, 1.0f / kPerPixel));
+    const auto middle = hn::Sub(column, position);
     const auto moved = hn::Add(middle, hn::Mul(off, hn::Set(f, kTrialPx)));
     hn::StoreU(hn::IfThenElse(peaked, moved, middle), f, row.disparity + x);
     hn::StoreU(hn::IfThenElse(peaked, hn::Sqrt(variance), hn::Inf(f)), f, row.sigma + x);

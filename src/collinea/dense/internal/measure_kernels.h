@@ -11,7 +11,7 @@ inline constexpr int kMeasureReach = 3;   ///< half the window
 inline constexpr int kMeasureTrials = 3;  ///< at half a pixel less, none and half a pixel more
 inline constexpr int kRowSlack = 16;      ///< elements that may be read and written beyond the end of a row
 
-/// What the windows of a row are made of: the left picture, the right one at each trial [1/16 grey value], both with
+/// What the windows of a row are made of: the left image, the right one at each trial [1/16 grey value], both with
 /// the middle at 0, and whether one of them is missing (-1).
 struct TrialRow {
   std::int32_t *left, *missing;

@@ -26,7 +26,7 @@ struct Candidate {
   std::array<double, kCells * kCells> worth{};  // per cell, in [0, 1]
 };
 
-// How useful rays at this angle are: below 6 degrees depth is weak, above 25 the pictures grow too different.
+// How useful rays at this angle are: below 6 degrees depth is weak, above 25 the images grow too different.
 double worth_of_angle(double angle_rad) {
   const double deg = angle_rad * 180 / std::numbers::pi;
   if (deg < 6) return deg / 6;
@@ -131,7 +131,7 @@ void TieView::move_to_disk() {
   buffered_ = 0;
 }
 
-std::size_t TieView::bytes_held() const {
+std::size_t TieView::bytes_in_memory() const {
   std::size_t bytes = rays_.size() * sizeof(Rays);
   for (const auto& [image, rays] : rays_) bytes += rays.in_memory.capacity();
   return bytes;

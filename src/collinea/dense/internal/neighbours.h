@@ -24,11 +24,11 @@ inline constexpr double kWidestAngle_rad = 0.5;
 /// be asked from several threads at once, but not while points are added. Errors: the disk was full, or is broken.
 class TieView {
  public:
-  /// Of a whole block, in memory.
+  /// The view of a whole block, in memory.
   explicit TieView(const Block& block);
 
-  /// Of a block whose tie points come one by one. They lie on disk, in a file without a name beside `file`; in memory
-  /// are kBuffered bytes of them and a few for each image, however many there are.
+  /// The view of a block whose tie points come one by one. They lie on disk, in a file without a name beside `file`; in
+  /// memory are kBuffered bytes of them and a few for each image, however many there are.
   static Result<TieView> on_disk(const Block& block, const std::filesystem::path& file);
   static constexpr std::size_t kBuffered = std::size_t{1} << 20;
 
@@ -47,7 +47,7 @@ class TieView {
   [[nodiscard]] Result<std::vector<ImageId>> overlapping(ImageId image, int count) const;
 
   /// What it holds in memory, but for the constant part.
-  [[nodiscard]] std::size_t bytes_held() const;
+  [[nodiscard]] std::size_t bytes_in_memory() const;
 
  private:
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};

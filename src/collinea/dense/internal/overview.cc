@@ -19,10 +19,10 @@ constexpr float kRoughReach = 3;       // of leaves and grass no two images show
 constexpr float kStandsOut = 0.5f;     // of the inverse depth of what is around
 constexpr float kRoughSigmaPx = 0.4f;  // of a pixel of the overview
 constexpr float kRoughestPx = 2;
-constexpr float kLeastTexture = 6;  // grey values, well above the noise of a photograph
+constexpr float kLeastTexture = 6;  // grey values, well above the noise of an image
 
 // The surface of another image as seen from here: the nearest inverse depth that falls into each pixel.
-FloatImage carried_over(const PlacedMap& other, const Camera& camera) {
+FloatImage carried_over(const LocatedMap& other, const Camera& camera) {
   FloatImage result(camera.width_px, camera.height_px, 1, kNaN);
   const Pinhole from(other.map.camera), to(camera);
   const Eigen::Matrix3d rotation = other.reference_from_cam.rotation.toRotationMatrix();
@@ -40,14 +40,14 @@ FloatImage carried_over(const PlacedMap& other, const Camera& camera) {
   return result;
 }
 
-// Another image, asked whether it has a place on its picture.
+// Another image, asked whether it has a place on its image.
 struct Onlooker {
   const Camera& camera;
   Pinhole pinhole;
   Eigen::Matrix3d rotation;  // other_from_reference
   Eigen::Vector3d translation;
 
-  explicit Onlooker(const PlacedMap& other)
+  explicit Onlooker(const LocatedMap& other)
       : camera(other.map.camera),
         pinhole(camera),
         rotation(other.reference_from_cam.rotation.conjugate().toRotationMatrix()),
@@ -59,8 +59,8 @@ struct Onlooker {
   }
 };
 
-// The part of the surface that at least three images have on their pictures; NaN elsewhere.
-FloatImage witnessed(const FloatImage& surface, const Camera& camera, const std::vector<PlacedMap>& others) {
+// The part of the surface that at least three images have on their images; NaN elsewhere.
+FloatImage witnessed(const FloatImage& surface, const Camera& camera, const std::vector<LocatedMap>& others) {
   const std::vector<Onlooker> onlookers(others.begin(), others.end());
   const Pinhole here(camera);
   FloatImage result = surface;
@@ -75,9 +75,9 @@ FloatImage witnessed(const FloatImage& surface, const Camera& camera, const std:
   return result;
 }
 
-// Two images are no witnesses of each other: their overviews come from the same pair of pictures. What only they have
-// on their pictures goes where it stands out of what three see around it.
-void empty_what_two_invent(const Camera& camera, const std::vector<PlacedMap>& others, FloatImage& surface) {
+// Two images are no witnesses of each other: their overviews come from the same pair of images. What only they have
+// on their images goes where it stands out of what three see around it.
+void empty_what_two_invent(const Camera& camera, const std::vector<LocatedMap>& others, FloatImage& surface) {
   const FloatImage by_three = witnessed(surface, camera, others);
   FloatImage around = by_three;
   fill_holes(around);
@@ -125,9 +125,9 @@ float agreed(const std::vector<float>& candidates, const std::vector<Opinion>& o
   return nearest;
 }
 
-float grey_deviation(const GreyImage& picture, int x, int y) {
-  return std::sqrt(variance_around(x, y, kRadius, picture.width, picture.height,
-                                   [&](int i, int j) { return float(picture.at(i, j)) - 128; }));
+float grey_deviation(const GreyImage& image, int x, int y) {
+  return std::sqrt(variance_around(x, y, kRadius, image.width, image.height,
+                                   [&](int i, int j) { return float(image.at(i, j)) - 128; }));
 }
 
 float roughness(const FloatImage& surface, int x, int y) {
@@ -140,10 +140,10 @@ float roughness(const FloatImage& surface, int x, int y) {
 
 }  // namespace
 
-FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& others, float reach) {
+FloatImage agreed_surface(const DepthMap& own, const std::vector<LocatedMap>& others, float reach) {
   std::vector<FloatImage> maps(1, own.depth);
   for (float& value : maps.front().data) value = 1 / value;
-  for (const PlacedMap& other : others) maps.push_back(carried_over(other, own.camera));
+  for (const LocatedMap& other : others) maps.push_back(carried_over(other, own.camera));
   FloatImage result(own.depth.width, own.depth.height, 1, kNaN);
   std::vector<float> candidates;
   std::vector<Opinion> opinions;
@@ -162,14 +162,14 @@ FloatImage agreed_surface(const DepthMap& own, const std::vector<PlacedMap>& oth
   return result;
 }
 
-void fill_rough(const Level& finest, const TextureCentroid& place, const FloatImage& agreed, Refined& result) {
+void fill_rough(const Level& finest, const TextureCentroid& centroid, const FloatImage& agreed, Refined& result) {
   const FloatImage surface = median3(agreed);
-  const int factor = int(std::lround(double(finest.picture->width) / agreed.width));
+  const int factor = int(std::lround(double(finest.image->width) / agreed.width));
   const float px = float(factor) * finest.step / finest.parallax_px;
   for (int y = 0; y < result.inverse_depth.height; ++y)
     for (int x = 0; x < result.inverse_depth.width; ++x) {
       float& w = result.inverse_depth.at(x, y);
-      if (!std::isnan(w) || place.beside(x, y) || grey_deviation(*finest.picture, x, y) < kLeastTexture) continue;
+      if (!std::isnan(w) || centroid.is_aside(x, y) || grey_deviation(*finest.image, x, y) < kLeastTexture) continue;
       const int i = x / factor, j = y / factor;
       if (i >= agreed.width || j >= agreed.height || std::isnan(agreed.at(i, j))) continue;
       const float rough = roughness(surface, i, j);

@@ -25,8 +25,8 @@ void StepPaths(const std::uint8_t* HWY_RESTRICT cost, int stride, const Arriving
     const auto jump = hn::Set(d, std::uint16_t(from.smallest + from.large));
     auto least = hn::Set(d, std::uint16_t(0xFFFF));
     for (int k = 0; k < stride; k += lanes) {
-      const auto beside = hn::Min(hn::LoadU(d, from.costs + k - 1), hn::LoadU(d, from.costs + k + 1));
-      auto best = hn::Min(hn::LoadU(d, from.costs + k), hn::SaturatedAdd(beside, step));
+      const auto neighbours = hn::Min(hn::LoadU(d, from.costs + k - 1), hn::LoadU(d, from.costs + k + 1));
+      auto best = hn::Min(hn::LoadU(d, from.costs + k), hn::SaturatedAdd(neighbours, step));
       best = hn::Sub(hn::Min(best, jump), smallest);
       const auto leave = hn::Add(best, hn::PromoteTo(d, hn::LoadU(d8, cost + k)));
       least = hn::Min(least, leave);

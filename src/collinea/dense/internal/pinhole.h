@@ -7,14 +7,14 @@
 
 namespace collinea::dense {
 
-/// The camera of a picture without distortion, for loops over all its pixels.
+/// The camera of an image without distortion, for loops over all its pixels.
 struct Pinhole {
   double f, cx, cy;
 
   explicit Pinhole(const Camera& camera)
       : f(camera.focal_px()), cx(camera.params[Camera::kCx]), cy(camera.params[Camera::kCy]) {}
 
-  /// To the place (x, y) of the picture, with z = 1.
+  /// To the place (x, y) of the image, with z = 1.
   [[nodiscard]] Eigen::Vector3d ray(double x, double y) const { return {(x - cx) / f, (y - cy) / f, 1}; }
 
   /// Where a point with z > 0 is seen.

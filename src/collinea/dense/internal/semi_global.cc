@@ -17,7 +17,7 @@ namespace collinea::dense {
 namespace {
 
 constexpr int kTileOverlap = 48;  // pixels: a path forgets its beginning after a few penalties for jumps
-constexpr int kTileWidth = 2048;  // of what is kept, where the picture is wider
+constexpr int kTileWidth = 2048;  // of what is kept, where the image is wider
 constexpr int kColumnsAtATime = 64;
 constexpr int kLargestCensusCost = kCostPerBit * kCensusBits;  // the scale of smoothness_for
 
@@ -167,8 +167,8 @@ class TileMatching {
     return row;
   }
 
-  // Of columns [from, to) in the order of the sweep. So few that they are still at hand when the sweep comes, and again
-  // on the way up: that takes less time than to keep them.
+  // Costs of the columns [from, to) in the order of the sweep. So few that they are still at hand when the sweep comes,
+  // and again on the way up: that takes less time than to keep them.
   void costs_of(int y, int from, int to, Slot& slot, RowOfSweep& row) const {
     const int first = row.sense > 0 ? from : width_ - to, end = row.sense > 0 ? to : width_ - from;
     costs_.row(y, tile_.x0 + first, tile_.x0 + end, low_, labels_, stride_, slot.label_costs.data());

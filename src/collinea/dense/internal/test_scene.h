@@ -75,7 +75,7 @@ struct Scene {
       }
   }
 
-  /// The camera of the scene's pictures: 10 m above ground a pixel is 5 cm.
+  /// The camera of the scene's images: 10 m above ground a pixel is 5 cm.
   static Camera camera() { return ideal_camera(200, 200, 160); }
 
   /// Three images in a row, 2 m apart, and one beside.
@@ -92,18 +92,18 @@ struct Scene {
     return [this](ImageId id, int) -> Result<GreyImage> {
       const Camera& camera = block.camera_of(id);
       const Rigid3 world_from_cam = inverse(pose_of(block, id));
-      GreyImage picture(camera.width_px, camera.height_px);
+      GreyImage image(camera.width_px, camera.height_px);
       Random random(7, id.value);
-      for (int y = 0; y < picture.height; ++y)
-        for (int x = 0; x < picture.width; ++x) {
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
           const Eigen::Vector2d n = normalized(camera, {x + 0.5, y + 0.5});
           const Eigen::Vector3d direction = world_from_cam.rotation * Eigen::Vector3d(n.x(), n.y(), 1);
           const Hit hit = cast(world_from_cam.translation, direction);
           const Eigen::Vector3d p = world_from_cam.translation + hit.t * direction;
-          picture.at(x, y) =
+          image.at(x, y) =
               std::uint8_t(std::clamp(grey(p.x(), p.y(), hit.on_roof) + noise * random.normal(), 0.0, 255.0));
         }
-      return picture;
+      return image;
     };
   }
 

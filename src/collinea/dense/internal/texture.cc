@@ -84,18 +84,18 @@ std::vector<std::uint32_t> parts_of(int width, int rows) {
 
 }  // namespace
 
-GreyImage texture_around(const GreyImage& picture) {
-  const int width = picture.width, height = picture.height;
+GreyImage texture_around(const GreyImage& image) {
+  const int width = image.width, height = image.height;
   const std::size_t stride = std::size_t(width + kSlack);
   GreyImage result(width, height);
-  if (picture.empty()) return result;
+  if (image.empty()) return result;
   std::vector<std::uint8_t> lines(2 * stride), mean(stride), nothing(stride);
   std::vector<std::uint8_t> textures((kSide + 1) * stride);  // the last rows
   std::vector<std::uint16_t> columns(stride + 2 * kTextureReach);
   std::vector<std::uint32_t> parts;
   int rows_of_parts = 0;
   const auto line = [&](int y) {
-    const std::uint8_t* from = picture.row(std::min(y, height - 1));
+    const std::uint8_t* from = image.row(std::min(y, height - 1));
     std::uint8_t* to = lines.data() + std::size_t(y % 2) * stride;
     std::copy_n(from, width, to);
     to[width] = from[width - 1];

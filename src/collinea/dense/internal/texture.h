@@ -11,6 +11,6 @@ inline constexpr int kTexturePartBits = 20;
 
 /// How much texture there is around each pixel: the sum of the differences of grey values to the pixels to the right
 /// and below (at most 255), its mean over 7 x 7 pixels, cut at the border and rounded down.
-[[nodiscard]] GreyImage texture_around(const GreyImage& picture);
+[[nodiscard]] GreyImage texture_around(const GreyImage& image);
 
 }  // namespace collinea::dense

@@ -11,14 +11,14 @@ struct TextureCentroid {
   FloatImage right, down;  ///< NaN without any texture
 
   /// At the border of an evenly textured surface the middle of what a window sees of it is half a window's reach away.
-  [[nodiscard]] bool beside(int x, int y) const;
+  [[nodiscard]] bool is_aside(int x, int y) const;
 };
 
-[[nodiscard]] TextureCentroid texture_centroid(const GreyImage& picture);
+[[nodiscard]] TextureCentroid texture_centroid(const GreyImage& image);
 
 /// Empties what windows measured beside the texture they catch: there the surface is not seen. It stays where the
 /// surface goes on beyond, measured by windows without that texture: where inverse depths differ by no more than
 /// `reach`.
-void keep_textured(const TextureCentroid& place, float reach, FloatImage& surface);
+void keep_textured(const TextureCentroid& centroid, float reach, FloatImage& surface);
 
 }  // namespace collinea::dense

@@ -15,7 +15,7 @@ namespace collinea {
 /// The essential matrices E with (x2, y2, 1) E (x1, y1, 1)' = 0 for five pairs of undistorted image coordinates (X/Z,
 /// Y/Z); E = [t]x R of second_from_first, each of Frobenius norm sqrt(2). Null space by Householder, elimination and
 /// 10th-degree polynomial after Nister (PAMI 2004), roots by Sturm chain. None when the five pairs do not give five
-/// independent equations (repeated pairs, points on one line in both pictures).
+/// independent equations (repeated pairs, points on one line in both images).
 [[nodiscard]] Few<Eigen::Matrix3d, 10> five_point(const std::array<Eigen::Vector2d, 5>& first,
                                                   const std::array<Eigen::Vector2d, 5>& second);
 

@@ -31,7 +31,7 @@ bool collinear(const std::array<Eigen::Vector2d, 4>& p, const Eigen::Vector3d& b
 // The 2x2 covariance of a transfer error and what follows from it, for one pair.
 struct Transfer {
   double u, v, inverse_w;                  // H p
-  double error_u, error_v;                 // [px of the second picture]
+  double error_u, error_v;                 // [px of the second image]
   double weight_uu, weight_uv, weight_vv;  // inverse of the covariance for unit noise [1/px^2]
 };
 
@@ -42,7 +42,7 @@ inline Transfer transfer(const double* h, double x1, double y1, double x2, doubl
   t.v = (h[3] * x1 + h[4] * y1 + h[5]) * t.inverse_w;
   t.error_u = focal * (t.u - x2);
   t.error_v = focal * (t.v - y2);
-  const double scale = ratio * t.inverse_w;  // of the derivatives by the pixel of the first picture
+  const double scale = ratio * t.inverse_w;  // of the derivatives by the pixel of the first image
   const double ux = (h[0] - t.u * h[6]) * scale, uy = (h[1] - t.u * h[7]) * scale;
   const double vx = (h[3] - t.v * h[6]) * scale, vy = (h[4] - t.v * h[7]) * scale;
   const double c_uu = 1 + ux * ux + uy * uy, c_uv = ux * vx + uy * vy, c_vv = 1 + vx * vx + vy * vy;

@@ -13,12 +13,12 @@
 namespace collinea {
 
 /// The homography with (x2, y2, 1) ~ H (x1, y1, 1) for four pairs, of Frobenius norm 1, by way of the projective bases
-/// of both quadruples. Nothing when three of the points lie on a line in either picture, or when the pairs cannot be
+/// of both quadruples. Nothing when three of the points lie on a line in either image, or when the pairs cannot be
 /// the two views of a plane in front of both cameras (the points swap sides).
 [[nodiscard]] std::optional<Eigen::Matrix3d> four_point(const std::array<Eigen::Vector2d, 4>& first,
                                                         const std::array<Eigen::Vector2d, 4>& second);
 
-/// Squared distance [px^2] of pair i from the nearest pair that obeys H, to first order (Sampson), both pictures
+/// Squared distance [px^2] of pair i from the nearest pair that obeys H, to first order (Sampson), both images
 /// measured equally well: chi-squared with two degrees of freedom for unit noise. `out` has end - begin values.
 void squared_errors(const Eigen::Matrix3d& homography, const PointPairs& pairs, int begin, int end, double* out);
 

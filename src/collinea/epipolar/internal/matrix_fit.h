@@ -10,7 +10,7 @@
 
 namespace collinea {
 
-/// Normal equations of a robust cost in the nine entries (row by row) of a 3x3 matrix that relates two pictures.
+/// Normal equations of a robust cost in the nine entries (row by row) of a 3x3 matrix that relates two images.
 struct MatrixNormal {
   Eigen::Matrix<double, 9, 9> hessian = Eigen::Matrix<double, 9, 9>::Zero();  ///< lower half filled
   Eigen::Matrix<double, 9, 1> gradient = Eigen::Matrix<double, 9, 1>::Zero();

@@ -8,8 +8,8 @@
 
 namespace collinea {
 
-/// Corresponding image points of two pictures: undistorted image coordinates (X/Z, Y/Z) of pair i in x1[i], y1[i]
-/// (first) and x2[i], y2[i] (second). The focal lengths turn distances between them into pixels; in pictures of a
+/// Corresponding image points of two images: undistorted image coordinates (X/Z, Y/Z) of pair i in x1[i], y1[i]
+/// (first) and x2[i], y2[i] (second). The focal lengths turn distances between them into pixels; in images of a
 /// fisheye these are times scale1[i], scale2[i], which are empty otherwise.
 struct PointPairs {
   std::vector<double> x1, y1, x2, y2;

@@ -34,11 +34,11 @@ MatrixNormal normal_equations(const Eigen::Matrix3d& matrix, const PointPairs& p
       w1 = pixels[0], w2 = pixels[1];
     }
     const double d = w2 * line2.head<2>().squaredNorm() + w1 * line1.head<2>().squaredNorm();
-    const double inverse_root = 1 / std::sqrt(d), r = c * inverse_root, pull = r / d;
+    const double inverse_root = 1 / std::sqrt(d), r = c * inverse_root, slope = r / d;
     const double cap = 1 / (1 + r * r * inverse_loss2);
     sum.cost += r * r * cap;
-    const Eigen::Vector3d left = q * inverse_root - Eigen::Vector3d(line2.x(), line2.y(), 0) * (pull * w2);
-    const Eigen::Vector3d right = Eigen::Vector3d(line1.x(), line1.y(), 0) * (pull * w1);
+    const Eigen::Vector3d left = q * inverse_root - Eigen::Vector3d(line2.x(), line2.y(), 0) * (slope * w2);
+    const Eigen::Vector3d right = Eigen::Vector3d(line1.x(), line1.y(), 0) * (slope * w1);
     for (int a = 0; a < 3; ++a) row.segment<3>(3 * a) = left(a) * p - q(a) * right;
     row *= cap;  // the weight is cap^2
     const double weighted = r * cap;
@@ -135,9 +135,9 @@ struct RankTwoChart {
     const Eigen::Matrix3d f = matrix();
     Eigen::Matrix<double, 9, 7> t;
     for (int i = 0; i < 3; ++i) {
-      const Eigen::Matrix3d turn = skew(Eigen::Vector3d::Unit(i));
-      t.col(i) = by_rows(turn * f);
-      t.col(3 + i) = by_rows(-f * turn);
+      const Eigen::Matrix3d rotation = skew(Eigen::Vector3d::Unit(i));
+      t.col(i) = by_rows(rotation * f);
+      t.col(3 + i) = by_rows(-f * rotation);
     }
     t.col(6) = by_rows(left.col(1) * right.col(1).transpose());
     return t;

@@ -11,7 +11,7 @@
 namespace collinea {
 
 /// Squared distance [px^2] of pair i from the nearest pair that obeys (x2, y2, 1) M (x1, y1, 1)' = 0, to first order
-/// (Sampson), both pictures measured equally well: chi-squared with one degree of freedom for unit noise. M is
+/// (Sampson), both images measured equally well: chi-squared with one degree of freedom for unit noise. M is
 /// essential or fundamental, of any scale. `out` has end - begin values.
 void squared_epipolar_errors(const Eigen::Matrix3d& matrix, const PointPairs& pairs, int begin, int end, double* out);
 

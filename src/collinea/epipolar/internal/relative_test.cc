@@ -135,8 +135,8 @@ TEST(RefineRelativeAndFocal, FindsTheFactorOfTheFocalLength) {
     ASSERT_TRUE(fit);
     EXPECT_NEAR(fit->focal_factor, factor, 1e-5);
     EXPECT_LT(pose_distance(fit->second_from_first, truth), 1e-4);
-    const auto held = refine_relative_and_focal(truth, right, everyone(right), 50, {true, true, 1e-6});
-    EXPECT_NEAR(held->focal_factor, 1, 1e-9);
+    const auto fixed = refine_relative_and_focal(truth, right, everyone(right), 50, {true, true, 1e-6});
+    EXPECT_NEAR(fixed->focal_factor, 1, 1e-9);
   }
 }
 

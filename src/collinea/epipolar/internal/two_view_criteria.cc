@@ -34,16 +34,16 @@ double moved_px(std::span<const Keypoint> first, std::span<const Keypoint> secon
   return std::hypot(double{b.x} - a.x, double{b.y} - a.y);
 }
 
-constexpr int kTurnCells = 18;
+constexpr int kRotationCells = 18;
 constexpr int kScaleCells = 18;  // of half an octave, the middle one around equal scales
 
-int wrapped(int cell) { return (cell % kTurnCells + kTurnCells) % kTurnCells; }
+int wrapped(int cell) { return (cell % kRotationCells + kRotationCells) % kRotationCells; }
 
-std::pair<int, int> cell_of(const TurnAndScale& change) {
-  const double turns = change.turn_rad / (2 * std::numbers::pi);
-  const int turn = static_cast<int>((turns - std::floor(turns)) * kTurnCells);
+std::pair<int, int> cell_of(const RotationAndScale& change) {
+  const double turns = change.rotation_rad / (2 * std::numbers::pi);
+  const int rotation = static_cast<int>((turns - std::floor(turns)) * kRotationCells);
   const double scale = std::clamp(std::round(2 * change.log2_scale) + kScaleCells / 2, 1.0, kScaleCells - 2.0);
-  return {wrapped(turn), static_cast<int>(scale)};
+  return {wrapped(rotation), static_cast<int>(scale)};
 }
 
 }  // namespace
@@ -150,19 +150,19 @@ bool nearly_all_still(std::span<const Keypoint> first, std::span<const Keypoint>
   return static_cast<double>(still) > kNearlyAll * static_cast<double>(matches.size());
 }
 
-std::vector<int> most_alike(std::span<const TurnAndScale> changes) {
-  std::array<std::array<int, kScaleCells>, kTurnCells> votes{};
-  for (const TurnAndScale& change : changes) {
-    const auto [turn, scale] = cell_of(change);
-    ++votes[static_cast<std::size_t>(turn)][static_cast<std::size_t>(scale)];
+std::vector<int> most_alike(std::span<const RotationAndScale> changes) {
+  std::array<std::array<int, kScaleCells>, kRotationCells> votes{};
+  for (const RotationAndScale& change : changes) {
+    const auto [rotation, scale] = cell_of(change);
+    ++votes[static_cast<std::size_t>(rotation)][static_cast<std::size_t>(scale)];
   }
   std::vector<std::pair<int, int>> ranked;  // minus the votes, item: unique, so that the order is too
   for (std::size_t i = 0; i < changes.size(); ++i) {
-    const auto [turn, scale] = cell_of(changes[i]);
+    const auto [rotation, scale] = cell_of(changes[i]);
     int sum = 0;
     for (int dt = -1; dt <= 1; ++dt)
       for (int ds = -1; ds <= 1; ++ds)
-        sum += votes[static_cast<std::size_t>(wrapped(turn + dt))][static_cast<std::size_t>(scale + ds)];
+        sum += votes[static_cast<std::size_t>(wrapped(rotation + dt))][static_cast<std::size_t>(scale + ds)];
     ranked.push_back({-sum, static_cast<int>(i)});
   }
   const std::size_t count = changes.size() / 3;

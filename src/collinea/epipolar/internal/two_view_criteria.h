@@ -37,12 +37,12 @@ namespace collinea {
 /// Whether it would be rare (1 in 100) that as many as `inliers` of randomly placed matches agree on some epipolar
 /// geometry within a threshold: the expected number of such sets among all five-pair models (Moisan and Stival, IJCV
 /// 2004). A random match is right by chance with the area of the band around a line over the area which the points of
-/// the second picture fill.
+/// the second image fill.
 [[nodiscard]] bool beyond_chance(const std::vector<Eigen::Vector2d>& second_px, std::size_t inliers,
                                  double threshold_px);
 
-/// The matches without those that stay at their pixel (within 1.5 px) while the picture moves: marks, dates and dirt,
-/// which are in every picture at the same place. Where the scene itself hardly moves somewhere, because it is far away
+/// The matches without those that stay at their pixel (within 1.5 px) while the image moves: marks, dates and dirt,
+/// which are in every image at the same place. Where the scene itself hardly moves somewhere, because it is far away
 /// or turns about that place, there are as many matches that move a little: fewer than a quarter as many between 1.5
 /// and 6 px as within 1.5 px, and five of these at least, are a sign of marks. Otherwise all matches are given back.
 [[nodiscard]] std::vector<Match> without_marks(std::span<const Keypoint> first, std::span<const Keypoint> second,
@@ -52,13 +52,13 @@ namespace collinea {
 [[nodiscard]] bool nearly_all_still(std::span<const Keypoint> first, std::span<const Keypoint> second,
                                     std::span<const Match> matches);
 
-/// How a keypoint differs between two pictures: turn [rad] and binary logarithm of the ratio of scales.
-struct TurnAndScale {
-  double turn_rad, log2_scale;
+/// How a keypoint differs between two images: turn [rad] and binary logarithm of the ratio of scales.
+struct RotationAndScale {
+  double rotation_rad, log2_scale;
 };
 
 /// The third of the items whose changes agree with most others (a vote in cells of 20 degrees and half an octave, with
-/// their neighbours), ascending. Right matches of one pair of pictures turn and scale much the same; wrong ones do not.
-[[nodiscard]] std::vector<int> most_alike(std::span<const TurnAndScale> changes);
+/// their neighbours), ascending. Right matches of one pair of images turn and scale much the same; wrong ones do not.
+[[nodiscard]] std::vector<int> most_alike(std::span<const RotationAndScale> changes);
 
 }  // namespace collinea

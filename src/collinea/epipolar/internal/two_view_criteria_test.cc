@@ -28,7 +28,7 @@ TEST(BeyondChance, MoreInliersAreRarerAndMoreMatchesMakeThemLessRare) {
 
 TEST(MostAlike, PrefersTheCommonTurnAndScale) {
   Random random(2);
-  std::vector<TurnAndScale> changes;
+  std::vector<RotationAndScale> changes;
   for (int i = 0; i < 300; ++i) {
     const bool right = i % 3 == 0;
     changes.push_back({right ? -3.1 + 0.1 * random.normal() : random.uniform(-9, 9),

@@ -27,7 +27,7 @@ struct SampledPairs {
   }
 };
 
-/// The relations between two pictures as problems for robust_fit; loss_px caps the residuals of the refinement.
+/// The relations between two images as problems for robust_fit; loss_px caps the residuals of the refinement.
 struct EssentialProblem {
   using Model = Eigen::Matrix3d;
   static constexpr int kSample = 5;

@@ -83,8 +83,8 @@ void calibrate(const TwoViews& views, EpipolarRelation& relation) {
       Eigen::DiagonalMatrix<double, 3>(k2, k2, 1) * fundamental * Eigen::DiagonalMatrix<double, 3>(k1, k1, 1);
 }
 
-std::optional<RotationRelation> turn(const TwoViews& views, const PlaneRelation& plane, const PointPairs& pairs,
-                                     double factor) {
+std::optional<RotationRelation> fit_rotation(const TwoViews& views, const PlaneRelation& plane, const PointPairs& pairs,
+                                             double factor) {
   const auto rotation = refine_rotation(nearest_rotation(conjugated(plane.matrix, factor, factor)), pairs,
                                         plane.inliers, kPlaneThreshold * views.threshold_px);
   if (!rotation) return std::nullopt;
@@ -153,10 +153,10 @@ std::optional<RotationRelation> by_rotation(const TwoViews& views, const PlaneRe
       best_factor = factor;
     }
   }
-  std::optional<RotationRelation> best = turn(views, plane, pairs, 1);
+  std::optional<RotationRelation> best = fit_rotation(views, plane, pairs, 1);
   if (best_factor != 1) {
     const std::optional<RotationRelation> other =
-        turn(views, plane, with_focal_factor(pairs, best_factor, best_factor), best_factor);
+        fit_rotation(views, plane, with_focal_factor(pairs, best_factor, best_factor), best_factor);
     const double threshold_px = kPlaneThreshold * views.threshold_px;
     if (other && (!best || truncated_cost(other->errors, threshold_px) < truncated_cost(best->errors, threshold_px)))
       best = other;

@@ -15,7 +15,7 @@ struct VerifyOptions {
   static void describe(Visit&& visit) {
     using O = VerifyOptions;
     visit(Field{"max_error_px", &O::max_error_px, "px",
-                "largest distance of a match from the epipolar geometry; grows in proportion for pictures over 3000 px",
+                "largest distance of a match from the epipolar geometry; grows in proportion for images over 3000 px",
                 1e-6});
     visit(Field{"min_inliers", &O::min_inliers, "1", "fewest matches of an accepted pair", 8});
     visit(Field{"confidence", &O::confidence, "1", "wanted chance of one sample without outliers", 0.0, 1.0});

@@ -13,9 +13,9 @@ constexpr int kBorder_px = 5;
 constexpr int kMoves = 5;
 constexpr double kWhite = 255;
 
-struct Place {
+struct Position {
   int level, y, x;  // in this order: sorted as they are found
-  friend auto operator<=>(const Place&, const Place&) = default;
+  friend auto operator<=>(const Position&, const Position&) = default;
 };
 
 // Differences of Gaussians and their derivatives, straight from the blurred planes.
@@ -27,12 +27,12 @@ class Differences {
     const auto l = static_cast<std::size_t>(level);
     return double{octave_[l + 1].at(x, y)} - octave_[l].at(x, y);
   }
-  [[nodiscard]] double at(const Place& p) const { return at(p.level, p.y, p.x); }
+  [[nodiscard]] double at(const Position& p) const { return at(p.level, p.y, p.x); }
 
   struct Quadratic {
     double value, gx, gy, gl, xx, yy, ll, xy, xl, yl;
   };
-  [[nodiscard]] Quadratic quadratic(const Place& p) const {
+  [[nodiscard]] Quadratic quadratic(const Position& p) const {
     const int l = p.level, y = p.y, x = p.x;
     const double value = at(p);
     const double left = at(l, y, x - 1), right = at(l, y, x + 1), up = at(l, y - 1, x), down = at(l, y + 1, x);
@@ -79,39 +79,40 @@ double roundness(const Differences::Quadratic& q) {
 }
 
 struct Located {
-  Place place;
+  Position position;
   Extremum extremum;
 };
 
 // Follows the quadratic from pixel to pixel until its summit belongs to the pixel it was taken at.
-std::optional<Located> located(const Octave& octave, Place place, double least_contrast, double edge_ratio) {
+std::optional<Located> located(const Octave& octave, Position position, double least_contrast, double edge_ratio) {
   const Differences differences(octave);
   const int width = octave[0].width(), height = octave[0].height();
   // A little more than half a pixel: a summit between two pixels must not be passed on for ever.
   const auto step = [](double offset) { return offset > 0.6 ? 1 : offset < -0.6 ? -1 : 0; };
   for (int move = 0; move <= kMoves; ++move) {
-    const Differences::Quadratic q = differences.quadratic(place);
+    const Differences::Quadratic q = differences.quadratic(position);
     const std::optional<Offset> offset = summit(q);
     if (!offset) return std::nullopt;
-    const Place next{place.level + step(offset->level), place.y + step(offset->y), place.x + step(offset->x)};
-    if (next == place) {
+    const Position next{position.level + step(offset->level), position.y + step(offset->y),
+                        position.x + step(offset->x)};
+    if (next == position) {
       const double value = q.value + (q.gx * offset->x + q.gy * offset->y + q.gl * offset->level) / 2;
       const double contrast = std::abs(value) / kWhite;
       if (contrast < least_contrast || is_edge(q, edge_ratio)) return std::nullopt;
-      return Located{place,
-                     {static_cast<float>(place.x + offset->x), static_cast<float>(place.y + offset->y),
-                      static_cast<float>(place.level + offset->level), static_cast<float>(contrast * roundness(q))}};
+      return Located{position,
+                     {static_cast<float>(position.x + offset->x), static_cast<float>(position.y + offset->y),
+                      static_cast<float>(position.level + offset->level), static_cast<float>(contrast * roundness(q))}};
     }
-    place = next;
-    if (place.level < 1 || place.level > kSteps || place.x < kBorder_px || place.y < kBorder_px ||
-        place.x >= width - kBorder_px || place.y >= height - kBorder_px)
+    position = next;
+    if (position.level < 1 || position.level > kSteps || position.x < kBorder_px || position.y < kBorder_px ||
+        position.x >= width - kBorder_px || position.y >= height - kBorder_px)
       return std::nullopt;
   }
   return std::nullopt;
 }
 
 // Pixels larger or smaller than all their neighbours in x, y and level.
-std::vector<Place> candidates(const Octave& octave, double least_contrast) {
+std::vector<Position> candidates(const Octave& octave, double least_contrast) {
   constexpr int kDifferences = kLevels - 1;
   const int width = octave[0].width(), height = octave[0].height();
   // The sampled extremum is smaller than the true one between the pixels.
@@ -124,7 +125,7 @@ std::vector<Place> candidates(const Octave& octave, double least_contrast) {
       subtract_rows(octave[l + 1].row(y), octave[l].row(y), width, ring_row(level, y));
     }
   };
-  std::vector<Place> places;
+  std::vector<Position> positions;
   std::vector<std::int32_t> found(static_cast<std::size_t>(width));
   for (int y = kBorder_px - 1; y <= kBorder_px; ++y) fill(y);
   for (int y = kBorder_px; y < height - kBorder_px; ++y) {
@@ -133,10 +134,10 @@ std::vector<Place> candidates(const Octave& octave, double least_contrast) {
       std::array<const float*, 9> rows;
       for (int k = 0; k < 9; ++k) rows[static_cast<std::size_t>(k)] = ring_row(level - 1 + k / 3, y - 1 + k % 3);
       const int count = extrema_of_row(rows.data(), kBorder_px, width - kBorder_px, threshold, found.data());
-      for (int i = 0; i < count; ++i) places.push_back({level, y, found[static_cast<std::size_t>(i)]});
+      for (int i = 0; i < count; ++i) positions.push_back({level, y, found[static_cast<std::size_t>(i)]});
     }
   }
-  return places;
+  return positions;
 }
 
 }  // namespace
@@ -144,11 +145,11 @@ std::vector<Place> candidates(const Octave& octave, double least_contrast) {
 std::vector<Extremum> find_extrema(const Octave& octave, double least_contrast, double edge_ratio) {
   if (octave[0].width() <= 2 * kBorder_px || octave[0].height() <= 2 * kBorder_px) return {};
   std::vector<Located> found;
-  for (const Place& place : candidates(octave, least_contrast))
-    if (const auto one = located(octave, place, least_contrast, edge_ratio)) found.push_back(*one);
+  for (const Position& position : candidates(octave, least_contrast))
+    if (const auto one = located(octave, position, least_contrast, edge_ratio)) found.push_back(*one);
   // Two candidates may have moved to the same place.
-  std::ranges::sort(found, {}, &Located::place);
-  const auto same = std::ranges::unique(found, {}, &Located::place);
+  std::ranges::sort(found, {}, &Located::position);
+  const auto same = std::ranges::unique(found, {}, &Located::position);
   found.erase(same.begin(), same.end());
   std::vector<Extremum> extrema;
   extrema.reserve(found.size());

@@ -44,7 +44,7 @@ std::vector<float> gaussian_taps(double sigma_px) {
   return taps;
 }
 
-// Rows of a picture on their way through the filter along the row, and the last few results for the filter across.
+// Rows of an image on their way through the filter along the row, and the last few results for the filter across.
 class RowFilter {
  public:
   RowFilter(int width, int height, double sigma_px)
@@ -55,7 +55,7 @@ class RowFilter {
         ring_(width, 2 * radius_ + 1),
         padded_(static_cast<std::size_t>(width + 2 * radius_ + 2 * kRowSlack)) {}
 
-  /// Calls source(y, float* row) for every row, upper first, and writes the filtered picture.
+  /// Calls source(y, float* row) for every row, upper first, and writes the filtered image.
   template <class Source>
   Plane run(const Source& source) {
     Plane out(width_, height_);
@@ -86,15 +86,15 @@ class RowFilter {
   std::vector<float> padded_;
 };
 
-// Row y of the picture at twice its size: every pixel becomes 2 x 2, interpolated at a quarter of a pixel from its
+// Row y of the image at twice its size: every pixel becomes 2 x 2, interpolated at a quarter of a pixel from its
 // centre.
-void upsampled_row(const GreyImage& picture, int y, float* near, float* out) {
-  const int other = std::clamp(y % 2 == 0 ? y / 2 - 1 : y / 2 + 1, 0, picture.height - 1);
-  const std::uint8_t *a = picture.row(y / 2), *b = picture.row(other);
-  for (int x = 0; x < picture.width; ++x) near[x] = 0.75f * a[x] + 0.25f * b[x];
-  for (int x = 0; x < picture.width; ++x) {
+void upsampled_row(const GreyImage& image, int y, float* near, float* out) {
+  const int other = std::clamp(y % 2 == 0 ? y / 2 - 1 : y / 2 + 1, 0, image.height - 1);
+  const std::uint8_t *a = image.row(y / 2), *b = image.row(other);
+  for (int x = 0; x < image.width; ++x) near[x] = 0.75f * a[x] + 0.25f * b[x];
+  for (int x = 0; x < image.width; ++x) {
     out[2 * x] = 0.75f * near[x] + 0.25f * near[std::max(0, x - 1)];
-    out[2 * x + 1] = 0.75f * near[x] + 0.25f * near[std::min(picture.width - 1, x + 1)];
+    out[2 * x + 1] = 0.75f * near[x] + 0.25f * near[std::min(image.width - 1, x + 1)];
   }
 }
 
@@ -118,17 +118,17 @@ Plane blurred(const Plane& in, double sigma_px) {
   });
 }
 
-Plane first_level(const GreyImage& picture, bool upsample) {
+Plane first_level(const GreyImage& image, bool upsample) {
   if (!upsample) {
     const double sigma_px = std::sqrt(kFirstBlur_px * kFirstBlur_px - kBlurOfPixel_px2);
-    return RowFilter(picture.width, picture.height, sigma_px).run([&](int y, float* row) {
-      widen_row(picture.row(y), picture.width, row);
+    return RowFilter(image.width, image.height, sigma_px).run([&](int y, float* row) {
+      widen_row(image.row(y), image.width, row);
     });
   }
   const double blur_px2 = 4 * (kBlurOfPixel_px2 + kBlurOfUpsampling_px2);
-  std::vector<float> near(static_cast<std::size_t>(picture.width));
-  return RowFilter(2 * picture.width, 2 * picture.height, std::sqrt(kFirstBlur_px * kFirstBlur_px - blur_px2))
-      .run([&](int y, float* row) { upsampled_row(picture, y, near.data(), row); });
+  std::vector<float> near(static_cast<std::size_t>(image.width));
+  return RowFilter(2 * image.width, 2 * image.height, std::sqrt(kFirstBlur_px * kFirstBlur_px - blur_px2))
+      .run([&](int y, float* row) { upsampled_row(image, y, near.data(), row); });
 }
 
 Octave octave_from(Plane level0) {

@@ -11,7 +11,7 @@
 
 namespace collinea {
 
-/// A float picture whose rows may be read and written a little beyond their end (kRowSlack). Move only: planes are
+/// A float image whose rows may be read and written a little beyond their end (kRowSlack). Move only: planes are
 /// large.
 class Plane {
  public:
@@ -48,10 +48,10 @@ using Octave = std::array<Plane, kLevels>;
 /// Convolves with a Gaussian; the border pixels are repeated outwards.
 [[nodiscard]] Plane blurred(const Plane& in, double sigma_px);
 
-/// Level 0 of the first octave: the picture as floats [0, 255], at twice its size if so wished, blurred to
-/// kFirstBlur_px. A photograph is taken to be blurred by the area of its pixels alone. Where its pixel centre (x, y),
-/// counted from 0, lies in the picture: (x + 0.5) * (upsample ? 0.5 : 1), likewise y.
-[[nodiscard]] Plane first_level(const GreyImage& picture, bool upsample);
+/// Level 0 of the first octave: the image as floats [0, 255], at twice its size if so wished, blurred to
+/// kFirstBlur_px. An image is taken to be blurred by the area of its pixels alone. Where its pixel centre (x, y),
+/// counted from 0, lies in the image: (x + 0.5) * (upsample ? 0.5 : 1), likewise y.
+[[nodiscard]] Plane first_level(const GreyImage& image, bool upsample);
 
 /// All levels of an octave from its level 0.
 [[nodiscard]] Octave octave_from(Plane level0);

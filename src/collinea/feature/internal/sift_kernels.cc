@@ -195,10 +195,10 @@ constexpr float kHalfPatch = 0.5f * (kCells + 1);  // cells from the middle to w
 
 // What each pixel of a stretch of a row gives to the histogram of a patch.
 struct Shares {
-  HWY_ALIGN std::int32_t place[kMaxWindow];  // of the first of its cells and directions in the grid
-  HWY_ALIGN float across[kMaxWindow];        // share of the cells to the right of it
-  HWY_ALIGN float down[kMaxWindow];          // share of the cells below it
-  HWY_ALIGN float around[2 * kMaxWindow];    // shares of the direction and of the next one
+  HWY_ALIGN std::int32_t first_cell[kMaxWindow];  // of the first of its cells and directions in the grid
+  HWY_ALIGN float across[kMaxWindow];             // share of the cells to the right of it
+  HWY_ALIGN float down[kMaxWindow];               // share of the cells below it
+  HWY_ALIGN float around[2 * kMaxWindow];         // shares of the direction and of the next one
   HWY_ALIGN float weight[kMaxWindow];
 };
 
@@ -219,7 +219,7 @@ HWY_INLINE void scatter(const Shares& shares, int count, float row_weight, float
     const float all = shares.weight[i] * row_weight;
     const float lower = all * shares.down[i], upper = all - lower;
     const float upper_right = upper * shares.across[i], lower_right = lower * shares.across[i];
-    float* at = grids[i & 1] + shares.place[i];
+    float* at = grids[i & 1] + shares.first_cell[i];
     const float* around = shares.around + 2 * i;
     add_two(at, upper - upper_right, around);
     add_two(at + kGridDirections, upper_right, around);
@@ -269,7 +269,7 @@ void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad
       direction = hn::Mul(hn::Sub(direction, hn::Floor(direction)), hn::Set(d, float{kDirections}));
       const auto ui = hn::ConvertTo(di, u), vi = hn::ConvertTo(di, v), oi = hn::ConvertTo(di, direction);
       const auto cell = hn::Add(hn::Mul(vi, hn::Set(di, kGridRow)), hn::Mul(ui, hn::Set(di, kGridDirections)));
-      hn::Store(hn::Add(cell, oi), di, shares.place + i);
+      hn::Store(hn::Add(cell, oi), di, shares.first_cell + i);
       hn::Store(hn::Sub(u, hn::ConvertTo(d, ui)), d, shares.across + i);
       hn::Store(hn::Sub(v, hn::ConvertTo(d, vi)), d, shares.down + i);
       const V next = hn::Sub(direction, hn::ConvertTo(d, oi));

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kWidth = 150, kHeight = 120;
 
-// A smooth random picture with room after its last row.
+// A smooth random image with room after its last row.
 std::vector<float> smooth_image(std::uint64_t seed) {
   Random random(seed);
   std::vector<float> pixels(kWidth * kHeight + kRowSlack);

@@ -6,7 +6,7 @@
 
 namespace collinea {
 
-/// A place in an image with a strength.
+/// A position in an image with a strength.
 struct Spot {
   float x = 0, y = 0;  ///< [px]
   float strength = 0;
@@ -17,7 +17,7 @@ struct Spot {
 /// spots of the whole image reach, l that which the same share of them reach in the region. With evenness 0 the
 /// strongest spots are taken wherever they are, with 1 as many in every region; but no region asks for less than t / 2,
 /// since what is much weaker than the others is better left out. Between the middles of the regions the threshold
-/// changes gradually, so that it asks the same of a spot in another picture, where it lies otherwise to the regions.
+/// changes gradually, so that it asks the same of a spot in another image, where it lies otherwise to the regions.
 [[nodiscard]] std::vector<float> regional_strengths(std::span<const Spot> spots, int width, int height, int wanted,
                                                     double evenness);
 

@@ -39,7 +39,7 @@ ProjList operations(pj_ctx* context, const PJ* map, const PJ* wgs84, const Eigen
 struct MissingGrid {
   std::string name, url;
 
-  [[nodiscard]] std::string told() const { return url.empty() ? name : name + " (" + url + ")"; }
+  [[nodiscard]] std::string name_and_source() const { return url.empty() ? name : name + " (" + url + ")"; }
 };
 
 MissingGrid first_missing_grid(pj_ctx* context, const PJ* operation) {
@@ -87,7 +87,7 @@ tl::unexpected<Error> no_operation(pj_ctx* context, const MapCrs& map, const Mis
     return fail(Errc::kUnsupported, "PROJ knows no transformation between " + map.name + " and WGS84");
   const std::string folder = text(proj_context_get_user_writable_directory(context, 0));
   Error error{Errc::kUnsupported,
-              map.name + " needs the grid " + missing.told() + ", which is not installed for PROJ. "};
+              map.name + " needs the grid " + missing.name_and_source() + ", which is not installed for PROJ. "};
   if (missing.url.empty())
     error = std::move(error).advising("Get it from who made it and put it into " + folder);
   else
@@ -120,7 +120,7 @@ Result<std::shared_ptr<MapProjection>> MapProjection::create(const std::string& 
   }
   if (!choice.operation) return no_operation(context, map, choice.missing_grid);
   made->accuracy_m = proj_coordoperation_get_accuracy(context, choice.operation.get());
-  made->missing_grid = choice.missing_grid.told();
+  made->missing_grid = choice.missing_grid.name_and_source();
   made->operation = text(proj_get_name(choice.operation.get()));
   made->master_.operation = std::move(choice.operation);
   made->name = map.name;

@@ -25,13 +25,13 @@ Result<Eigen::Vector3d> in_world(const ControlFilePoint& point, const std::strin
 
 // A covariance along the axes of the point's map, as one along those of the world. The axes differ by the convergence
 // of meridians and by the scale of the map, which the survey was reduced by.
-Result<> turn_covariance(const ControlFilePoint& point, const std::string& crs, const LocalFrame& frame,
-                         ControlPoint& taken) {
+Result<> rotate_covariance(const ControlFilePoint& point, const std::string& crs, const LocalFrame& frame,
+                           ControlPoint& taken) {
   Eigen::Matrix3d world_from_map;
   for (int axis = 0; axis < 3; ++axis) {
-    ControlFilePoint beside = point;
-    beside.position_in_map[axis] += 1;
-    COLLINEA_TRY(const Eigen::Vector3d there, in_world(beside, crs, frame));
+    ControlFilePoint shifted = point;
+    shifted.position_in_map[axis] += 1;
+    COLLINEA_TRY(const Eigen::Vector3d there, in_world(shifted, crs, frame));
     world_from_map.col(axis) = (there - taken.position_in_world).normalized();
   }
   const Eigen::Matrix3d covariance =
@@ -64,7 +64,7 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
     const Eigen::Vector3d in_map = frame ? frame->map_from_local(world) : world;
     ControlPoint& taken = block.control[id] = {point.name, point.role, in_map, world, point.sigma_m};
     if (!point.correlation.isZero(0))
-      if (Result<> turned = turn_covariance(point, control.crs, *frame, taken); !turned) return turned;
+      if (Result<> rotated = rotate_covariance(point, control.crs, *frame, taken); !rotated) return rotated;
   }
   const ImageNames images(block);
   std::map<std::string, int> missing;
@@ -102,7 +102,7 @@ void name_unseen_control(Imported& imported) {
   std::map<ControlId, int> seen;
   for (const ControlObservation& observation : block.control_observations) ++seen[observation.point];
   std::set<ControlId> on_ground;  // there it may be placed without any image
-  for (const GeodeticObservation& one : block.ground) on_ground.insert({one.from, one.to});
+  for (const GeodeticObservation& one : block.geodetic) on_ground.insert({one.from, one.to});
   for (const auto& [id, point] : block.control)
     if (seen[id] < 2 && !on_ground.contains(id)) imported.findings.push_back(hardly_seen(id, point, seen[id]));
 }
@@ -112,7 +112,7 @@ namespace {
 // A shape that any points of that number lie on says nothing.
 Result<> check_shapes(const Block& block, const std::filesystem::path& file) {
   std::map<std::pair<GeodeticKind, std::uint32_t>, std::pair<std::string, std::set<ControlId>>> shapes;
-  for (const GeodeticObservation& one : block.ground) {
+  for (const GeodeticObservation& one : block.geodetic) {
     if (!one.is_of_shape()) continue;
     auto& [name, points] = shapes[{one.kind, one.setup}];
     name = one.name;
@@ -143,9 +143,9 @@ class ShapeNumbers {
 
 }  // namespace
 
-Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
+Result<> add_geodetic(Imported& imported, const std::filesystem::path& file) {
   Block& block = imported.block;
-  COLLINEA_TRY(const std::vector<GeodeticFileRow> rows, read_ground(file));
+  COLLINEA_TRY(const std::vector<GeodeticFileRow> rows, read_geodetic(file));
   std::map<std::string, ControlId> by_name;
   for (const auto& [id, point] : block.control) by_name[point.name] = id;
   std::map<std::string, std::pair<std::uint32_t, ControlId>> setups;
@@ -178,7 +178,7 @@ Result<> add_ground(Imported& imported, const std::filesystem::path& file) {
       one.setup = shapes.number_of(row.kind, row.name);
       one.axis = row.axis;
     }
-    block.ground.push_back(std::move(one));
+    block.geodetic.push_back(std::move(one));
   }
   return check_shapes(block, file);
 }

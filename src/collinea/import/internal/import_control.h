@@ -11,7 +11,7 @@ namespace collinea {
 [[nodiscard]] bool is_surveyed(const ControlFile& control);
 
 /// Brings surveyed points and their images into the block. What does not fit (an image that is not there, a pixel
-/// outside its picture) becomes a finding. `frame`: nullptr when nothing is surveyed. Errors: its CRS cannot be
+/// outside its image) becomes a finding. `frame`: nullptr when nothing is surveyed. Errors: its CRS cannot be
 /// converted.
 Result<> add_control(Imported& imported, const ControlFile& control, const LocalFrame* frame);
 
@@ -20,6 +20,6 @@ void name_unseen_control(Imported& imported);
 
 /// Brings what was measured between control points into the block. Errors: no file, bad lines, points that are not
 /// there.
-Result<> add_ground(Imported& imported, const std::filesystem::path& file);
+Result<> add_geodetic(Imported& imported, const std::filesystem::path& file);
 
 }  // namespace collinea

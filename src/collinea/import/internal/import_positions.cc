@@ -94,7 +94,7 @@ class PositionImporter {
       for (const auto& [id, taken] : times_) block_.images.at(id).taken = taken;
     else if (timed > 0)
       imported_.findings.push_back(finding_of(FindingCode::kTimesOfHeaders, {Subject::file(name)}));
-    return std::move(placed_);
+    return std::move(located_);
   }
 
  private:
@@ -108,19 +108,19 @@ class PositionImporter {
   Result<> take(const PositionFileRow& row, const std::string& crs, ImageId id) {
     Image& image = block_.images.at(id);
     if (row.geographic || row.in_map) {
-      COLLINEA_TRY(const Eigen::Vector3d place, geographic_of(row, crs));
+      COLLINEA_TRY(const Eigen::Vector3d geographic, geographic_of(row, crs));
       const Eigen::Vector3d default_sigma(options_.gps_sigma_m, options_.gps_sigma_m, options_.gps_sigma_height_m);
       PositionPrior prior{};
       prior.position_in_world.setZero();  // known once the world frame is
-      const bool has_height = std::isfinite(place.z());
-      prior.latitude_deg = place.x();
-      prior.longitude_deg = place.y();
-      prior.height_m = has_height ? place.z() : 0;
+      const bool has_height = std::isfinite(geographic.z());
+      prior.latitude_deg = geographic.x();
+      prior.longitude_deg = geographic.y();
+      prior.height_m = has_height ? geographic.z() : 0;
       prior.sigma_m = row.sigma_m.array().isNaN().select(default_sigma, row.sigma_m);
       if (!has_height) prior.sigma_m.z() = std::numeric_limits<double>::infinity();
       if (image.position) prior.height_above_start_m = image.position->height_above_start_m;
       image.position = prior;
-      placed_.insert(id);
+      located_.insert(id);
     }
     if (row.attitude) {
       image.attitude = row.attitude;
@@ -132,7 +132,7 @@ class PositionImporter {
     return {};
   }
 
-  // Of a place without a height its height is NaN.
+  // The height of a position without one is NaN.
   Result<Eigen::Vector3d> geographic_of(const PositionFileRow& row, const std::string& file_crs) {
     if (row.geographic) return *row.geographic;
     std::string crs = file_crs.empty() ? options_.crs.value_or("") : file_crs;
@@ -146,24 +146,24 @@ class PositionImporter {
     const bool has_height = std::isfinite(in_map.z());
     if (!has_height) in_map.z() = 0;
     if (!frame_) {
-      COLLINEA_TRY(const bool says, says_heights(crs));
+      COLLINEA_TRY(const bool says, states_heights(crs));
       if (options_.heights && !says) {
         COLLINEA_TRY(crs, with_heights(crs, *options_.heights));
       }
       COLLINEA_TRY(const Eigen::Vector3d origin, geographic_from_map(crs, in_map));
       COLLINEA_TRY(frame_, LocalFrame::create(crs, origin.x(), origin.y(), origin.z()));
     }
-    Eigen::Vector3d place = frame_->geographic_from_local(frame_->local_from_map(in_map));
-    if (!place.allFinite()) return fail(Errc::kBadInput, "this place is outside of " + crs);
-    if (!has_height) place.z() = std::nan("");
-    return place;
+    Eigen::Vector3d geographic = frame_->geographic_from_local(frame_->local_from_map(in_map));
+    if (!geographic.allFinite()) return fail(Errc::kBadInput, "this place is outside of " + crs);
+    if (!has_height) geographic.z() = std::nan("");
+    return geographic;
   }
 
   Imported& imported_;
   Block& block_;
   const ImportOptions& options_;
   std::optional<LocalFrame> frame_;
-  std::set<ImageId> placed_;
+  std::set<ImageId> located_;
   std::vector<std::pair<ImageId, std::string>> times_;
 };
 

@@ -12,14 +12,14 @@
 namespace collinea {
 namespace {
 
-Imported photographs(const std::vector<std::string>& files) {
+Imported images(const std::vector<std::string>& files) {
   Imported imported;
   for (std::uint32_t i = 0; i < files.size(); ++i) imported.block.images[{i}].file = files[i];
   return imported;
 }
 
-TEST(ImportPositions, PlacesOfAMapBecomeGeographicWithTheSigmasOfTheFile) {
-  Imported imported = photographs({"flight/a.jpg", "flight/b.jpg", "c.jpg"});
+TEST(ImportPositions, PositionsOfAMapBecomeGeographicWithTheSigmasOfTheFile) {
+  Imported imported = images({"flight/a.jpg", "flight/b.jpg", "c.jpg"});
   const auto file = parse_positions(
       "# collinea positions, EPSG:32633\nimage,easting_m,northing_m,height_m,sigma_m,taken\n"
       "a.jpg,500000,5300000,420,0.02,2024:05:17 10:31:08\nB.JPG,500010,5300000,420,,\nz.jpg,500000,5300000,420,1,\n");
@@ -40,7 +40,7 @@ TEST(ImportPositions, PlacesOfAMapBecomeGeographicWithTheSigmasOfTheFile) {
 
 // Three degrees east of the central meridian grid north is 2.2 degrees off true north.
 TEST(ImportPositions, AnglesToTheMapKnowTheConvergenceOfMeridians) {
-  Imported imported = photographs({"a.jpg"});
+  Imported imported = images({"a.jpg"});
   imported.block.images.at({0}).position = PositionPrior{{0, 0, 300}, {1, 1, 1}, 48, 18, 300};
   imported.block.georeference = Georeference{"EPSG:32633", 48, 18, 0};
   const auto file = parse_positions("image,omega_deg,phi_deg,kappa_deg,sigma_attitude_deg\na.jpg,0,0,0,0.05\n");
@@ -62,15 +62,15 @@ std::string stamp(int number) {
 TEST(ImportPositions, ExposuresBelongToTheImagesWithTheirNumbers) {
   const auto file = parse_positions(stamp(1) + stamp(2));
   ASSERT_TRUE(file);
-  Imported one = photographs({"MAX_0001.JPG", "MAX_0002.JPG"});
+  Imported one = images({"MAX_0001.JPG", "MAX_0002.JPG"});
   ASSERT_TRUE(add_positions(one, *file, "101FTASK_Timestamp.mrk", {}));
   EXPECT_TRUE(one.findings.empty());
   EXPECT_EQ(one.block.images.at({1}).taken, "2022:05:22 00:16:42.000000");
-  Imported two = photographs({"101FTASK/MAX_0001.JPG", "102FTASK/MAX_0001.JPG", "102FTASK/MAX_0002.JPG"});
+  Imported two = images({"101FTASK/MAX_0001.JPG", "102FTASK/MAX_0001.JPG", "102FTASK/MAX_0002.JPG"});
   ASSERT_TRUE(add_positions(two, *file, "101FTASK_Timestamp.mrk", {}));
   EXPECT_TRUE(two.block.images.at({0}).position);
   EXPECT_FALSE(two.block.images.at({1}).position);
-  Imported other = photographs({"x.jpg"});
+  Imported other = images({"x.jpg"});
   const auto refused = add_positions(other, *file, "101FTASK_Timestamp.mrk", {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().message,
@@ -78,7 +78,7 @@ TEST(ImportPositions, ExposuresBelongToTheImagesWithTheirNumbers) {
 }
 
 TEST(ImportPositions, WhatTheFileLeavesOpenIsAsked) {
-  Imported imported = photographs({"a.jpg"});
+  Imported imported = images({"a.jpg"});
   const auto file = parse_positions("image,easting_m,northing_m,height_m\na.jpg,500000,5300000,420\n");
   ASSERT_TRUE(file);
   const auto refused = add_positions(imported, *file, "gnss.csv", {});

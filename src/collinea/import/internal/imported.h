@@ -22,7 +22,7 @@ struct ImportOptions {
   HeightsFrom gps_heights = HeightSurface::kEllipsoid;
   std::optional<std::filesystem::path> control;
   std::string check;
-  std::optional<std::filesystem::path> ground;
+  std::optional<std::filesystem::path> geodetic;
   std::optional<std::filesystem::path> positions;
   CameraModel camera_model = Brown{};
   std::optional<std::string> camera_params;
@@ -49,7 +49,7 @@ struct ImportOptions {
                 "file of control points, in a format of those that the manual of import lists"}
               .leads_to(PathKind::kFile));
     visit(Field{"check", &O::check, "", "names of control points that are only compared, separated by commas"});
-    visit(Field{"ground", &O::ground, "",
+    visit(Field{"geodetic", &O::geodetic, "",
                 "file of measurements between control points: distances, height differences, total station; planes, "
                 "lines and heights they lie on (CSV)"}
               .leads_to(PathKind::kFile));
@@ -59,7 +59,7 @@ struct ImportOptions {
               .leads_to(PathKind::kFile));
     visit(Field{"camera_model", &O::camera_model, "", "projection of the lens"}.one_of(kLensModels));
     visit(Field{"camera_params", &O::camera_params, "px",
-                "known camera for all images, held fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2], of kannala_brandt "
+                "known camera for all images, fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2], of kannala_brandt "
                 "fx,fy,cx,cy[,k1,k2,k3,k4]; centre of the first pixel is 0.5"});
     visit(Field{"gps_sigma_m", &O::gps_sigma_m, "m",
                 "standard deviation of image positions in plan where the file states none", 1e-3});
@@ -71,7 +71,7 @@ struct ImportOptions {
   }
 };
 
-/// Relative standard deviation of a focal length from the header of a photograph: EXIF rounds to whole millimetres.
+/// Relative standard deviation of a focal length from the header of an image: EXIF rounds to whole millimetres.
 inline constexpr double kExifFocalSigma = 0.05;
 
 struct Imported {

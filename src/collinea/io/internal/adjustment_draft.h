@@ -27,7 +27,7 @@ struct AdjustmentDraft {
   };
 
   /// A geodetic observation between points that may be named later.
-  struct Ground {
+  struct GeodeticLine {
     std::size_t line;
     std::string from, to;
     GeodeticObservation measured;
@@ -44,7 +44,7 @@ struct AdjustmentDraft {
   std::map<std::string, ControlId> control;
   std::set<std::pair<CameraId, std::size_t>> parameters;
   std::vector<Measured> measured;
-  std::vector<Ground> ground;
+  std::vector<GeodeticLine> geodetic;
   InstrumentLines instruments;
   std::map<GeodeticKind, std::map<std::string, std::uint32_t>> shapes;
   std::vector<std::pair<std::size_t, ControlId>> in_map;  // lines and points

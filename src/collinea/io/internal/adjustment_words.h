@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "collinea/block/ground.h"
+#include "collinea/block/geodetic.h"
 
 namespace collinea {
 

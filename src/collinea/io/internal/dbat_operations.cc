@@ -71,10 +71,10 @@ Result<> take_initial(const XmlElement& io, double pixel_height_mm, const std::f
 // One image is held, and of the one farthest from it along an axis the coordinate there.
 Result<> take_dependent_datum(const XmlElement& datum, const std::filesystem::path& path, AdjustmentFile& file) {
   const auto reference = integer(datum.attribute("ref_cam"));
-  const ImageId held{reference && *reference >= 0 ? std::uint32_t(*reference) : ImageId::kNone};
-  const std::optional<Rigid3> pose = find_pose(file.block, held);
+  const ImageId fixed{reference && *reference >= 0 ? std::uint32_t(*reference) : ImageId::kNone};
+  const std::optional<Rigid3> pose = find_pose(file.block, fixed);
   if (!pose) return bad(path, datum.line, "ref_cam: there is no image of that number with an orientation");
-  file.held_images.insert(held);
+  file.fixed_images.insert(fixed);
   const Eigen::Vector3d centre = centre_of(*pose);
   double longest = 0;
   ImageId farthest;
@@ -85,10 +85,10 @@ Result<> take_dependent_datum(const XmlElement& datum, const std::filesystem::pa
     if (base > longest) longest = base, farthest = id, axis = int(along);
   }
   if (!(longest > 0)) return bad(path, datum.line, "there is no base: no second image has an orientation elsewhere");
-  constexpr double kHeldPart = 1e-9;  // of the base: nothing else fixes the scale, so no weight spoils it
+  constexpr double kFixedPart = 1e-9;  // of the base: nothing else fixes the scale, so no weight spoils it
   PositionPrior prior{.position_in_world = centre_of(pose_of(file.block, farthest)),
                       .sigma_m = Eigen::Vector3d::Constant(kInfinity)};
-  prior.sigma_m[axis] = kHeldPart * longest;
+  prior.sigma_m[axis] = kFixedPart * longest;
   file.block.images[farthest].position = prior;
   return {};
 }

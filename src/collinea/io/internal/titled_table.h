@@ -25,7 +25,7 @@ class TitledTable {
   [[nodiscard]] Result<bool> next();
   [[nodiscard]] int line() const { return line_; }  ///< of this row, from 1
 
-  /// Of this row; empty where nothing stands or there is no such column.
+  /// The field of this row; empty where nothing stands or there is no such column.
   [[nodiscard]] std::string_view field(std::string_view column) const;
   /// The finite number of a field, NaN where it is empty.
   [[nodiscard]] Result<double> number_in(std::string_view column) const;

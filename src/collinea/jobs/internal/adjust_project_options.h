@@ -18,14 +18,14 @@ namespace collinea {
 struct AdjustProjectOptions {
   std::optional<Calibration> calibration;
   std::optional<AdditionalSet> additional;
-  std::string additional_held;
+  std::string additional_fixed;
   double additional_level = 0.01;
   bool refraction = false;
   Loss::Kind loss = Loss::kHuber;
   double loss_scale_sigmas = 2;
   bool use_positions = true;
   bool use_control = true;
-  bool use_ground = true;
+  bool use_geodetic = true;
   InstrumentOptions instruments;
   /// The fields of `instruments` that count; for the others, it is as orient or the file had them.
   std::set<std::string, std::less<>> changed_instruments;
@@ -43,8 +43,8 @@ struct AdjustProjectOptions {
     visit(Field{"additional", &O::additional, "",
                 "additional parameters of every camera, on top of its model, also of one that was given"}
               .or_auto("those it has"));
-    visit(Field{"additional_held", &O::additional_held, "",
-                "those of them that are held at zero, separated by commas: a3,a7"});
+    visit(Field{"additional_fixed", &O::additional_fixed, "",
+                "those of them that are fixed at zero, separated by commas: a3,a7"});
     visit(Field{"additional_level", &O::additional_level, "1",
                 "chance that one that is zero is called significant; of 44 less than one is then", 1e-12, 0.5});
     visit(Field{"refraction", &O::refraction, "",
@@ -55,7 +55,7 @@ struct AdjustProjectOptions {
     visit(Field{"use_positions", &O::use_positions, "", "use the positions of images where orient did"});
     visit(Field{"use_control", &O::use_control, "",
                 "use control points where orient did; otherwise they are all check points"});
-    visit(Field{"use_ground", &O::use_ground, "",
+    visit(Field{"use_geodetic", &O::use_geodetic, "",
                 "use what was measured between control points where orient did; otherwise it is only compared"});
     visit(Field{"given_sigmas", &O::given_sigmas, "",
                 "take the sigmas of control and the places of positions as they were given, also where orient found "

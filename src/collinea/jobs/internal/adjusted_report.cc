@@ -7,12 +7,12 @@
 namespace collinea {
 namespace {
 
-void say_what_went(const Snooped& snooped, const Run& run) {
+void report_rejected(const Snooped& snooped, const Run& run) {
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, snooped.rejected.size()); ++i)
-    run.say("note: taken out: " + told(snooped.rejected[i], snooped.block));
+    run.say("note: rejected: " + words_of_rejected(snooped.rejected[i], snooped.block));
   if (snooped.rejected.size() > kShown)
-    run.say(fmt::format("note: {} observations taken out in all; taken_out.csv lists them", snooped.rejected.size()));
+    run.say(fmt::format("note: {} observations rejected in all; rejected.csv lists them", snooped.rejected.size()));
   for (std::size_t i = 0; i < std::min(kShown, snooped.kept.size()); ++i)
     run.say(fmt::format("note: {} is suspect but stays: {}", name_of(snooped.kept[i].observation, snooped.block),
                         words_of(snooped.kept[i].reason)));
@@ -28,7 +28,7 @@ Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, 
   AdjustScope left = scope;
   if (asked.snoop) {
     COLLINEA_TRY(report.snooped, snoop(report.block, scope, options, asked.snoop_most, run));
-    say_what_went(*report.snooped, run);
+    report_rejected(*report.snooped, run);
     report.block = report.snooped->block;
     left.attitudes = report.snooped->attitudes;
   }

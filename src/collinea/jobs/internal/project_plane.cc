@@ -48,7 +48,7 @@ Result<FoundPlane> plane_of_control(const Block& block, const std::string& asked
   return plane_through(std::move(points));
 }
 
-Result<FoundPlane> plane_of_places(const Places& places, const fs::path& path) {
+Result<FoundPlane> plane_of_positions(const ProductFrame& product_frame, const fs::path& path) {
   COLLINEA_TRY(const std::string text, read_file(path));
   COLLINEA_TRY(const auto rows, parse_number_rows(text, false, 3, 3).map_error([&](Error e) {
     return std::move(e).within(path.string());
@@ -56,7 +56,7 @@ Result<FoundPlane> plane_of_places(const Places& places, const fs::path& path) {
   std::vector<Vector3d> points;
   for (const NumberRow& row : rows) {
     const Vector3d on_map(row.numbers[0], row.numbers[1], row.numbers[2]);
-    points.push_back(places.frame ? places.frame->local_from_map(on_map) : on_map);
+    points.push_back(product_frame.frame ? product_frame.frame->local_from_map(on_map) : on_map);
   }
   return plane_through(std::move(points));
 }
@@ -82,7 +82,7 @@ Result<std::vector<CloudPoint>> points_in(const fs::path& cloud, const Vector3d&
   return found;
 }
 
-Result<FoundPlane> plane_of_region(const Project& project, const Places& places, const AskedPlane& asked) {
+Result<FoundPlane> plane_of_region(const Project& project, const ProductFrame& product_frame, const AskedPlane& asked) {
   COLLINEA_TRY(const auto n,
                parse_numbers(*asked.region).map_error([](Error e) { return std::move(e).about("region"_option); }));
   if ((n.size() != 4 && n.size() != 6) || !(n[2] > n[0] && n[3] > n[1]) || (n.size() == 6 && !(n[5] > n[4])))
@@ -101,7 +101,7 @@ Result<FoundPlane> plane_of_region(const Project& project, const Places& places,
     points.push_back(point.position);
     sigmas.push_back(double(point.sigma_m));
   }
-  if (places.frame) places.frame->local_from_map(points);
+  if (product_frame.frame) product_frame.frame->local_from_map(points);
   const double tolerance_m = asked.tolerance_m.value_or(3 * median(sigmas));
   if (!(tolerance_m > 0))
     return fail(Errc::kBadInput, "the cloud states no standard deviations: give a tolerance", {"tolerance_m"_option});
@@ -114,18 +114,19 @@ Result<FoundPlane> plane_of_region(const Project& project, const Places& places,
   return FoundPlane{*fit, std::move(on_it), points.size()};
 }
 
-Result<FoundPlane> plane_of(const Project& project, const Block& block, const Places& places, const AskedPlane& asked) {
-  if (int(asked.control.has_value()) + int(asked.places.has_value()) + int(asked.region.has_value()) != 1)
-    return fail(Errc::kBadInput, "which plane? Give control points, places or a region, one of them",
-                {"control"_option, "places"_option, "region"_option});
+Result<FoundPlane> plane_of(const Project& project, const Block& block, const ProductFrame& product_frame,
+                            const AskedPlane& asked) {
+  if (int(asked.control.has_value()) + int(asked.map_points.has_value()) + int(asked.region.has_value()) != 1)
+    return fail(Errc::kBadInput, "which plane? Give control points, map points or a region, one of them",
+                {"control"_option, "map_points"_option, "region"_option});
   if (asked.tolerance_m && !asked.region)
     return fail(Errc::kBadInput, "a tolerance belongs to a region", {"tolerance_m"_option});
   if (asked.control) return plane_of_control(block, *asked.control);
-  if (asked.places) return plane_of_places(places, *asked.places);
-  return plane_of_region(project, places, asked);
+  if (asked.map_points) return plane_of_positions(product_frame, *asked.map_points);
+  return plane_of_region(project, product_frame, asked);
 }
 
-// On which side of the plane they stand who photograph its points: how often the points are seen from the side of the
+// On which side of the plane they stand who image its points: how often the points are seen from the side of the
 // normal, less how often from behind.
 long seen_from_front(const Block& block, const FoundPlane& found) {
   constexpr std::size_t kLookedAt = 100;
@@ -141,7 +142,7 @@ long seen_from_front(const Block& block, const FoundPlane& found) {
   return count;
 }
 
-// Without a place on Earth nothing says where up is; those who take photographs mostly hold the camera level.
+// Without a location on Earth nothing says where up is; those who take images mostly hold the camera level.
 Vector3d up_of(const Block& block) {
   if (block.georeference) return Vector3d::UnitZ();
   Vector3d up = Vector3d::Zero();
@@ -165,9 +166,9 @@ std::pair<Vector2d, Vector2d> most_of(const FoundPlane& found, const FramedPlane
 
 }  // namespace
 
-Result<ProjectPlane> plane_of_project(const Project& project, const Block& block, const Places& places,
+Result<ProjectPlane> plane_of_project(const Project& project, const Block& block, const ProductFrame& product_frame,
                                       const AskedPlane& asked) {
-  COLLINEA_TRY(FoundPlane found, plane_of(project, block, places, asked));
+  COLLINEA_TRY(FoundPlane found, plane_of(project, block, product_frame, asked));
   if (seen_from_front(block, found) < 0) found.fit.normal = -found.fit.normal;
   ProjectPlane plane{framed_plane(found.fit.middle, found.fit.normal, up_of(block)),
                      found.points.size(),

@@ -14,7 +14,7 @@
 #include "collinea/jobs/rectify_plane.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/geotiff.h"
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 #include "collinea/steps/test_small_project.h"
 
 namespace collinea {
@@ -26,8 +26,8 @@ class PlaneOfAProject : public SmallProject {
  public:
   void SetUp() override { map("densify"); }
 
-  void a_plane_through_control_shows_what_the_photographs_show_there();
-  void a_plane_through_places_of_the_map_is_that_through_control();
+  void a_plane_through_control_shows_what_the_images_show_there();
+  void a_plane_through_positions_of_the_map_is_that_through_control();
   void the_plane_of_a_region_is_the_one_that_most_points_of_the_cloud_lie_on();
   void planes_that_cannot_be_drawn_are_refused_in_words();
   void a_plane_of_a_block_without_scale_says_so();
@@ -35,7 +35,7 @@ class PlaneOfAProject : public SmallProject {
 
 // A plane that was drawn, and what is told of it.
 struct DrawnPlane {
-  nlohmann::json told;
+  nlohmann::json reported;
   FramedPlane frame;
   MapGrid grid;
   Raster<std::uint8_t> rgba;
@@ -49,41 +49,41 @@ struct DrawnPlane {
   }
 };
 
-DrawnPlane drawn_plane(const fs::path& picture) {
+DrawnPlane drawn_plane(const fs::path& image) {
   DrawnPlane drawn;
-  drawn.told = nlohmann::json::parse(read_file(fs::path(picture).replace_extension(".json")).value());
+  drawn.reported = nlohmann::json::parse(read_file(fs::path(image).replace_extension(".json")).value());
   const auto vector_of = [&](const char* name) {
-    const nlohmann::json& list = drawn.told.at("plane").at(name);
+    const nlohmann::json& list = drawn.reported.at("plane").at(name);
     return Eigen::Vector3d(list[0].get<double>(), list[1].get<double>(), list[2].get<double>());
   };
   drawn.frame.origin_in_world = vector_of("origin_in_world");
   drawn.frame.world_from_plane << vector_of("x_axis_in_world"), vector_of("y_axis_in_world"),
       vector_of("normal_in_world");
-  const auto reader = GeoTiffReader::open(picture).value();
+  const auto reader = GeoTiffReader::open(image).value();
   drawn.grid = reader.grid();
   drawn.rgba = reader.read_byte(0, 0, drawn.grid.width, drawn.grid.height).value();
   return drawn;
 }
 
-// The RMS difference of a drawn plane to what the first of its photographs that shows a place has `aside` cells beside.
-double difference_to_photographs(const DrawnPlane& plane, const Block& block, const fs::path& photos, double aside) {
+// The RMS difference of a drawn plane to what the first of its images that shows a place has `aside` cells beside.
+double difference_to_images(const DrawnPlane& plane, const Block& block, const fs::path& photos, double aside) {
   double squares = 0, count = 0;
-  std::map<std::string, ColourImage> pictures;
+  std::map<std::string, ColourImage> images;
   for (int row = 2; row < plane.grid.height; row += 5) {
     for (int column = 2; column < plane.grid.width; column += 5) {
       if (plane.rgba.at(column, row, 3) == 0) continue;
-      const Eigen::Vector3d place =
+      const Eigen::Vector3d position =
           plane.world_at(plane.grid.east_of(column + 0.5 + aside), plane.grid.north_of(row + 0.5));
-      for (const auto& photograph : plane.told.at("photographs")) {
-        const std::string file = photograph.at("file");
+      for (const auto& raster : plane.reported.at("photographs")) {
+        const std::string file = raster.at("file");
         const auto image = std::find_if(block.images.begin(), block.images.end(),
                                         [&](const auto& entry) { return entry.second.file == file; });
         const Camera& camera = block.camera_of(image->first);
-        const auto pixel = project(camera, pose_of(block, image->first) * place);
+        const auto pixel = project(camera, pose_of(block, image->first) * position);
         if (!pixel || !inside(camera, *pixel)) continue;
-        if (!pictures.contains(file)) pictures[file] = read_colour(photos / file).value();
+        if (!images.contains(file)) images[file] = read_colour(photos / file).value();
         float colour[3];
-        bicubic(pictures[file], pixel->x(), pixel->y(), colour);
+        bicubic(images[file], pixel->x(), pixel->y(), colour);
         for (int c = 0; c < 3; ++c) squares += std::pow(double(colour[c]) - plane.rgba.at(column, row, c), 2), ++count;
         break;
       }
@@ -101,33 +101,33 @@ std::string three_points(const Block& block) {
   return names;
 }
 
-void PlaneOfAProject::a_plane_through_control_shows_what_the_photographs_show_there() {
+void PlaneOfAProject::a_plane_through_control_shows_what_the_images_show_there() {
   const Block block = open_project(root_ / "mapped", {})->store.read_block().value();
   const auto done = rectify_plane(root_ / "mapped", root_ / "plane.tif", {.control = three_points(block)}, {});
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_TRUE(done->is_metric);
   const DrawnPlane plane = drawn_plane(root_ / "plane.tif");
-  EXPECT_EQ(plane.told.at("plane").at("points"), 3);
+  EXPECT_EQ(plane.reported.at("plane").at("points"), 3);
   EXPECT_GT(plane.normal().z(), 0.9);
   for (auto it = block.control.begin(); it != std::next(block.control.begin(), 3); ++it)
     EXPECT_LT(plane.off_m(it->second.position_in_world), 1e-6) << it->second.name;
   // Rounded to whole levels: 1 / sqrt(12). Half a cell beside it is ten times that.
-  EXPECT_LT(difference_to_photographs(plane, block, root_ / "images", 0), 0.35);
-  EXPECT_GT(difference_to_photographs(plane, block, root_ / "images", 0.5), 2);
+  EXPECT_LT(difference_to_images(plane, block, root_ / "images", 0), 0.35);
+  EXPECT_GT(difference_to_images(plane, block, root_ / "images", 0.5), 2);
 }
 
-void PlaneOfAProject::a_plane_through_places_of_the_map_is_that_through_control() {
+void PlaneOfAProject::a_plane_through_positions_of_the_map_is_that_through_control() {
   const Block block = open_project(root_ / "mapped", {})->store.read_block().value();
   const auto frame = world_frame(block.georeference.value());
   ASSERT_TRUE(frame);
-  std::string places;
+  std::string positions;
   for (auto it = block.control.begin(); it != std::next(block.control.begin(), 3); ++it) {
     const Eigen::Vector3d on_map = frame->map_from_local(it->second.position_in_world);
-    places += fmt::format("{:.6f} {:.6f} {:.6f}\n", on_map.x(), on_map.y(), on_map.z());
+    positions += fmt::format("{:.6f} {:.6f} {:.6f}\n", on_map.x(), on_map.y(), on_map.z());
   }
-  ASSERT_TRUE(write_file(root_ / "places.txt", places));
+  ASSERT_TRUE(write_file(root_ / "places.txt", positions));
   ASSERT_TRUE(rectify_plane(root_ / "mapped", root_ / "plane.tif", {.control = three_points(block)}, {}));
-  ASSERT_TRUE(rectify_plane(root_ / "mapped", root_ / "same.tif", {.places = root_ / "places.txt"}, {}));
+  ASSERT_TRUE(rectify_plane(root_ / "mapped", root_ / "same.tif", {.map_points = root_ / "places.txt"}, {}));
   const DrawnPlane plane = drawn_plane(root_ / "plane.tif"), same = drawn_plane(root_ / "same.tif");
   // The file has micrometres.
   EXPECT_LT((same.frame.origin_in_world - plane.frame.origin_in_world).norm(), 1e-5);
@@ -159,14 +159,14 @@ void PlaneOfAProject::the_plane_of_a_region_is_the_one_that_most_points_of_the_c
       return std::abs(normal.dot(point - middle)) < kTolerance_m;
     });
   };
-  const auto told = plane.told.at("plane");
+  const auto reported = plane.reported.at("plane");
   const auto count = on_it(plane.frame.origin_in_world, plane.normal());
   double squares = 0;
   for (const Eigen::Vector3d& point : cloud)
     if (plane.off_m(point) < kTolerance_m) squares += plane.off_m(point) * plane.off_m(point);
   // What is told is of the points that the last fit was made of, which then moved the plane a little.
-  EXPECT_NEAR(told.at("points").get<double>(), double(count), 0.01 * double(count));
-  EXPECT_NEAR(told.at("rms_m").get<double>(), std::sqrt(squares / double(count)), 0.01 * kTolerance_m);
+  EXPECT_NEAR(reported.at("points").get<double>(), double(count), 0.01 * double(count));
+  EXPECT_NEAR(reported.at("rms_m").get<double>(), std::sqrt(squares / double(count)), 0.01 * kTolerance_m);
   // No other that three of its points make holds more.
   Random random(1);
   long most = 0;
@@ -215,8 +215,8 @@ void PlaneOfAProject::a_plane_of_a_block_without_scale_says_so() {
 }
 
 TEST_F(PlaneOfAProject, IsFoundDrawnAndRefusedAsPromised) {
-  a_plane_through_control_shows_what_the_photographs_show_there();
-  a_plane_through_places_of_the_map_is_that_through_control();
+  a_plane_through_control_shows_what_the_images_show_there();
+  a_plane_through_positions_of_the_map_is_that_through_control();
   the_plane_of_a_region_is_the_one_that_most_points_of_the_cloud_lie_on();
   planes_that_cannot_be_drawn_are_refused_in_words();
   a_plane_of_a_block_without_scale_says_so();

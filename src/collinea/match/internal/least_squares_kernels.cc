@@ -43,7 +43,8 @@ HWY_INLINE V byte_of(D d, DI di, VI four) {
   return hn::ConvertTo(d, hn::And(hn::ShiftRight<8 * kByte>(four), hn::Set(di, 255)));
 }
 
-bool sample_window(const GreySquare& square, const WindowPlace& place, const float* u, const float* v, float* out) {
+bool sample_window(const GreySquare& square, const WindowPosition& position, const float* u, const float* v,
+                   float* out) {
   const D d;
   const DI di;
   const int n = static_cast<int>(hn::Lanes(d));
@@ -51,10 +52,10 @@ bool sample_window(const GreySquare& square, const WindowPlace& place, const flo
   const auto* base = reinterpret_cast<const std::int32_t*>(square.grey);
   for (int i = 0; i < kWindowFloats; i += n) {
     const V ui = hn::LoadU(d, u + i), vi = hn::LoadU(d, v + i);
-    const V x =
-        hn::Add(hn::Set(d, place.x), hn::Add(hn::Mul(hn::Set(d, place.xu), ui), hn::Mul(hn::Set(d, place.xv), vi)));
-    const V y =
-        hn::Add(hn::Set(d, place.y), hn::Add(hn::Mul(hn::Set(d, place.yu), ui), hn::Mul(hn::Set(d, place.yv), vi)));
+    const V x = hn::Add(hn::Set(d, position.x),
+                        hn::Add(hn::Mul(hn::Set(d, position.xu), ui), hn::Mul(hn::Set(d, position.xv), vi)));
+    const V y = hn::Add(hn::Set(d, position.y),
+                        hn::Add(hn::Mul(hn::Set(d, position.yu), ui), hn::Mul(hn::Set(d, position.yv), vi)));
     const V x_low = hn::Floor(x), y_low = hn::Floor(y);
     const VI column = hn::ConvertTo(di, x_low), row = hn::ConvertTo(di, y_low);
     const auto outside =
@@ -104,8 +105,9 @@ namespace collinea {
 HWY_EXPORT(sample_window);
 HWY_EXPORT(window_products);
 
-bool sample_window(const GreySquare& square, const WindowPlace& place, const float* u, const float* v, float* out) {
-  return HWY_DYNAMIC_DISPATCH(sample_window)(square, place, u, v, out);
+bool sample_window(const GreySquare& square, const WindowPosition& position, const float* u, const float* v,
+                   float* out) {
+  return HWY_DYNAMIC_DISPATCH(sample_window)(square, position, u, v, out);
 }
 
 void window_products(const float* columns, const float* values, float* out) {

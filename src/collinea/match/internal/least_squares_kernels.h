@@ -19,14 +19,14 @@ struct GreySquare {
 };
 
 /// The point (u, v) of the window lies at (x + xu u + xv v, y + yu u + yv v), whole numbers being pixel centres.
-struct WindowPlace {
+struct WindowPosition {
   float x, y, xu, xv, yu, yv;
 };
 
 /// Grey values at the points (u, v) of a window by cubic convolution (Keys 1981, a = -1/2). False, with nothing of use
 /// in `out`, when a point lies less than two pixels inside.
-[[nodiscard]] bool sample_window(const GreySquare& square, const WindowPlace& place, const float* u, const float* v,
-                                 float* out);
+[[nodiscard]] bool sample_window(const GreySquare& square, const WindowPosition& position, const float* u,
+                                 const float* v, float* out);
 
 /// out[i] = sum over the window's points of columns[i * kWindowFloats + point] * values[point], i < kUnknowns.
 void window_products(const float* columns, const float* values, float* out);

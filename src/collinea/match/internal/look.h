@@ -12,7 +12,7 @@
 
 namespace collinea {
 
-/// The largest features of an image. They see much of the picture, survive a change of distance best, and are so few
+/// The largest features of an image. They see much of the image, survive a change of distance best, and are so few
 /// that the same ones are found in both images; comparing them costs a hundredth of comparing all (Wu 2013, Towards
 /// linear-time incremental structure from motion).
 struct Glance {

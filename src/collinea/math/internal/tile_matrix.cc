@@ -35,9 +35,9 @@ std::size_t TileMatrix::find(int row, int column) const {
 }
 
 double& TileMatrix::at(int row, int column) {
-  const std::size_t place = find(row / kTile, column / kTile);
-  COLLINEA_CHECK(place != kNowhere);
-  return tile(place)[column % kTile * kTile + row % kTile];
+  const std::size_t index = find(row / kTile, column / kTile);
+  COLLINEA_CHECK(index != kNowhere);
+  return tile(index)[column % kTile * kTile + row % kTile];
 }
 
 void TileMatrix::clear() {
@@ -51,10 +51,10 @@ void TileMatrix::times(const double* x, double* y) const {
   for (int row = 0; row < tile_rows(); ++row) {  // the negative of it
     const double* its_x = x + row * kTile;
     double* its_y = y + row * kTile;
-    for (std::size_t place = first(row); place < diagonal(row); ++place) {
-      const int column = column_of(place);
-      subtract_times(its_y, tile(place), x + column * kTile);
-      subtract_transposed_times(y + column * kTile, tile(place), its_x);
+    for (std::size_t index = first(row); index < diagonal(row); ++index) {
+      const int column = column_of(index);
+      subtract_times(its_y, tile(index), x + column * kTile);
+      subtract_transposed_times(y + column * kTile, tile(index), its_x);
     }
     const double* values = tile(diagonal(row));  // of which the lower triangle counts
     for (int c = 0; c < kTile; ++c, values += kTile) {

@@ -32,9 +32,9 @@ class TileMatrix {
   [[nodiscard]] std::size_t first(int row) const { return row_begin_[row]; }
   [[nodiscard]] std::size_t diagonal(int row) const { return row_begin_[row + 1] - 1; }
   [[nodiscard]] std::size_t find(int row, int column) const;
-  [[nodiscard]] int column_of(std::size_t place) const { return columns_[place]; }
-  [[nodiscard]] const double* tile(std::size_t place) const { return tiles_.data() + place * kTileSize; }
-  [[nodiscard]] double* tile(std::size_t place) { return tiles_.data() + place * kTileSize; }
+  [[nodiscard]] int column_of(std::size_t index) const { return columns_[index]; }
+  [[nodiscard]] const double* tile(std::size_t index) const { return tiles_.data() + index * kTileSize; }
+  [[nodiscard]] double* tile(std::size_t index) { return tiles_.data() + index * kTileSize; }
 
   [[nodiscard]] bool holds(int row, int column) const { return find(row, column) != kNowhere; }  ///< tiles
   /// An element of the lower triangle, in a tile that is held.

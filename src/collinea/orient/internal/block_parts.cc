@@ -29,7 +29,7 @@ bool begins_globally(const Block& setup, const OrientOptions& options) {
 Result<bool> begin(Reconstruction& block, const Block& setup, std::span<const ImagePair> pairs,
                    const OrientOptions& options, const Run& run) {
   if (!begins_globally(setup, options)) return false;
-  COLLINEA_TRY(const bool placed, place_globally(block, setup, pairs, options, run));
+  COLLINEA_TRY(const bool placed, orient_globally(block, setup, pairs, options, run));
   if (!placed && options.mode == OrientMode::kGlobal)
     return fail(Errc::kIllPosed,
                 "the positions of the images do not fix the block (too few, all on one line, or they contradict "

@@ -18,7 +18,7 @@ constexpr double kStep = 5;       // one step does no more: weights must not col
 struct Shown {
   double squares = 0, redundancy = 0;  // of residuals in sigmas; what the block and the other points know of them
   int coordinates = 0;
-  // Of control that positions alone contradict, nothing is known: their errors are mostly common to all.
+  // The factor of control that positions alone contradict is not known: their errors are mostly common to all.
   [[nodiscard]] double sigma_factor(ControlKind kind) const {
     const int of_datum = kind == kPlan ? 4 : 3;
     return coordinates > of_datum && squares > 0 && redundancy > 0 ? std::sqrt(squares / redundancy) : 1;

@@ -9,10 +9,10 @@
 namespace collinea {
 namespace {
 
-using bundle::PlacePair;
+using bundle::PositionPair;
 
-std::vector<PlacePair> position_pairs(const Block& block, std::vector<ImageId>& images) {
-  std::vector<PlacePair> pairs;
+std::vector<PositionPair> position_pairs(const Block& block, std::vector<ImageId>& images) {
+  std::vector<PositionPair> pairs;
   for (const auto& [id, pose] : oriented_images(block)) {
     const auto& position = block.images.at(id).position;
     if (!position || !position->sigma_m.allFinite()) continue;
@@ -23,8 +23,8 @@ std::vector<PlacePair> position_pairs(const Block& block, std::vector<ImageId>& 
   return pairs;
 }
 
-std::vector<PlacePair> control_pairs(const Block& block, std::vector<ControlId>& points) {
-  std::vector<PlacePair> pairs;
+std::vector<PositionPair> control_pairs(const Block& block, std::vector<ControlId>& points) {
+  std::vector<PositionPair> pairs;
   for (const auto& [id, control] : block.control) {
     if (control.role != ControlRole::kControl || !control.sigma_m.allFinite()) continue;
     const auto met = intersect(sight_lines(block, id));
@@ -41,11 +41,11 @@ std::optional<Datum> datum(const Block& block, bool use_positions, bool use_cont
   Datum result;
   std::vector<ControlId> points;
   std::vector<ImageId> images;
-  std::vector<PlacePair> pairs;
+  std::vector<PositionPair> pairs;
   if (use_control) pairs = control_pairs(block, points);
   result.by_control = bundle::span_a_plane(pairs);
   if (!result.by_control && use_positions) {
-    const std::vector<PlacePair> positions = position_pairs(block, images);
+    const std::vector<PositionPair> positions = position_pairs(block, images);
     pairs.insert(pairs.end(), positions.begin(), positions.end());
   }
   if (!bundle::span_a_plane(pairs)) return std::nullopt;

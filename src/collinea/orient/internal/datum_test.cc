@@ -66,7 +66,7 @@ TEST(Datum, AThirdOfWildPositionsDoesNoHarm) {
   EXPECT_LT(worst_centre(block, truth), 2.5);  // 0.5 m, 14 positions, corners
 }
 
-TEST(Datum, TwoPlacesOrOneLineGiveNone) {
+TEST(Datum, TwoPositionsOrOneLineGiveNone) {
   Block block = test_block({.rows = 1, .columns = 8});
   EXPECT_FALSE(datum(block));
   for (auto& [id, image] : block.images) {

@@ -13,15 +13,15 @@ std::vector<Finding> geodetic_findings(const Block& setup, const Adjusted& adjus
   constexpr double kDegrees = 180 / std::numbers::pi;
   std::vector<const GeodeticDifference*> beyond;
   const auto by_sigma = [](const GeodeticDifference& one) { return std::abs(one.difference) / one.difference_sigma; };
-  for (const GeodeticDifference& one : adjusted.ground)
+  for (const GeodeticDifference& one : adjusted.geodetic)
     if (by_sigma(one) > kBeyond && !excluded.contains(one.observation)) beyond.push_back(&one);
   std::sort(beyond.begin(), beyond.end(), [&](auto* a, auto* b) { return by_sigma(*a) > by_sigma(*b); });
   std::vector<Finding> findings;
   for (const GeodeticDifference* one : beyond) {
-    const GeodeticObservation& measured = setup.ground[one->observation];
+    const GeodeticObservation& measured = setup.geodetic[one->observation];
     const bool angle = measured.is_angle();
-    findings.push_back(finding_of(angle ? FindingCode::kGroundAngleDiffers : FindingCode::kGroundDiffers,
-                                  {Subject::ground(one->observation)},
+    findings.push_back(finding_of(angle ? FindingCode::kGeodeticAngleDiffers : FindingCode::kGeodeticDiffers,
+                                  {Subject::geodetic(one->observation)},
                                   {{angle ? FigureName::kDifferenceAngle : FigureName::kDifference,
                                     angle ? one->difference * kDegrees : one->difference},
                                    {FigureName::kRatio, by_sigma(*one)}}));

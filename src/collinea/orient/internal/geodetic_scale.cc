@@ -13,15 +13,15 @@ constexpr double kAgree = 5;                  // sigmas: no chance explains more
 constexpr double kLeastContradiction = 1e-3;  // relative; less does no harm, and the block itself bends as much
 
 struct Ratio {
-  std::size_t place;
+  std::size_t index;
   double value, sigma;  // given over intersected length; sigma relative
   [[nodiscard]] double weight() const { return 1 / (sigma * sigma); }
 };
 
 std::vector<Ratio> ratios_of(const Block& block) {
   std::vector<Ratio> ratios;
-  for (std::size_t i = 0; i < block.ground.size(); ++i) {
-    const GeodeticObservation& one = block.ground[i];
+  for (std::size_t i = 0; i < block.geodetic.size(); ++i) {
+    const GeodeticObservation& one = block.geodetic[i];
     // Heights of instrument and target need to know what is up.
     if (one.kind != GeodeticKind::kDistance || one.role != ControlRole::kControl || one.instrument_height_m != 0 ||
         one.target_height_m != 0)
@@ -68,14 +68,14 @@ std::optional<GeodeticScale> geodetic_scale(const Block& block) {
     if (distance(ratio, middle) > 1) {
       if (ratios.size() == 2) {
         found.findings.push_back(finding_of(FindingCode::kDistancesContradict,
-                                            {Subject::ground(ratios[0].place), Subject::ground(ratios[1].place)},
+                                            {Subject::geodetic(ratios[0].index), Subject::geodetic(ratios[1].index)},
                                             {{FigureName::kRelative, std::abs(off)}}, {RemedyCode::kAddDistance}));
       } else {
-        found.excluded.push_back(ratio.place);
+        found.excluded.push_back(ratio.index);
         found.findings.push_back(
-            finding_of(FindingCode::kDistanceWrong, {Subject::ground(ratio.place)},
+            finding_of(FindingCode::kDistanceWrong, {Subject::geodetic(ratio.index)},
                        {{FigureName::kRelative, std::abs(off)},
-                        {FigureName::kDifference, std::abs(off) * block.ground[ratio.place].value}},
+                        {FigureName::kDifference, std::abs(off) * block.geodetic[ratio.index].value}},
                        {RemedyCode::kLookAtDistance}));
         continue;
       }

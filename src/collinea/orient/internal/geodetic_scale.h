@@ -14,7 +14,7 @@ struct GeodeticScale {
   double scale = 1;                   ///< metres to a unit of the block
   double sigma = 0;                   ///< relative, by the sigmas of distances and image measurements
   int distances = 0;                  ///< that agree on it
-  std::vector<std::size_t> excluded;  ///< places in Block::ground of distances that contradict the others
+  std::vector<std::size_t> excluded;  ///< indices in Block::geodetic of distances that contradict the others
   std::vector<Finding> findings;
 };
 

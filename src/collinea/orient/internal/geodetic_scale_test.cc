@@ -14,7 +14,7 @@ Block small_block(int distances) {
   for (int i = 1; i <= distances; ++i) {
     const ControlId to{static_cast<std::uint32_t>(i)};
     const double length = (block.control.at({0}).position_in_world - block.control.at(to).position_in_world).norm();
-    block.ground.push_back({.from = {0}, .to = to, .value = length, .sigma = 1e-4 * length});
+    block.geodetic.push_back({.from = {0}, .to = to, .value = length, .sigma = 1e-4 * length});
   }
   for (auto [id, pose] : oriented_images(block)) {
     pose.translation /= 2;
@@ -34,20 +34,20 @@ TEST(GeodeticScale, IsThatOfTheDistances) {
 
 TEST(GeodeticScale, AWrongDistanceIsNamedAndLeftOut) {
   Block block = small_block(4);
-  block.ground[2].value *= 1.05;
+  block.geodetic[2].value *= 1.05;
   const auto found = geodetic_scale(block);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->scale, 2, 1e-8);
   ASSERT_EQ(found->excluded, std::vector<std::size_t>{2});
   ASSERT_EQ(found->findings.size(), 1u);
   EXPECT_EQ(found->findings[0].code, FindingCode::kDistanceWrong);
-  EXPECT_EQ(found->findings[0].subjects, std::vector{Subject::ground(2)});
+  EXPECT_EQ(found->findings[0].subjects, std::vector{Subject::geodetic(2)});
   EXPECT_NEAR(found->findings[0].figure(FigureName::kRelative).value_or(0), 0.05, 1e-6);
 }
 
-TEST(GeodeticScale, OfTwoThatContradictEachOtherNoneIsToldWrong) {
+TEST(GeodeticScale, OfTwoThatContradictEachOtherNoneIsStatedWrong) {
   Block block = small_block(2);
-  block.ground[1].value *= 1.1;
+  block.geodetic[1].value *= 1.1;
   const auto found = geodetic_scale(block);
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->excluded.empty());
@@ -61,7 +61,7 @@ TEST(GeodeticScale, NeedsPointsThatTwoImagesShow) {
   std::erase_if(block.control_observations, [](const ControlObservation& seen) { return seen.point.value == 1; });
   EXPECT_FALSE(geodetic_scale(block));
   block = small_block(1);
-  block.ground[0].role = ControlRole::kCheck;
+  block.geodetic[0].role = ControlRole::kCheck;
   EXPECT_FALSE(geodetic_scale(block));
 }
 

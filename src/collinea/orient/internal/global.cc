@@ -18,7 +18,7 @@ constexpr double kNearlyAll = 0.9;        // of the images have a position
 // Tolerances of the rounds over the final one. The first is what a degree of a pair's direction makes of a point's
 // image.
 constexpr std::array<double, 4> kTolerances = {16, 6, 2, 1};
-constexpr double kLeastPlaced = 0.5;  // of the part's images must hold, or the positions contradict the pairs
+constexpr double kLeastLocated = 0.5;  // of the part's images must hold, or the positions contradict the pairs
 
 /// The images of the part and what its pairs say, by the images' numbers in the part.
 struct Part {
@@ -107,7 +107,7 @@ std::optional<std::map<ImageId, Rigid3>> poses_of(Part part, const Block& setup,
   if (!world_from_frame) return std::nullopt;
   for (Eigen::Quaterniond& rotation : rotations) rotation = (rotation * world_from_frame->conjugate()).normalized();
   for (RelativeDirection& pair : part.directions) pair.direction = *world_from_frame * pair.direction;
-  turn_towards(part.rotations, bases_of(part, in_first, received), rotations, run);
+  rotate_towards(part.rotations, bases_of(part, in_first, received), rotations, run);
   for (std::size_t i = 0; i < in_first.size(); ++i)
     part.directions[i].direction = rotations[part.directions[i].first].conjugate() * in_first[i];
   const std::vector<Eigen::Vector3d> centres = average_positions(part.directions, received, run);
@@ -126,13 +126,13 @@ bool worth_global(const Block& setup) {
          static_cast<double>(positions) >= kNearlyAll * static_cast<double>(setup.images.size());
 }
 
-Result<bool> place_globally(Reconstruction& block, const Block& setup, std::span<const ImagePair> pairs,
-                            const OrientOptions& options, const Run& run) {
+Result<bool> orient_globally(Reconstruction& block, const Block& setup, std::span<const ImagePair> pairs,
+                             const OrientOptions& options, const Run& run) {
   const std::vector<ImageId> images = largest_part(block.images_with_tracks(), pairs);
   const auto poses = poses_of(part_of(images, pairs), setup, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   if (!poses) return false;
-  block.place(*poses);
+  block.start_from_poses(*poses);
   for (std::size_t round = 0; round < kTolerances.size(); ++round) {
     block.set_max_error_px(kTolerances[round] * options.max_error_px);
     block.extend_all(run);
@@ -140,7 +140,7 @@ Result<bool> place_globally(Reconstruction& block, const Block& setup, std::span
     adjust.max_iterations = 10;
     adjust.relative_cost_change = 1e-2;
     if (round > 0) adjust.first_damping = kSettledDamping;
-    if (auto adjusted = block.adjust_all(adjust, {.use_control = false, .use_ground = false}, run); !adjusted) {
+    if (auto adjusted = block.adjust_all(adjust, {.use_control = false, .use_geodetic = false}, run); !adjusted) {
       if (run.stopped()) return tl::unexpected(adjusted.error());
       block.forget();
       block.set_max_error_px(options.max_error_px);
@@ -151,7 +151,7 @@ Result<bool> place_globally(Reconstruction& block, const Block& setup, std::span
   }
   block.extend_all(run);
   block.drop_loose(options.min_points);
-  if (static_cast<double>(block.poses().size()) >= kLeastPlaced * static_cast<double>(images.size())) return true;
+  if (static_cast<double>(block.poses().size()) >= kLeastLocated * static_cast<double>(images.size())) return true;
   block.forget();
   return false;
 }

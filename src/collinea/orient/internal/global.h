@@ -16,8 +16,8 @@ namespace collinea {
 /// points intersected with a wide tolerance that narrows from adjustment to adjustment, positions as observations.
 /// Images that too few points hold are left out: growth brings them in. False, and nothing placed, when the positions
 /// do not fix the block (too few, on one line, or contradicting the pairs). Error: stopped.
-[[nodiscard]] Result<bool> place_globally(Reconstruction& reconstruction, const Block& setup,
-                                          std::span<const ImagePair> pairs, const OrientOptions& options,
-                                          const Run& run);
+[[nodiscard]] Result<bool> orient_globally(Reconstruction& reconstruction, const Block& setup,
+                                           std::span<const ImagePair> pairs, const OrientOptions& options,
+                                           const Run& run);
 
 }  // namespace collinea

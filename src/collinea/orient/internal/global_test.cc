@@ -57,7 +57,7 @@ TEST(AverageRotations, WrongPairsDoNoHarm) {
 }
 
 // A strip whose pairs all pitch by a little too much, as with a wrong lens, with the bases between its cameras.
-TEST(TurnTowards, TakesAwayWhatErrorsCommonToAllPairsAddUpTo) {
+TEST(RotateTowards, TakesAwayWhatErrorsCommonToAllPairsAddUpTo) {
   constexpr int kCount = 40;
   const Eigen::Vector3d across(0, 0, 1);  // of the line x and of the side line y below
   std::vector<RelativeRotation> pairs;
@@ -69,32 +69,32 @@ TEST(TurnTowards, TakesAwayWhatErrorsCommonToAllPairsAddUpTo) {
     for (const Eigen::Vector3d& base : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)})
       directions.push_back({i, base, base, 0.05});
   }
-  turn_towards(pairs, directions, cameras, kRun);
+  rotate_towards(pairs, directions, cameras, kRun);
   for (int i = 0; i < kCount; ++i)
     EXPECT_LT(cameras[i].angularDistance(Eigen::Quaterniond::Identity()), i > 5 && i < kCount - 6 ? 0.01 : 0.03) << i;
 }
 
-TEST(TurnTowards, AWrongDirectionDoesNoHarm) {
+TEST(RotateTowards, AWrongDirectionDoesNoHarm) {
   std::vector<SeenDirection> directions;
   std::vector<Eigen::Quaterniond> cameras{rotation_by({0.1, -0.05, 0.2})};
   for (const Eigen::Vector3d& base :
        {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, -1, 0)})
     directions.push_back({0, base, base, 0.02});
   directions.push_back({0, {0, 0, 1}, {1, 0, 0}, 0.02});
-  turn_towards({}, directions, cameras, kRun);
+  rotate_towards({}, directions, cameras, kRun);
   EXPECT_LT(cameras[0].angularDistance(Eigen::Quaterniond::Identity()), 0.02);
 }
 
 // Cameras on a grid with directions to their neighbours in a frame that is turned against the world.
-struct Places {
+struct Positions {
   std::vector<Eigen::Vector3d> exact;
   std::vector<RelativeDirection> directions;  // in the world
   std::vector<ReceivedPosition> received;
 };
 
-Places places(int rows, int columns, double sigma_m, double noise_rad) {
+Positions positions(int rows, int columns, double sigma_m, double noise_rad) {
   Random random(6);
-  Places p;
+  Positions p;
   for (int i = 0; i < rows * columns; ++i) {
     p.exact.emplace_back(20.0 * (i % columns), 35.0 * (i / columns), 100 + random.normal());
     p.received.push_back({p.exact[i] + sigma_m * testing::normal3(random), Eigen::Vector3d::Constant(sigma_m)});
@@ -108,8 +108,8 @@ Places places(int rows, int columns, double sigma_m, double noise_rad) {
   return p;
 }
 
-TEST(WorldFromDirections, FindsTheTurnDespiteWrongPositions) {
-  Places p = places(5, 8, 0.5, 0.002);
+TEST(WorldFromDirections, FindsTheRotationDespiteWrongPositions) {
+  Positions p = positions(5, 8, 0.5, 0.002);
   p.received[11].position_in_world += Eigen::Vector3d(60, -40, 20);
   const Eigen::Quaterniond world_from_frame = rotation_by({0.4, -1.1, 2});
   for (RelativeDirection& pair : p.directions) pair.direction = world_from_frame.conjugate() * pair.direction;
@@ -118,13 +118,13 @@ TEST(WorldFromDirections, FindsTheTurnDespiteWrongPositions) {
   EXPECT_LT(found->angularDistance(world_from_frame), 0.02);
 }
 
-TEST(WorldFromDirections, OneStripFixesNoTurn) {
-  const Places p = places(1, 12, 0.05, 0);
+TEST(WorldFromDirections, OneStripFixesNoRotation) {
+  const Positions p = positions(1, 12, 0.05, 0);
   EXPECT_FALSE(world_from_directions(p.directions, p.received));
 }
 
 TEST(AveragePositions, DirectionsMakePositionsBetter) {
-  const Places p = places(6, 10, 1.5, 0.005);
+  const Positions p = positions(6, 10, 1.5, 0.005);
   const auto found = average_positions(p.directions, p.received, kRun);
   double before = 0, after = 0;
   for (std::size_t i = 0; i < p.exact.size(); ++i) {
@@ -135,7 +135,7 @@ TEST(AveragePositions, DirectionsMakePositionsBetter) {
 }
 
 TEST(AveragePositions, ACameraWithoutPositionIsPlacedByItsDirections) {
-  Places p = places(5, 8, 0.1, 0);
+  Positions p = positions(5, 8, 0.1, 0);
   p.received[18] = {};
   const auto found = average_positions(p.directions, p.received, kRun);
   EXPECT_LT((found[18] - p.exact[18]).norm(), 0.5);

@@ -91,7 +91,7 @@ class Grower {
       block_.forget();
       if (block_.start(pair->first, pair->second, pair->second_from_first) < kMinInitialPoints) continue;
       const auto adjusted = block_.adjust_all(
-          growing(Calibration::kNone, 20), {.use_positions = false, .use_control = false, .use_ground = false}, run_);
+          growing(Calibration::kNone, 20), {.use_positions = false, .use_control = false, .use_geodetic = false}, run_);
       if (!adjusted) continue;
       block_.filter(options_.max_error_px, run_);
       if (block_.point_count() < kMinInitialPoints) continue;
@@ -121,7 +121,7 @@ class Grower {
       if (run_.stopped()) return false;
       if (block_.orient_image(image, run_.seed)) {
         block_.extend(image);
-        for (const ImageId beside : block_.images_beside(image)) coverage_.erase(beside);
+        for (const ImageId neighbour : block_.images_around(image)) coverage_.erase(neighbour);
         if (!block_.adjust_around(image, local_options(), run_)) {
           block_.drop_image(image);
         } else {
@@ -140,7 +140,7 @@ class Grower {
     for (int round = 0; round < rounds; ++round) {
       const AdjustOptions adjust = growing(young_calibration(options_, block_.poses().size()), 20);
       if (auto adjusted =
-              block_.adjust_all(adjust, {.use_positions = false, .use_control = false, .use_ground = false}, run_);
+              block_.adjust_all(adjust, {.use_positions = false, .use_control = false, .use_geodetic = false}, run_);
           !adjusted)
         return tl::unexpected(adjusted.error());
       block_.filter(options_.max_error_px, run_);

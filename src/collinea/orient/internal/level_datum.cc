@@ -39,7 +39,7 @@ std::optional<Level> by_attitudes(const Block& block) {
   return Level{sum.normalized(), verticals.begin()->second.sigma_rad / std::sqrt(count), LevelSource::kAttitudes};
 }
 
-// Mean and mean products of the pictures' axes in the block.
+// Mean and mean products of the images' axes in the block.
 struct Views {
   Eigen::Vector3d down = Eigen::Vector3d::Zero(), forward = Eigen::Vector3d::Zero();
   Eigen::Matrix3d right = Eigen::Matrix3d::Zero();
@@ -85,9 +85,9 @@ struct Station {
 };
 
 struct PlanFit {
-  std::complex<double> world_from_block = 1, place;  // turn and scale; where the zero of the block comes to lie
+  std::complex<double> world_from_block = 1, shift;  // turn and scale; where the zero of the block comes to lie
   double chi = 0;                                    // root mean square residual in sigmas, of those that count
-  double turn_sigma_rad = 0, across = 0;             // across: reach off their line, in sigmas of all
+  double rotation_sigma_rad = 0, across = 0;         // across: reach off their line, in sigmas of all
 };
 
 // Weighted least squares of a turn, a scale and a shift, with the outliers of the round before left out.
@@ -112,13 +112,13 @@ std::optional<PlanFit> plan_fit(const std::vector<Station>& stations) {
     }
     if (!(reach > 0) || !(std::abs(product) > 0)) return std::nullopt;
     fit.world_from_block = product / reach;
-    fit.place = world - fit.world_from_block * block;
+    fit.shift = world - fit.world_from_block * block;
     const double scale = std::abs(fit.world_from_block);
-    fit.turn_sigma_rad = 1 / (scale * std::sqrt(reach));
+    fit.rotation_sigma_rad = 1 / (scale * std::sqrt(reach));
     fit.across = scale * std::sqrt(std::max(0.0, (reach - std::abs(along)) / 2));
     std::vector<double> distances;
     for (const Station& s : stations)
-      distances.push_back(std::abs(s.in_world - fit.world_from_block * s.in_block - fit.place) / s.sigma_m);
+      distances.push_back(std::abs(s.in_world - fit.world_from_block * s.in_block - fit.shift) / s.sigma_m);
     const double shown =
         std::max(1.0, median(std::vector(distances)) / 1.1774);  // median of a normal 2-vector's length
     double squares = 0, count = 0;
@@ -168,26 +168,26 @@ std::optional<LevelDatum> level_datum(const Block& block) {
   Eigen::Quaterniond level_from_block;
   LevelDatum datum;
   for (const Level& candidate : levels_of(block)) {
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(candidate.up_in_block, Eigen::Vector3d::UnitZ());
-    const std::vector<Station> stations = stations_of(block, turn);
+    const auto rotation = Eigen::Quaterniond::FromTwoVectors(candidate.up_in_block, Eigen::Vector3d::UnitZ());
+    const std::vector<Station> stations = stations_of(block, rotation);
     if (stations.size() < 3) return std::nullopt;
     const auto fit = plan_fit(stations);
     if (!fit || (best && fit->chi > kClearlyBetter * best->chi)) continue;
     best = fit;
     level = candidate;
-    level_from_block = turn;
+    level_from_block = rotation;
     datum.positions = stations.size();
   }
-  if (!best || best->across < kAcross || best->turn_sigma_rad > kWorstScale) return std::nullopt;
+  if (!best || best->across < kAcross || best->rotation_sigma_rad > kWorstScale) return std::nullopt;
   Similarity3& world_from_block = datum.world_from_block;
   world_from_block.scale = std::abs(best->world_from_block);
   const Eigen::AngleAxisd north(std::arg(best->world_from_block), Eigen::Vector3d::UnitZ());
   world_from_block.rotation = (north * level_from_block).normalized();
-  world_from_block.translation = {best->place.real(), best->place.imag(), 0};
+  world_from_block.translation = {best->shift.real(), best->shift.imag(), 0};
   world_from_block.translation.z() = height_shift_m(block, world_from_block, datum.heights);
   datum.level_by = level.by;
   datum.level_sigma_rad = level.sigma_rad;
-  datum.turn_sigma_rad = best->turn_sigma_rad;
+  datum.rotation_sigma_rad = best->rotation_sigma_rad;
   const double of_each = level.sigma_rad * std::sqrt(static_cast<double>(count_oriented(block)));
   for (const auto& [id, pose] : oriented_images(block))
     datum.verticals[id] = {pose.rotation * level.up_in_block, of_each};

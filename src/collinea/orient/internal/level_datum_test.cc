@@ -10,8 +10,8 @@
 namespace collinea {
 namespace {
 
-// Pictures taken level, on a ring about something: the edges of the pictures tell what is level.
-TEST(LevelDatum, AWalkRoundAThingIsLevelledByTheEdgesOfItsPictures) {
+// Images taken level, on a ring about something: the edges of the images tell what is level.
+TEST(LevelDatum, AWalkRoundAThingIsLevelledByTheEdgesOfItsImages) {
   Block block;
   const Similarity3 world_from_block{3, rotation_by({0.4, -1, 2}), {10, 20, 30}};
   for (std::uint32_t i = 0; i < 12; ++i) {
@@ -36,7 +36,7 @@ TEST(LevelDatum, AWalkRoundAThingIsLevelledByTheEdgesOfItsPictures) {
   EXPECT_NEAR(found->world_from_block.scale, 3, 1e-6);
   EXPECT_LT(found->world_from_block.rotation.angularDistance(world_from_block.rotation), 1e-6);
   EXPECT_LT((found->world_from_block.translation - world_from_block.translation).head<2>().norm(), 1e-6);
-  EXPECT_NEAR(found->turn_sigma_rad, 0.5 / (5 * std::sqrt(12.0)), 1e-6);
+  EXPECT_NEAR(found->rotation_sigma_rad, 0.5 / (5 * std::sqrt(12.0)), 1e-6);
   EXPECT_EQ(found->heights, 0u);
   for (auto& [id, image] : block.images) image.position->position_in_world.y() = 0;  // on a line
   for (auto [id, pose] : oriented_images(block)) {

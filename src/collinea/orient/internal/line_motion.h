@@ -7,7 +7,7 @@
 
 namespace collinea {
 
-/// What residuals show of a turn of the camera while a picture was read out line by line (rolling shutter).
+/// What residuals show of a turn of the camera while an image was read out line by line (rolling shutter).
 struct ImageMotion {
   ImageId image;
   double explained = 0;  ///< share of its residual variance
@@ -20,7 +20,7 @@ struct LineMotion {
 
 /// For every image with enough tie points of three rays and more: its robust residuals by six unknowns of the pose and,
 /// beside them, three of a turn that grows from line to line. Points and cameras are held, the fall in variance pays
-/// for the three unknowns. Lines run along rows or columns of the pictures (a telephone held upright), whichever
+/// for the three unknowns. Lines run along rows or columns of the images (a telephone held upright), whichever
 /// explains more.
 [[nodiscard]] LineMotion line_motion(const Block& oriented);
 

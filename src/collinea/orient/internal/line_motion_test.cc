@@ -13,14 +13,14 @@
 namespace collinea {
 namespace {
 
-struct Turn {
+struct Rotation {
   ImageId image;
   Eigen::Vector3d by_rad;  // from the first line to the last
   bool columns = false;    // the lines
 };
 
 // Twelve cameras round a heap; what they see to 0.3 px when those named turn while they are read out.
-Block walk_round(const std::vector<Turn>& turns) {
+Block walk_round(const std::vector<Rotation>& rotations) {
   Random random(3);
   Block block;
   block.cameras[CameraId{1}] = ideal_camera(1500, 2000, 1500);
@@ -41,10 +41,10 @@ Block walk_round(const std::vector<Turn>& turns) {
     block.points[PointId{p}].position_in_world = point;
     for (const auto& [id, pose] : oriented_images(block)) {
       auto pixel = project(camera, pose * point);
-      for (const Turn& turn : turns)
-        for (int round = 0; round < 3 && turn.image == id && pixel; ++round) {  // the line depends on the pixel
-          const double line = turn.columns ? pixel->x() / camera.width_px : pixel->y() / camera.height_px;
-          pixel = project(camera, rotation_by((line - 0.5) * turn.by_rad) * (pose * point));
+      for (const Rotation& rotation : rotations)
+        for (int round = 0; round < 3 && rotation.image == id && pixel; ++round) {  // the line depends on the pixel
+          const double line = rotation.columns ? pixel->x() / camera.width_px : pixel->y() / camera.height_px;
+          pixel = project(camera, rotation_by((line - 0.5) * rotation.by_rad) * (pose * point));
         }
       if (!pixel || !inside(camera, *pixel)) continue;
       const double u = random.normal(), v = random.normal();
@@ -70,8 +70,8 @@ TEST(LineMotion, ATurnIsFoundInItsImage) {
   }
 }
 
-std::vector<Finding> findings_after_orientation(const std::vector<Turn>& turns) {
-  const auto input = testing::matched(walk_round(turns));
+std::vector<Finding> findings_after_orientation(const std::vector<Rotation>& rotations) {
+  const auto input = testing::matched(walk_round(rotations));
   const auto found = orient(input.setup, input.pairs, input.source(), {}, {});
   EXPECT_TRUE(found) << found.error().message;
   return found ? found->findings : std::vector<Finding>{};
@@ -79,13 +79,13 @@ std::vector<Finding> findings_after_orientation(const std::vector<Turn>& turns) 
 
 TEST(LineMotion, IsNamedWhenTheHandMoved) {
   Random random(8);
-  std::vector<Turn> turns;
-  for (std::uint32_t i = 0; i < 12; ++i) turns.push_back({ImageId{i}, 0.004 * testing::normal3(random), false});
+  std::vector<Rotation> rotations;
+  for (std::uint32_t i = 0; i < 12; ++i) rotations.push_back({ImageId{i}, 0.004 * testing::normal3(random), false});
   const auto named = [](const std::vector<Finding>& findings) {
     return std::any_of(findings.begin(), findings.end(),
                        [](const Finding& one) { return one.code == FindingCode::kMovedWhileRead; });
   };
-  EXPECT_TRUE(named(findings_after_orientation(turns)));
+  EXPECT_TRUE(named(findings_after_orientation(rotations)));
   EXPECT_FALSE(named(findings_after_orientation({})));
 }
 

@@ -71,12 +71,12 @@ std::map<ImageId, GivenVertical> present_level(const Reconstruction& part) {
 // A local frame gets at least its scale, by distances. Those that contradict the others are rejected. Without any that
 // can be compared, geodetic observations are not used.
 void scale_by_distances(Reconstruction& part, const GivenOrientation* given, Placement& placed) {
-  if (!placed.scope.use_ground) return;
+  if (!placed.scope.use_geodetic) return;
   const auto found = geodetic_scale(part.block());
-  placed.scope.use_ground = found.has_value();
+  placed.scope.use_geodetic = found.has_value();
   if (!found) return;
   Block setup = part.setup();
-  for (const std::size_t index : found->excluded) setup.ground[index].role = ControlRole::kCheck;
+  for (const std::size_t index : found->excluded) setup.geodetic[index].role = ControlRole::kCheck;
   part.set_setup(std::move(setup));
   placed.excluded_geodetic.insert(found->excluded.begin(), found->excluded.end());
   add(placed, found->findings);
@@ -99,7 +99,7 @@ std::optional<Placement> placed_as_given(Reconstruction& part, const GivenOrient
   placed.scope.use_positions &= in_map;
   placed.scope.use_control &= in_map;
   if (!in_map) scale_by_distances(part, &given, placed);
-  if (placed.scope.use_positions && turn_sigma_rad(part.block(), 1) > kWeakRotation_rad)
+  if (placed.scope.use_positions && rotation_sigma_rad(part.block(), 1) > kWeakRotation_rad)
     placed.scope.verticals = present_level(part);
   return placed;
 }
@@ -154,8 +154,8 @@ std::optional<Placement> placed_by_level(Reconstruction& part, Placement placed)
   add(placed, finding_of_level(found->level_by),
       {{FigureName::kHeights, static_cast<double>(found->heights)},
        {FigureName::kSigmaAngle, found->level_sigma_rad * kDegrees},
-       {FigureName::kSigmaScale, found->turn_sigma_rad},
-       {FigureName::kSigmaAzimuth, found->turn_sigma_rad * kDegrees}},
+       {FigureName::kSigmaScale, found->rotation_sigma_rad},
+       {FigureName::kSigmaAzimuth, found->rotation_sigma_rad * kDegrees}},
       {RemedyCode::kGiveThreeControlPoints});
   placed.relative_heights = found->heights == 0;
   if (placed.relative_heights) add(placed, FindingCode::kHeightsRelative);
@@ -168,7 +168,7 @@ std::optional<Placement> placed_in_world(Reconstruction& part, std::uint64_t see
   const auto found = datum(part.block(), scope.use_positions, scope.use_control, seed);
   if (scope.use_positions && (!found || found->control.empty())) {
     const double rotation_rad =
-        found ? turn_sigma_rad(part.block(), found->world_from_block.scale) : kUnknownRotation_rad;
+        found ? rotation_sigma_rad(part.block(), found->world_from_block.scale) : kUnknownRotation_rad;
     if (rotation_rad > kWeakRotation_rad)
       if (auto placed = placed_by_strip(part, begun)) return placed;
     if (rotation_rad >= kUnknownRotation_rad) return placed_by_level(part, begun);
@@ -189,11 +189,12 @@ Placement placed_locally(Reconstruction& part, const GivenOrientation* given, Pl
 
 }  // namespace
 
-Placement place(Reconstruction& part, const GivenOrientation* given, const OrientOptions& options, std::uint64_t seed) {
+Placement set_datum(Reconstruction& part, const GivenOrientation* given, const OrientOptions& options,
+                    std::uint64_t seed) {
   const bool has_map = part.setup().georeference.has_value();
   Placement begun;
   begun.scope = {
-      .use_positions = options.use_positions, .use_control = options.use_control, .use_ground = options.use_ground};
+      .use_positions = options.use_positions, .use_control = options.use_control, .use_geodetic = options.use_geodetic};
   if (has_map && options.use_control) check_control_of(part, begun, options, seed);
   if (given)
     if (auto placed = placed_as_given(part, *given, options, begun)) return *std::move(placed);

@@ -12,9 +12,9 @@
 
 namespace collinea {
 
-/// Of a pair's direction while the lens is not yet known: a focal length wrong by a percent and a lens with distortion
-/// turn the directions of all pairs alike, so that what would be one degree of chance for one pair does not average
-/// out.
+/// Standard deviation of a pair's direction while the lens is not yet known: a focal length wrong by a percent and a
+/// lens with distortion turn the directions of all pairs alike, so that what would be one degree of chance for one pair
+/// does not average out.
 inline constexpr double kDirectionSigma_rad = 3 * std::numbers::pi / 180;
 
 /// The direction from one camera to another, as a pair of images has it.

@@ -18,12 +18,12 @@ constexpr double kAcceptFactor = 1.5;  // a new ray may be that much worse than 
 constexpr std::size_t kLocalImages = 8;
 constexpr double kGuessedFocal = 0.2;  // relative sigma from which a focal length is hardly known
 constexpr int kNeedCells = 8,
-              kNeededPerCell = 12;  // of a picture's cells: up to 768 tracks an image and what others need
+              kNeededPerCell = 12;  // of an image's cells: up to 768 tracks an image and what others need
 constexpr double kLeastSigma = 0.01, kMostSigma = 10;  // of the errors of tie points, over what the options say
 constexpr double kMovedSigma = 0.5;                    // of a ray measured anew, over that of a feature of 2 px
 constexpr std::size_t kChunk = 256;                    // tracks handed to a thread at once
 
-// Spread of pixels over a picture: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's
+// Spread of pixels over an image: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's
 // idea).
 class Spread {
  public:
@@ -173,13 +173,13 @@ Reconstruction::Coverage Reconstruction::coverage(ImageId image) const {
   return {spread.score(), points};
 }
 
-std::set<ImageId> Reconstruction::images_beside(ImageId image) const {
-  std::set<ImageId> beside;
+std::set<ImageId> Reconstruction::images_around(ImageId image) const {
+  std::set<ImageId> neighbours;
   for (const RayRef& ref : rays_of(image)) {
     if (tracks_[ref.track].asleep) continue;
-    for (const Ray& ray : tracks_[ref.track].rays) beside.insert(ray.image);
+    for (const Ray& ray : tracks_[ref.track].rays) neighbours.insert(ray.image);
   }
-  return beside;
+  return neighbours;
 }
 
 bool Reconstruction::orient_image(ImageId image, std::uint64_t seed) {
@@ -293,13 +293,13 @@ int Reconstruction::filter(const Limit& limit_px, const Run& run) {
   const std::size_t chunks = (tracks_.size() + kChunk - 1) / kChunk;
   std::vector<int> removed(chunks, 0);
   const auto filter_track = [&](TrackState& track) {
-    int gone = 0, left = 0;
+    int inactive = 0, left = 0;
     const double share = share_left(track);
     for (Ray& ray : track.rays) {
       if (!ray.active) continue;
       const auto error = error_px(ray, *track.point);
       ray.active = error && *error <= limit_px(ray, share);
-      ++(ray.active ? left : gone);
+      ++(ray.active ? left : inactive);
     }
     bool wide = false;
     for (std::size_t i = 0; i < track.rays.size() && !wide; ++i)
@@ -307,10 +307,10 @@ int Reconstruction::filter(const Limit& limit_px, const Run& run) {
         wide =
             track.rays[i].active && track.rays[j].active &&
             angle_at(*track.point, centres.at(track.rays[i].image), centres.at(track.rays[j].image)) >= min_angle_rad;
-    if (wide) return gone;
+    if (wide) return inactive;
     track.point.reset();
     for (Ray& ray : track.rays) ray.active = false;
-    return gone + left;
+    return inactive + left;
   };
   parallel_for(run, chunks, [&](std::size_t chunk) {
     for (std::size_t i = chunk * kChunk; i < std::min(tracks_.size(), (chunk + 1) * kChunk); ++i)
@@ -404,7 +404,7 @@ Result<> Reconstruction::adjust_around(ImageId centre, const AdjustOptions& opti
   if (moving.size() >= poses_.size()) moving = {centre};  // a young block: something must hold the gauge
   const Block local = block_around(moving);
   AdjustScope scope;
-  scope.use_positions = scope.use_control = scope.use_ground = false;
+  scope.use_positions = scope.use_control = scope.use_geodetic = false;
   scope.free_images = moving;
   COLLINEA_TRY(const Adjusted adjusted, adjust(local, scope, options, run));
   for (const ImageId image : moving)
@@ -438,7 +438,7 @@ Block Reconstruction::block() const {
   set_poses(block, poses_);
   block.control = setup_.control;
   block.control_observations = setup_.control_observations;
-  block.ground = setup_.ground;
+  block.geodetic = setup_.geodetic;
   block.georeference = setup_.georeference;
   return block;
 }
@@ -460,19 +460,19 @@ void Reconstruction::move_world(const Similarity3& new_from_old) {
     if (track.point) track.point = new_from_old * *track.point;
 }
 
-void Reconstruction::move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> places_px) {
+void Reconstruction::move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> positions_px) {
   for (std::size_t i = 0; i < block.observations.size(); ++i) {
-    if (!places_px[i]) continue;
+    if (!positions_px[i]) continue;
     const Observation& seen = block.observations[i];
     std::vector<Ray>& rays = tracks_[seen.point.value].rays;
     const auto ray = std::lower_bound(rays.begin(), rays.end(), seen.image,
                                       [](const Ray& one, ImageId image) { return one.image < image; });
-    ray->pixel = *places_px[i];
+    ray->pixel = *positions_px[i];
     ray->sigma_factor = kMovedSigma;
   }
 }
 
-void Reconstruction::place(const std::map<ImageId, Rigid3>& poses) {
+void Reconstruction::start_from_poses(const std::map<ImageId, Rigid3>& poses) {
   for (const auto& [image, pose] : poses) poses_[image] = pose;
 }
 

@@ -65,7 +65,7 @@ class Reconstruction {
   [[nodiscard]] const std::vector<ImageId>& images_with_tracks() const { return images_; }
 
   /// Puts tracks to sleep that growth can do without: kept are, from the longest, those that some image still needs in
-  /// its part of the picture. A block grows as safely on them, in a fraction of the time; wake_all brings the others
+  /// its part of the image. A block grows as safely on them, in a fraction of the time; wake_all brings the others
   /// back.
   void sleep_surplus();
   void wake_all();
@@ -79,7 +79,7 @@ class Reconstruction {
   };
   [[nodiscard]] Coverage coverage(ImageId image) const;
   /// Images that see an awake track of this one, itself among them: only their coverage changes with its points.
-  [[nodiscard]] std::set<ImageId> images_beside(ImageId image) const;
+  [[nodiscard]] std::set<ImageId> images_around(ImageId image) const;
   /// Resection of one image on the points it shares with the block; rays that agree become active.
   bool orient_image(ImageId image, std::uint64_t seed);
   /// Gives up an image: its rays leave their points. A camera without oriented images is as it was at first.
@@ -111,14 +111,14 @@ class Reconstruction {
   /// no loss any more: after a robust adjustment, least squares. Answers how many left, with the rays of points that
   /// are lost with them. Nothing, and nothing is done, where the noise knows no limit.
   std::optional<int> leave_out_gross(const Run& run);
-  /// Other places in the pictures for the rays of a block made by block(), in the order of its observations; nothing:
+  /// Other positions in the images for the rays of a block made by block(), in the order of its observations; nothing:
   /// the ray keeps its own. A ray so moved counts as measured twice as well as a feature of scale 2 px: the noise shown
   /// afterwards was 0.38 to 0.72 of that shown before on five blocks, rendered and real.
-  void move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> places_px);
+  void move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> positions_px);
   /// Cameras that are calibrated get these parameters, zero at first.
   void set_additional(AdditionalSet set);
   /// Puts images in place; nothing else.
-  void place(const std::map<ImageId, Rigid3>& poses);
+  void start_from_poses(const std::map<ImageId, Rigid3>& poses);
   /// Gives up images with fewer active rays, and those that have fewer without them.
   void drop_loose(int least_rays);
   /// How far a ray may miss its point from now on.

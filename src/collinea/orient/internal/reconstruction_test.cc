@@ -31,7 +31,7 @@ TEST(Reconstruction, AnImageThatIsGivenUpLeavesNoFocalLengthBehind) {
   ASSERT_TRUE(block) << block.error().message;
   std::map<ImageId, Rigid3> poses = testing::poses_of(input.truth);
   poses.erase(stranger);
-  block->place(poses);
+  block->start_from_poses(poses);
   block->extend_all({});
   const double first_px = block->camera_of(stranger).focal_px();
   ASSERT_TRUE(block->orient_image(stranger, 1));
@@ -47,37 +47,37 @@ TEST(Reconstruction, GrossErrorsLeaveForGoodAndTheLossWithThem) {
   input.setup.cameras = input.truth.cameras;
   auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
   ASSERT_TRUE(reconstruction) << reconstruction.error().message;
-  reconstruction->place(testing::poses_of(input.truth));
+  reconstruction->start_from_poses(testing::poses_of(input.truth));
   reconstruction->extend_all({});
   EXPECT_FALSE(reconstruction->leave_out_gross({}));  // nothing is known of the noise
   const Block before = reconstruction->block();
-  std::vector<std::optional<Eigen::Vector2d>> places_px(before.observations.size());
+  std::vector<std::optional<Eigen::Vector2d>> positions_px(before.observations.size());
   std::size_t moved = 0;
   // In points of four rays and more: an error along the line between two rays only moves their point.
   const auto rays_of = [&](PointId point) {
     return std::count_if(before.observations.begin(), before.observations.end(),
                          [&](const Observation& seen) { return seen.point == point; });
   };
-  for (std::size_t i = 0; i < places_px.size(); i += 50) {
+  for (std::size_t i = 0; i < positions_px.size(); i += 50) {
     if (rays_of(before.observations[i].point) < 4) continue;
-    places_px[i] = before.observations[i].pixel + Eigen::Vector2d(0, kOff_px);
+    positions_px[i] = before.observations[i].pixel + Eigen::Vector2d(0, kOff_px);
     ++moved;
   }
   ASSERT_GT(moved, 10u);
-  reconstruction->move_rays(before, places_px);
+  reconstruction->move_rays(before, positions_px);
   reconstruction->set_noise({.sigma_px = kSigma_px, .loss = Loss::kCauchy, .gross_sigmas = 10});
   ASSERT_TRUE(reconstruction->adjust_all({.calibration = Calibration::kNone, .loss = Loss::kCauchy}, {}, {}));
-  const auto gone = reconstruction->leave_out_gross({});
-  ASSERT_TRUE(gone);
-  EXPECT_GE(static_cast<std::size_t>(*gone), moved);
+  const auto inactive = reconstruction->leave_out_gross({});
+  ASSERT_TRUE(inactive);
+  EXPECT_GE(static_cast<std::size_t>(*inactive), moved);
   EXPECT_EQ(reconstruction->noise().loss, Loss::kNone);
   const auto left = [&] {
     std::size_t count = 0;
     const Block block = reconstruction->block();
-    for (std::size_t i = 0; i < places_px.size(); ++i)
-      if (places_px[i])
+    for (std::size_t i = 0; i < positions_px.size(); ++i)
+      if (positions_px[i])
         count += std::count_if(block.observations.begin(), block.observations.end(), [&](const Observation& seen) {
-          return seen.image == before.observations[i].image && seen.pixel == *places_px[i];
+          return seen.image == before.observations[i].image && seen.pixel == *positions_px[i];
         });
     return count;
   };
@@ -92,19 +92,19 @@ TEST(Reconstruction, ARayThatIsMovedCountsTwiceAndTheOthersStay) {
   input.setup.cameras = input.truth.cameras;
   auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
   ASSERT_TRUE(reconstruction) << reconstruction.error().message;
-  reconstruction->place(testing::poses_of(input.truth));
+  reconstruction->start_from_poses(testing::poses_of(input.truth));
   reconstruction->extend_all({});
   const Block before = reconstruction->block();
   ASSERT_GT(before.observations.size(), 100u);
   constexpr std::size_t kMoved = 51;
-  std::vector<std::optional<Eigen::Vector2d>> places_px(before.observations.size());
-  places_px[kMoved] = before.observations[kMoved].pixel + Eigen::Vector2d(0.25, -0.5);
-  reconstruction->move_rays(before, places_px);
+  std::vector<std::optional<Eigen::Vector2d>> positions_px(before.observations.size());
+  positions_px[kMoved] = before.observations[kMoved].pixel + Eigen::Vector2d(0.25, -0.5);
+  reconstruction->move_rays(before, positions_px);
   const Block after = reconstruction->block();
   ASSERT_EQ(after.observations.size(), before.observations.size());
   for (std::size_t i = 0; i < after.observations.size(); ++i) {
     const bool moved = i == kMoved;
-    EXPECT_EQ(after.observations[i].pixel, moved ? *places_px[i] : before.observations[i].pixel);
+    EXPECT_EQ(after.observations[i].pixel, moved ? *positions_px[i] : before.observations[i].pixel);
     EXPECT_DOUBLE_EQ(after.observations[i].sigma_px, (moved ? 0.5 : 1) * before.observations[i].sigma_px);
   }
 }

@@ -34,8 +34,8 @@ struct Group {
 
 class Remeasurer {
  public:
-  Remeasurer(const Block& block, const KeypointSource& keypoints, const PictureSource& pictures, const Run& run)
-      : block_(block), keypoints_(keypoints), pictures_(pictures), run_(run), places_(block.observations.size()) {}
+  Remeasurer(const Block& block, const KeypointSource& keypoints, const ImageSource& images, const Run& run)
+      : block_(block), keypoints_(keypoints), images_(images), run_(run), positions_(block.observations.size()) {}
 
   Result<std::vector<std::optional<Eigen::Vector2d>>> all() {
     const std::size_t count = block_.observations.size();
@@ -45,7 +45,7 @@ class Remeasurer {
       COLLINEA_TRY(lot(begin, end));
       begin = end;
     }
-    return std::move(places_);
+    return std::move(positions_);
   }
 
  private:
@@ -119,11 +119,11 @@ class Remeasurer {
     return static_cast<int>(std::min(std::floor(std::log2(spacing_px) + kLevelRounding), kLevels - 1.0));
   }
 
-  // A picture that cannot be read leaves its observations as they are.
+  // An image that cannot be read leaves its observations as they are.
   void cut(ImageId image, const std::vector<std::size_t>& observations) {
-    const auto picture = pictures_(image);
-    if (!picture) return;
-    GreyImage level = *picture;
+    const auto raster = images_(image);
+    if (!raster) return;
+    GreyImage level = *raster;
     for (int number = 0; number < kLevels; ++number) {
       if (number > 0) level = half(level);
       for (const std::size_t i : observations)
@@ -141,25 +141,25 @@ class Remeasurer {
       const double farthest_px = std::max(1.0, sight(i).scale_px);
       const auto found = window->find(*sight(i).patch, {seen(i).pixel, sight(i).warp}, farthest_px);
       if (!found) continue;
-      places_[i] = found->placement.place_px;
-      places_[group.reference] = seen(group.reference).pixel;
+      positions_[i] = found->placement.position_px;
+      positions_[group.reference] = seen(group.reference).pixel;
     }
   }
 
   const Block& block_;
   const KeypointSource& keypoints_;
-  const PictureSource& pictures_;
+  const ImageSource& images_;
   const Run& run_;
   std::size_t first_ = 0;  // of the lot in work
   std::vector<Sight> sights_;
-  std::vector<std::optional<Eigen::Vector2d>> places_;
+  std::vector<std::optional<Eigen::Vector2d>> positions_;
 };
 
 }  // namespace
 
 Result<std::vector<std::optional<Eigen::Vector2d>>> remeasure(const Block& block, const KeypointSource& keypoints,
-                                                              const PictureSource& pictures, const Run& run) {
-  return Remeasurer(block, keypoints, pictures, run).all();
+                                                              const ImageSource& images, const Run& run) {
+  return Remeasurer(block, keypoints, images, run).all();
 }
 
 }  // namespace collinea

@@ -12,7 +12,7 @@
 
 namespace collinea {
 
-using PictureSource = std::function<Result<GreyImage>(ImageId)>;
+using ImageSource = std::function<Result<GreyImage>(ImageId)>;
 
 /// Measures the images of the tie points of an oriented block once more, by least squares matching: of each point, the
 /// image seen from nearest the middle of its directions is the reference and keeps its place; the others are matched
@@ -20,13 +20,12 @@ using PictureSource = std::function<Result<GreyImage>(ImageId)>;
 /// side. Poses and points predict how it is turned and stretched elsewhere, on a surface that faces the cameras.
 ///
 /// The new places, in the order of block.observations; nothing where there is none: no convergence (see
-/// ReferenceWindow), farther from the old place than the feature's scale, at the border, picture not readable, or an
-/// image without a partner. Memory: the pictures in work, and pieces of pictures of at most 65536 observations at a
-/// time. Every picture is read once for each such lot of points that it shows. Errors: keypoints not readable,
+/// ReferenceWindow), farther from the old place than the feature's scale, at the border, image not readable, or an
+/// image without a partner. Memory: the images in work, and pieces of images of at most 65536 observations at a
+/// time. Every image is read once for each such lot of points that it shows. Errors: keypoints not readable,
 /// cancelled.
 [[nodiscard]] Result<std::vector<std::optional<Eigen::Vector2d>>> remeasure(const Block& block,
                                                                             const KeypointSource& keypoints,
-                                                                            const PictureSource& pictures,
-                                                                            const Run& run);
+                                                                            const ImageSource& images, const Run& run);
 
 }  // namespace collinea

@@ -14,7 +14,7 @@ namespace {
 constexpr int kWidth = 480, kHeight = 360;
 constexpr std::uint32_t kImages = 4, kPoints = 60;
 
-// Three pictures of the floor z = 0, painted with waves, and one that cannot be read; places of features are off by
+// Three images of the floor z = 0, painted with waves, and one that cannot be read; places of features are off by
 // 0.3 px, poses and points are true.
 class PaintedFloor : public ::testing::Test {
  protected:
@@ -48,8 +48,8 @@ class PaintedFloor : public ::testing::Test {
     const Eigen::Vector3d centre = centre_of(pose);
     return centre - ray * (centre.z() / ray.z());
   }
-  [[nodiscard]] Result<GreyImage> picture(ImageId image) const {
-    if (image.value == kImages - 1) return fail(Errc::kNotFound, "no such picture");
+  [[nodiscard]] Result<GreyImage> image_of(ImageId image) const {
+    if (image.value == kImages - 1) return fail(Errc::kNotFound, "no such image");
     GreyImage grey(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
@@ -68,23 +68,23 @@ class PaintedFloor : public ::testing::Test {
     const auto keypoints = [](ImageId) -> Result<std::vector<Keypoint>> {
       return std::vector<Keypoint>(kPoints, Keypoint{.scale_px = 2});
     };
-    const auto places =
-        remeasure(block_, keypoints, [&](ImageId image) { return picture(image); }, {.threads = threads});
-    EXPECT_TRUE(places);
-    return places.value_or(std::vector<std::optional<Eigen::Vector2d>>{});
+    const auto positions =
+        remeasure(block_, keypoints, [&](ImageId image) { return image_of(image); }, {.threads = threads});
+    EXPECT_TRUE(positions);
+    return positions.value_or(std::vector<std::optional<Eigen::Vector2d>>{});
   }
 
   Block block_;
 };
 
 TEST_F(PaintedFloor, ObservationsOfAPointMeetWhereItsReferenceLooks) {
-  const auto places = remeasured(1);
-  ASSERT_EQ(places.size(), block_.observations.size());
+  const auto positions = remeasured(1);
+  ASSERT_EQ(positions.size(), block_.observations.size());
   int measured = 0;
-  for (std::size_t first = 0; first < places.size(); first += kImages) {
+  for (std::size_t first = 0; first < positions.size(); first += kImages) {
     std::vector<Eigen::Vector3d> on_floor_at;
     for (std::size_t i = first; i < first + kImages; ++i)
-      if (places[i]) on_floor_at.push_back(on_floor(block_.observations[i].image, *places[i]));
+      if (positions[i]) on_floor_at.push_back(on_floor(block_.observations[i].image, *positions[i]));
     for (const Eigen::Vector3d& one : on_floor_at)  // a pixel is 20 mm
       EXPECT_LT((one - on_floor_at.front()).norm(), 0.0012);
     measured += static_cast<int>(on_floor_at.size());
@@ -92,9 +92,9 @@ TEST_F(PaintedFloor, ObservationsOfAPointMeetWhereItsReferenceLooks) {
   EXPECT_GT(measured, 3 * static_cast<int>(kPoints) * 9 / 10);
 }
 
-TEST_F(PaintedFloor, ObservationsInAPictureThatCannotBeReadStay) {
-  const auto places = remeasured(1);
-  for (std::size_t i = kImages - 1; i < places.size(); i += kImages) EXPECT_FALSE(places[i]);
+TEST_F(PaintedFloor, ObservationsInAnImageThatCannotBeReadStay) {
+  const auto positions = remeasured(1);
+  for (std::size_t i = kImages - 1; i < positions.size(); i += kImages) EXPECT_FALSE(positions[i]);
 }
 
 TEST_F(PaintedFloor, ThreadsDoNotChangeTheResult) { EXPECT_EQ(remeasured(1), remeasured(3)); }

@@ -181,7 +181,7 @@ RobustOptions search_options(const ResectOptions& options) {
   return search;
 }
 
-// Pairs in random order, so that neighbours in the search are not neighbours in the picture.
+// Pairs in random order, so that neighbours in the search are not neighbours in the image.
 struct Shuffled {
   std::vector<int> order;
   std::vector<Eigen::Vector2d> pixels;

@@ -93,8 +93,8 @@ Eigen::Vector3d residual(const RelativeRotation& pair, const Quaternions& rotati
 
 // One round: pairs weighted by their residuals, all cameras turned. Answers the largest turn.
 template <class Weight>
-double turn_all(std::span<const RelativeRotation> pairs, const std::vector<Eigen::Vector3d>& residuals,
-                Weight&& weight_of, Quaternions& rotations) {
+double rotate_all(std::span<const RelativeRotation> pairs, const std::vector<Eigen::Vector3d>& residuals,
+                  Weight&& weight_of, Quaternions& rotations) {
   constexpr double kTolerance = 1e-3;
   constexpr int kMostIterations = 1000;
   SparseNormals normals(rotations.size());
@@ -102,12 +102,12 @@ double turn_all(std::span<const RelativeRotation> pairs, const std::vector<Eigen
     normals.add_difference(pairs[i].first, pairs[i].second,
                            pairs[i].weight * weight_of(residuals[i].norm()) * Eigen::Matrix3d::Identity(),
                            residuals[i]);
-  std::vector<Eigen::Vector3d> turns(rotations.size(), Eigen::Vector3d::Zero());
-  normals.solve(turns, kTolerance, kMostIterations);
+  std::vector<Eigen::Vector3d> angles(rotations.size(), Eigen::Vector3d::Zero());
+  normals.solve(angles, kTolerance, kMostIterations);
   double largest = 0;
   for (std::size_t i = 0; i < rotations.size(); ++i) {
-    largest = std::max(largest, turns[i].norm());
-    rotations[i] = (rotations[i] * rotation_by(turns[i])).normalized();
+    largest = std::max(largest, angles[i].norm());
+    rotations[i] = (rotations[i] * rotation_by(angles[i])).normalized();
   }
   return largest;
 }
@@ -128,20 +128,20 @@ std::vector<Eigen::Quaterniond> average_rotations(int count, std::span<const Rel
       angles.push_back(residuals[i].norm());
     }
     const double scale = 3 * std::max(median(angles), kLeastAngle_rad / 10);
-    const double turned =
+    const double rotated =
         round < kAbsoluteRounds
-            ? turn_all(
+            ? rotate_all(
                   pairs, residuals, [](double angle) { return 1 / std::max(angle, kLeastAngle_rad); }, rotations)
-            : turn_all(
+            : rotate_all(
                   pairs, residuals, [&](double angle) { return std::pow(1 + angle * angle / (scale * scale), -2); },
                   rotations);
-    if (round > kAbsoluteRounds && turned < kSettled_rad) break;
+    if (round > kAbsoluteRounds && rotated < kSettled_rad) break;
   }
   return rotations;
 }
 
-void turn_towards(std::span<const RelativeRotation> pairs, std::span<const SeenDirection> directions,
-                  std::vector<Eigen::Quaterniond>& cam_from_world, const Run& run) {
+void rotate_towards(std::span<const RelativeRotation> pairs, std::span<const SeenDirection> directions,
+                    std::vector<Eigen::Quaterniond>& cam_from_world, const Run& run) {
   constexpr int kRounds = 3, kMostIterations = 300;
   constexpr double kTolerance = 1e-2;
   constexpr double kPairSigma_rad =
@@ -158,16 +158,16 @@ void turn_towards(std::span<const RelativeRotation> pairs, std::span<const SeenD
     }
     for (const SeenDirection& seen : directions) {
       const Eigen::Vector3d now = cam_from_world[seen.camera].conjugate() * seen.in_camera;
-      const Eigen::Vector3d turn = seen.in_world.cross(now);
-      const double off_rad = std::atan2(turn.norm(), now.dot(seen.in_world));
+      const Eigen::Vector3d rotation = seen.in_world.cross(now);
+      const double off_rad = std::atan2(rotation.norm(), now.dot(seen.in_world));
       normals.add_value(seen.camera,
                         weight_of(off_rad, seen.sigma_rad) * (Eigen::Matrix3d::Identity() - now * now.transpose()),
-                        turn);
+                        rotation);
     }
-    std::vector<Eigen::Vector3d> turns(cam_from_world.size(), Eigen::Vector3d::Zero());
-    normals.solve(turns, kTolerance, kMostIterations);
-    for (std::size_t i = 0; i < turns.size(); ++i)
-      cam_from_world[i] = (cam_from_world[i] * rotation_by(turns[i])).normalized();
+    std::vector<Eigen::Vector3d> rotations(cam_from_world.size(), Eigen::Vector3d::Zero());
+    normals.solve(rotations, kTolerance, kMostIterations);
+    for (std::size_t i = 0; i < rotations.size(); ++i)
+      cam_from_world[i] = (cam_from_world[i] * rotation_by(rotations[i])).normalized();
   }
 }
 

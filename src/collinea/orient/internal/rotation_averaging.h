@@ -33,7 +33,7 @@ struct SeenDirection {
 
 /// Turns the cameras so that the pairs keep their relative rotations and the directions are met, by least squares with
 /// robust weights. It takes away what small errors common to all pairs add up to over a large block.
-void turn_towards(std::span<const RelativeRotation> pairs, std::span<const SeenDirection> directions,
-                  std::vector<Eigen::Quaterniond>& cam_from_world, const Run& run);
+void rotate_towards(std::span<const RelativeRotation> pairs, std::span<const SeenDirection> directions,
+                    std::vector<Eigen::Quaterniond>& cam_from_world, const Run& run);
 
 }  // namespace collinea

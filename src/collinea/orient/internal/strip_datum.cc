@@ -76,7 +76,7 @@ std::map<ImageId, GivenVertical> verticals_by_attitude(const Block& block) {
   return verticals;
 }
 
-double turn_sigma_rad(const Block& block, double world_per_block) {
+double rotation_sigma_rad(const Block& block, double world_per_block) {
   const Stations stations = stations_of(block);
   if (stations.in_block.size() < 3) return std::numeric_limits<double>::infinity();
   const Eigen::Vector3d axes =

@@ -26,6 +26,6 @@ namespace collinea {
 /// [rad]; each counts by its own. The stations count as they lie in the block, so that the errors of the positions do
 /// not look like a width.
 /// Infinite with fewer than three positions.
-[[nodiscard]] double turn_sigma_rad(const Block& block, double world_per_block);
+[[nodiscard]] double rotation_sigma_rad(const Block& block, double world_per_block);
 
 }  // namespace collinea

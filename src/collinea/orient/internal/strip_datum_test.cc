@@ -39,7 +39,7 @@ TEST(StripDatum, ExactPositionsAndAttitudesGiveTheExactFrame) {
     }
 }
 
-TEST(StripDatum, TheTurnIsTheWorseKnownTheStraighterTheLine) {
+TEST(StripDatum, TheRotationIsTheWorseKnownTheStraighterTheLine) {
   Block block;
   for (std::uint32_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d centre(10.0 * i, i % 2 ? 0.5 : -0.5, 0);  // in the block; half as large as in the world
@@ -47,12 +47,12 @@ TEST(StripDatum, TheTurnIsTheWorseKnownTheStraighterTheLine) {
     block.images[{i}].position = PositionPrior{2 * centre, Eigen::Vector3d::Constant(0.3)};
   }
   // Levers of about 1 m, four of them: 0.3 / sqrt(4); the line itself slants a little along the zigzag.
-  EXPECT_NEAR(turn_sigma_rad(block, 2), 0.15, 0.02);
+  EXPECT_NEAR(rotation_sigma_rad(block, 2), 0.15, 0.02);
   block.images.erase({3});
   remove_pose(block, {3});
-  EXPECT_TRUE(std::isfinite(turn_sigma_rad(block, 2)));
+  EXPECT_TRUE(std::isfinite(rotation_sigma_rad(block, 2)));
   block.images.at({0}).position.reset();
-  EXPECT_TRUE(std::isinf(turn_sigma_rad(block, 2)));
+  EXPECT_TRUE(std::isinf(rotation_sigma_rad(block, 2)));
 }
 
 // The first and the last station of a line flown there and back are nearly the same, one above the other.
@@ -81,9 +81,9 @@ TEST(StripDatum, EveryPositionCountsByItsOwnSigma) {
     set_pose(block, {i}, {Eigen::Quaterniond::Identity(), -centre});
     block.images[{i}].position = PositionPrior{centre, Eigen::Vector3d::Constant(0.02)};
   }
-  EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(18.0)), 1e-6);
+  EXPECT_NEAR(rotation_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(18.0)), 1e-6);
   block.images.at({7}).position->sigma_m.setConstant(30);
-  EXPECT_NEAR(turn_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(17.0)), 0.02 * 0.02 / 5);
+  EXPECT_NEAR(rotation_sigma_rad(block, 1), 0.02 / (5 * std::sqrt(17.0)), 0.02 * 0.02 / 5);
   Block strip = straight_strip();
   for (auto& [id, image] : strip.images) image.position->sigma_m.setConstant(0.02);
   ImageId vague = strip.images.rbegin()->first;

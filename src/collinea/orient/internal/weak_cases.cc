@@ -126,7 +126,7 @@ std::optional<Finding> contradicting_pairs(const Block& block, std::span<const I
                     {worst->first, worst->second},
                     {{FigureName::kCount, static_cast<double>(count)},
                      {FigureName::kMatches, static_cast<double>(worst->matches.size())}},
-                    {RemedyCode::kTakeRepeatsOut});
+                    {RemedyCode::kRemoveRepeats});
 }
 
 using Vector10d = Eigen::Matrix<double, 10, 1>;

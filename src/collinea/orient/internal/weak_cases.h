@@ -14,7 +14,7 @@ namespace collinea {
 /// What makes an oriented block weaker than its residuals look:
 ///   - a camera whose focal length the images hardly determine, with the cause: flat scene, motion along the view
 ///   - motion along the view: rays meet at small angles
-///   - rolling shutter: the camera turned while pictures were read out, see line_motion
+///   - rolling shutter: the camera turned while images were read out, see line_motion
 ///   - repeated structure: pairs that agree among themselves but not with the block
 ///   - a critical surface: tie points and projection centres on one ruled quadric, where another block fits as well
 ///     (Krames 1941, Maybank 1993)

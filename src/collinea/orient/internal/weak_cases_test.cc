@@ -98,7 +98,7 @@ TEST(WeakCases, AFlatSceneFromOneHeightLeavesTheFocalLengthOpen) {
   EXPECT_TRUE(mentions(findings, FindingCode::kFocalOfFlatScene));
 }
 
-TEST(WeakCases, ReliefAndConvergentPicturesAreNoWeakness) {
+TEST(WeakCases, ReliefAndConvergentImagesAreNoWeakness) {
   std::vector<Rigid3> poses;
   for (int i = 0; i < 8; ++i) {
     const double a = i * std::numbers::pi / 4;
@@ -162,9 +162,9 @@ TEST(WeakCases, ASphereIsNotRuledAndNotCritical) {
 }
 
 TEST(WeakCases, WhyNothingFitsIsToldApart) {
-  ImagePair turn;
-  turn.geometry = PairGeometry::kRotation;
-  EXPECT_NE(nothing_fits(std::vector<ImagePair>{turn}).message.find("panorama"), std::string::npos);
+  ImagePair rotation;
+  rotation.geometry = PairGeometry::kRotation;
+  EXPECT_NE(nothing_fits(std::vector<ImagePair>{rotation}).message.find("panorama"), std::string::npos);
   EXPECT_NE(nothing_fits({}).message.find("overlapping"), std::string::npos);
 }
 

@@ -18,7 +18,7 @@ class GridCut {
   GridCut(int width, int height);
 
   /// What it costs to have the cell on the first side, and on the second. May be added to.
-  void add_pull(int x, int y, int first, int second) { node(x, y).excess += second - first; }
+  void add_terminal(int x, int y, int first, int second) { node(x, y).excess += second - first; }
   /// What it costs when the cell is on the first side and its neighbour (kEast or kSouth) on the second, and the other
   /// way round.
   void add_edge(int x, int y, Direction to, int forward, int backward);

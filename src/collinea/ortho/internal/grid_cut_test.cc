@@ -53,7 +53,7 @@ struct Problem {
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         const auto i = std::size_t(y * width + x);
-        cut.add_pull(x, y, first[i], second[i]);
+        cut.add_terminal(x, y, first[i], second[i]);
         if (x + 1 < width) cut.add_edge(x, y, GridCut::kEast, east[0][i], east[1][i]);
         if (y + 1 < height) cut.add_edge(x, y, GridCut::kSouth, south[0][i], south[1][i]);
       }
@@ -80,8 +80,8 @@ TEST(GridCut, RunsThroughTheWeakColumnOfALargeGrid) {
   constexpr int kWidth = 90, kHeight = 40, kWeak = 57;
   GridCut cut(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
-    cut.add_pull(0, y, 0, 1000);
-    cut.add_pull(kWidth - 1, y, 1000, 0);
+    cut.add_terminal(0, y, 0, 1000);
+    cut.add_terminal(kWidth - 1, y, 1000, 0);
     for (int x = 0; x < kWidth; ++x) {
       if (x + 1 < kWidth) cut.add_edge(x, y, GridCut::kEast, x == kWeak ? 4 : 5, x == kWeak ? 4 : 5);
       if (y + 1 < kHeight) cut.add_edge(x, y, GridCut::kSouth, 5, 5);

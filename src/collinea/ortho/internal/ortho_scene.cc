@@ -53,9 +53,9 @@ std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice&
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const View& view = scene.views[v];
     bool shows = false;
-    for (int place = 0; place < 50 && !shows; ++place) {
-      const double x = area.width * (place % 5) / 4.0, y = area.height * (place / 5 % 5) / 4.0;
-      const Eigen::Vector3d at = lattice.at(x, y, double(place < 25 ? range.low_m : range.high_m));
+    for (int sample = 0; sample < 50 && !shows; ++sample) {
+      const double x = area.width * (sample % 5) / 4.0, y = area.height * (sample / 5 % 5) / 4.0;
+      const Eigen::Vector3d at = lattice.at(x, y, double(sample < 25 ? range.low_m : range.high_m));
       const auto pixel = pixel_of(view, at);
       if (!pixel) continue;
       const double distance_m = (view.centre_in_world - at).norm();
@@ -134,7 +134,7 @@ std::vector<LowPart> low_parts(const HeightOverview& overview, const CellArea& u
   return parts;
 }
 
-// The blocks around that may hide a place of the area from farther than what is looked at in full.
+// The blocks around that may hide a point of the area from farther than what is looked at in full.
 SurfaceBlocks far_blocks(const HeightOverview& overview, const LinesOfSight& lines, const CellArea& under,
                          const CellArea& around, float low_m) {
   const std::vector<LowPart> parts = low_parts(overview, under);

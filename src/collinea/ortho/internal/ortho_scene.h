@@ -18,16 +18,16 @@ struct OrthoScene {
   const HeightOverview* surface_overview = nullptr;
   const LocalFrame* frame = nullptr;  ///< null: map and world are the same
   std::vector<View> views;
-  std::vector<int> shrink;  ///< at which size each view's picture is read
+  std::vector<int> shrink;  ///< at which size each view's image is read
   ColourBalance balance;
-  PixelCache* pictures = nullptr;
+  PixelCache* images = nullptr;
   int feather_cells = 12;
   const HeightField* terrain = nullptr;  ///< null: not known; tells what is raised, where seams should not run
   const SeamPlan* seams = nullptr;       ///< null: every cell takes the cheapest view
   std::filesystem::path scratch = {};    ///< beside it what is unpacked lies for a while; empty: nothing is
 };
 
-/// For each view the largest reduction of its picture at which a pixel still is no larger than a cell.
+/// For each view the largest reduction of its image at which a pixel still is no larger than a cell.
 [[nodiscard]] std::vector<int> shrinks(const OrthoScene& scene, double cell_m);
 
 /// A piece of the scene's grid with its heights, and in `views` those that show something of it; nothing where there

@@ -74,7 +74,7 @@ class Planner {
     Raster<std::int16_t> labels = cheapest_views(*window);
     for (int y = 0; y < area.height; ++y) {
       for (int x = 0; x < area.width; ++x) {
-        const std::int16_t view = place_of_source(views, started(area.column + x, area.row + y));
+        const std::int16_t view = index_of_source(views, started(area.column + x, area.row + y));
         if (view == kNoView) continue;
         const auto* choice = window->choice(x, y, view);
         if (choice && choice->price != SeamWindow::kForbidden) labels.at(x, y) = view;
@@ -219,7 +219,7 @@ Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run) {
     if (refined) refined = in_windows(windows, share, run, [&](const CellArea& area) { return planner.improve(area); });
   }
   if (!refined) return tl::unexpected(std::move(refined).error());
-  // Narrower than the zone in which pictures are mixed: no seam is worth that, and what its view alone sees is taken
+  // Narrower than the zone in which images are mixed: no seam is worth that, and what its view alone sees is taken
   // from it anyway.
   constexpr std::size_t kFewest = 16;
   absorb_small_areas(kFewest, plan.source);

@@ -32,7 +32,7 @@ struct SeamPlan {
 /// of work are so large that few seams meet their borders (and those windows are shifted and cut again); then on the
 /// grid of the plan, from the draft on, among the views that this has nearby and the best few. The windows are fixed to
 /// the grid of the orthophoto: the plan depends neither on threads nor on how the orthophoto is cut into tiles.
-/// Holds one window per thread and two bytes for 16 cells of the orthophoto. Errors: a picture or the surface cannot be
+/// Holds one window per thread and two bytes for 16 cells of the orthophoto. Errors: an image or the surface cannot be
 /// read; cancelled.
 [[nodiscard]] Result<SeamPlan> plan_seams(const OrthoScene& scene, const Run& run);
 

@@ -62,8 +62,8 @@ TEST(SeamWindow, ASeamGoesRoundARaisedThing) {
   EXPECT_NE(labels.at(2, 16), labels.at(29, 16));
 }
 
-// The pictures differ everywhere but in one column.
-TEST(SeamWindow, ASeamRunsWhereThePicturesAgree) {
+// The images differ everywhere but in one column.
+TEST(SeamWindow, ASeamRunsWhereTheImagesAgree) {
   SeamWindow window = two_views();
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
@@ -96,8 +96,8 @@ TEST(SeamWindow, PricesOfSeamsAreThoseOfTheFormula) {
     float raised[2], steep[2], different;
     int price;
   };
-  const Case cases[] = {{"on level ground, pictures alike", {0, 0}, {0, 0}, 0, 26},
-                        {"on level ground, pictures half different", {0, 0}, {0, 0}, 0.5, 154},
+  const Case cases[] = {{"on level ground, images alike", {0, 0}, {0, 0}, 0, 26},
+                        {"on level ground, images half different", {0, 0}, {0, 0}, 0.5, 154},
                         {"across a raised thing", {1, 1}, {0, 0}, 0, 1562},
                         {"along its outline", {1, 0}, {0, 0}, 0, 26},
                         {"across what is raised a little", {0.5, 0.25}, {0, 0}, 0, 410},
@@ -116,7 +116,7 @@ TEST(SeamWindow, PricesOfSeamsAreThoseOfTheFormula) {
 }
 
 // The mean over the channels of what lies between them, of 30 grey levels.
-TEST(SeamWindow, DifferencesOfPicturesAreMeansOverChannelsThatEndAtThirtyLevels) {
+TEST(SeamWindow, DifferencesOfImagesAreMeansOverChannelsThatEndAtThirtyLevels) {
   using Choice = SeamWindow::Choice;
   const Choice grey{0, {100, 100, 100}, true}, colourless{0, {100, 100, 100}, false};
   const auto from_grey = [&](const Choice& other) {
@@ -180,9 +180,9 @@ TEST(SeamWindow, NoSingleCellCouldDoBetter) {
   }
 }
 
-// A roof with a chimney, 10 m square, across the border of two windows of the plan and midway between two pictures
-// that each see all of it but what the chimney hides: it is of one picture, those places included.
-TEST(SeamPlan, ARoofIsOfOnePictureAsAWhole) {
+// A roof with a chimney, 10 m square, across the border of two windows of the plan and midway between two images
+// that each see all of it but what the chimney hides: it is of one image, those places included.
+TEST(SeamPlan, ARoofIsOfOneImageAsAWhole) {
   constexpr double kCell = 0.2, kMiddleX = 1024 * kCell, kMiddleY = 16;
   constexpr int kWidth = 1184, kHeight = 160;
   const auto height_at = [](double x, double y) {
@@ -212,11 +212,10 @@ TEST(SeamPlan, ARoofIsOfOnePictureAsAWhole) {
     const Eigen::Vector3d centre(kMiddleX + (i == 1 ? -7 : 7), kMiddleY + 1, 40);
     set_pose(block, ImageId{i}, {down, -(down * centre)});
   }
-  PixelCache pictures(
+  PixelCache images(
       [](ImageId, int shrink) -> Result<ColourImage> { return ColourImage(400 / shrink, 300 / shrink, 3, 100); },
       1 << 24);
-  OrthoScene scene{surface.grid, &surface, &*heights, nullptr, views_of(block, nullptr),
-                   {},           {},       &pictures, 12,      &terrain};
+  OrthoScene scene{surface.grid, &surface, &*heights, nullptr, views_of(block, nullptr), {}, {}, &images, 12, &terrain};
   scene.balance.exposures.resize(2);
   const auto plan = plan_seams(scene, collinea::Run{});
   ASSERT_TRUE(plan);

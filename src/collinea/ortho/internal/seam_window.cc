@@ -12,12 +12,12 @@ namespace {
 constexpr int kBlock = SeamWindow::kBlock;
 constexpr int kCells = kBlock * kBlock;
 
-// The energy of a seam, per side of a cell. A raised thing is to be of one picture as a whole: a seam along its
+// The energy of a seam, per side of a cell. A raised thing is to be of one image as a whole: a seam along its
 // outline, where surface and colours break anyway, is far cheaper than one across it. Where the surface steps, a break
-// of colours does not show, and pictures that see past the step differ by it.
+// of colours does not show, and images that see past the step differ by it.
 constexpr float kLength = 0.1f, kRaised = 6, kSteep = 0.5f, kDifferent = 1;
 // The price of a view that is not the best for a cell, times the cells it is put in: a seam makes room for a raised
-// thing of half the flying height. Both scale with the size of the picture in pixels, so that the resolution does not
+// thing of half the flying height. Both scale with the size of the image in pixels, so that the resolution does not
 // matter.
 constexpr double kDetour = 100;
 // Showing a cell that only small things keep from the view: the first, and the second per (difference /
@@ -60,10 +60,10 @@ struct Looker {
         const std::uint16_t source = how.started(area.column + i * kBlock + x, area.row + j * kBlock + y);
         if (source == 0 || source == last) continue;
         last = source;
-        const std::int16_t view = place_of_source(views, source);
+        const std::int16_t view = index_of_source(views, source);
         if (view == kNoView) continue;
-        const auto place = std::lower_bound(worth_a_look.begin(), worth_a_look.end(), view);
-        if (place == worth_a_look.end() || *place != view) worth_a_look.insert(place, view);
+        const auto found = std::lower_bound(worth_a_look.begin(), worth_a_look.end(), view);
+        if (found == worth_a_look.end() || *found != view) worth_a_look.insert(found, view);
       }
     }
   }
@@ -94,22 +94,22 @@ struct Looker {
   }
 };
 
-void colour_block(const OrthoPatch& patch, const OrthoScene& coarse, std::size_t v, const ColourImage& picture,
-                  int left, int top, SeamWindow::Choice* choices) {
+void colour_block(const OrthoPatch& patch, const OrthoScene& coarse, std::size_t v, const ColourImage& image, int left,
+                  int top, SeamWindow::Choice* choices) {
   const View& view = coarse.views[v];
   for (int cell = 0; cell < kCells; ++cell) {
     const int x = left + cell % kBlock, y = top + cell / kBlock;
     if (std::isnan(patch.heights_m.at(x, y))) continue;
-    const Eigen::Vector3d place = patch.world_at(x, y);
-    const auto pixel = pixel_of(view, place);
+    const Eigen::Vector3d position = patch.world_at(x, y);
+    const auto pixel = pixel_of(view, position);
     if (!pixel || !well_inside(view, *pixel)) continue;
     SeamWindow::Choice& choice = choices[cell];
     choice.has_colour = true;
-    const std::array<float, 3> factor = coarse.balance.factor(v, view, place, *pixel);
+    const std::array<float, 3> factor = coarse.balance.factor(v, view, position, *pixel);
     for (int c = 0; c < 3; ++c)
       choice.colour[std::size_t(c)] = std::uint8_t(
-          std::clamp(factor[std::size_t(c)] * bilinear(picture, pixel->x() * picture.width / view.camera.width_px,
-                                                       pixel->y() * picture.height / view.camera.height_px, c),
+          std::clamp(factor[std::size_t(c)] * bilinear(image, pixel->x() * image.width / view.camera.width_px,
+                                                       pixel->y() * image.height / view.camera.height_px, c),
                      0.0f, 255.0f));
   }
 }
@@ -118,16 +118,16 @@ Result<> colour(const OrthoScene& coarse, const OrthoPatch& patch, const std::ve
                 SeamWindow& window, const Run& run) {
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-    std::shared_ptr<const ColourImage> picture;
+    std::shared_ptr<const ColourImage> image;
     for (int j = 0; j < window.blocks_down(); ++j) {
       for (int i = 0; i < window.blocks_across(); ++i) {
         auto& block = window.block(i, j);
         const int slot = block.slot_of(std::int16_t(v));
         if (slot < 0) continue;
-        if (!picture) {
-          COLLINEA_TRY(picture, coarse.pictures->picture(coarse.views[views[v]].image, coarse.shrink[views[v]]));
+        if (!image) {
+          COLLINEA_TRY(image, coarse.images->image_of(coarse.views[views[v]].image, coarse.shrink[views[v]]));
         }
-        colour_block(patch, coarse, views[v], *picture, kMargin + i * kBlock, kMargin + j * kBlock,
+        colour_block(patch, coarse, views[v], *image, kMargin + i * kBlock, kMargin + j * kBlock,
                      block.choices.data() + slot * kCells);
       }
     }
@@ -137,7 +137,7 @@ Result<> colour(const OrthoScene& coarse, const OrthoPatch& patch, const std::ve
 
 // Makes views pay in cells that they do not show well. What small things keep from them costs the more, the less it
 // looks like what the best view that sees the cell shows: twigs among leaves do no harm, a chimney on a roof does. What
-// is hidden is going to be taken from another view, cell by cell; what is not on the picture cannot be had.
+// is hidden is going to be taken from another view, cell by cell; what is not on the image cannot be had.
 void price_doubts(const std::vector<Sight>& sight, float per_cell, SeamWindow::Block& block) {
   for (std::size_t cell = 0; cell < kCells; ++cell) {
     const SeamWindow::Choice* best = nullptr;
@@ -248,7 +248,7 @@ int SeamWindow::seam_price(int x, int y, int u, int v, float different) const {
                   kDifferent * (1 - step) * different);
 }
 
-std::int16_t place_of_source(const std::vector<std::size_t>& views, std::uint16_t source) {
+std::int16_t index_of_source(const std::vector<std::size_t>& views, std::uint16_t source) {
   if (source == 0) return kNoView;
   const auto found = std::lower_bound(views.begin(), views.end(), std::size_t(source) - 1);
   return found != views.end() && *found + 1 == source ? std::int16_t(found - views.begin()) : kNoView;
@@ -265,8 +265,8 @@ Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const SeamLo
   for (const std::size_t v : views) looking.push_back(&coarse.views[v]);
   for (const View& view : coarse.views) height_m += view.centre_in_map.z() - coarse.surface_overview->mean_m;
   height_m = std::max(height_m / double(coarse.views.size()), coarse.grid.cell_m);
-  const int rim_cells = int(std::ceil(rim_m(*coarse.surface, look.cell_m) / coarse.grid.cell_m));
-  Visibility visibility(*patch, looking, rim_cells);
+  const int edge_cells = int(std::ceil(rim_m(*coarse.surface, look.cell_m) / coarse.grid.cell_m));
+  Visibility visibility(*patch, looking, edge_cells);
   const CostLattice lattice = costs_at_nodes(*patch, looking, look.cell_m, look.best_views);
   SeamWindow window(area.width / kBlock, area.height / kBlock);
   Looker looker{look,   area, views, *patch, lattice, visibility, float(kDetour * coarse.grid.cell_m / height_m),

@@ -20,7 +20,7 @@ class SeamWindow {
   static constexpr int kPrice = 256;
   static constexpr int kForbidden = std::numeric_limits<int>::max();
   static constexpr int kMostDifferent =
-      30;  ///< [grey levels]: pictures that differ by more differ, no matter by how much
+      30;  ///< [grey levels]: images that differ by more differ, no matter by how much
 
   /// A view in a cell.
   struct Choice {
@@ -59,7 +59,7 @@ class SeamWindow {
 };
 
 /// Where the view that is `source` of a plan (its number + 1, 0: none) stands in `views`, ascending; kNoView: nowhere.
-[[nodiscard]] std::int16_t place_of_source(const std::vector<std::size_t>& views, std::uint16_t source);
+[[nodiscard]] std::int16_t index_of_source(const std::vector<std::size_t>& views, std::uint16_t source);
 
 /// How a window is looked at.
 struct SeamLook {
@@ -78,7 +78,7 @@ struct SeamLook {
 };
 
 /// Looks at a part of the coarse scene (whole blocks of its grid); `views`: of the scene, in the order of the indices
-/// in the window. Nothing where no view shows anything. `coarse.terrain` may be missing. Errors: a picture or the
+/// in the window. Nothing where no view shows anything. `coarse.terrain` may be missing. Errors: an image or the
 /// surface cannot be read; cancelled.
 [[nodiscard]] Result<std::optional<SeamWindow>> look_at(const OrthoScene& coarse, const SeamLook& look,
                                                         const CellArea& area, std::vector<std::size_t>& views,

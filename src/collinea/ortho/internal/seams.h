@@ -8,7 +8,7 @@
 
 namespace collinea {
 
-/// For each cell the view whose picture it takes: an index, or kNoView.
+/// For each cell the view whose image it takes: an index, or kNoView.
 using Labels = Raster<std::int16_t>;
 
 /// How far a label may depend on what lies around it [cells].

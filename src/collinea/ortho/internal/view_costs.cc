@@ -48,9 +48,9 @@ CostLattice costs_at_nodes(const OrthoPatch& patch, std::span<const View* const>
       if (std::isnan(z)) continue;
       const std::size_t node = std::size_t(j) * std::size_t(lattice.columns) + std::size_t(i);
       float* costs = lattice.costs.data() + node * views.size();
-      const Eigen::Vector3d place = patch.lattice.at(i * kBlock, j * kBlock, double(z));
+      const Eigen::Vector3d position = patch.lattice.at(i * kBlock, j * kBlock, double(z));
       for (std::size_t v = 0; v < views.size(); ++v) {
-        costs[v] = cost_of(*views[v], place, cell_m);
+        costs[v] = cost_of(*views[v], position, cell_m);
         order[v] = std::int16_t(v);
       }
       const auto kept = std::ptrdiff_t(std::min(most, views.size()));

@@ -9,7 +9,7 @@
 
 namespace collinea {
 
-/// Of what is not a view.
+/// The number that stands for no view.
 constexpr std::int16_t kNoView = -1;
 
 /// cost_of all views at the corners of the blocks of a patch, and the best few there.

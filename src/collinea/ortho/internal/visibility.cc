@@ -16,8 +16,8 @@ double rim_m(const HeightField& surface, double cell_m) {
   return cell_m * (1 + std::ceil(1.5 * surface.grid.cell_m / cell_m));
 }
 
-Visibility::Visibility(const OrthoPatch& patch, std::vector<const View*> views, int rim_cells)
-    : patch_(patch), views_(std::move(views)), rim_cells_(std::min(rim_cells, kBlock)), layers_(views_.size()) {
+Visibility::Visibility(const OrthoPatch& patch, std::vector<const View*> views, int edge_cells)
+    : patch_(patch), views_(std::move(views)), edge_cells_(std::min(edge_cells, kBlock)), layers_(views_.size()) {
   block_low_ = FloatImage(patch.blocks_across(), patch.blocks_down(), 1, std::numeric_limits<float>::quiet_NaN());
   block_high_ = block_low_;
   for (int y = 0; y < patch.heights_m.height; ++y) {
@@ -41,14 +41,14 @@ bool Visibility::sees_barely(int view, int x, int y) {
   const std::size_t v = std::size_t(view);
   if (std::isnan(patch_.heights_m.at(x, y))) return false;
   if (hidden_around(v, x, y, 1) > 0) return false;
-  return 5 * hidden_around(v, x, y, rim_cells_) <= (2 * rim_cells_ + 1) * (2 * rim_cells_ + 1);
+  return 5 * hidden_around(v, x, y, edge_cells_) <= (2 * edge_cells_ + 1) * (2 * edge_cells_ + 1);
 }
 
 bool Visibility::sees_past_small_things(int view, int x, int y) const {
   const View& from = *views_[std::size_t(view)];
   const float height_m = patch_.heights_m.at(x, y);
   if (std::isnan(height_m)) return false;
-  if (!on_picture(std::size_t(view), x, y)) return false;
+  if (!on_image(std::size_t(view), x, y)) return false;
   const double u = patch_.surface_x(patch_.grid.east_of(patch_.column + x + 0.5));
   const double v = patch_.surface_y(patch_.grid.north_of(patch_.row + y + 0.5));
   const double camera_x = patch_.surface_x(from.centre_in_map.x()), camera_y = patch_.surface_y(from.centre_in_map.y());
@@ -71,10 +71,10 @@ int Visibility::hidden_around(std::size_t view, int x, int y, int radius) {
   return hidden;
 }
 
-bool Visibility::on_picture(std::size_t view, int x, int y) const {
+bool Visibility::on_image(std::size_t view, int x, int y) const {
   const Layer& layer = layers_[view];
-  if (!layer.pictured.empty() &&
-      layer.pictured[std::size_t(y / kBlock * patch_.blocks_across() + x / kBlock)] == State::kAll)
+  if (!layer.imaged.empty() &&
+      layer.imaged[std::size_t(y / kBlock * patch_.blocks_across() + x / kBlock)] == State::kAll)
     return true;
   const auto pixel = pixel_of(*views_[view], patch_.world_at(x, y));
   return pixel && well_inside(*views_[view], *pixel);
@@ -125,14 +125,14 @@ Visibility::State Visibility::raw_state(std::size_t view, int block_x, int block
   Layer& layer = layers_[view];
   if (layer.raw.empty()) {
     layer.raw.assign(std::size_t(patch_.blocks_across() * patch_.blocks_down()), State::kUnknown);
-    layer.final = layer.pictured = layer.raw;
+    layer.final = layer.imaged = layer.raw;
   }
   const std::size_t block = std::size_t(block_y * patch_.blocks_across() + block_x);
   State& state = layer.raw[block];
   if (state != State::kUnknown) return state;
   if (std::isnan(block_low_.at(block_x, block_y))) return state = State::kAll;
   if (whole_block_on_image(*views_[view], block_x, block_y)) {
-    layer.pictured[block] = State::kAll;
+    layer.imaged[block] = State::kAll;
     if (clear_towards(*views_[view], block_x, block_y, block_low_.at(block_x, block_y),
                       block_high_.at(block_x, block_y)))
       return state = State::kAll;
@@ -145,8 +145,7 @@ Visibility::State Visibility::raw_state(std::size_t view, int block_x, int block
   for (int y = block_y * kBlock; y < (block_y + 1) * kBlock; ++y) {
     for (int x = block_x * kBlock; x < (block_x + 1) * kBlock; ++x) {
       // A cell without height hides nothing and must not make its neighbours hidden.
-      const bool seen =
-          std::isnan(patch_.heights_m.at(x, y)) || (on_picture(view, x, y) && !hidden(*views_[view], x, y));
+      const bool seen = std::isnan(patch_.heights_m.at(x, y)) || (on_image(view, x, y) && !hidden(*views_[view], x, y));
       layer.raw_mask.set(x, y, seen);
       all &= seen;
     }
@@ -170,7 +169,7 @@ Visibility::State Visibility::final_state(std::size_t view, int block_x, int blo
 
 // Erodes what is seen by a square, separably: first along the rows that are needed, then along columns.
 void Visibility::make_final_mask(Layer& layer, int block_x, int block_y) const {
-  const int width = patch_.heights_m.width, height = patch_.heights_m.height, r = rim_cells_;
+  const int width = patch_.heights_m.width, height = patch_.heights_m.height, r = edge_cells_;
   const auto raw_seen = [&](int x, int y) {
     const State state = layer.raw[std::size_t(y / kBlock * patch_.blocks_across() + x / kBlock)];
     return state == State::kAll || layer.raw_mask.at(x, y);

@@ -36,16 +36,16 @@ struct OrthoPatch {
 };
 
 /// How far from hidden places an orthophoto of such cells counts as hidden, too: roof edges of a surface model are good
-/// to about a cell; one cell of the orthophoto more for the reach of the interpolation in the picture.
+/// to about a cell; one cell of the orthophoto more for the reach of the interpolation in the image.
 [[nodiscard]] double rim_m(const HeightField& surface, double cell_m);
 
-/// Which cells of a patch are on which pictures, and not hidden by the surface. Worked out block by block when asked
+/// Which cells of a patch are on which images, and not hidden by the surface. Worked out block by block when asked
 /// for; a block that certainly is seen as a whole costs next to nothing.
 class Visibility {
  public:
-  /// A cell counts as hidden when any cell within `rim_cells` of it is: the surface model is not exact at the edges of
+  /// A cell counts as hidden when any cell within `edge_cells` of it is: the surface model is not exact at the edges of
   /// roofs.
-  Visibility(const OrthoPatch& patch, std::vector<const View*> views, int rim_cells);
+  Visibility(const OrthoPatch& patch, std::vector<const View*> views, int edge_cells);
 
   /// `view`: index into the views. Cells without height are seen by nobody.
   [[nodiscard]] bool sees(int view, int x, int y);
@@ -70,7 +70,7 @@ class Visibility {
     Mask(int blocks_across, int blocks_down)
         : across_(blocks_across), first_row_(std::size_t(blocks_across * blocks_down), kNone) {}
     [[nodiscard]] bool empty() const { return first_row_.empty(); }
-    /// Of a block in which a cell was set.
+    /// Whether a cell is set, of a block in which any is.
     [[nodiscard]] bool at(int x, int y) const {
       return rows_[first_row_[block_of(x, y)] + std::uint32_t(y % OrthoPatch::kBlock)] >> (x % OrthoPatch::kBlock) & 1;
     }
@@ -97,11 +97,11 @@ class Visibility {
   };
   struct Layer {
     std::vector<State> raw, final;  // per block
-    std::vector<State> pictured;    // per block: kAll where it is on the picture as a whole
+    std::vector<State> imaged;      // per block: kAll where it is on the image as a whole
     Mask raw_mask, final_mask;
   };
 
-  [[nodiscard]] bool on_picture(std::size_t view, int x, int y) const;
+  [[nodiscard]] bool on_image(std::size_t view, int x, int y) const;
   [[nodiscard]] bool hidden(const View& view, int x, int y) const;
   [[nodiscard]] bool whole_block_on_image(const View& view, int block_x, int block_y) const;
   [[nodiscard]] bool clear_towards(const View& view, int block_x, int block_y, float low_m, float high_m) const;
@@ -112,7 +112,7 @@ class Visibility {
 
   const OrthoPatch& patch_;
   std::vector<const View*> views_;
-  int rim_cells_;
+  int edge_cells_;
   std::vector<Layer> layers_;
   FloatImage block_low_, block_high_;  // NaN: no heights
 };

@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr std::size_t kMostImages = 20'000;
-constexpr double kSteepest_rad = 75 * kRadians;  // beyond it pictures show the horizon
+constexpr double kSteepest_rad = 75 * kRadians;  // beyond it images show the horizon
 
 struct Range {
   double low = 1e300, high = -1e300;
@@ -65,9 +65,9 @@ void add_strip(FlightPlan& plan, const StripAxes& axes, double v, const Range& r
   const double heading = std::atan2(axes.along.x(), axes.along.y());
   const double sign = strip % 2 ? -1 : 1;
   for (int i = 0; i <= steps; ++i) {
-    const Vector2d place = axes.place(range.middle() + sign * (i - 0.5 * steps) * base_m, v);
+    const Vector2d position = axes.position(range.middle() + sign * (i - 0.5 * steps) * base_m, v);
     plan.images.push_back(
-        {strip, cross, {place.x(), place.y(), height_m}, sign > 0 ? heading : heading + std::numbers::pi});
+        {strip, cross, {position.x(), position.y(), height_m}, sign > 0 ? heading : heading + std::numbers::pi});
   }
   ++(cross ? plan.cross_strips : plan.strips);
 }
@@ -139,7 +139,7 @@ Result<FlightPlan> plan_flight(const FlightOptions& o, const MapArea& area) {
   plan.camera.prior.source = Provenance::kGiven;
   if (o.tilt_deg * kRadians + std::atan(o.height_px / (2 * focal_px)) > kSteepest_rad)
     return fail(Errc::kBadInput,
-                "the upper edge of the pictures would look higher than 75 degrees from straight down: "
+                "the upper edge of the images would look higher than 75 degrees from straight down: "
                 "less tilt_deg or a longer focal length is needed");
   plan.height_m = o.height_m.value_or(o.gsd_m * focal_px);
   if (o.relief_m > 0.8 * plan.height_m)

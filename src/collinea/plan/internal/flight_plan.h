@@ -60,8 +60,10 @@ struct StripAxes {
   Eigen::Vector2d along, across;
 
   explicit StripAxes(double heading_rad);
-  [[nodiscard]] Eigen::Vector2d uv(const Eigen::Vector2d& place) const { return {along.dot(place), across.dot(place)}; }
-  [[nodiscard]] Eigen::Vector2d place(double u, double v) const { return u * along + v * across; }
+  [[nodiscard]] Eigen::Vector2d uv(const Eigen::Vector2d& position) const {
+    return {along.dot(position), across.dot(position)};
+  }
+  [[nodiscard]] Eigen::Vector2d position(double u, double v) const { return u * along + v * across; }
 };
 
 /// One planned exposure.
@@ -69,14 +71,14 @@ struct PlannedImage {
   int strip = 0;
   bool cross = false;
   Eigen::Vector3d centre;  ///< plan coordinates, height above ground [m]
-  double heading_rad = 0;  ///< clockwise from north: where the upper edge of the picture points
+  double heading_rad = 0;  ///< clockwise from north: where the upper edge of the image points
 };
 
 struct FlightPlan {
   MapArea area;
   Camera camera;
   double height_m = 0, gsd_m = 0;
-  double across_m = 0, along_m = 0;  ///< a picture on the ground, straight down
+  double across_m = 0, along_m = 0;  ///< an image on the ground, straight down
   double base_m = 0, spacing_m = 0;
   double heading_rad = 0, tilt_rad = 0;
   double relief_m = 0;

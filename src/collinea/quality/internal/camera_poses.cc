@@ -19,7 +19,7 @@ std::vector<CameraPoseCorrelation> correlate_cameras_and_poses(
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     const ProblemCamera& camera = problem.cameras[static_cast<std::size_t>(c)];
     for (std::size_t k = 0; k < camera.free.size(); ++k) {
-      const int row = 6 * problem.poses + camera.border + static_cast<int>(k);
+      const int row = 6 * problem.poses + camera.first_global + static_cast<int>(k);
       const std::size_t first = correlations.size();
       for (int i = 0; i < kOfPose; ++i) correlations.push_back({camera.id, camera.free[k], i, {}, 0});
       for (int pose = 0; pose < problem.poses; ++pose) {

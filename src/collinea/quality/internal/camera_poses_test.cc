@@ -15,14 +15,14 @@ const Run kRun;
 
 // Of 300 blocks over gentle ground with positions good to 2 cm: what f, in error, has in common with the height of the
 // image that is named, and with its turn about north, is what is told, to four deviations (1 - rho^2) / sqrt(n).
-TEST(CameraPoses, ErrorsGoTogetherAsTold) {
+TEST(CameraPoses, ErrorsGoTogetherAsStated) {
   constexpr int kBlocks = 300;
   const Block truth = testing::test_block({.rows = 2, .columns = 3, .points = 60, .relief_m = 3, .tilt_rad = 0.03});
   const double f = truth.cameras.begin()->second.params[Camera::kF];
   struct Pair {
     int of_pose;
     ImageId image{};
-    double told = 0, both = 0, own = 0, other = 0;
+    double stated = 0, both = 0, own = 0, other = 0;
   };
   std::array<Pair, 2> pairs{{{5}, {1}}};
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
@@ -38,19 +38,20 @@ TEST(CameraPoses, ErrorsGoTogetherAsTold) {
       if (seed == 1) pair.image = one.image;
       ASSERT_EQ(one.image, pair.image) << seed;  // the geometry stays
       const Rigid3 &pose = adjusted->cam_from_world.at(pair.image), &exact = pose_of(truth, pair.image);
-      const double turn = rotation_vector(pose.rotation.conjugate() * exact.rotation)[std::min(pair.of_pose, 2)];
+      const double rotation = rotation_vector(pose.rotation.conjugate() * exact.rotation)[std::min(pair.of_pose, 2)];
       const double height = (centre_of(exact) - centre_of(pose)).z();
-      const double a = f - adjusted->cameras.begin()->second.params[Camera::kF], b = pair.of_pose == 5 ? height : turn;
-      pair.told += one.correlation / kBlocks;
+      const double a = f - adjusted->cameras.begin()->second.params[Camera::kF],
+                   b = pair.of_pose == 5 ? height : rotation;
+      pair.stated += one.correlation / kBlocks;
       pair.both += a * b;
       pair.own += a * a;
       pair.other += b * b;
     }
   }
   for (const Pair& pair : pairs) {
-    const double bound = 4 * (1 - pair.told * pair.told) / std::sqrt(kBlocks);
-    EXPECT_NEAR(pair.both / std::sqrt(pair.own * pair.other), pair.told, bound) << pair.of_pose;
-    EXPECT_GT(std::abs(pair.told), 2 * bound) << pair.of_pose;  // neither none nor the opposite would pass
+    const double bound = 4 * (1 - pair.stated * pair.stated) / std::sqrt(kBlocks);
+    EXPECT_NEAR(pair.both / std::sqrt(pair.own * pair.other), pair.stated, bound) << pair.of_pose;
+    EXPECT_GT(std::abs(pair.stated), 2 * bound) << pair.of_pose;  // neither none nor the opposite would pass
   }
 }
 
@@ -72,7 +73,7 @@ TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
 }
 
 // In a free network they depend on the datum that is chosen.
-TEST(CameraPoses, NothingIsToldOfAFreeNetwork) {
+TEST(CameraPoses, NothingIsStatedOfAFreeNetwork) {
   const Block block = testing::test_block({.points = 100, .sigma_px = 0.5});
   ExamineOptions options = testing::examined(Calibration::kFocalRadial);
   const auto adjusted = examine(block, {}, options, kRun);

@@ -13,7 +13,7 @@ namespace collinea {
 /// What was found and what should be done about it before the block is adjusted.
 struct ControlDiagnosis {
   std::vector<Finding> findings;                ///< codes kControlMeasurement to kPositionCrs
-  std::set<std::size_t> excluded_observations;  ///< places in Block::control_observations
+  std::set<std::size_t> excluded_observations;  ///< indices in Block::control_observations
   std::set<ControlId> excluded_points;
   double position_height_shift_m = 0;  ///< to be added to the heights of Image::position
   bool positions_unusable = false;     ///< they and the control cannot both be right: adjust without positions

@@ -35,7 +35,7 @@ constexpr std::size_t kMostPoints = 500;
 constexpr double kNotDetermined = 1e-6;  // as for single points
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-Eigen::Vector3d place_of(const State& state, std::size_t point) {
+Eigen::Vector3d position_of(const State& state, std::size_t point) {
   return Eigen::Map<const Eigen::Vector3d>(&state.points[3 * point]);
 }
 
@@ -46,7 +46,7 @@ ControlFolds::ControlFolds(const Solved& solved, const TileCholesky& factor, con
   const State& state = solved.state();
   for (std::size_t p = problem.first_control; p < problem.point_count(); ++p)
     if (const ProblemPoint& point = problem.point(p);
-        point.control >= 0 && !point.held &&
+        point.control >= 0 && !point.is_fixed &&
         *std::max_element(problem.control[point.control].inverse_sigma,
                           problem.control[point.control].inverse_sigma + 3) > 0)
       points_.push_back(p);
@@ -54,20 +54,21 @@ ControlFolds::ControlFolds(const Solved& solved, const TileCholesky& factor, con
   std::vector<PointSystem> systems;
   for (const std::size_t p : points_) systems.emplace_back(problem, state, p);
   cofactor_.resize(static_cast<Eigen::Index>(3 * points_.size()), static_cast<Eigen::Index>(3 * points_.size()));
-  const int border = 6 * problem.poses;
+  const int globals_begin = 6 * problem.poses;
   parallel_for(run, 3 * points_.size(), [&](std::size_t column) {
     const std::size_t i = column / 3;
     const Eigen::Vector3d axis = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(column % 3));
     Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(factor.tile_rows()) * kTile);
-    if (const int joined = problem.point(points_[i]).joined; joined >= 0)
-      x.segment<3>(border + joined) = axis;
+    if (const int first_retained = problem.point(points_[i]).first_retained; first_retained >= 0)
+      x.segment<3>(globals_begin + first_retained) = axis;
     else
       systems[i].add_following(axis, x);
     factor.solve(x.data());
     for (std::size_t k = 0; k < points_.size(); ++k) {
-      const int joined = problem.point(points_[k]).joined;
-      Eigen::Vector3d with = joined >= 0 ? Eigen::Vector3d(x.segment<3>(border + joined)) : systems[k].follow(x.data());
-      if (k == i && joined < 0) with += systems[i].solve_own(axis);
+      const int first_retained = problem.point(points_[k]).first_retained;
+      Eigen::Vector3d with = first_retained >= 0 ? Eigen::Vector3d(x.segment<3>(globals_begin + first_retained))
+                                                 : systems[k].follow(x.data());
+      if (k == i && first_retained < 0) with += systems[i].solve_own(axis);
       cofactor_.block<3, 1>(static_cast<Eigen::Index>(3 * k), static_cast<Eigen::Index>(column)) = with;
     }
   });
@@ -76,9 +77,9 @@ ControlFolds::ControlFolds(const Solved& solved, const TileCholesky& factor, con
 // Each as far as possible from those before, the first from their middle: in turns they make parts that are spread.
 std::vector<std::size_t> ControlFolds::spread(const State& state) const {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const std::size_t p : points_) middle += place_of(state, p) / static_cast<double>(points_.size());
+  for (const std::size_t p : points_) middle += position_of(state, p) / static_cast<double>(points_.size());
   std::vector<double> distance;
-  for (const std::size_t p : points_) distance.push_back((place_of(state, p) - middle).norm());
+  for (const std::size_t p : points_) distance.push_back((position_of(state, p) - middle).norm());
   std::vector<std::size_t> order;
   std::vector<bool> taken(points_.size(), false);
   while (order.size() < points_.size()) {
@@ -87,7 +88,7 @@ std::vector<std::size_t> ControlFolds::spread(const State& state) const {
       if (!taken[i] && (farthest == points_.size() || distance[i] > distance[farthest])) farthest = i;
     taken[farthest] = true;
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      const double to = (place_of(state, points_[i]) - place_of(state, points_[farthest])).norm();
+      const double to = (position_of(state, points_[i]) - position_of(state, points_[farthest])).norm();
       distance[i] = order.empty() ? to : std::min(distance[i], to);
     }
     order.push_back(farthest);
@@ -142,7 +143,7 @@ Folded ControlFolds::leave_out(const Solved& solved, const Adjusted& adjusted, i
       const auto first = static_cast<Eigen::Index>(3 * a);
       weights.block<3, 3>(first, first) = given.weight();
       survey.segment<3>(first) = inverse_weight(given).diagonal();
-      for (int axis = 0; axis < 3; ++axis) difference[first + axis] = place_of(state, p)[axis] - given.given[axis];
+      for (int axis = 0; axis < 3; ++axis) difference[first + axis] = position_of(state, p)[axis] - given.given[axis];
       for (std::size_t b = 0; b < members.size(); ++b)
         q.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)) =
             cofactor_.block<3, 3>(static_cast<Eigen::Index>(3 * members[a]), static_cast<Eigen::Index>(3 * members[b]));

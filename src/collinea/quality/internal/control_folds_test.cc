@@ -40,9 +40,9 @@ Block block_of(std::uint64_t seed, int control = 12) {
 // Against adjustments in which the coordinates of a part really take no part; also with points that a measurement
 // joins.
 TEST(ControlFolds, LeavingAPartOutIsWhatReadjustingWithoutItSays) {
-  for (const bool joined : {false, true}) {
+  for (const bool first_retained : {false, true}) {
     Block block = block_of(3);
-    if (joined) block.ground.push_back({.from = {0}, .to = {4}, .value = 10, .sigma = 1e6});
+    if (first_retained) block.geodetic.push_back({.from = {0}, .to = {4}, .value = 10, .sigma = 1e6});
     const auto with = examine(block, {}, tested(3), kRun);
     ASSERT_TRUE(with && with->reliability);
     const Folded& folded = with->reliability->folded;

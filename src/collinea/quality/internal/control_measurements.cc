@@ -52,17 +52,17 @@ bool is_wrong(const Suspect& suspect, double sigma_px, std::size_t lines) {
 std::map<ControlId, Intersection> intersect_control(const Block& block, ControlDiagnosis& diagnosis) {
   std::map<ControlId, Intersection> points;
   for (const auto& [id, control] : block.control) {
-    std::vector<std::size_t> places;
-    std::vector<SightLine> lines = sight_lines(block, id, &places);
+    std::vector<std::size_t> indices;
+    std::vector<SightLine> lines = sight_lines(block, id, &indices);
     while (lines.size() >= 3) {
       const auto suspect = worst_of(lines);
       if (!suspect || !is_wrong(*suspect, lines[suspect->line].sigma_px, lines.size())) break;
-      const ImageId image = block.control_observations[places[suspect->line]].image;
+      const ImageId image = block.control_observations[indices[suspect->line]].image;
       diagnosis.findings.push_back(
           finding_of(FindingCode::kControlMeasurement, {id, image}, {{FigureName::kOffsetPx, suspect->off_px}}));
-      diagnosis.excluded_observations.insert(places[suspect->line]);
+      diagnosis.excluded_observations.insert(indices[suspect->line]);
       lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(suspect->line));
-      places.erase(places.begin() + static_cast<std::ptrdiff_t>(suspect->line));
+      indices.erase(indices.begin() + static_cast<std::ptrdiff_t>(suspect->line));
     }
     const auto met = intersect(lines);
     if (!met) continue;

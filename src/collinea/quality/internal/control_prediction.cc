@@ -42,11 +42,11 @@ void predict_check_points(const Solved& solved, const TileCholesky& factor, cons
   std::map<ControlId, std::vector<const ControlObservation*>> measured;
   for (const ControlObservation& seen : block.control_observations)
     if (is_oriented(block, seen.image) && !is_left_out(adjusted, seen.image)) measured[seen.point].push_back(&seen);
-  std::set<ControlId> joined;  // they took part
-  for (const std::uint32_t p : problem.joined) joined.insert(ControlId{problem.point(p).id});
+  std::set<ControlId> retained;  // they took part
+  for (const std::uint32_t p : problem.retained_points) retained.insert(ControlId{problem.point(p).id});
   parallel_for(run, adjusted.control.size(), [&](std::size_t i) {
     ControlDifference& check = adjusted.control[i];
-    if (check.used || !check.position_in_world || joined.contains(check.point)) return;
+    if (check.used || !check.position_in_world || retained.contains(check.point)) return;
     PointSystem system(problem);
     const auto its_own = measured.find(check.point);
     if (its_own == measured.end()) return;
@@ -79,7 +79,7 @@ void predict_control_points(const Solved& solved, TileCholesky& inverse, const F
     const auto its = std::find_if(adjusted.control.begin(), adjusted.control.end(),
                                   [&](const ControlDifference& c) { return c.point == ControlId{point.id}; });
     if (its == adjusted.control.end()) continue;
-    if (point.held) {
+    if (point.is_fixed) {
       its->covariance_m2 = Eigen::Matrix3d::Zero();
       its->difference_sigma_m.setZero();
       continue;

@@ -56,7 +56,7 @@ std::map<CameraId, MatrixPd> camera_covariances(const Solved& solved, TileCholes
     if (camera.free.empty()) continue;
     const int size = Camera::kParams + static_cast<int>(count_of(solved.block().cameras.at(camera.id).additional));
     MatrixPd covariance = MatrixPd::Zero(size, size);
-    const int first = 6 * problem.poses + camera.border;
+    const int first = 6 * problem.poses + camera.first_global;
     for (std::size_t a = 0; a < camera.free.size(); ++a)
       for (std::size_t b = 0; b < camera.free.size(); ++b) {
         const int i = first + static_cast<int>(a), k = first + static_cast<int>(b);
@@ -76,7 +76,7 @@ std::vector<Eigen::Matrix3d> point_covariances(const Solved& solved,
   for (std::size_t i = 0; i < points.size(); ++i) index[points[i].first] = i;
   std::vector<Eigen::Matrix3d> covariances(points.size());
   parallel_for(run, problem.point_count(), [&](std::size_t p) {
-    if (problem.point(p).held || problem.point(p).control >= 0) return;
+    if (problem.point(p).is_fixed || problem.point(p).control >= 0) return;
     covariances[index.at(PointId{problem.point(p).id})] =
         free_network.of_point(bundle::PointSystem(problem, solved.state(), p).covariance(inverse), p);
   });
@@ -87,20 +87,20 @@ void predict_others(const Solved& solved, const bundle::FreeNetwork& free_networ
                     Adjusted& adjusted) {
   const Problem& problem = solved.problem();
   const State& state = solved.state();
-  const int border = 6 * problem.poses;
+  const int globals_begin = 6 * problem.poses;
   for (std::size_t i = 0; i < problem.auxiliaries.size(); ++i) {
-    const int row = border + problem.first_extra + static_cast<int>(i);
+    const int row = globals_begin + problem.first_auxiliary + static_cast<int>(i);
     adjusted.auxiliaries[i].sigma = std::sqrt(inverse.at(row, row));
   }
-  for (std::size_t i = 0; i < problem.ground.size(); ++i) {
-    const GeodeticLink& link = problem.ground[i];
-    GeodeticDifference& difference = adjusted.ground[i];
+  for (std::size_t i = 0; i < problem.geodetic.size(); ++i) {
+    const GeodeticLink& link = problem.geodetic[i];
+    GeodeticDifference& difference = adjusted.geodetic[i];
     const GeodeticModel model = model_of(problem, link, state);
     const Row row = row_of(problem, link, model);
     const double variance = free_network.of_link(variance_of(row, inverse), link, model, row);
     const double sigma = link.observation.sigma, scaled = std::pow(sigma_scale(adjusted), 2) * variance;
     difference.sigma = std::sqrt(std::max(variance, 0.0));
-    // Of a residual it is what is left of the sigma; see predict_control_points.
+    // The sigma of a residual is what is left of that of the measurement; see predict_control_points.
     const double h = variance / (sigma * sigma);
     difference.difference_sigma =
         std::sqrt(std::max(0.0, difference.used ? scaled * (1 - h) + sigma * sigma - 2 * variance + h * variance

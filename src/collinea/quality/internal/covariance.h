@@ -37,15 +37,16 @@ namespace collinea {
 
 using MatrixPd = Eigen::MatrixXd;  ///< of as many of Camera::params as the camera's last one needs
 
-/// Of [rotation (rad, in world), centre (m, in world)] of each image: true rotation = rotation * rotation_by(e).
+/// Covariances of [rotation (rad, in world), centre (m, in world)] of each image: true rotation = rotation *
+/// rotation_by(e).
 [[nodiscard]] std::map<ImageId, Matrix6d> pose_covariances(const Solved& solved,
                                                            const bundle::FreeNetwork& free_network,
                                                            bundle::TileCholesky& inverse);
 
-/// Of Camera::params of each calibrated camera, zero for those held.
+/// Covariances of Camera::params of each calibrated camera, zero for those fixed.
 [[nodiscard]] std::map<CameraId, MatrixPd> camera_covariances(const Solved& solved, bundle::TileCholesky& inverse);
 
-/// Of the tie points [m^2], in the order of `points`, which are Adjusted::points.
+/// Covariances of the tie points [m^2], in the order of `points`, which are Adjusted::points.
 [[nodiscard]] std::vector<Eigen::Matrix3d> point_covariances(
     const Solved& solved, const std::vector<std::pair<PointId, Eigen::Vector3d>>& points,
     const bundle::FreeNetwork& free_network, bundle::TileCholesky& inverse, const Run& run);
@@ -59,7 +60,7 @@ namespace bundle {
 /// Some rows and columns of the selected inverse.
 [[nodiscard]] Eigen::MatrixXd block_of(TileCholesky& inverse, int row, int rows, int column, int columns);
 
-/// The cofactor a Q a' of an observation by one pose and unknowns of the border, `row` being a.
+/// The cofactor a Q a' of an observation by one pose and unknowns of the global parameters, `row` being a.
 [[nodiscard]] double variance_of(const Row& row, TileCholesky& inverse);
 
 }  // namespace bundle

@@ -11,15 +11,15 @@ namespace collinea::bundle {
 
 namespace {
 
-constexpr double kTold = 1e-9;  // of the largest eigenvalue, as where the defect is found: less tells no motion
+constexpr double kDetermined = 1e-9;  // of the largest eigenvalue, as where the defect is found: less tells no motion
 
 }  // namespace
 
-Eigen::MatrixXd FreeNetwork::of_place(const Part& part, const Eigen::Vector3d& place) const {
-  return part.size * motion_of(place, part.centre, part.size) * part.motions;
+Eigen::MatrixXd FreeNetwork::of_position(const Part& part, const Eigen::Vector3d& position) const {
+  return part.size * motion_of(position, part.centre, part.size) * part.motions;
 }
 
-Eigen::Vector3d FreeNetwork::place_of(std::size_t point) const {
+Eigen::Vector3d FreeNetwork::position_of(std::size_t point) const {
   return Eigen::Map<const Eigen::Vector3d>(&state_.points[3 * point]);
 }
 
@@ -35,7 +35,7 @@ const FreeNetwork::Part* FreeNetwork::part_of(int pose) const {
 }
 
 const FreeNetwork::Part* FreeNetwork::part_with(std::size_t point) const {
-  return problem_.point(point).held ? nullptr : part_numbered(problem_.part_of_point[point]);
+  return problem_.point(point).is_fixed ? nullptr : part_numbered(problem_.part_of_point[point]);
 }
 
 // What no image shows moves with the part, but is nothing of what the images determine.
@@ -51,11 +51,11 @@ bool FreeNetwork::find_inverse(Part& part) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count);
   for (std::size_t p = 0; p < problem_.point_count(); ++p)
     if (in_datum(part, p)) {
-      const Eigen::MatrixXd g = of_place(part, place_of(p));
+      const Eigen::MatrixXd g = of_position(part, position_of(p));
       sum += g.transpose() * g;
     }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sum);
-  if (!(eigen.eigenvalues()[0] > kTold * eigen.eigenvalues()[count - 1])) return false;
+  if (!(eigen.eigenvalues()[0] > kDetermined * eigen.eigenvalues()[count - 1])) return false;
   part.inverse =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
   return true;
@@ -92,9 +92,9 @@ void FreeNetwork::add_points(Part& part, const TileCholesky& factor) {
   part.variance.setZero(count, count);
   for (std::size_t p = 0; p < problem_.point_count(); ++p) {
     if (!in_datum(part, p)) continue;
-    const Eigen::MatrixXd g = of_place(part, place_of(p));
-    if (const int joined = problem_.point(p).joined; joined >= 0) {
-      part.with_motions.middleRows<3>(6 * problem_.poses + joined) += g;
+    const Eigen::MatrixXd g = of_position(part, position_of(p));
+    if (const int first_retained = problem_.point(p).first_retained; first_retained >= 0) {
+      part.with_motions.middleRows<3>(6 * problem_.poses + first_retained) += g;
       continue;
     }
     const PointSystem system(problem_, state_, p);
@@ -108,17 +108,17 @@ void FreeNetwork::add_points(Part& part, const TileCholesky& factor) {
   for (std::size_t p = 0; p < problem_.point_count(); ++p)
     if (in_datum(part, p))
       part.variance +=
-          of_place(part, place_of(p)).transpose() * with_motions(part, p, PointSystem(problem_, state_, p));
+          of_position(part, position_of(p)).transpose() * with_motions(part, p, PointSystem(problem_, state_, p));
 }
 
 // The covariance of a point with the motion of the points.
 Eigen::MatrixXd FreeNetwork::with_motions(const Part& part, std::size_t p, const PointSystem& system) const {
-  if (const int joined = problem_.point(p).joined; joined >= 0)
-    return part.with_motions.middleRows<3>(6 * problem_.poses + joined);
+  if (const int first_retained = problem_.point(p).first_retained; first_retained >= 0)
+    return part.with_motions.middleRows<3>(6 * problem_.poses + first_retained);
   Eigen::MatrixXd with(3, part.motions.cols());
   for (Eigen::Index k = 0; k < with.cols(); ++k) with.col(k) = system.follow(part.with_motions.col(k).data());
   if (in_datum(part, p)) {
-    const Eigen::MatrixXd moved = of_place(part, place_of(p));
+    const Eigen::MatrixXd moved = of_position(part, position_of(p));
     for (Eigen::Index k = 0; k < with.cols(); ++k) with.col(k) += system.solve_own(moved.col(k));
   }
   return with;
@@ -136,7 +136,7 @@ Matrix6d FreeNetwork::of_pose(const Matrix6d& covariance, int pose, const Matrix
   if (!part) return covariance;
   Eigen::MatrixXd moved(6, part->motions.cols());
   moved.topRows(3) = -part->motions.middleRows(3, 3);
-  moved.bottomRows(3) = of_place(*part, centre_in(state_, static_cast<std::size_t>(pose)));
+  moved.bottomRows(3) = of_position(*part, centre_in(state_, static_cast<std::size_t>(pose)));
   Eigen::MatrixXd transformed = covariance;
   transform(*part, moved, to_world * part->with_motions.middleRows(6 * pose, 6), transformed);
   return transformed;
@@ -146,20 +146,20 @@ Eigen::Matrix3d FreeNetwork::of_point(const Eigen::Matrix3d& covariance, std::si
   const Part* part = part_with(point);
   if (!part) return covariance;
   Eigen::MatrixXd transformed = covariance;
-  transform(*part, of_place(*part, place_of(point)), with_motions(*part, point, PointSystem(problem_, state_, point)),
-            transformed);
+  transform(*part, of_position(*part, position_of(point)),
+            with_motions(*part, point, PointSystem(problem_, state_, point)), transformed);
   return transformed;
 }
 
 Eigen::Matrix3d FreeNetwork::of_check_point(const Eigen::Matrix3d& covariance, const PointSystem& system,
-                                            const Eigen::Vector3d& place, const std::vector<int>& poses) const {
+                                            const Eigen::Vector3d& position, const std::vector<int>& poses) const {
   const Part* part = poses.empty() ? nullptr : part_of(poses.front());
   for (const int pose : poses)
     if (!part || part_of(pose) != part) return covariance;  // it moves with none of them
   if (!part) return covariance;
   Eigen::MatrixXd with(3, part->motions.cols()), transformed = covariance;
   for (Eigen::Index k = 0; k < with.cols(); ++k) with.col(k) = system.follow(part->with_motions.col(k).data());
-  transform(*part, of_place(*part, place), with, transformed);
+  transform(*part, of_position(*part, position), with, transformed);
   return transformed;
 }
 
@@ -167,10 +167,10 @@ Eigen::Matrix3d FreeNetwork::of_check_point(const Eigen::Matrix3d& covariance, c
 // every motion.
 double FreeNetwork::of_link(double variance, const GeodeticLink& link, const GeodeticModel& model,
                             const Row& row) const {
-  const Part* part = link.extra >= 0 ? nullptr : part_with(link.from);
+  const Part* part = link.auxiliary >= 0 ? nullptr : part_with(link.from);
   if (!part || part_with(link.to) != part) return variance;
-  const Eigen::MatrixXd moved = model.by_from.transpose() * of_place(*part, place_of(link.from)) +
-                                model.by_to.transpose() * of_place(*part, place_of(link.to));
+  const Eigen::MatrixXd moved = model.by_from.transpose() * of_position(*part, position_of(link.from)) +
+                                model.by_to.transpose() * of_position(*part, position_of(link.to));
   Eigen::MatrixXd with = Eigen::MatrixXd::Zero(1, part->motions.cols()), transformed(1, 1);
   for (const RowPart& one : row) with += one.derivative * part->with_motions.row(one.row);
   transformed(0, 0) = variance;

@@ -13,7 +13,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 namespace bundle {
 
-/// Takes covariances of a block that nothing fixes entirely from the few images that held its datum to that of all tie
+/// Takes covariances of a block that nothing fixes entirely from the few images that fixed its datum to that of all tie
 /// points (S-transformation, Baarda 1973): of all minimal datums the one in which the trace of the points' covariance
 /// is least. Nothing changes where there is no datum defect. A part whose tie points do not tell its motions (fewer
 /// than three, or all on a line) takes its control points too; where that does not help either, it stays in the datum
@@ -23,13 +23,13 @@ class FreeNetwork {
   /// At most seven solutions for each unconnected part.
   FreeNetwork(const Solved& solved, const TileCholesky& factor);
 
-  /// Of [rotation in the world, centre]; `to_world` turns the internal rotation there.
+  /// Covariance of [rotation in the world, centre]; `to_world` turns the internal rotation there.
   [[nodiscard]] Matrix6d of_pose(const Matrix6d& covariance, int pose, const Matrix6d& to_world) const;
-  /// Of a tie point or a control point.
+  /// Covariance of a tie point or a control point.
   [[nodiscard]] Eigen::Matrix3d of_point(const Eigen::Matrix3d& covariance, std::size_t point) const;
-  /// Of a point that takes no part, by its rays in these poses (-1: an exact image).
+  /// Covariance of a point that takes no part, by its rays in these poses (-1: an exact image).
   [[nodiscard]] Eigen::Matrix3d of_check_point(const Eigen::Matrix3d& covariance, const PointSystem& system,
-                                               const Eigen::Vector3d& place, const std::vector<int>& poses) const;
+                                               const Eigen::Vector3d& position, const std::vector<int>& poses) const;
   /// Variance of a measurement on the ground.
   [[nodiscard]] double of_link(double variance, const GeodeticLink& link, const GeodeticModel& model,
                                const Row& row) const;
@@ -45,8 +45,8 @@ class FreeNetwork {
     Eigen::MatrixXd inverse;       // of the points' motions, k x k
     Eigen::MatrixXd variance;      // of the motion of the points
   };
-  [[nodiscard]] Eigen::MatrixXd of_place(const Part& part, const Eigen::Vector3d& place) const;
-  [[nodiscard]] Eigen::Vector3d place_of(std::size_t point) const;
+  [[nodiscard]] Eigen::MatrixXd of_position(const Part& part, const Eigen::Vector3d& position) const;
+  [[nodiscard]] Eigen::Vector3d position_of(std::size_t point) const;
   [[nodiscard]] const Part* part_numbered(int number) const;
   [[nodiscard]] const Part* part_of(int pose) const;
   [[nodiscard]] const Part* part_with(std::size_t point) const;

@@ -49,9 +49,9 @@ Block measured(Block block, std::uint64_t seed) {
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 
-Eigen::Matrix<double, 3, 7> motion(const Eigen::Vector3d& place) {
+Eigen::Matrix<double, 3, 7> motion(const Eigen::Vector3d& position) {
   Eigen::Matrix<double, 3, 7> g;
-  g << Eigen::Matrix3d::Identity(), -skew(place), place;
+  g << Eigen::Matrix3d::Identity(), -skew(position), position;
   return g;
 }
 
@@ -59,10 +59,10 @@ Eigen::Matrix<double, 3, 7> motion(const Eigen::Vector3d& place) {
 Vector7 motion_of_errors(const Examined& adjusted, const Block& truth) {
   Eigen::Matrix<double, 7, 7> normals = Eigen::Matrix<double, 7, 7>::Zero();
   Vector7 right = Vector7::Zero();
-  for (const auto& [id, place] : adjusted.points) {
-    const auto g = motion(place);
+  for (const auto& [id, position] : adjusted.points) {
+    const auto g = motion(position);
     normals += g.transpose() * g;
-    right += g.transpose() * (truth.points.at(id).position_in_world - place);
+    right += g.transpose() * (truth.points.at(id).position_in_world - position);
   }
   return normals.inverse() * right;
 }
@@ -91,7 +91,7 @@ class MeanSquare {
 
 // Once the motion of all tie points is taken off, errors are as long as the covariances say: of images, of tie points,
 // of control points without coordinates and of check points alike. All are in one datum.
-TEST(FreeNetwork, ErrorsAreAsToldInTheDatumOfTheTiePoints) {
+TEST(FreeNetwork, ErrorsAreAsStatedInTheDatumOfTheTiePoints) {
   MeanSquare poses, points, control, checks;
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     const Block truth = free_block(seed);
@@ -108,12 +108,12 @@ TEST(FreeNetwork, ErrorsAreAsToldInTheDatumOfTheTiePoints) {
           centre_of(exact) - centre - motion(centre) * whole;
       poses.add(error, variance * adjusted->pose_covariance.at(id));
     }
-    const auto error_at = [&](const Eigen::Vector3d& exact, const Eigen::Vector3d& place) {
-      return Eigen::Vector3d(exact - place - motion(place) * whole);
+    const auto error_at = [&](const Eigen::Vector3d& exact, const Eigen::Vector3d& position) {
+      return Eigen::Vector3d(exact - position - motion(position) * whole);
     };
     for (std::size_t i = 0; i < adjusted->points.size(); ++i) {
-      const auto& [id, place] = adjusted->points[i];
-      points.add(error_at(truth.points.at(id).position_in_world, place), variance * adjusted->point_covariance[i]);
+      const auto& [id, position] = adjusted->points[i];
+      points.add(error_at(truth.points.at(id).position_in_world, position), variance * adjusted->point_covariance[i]);
     }
     for (const ControlDifference& one : adjusted->control) {
       if (!one.covariance_m2) continue;

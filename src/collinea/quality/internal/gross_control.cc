@@ -34,11 +34,11 @@ Remaining without_gross_control(Measurements measurements, int most, std::uint64
     const double offset = offset_px(diagnosis, seen);
     if (offset < kGross * seen.sigma_px || static_cast<int>(gross.size()) >= most) continue;
     gross.push_back({ObservationGroup::kControlImages, static_cast<std::uint32_t>(i)});
-    Rejection gone{.given = seen, .sigma = seen.sigma_px};
-    static_cast<Measurement&>(gone.rejected) = measurement_at(gross.back(), block);
-    gone.rejected.w = offset / seen.sigma_px;
-    gone.rejected.redundancy = gone.rejected.influence = std::numeric_limits<double>::quiet_NaN();
-    remaining.rejections.push_back(gone);
+    Rejection rejected{.given = seen, .sigma = seen.sigma_px};
+    static_cast<Measurement&>(rejected.rejected) = measurement_at(gross.back(), block);
+    rejected.rejected.w = offset / seen.sigma_px;
+    rejected.rejected.redundancy = rejected.rejected.influence = std::numeric_limits<double>::quiet_NaN();
+    remaining.rejections.push_back(rejected);
   }
   remaining.measurements = without(std::move(remaining.measurements), gross);
   return remaining;

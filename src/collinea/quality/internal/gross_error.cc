@@ -10,22 +10,22 @@ namespace collinea {
 namespace {
 
 // Variance of a coordinate of the image of a control point where its other rays meet, all images being exact [px^2].
-double variance_by_rays(const Rejected& gone, const Block& block) {
-  const auto met = intersect(sight_lines(block, gone.control));
-  const Rigid3& pose = pose_of(block, gone.image);
+double variance_by_rays(const Rejected& rejected, const Block& block) {
+  const auto met = intersect(sight_lines(block, rejected.control));
+  const Rigid3& pose = pose_of(block, rejected.image);
   Matrix23 by_cam;
-  if (!met || !project(block.camera_of(gone.image), pose * met->point_in_world, &by_cam, nullptr))
+  if (!met || !project(block.camera_of(rejected.image), pose * met->point_in_world, &by_cam, nullptr))
     return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::RowVector3d by_world = by_cam.row(gone.axis) * pose.rotation.toRotationMatrix();
+  const Eigen::RowVector3d by_world = by_cam.row(rejected.axis) * pose.rotation.toRotationMatrix();
   return by_world * met->covariance * by_world.transpose();
 }
 
 void test_gross_ray(Rejection& one, const Block& block) {
-  Rejected& gone = one.rejected;
-  const double size = gone.gross_error.head<2>().norm();
-  gone.axis = std::abs(gone.gross_error.y()) > std::abs(gone.gross_error.x()) ? 1 : 0;
-  one.cofactor = variance_by_rays(gone, block) / (one.sigma * one.sigma);
-  if (std::isfinite(size)) gone.w = size / one.sigma;
+  Rejected& rejected = one.rejected;
+  const double size = rejected.gross_error.head<2>().norm();
+  rejected.axis = std::abs(rejected.gross_error.y()) > std::abs(rejected.gross_error.x()) ? 1 : 0;
+  one.cofactor = variance_by_rays(rejected, block) / (one.sigma * one.sigma);
+  if (std::isfinite(size)) rejected.w = size / one.sigma;
 }
 
 }  // namespace
@@ -33,14 +33,15 @@ void test_gross_ray(Rejection& one, const Block& block) {
 std::vector<Rejection> with_gross_errors(std::vector<Rejection> rejections, const Measurements& left,
                                          const Adjusted& adjusted, double sigma0) {
   for (Rejection& one : rejections) {
-    Rejected& gone = one.rejected;
-    if (!gone.as_pair)
-      if (const auto difference = misclosure(gone, one.given, left, adjusted))
-        axes_of(gone.group, gone.gross_error) = axes_of(gone.group, *difference);
-    if (gone.round == 0) test_gross_ray(one, left.block);
-    const double own = is_image_point(gone.group) ? sigma0 : 1;
-    gone.sigma = one.sigma * std::sqrt(own * own + sigma0 * sigma0 * one.cofactor);
-    if (const auto sigma = sigma_of_correlated(gone, one.given, gone.axis, sigma0, left, adjusted)) gone.sigma = *sigma;
+    Rejected& rejected = one.rejected;
+    if (!rejected.as_pair)
+      if (const auto difference = misclosure(rejected, one.given, left, adjusted))
+        axes_of(rejected.group, rejected.gross_error) = axes_of(rejected.group, *difference);
+    if (rejected.round == 0) test_gross_ray(one, left.block);
+    const double own = is_image_point(rejected.group) ? sigma0 : 1;
+    rejected.sigma = one.sigma * std::sqrt(own * own + sigma0 * sigma0 * one.cofactor);
+    if (const auto sigma = sigma_of_correlated(rejected, one.given, rejected.axis, sigma0, left, adjusted))
+      rejected.sigma = *sigma;
   }
   return rejections;
 }

@@ -14,17 +14,19 @@ namespace {
 
 constexpr double kInseparable = 0.99;  // correlation: the sigma of each is seven times what it were without the other
 
-bool is_along_axis(const AuxiliaryUnknown& extra) { return extra.kind == UnknownKind::kLeverArm && extra.axis == 2; }
+bool is_along_axis(const AuxiliaryUnknown& auxiliary) {
+  return auxiliary.kind == UnknownKind::kLeverArm && auxiliary.axis == 2;
+}
 
 // What would part an unknown from another one, or (other = nullptr) from a parameter of a camera.
-std::vector<Remedy> remedies_of(const AuxiliaryUnknown& extra, const AuxiliaryUnknown* other) {
-  if (extra.kind == UnknownKind::kTimeOffset) return {RemedyCode::kFlyBack, RemedyCode::kGiveOne};
-  if (is_of_shape(extra.kind)) return {RemedyCode::kSpreadShapePoints};
-  if (is_along_axis(extra) || (other && is_along_axis(*other)))
+std::vector<Remedy> remedies_of(const AuxiliaryUnknown& auxiliary, const AuxiliaryUnknown* other) {
+  if (auxiliary.kind == UnknownKind::kTimeOffset) return {RemedyCode::kFlyBack, RemedyCode::kGiveOne};
+  if (is_of_shape(auxiliary.kind)) return {RemedyCode::kSpreadShapePoints};
+  if (is_along_axis(auxiliary) || (other && is_along_axis(*other)))
     return {RemedyCode::kAddHeightsOrOblique, RemedyCode::kGiveOne};
-  if (extra.kind == UnknownKind::kOrientation) return {RemedyCode::kMeasureMoreFromSetup};
-  if (extra.kind == UnknownKind::kLeverArm || (other && other->kind == UnknownKind::kLeverArm) ||
-      extra.kind == UnknownKind::kBoresight)
+  if (auxiliary.kind == UnknownKind::kOrientation) return {RemedyCode::kMeasureMoreFromSetup};
+  if (auxiliary.kind == UnknownKind::kLeverArm || (other && other->kind == UnknownKind::kLeverArm) ||
+      auxiliary.kind == UnknownKind::kBoresight)
     return {RemedyCode::kFlyBackAndAcross, RemedyCode::kGiveOne};
   return {RemedyCode::kAddCrossStripOrControl};
 }
@@ -36,20 +38,20 @@ bool parted_elsewhere(const AuxiliaryUnknown& one, const AuxiliaryUnknown& other
 }
 
 void name_inseparable(const Problem& problem, TileCholesky& inverse, std::vector<Finding>& pairs) {
-  const int border = 6 * problem.poses;
+  const int globals_begin = 6 * problem.poses;
   const bool offsets = !pairs.empty();
   for (int i = 0; i < static_cast<int>(problem.auxiliaries.size()); ++i) {
-    const int row = border + problem.first_extra + i;
-    const AuxiliaryUnknown& extra = problem.auxiliaries[static_cast<std::size_t>(i)];
-    for (int other = border; other < row; ++other) {
-      const int k = other - border - problem.first_extra;
-      if (k >= 0 && parted_elsewhere(extra, problem.auxiliaries[static_cast<std::size_t>(k)], offsets)) continue;
+    const int row = globals_begin + problem.first_auxiliary + i;
+    const AuxiliaryUnknown& auxiliary = problem.auxiliaries[static_cast<std::size_t>(i)];
+    for (int other = globals_begin; other < row; ++other) {
+      const int k = other - globals_begin - problem.first_auxiliary;
+      if (k >= 0 && parted_elsewhere(auxiliary, problem.auxiliaries[static_cast<std::size_t>(k)], offsets)) continue;
       const double correlation = inverse.at(row, other) / std::sqrt(inverse.at(row, row) * inverse.at(other, other));
       if (!(std::abs(correlation) > kInseparable)) continue;
       pairs.push_back(
           finding_of(FindingCode::kInseparable, {subject_of_row(problem, row), subject_of_row(problem, other)},
                      {{FigureName::kCorrelation, correlation}},
-                     remedies_of(extra, k < 0 ? nullptr : &problem.auxiliaries[static_cast<std::size_t>(k)])));
+                     remedies_of(auxiliary, k < 0 ? nullptr : &problem.auxiliaries[static_cast<std::size_t>(k)])));
     }
   }
 }
@@ -57,7 +59,7 @@ void name_inseparable(const Problem& problem, TileCholesky& inverse, std::vector
 // A time offset moves the antenna along the flight, which need not be an axis: what of it a shift, a drift or a lever
 // arm can stand for is its multiple correlation with the three.
 void name_inseparable_offsets(const Problem& problem, TileCholesky& inverse, std::vector<Finding>& pairs) {
-  const int first = 6 * problem.poses + problem.first_extra;
+  const int first = 6 * problem.poses + problem.first_auxiliary;
   for (std::size_t i = 0; i < problem.auxiliaries.size(); ++i) {
     if (problem.auxiliaries[i].kind != UnknownKind::kTimeOffset) continue;
     const int row = first + static_cast<int>(i);
@@ -96,8 +98,9 @@ std::vector<Finding> inseparable_unknowns(const Solved& solved, bundle::TileChol
 Finding undetermined_unknown(const Solved& solved, int row) {
   const bundle::Problem& problem = solved.problem();
   Finding finding = finding_of(FindingCode::kUndetermined, {bundle::subject_of_row(problem, row)});
-  const auto extra = static_cast<std::size_t>(row - 6 * problem.poses - problem.first_extra);
-  if (extra < problem.auxiliaries.size()) finding.remedies = bundle::remedies_of(problem.auxiliaries[extra], nullptr);
+  const auto auxiliary = static_cast<std::size_t>(row - 6 * problem.poses - problem.first_auxiliary);
+  if (auxiliary < problem.auxiliaries.size())
+    finding.remedies = bundle::remedies_of(problem.auxiliaries[auxiliary], nullptr);
   return finding;
 }
 

@@ -8,9 +8,9 @@
 
 namespace collinea {
 
-/// Pairs of unknowns, one of them in Problem::extras, that hardly differ in what they do (correlation beyond 0.99: the
-/// sigma of each is seven times what it were without the other). By the selected inverse. A time offset
-/// is compared with all three axes of a shift, a drift or a lever arm at once, by its multiple correlation with them.
+/// Pairs of unknowns, one of them in Problem::auxiliaries, that hardly differ in what they do (correlation beyond 0.99:
+/// the sigma of each is seven times what it were without the other). By the selected inverse. A time offset is compared
+/// with all three axes of a shift, a drift or a lever arm at once, by its multiple correlation with them.
 [[nodiscard]] std::vector<Finding> inseparable_unknowns(const Solved& solved, bundle::TileCholesky& inverse);
 
 /// That the unknown in this row of the normal equations (Solved::Factored) is not determined.

@@ -173,23 +173,23 @@ struct AttitudeOfImage : Coordinates<AttitudeOfImage> {
 
 struct GeodeticMeasurement : AnySource {
   static Measurement named(MeasurementIndex index, const Block&) {
-    return {.group = index.group, .ground = index.source};
+    return {.group = index.group, .geodetic = index.source};
   }
   static std::set<ControlId> control_points(const Measurement& measurement, const Block& block) {
-    const GeodeticObservation& measured = block.ground[measurement.ground];
+    const GeodeticObservation& measured = block.geodetic[measurement.geodetic];
     return {measured.from, measured.to};
   }
   static GivenMeasurement given(MeasurementIndex, const Measurements&) { return {}; }
   static void reject(Measurements& all, std::span<const MeasurementIndex> rejected) {
-    for (const MeasurementIndex& one : rejected) all.block.ground[one.source].role = ControlRole::kCheck;
+    for (const MeasurementIndex& one : rejected) all.block.geodetic[one.source].role = ControlRole::kCheck;
   }
   static void restore(Measurements& all, const Measurement& measurement, const GivenMeasurement&) {
-    all.block.ground[measurement.ground].role = ControlRole::kControl;
+    all.block.geodetic[measurement.geodetic].role = ControlRole::kControl;
   }
   static std::optional<Eigen::Vector3d> misclosure(const Measurement& measurement, const GivenMeasurement&,
                                                    const Measurements&, const Adjusted& adjusted) {
-    for (const GeodeticDifference& one : adjusted.ground)
-      if (one.observation == measurement.ground) return Eigen::Vector3d(-one.difference, 0, 0);
+    for (const GeodeticDifference& one : adjusted.geodetic)
+      if (one.observation == measurement.geodetic) return Eigen::Vector3d(-one.difference, 0, 0);
     return std::nullopt;
   }
 };

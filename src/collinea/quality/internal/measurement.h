@@ -23,10 +23,10 @@ namespace collinea {
 /// marks of one point in one image have the same name.
 struct Measurement {
   ObservationGroup group{};
-  ImageId image;             ///< of image points, positions and attitudes
-  PointId point;             ///< of image points of tie points
-  ControlId control;         ///< of image points and coordinates of control
-  std::uint32_t ground = 0;  ///< of geodetic observations: index in Block::ground
+  ImageId image;               ///< of image points, positions and attitudes
+  PointId point;               ///< of image points of tie points
+  ControlId control;           ///< of image points and coordinates of control
+  std::uint32_t geodetic = 0;  ///< of geodetic observations: index in Block::geodetic
 
   friend auto operator<=>(const Measurement&, const Measurement&) = default;
 };

@@ -41,8 +41,8 @@ std::vector<MeasurementIndex> one_of_each(const Measurements& all) {
         found.push_back({traits.group, all.block.images.begin()->first.value});
         break;
       case ObservationSource::kGeodetic:
-        for (std::uint32_t i = 0; i < all.block.ground.size(); ++i)
-          if (group_of(all.block.ground[i].kind) == traits.group) {
+        for (std::uint32_t i = 0; i < all.block.geodetic.size(); ++i)
+          if (group_of(all.block.geodetic[i].kind) == traits.group) {
             found.push_back({traits.group, i});
             break;
           }
@@ -64,7 +64,7 @@ auto values_of(const Measurements& all) {
   for (const auto& [id, point] : all.block.control) add(2, id.value, point.sigma_m);
   for (const auto& [id, image] : all.block.images) add(3, id.value, image.position->sigma_m);
   for (const auto& [id, attitude] : all.scope.attitudes) add(4, id.value, attitude.sigma_rad);
-  for (const GeodeticObservation& one : all.block.ground)
+  for (const GeodeticObservation& one : all.block.geodetic)
     values.emplace_back(5, one.from.value, one.to.value, one.value, one.sigma, static_cast<double>(one.role));
   return values;
 }
@@ -97,7 +97,7 @@ TEST(Measurement, AllGroupsGoTogetherAndComeBackInAnyOrder) {
   EXPECT_TRUE(left.block.control.begin()->second.sigma_m.array().isInf().all());
   EXPECT_TRUE(left.block.images.begin()->second.position->sigma_m.array().isInf().all());
   EXPECT_TRUE(left.scope.attitudes.begin()->second.sigma_rad.array().isInf().all());
-  EXPECT_EQ(std::ranges::count(left.block.ground, ControlRole::kCheck, &GeodeticObservation::role),
+  EXPECT_EQ(std::ranges::count(left.block.geodetic, ControlRole::kCheck, &GeodeticObservation::role),
             static_cast<long>(kGeodeticKinds));
   std::ranges::reverse(indices);
   for (const MeasurementIndex& index : indices)
@@ -144,7 +144,7 @@ TEST(Measurement, IsOffByWhatWasAddedToIt) {
   Adjusted adjusted;
   adjusted.control.push_back({.point = control, .position_in_world = all.block.control.at(control).position_in_world});
   adjusted.attitudes.push_back({image, Eigen::Vector3d(0, 0, -0.25)});
-  adjusted.ground.push_back({.observation = 3, .difference = -0.5});
+  adjusted.geodetic.push_back({.observation = 3, .difference = -0.5});
   const Eigen::Vector3d off(1, -2, 3);
   all.block.control.at(control).position_in_world += off;
   all.block.images.at(image).position->position_in_world += off;
@@ -155,8 +155,8 @@ TEST(Measurement, IsOffByWhatWasAddedToIt) {
   EXPECT_LT((*misclosure_at(ObservationGroup::kControlPlan, control.value) - off).norm(), 1e-12);
   EXPECT_LT((*misclosure_at(ObservationGroup::kPositionPlan, image.value) - off).norm(), 1e-12);
   EXPECT_EQ(misclosure_at(ObservationGroup::kAttitudeHeading, image.value)->z(), 0.25);
-  EXPECT_EQ(misclosure_at(group_of(all.block.ground[3].kind), 3)->x(), 0.5);
-  EXPECT_FALSE(misclosure_at(group_of(all.block.ground[4].kind), 4));
+  EXPECT_EQ(misclosure_at(group_of(all.block.geodetic[3].kind), 3)->x(), 0.5);
+  EXPECT_FALSE(misclosure_at(group_of(all.block.geodetic[4].kind), 4));
   EXPECT_FALSE(misclosure_at(ObservationGroup::kControlHeight, std::next(all.block.control.begin())->first.value));
   all.scope.lever_arms[CameraId{1}] = {};
   EXPECT_FALSE(misclosure_at(ObservationGroup::kPositionPlan, image.value));

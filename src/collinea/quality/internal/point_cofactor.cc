@@ -13,7 +13,8 @@ PointSystem::PointSystem(const Problem& problem, const State& state, std::size_t
     linearise(problem, state, ray, &state.points[3 * p], problem.loss_of(point), &linear);
     add(linear, static_cast<int>(ray.image), state);
   }
-  close(point.held, point.control >= 0 ? &problem.control[point.control] : nullptr, &state.points[3 * p], point.joined);
+  close(point.is_fixed, point.control >= 0 ? &problem.control[point.control] : nullptr, &state.points[3 * p],
+        point.first_retained);
 }
 
 int PointSystem::group(int row, int count, bool is_pose) {
@@ -26,18 +27,18 @@ int PointSystem::group(int row, int count, bool is_pose) {
 
 void PointSystem::add(const LinearRay& linear, int image, const State& state) {
   Measured ray;
-  const Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> a(linear.by_point), turn(linear.by_rotation);
+  const Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> a(linear.by_point), rotation(linear.by_rotation);
   ray.by_point = a;
   normals_.add(linear);
   if (image >= 0 && image < problem_.poses) {
     ray.pose = group(6 * image, 6, true);
-    ray.by_pose << turn, -a;
+    ray.by_pose << rotation, -a;
   }
   if (image >= 0) {
     const int camera = problem_.images[image].camera;
     const ProblemCamera& unknowns = problem_.cameras[camera];
     if (const auto count = static_cast<int>(unknowns.free.size()); count > 0) {
-      ray.camera = group(6 * problem_.poses + unknowns.border, count, false);
+      ray.camera = group(6 * problem_.poses + unknowns.first_global, count, false);
       double b[2 * Camera::kAllParams];
       linearise_camera(linear, state.lenses[camera], unknowns.free, b);
       ray.by_camera = Eigen::Map<const Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>>(b, 2, count);
@@ -46,9 +47,9 @@ void PointSystem::add(const LinearRay& linear, int image, const State& state) {
   rays_.push_back(ray);
 }
 
-void PointSystem::close(bool held, const ControlCoordinates* control, const double* position, int joined) {
-  eliminated_ = !held && joined < 0;
-  if (joined >= 0) joined_ = group(6 * problem_.poses + joined, 3, false);
+void PointSystem::close(bool is_fixed, const ControlCoordinates* control, const double* position, int first_retained) {
+  eliminated_ = !is_fixed && first_retained < 0;
+  if (first_retained >= 0) retained_group_ = group(6 * problem_.poses + first_retained, 3, false);
   if (control) normals_.add(*control, position);
   normals_.factor(0);
   z_.setZero(width_, 3);
@@ -141,9 +142,9 @@ PointSystem::Relative PointSystem::relative_to(int pose, const Eigen::Vector3d& 
 }
 
 Eigen::Matrix3d PointSystem::covariance(TileCholesky& inverse) const {
-  if (joined_ >= 0) {
+  if (retained_group_ >= 0) {
     Eigen::Matrix3d covariance;
-    const int row = groups_[joined_].row;
+    const int row = groups_[retained_group_].row;
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) covariance(r, c) = inverse.at(row + std::max(r, c), row + std::min(r, c));
     return covariance;
@@ -186,7 +187,7 @@ std::vector<Eigen::Matrix2d> PointSystem::leverages(TileCholesky& inverse) const
     std::vector<Part> parts;
     if (ray.pose >= 0) parts.push_back({&groups_[ray.pose], ray.by_pose});
     if (ray.camera >= 0) parts.push_back({&groups_[ray.camera], ray.by_camera});
-    if (joined_ >= 0) parts.push_back({&groups_[joined_], ray.by_point});
+    if (retained_group_ >= 0) parts.push_back({&groups_[retained_group_], ray.by_point});
     Eigen::Matrix2d leverage = c * own * c.transpose();
     for (const Part& one : parts) {
       const Eigen::Matrix2d mixed = one.design * qz.middleRows(one.group->first, one.group->count) * c.transpose();

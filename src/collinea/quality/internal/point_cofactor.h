@@ -21,8 +21,8 @@ class PointSystem {
   /// A ray in an image of the problem, or (image < 0) in one whose pose and camera are exact.
   void add(const LinearRay& linear, int image, const State& state);
   /// After the last ray. Held points have no unknowns of their own; those that keep theirs have them from row `joined`
-  /// of the border on (-1: the point is eliminated).
-  void close(bool held, const ControlCoordinates* control, const double* position, int joined = -1);
+  /// of the global parameters on (-1: the point is eliminated).
+  void close(bool is_fixed, const ControlCoordinates* control, const double* position, int first_retained = -1);
 
   /// V^-1 b, V being the point's own normal matrix.
   [[nodiscard]] Eigen::Vector3d solve_own(Eigen::Vector3d b) const;
@@ -71,7 +71,7 @@ class PointSystem {
   Eigen::Matrix<double, Eigen::Dynamic, 3> z_;
   int width_ = 0;
   bool eliminated_ = true;
-  int joined_ = -1;  // number of the group
+  int retained_group_ = -1;  // number of the group
 };
 
 }  // namespace collinea::bundle

@@ -18,7 +18,7 @@ struct PointPrecision {
 };
 
 /// At up to 2000 of the tie points with three rays or more, evenly taken; in the datum of all tie points.
-[[nodiscard]] std::vector<PointPrecision> place_precisions(const Solved& solved,
+[[nodiscard]] std::vector<PointPrecision> point_precisions(const Solved& solved,
                                                            const bundle::FreeNetwork& free_network,
                                                            bundle::TileCholesky& inverse, const Run& run);
 

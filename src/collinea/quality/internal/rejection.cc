@@ -19,17 +19,17 @@ double cofactor_by_others(const TestedObservation& one, double sigma0) {
 }
 
 Rejection rejection_of(const ChosenSuspect& one, const Measurements& all, double sigma0, int round) {
-  Rejection gone{.given = given_at({one.test.group, one.test.source}, all),
-                 .sigma = one.test.sigma,
-                 .cofactor = cofactor_by_others(one.test, sigma0)};
-  static_cast<Measurement&>(gone.rejected) = one.measurement;
-  gone.rejected.axis = one.test.axis;
-  gone.rejected.w = one.test.w;
-  gone.rejected.redundancy = one.test.redundancy;
-  gone.rejected.influence = one.test.gross_error - one.test.residual;
-  gone.rejected.as_pair = one.as_pair;
-  gone.rejected.round = round;
-  return gone;
+  Rejection rejected{.given = given_at({one.test.group, one.test.source}, all),
+                     .sigma = one.test.sigma,
+                     .cofactor = cofactor_by_others(one.test, sigma0)};
+  static_cast<Measurement&>(rejected.rejected) = one.measurement;
+  rejected.rejected.axis = one.test.axis;
+  rejected.rejected.w = one.test.w;
+  rejected.rejected.redundancy = one.test.redundancy;
+  rejected.rejected.influence = one.test.gross_error - one.test.residual;
+  rejected.rejected.as_pair = one.as_pair;
+  rejected.rejected.round = round;
+  return rejected;
 }
 
 }  // namespace
@@ -50,10 +50,10 @@ std::vector<std::size_t> agreeing(const Remaining& remaining, double limit, cons
   std::set<Measurement> put_back = tried;
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < remaining.rejections.size(); ++i) {
-    const Rejected& gone = remaining.rejections[i].rejected;
-    const bool point_is_there = !gone.point.valid() || rays[gone.point] >= 2;
-    if (!gone.as_pair && point_is_there && std::abs(gone.gross_error[gone.axis]) < limit * gone.sigma &&
-        put_back.insert(gone).second)
+    const Rejected& rejected = remaining.rejections[i].rejected;
+    const bool point_is_there = !rejected.point.valid() || rays[rejected.point] >= 2;
+    if (!rejected.as_pair && point_is_there && std::abs(rejected.gross_error[rejected.axis]) < limit * rejected.sigma &&
+        put_back.insert(rejected).second)
       indices.push_back(i);
   }
   return indices;

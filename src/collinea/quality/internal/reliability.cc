@@ -22,12 +22,12 @@ constexpr double kLeastRedundancy = 3;  // of a group: its factor is then known 
 // Sigmas given far too small make redundancy numbers small, and the residuals still say so.
 double GroupSums::sigma_factor() const {
   const double factor = std::sqrt(std::max(squares, 0.0) / redundancy);
-  return told() || (redundancy >= kLeastRedundancy && factor > 1) ? factor : 1;
+  return is_determined() || (redundancy >= kLeastRedundancy && factor > 1) ? factor : 1;
 }
 
 double GroupSums::relative_sigma() const { return 1 / std::sqrt(2 * squared_redundancy); }
 
-bool GroupSums::told() const { return squared_redundancy >= kLeastRedundancy; }
+bool GroupSums::is_determined() const { return squared_redundancy >= kLeastRedundancy; }
 
 namespace bundle {
 namespace {
@@ -189,7 +189,7 @@ class Examiner {
   void take_kind() {
     if constexpr (std::is_same_v<Kind, ControlCoordinate>)
       for_each<Kind>([&](std::size_t p) {
-        if (!problem_.point(p).held) take_control(p);
+        if (!problem_.point(p).is_fixed) take_control(p);
       });
     else if constexpr (std::is_same_v<Kind, Vertical>)
       for_each<Kind>([&](const GivenUp& given) { take_vertical(given); });

@@ -30,7 +30,7 @@ struct TestOptions {
     using O = TestOptions;
     visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",
                 1e-12, 0.5});
-    visit(Field{"power", &O::power, "1", "probability with which a minimal detectable blunder is found", 0.5, 0.999});
+    visit(Field{"power", &O::power, "1", "probability with which a minimal detectable bias is found", 0.5, 0.999});
     visit(Field{"sigma0_known", &O::sigma0_known, "",
                 "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
     visit(Field{"folds", &O::folds, "1",
@@ -43,7 +43,7 @@ struct TestOptions {
 /// One measured coordinate and what the others say of it. Units: px in images, m on the ground, rad for angles.
 struct TestedObservation {
   ObservationGroup group{};
-  std::uint32_t source = 0;  ///< place in Block::observations, Block::control_observations or Block::ground,
+  std::uint32_t source = 0;  ///< index in Block::observations, Block::control_observations or Block::geodetic,
                              ///< ControlId or ImageId
   int axis = 0;              ///< 0 column or east, 1 row or north, 2 height
   double residual = 0;       ///< observed minus adjusted
@@ -56,7 +56,7 @@ struct TestedObservation {
                              ///< the wrong one, if there is but one, which w does not say of itself
   double gross_error = 0;    ///< the most probable one: residual / r
   double minimal_detectable_bias =
-      0;                        ///< minimal detectable blunder (with the stated level and power); infinite when r = 0
+      0;                        ///< minimal detectable bias (with the stated level and power); infinite when r = 0
   double effect = 0;            ///< of a blunder just not found on the adjusted value of the same coordinate
   double effect_in_sigmas = 0;  ///< Baarda's lambda^1/2: largest effect on anything, in standard deviations of that
 };
@@ -75,7 +75,7 @@ struct GroupSums {
   /// little better known. Infinite when nothing is.
   [[nodiscard]] double relative_sigma() const;
   /// False when the group is drowned in what checks it: its factor would be uncertain by 40 % and more.
-  [[nodiscard]] bool told() const;
+  [[nodiscard]] bool is_determined() const;
 };
 
 /// Reliability of an adjustment (Baarda 1968; Pope 1976; Foerstner 1983).

@@ -109,7 +109,7 @@ TEST(Reliability, VerticalsHaveTheirPartOfTheRedundancy) {
   EXPECT_NEAR(with.reliability->groups[0].sigma_factor(), 1, 0.15);
 }
 
-TEST(Reliability, HeldPointsTestTheirRaysToo) {
+TEST(Reliability, FixedPointsTestTheirRaysToo) {
   const Block block = test_block(small(2));
   for (const Calibration calibration : {Calibration::kNone, Calibration::kFocal}) {
     ExamineOptions options = tested();
@@ -120,7 +120,7 @@ TEST(Reliability, HeldPointsTestTheirRaysToo) {
     EXPECT_EQ(adjusted.rank_defect, 0);
     EXPECT_NEAR(adjusted.reliability->redundancy_sum, double(adjusted.redundancy), 1e-6);
   }
-  // A long narrow block: most images share no tile of the factor, yet all see the one far point that is held.
+  // A long narrow block: most images share no tile of the factor, yet all see the one far point that is fixed.
   Block strip = test_block({.rows = 1, .columns = 40, .points = 600, .sigma_px = 0.5, .position_sigma_m = 0.05});
   const PointId far{1};
   strip.points[far].position_in_world = {300, 0, -20000};
@@ -136,14 +136,14 @@ TEST(Reliability, HeldPointsTestTheirRaysToo) {
 }
 
 // By definition: a small blunder appears in its own residual with the factor r, and moves the adjusted value by 1 - r.
-TEST(Reliability, ABlunderShowsInItsResidualByTheRedundancyNumber) {
+TEST(Reliability, AGrossErrorShowsInItsResidualByTheRedundancyNumber) {
   Block block = test_block(small(4));
   const Examined before = adjusted_of(block, tested());
   constexpr double kGrossError_px = 0.01;
   for (const std::size_t i : {3u, 40u, 91u}) {
     Block other = block;
-    const std::uint32_t place = before.observations[i];
-    other.observations[place].pixel.x() += kGrossError_px;
+    const std::uint32_t index = before.observations[i];
+    other.observations[index].pixel.x() += kGrossError_px;
     const Examined after = adjusted_of(other, tested());
     EXPECT_NEAR((after.residuals_px[i].x() - before.residuals_px[i].x()) / kGrossError_px,
                 before.reliability->tie_redundancy[i].x(), 2e-3);
@@ -287,7 +287,7 @@ TEST(Reliability, ARayThatIsNotSeenIsSuspectAndCountsForNothing) {
   block.images[away].position.reset();
   const Eigen::Vector3d above(20, 10, 60);
   set_pose(block, away, {Eigen::Quaterniond::Identity(), -above});  // looks up
-  const std::size_t places = block.control_observations.size();
+  const std::size_t count = block.control_observations.size();
   block.control_observations.push_back({block.control.begin()->first, away, {900, 700}, 0.5});
   Observation seen = block.observations.front();
   seen.image = away;
@@ -304,7 +304,7 @@ TEST(Reliability, ARayThatIsNotSeenIsSuspectAndCountsForNothing) {
   ASSERT_EQ(is.suspects.size(), was.suspects.size() + 2);
   for (const TestedObservation& suspect : {is.suspects[0], is.suspects[1]}) {
     EXPECT_TRUE(std::isinf(suspect.w));
-    EXPECT_EQ(suspect.source, suspect.group == ObservationGroup::kTieImages ? 0 : places);
+    EXPECT_EQ(suspect.source, suspect.group == ObservationGroup::kTieImages ? 0 : count);
   }
   EXPECT_NE(is.suspects[0].group, is.suspects[1].group);
   EXPECT_TRUE(std::isnan(is.tie_redundancy.front().x()));

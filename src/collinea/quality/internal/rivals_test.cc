@@ -12,7 +12,7 @@ constexpr double kLimit = 3.3, kRedundancy = 0.5;
 
 Block two_distances() {
   Block block;
-  block.ground = {{.kind = GeodeticKind::kDistance}, {.kind = GeodeticKind::kDistance}};
+  block.geodetic = {{.kind = GeodeticKind::kDistance}, {.kind = GeodeticKind::kDistance}};
   return block;
 }
 
@@ -55,7 +55,7 @@ TEST(Rivals, OneThatIsLessSuspectIsNoRival) { EXPECT_TRUE(doubts_of(8, 7, 0.999)
 TEST(Rivals, OneThatLittleChecksGoesOnlyWhenItIsWrongBeyondDoubt) {
   const StayReasons stays = doubts_of(8, 8 - 0.49 * kLimit, 0.875, 0.05);
   ASSERT_EQ(stays.size(), 1u);
-  EXPECT_EQ(stays.begin()->first.ground, 0u);
+  EXPECT_EQ(stays.begin()->first.geodetic, 0u);
   EXPECT_EQ(stays.begin()->second, StayReason::kTooLittleChecks);
   EXPECT_TRUE(doubts_of(8, 8 - 0.51 * kLimit, 0.875, 0.05).empty());
   EXPECT_TRUE(doubts_of(8, 8 - 0.49 * kLimit, 0.875, 0.05, kLimit + 0.1).empty());

@@ -22,7 +22,7 @@ Block block_of(std::uint32_t points, std::uint32_t images) {
     block.control_observations.push_back({.point = {c}, .image = {0}, .pixel = {}});
   }
   for (std::uint32_t c = 1; c < 4; ++c)
-    block.ground.push_back({.kind = GeodeticKind::kDistance, .from = {c - 1}, .to = {c}});
+    block.geodetic.push_back({.kind = GeodeticKind::kDistance, .from = {c - 1}, .to = {c}});
   return block;
 }
 

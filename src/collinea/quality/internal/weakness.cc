@@ -37,7 +37,7 @@ constexpr double kShareOfPrior = 0.5;
 constexpr double kInflation = 10;
 constexpr double kWeakImage = 5;  // times the median standard deviation
 // Standard deviation of the distance to a point over the distance. A parallax that is not ten times its own standard
-// deviation may be the errors of the measurements alone, to which the places of the images were fitted.
+// deviation may be the errors of the measurements alone, to which the positions in the images were fitted.
 constexpr double kDepthUnknown = 0.1;
 constexpr std::size_t kMostCameras = 3, kSampledPoints = 300;
 
@@ -78,7 +78,7 @@ void WeaknessFinder::look_at_observations() {
   }
   if (const std::size_t count = problem_.geodetic_left_out; count > 0)
     add(finding_of(FindingCode::kGeodeticLeftOut, {},
-                   {count_of(count), {FigureName::kOf, static_cast<double>(block_.ground.size())}},
+                   {count_of(count), {FigureName::kOf, static_cast<double>(block_.geodetic.size())}},
                    {RemedyCode::kMeasureGroundPoints}));
 }
 
@@ -99,7 +99,7 @@ double WeaknessFinder::variance_of_distance(std::size_t p, TileCholesky* inverse
 
 // The mean logarithm of the distances of some points stands for the scale.
 void WeaknessFinder::look_at_scale(const TileCholesky& factor) {
-  Eigen::VectorXd scale = Eigen::VectorXd::Zero(6 * problem_.poses + problem_.border);
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(6 * problem_.poses + problem_.global_count);
   std::size_t sampled = 0;
   const std::size_t step = std::max<std::size_t>(1, problem_.point_count() / kSampledPoints);
   for (std::size_t p = 0; p < problem_.point_count(); p += step) {
@@ -123,7 +123,7 @@ void WeaknessFinder::look_at_bases(TileCholesky* inverse, const Run& run) {
   std::vector<char> unknown(problem_.point_count(), 0), asked = unknown;
   parallel_for(run, problem_.point_count(), [&](std::size_t p) {
     const ProblemPoint& point = problem_.point(p);
-    if (point.held || point.control >= 0 || point.first_free == problem_.end_ray(p)) return;
+    if (point.is_fixed || point.control >= 0 || point.first_free == problem_.end_ray(p)) return;
     asked[p] = 1;
     unknown[p] = !(variance_of_distance(p, inverse) < limit);
   });
@@ -133,11 +133,11 @@ void WeaknessFinder::look_at_bases(TileCholesky* inverse, const Run& run) {
       ++points[problem_.rays[r].image];
       deep[problem_.rays[r].image] += unknown[p];
     }
-  std::vector<int> turned;
+  std::vector<int> rotated;
   for (int i = 0; i < problem_.poses; ++i)
-    if (points[i] > 0 && 2 * deep[i] > points[i]) turned.push_back(i);
-  if (!turned.empty())
-    add(finding_of(FindingCode::kNoBase, subjects(turned), {count_of(turned.size())},
+    if (points[i] > 0 && 2 * deep[i] > points[i]) rotated.push_back(i);
+  if (!rotated.empty())
+    add(finding_of(FindingCode::kNoBase, subjects(rotated), {count_of(rotated.size())},
                    {RemedyCode::kAddImagesFromElsewhere}));
 }
 
@@ -151,8 +151,8 @@ WeaknessFinder::KnownInPart WeaknessFinder::known_in(int part) const {
     const ProblemPoint& point = problem_.point(p);
     if (point.control < 0 || problem_.part_of_point[p] != part) continue;
     const Eigen::Map<const Eigen::Array3d> inverse_sigma(problem_.control[point.control].inverse_sigma);
-    if (!point.held && !(inverse_sigma > 0).any()) continue;
-    known.whole = known.whole && (point.held || (inverse_sigma > 0).all());
+    if (!point.is_fixed && !(inverse_sigma > 0).any()) continue;
+    known.whole = known.whole && (point.is_fixed || (inverse_sigma > 0).all());
     known.control.push_back(ControlId{point.id});
   }
   std::sort(known.control.begin(), known.control.end(),
@@ -177,21 +177,22 @@ struct Unfixed {
   }
 };
 
-// Of motions that scale and rotate: log scale in the last row of `space`, rotations in the three before.
+// Names the motions that scale and rotate: log scale in the last row of `space`, rotations in the three before.
 void name_rotations(const Eigen::MatrixXd& space, Unfixed& unfixed) {
   if (space.row(3).norm() > 0.3) unfixed.add(Aspect::kScale, RemedyCode::kGiveScale);
   const Eigen::JacobiSVD<Eigen::MatrixXd> axes(space.topRows(3), Eigen::ComputeFullU);
-  int turns = 0;
-  while (turns < std::min<int>(3, static_cast<int>(axes.singularValues().size())) && axes.singularValues()[turns] > 0.3)
-    ++turns;
-  const bool upright = turns == 2 && std::abs(axes.matrixU()(2, 2)) > 0.9;
-  if (turns == 3) {
+  int rotations = 0;
+  while (rotations < std::min<int>(3, static_cast<int>(axes.singularValues().size())) &&
+         axes.singularValues()[rotations] > 0.3)
+    ++rotations;
+  const bool upright = rotations == 2 && std::abs(axes.matrixU()(2, 2)) > 0.9;
+  if (rotations == 3) {
     unfixed.add(Aspect::kAttitude, RemedyCode::kGiveControlForAttitude);
   } else if (upright) {
     unfixed.add(Aspect::kTilt, RemedyCode::kGiveHeightsForTilt);
-  } else if (turns == 2) {
+  } else if (rotations == 2) {
     unfixed.add(Aspect::kTwoRotations, RemedyCode::kGiveControlOffLine);
-  } else if (turns == 1) {
+  } else if (rotations == 1) {
     unfixed.add(Aspect::kRotation, RemedyCode::kGiveControlOffThatLine);
     unfixed.figures = figures_of_axis(axes.matrixU().col(0));
   }
@@ -392,7 +393,7 @@ void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
     Finding weak =
         scales
             ? finding_of(FindingCode::kWeakScale, {}, {{FigureName::kSigmaScale, sigma}}, {RemedyCode::kWidenControl})
-            : finding_of(FindingCode::kWeakTurn, {}, figures_of_axis(axis),
+            : finding_of(FindingCode::kWeakRotation, {}, figures_of_axis(axis),
                          {std::abs(axis.z()) > 0.9 ? RemedyCode::kWidenControlInPlan : RemedyCode::kAddCrossStrip});
     if (!scales) weak.figures.push_back({FigureName::kSigmaAngle, sigma * kDegrees});
     weak.figures.insert(weak.figures.end(), known.begin(), known.end());
@@ -402,8 +403,8 @@ void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
 
 void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t number) {
   const ProblemCamera& camera = problem_.cameras[number];
-  FreeCamera free{camera, 6 * problem_.poses + camera.border, {}};
-  const int count = free.count(), unknowns = 6 * problem_.poses + problem_.border;
+  FreeCamera free{camera, 6 * problem_.poses + camera.first_global, {}};
+  const int count = free.count(), unknowns = 6 * problem_.poses + problem_.global_count;
   free.cofactor.resize(count, count);
   for (int k = 0; k < count; ++k) {
     std::vector<double> right(static_cast<std::size_t>(unknowns), 0.0);
@@ -420,7 +421,7 @@ void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t numb
 // Motions of the images that imitate their camera, as what they make of the reduced unknowns; none when no point of
 // them can be asked.
 std::vector<Eigen::VectorXd> WeaknessFinder::motions_like_a_camera(std::size_t number) const {
-  const int unknowns = 6 * problem_.poses + problem_.border;
+  const int unknowns = 6 * problem_.poses + problem_.global_count;
   std::vector<Eigen::VectorXd> motions(kImitatingMotions.size(), Eigen::VectorXd::Zero(unknowns));
   double images = 0, sampled = 0;
   for (int i = 0; i < problem_.poses; ++i) {
@@ -478,7 +479,7 @@ bool WeaknessFinder::name_imitation(const TileCholesky& factor, const FreeCamera
     mixed.remedies = {RemedyCode::kVaryHeights, RemedyCode::kCalibrateCamera,
                       OptionName{"calibration", "orient", "none"}};
   else
-    mixed.remedies = {RemedyCode::kTurnImages, RemedyCode::kFewerParameters};
+    mixed.remedies = {RemedyCode::kRotateImages, RemedyCode::kFewerParameters};
   add(std::move(mixed));
   return true;
 }
@@ -500,7 +501,7 @@ void WeaknessFinder::name_what_is_owed(const FreeCamera& free, bool imitated) {
   if (focal)
     finding.remedies = {RemedyCode::kVaryHeights, RemedyCode::kCalibrateCamera};
   else if (decentred)
-    finding.remedies = {RemedyCode::kTurnImages, OptionName{"calibration", "orient", "focal_radial"}};
+    finding.remedies = {RemedyCode::kRotateImages, OptionName{"calibration", "orient", "focal_radial"}};
   else
     finding.remedies = {RemedyCode::kReachCorners, OptionName{"calibration", "orient", "focal"}};
   if (focal && imitated) finding.subjects.push_back({free.camera.id, Aspect::kDistance});

@@ -25,7 +25,7 @@ class WeaknessFinder {
   /// Without any solution: motions of the whole that nothing observes, images that are left out.
   void look_at_observations();
   /// Images that look from nearly one place: whose points have distances that hardly anything tells. Needs the inverse
-  /// after look_at_correlations(); without (nullptr) it trusts the places of the images, and sees less.
+  /// after look_at_correlations(); without (nullptr) it trusts the positions in the images, and sees less.
   void look_at_bases(TileCholesky* inverse, const Run& run);
   /// Where the normal equations are singular beyond the datum: which images hang loose, by inverse iteration with a
   /// slightly stiffened matrix.

@@ -50,7 +50,7 @@ void expect_named(const Block& block, const std::vector<Finding>& weaknesses, Fi
 // Of the weak rotations one is about a level axis of that azimuth.
 void expect_level_axis(const Block& block, const std::vector<Finding>& weaknesses, double azimuth_deg) {
   const auto its = std::find_if(weaknesses.begin(), weaknesses.end(),
-                                [](const auto& w) { return w.code == FindingCode::kWeakTurn; });
+                                [](const auto& w) { return w.code == FindingCode::kWeakRotation; });
   ASSERT_NE(its, weaknesses.end()) << all_of(weaknesses, block);
   EXPECT_NEAR(its->figure(FigureName::kAzimuth).value_or(kInfinity), azimuth_deg, 0.5);
   EXPECT_LT(its->figure(FigureName::kSteepness).value_or(kInfinity), 0.3);
@@ -75,8 +75,8 @@ void keep_control(Block& block, std::size_t count) {
 // Measures everything anew where poses and points are now.
 void measure_again(Block& block, double sigma_px = 0.5) {
   Random random(8);
-  const auto measure = [&](auto& seen, const Eigen::Vector3d& place) {
-    const auto pixel = project(block.camera_of(seen.image), pose_of(block, seen.image) * place);
+  const auto measure = [&](auto& seen, const Eigen::Vector3d& position) {
+    const auto pixel = project(block.camera_of(seen.image), pose_of(block, seen.image) * position);
     const double du = random.normal(), dv = random.normal();
     if (pixel && inside(block.camera_of(seen.image), *pixel))
       seen.pixel = *pixel + sigma_px * Eigen::Vector2d(du, dv);
@@ -200,7 +200,7 @@ TEST(Weakness, FocalLengthAndHeightOverLevelGround) {
   expect_named(block, found, FindingCode::kFocalAndHeight, "distance of camera test");
 }
 
-TEST(Weakness, PrincipalPointAndPlaceOverLevelGround) {
+TEST(Weakness, PrincipalPointAndPositionOverLevelGround) {
   expect_named(flat_nadir(9), weaknesses_of(flat_nadir(9), with_covariances(Calibration::kBrown)),
                FindingCode::kCameraAndPose, "cx of camera test");
 }
@@ -252,9 +252,9 @@ TEST(Weakness, ModelsWithoutTripleOverlap) {
 
 TEST(Weakness, ImagesTurnedOnly) {
   Block block = test_block(usual(9));
-  const Eigen::Vector3d place(20, 15, 60);
+  const Eigen::Vector3d position(20, 15, 60);
   for (auto [id, pose] : oriented_images(block)) {
-    pose.translation = -(pose.rotation * place);
+    pose.translation = -(pose.rotation * position);
     set_pose(block, id, pose);
   }
   measure_again(block);
@@ -268,9 +268,9 @@ TEST(Weakness, ImagesTurnedOnlyAmongControl) {
     options.seed = seed;
     Block block = test_block(options);
     for (auto& [id, control] : block.control) control.role = ControlRole::kControl;
-    const Eigen::Vector3d place(20, 15, 60);
+    const Eigen::Vector3d position(20, 15, 60);
     for (auto [id, pose] : oriented_images(block)) {
-      pose.translation = -(pose.rotation * place);
+      pose.translation = -(pose.rotation * position);
       set_pose(block, id, pose);
     }
     measure_again(block);
@@ -295,7 +295,7 @@ TEST(Weakness, ControlInACornerLeavesScaleAndTurnsWeak) {
   measure_again(block);
   const auto found = weaknesses_of(block, with_covariances());
   expect_named(block, found, FindingCode::kWeakScale, "sigma_scale");
-  expect_named(block, found, FindingCode::kWeakTurn, "sigma_deg");
+  expect_named(block, found, FindingCode::kWeakRotation, "sigma_deg");
 }
 
 // The control of the other part does not help.
@@ -347,7 +347,7 @@ Block two_cameras(Block block) {
 
 // Both are calibrated: their errors are as long as their covariances say, within four deviations of 80 blocks, and
 // nothing is weak.
-TEST(Weakness, TwoCalibratedCamerasAreAsGoodAsTold) {
+TEST(Weakness, TwoCalibratedCamerasAreAsGoodAsStated) {
   constexpr int kBlocks = 80;
   const std::vector<int> free = {Camera::kF, Camera::kK1, Camera::kK2};
   double sum[3] = {}, squares[3] = {};
@@ -428,7 +428,7 @@ TEST(Weakness, ImagesThatHangOnTooLittle) {
   expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kWeakImages, "IMG_2.jpg");
 }
 
-TEST(Weakness, ASingleImageIsRefusedWithItsCure) {
+TEST(Weakness, ASingleImageIsRefusedWithItsRemedy) {
   Block block = test_block(usual());
   std::erase_if(block.observations, [](const Observation& seen) { return seen.image != ImageId{10}; });
   const auto refused = examine(block, {}, with_covariances(), {});

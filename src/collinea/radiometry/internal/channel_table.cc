@@ -74,7 +74,7 @@ void to_means(Sums& sums) {
 
 }  // namespace
 
-ChannelTable::Place ChannelTable::place_of(const Eigen::Vector2d& at) const {
+ChannelTable::Interpolation ChannelTable::interpolation_at(const Eigen::Vector2d& at) const {
   const Eigen::Vector2d from = (at - origin) / step;
   const float x = float(std::clamp(from.x(), 0.0, double(width - 1)));
   const float y = float(std::clamp(from.y(), 0.0, double(height - 1)));
@@ -83,10 +83,10 @@ ChannelTable::Place ChannelTable::place_of(const Eigen::Vector2d& at) const {
   return {{node, node + 1, node + width, node + width + 1}, {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v}};
 }
 
-std::array<float, 3> ChannelTable::at(const Eigen::Vector2d& place) const {
+std::array<float, 3> ChannelTable::at(const Eigen::Vector2d& position) const {
   std::array<float, 3> result{0, 0, 0};
   if (width == 0) return result;
-  const Place between = place_of(place);
+  const Interpolation between = interpolation_at(position);
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t k = 0; k < 4; ++k) result[c] += between.weight[k] * values[c][std::size_t(between.node[k])];
   return result;
@@ -103,10 +103,10 @@ ChannelTable smoothed_table(std::span<const ChannelValues> scattered, double rad
   const std::size_t nodes = std::size_t(table.width) * std::size_t(table.height);
   Sums sums{table.width, table.height, std::vector<std::array<double, 4>>(nodes)};
   for (const ChannelValues& one : scattered) {
-    const ChannelTable::Place place = table.place_of(one.at);
+    const ChannelTable::Interpolation position = table.interpolation_at(one.at);
     for (std::size_t k = 0; k < 4; ++k) {
-      auto& sum = sums.of[std::size_t(place.node[k])];
-      const double weight = double(place.weight[k]);
+      auto& sum = sums.of[std::size_t(position.node[k])];
+      const double weight = double(position.weight[k]);
       for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * double(one.values[c]);
       sum[3] += weight;
     }

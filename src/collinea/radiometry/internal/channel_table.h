@@ -17,12 +17,12 @@ struct ChannelTable {
   std::array<std::vector<float>, 3> values;  ///< by channel, rows along x
 
   /// The four nodes round a place and their weights. Only of tables with two nodes and more each way.
-  struct Place {
+  struct Interpolation {
     std::array<int, 4> node;
     std::array<float, 4> weight;
   };
-  [[nodiscard]] Place place_of(const Eigen::Vector2d& at) const;
-  [[nodiscard]] std::array<float, 3> at(const Eigen::Vector2d& place) const;
+  [[nodiscard]] Interpolation interpolation_at(const Eigen::Vector2d& at) const;
+  [[nodiscard]] std::array<float, 3> at(const Eigen::Vector2d& position) const;
 };
 
 struct ChannelValues {

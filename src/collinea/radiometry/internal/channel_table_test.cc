@@ -36,7 +36,7 @@ TEST(ChannelTable, LongGapsStayBetweenTheirEnds) {
   EXPECT_NEAR(double(table.at({900, 900})[0]), 2, 1e-6);
 }
 
-TEST(ChannelTable, OfOnePlaceOrOfNone) {
+TEST(ChannelTable, OfOnePositionOrOfNone) {
   EXPECT_EQ(smoothed_table({}, 1).at({3, 4})[0], 0);
   const std::vector<ChannelValues> one{{{5, 6}, {1, 2, 3}}};
   EXPECT_EQ(smoothed_table(one, 0).at({5, 6})[0], 0);

@@ -25,14 +25,14 @@ Matrix3d unknown() { return Matrix3d::Constant(std::nan("")); }
 Vector3d sigma(const Matrix3d& covariance) { return covariance.diagonal().cwiseSqrt(); }
 
 // Standard deviations of the angles as they are written, from those of small turns about the axes of the map.
-Vector3d sigma_of_angles(const OmegaPhiKappa& angles, const Matrix3d& turns_in_map) {
+Vector3d sigma_of_angles(const OmegaPhiKappa& angles, const Matrix3d& rotations_in_map) {
   const double omega = angles.omega_deg / kDegrees, phi = angles.phi_deg / kDegrees;
   Matrix3d axes;                                             // of omega, phi and kappa
   axes << 1, 0, std::sin(phi),                               //
       0, std::cos(omega), -std::sin(omega) * std::cos(phi),  //
       0, std::sin(omega), std::cos(omega) * std::cos(phi);
-  const Matrix3d angles_by_turn = axes.inverse();
-  return kDegrees * sigma(angles_by_turn * turns_in_map * angles_by_turn.transpose());
+  const Matrix3d angles_by_rotation = axes.inverse();
+  return kDegrees * sigma(angles_by_rotation * rotations_in_map * angles_by_rotation.transpose());
 }
 
 std::vector<ProductImage> images_of(const AdjustmentReport& report, const std::vector<ExteriorOrientation>& rows) {
@@ -43,16 +43,16 @@ std::vector<ProductImage> images_of(const AdjustmentReport& report, const std::v
     ProductImage image{id, row->centre_in_map, row->angles, cam_from_world(row->angles).normalized(), unknown(), {},
                        {}};
     if (image.cam_from_map.w() < 0) image.cam_from_map.coeffs() *= -1;
-    image.sigma_turn_deg = image.sigma_angles_deg = Vector3d::Constant(std::nan(""));
+    image.sigma_rotation_deg = image.sigma_angles_deg = Vector3d::Constant(std::nan(""));
     if (const auto known = report.adjusted.pose_covariance.find(id); known != report.adjusted.pose_covariance.end()) {
       const Matrix3d map_from_world = (image.cam_from_map.conjugate() * pose.rotation).toRotationMatrix();
       const auto in_map = [&](const Matrix3d& covariance) {
         return Matrix3d(scale * map_from_world * covariance * map_from_world.transpose());
       };
-      const Matrix3d turns = known->second.topLeftCorner<3, 3>();
+      const Matrix3d rotations = known->second.topLeftCorner<3, 3>();
       image.covariance_m2 = in_map(known->second.bottomRightCorner<3, 3>());
-      image.sigma_turn_deg = kDegrees * std::sqrt(scale) * sigma(turns);
-      image.sigma_angles_deg = sigma_of_angles(image.angles, in_map(turns));
+      image.sigma_rotation_deg = kDegrees * std::sqrt(scale) * sigma(rotations);
+      image.sigma_angles_deg = sigma_of_angles(image.angles, in_map(rotations));
     }
     images.push_back(image);
     ++row;
@@ -61,9 +61,9 @@ std::vector<ProductImage> images_of(const AdjustmentReport& report, const std::v
 }
 
 // One turn for the whole block: its axes differ by the convergence of meridians, too little to matter for a sigma.
-Matrix3d turn_of(const std::optional<LocalFrame>& frame, const std::vector<Vector3d>& places) {
-  if (!frame || places.empty()) return Matrix3d::Identity();
-  return map_from_local_rotation(*frame, places[places.size() / 2]).toRotationMatrix();
+Matrix3d rotation_of(const std::optional<LocalFrame>& frame, const std::vector<Vector3d>& positions) {
+  if (!frame || positions.empty()) return Matrix3d::Identity();
+  return map_from_local_rotation(*frame, positions[positions.size() / 2]).toRotationMatrix();
 }
 
 std::vector<ProductPoint> points_of(const AdjustmentReport& report, const std::optional<LocalFrame>& frame) {
@@ -71,17 +71,17 @@ std::vector<ProductPoint> points_of(const AdjustmentReport& report, const std::o
   const double scale = std::pow(sigma_scale(adjusted), 2);
   std::map<PointId, int> images;
   for (const std::uint32_t seen : adjusted.observations) ++images[report.block.observations[seen].point];
-  std::vector<Vector3d> places;
-  for (const auto& [id, place] : adjusted.points) places.push_back(place);
-  const Matrix3d turn = turn_of(frame, places);
-  if (frame) frame->map_from_local(places);
+  std::vector<Vector3d> positions;
+  for (const auto& [id, position] : adjusted.points) positions.push_back(position);
+  const Matrix3d rotation = rotation_of(frame, positions);
+  if (frame) frame->map_from_local(positions);
   std::vector<ProductPoint> points;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    ProductPoint point{adjusted.points[i].first,        places[i], adjusted.points[i].second, unknown(), {},
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    ProductPoint point{adjusted.points[i].first,        positions[i], adjusted.points[i].second, unknown(), {},
                        images[adjusted.points[i].first]};
     point.sigma_in_world_m = Vector3d::Constant(std::nan(""));
     if (i < adjusted.point_covariance.size()) {
-      point.covariance_m2 = scale * turn * adjusted.point_covariance[i] * turn.transpose();
+      point.covariance_m2 = scale * rotation * adjusted.point_covariance[i] * rotation.transpose();
       point.sigma_in_world_m = std::sqrt(scale) * sigma(adjusted.point_covariance[i]);
     }
     points.push_back(point);
@@ -91,19 +91,19 @@ std::vector<ProductPoint> points_of(const AdjustmentReport& report, const std::o
 
 std::vector<ProductControl> control_of(const AdjustmentReport& report, const std::optional<LocalFrame>& frame) {
   const double scale = std::pow(sigma_scale(report.adjusted), 2);
-  std::vector<Vector3d> places;
+  std::vector<Vector3d> positions;
   for (const ControlDifference& one : report.adjusted.control)
-    places.push_back(one.position_in_world.value_or(Vector3d::Constant(std::nan(""))));
-  Matrix3d turn = Matrix3d::Identity();
-  if (const auto met = std::find_if(places.begin(), places.end(), [](const auto& p) { return p.allFinite(); });
-      met != places.end())
-    turn = turn_of(frame, {*met});
+    positions.push_back(one.position_in_world.value_or(Vector3d::Constant(std::nan(""))));
+  Matrix3d rotation = Matrix3d::Identity();
+  if (const auto met = std::find_if(positions.begin(), positions.end(), [](const auto& p) { return p.allFinite(); });
+      met != positions.end())
+    rotation = rotation_of(frame, {*met});
   std::vector<ProductControl> control;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     const ControlDifference& one = report.adjusted.control[i];
-    ProductControl& point = control.emplace_back(ProductControl{&one, places[i], unknown()});
-    if (frame && places[i].allFinite()) point.place_m = frame->map_from_local(places[i]);
-    if (one.covariance_m2) point.covariance_m2 = scale * turn * *one.covariance_m2 * turn.transpose();
+    ProductControl& point = control.emplace_back(ProductControl{&one, positions[i], unknown()});
+    if (frame && positions[i].allFinite()) point.position_m = frame->map_from_local(positions[i]);
+    if (one.covariance_m2) point.covariance_m2 = scale * rotation * *one.covariance_m2 * rotation.transpose();
   }
   return control;
 }
@@ -183,7 +183,7 @@ std::string poses_csv(const AdjustmentReport& report, const AdjustmentProducts& 
     const Eigen::Quaterniond& q = image.cam_from_map;
     text += in_quotes(report.block.images.at(image.image).file) + fields(image.centre_m) +
             fields({image.angles.omega_deg, image.angles.phi_deg, image.angles.kappa_deg}) +
-            fields(sigma(image.covariance_m2)) + fields(image.sigma_turn_deg) + fields(image.sigma_angles_deg) +
+            fields(sigma(image.covariance_m2)) + fields(image.sigma_rotation_deg) + fields(image.sigma_angles_deg) +
             field(q.w()) + fields({q.x(), q.y(), q.z()}) + "\n";
   }
   return text;
@@ -195,7 +195,7 @@ std::string points_csv(const AdjustmentProducts& products) {
       "sigma_east_m,sigma_north_m,sigma_height_m,images\n";
   for (const ProductPoint& point : products.points)
     text += std::to_string(point.point.value) + fields(point.in_world_m) + fields(point.sigma_in_world_m) +
-            fields(point.place_m) + fields(sigma(point.covariance_m2)) + "," + std::to_string(point.images) + "\n";
+            fields(point.position_m) + fields(sigma(point.covariance_m2)) + "," + std::to_string(point.images) + "\n";
   return text;
 }
 
@@ -212,7 +212,8 @@ std::string control_csv(const AdjustmentReport& report, const AdjustmentProducts
     if (report.adjusted.reliability)
       for (const LeftOutPoint& out : report.adjusted.reliability->left_out)
         if (out.point == one.point) left_out = out.difference_m, left_out_sigma = out.difference_sigma_m;
-    text += fields(left_out) + fields(left_out_sigma) + fields(its.place_m) + fields(sigma(its.covariance_m2)) + "\n";
+    text +=
+        fields(left_out) + fields(left_out_sigma) + fields(its.position_m) + fields(sigma(its.covariance_m2)) + "\n";
   }
   return text;
 }
@@ -223,15 +224,15 @@ std::string products_json(const AdjustmentReport& report, const AdjustmentProduc
     control.push_back({{"name", report.block.control.at(its.difference->point).name},
                        {"role", role_of(*its.difference)},
                        {"images", its.difference->rays},
-                       {"place_m", vector(its.place_m)},
+                       {"position_m", vector(its.position_m)},
                        {"sigma_m", vector(sigma(its.covariance_m2))},
                        {"difference_m", vector(its.difference->difference_m)},
                        {"sigma_difference_m", vector(its.difference->difference_sigma_m)}});
   json rows = json::array();
   for (const ProductPoint& point : products.points) {
     const Vector3d s = sigma(point.covariance_m2);
-    rows.push_back({point.point.value, number(point.place_m.x()), number(point.place_m.y()), number(point.place_m.z()),
-                    number(s.x()), number(s.y()), number(s.z()), point.images});
+    rows.push_back({point.point.value, number(point.position_m.x()), number(point.position_m.y()),
+                    number(point.position_m.z()), number(s.x()), number(s.y()), number(s.z()), point.images});
   }
   const json j = {
       {"crs", products.crs},
@@ -283,7 +284,7 @@ Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts
                       {"sigma_height_m"}},
                      {}};
   for (const ProductPoint& point : products.points) {
-    VectorRow row{{point.place_m}, {std::int64_t(point.point.value), std::int64_t(point.images)}};
+    VectorRow row{{point.position_m}, {std::int64_t(point.point.value), std::int64_t(point.images)}};
     append(row.values, sigma(point.covariance_m2));
     points.rows.push_back(std::move(row));
   }
@@ -303,9 +304,9 @@ Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts
                        {"sigma_height_m"}},
                       {}};
   for (const ProductControl& its : products.control) {
-    if (!its.place_m.allFinite()) continue;
+    if (!its.position_m.allFinite()) continue;
     const ControlDifference& one = *its.difference;
-    VectorRow row{{its.place_m},
+    VectorRow row{{its.position_m},
                   {report.block.control.at(one.point).name, std::string(role_of(one)), std::int64_t(one.rays)}};
     append(row.values, one.difference_m);
     append(row.values, one.difference_sigma_m);

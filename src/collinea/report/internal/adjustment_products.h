@@ -11,27 +11,27 @@
 
 namespace collinea {
 
-/// What was adjusted, in the coordinates of the map (of the world frame where that has no place on Earth). Standard
+/// What was adjusted, in the coordinates of the map (of the world frame where that has no location on Earth). Standard
 /// deviations and covariances hold sigma0; NaN: not known. East, north, height.
 struct ProductImage {
   ImageId image;
   Eigen::Vector3d centre_m;
-  OmegaPhiKappa angles;             ///< to the axes of the map at this place
-  Eigen::Quaterniond cam_from_map;  ///< the same, w >= 0; the camera's axes: right, down, forward
-  Eigen::Matrix3d covariance_m2;    ///< of the centre
-  Eigen::Vector3d sigma_turn_deg;   ///< of small turns about x, y, z of the world
+  OmegaPhiKappa angles;                ///< to the axes of the map at this place
+  Eigen::Quaterniond cam_from_map;     ///< the same, w >= 0; the camera's axes: right, down, forward
+  Eigen::Matrix3d covariance_m2;       ///< of the centre
+  Eigen::Vector3d sigma_rotation_deg;  ///< of small turns about x, y, z of the world
   Eigen::Vector3d sigma_angles_deg;
 };
 struct ProductPoint {
   PointId point;
-  Eigen::Vector3d place_m, in_world_m;
+  Eigen::Vector3d position_m, in_world_m;
   Eigen::Matrix3d covariance_m2;  ///< east, north, height
   Eigen::Vector3d sigma_in_world_m;
   int images = 0;
 };
 struct ProductControl {
   const ControlDifference* difference;  ///< of the report
-  Eigen::Vector3d place_m;              ///< adjusted; NaN: its rays do not meet
+  Eigen::Vector3d position_m;           ///< adjusted; NaN: its rays do not meet
   Eigen::Matrix3d covariance_m2;
 };
 struct AdjustmentProducts {

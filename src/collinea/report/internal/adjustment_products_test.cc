@@ -72,12 +72,12 @@ TEST(AdjustmentProducts, AreInTheCoordinatesAndAlongTheAxesOfTheMap) {
   EXPECT_NEAR(image.covariance_m2.trace(), kSigma0 * kSigma0 * 14e-4, 1e-12);
 
   ASSERT_EQ(products.points.size(), 1u);
-  EXPECT_LT((products.points[0].place_m - frame.map_from_local(Eigen::Vector3d(5, 6, 7))).norm(), 1e-6);
+  EXPECT_LT((products.points[0].position_m - frame.map_from_local(Eigen::Vector3d(5, 6, 7))).norm(), 1e-6);
   EXPECT_NEAR(std::sqrt(products.points[0].covariance_m2(1, 1)), kSigma0 * 0.02 * s, 1e-6);
   EXPECT_NEAR(products.points[0].sigma_in_world_m.y(), 0, 1e-12);
   EXPECT_EQ(products.points[0].images, 1);
   ASSERT_EQ(products.control.size(), 1u);
-  EXPECT_LT((products.control[0].place_m - frame.map_from_local(Eigen::Vector3d(1.01, 2, 3))).norm(), 1e-6);
+  EXPECT_LT((products.control[0].position_m - frame.map_from_local(Eigen::Vector3d(1.01, 2, 3))).norm(), 1e-6);
 }
 
 TEST(AdjustmentProducts, TheGeoPackageHoldsThemAsGdalReadsIt) {
@@ -105,17 +105,17 @@ TEST(AdjustmentProducts, TheGeoPackageHoldsThemAsGdalReadsIt) {
          OGR_F_GetGeometryRef(feature));
     OGR_F_Destroy(feature);
   };
-  first("images", [&](auto&& number, auto&& text, OGRGeometryH place) {
+  first("images", [&](auto&& number, auto&& text, OGRGeometryH geometry) {
     EXPECT_EQ(text("file"), "IMG, \"3\".jpg");
-    EXPECT_EQ(OGR_G_GetX(place, 0), products.images[0].centre_m.x());
-    EXPECT_EQ(OGR_G_GetZ(place, 0), products.images[0].centre_m.z());
+    EXPECT_EQ(OGR_G_GetX(geometry, 0), products.images[0].centre_m.x());
+    EXPECT_EQ(OGR_G_GetZ(geometry, 0), products.images[0].centre_m.z());
     EXPECT_EQ(number("kappa_deg"), products.images[0].angles.kappa_deg);
     EXPECT_EQ(number("qw"), products.images[0].cam_from_map.w());
     EXPECT_EQ(number("sigma_height_m"), std::sqrt(products.images[0].covariance_m2(2, 2)));
   });
-  first("tie_points", [&](auto&& number, auto&&, OGRGeometryH place) {
+  first("tie_points", [&](auto&& number, auto&&, OGRGeometryH geometry) {
     EXPECT_EQ(number("point"), 7);
-    EXPECT_EQ(OGR_G_GetY(place, 0), products.points[0].place_m.y());
+    EXPECT_EQ(OGR_G_GetY(geometry, 0), products.points[0].position_m.y());
     EXPECT_EQ(number("sigma_east_m"), std::sqrt(products.points[0].covariance_m2(0, 0)));
   });
   first("control", [&](auto&& number, auto&& text, OGRGeometryH) {

@@ -21,17 +21,17 @@ namespace collinea {
 [[nodiscard]] std::string rays_chart(const ResidualStatistics& statistics);
 /// Radial distortion over the distance from the principal point, before (may be null) and after the adjustment.
 [[nodiscard]] std::string distortion_chart(const Camera& adjusted, const Camera* first);
-/// Mean residual vectors over the picture, exaggerated.
+/// Mean residual vectors over the image, exaggerated.
 [[nodiscard]] std::string residual_pattern(const ResidualGrid& grid, const Camera& camera);
 
-/// A picture to stand in the page.
+/// An image to stand in the page.
 struct Preview {
   std::string jpeg;
   int width = 0, height = 0;
   double low_m = 0, high_m = 0;  ///< heights of the ends of the colour scale; equal: not a height model
 };
 [[nodiscard]] Result<Preview> preview_of_heights(const std::filesystem::path& geotiff, int longest_side_px);
-[[nodiscard]] Result<Preview> preview_of_picture(const std::filesystem::path& geotiff, int longest_side_px);
+[[nodiscard]] Result<Preview> preview_of_image(const std::filesystem::path& geotiff, int longest_side_px);
 /// The colour scale of preview_of_heights.
 [[nodiscard]] std::string height_scale(const Preview& preview, const std::string& unit);
 

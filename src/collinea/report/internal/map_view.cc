@@ -68,8 +68,8 @@ void draw_ellipse(Svg& svg, const Vector2d& at, const Eigen::Matrix2d& covarianc
   constexpr std::size_t kCorners = 32;
   std::array<Vector2d, kCorners> outline;
   for (std::size_t i = 0; i < kCorners; ++i) {
-    const double turn = 2 * std::numbers::pi * double(i) / kCorners;
-    const Vector2d p = eigen.eigenvectors() * Vector2d(axes[0] * std::cos(turn), axes[1] * std::sin(turn));
+    const double angle = 2 * std::numbers::pi * double(i) / kCorners;
+    const Vector2d p = eigen.eigenvectors() * Vector2d(axes[0] * std::cos(angle), axes[1] * std::sin(angle));
     outline[i] = at + Vector2d(p.x(), -p.y());
   }
   svg.polygon(outline, style);

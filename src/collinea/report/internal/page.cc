@@ -27,7 +27,7 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-std::string picture(const Preview& preview, const char* name) {
+std::string image(const Preview& preview, const char* name) {
   return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/jpeg;base64,{}\">", name,
                      preview.width, preview.height, base64(preview.jpeg));
 }
@@ -77,7 +77,7 @@ std::string statement_section(const ReportInput& input, const ReportSummary& s) 
   return html;
 }
 
-// "2024-05-01 10:12 to 10:40": the first and the last of the photographs that say so.
+// "2024-05-01 10:12 to 10:40": the first and the last of the images that say so.
 std::string dates_text(const Block& block) {
   std::string first, last;
   for (const auto& [id, image] : block.images) {
@@ -96,7 +96,7 @@ std::string dates_text(const Block& block) {
   return first + " to " + (first.substr(0, 10) == last.substr(0, 10) ? last.substr(11) : last);
 }
 
-// Of the middle projection centre over the middle tie point; nothing when the pictures do not look down.
+// Height of the middle projection centre over the middle tie point; nothing when the images do not look down.
 std::optional<double> flying_height(const Block& block, const Coverage& coverage) {
   std::vector<double> heights;
   for (const auto& [id, pose] : oriented_images(block)) {
@@ -138,14 +138,14 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   return html + "</dl>\n";
 }
 
-std::string products_pictures(const std::optional<Preview>& heights, const std::optional<Preview>& ortho,
-                              const std::string& unit) {
+std::string products_images(const std::optional<Preview>& heights, const std::optional<Preview>& ortho,
+                            const std::string& unit) {
   if (!heights && !ortho) return "";
   std::string html = "<section><h2>Products</h2>\n<div class=\"pair\">\n";
   if (ortho)
-    html += "<figure>" + picture(*ortho, "Orthophoto") + "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
+    html += "<figure>" + image(*ortho, "Orthophoto") + "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
   if (heights)
-    html += "<figure>" + picture(*heights, "Surface model") + height_scale(*heights, unit) +
+    html += "<figure>" + image(*heights, "Surface model") + height_scale(*heights, unit) +
             "<figcaption>Surface model, reduced; heights in colour, light from the north-west. White: no "
             "height.</figcaption></figure>\n";
   return html + "</div></section>\n";
@@ -196,10 +196,10 @@ std::string report_page(const ReportInput& input, const ReportSummary& s, const 
           (input.date.empty() ? "" : "<br>" + escaped(input.date)) + "</p></header>\n";
   html += statement_section(input, s);
   html += facts_section(input, s);
-  html += products_pictures(heights, ortho, s.unit);
+  html += products_images(heights, ortho, s.unit);
   html += geometry_section(input, s);
   html += control_section(input, s);
-  html += ground_section(input);
+  html += geodetic_section(input);
   html += position_section(input, s);
   html += camera_section(input, s);
   html += residual_section(s);

@@ -11,11 +11,11 @@ namespace collinea {
 
 /// The whole page. Previews that are missing are left out.
 [[nodiscard]] std::string report_page(const ReportInput& input, const ReportSummary& summary,
-                                      const std::optional<Preview>& heights, const std::optional<Preview>& picture);
+                                      const std::optional<Preview>& heights, const std::optional<Preview>& image);
 
 // Its parts, each one or more <section>; empty when there is nothing to tell.
 [[nodiscard]] std::string control_section(const ReportInput& input, const ReportSummary& summary);
-[[nodiscard]] std::string ground_section(const ReportInput& input);
+[[nodiscard]] std::string geodetic_section(const ReportInput& input);
 [[nodiscard]] std::string position_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string camera_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string image_section(const ReportInput& input, const ReportSummary& summary);

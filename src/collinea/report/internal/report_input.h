@@ -47,7 +47,7 @@ struct ReportInput {
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up
   std::vector<ControlDifference> control;
   std::vector<PositionDifference> positions;
-  std::vector<GeodeticDifference> ground;
+  std::vector<GeodeticDifference> geodetic;
   double sigma0 = std::numeric_limits<double>::quiet_NaN();
   long redundancy = 0;
   bool georeferenced = false;                       ///< false: a local frame

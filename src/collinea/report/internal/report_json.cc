@@ -84,10 +84,10 @@ json control(const ReportInput& input) {
   return list;
 }
 
-json ground(const ReportInput& input) {
+json geodetic_json(const ReportInput& input) {
   json list = json::array();
-  for (const GeodeticDifference& one : input.ground) {
-    const GeodeticObservation& measured = input.block.ground.at(one.observation);
+  for (const GeodeticDifference& one : input.geodetic) {
+    const GeodeticObservation& measured = input.block.geodetic.at(one.observation);
     list.push_back({{"measurement", words_of(measured, input.block)},
                     {"role", one.excluded ? "excluded"
                              : one.used   ? "control"
@@ -172,7 +172,7 @@ std::string report_json(const ReportInput& input, const ReportSummary& s) {
                        {"position_rms_m", rms(s.position)},
                        {"residuals", residual_figures(s.residuals)},
                        {"control_points", control(input)},
-                       {"ground", ground(input)},
+                       {"geodetic", geodetic_json(input)},
                        {"cameras", cameras(input)},
                        {"image_list", images(input, s)},
                        {"left_out", left_out(input, s)},

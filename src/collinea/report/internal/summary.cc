@@ -44,12 +44,13 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
         axes_text(s.position, s.unit), s.position.points);
   if (input.metric && !input.georeferenced)
     return fmt::format(
-        "The block has no place on Earth; its scale comes from {} measurement{} on the ground. Nothing independent "
+        "The block has no location on Earth; its scale comes from {} measurement{} on the ground. Nothing independent "
         "verifies the accuracy: measure a distance that is only compared (role check).",
-        std::count_if(input.ground.begin(), input.ground.end(), [](const GeodeticDifference& one) { return one.used; }),
-        input.ground.size() == 1 ? "" : "s");
+        std::count_if(input.geodetic.begin(), input.geodetic.end(),
+                      [](const GeodeticDifference& one) { return one.used; }),
+        input.geodetic.size() == 1 ? "" : "s");
   if (!input.georeferenced)
-    return "The block has neither place nor scale on Earth: lengths are in units of the model. Add control points, "
+    return "The block has neither location nor scale on Earth: lengths are in units of the model. Add control points, "
            "image positions or at least a distance to make it a survey.";
   return "Nothing independent verifies the accuracy: there is neither a check point nor a control point.";
 }

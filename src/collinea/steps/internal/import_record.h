@@ -11,7 +11,7 @@ namespace collinea {
   ImportRecord record{.images = setup.images.size(),
                       .cameras = setup.cameras.size(),
                       .control_points = setup.control.size(),
-                      .ground_measurements = setup.ground.size()};
+                      .geodetic_observations = setup.geodetic.size()};
   for (const auto& [id, image] : setup.images) record.positions += image.position.has_value();
   if (setup.georeference) record.crs = setup.georeference->crs;
   return record;

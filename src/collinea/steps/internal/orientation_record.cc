@@ -79,18 +79,18 @@ std::vector<ControlDifference> excluded_control(const Orientation& orientation, 
   return excluded;
 }
 
-std::vector<GeodeticDifference> ground_of(const Orientation& orientation) {
-  std::vector<GeodeticDifference> ground = orientation.adjusted.ground;
-  for (GeodeticDifference& one : ground) one.excluded = orientation.excluded_geodetic.contains(one.observation);
-  return ground;
+std::vector<GeodeticDifference> geodetic_of(const Orientation& orientation) {
+  std::vector<GeodeticDifference> geodetic = orientation.adjusted.geodetic;
+  for (GeodeticDifference& one : geodetic) one.excluded = orientation.excluded_geodetic.contains(one.observation);
+  return geodetic;
 }
 
 // Where the covariance gives no number nothing is kept.
 std::vector<HeightPrecision> height_precision_of(const Examined& adjusted) {
   std::vector<HeightPrecision> list;
-  for (const PointPrecision& place : adjusted.places) {
-    const double sigma_m = std::sqrt(std::max(0.0, place.covariance_m2(2, 2))) * sigma_scale(adjusted);
-    if (std::isfinite(sigma_m)) list.push_back({place.position_in_world.head<2>(), sigma_m});
+  for (const PointPrecision& precision : adjusted.point_precisions) {
+    const double sigma_m = std::sqrt(std::max(0.0, precision.covariance_m2(2, 2))) * sigma_scale(adjusted);
+    if (std::isfinite(sigma_m)) list.push_back({precision.position_in_world.head<2>(), sigma_m});
   }
   return list;
 }
@@ -140,7 +140,7 @@ OrientationRecord record_of(const Orientation& orientation, const Block& setup) 
   record.other_parts = orientation.other_parts;
   record.control = adjusted.control;
   for (ControlDifference& excluded : excluded_control(orientation, setup)) record.control.push_back(excluded);
-  record.ground = ground_of(orientation);
+  record.geodetic = geodetic_of(orientation);
   record.height_precision = height_precision_of(adjusted);
   for (const auto& [image, covariance] : adjusted.pose_covariance)
     record.centre_sigma_m[image] = covariance.diagonal().tail<3>().cwiseSqrt() * sigma_scale(adjusted);

@@ -169,7 +169,7 @@ TEST(CellFit, SigmaCoversErrorsThatAreAlikeOfAFewPoints) {
 }
 
 // On a slope a pixel's breadth of doubt where a point lies is doubt of the height, however many points there are.
-TEST(Gridding, SigmaOnASlopeKnowsThatPlacesAreKnownToAPixel) {
+TEST(Gridding, SigmaOnASlopeKnowsThatPositionsAreKnownToAPixel) {
   const double slope = 0.9;
   const auto plane = [&](double x, double y) { return slope * kCell * (0.6 * x + 0.8 * y); };
   const SurfaceTile level = measure_window(spread([](double, double) { return 0; }), kWindow, {kCell});

@@ -19,8 +19,8 @@ Result<GeoTiffReader> opened(const std::filesystem::path& path) {
   return reader;
 }
 
-// Of the four cells around a place, by how much of it is nearest to each. A place on a cell's centre, but for rounding,
-// does not ask its neighbours: they may have no height.
+// Mean of the four cells around a position, by how much of it is nearest to each. A position on a cell's centre, but
+// for rounding, does not ask its neighbours: they may have no height.
 double between(const FloatImage& rows, int x, int y, int next_x, int next_y, double u, double v) {
   constexpr double kRounding = 1e-6;
   const auto mixed = [](double a, double b, double share) {

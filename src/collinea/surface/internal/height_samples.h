@@ -15,7 +15,8 @@ namespace collinea {
 struct SurfaceFiles {
   std::filesystem::path height;
   std::optional<std::filesystem::path> sigma = {};
-  /// Of sigma what neighbours do not have in common; nothing: all of it. What is beyond lifts an area as a whole.
+  /// The part of sigma that neighbours do not have in common; nothing: all of it. What is beyond lifts an area as a
+  /// whole.
   std::optional<std::filesystem::path> sigma_relative = {};
 };
 
@@ -41,7 +42,7 @@ class HeightSamples {
   [[nodiscard]] Result<FloatImage> heights(int column, int row, int width, int height) const;
   [[nodiscard]] Result<FloatImage> sigmas(int column, int row, int width, int height) const;
   [[nodiscard]] Result<FloatImage> relative_sigmas(int column, int row, int width, int height) const;
-  /// At a place of the map: bilinear between the middles of cells, that of the nearest cell in the outer half of the
+  /// At a point of the map: bilinear between the middles of cells, that of the nearest cell in the outer half of the
   /// border's; nothing where one of the four cells has none. Places in order of rows are read fastest.
   Result<HeightSample> at(const Eigen::Vector2d& on_map);
 

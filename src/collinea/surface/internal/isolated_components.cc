@@ -22,24 +22,24 @@ constexpr double kShallowestCells = 10;  // what is less deep may be rough groun
 
 }  // namespace
 
-IsolatedComponents::Place IsolatedComponents::place_of(const GridPoint& point) {
+IsolatedComponents::BlockIndex IsolatedComponents::index_of(const GridPoint& point) {
   return {floor_div(std::int64_t(std::floor(point.row)), kBlock),
           floor_div(std::int64_t(std::floor(point.column)), kBlock)};
 }
 
-std::size_t IsolatedComponents::place_in_square(const Place& place) {
-  return std::size_t((place.first & (kSquare - 1)) * kSquare + (place.second & (kSquare - 1)));
+std::size_t IsolatedComponents::index_in_square(const BlockIndex& index) {
+  return std::size_t((index.first & (kSquare - 1)) * kSquare + (index.second & (kSquare - 1)));
 }
 
-const IsolatedComponents::Block* IsolatedComponents::block_at(const Place& place) const {
-  const auto square = squares_.find({floor_div(place.first, kSquare), floor_div(place.second, kSquare)});
+const IsolatedComponents::Block* IsolatedComponents::block_at(const BlockIndex& index) const {
+  const auto square = squares_.find({floor_div(index.first, kSquare), floor_div(index.second, kSquare)});
   if (square == squares_.end()) return nullptr;
-  const Block& block = square->second[place_in_square(place)];
+  const Block& block = square->second[index_in_square(index)];
   return block.points == 0 ? nullptr : &block;
 }
 
-IsolatedComponents::Block* IsolatedComponents::block_at(const Place& place) {
-  return const_cast<Block*>(std::as_const(*this).block_at(place));
+IsolatedComponents::Block* IsolatedComponents::block_at(const BlockIndex& index) {
+  return const_cast<Block*>(std::as_const(*this).block_at(index));
 }
 
 template <class Visit>
@@ -47,16 +47,16 @@ void IsolatedComponents::each_block(Visit&& visit) {
   for (auto& [corner, square] : squares_)
     for (std::size_t i = 0; i < square.size(); ++i)
       if (square[i].points > 0)
-        visit(Place{corner.first * kSquare + std::int64_t(i) / kSquare,
-                    corner.second * kSquare + std::int64_t(i) % kSquare},
+        visit(BlockIndex{corner.first * kSquare + std::int64_t(i) / kSquare,
+                         corner.second * kSquare + std::int64_t(i) % kSquare},
               square[i]);
 }
 
 void IsolatedComponents::add(std::span<const GridPoint> points) {
   for (const GridPoint& point : points) {
-    const Place place = place_of(point);
+    const BlockIndex index = index_of(point);
     Block& block =
-        squares_[{floor_div(place.first, kSquare), floor_div(place.second, kSquare)}][place_in_square(place)];
+        squares_[{floor_div(index.first, kSquare), floor_div(index.second, kSquare)}][index_in_square(index)];
     ++block.points;
     block.of_two += point.images == 2;
     block.sum_m += point.height_m;
@@ -69,18 +69,18 @@ void IsolatedComponents::add(std::span<const GridPoint> points) {
 
 std::vector<IsolatedComponents::Part> IsolatedComponents::parts() {
   std::vector<Part> parts;
-  each_block([&](const Place& start, Block& first) {
+  each_block([&](const BlockIndex& start, Block& first) {
     if (first.part >= 0 || first.points < kFewest) return;
     Part part{{start}, first.points, first.of_two};
     first.part = int(parts.size());
     for (std::size_t next = 0; next < part.blocks.size(); ++next)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
-          const Place place{part.blocks[next].first + dy, part.blocks[next].second + dx};
-          Block* const block = block_at(place);
+          const BlockIndex index{part.blocks[next].first + dy, part.blocks[next].second + dx};
+          Block* const block = block_at(index);
           if (!block || block->part >= 0 || block->points < kFewest) continue;
           block->part = int(parts.size());
-          part.blocks.push_back(place);
+          part.blocks.push_back(index);
           part.points += block->points;
           part.of_two += block->of_two;
         }
@@ -92,10 +92,10 @@ std::vector<IsolatedComponents::Part> IsolatedComponents::parts() {
 bool IsolatedComponents::is_sunken(const Part& part, const std::vector<Part>& parts, double cell_m) const {
   std::int64_t top = std::numeric_limits<std::int64_t>::max(), bottom = -top, left = top, right = bottom;
   std::vector<double> own;
-  for (const Place& place : part.blocks) {
-    top = std::min(top, place.first), bottom = std::max(bottom, place.first);
-    left = std::min(left, place.second), right = std::max(right, place.second);
-    own.push_back(block_at(place)->mean_m());
+  for (const BlockIndex& index : part.blocks) {
+    top = std::min(top, index.first), bottom = std::max(bottom, index.first);
+    left = std::min(left, index.second), right = std::max(right, index.second);
+    own.push_back(block_at(index)->mean_m());
   }
   // blocks of larger parts by their distance from the island's rectangle
   std::vector<std::pair<std::int64_t, double>> around;
@@ -103,7 +103,8 @@ bool IsolatedComponents::is_sunken(const Part& part, const std::vector<Part>& pa
   for (std::int64_t row = top - kFarthestBlocks; row <= bottom + kFarthestBlocks; ++row)
     for (std::int64_t column = left - kFarthestBlocks; column <= right + kFarthestBlocks; ++column) {
       const Block* const block = block_at({row, column});
-      if (!block || block->part < 0 || block->gone || parts[std::size_t(block->part)].points <= part.points) continue;
+      if (!block || block->part < 0 || block->removed || parts[std::size_t(block->part)].points <= part.points)
+        continue;
       const std::int64_t away = std::max({left - column, column - right, top - row, row - bottom, std::int64_t{1}});
       nearest = std::min(nearest, away);
       around.emplace_back(away, block->mean_m());
@@ -128,26 +129,26 @@ void IsolatedComponents::mark_isolated_components(const std::vector<Part>& all, 
     if (part.points * kShare >= largest.points) continue;
     const bool loose = part.share_of_two() > kAlmostAll && largest.share_of_two() < 0.5;
     if (!loose && !is_sunken(part, all, cell_m)) continue;
-    for (const Place& place : part.blocks)  // with the thin rim around them
+    for (const BlockIndex& index : part.blocks)  // with the thin rim around them
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
-          Block* const block = block_at({place.first + dy, place.second + dx});
-          if (block && (block->part < 0 || (dx == 0 && dy == 0))) block->gone = 1;
+          Block* const block = block_at({index.first + dy, index.second + dx});
+          if (block && (block->part < 0 || (dx == 0 && dy == 0))) block->removed = 1;
         }
   }
 }
 
-std::uint64_t IsolatedComponents::keep_gone() {
+std::uint64_t IsolatedComponents::keep_removed() {
   constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
   bounds_ = {kFar, kFar, -kFar, -kFar};
   std::uint64_t points = 0;
-  each_block([&](const Place& place, const Block& block) {
-    if (block.gone) {
-      gone_.insert(place);
+  each_block([&](const BlockIndex& index, const Block& block) {
+    if (block.removed) {
+      removed_.insert(index);
       points += block.points;
       return;
     }
-    const std::int64_t row = place.first * kBlock, column = place.second * kBlock;
+    const std::int64_t row = index.first * kBlock, column = index.second * kBlock;
     bounds_.west = std::min(bounds_.west, column + block.west);
     bounds_.east = std::max(bounds_.east, column + block.east);
     bounds_.north = std::min(bounds_.north, row + block.north);
@@ -159,11 +160,11 @@ std::uint64_t IsolatedComponents::keep_gone() {
 
 std::uint64_t IsolatedComponents::find(double cell_m) {
   mark_isolated_components(parts(), cell_m);
-  return keep_gone();
+  return keep_removed();
 }
 
 bool IsolatedComponents::holds(const GridPoint& point) const {
-  return !gone_.empty() && gone_.contains(place_of(point));
+  return !removed_.empty() && removed_.contains(index_of(point));
 }
 
 void IsolatedComponents::forget(const CellWindow& window) {

@@ -43,13 +43,13 @@ class IsolatedComponents {
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
 
  private:
-  using Place = std::pair<std::int64_t, std::int64_t>;  // row and column of a block
+  using BlockIndex = std::pair<std::int64_t, std::int64_t>;  // row and column of a block
   struct Block {
     double sum_m = 0;                                                 // of heights
     std::uint32_t points = 0, of_two = 0;                             // the second: told by two images alone
     std::uint8_t west = kBlock, north = kBlock, east = 0, south = 0;  // cells with points, within the block
     std::int32_t part : 31 = -1;
-    std::uint32_t gone : 1 = 0;
+    std::uint32_t removed : 1 = 0;
     [[nodiscard]] double mean_m() const { return sum_m / double(points); }
   };
   static_assert(sizeof(Block) == 24);
@@ -57,24 +57,24 @@ class IsolatedComponents {
   static constexpr int kSquare = 16;
   using Square = std::array<Block, std::size_t(kSquare) * kSquare>;
   struct Part {
-    std::vector<Place> blocks;
+    std::vector<BlockIndex> blocks;
     std::uint64_t points = 0, of_two = 0;
     [[nodiscard]] double share_of_two() const { return double(of_two) / double(points); }
   };
-  [[nodiscard]] static Place place_of(const GridPoint& point);
-  [[nodiscard]] static std::size_t place_in_square(const Place& place);
-  [[nodiscard]] const Block* block_at(const Place& place) const;  // null: no points there
-  [[nodiscard]] Block* block_at(const Place& place);
+  [[nodiscard]] static BlockIndex index_of(const GridPoint& point);
+  [[nodiscard]] static std::size_t index_in_square(const BlockIndex& index);
+  [[nodiscard]] const Block* block_at(const BlockIndex& index) const;  // null: no points there
+  [[nodiscard]] Block* block_at(const BlockIndex& index);
   template <class Visit>
   void each_block(Visit&& visit);  // that has points: visit(place, block)
   [[nodiscard]] std::vector<Part> parts();
   [[nodiscard]] bool is_sunken(const Part& part, const std::vector<Part>& parts, double cell_m) const;
 
   void mark_isolated_components(const std::vector<Part>& parts, double cell_m);
-  std::uint64_t keep_gone();
+  std::uint64_t keep_removed();
 
-  std::map<Place, Square> squares_;  // by row and column of a square
-  std::set<Place> gone_;
+  std::map<BlockIndex, Square> squares_;  // by row and column of a square
+  std::set<BlockIndex> removed_;
   Bounds bounds_{};
 };
 

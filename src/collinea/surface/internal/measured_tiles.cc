@@ -17,8 +17,8 @@ struct Overlap {
   int from_x, from_y, to_x, to_y, width, height;
 };
 
-Overlap overlap(const MeasuredTiles::Place& place, const CellWindow& window) {
-  const std::int64_t column = place.first * kCells, row = place.second * kCells;
+Overlap overlap(const MeasuredTiles::Square& square, const CellWindow& window) {
+  const std::int64_t column = square.first * kCells, row = square.second * kCells;
   const std::int64_t left = std::max(column, window.column), top = std::max(row, window.row);
   const std::int64_t right = std::min(column + kCells, window.column + window.width);
   const std::int64_t bottom = std::min(row + kCells, window.row + window.height);
@@ -73,26 +73,26 @@ MeasuredTiles::MeasuredTiles(std::filesystem::path scratch, std::size_t memory_b
 
 MeasuredTiles::~MeasuredTiles() {
   std::error_code ignored;
-  for (const auto& [place, tile] : tiles_)
-    if (tile.state.empty()) std::filesystem::remove(file_of(place), ignored);
+  for (const auto& [square, tile] : tiles_)
+    if (tile.state.empty()) std::filesystem::remove(file_of(square), ignored);
 }
 
-std::filesystem::path MeasuredTiles::file_of(const Place& place) const {
-  return scratch_ / ("measured_" + std::to_string(place.first) + "_" + std::to_string(place.second) + ".bin");
+std::filesystem::path MeasuredTiles::file_of(const Square& square) const {
+  return scratch_ / ("measured_" + std::to_string(square.first) + "_" + std::to_string(square.second) + ".bin");
 }
 
-Result<> MeasuredTiles::add(const Place& place, SurfaceTile tile) {
+Result<> MeasuredTiles::add(const Square& square, SurfaceTile tile) {
   constexpr std::size_t kBytes = kCellsOfTile * (2 * sizeof(float) + sizeof(std::uint8_t) + sizeof(std::uint16_t));
-  if (held_ + kBytes <= memory_bytes_) {
-    held_ += kBytes;
-    tiles_.emplace(place, std::move(tile));
+  if (kept_ + kBytes <= memory_bytes_) {
+    kept_ += kBytes;
+    tiles_.emplace(square, std::move(tile));
     return {};
   }
   COLLINEA_TRY(scratch_.make());
-  tiles_.emplace(place, SurfaceTile());
-  std::ofstream file(file_of(place), std::ios::binary);
+  tiles_.emplace(square, SurfaceTile());
+  std::ofstream file(file_of(square), std::ios::binary);
   each_raster(tile, [&](const auto& raster) { write(file, raster); });
-  if (!file.flush()) return cannot_write(file_of(place));
+  if (!file.flush()) return cannot_write(file_of(square));
   return {};
 }
 

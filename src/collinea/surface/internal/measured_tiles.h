@@ -17,7 +17,7 @@ namespace collinea {
 class MeasuredTiles {
  public:
   static constexpr int kCells = 512;
-  using Place = std::pair<std::int64_t, std::int64_t>;  ///< column and row of a square, in squares
+  using Square = std::pair<std::int64_t, std::int64_t>;  ///< column and row of a square, in squares
 
   MeasuredTiles(std::filesystem::path scratch, std::size_t memory_bytes);
   ~MeasuredTiles();
@@ -25,18 +25,18 @@ class MeasuredTiles {
   MeasuredTiles& operator=(const MeasuredTiles&) = delete;
 
   /// Takes a square that was not there. Not from several threads at once.
-  Result<> add(const Place& place, SurfaceTile tile);
+  Result<> add(const Square& square, SurfaceTile tile);
 
   /// A window of the model; empty where there are no squares. May be called from several threads at once (not while
   /// squares are added).
   [[nodiscard]] Result<SurfaceTile> window(const CellWindow& window) const;
 
  private:
-  [[nodiscard]] std::filesystem::path file_of(const Place& place) const;
+  [[nodiscard]] std::filesystem::path file_of(const Square& square) const;
 
   ScratchFolder scratch_;
-  std::size_t memory_bytes_, held_ = 0;
-  std::map<Place, SurfaceTile> tiles_;  // without rasters: in a file
+  std::size_t memory_bytes_, kept_ = 0;
+  std::map<Square, SurfaceTile> tiles_;  // without rasters: in a file
 };
 
 }  // namespace collinea

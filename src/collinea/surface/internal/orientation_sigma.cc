@@ -13,17 +13,17 @@ namespace {
 constexpr int kLattice = 48;         // steps along the longer side: several for each image of a large block
 constexpr std::size_t kNearest = 8;  // places
 
-double variance_at(std::span<const PlaceSigma> places, double x, double y, double least2_m2,
+double variance_at(std::span<const PositionSigma> position_sigmas, double x, double y, double least2_m2,
                    std::vector<std::pair<double, std::size_t>>& by_distance) {
   by_distance.clear();
-  for (std::size_t i = 0; i < places.size(); ++i)
-    by_distance.emplace_back(std::pow(places[i].x - x, 2) + std::pow(places[i].y - y, 2), i);
+  for (std::size_t i = 0; i < position_sigmas.size(); ++i)
+    by_distance.emplace_back(std::pow(position_sigmas[i].x - x, 2) + std::pow(position_sigmas[i].y - y, 2), i);
   const auto end = by_distance.begin() + std::ptrdiff_t(std::min(kNearest, by_distance.size()));
   std::partial_sort(by_distance.begin(), end, by_distance.end());
   double sum = 0, weights = 0;
   for (auto it = by_distance.begin(); it != end; ++it) {
     const double weight = 1 / std::max(it->first, least2_m2);
-    sum += weight * places[it->second].sigma_m * places[it->second].sigma_m;
+    sum += weight * position_sigmas[it->second].sigma_m * position_sigmas[it->second].sigma_m;
     weights += weight;
   }
   return sum / weights;
@@ -31,15 +31,16 @@ double variance_at(std::span<const PlaceSigma> places, double x, double y, doubl
 
 }  // namespace
 
-OrientationSigma::OrientationSigma(std::span<const PlaceSigma> places, const CellWindow& raster, double cell_m)
+OrientationSigma::OrientationSigma(std::span<const PositionSigma> position_sigmas, const CellWindow& raster,
+                                   double cell_m)
     : raster_(raster) {
-  if (places.empty()) return;
+  if (position_sigmas.empty()) return;
   step_ = std::max(1.0, double(std::max(raster.width, raster.height)) / kLattice);
   variance_ = FloatImage(int(std::ceil(raster.width / step_)) + 1, int(std::ceil(raster.height / step_)) + 1);
   std::vector<std::pair<double, std::size_t>> by_distance;
   for (int j = 0; j < variance_.height; ++j)
     for (int i = 0; i < variance_.width; ++i)
-      variance_.at(i, j) = float(variance_at(places, (double(raster.column) + i * step_) * cell_m,
+      variance_.at(i, j) = float(variance_at(position_sigmas, (double(raster.column) + i * step_) * cell_m,
                                              -(double(raster.row) + j * step_) * cell_m, cell_m * cell_m, by_distance));
 }
 

@@ -9,8 +9,8 @@
 
 namespace collinea {
 
-/// How uncertain images and cameras make a height, by themselves, at a place of the map.
-struct PlaceSigma {
+/// How uncertain images and cameras make a height, by themselves, at a point of the map.
+struct PositionSigma {
   double x = 0, y = 0, sigma_m = 0;
 };
 
@@ -18,7 +18,7 @@ struct PlaceSigma {
 /// count. That is taken on a lattice over a raster and bilinear in between. Without places it is zero.
 class OrientationSigma {
  public:
-  OrientationSigma(std::span<const PlaceSigma> places, const CellWindow& raster, double cell_m);
+  OrientationSigma(std::span<const PositionSigma> position_sigmas, const CellWindow& raster, double cell_m);
 
   /// Adds it to the standard deviations of a window of cells; those that are kNoHeight stay.
   void add_to(FloatImage& sigma_m, const CellWindow& window) const;

@@ -20,9 +20,9 @@ namespace collinea {
 class PointBuckets {
  public:
   static constexpr int kBands = 4;  ///< of a bucket
-  struct Place {
+  struct Square {
     std::int64_t column = 0, row = 0;  ///< of the bucket, in buckets
-    friend auto operator<=>(const Place&, const Place&) = default;
+    friend auto operator<=>(const Square&, const Square&) = default;
   };
   /// Points that went to the file together, sorted by bands of rows so that windows need not read all of them.
   struct Piece {
@@ -43,27 +43,27 @@ class PointBuckets {
   Result<> add(std::span<const GridPoint> points);
   /// Once all points are there: what is in memory goes to the files, too, when there are any.
   Result<> finish();
-  [[nodiscard]] const std::map<Place, Bucket>& buckets() const { return buckets_; }
-  void drop(const Place& place);
-  /// Of points in memory, with the room that was made for more.
-  [[nodiscard]] std::size_t bytes_held() const { return held_ * sizeof(GridPoint); }
+  [[nodiscard]] const std::map<Square, Bucket>& buckets() const { return buckets_; }
+  void drop(const Square& square);
+  /// Bytes of the points in memory, with those reserved for more.
+  [[nodiscard]] std::size_t bytes_in_memory() const { return kept_ * sizeof(GridPoint); }
 
   /// All points within a window. May be called from several threads at once (not while points are added).
   [[nodiscard]] Result<std::vector<GridPoint>> points_in(const CellWindow& window) const;
 
  private:
-  [[nodiscard]] std::filesystem::path file_of(const Place& place) const;
+  [[nodiscard]] std::filesystem::path file_of(const Square& square) const;
   Result<> spill();
-  [[nodiscard]] int band_of(const Place& place, double row) const;
-  Piece sort_into_bands(const Place& place, std::vector<GridPoint>& points) const;
-  [[nodiscard]] double expected_points(const Place& place, const Bucket& bucket, const CellWindow& window) const;
-  Result<> read_bucket(const Place& place, const Bucket& bucket, const CellWindow& window,
+  [[nodiscard]] int band_of(const Square& square, double row) const;
+  Piece sort_into_bands(const Square& square, std::vector<GridPoint>& points) const;
+  [[nodiscard]] double expected_points(const Square& square, const Bucket& bucket, const CellWindow& window) const;
+  Result<> read_bucket(const Square& square, const Bucket& bucket, const CellWindow& window,
                        std::vector<GridPoint>& to) const;
 
   ScratchFolder scratch_;
   int cells_;
-  std::size_t memory_bytes_, held_ = 0;  // the second: points there is room for
-  std::map<Place, Bucket> buckets_;
+  std::size_t memory_bytes_, kept_ = 0;  // the second: points there is room for
+  std::map<Square, Bucket> buckets_;
 };
 
 }  // namespace collinea

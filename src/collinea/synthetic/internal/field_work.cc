@@ -37,7 +37,7 @@ std::string time_of(int exposure) {
   return fmt::format("2024:06:15 {:02}:{:02}:{:02}.000", seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
 }
 
-// The whole board is on the picture and nothing hides a corner of it.
+// The whole board is on the image and nothing hides a corner of it.
 std::optional<Eigen::Vector2d> whole_mark(const Truth& truth, ImageId image, const Mark& mark, double margin_px) {
   const auto centre = seen_at(truth, image, mark.centre, margin_px);
   if (!centre) return std::nullopt;
@@ -65,16 +65,16 @@ std::vector<Sighting> sightings(const Truth& truth, const Mark& mark, double mar
 
 // Farthest-point sampling: starts at the place farthest from the middle, goes on with the place farthest from all
 // chosen.
-std::vector<std::size_t> spread(const std::vector<Eigen::Vector3d>& places, std::size_t count) {
+std::vector<std::size_t> spread(const std::vector<Eigen::Vector3d>& positions, std::size_t count) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const auto& place : places) middle += place / double(places.size());
-  std::vector<double> room(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) room[i] = (places[i] - middle).norm();
+  for (const auto& position : positions) middle += position / double(positions.size());
+  std::vector<double> room(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) room[i] = (positions[i] - middle).norm();
   std::vector<std::size_t> chosen;
-  while (chosen.size() < std::min(count, places.size())) {
+  while (chosen.size() < std::min(count, positions.size())) {
     const std::size_t next = std::size_t(std::max_element(room.begin(), room.end()) - room.begin());
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const double distance = (places[i] - places[next]).norm();
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const double distance = (positions[i] - positions[next]).norm();
       room[i] = chosen.empty() ? distance : std::min(room[i], distance);
     }
     chosen.push_back(next);
@@ -172,18 +172,18 @@ Result<> add_marks(Truth& truth, const std::vector<Mark>& candidates, const Mark
                [&](std::size_t i) { seen[i] = sightings(truth, candidates[i], options.margin_px); });
   if (run.stopped()) return fail(Errc::kCancelled, "choosing places for survey marks was stopped");
   std::vector<std::size_t> usable;
-  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Vector3d> positions;
   for (std::size_t i = 0; i < candidates.size(); ++i)
     if (int(seen[i].size()) >= options.least_images) {
       usable.push_back(i);
-      places.push_back(candidates[i].centre);
+      positions.push_back(candidates[i].centre);
     }
   if (int(usable.size()) < wanted)
     return fail(Errc::kBadInput,
                 fmt::format("{} survey marks are wanted, but only {} open places are seen in {} images", wanted,
                             usable.size(), options.least_images));
   int number = 0;
-  for (std::size_t index : spread(places, std::size_t(wanted))) {
+  for (std::size_t index : spread(positions, std::size_t(wanted))) {
     const bool control = number < options.control_points;
     const std::string name =
         control ? fmt::format("C{:02}", number + 1) : fmt::format("K{:02}", number + 1 - options.control_points);

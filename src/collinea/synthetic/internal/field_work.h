@@ -19,7 +19,7 @@ void add_images(Truth& truth, const Camera& camera, const std::vector<Rigid3>& c
 /// What the receiver wrote down: true positions plus normal errors.
 void add_positions(Truth& truth, double sigma_plan_m, double sigma_height_m);
 
-/// What the gimbal of a drone that looks down wrote down: heading of the upper edge of the picture, forward tilt, no
+/// What the gimbal of a drone that looks down wrote down: heading of the upper edge of the image, forward tilt, no
 /// roll; errors of `sigma_deg`.
 void add_attitudes(Truth& truth, double sigma_deg);
 
@@ -42,7 +42,7 @@ struct MarkOptions {
 [[nodiscard]] double bounded_normal(Random& random);
 
 /// The camera of either kind of survey. Without a given focal length it is `share` of the width.
-/// Errors: a picture wider than can be rendered.
+/// Errors: an image wider than can be rendered.
 [[nodiscard]] inline Result<Camera> true_camera(const SurveyCamera& o, double share) {
   Camera camera = ideal_camera(o.focal_px.value_or(share * o.width_px), o.width_px, o.height_px);
   camera.model = o.camera_model;
@@ -57,7 +57,7 @@ struct MarkOptions {
                                         Eigen::Vector2d(0, o.height_px), Eigen::Vector2d(o.width_px, o.height_px)})
     if (!in_plane(camera, corner))
       return fail(Errc::kBadInput,
-                  "the corners of the pictures see more than 80 degrees from the axis, which is not "
+                  "the corners of the images see more than 80 degrees from the axis, which is not "
                   "rendered: a longer focal length is needed",
                   {"focal_px"_option});
   camera.name = "Collinea Synthetic";

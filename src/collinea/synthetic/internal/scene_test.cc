@@ -99,13 +99,13 @@ void expect_nothing_lost(const Scene& scene, const Eigen::Vector3d& low, const E
   Random random(6);
   int met = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    const auto place = [&] {
+    const auto position = [&] {
       return Eigen::Vector3d(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()),
                              random.uniform(low.z(), high.z()));
     };
-    Eigen::Vector3d from = place();
+    Eigen::Vector3d from = position();
     from.z() = std::max(from.z(), scene.surface_height(from.x(), from.y()) + 0.1);
-    const Eigen::Vector3d ray = (place() - from).normalized();
+    const Eigen::Vector3d ray = (position() - from).normalized();
     double nearest = std::numeric_limits<double>::infinity();
     for (const Solid& solid : scene.solids())
       if (const auto hit = meet(solid, from, ray)) nearest = std::min(nearest, hit->t);

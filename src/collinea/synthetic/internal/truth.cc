@@ -16,7 +16,7 @@ struct View {
   const Camera* camera;
   Rigid3 cam_from_world;
   Eigen::Vector3d centre, axis;
-  double least_cosine;  // of the angle between the axis and anything on the picture
+  double least_cosine;  // of the angle between the axis and anything on the image
 };
 
 View view_of(const Block& block, ImageId id) {

@@ -21,7 +21,7 @@ struct Optics {
   double vignetting = 0.25;  ///< share of the light lost in the corners
 };
 
-/// A world, the photographs taken of it and all that is exactly known of both.
+/// A world, the images taken of it and all that is exactly known of both.
 struct Truth {
   Scene scene;
   LocalFrame frame;
@@ -33,14 +33,14 @@ struct Truth {
   std::map<ImageId, std::array<double, 3>> white = {};  ///< further gains of red, green, blue; none: 1
   Optics optics;
   double gsd_m = 0.05;
-  double nominal_focal_px = 0;  ///< what the header of the photographs implies
+  double nominal_focal_px = 0;  ///< what the header of the images implies
   double lens_mm = 8.8;
   /// The part of the ground (x, y of the world) the products should cover; nothing when a map is no view of the scene.
   std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> mapped;
   std::uint64_t seed = 1;
 };
 
-/// Where an image shows a point of a surface: exactly projected; nothing when it lies outside the picture, closer than
+/// Where an image shows a point of a surface: exactly projected; nothing when it lies outside the image, closer than
 /// `margin_px` to its border, or hidden.
 [[nodiscard]] std::optional<Eigen::Vector2d> seen_at(const Truth& truth, ImageId image,
                                                      const Eigen::Vector3d& point_in_world, double margin_px = 0);
@@ -48,7 +48,7 @@ struct Truth {
 /// The surface point shown at a pixel; nothing where the sky is.
 [[nodiscard]] std::optional<Hit> shown_at(const Truth& truth, ImageId image, const Eigen::Vector2d& pixel);
 
-/// What detection and matching would find in pictures that are never made.
+/// What detection and matching would find in images that are never made.
 struct ObservationOptions {
   int points_per_image = 200;
   double noise_px = 0.5;
@@ -72,7 +72,7 @@ struct ObservationOptions {
   }
 };
 
-/// The block of the truth with tie points and observations, without pictures: surface points, found in two images or
+/// The block of the truth with tie points and observations, without images: surface points, found in two images or
 /// more, at their exact places; their image points exactly projected plus normal noise. Nothing of matching takes part.
 [[nodiscard]] Result<Block> observations_only(const Truth& truth, const ObservationOptions& options, const Run& run);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 #include <new>
 
@@ -19,41 +19,43 @@ Result<Raster<std::uint8_t>> decoded(const std::filesystem::path& path, int chan
     if (kind == FileKind::kJpeg) return decode_jpeg(bytes, channels, shrink);
     COLLINEA_TRY(samples, decode_png(bytes));
   }
-  Raster<std::uint8_t> picture = with_channels(eight_bits(std::move(samples)), channels);
-  return shrink == 1 ? std::move(picture) : shrunk(picture, shrink);
+  Raster<std::uint8_t> image = with_channels(eight_bits(std::move(samples)), channels);
+  return shrink == 1 ? std::move(image) : shrunk(image, shrink);
 }
 
 Result<Raster<std::uint8_t>> read_image_file(const std::filesystem::path& path, int channels, int shrink) {
   COLLINEA_CHECK(shrink == 1 || shrink == 2 || shrink == 4 || shrink == 8);
   try {
-    Result<Raster<std::uint8_t>> picture = decoded(path, channels, shrink);
-    if (picture || picture.error().code == Errc::kNotFound) return picture;
-    return tl::unexpected(std::move(picture).error().within("reading " + path.string()));
+    Result<Raster<std::uint8_t>> image = decoded(path, channels, shrink);
+    if (image || image.error().code == Errc::kNotFound) return image;
+    return tl::unexpected(std::move(image).error().within("reading " + path.string()));
   } catch (const std::bad_alloc&) {
-    return fail(Errc::kUnsupported, "reading " + path.string() + ": not enough memory for this picture");
+    return fail(Errc::kUnsupported, "reading " + path.string() + ": not enough memory for this image");
   }
 }
 
 }  // namespace
 
-Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink) { return read_image_file(path, 3, shrink); }
+Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink) {
+  return read_image_file(path, 3, shrink);
+}
 
 Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink) { return read_image_file(path, 1, shrink); }
 
-Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& picture, int quality,
+Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& image, int quality,
                     const ImageHeader* header) {
-  COLLINEA_TRY(std::string bytes, encode_jpeg(picture, quality));
+  COLLINEA_TRY(std::string bytes, encode_jpeg(image, quality));
   if (header) {
     ImageHeader sized = *header;
-    sized.width_px = picture.width;
-    sized.height_px = picture.height;
+    sized.width_px = image.width;
+    sized.height_px = image.height;
     COLLINEA_TRY(bytes, with_header(bytes, sized));
   }
   return write_bytes(path, bytes);
 }
 
-Result<> write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& picture) {
-  COLLINEA_TRY(const std::string bytes, encode_png(picture));
+Result<> write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& image) {
+  COLLINEA_TRY(const std::string bytes, encode_png(image));
   return write_bytes(path, bytes);
 }
 

@@ -9,14 +9,14 @@
 namespace collinea {
 
 /// How the products of an oriented block lie on the map, and how fine they can be.
-struct Places {
-  std::optional<LocalFrame> frame;  ///< nothing: the block has no place on Earth
+struct ProductFrame {
+  std::optional<LocalFrame> frame;  ///< nothing: the block has no location on Earth
   bool metric = false;              ///< lengths are metres; else they are in a unit of the block's own
-  double pixel_m = 0;               ///< ground size of a pixel of the photographs
-  double matched_pixel_m = 0;       ///< of the pictures that were matched densely
+  double pixel_m = 0;               ///< ground size of a pixel of the images
+  double matched_pixel_m = 0;       ///< of the images that were matched densely
 
   [[nodiscard]] const LocalFrame* frame_or_null() const { return frame ? &*frame : nullptr; }
 };
-[[nodiscard]] Result<Places> places_of(const Project& project, const Block& block);
+[[nodiscard]] Result<ProductFrame> product_frame_of(const Project& project, const Block& block);
 
 }  // namespace collinea

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/dense/internal/rims.h"
+#include "collinea/dense/internal/foreground_fattening.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ namespace {
 constexpr int kHalfWindow = kRadius;      // of matching: what a rim reaches
 constexpr int kAround = 2 * kHalfWindow;  // as much again beyond the rim tells what surely lies in front
 constexpr int kFewest = 5;                // pixels in front, and behind
-constexpr float kAlike = 10;              // grey values: above the noise of pictures, below what makes an edge
+constexpr float kAlike = 10;              // grey values: above the noise of images, below what makes an edge
 constexpr int kStripRows = 32;
 
 using Mask = Raster<std::uint8_t>;
@@ -62,7 +62,7 @@ FloatImage farthest_around(const FloatImage& surface, int radius, const Run& run
 
 // Where the surface breaks off to something farther away within half a window: its continuation from the other side
 // would be nearer by more than `reach` and two sigmas. A slope that goes on is none.
-Mask rims(const FloatImage& surface, const FloatImage& sigma, float reach, const Run& run) {
+Mask fattened_pixels(const FloatImage& surface, const FloatImage& sigma, float reach, const Run& run) {
   const int width = surface.width, height = surface.height;
   const FloatImage farthest = farthest_around(surface, kHalfWindow, run);
   const auto breaks_off = [&](int x, int y) {
@@ -82,27 +82,27 @@ Mask rims(const FloatImage& surface, const FloatImage& sigma, float reach, const
 
 }  // namespace
 
-void empty_foreground_fattening(const GreyImage& picture, float reach, const FloatImage& sigma, FloatImage& surface,
+void empty_foreground_fattening(const GreyImage& image, float reach, const FloatImage& sigma, FloatImage& surface,
                                 const Run& run) {
   const int width = surface.width, height = surface.height;
-  const Mask rim = rims(surface, sigma, reach, run);
+  const Mask fattened = fattened_pixels(surface, sigma, reach, run);
   std::array<float, 256> likeness;
   for (std::size_t i = 0; i < likeness.size(); ++i) likeness[i] = std::exp(-float(i) / kAlike);
   const std::vector<Offset> around = disc(kAround);
   const auto is_false = [&](int x, int y) {
     const float own = surface.at(x, y);
-    const int grey = picture.at(x, y);
+    const int grey = image.at(x, y);
     float in_front = 0, behind = 0;
     int front_pixels = 0, behind_pixels = 0;
     for (const Offset& offset : around) {
       const int u = x + offset.x, v = y + offset.y;
       if (u < 0 || v < 0 || u >= width || v >= height) continue;
       const float off = surface.at(u, v) - own;
-      const float alike = likeness[std::size_t(std::abs(picture.at(u, v) - grey))];
+      const float alike = likeness[std::size_t(std::abs(image.at(u, v) - grey))];
       if (off < -reach) {
         behind += alike;
         ++behind_pixels;
-      } else if (off <= reach && !rim.at(u, v)) {
+      } else if (off <= reach && !fattened.at(u, v)) {
         in_front += alike;
         ++front_pixels;
       }
@@ -112,7 +112,7 @@ void empty_foreground_fattening(const GreyImage& picture, float reach, const Flo
   };
   Mask emptied(width, height);
   each_row(height, run, [&](int y) {
-    for (int x = 0; x < width; ++x) emptied.at(x, y) = rim.at(x, y) && is_false(x, y);
+    for (int x = 0; x < width; ++x) emptied.at(x, y) = fattened.at(x, y) && is_false(x, y);
   });
   for (std::size_t i = 0; i < surface.data.size(); ++i)
     if (emptied.data[i]) surface.data[i] = std::numeric_limits<float>::quiet_NaN();

@@ -10,7 +10,7 @@
 
 namespace collinea {
 
-/// What the header of a photograph says (EXIF, XMP of drones); only what is really there. By Exiv2.
+/// What the header of an image says (EXIF, XMP of drones); only what is really there. By Exiv2.
 struct ImageHeader {
   int width_px = 0, height_px = 0;
   std::string maker, model, serial, lens;
@@ -25,23 +25,23 @@ struct ImageHeader {
   std::optional<double> heading_deg, pitch_deg, roll_deg;  ///< gimbal (drone-dji:Gimbal*Degree, Camera:*)
 };
 
-/// Reads the header. Errors: not a photograph we know (JPEG, PNG, TIFF), cannot be opened. Broken EXIF is no error:
+/// Reads the header. Errors: not an image we know (JPEG, PNG, TIFF), cannot be opened. Broken EXIF is no error:
 /// the fields stay empty.
 [[nodiscard]] Result<ImageHeader> read_image_header(const std::filesystem::path& path);
 
-/// Decodes a photograph to 8-bit colour (3 channels) or grey (1 channel; JPEG decoded straight to its luma).
+/// Decodes an image to 8-bit colour (3 channels) or grey (1 channel; JPEG decoded straight to its luma).
 /// 16-bit files are scaled by their own 0.1 and 99.9 percentiles. `shrink` = 1, 2, 4 or 8 decodes at a reduced size
 /// (ceil(size / shrink); in the JPEG decoder where it can). EXIF orientation is not applied.
 /// Errors: missing, not an image, truncated or damaged data (a JPEG that ends early is an error, not a grey bottom).
 [[nodiscard]] Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink = 1);
 [[nodiscard]] Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink = 1);
 
-/// Writes 8-bit pictures (1 or 3 channels), atomically. With a header, JPEG gets its EXIF and XMP tags.
-[[nodiscard]] Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& picture, int quality,
+/// Writes 8-bit images (1 or 3 channels), atomically. With a header, JPEG gets its EXIF and XMP tags.
+[[nodiscard]] Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& image, int quality,
                                   const ImageHeader* header = nullptr);
 [[nodiscard]] Result<> write_png(const std::filesystem::path& path,
-                                 const Raster<std::uint8_t>& picture);  ///< 1, 3 or 4 channels
-/// The same, into memory: for pictures inside a report.
-[[nodiscard]] Result<std::string> encode_jpeg(const Raster<std::uint8_t>& picture, int quality);
+                                 const Raster<std::uint8_t>& image);  ///< 1, 3 or 4 channels
+/// The same, into memory: for images inside a report.
+[[nodiscard]] Result<std::string> encode_jpeg(const Raster<std::uint8_t>& image, int quality);
 
 }  // namespace collinea

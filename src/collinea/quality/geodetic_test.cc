@@ -53,8 +53,8 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
           EXPECT_NEAR(slope(step, {0, 0, 0}), model.by_from[c], tolerance) << static_cast<int>(kind);
           EXPECT_NEAR(slope({0, 0, 0}, step), model.by_to[c], tolerance) << static_cast<int>(kind);
         }
-        const double turned = geodetic_model(one, from, to, 0.4 + 1e-3, curved).computed - model.computed;
-        EXPECT_NEAR(turned, 1e-3 * model.by_extra[0], 1e-12);
+        const double rotated = geodetic_model(one, from, to, 0.4 + 1e-3, curved).computed - model.computed;
+        EXPECT_NEAR(rotated, 1e-3 * model.by_auxiliary[0], 1e-12);
       }
   }
 }
@@ -65,14 +65,14 @@ TEST(GeodeticModel, TheEarthIsRound) {
   EXPECT_EQ(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, false).computed, 0);
 }
 
-TEST(Ground, OneDistanceGivesAFreeBlockItsScale) {
+TEST(Geodetic, OneDistanceGivesAFreeBlockItsScale) {
   Marked made = marked({.rows = 2, .columns = 3, .points = 80});
   made.measure(GeodeticKind::kDistance, 0, 3, 0.001);
   scale(made.block, 1.3);
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 6);
-  EXPECT_EQ(adjusted->datum, (DatumSources{.ground = true, .parts = 1}));
+  EXPECT_EQ(adjusted->datum, (DatumSources{.geodetic = true, .parts = 1}));
   EXPECT_GT(adjusted->rank_defect, 0);
   std::map<ControlId, Eigen::Vector3d> found;
   for (const ControlDifference& point : adjusted->control) found[point.point] = *point.position_in_world;
@@ -81,18 +81,18 @@ TEST(Ground, OneDistanceGivesAFreeBlockItsScale) {
       if (found.contains(a) && found.contains(b)) {
         EXPECT_NEAR((found[a] - found[b]).norm(), (at_a - at_b).norm(), 1e-7);
       }
-  ASSERT_EQ(adjusted->ground.size(), 1u);
-  EXPECT_NEAR(adjusted->ground[0].difference, 0, 1e-9);
-  EXPECT_NEAR(adjusted->ground[0].sigma, 0.001, 1e-9);  // nothing else knows the scale
+  ASSERT_EQ(adjusted->geodetic.size(), 1u);
+  EXPECT_NEAR(adjusted->geodetic[0].difference, 0, 1e-9);
+  EXPECT_NEAR(adjusted->geodetic[0].sigma, 0.001, 1e-9);  // nothing else knows the scale
   EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-5);
 }
 
 // The same adjustment with a point eliminated or kept among the reduced unknowns: a distance that weighs nothing.
-TEST(Ground, PointsThatAreJoinedAreAdjustedLikeOthers) {
+TEST(Geodetic, PointsThatAreJoinedAreAdjustedLikeOthers) {
   Block block =
       test_block({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 6});
   const auto without = examine(block, {}, tested(Calibration::kFocalRadial), kRun);
-  block.ground.push_back({.from = {0}, .to = {4}, .value = 10, .sigma = 1e6});
+  block.geodetic.push_back({.from = {0}, .to = {4}, .value = 10, .sigma = 1e6});
   const auto with = examine(block, {}, tested(Calibration::kFocalRadial), kRun);
   ASSERT_TRUE(without && with && without->reliability && with->reliability);
   EXPECT_EQ(with->unknown_count, without->unknown_count);
@@ -116,10 +116,10 @@ TEST(Ground, PointsThatAreJoinedAreAdjustedLikeOthers) {
 }
 
 // A check point that is measured to takes part without its coordinates, which stay independent of it.
-TEST(Ground, CoordinatesOfCheckPointsStayOut) {
+TEST(Geodetic, CoordinatesOfCheckPointsStayOut) {
   Block block = test_block({.rows = 2, .columns = 3, .points = 60, .position_sigma_m = 0.05, .control = 6});
   const double length = (block.control.at({0}).position_in_world - block.control.at({2}).position_in_world).norm();
-  block.ground.push_back({.from = {0}, .to = {2}, .value = length, .sigma = 0.005});
+  block.geodetic.push_back({.from = {0}, .to = {2}, .value = length, .sigma = 0.005});
   ASSERT_EQ(block.control.at({2}).role, ControlRole::kCheck);
   const auto first = examine(block, {}, tested(), kRun);
   block.control.at({2}).position_in_world += Eigen::Vector3d(1, 1, 1);
@@ -132,7 +132,7 @@ TEST(Ground, CoordinatesOfCheckPointsStayOut) {
 }
 
 // Scale is seen by distances alone: its error over its sigma is a standard normal variable, of 100 blocks.
-TEST(Ground, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
+TEST(Geodetic, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
   double squares = 0, residuals = 0;
   constexpr int kBlocks = 100;
   for (int i = 0; i < kBlocks; ++i) {
@@ -142,28 +142,28 @@ TEST(Ground, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
     made.measure(GeodeticKind::kDistance, 0, 3, 0.01, &random);
     made.measure(GeodeticKind::kDistance, 1, 4, 0.01, &random);
     made.measure(GeodeticKind::kDistance, 2, 5, 1, &random);
-    made.block.ground.back().role = ControlRole::kCheck;
+    made.block.geodetic.back().role = ControlRole::kCheck;
     ExamineOptions options = tested(Calibration::kFocal);
     options.test.sigma0_known = true;
     const auto adjusted = examine(made.block, {}, options, kRun);
-    ASSERT_TRUE(adjusted && adjusted->ground.size() == 3) << i;
-    EXPECT_FALSE(adjusted->ground[2].used);
-    const GeodeticDifference& check = adjusted->ground[2];
+    ASSERT_TRUE(adjusted && adjusted->geodetic.size() == 3) << i;
+    EXPECT_FALSE(adjusted->geodetic[2].used);
+    const GeodeticDifference& check = adjusted->geodetic[2];
     squares +=
         std::pow(check.adjusted - (made.truth.at({2}) - made.truth.at({5})).norm(), 2) / (check.sigma * check.sigma);
     for (int k = 0; k < 2; ++k)
-      residuals += std::pow(adjusted->ground[k].difference / adjusted->ground[k].difference_sigma, 2) / 2;
+      residuals += std::pow(adjusted->geodetic[k].difference / adjusted->geodetic[k].difference_sigma, 2) / 2;
   }
   const double tolerance = 4 * std::sqrt(2.0 / kBlocks);
   EXPECT_NEAR(squares / kBlocks, 1, tolerance);
   EXPECT_NEAR(residuals / kBlocks, 1, tolerance);
 }
 
-TEST(Ground, ABlunderInADistanceIsFound) {
+TEST(Geodetic, AGrossErrorInADistanceIsFound) {
   Marked made = marked({.sigma_px = 0.5});
   Random random(4);
   for (std::uint32_t i = 1; i < 7; ++i) made.measure(GeodeticKind::kDistance, 0, i, 0.005, &random);
-  made.block.ground[3].value += 0.1;
+  made.block.geodetic[3].value += 0.1;
   const auto adjusted = examine(made.block, {}, tested(Calibration::kFocalRadial), kRun);
   ASSERT_TRUE(adjusted && adjusted->reliability);
   ASSERT_FALSE(adjusted->reliability->suspects.empty());
@@ -173,18 +173,18 @@ TEST(Ground, ABlunderInADistanceIsFound) {
   EXPECT_NEAR(worst.gross_error, 0.1, 0.03);
 }
 
-TEST(Ground, HeightDifferencesLevelABlock) {
+TEST(Geodetic, HeightDifferencesLevelABlock) {
   Marked made = marked({.rows = 2, .columns = 3, .points = 80});
   made.measure(GeodeticKind::kDistance, 0, 3, 0.001);
   made.measure(GeodeticKind::kHeightDifference, 0, 3, 0.001);
   made.measure(GeodeticKind::kHeightDifference, 1, 4, 0.001);
   made.measure(GeodeticKind::kHeightDifference, 2, 6, 0.001);
-  const Eigen::Quaterniond turn = rotation_by({0.03, -0.02, 0.5});
+  const Eigen::Quaterniond rotation = rotation_by({0.03, -0.02, 0.5});
   for (auto [id, pose] : oriented_images(made.block)) {
-    pose.rotation = pose.rotation * turn.conjugate();
+    pose.rotation = pose.rotation * rotation.conjugate();
     set_pose(made.block, id, pose);
   }
-  for (auto& [id, point] : made.block.points) point.position_in_world = turn * point.position_in_world;
+  for (auto& [id, point] : made.block.points) point.position_in_world = rotation * point.position_in_world;
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->rank_defect, 4);  // place and north
@@ -194,12 +194,12 @@ TEST(Ground, HeightDifferencesLevelABlock) {
     EXPECT_NEAR(height.at(id) - height.at({0}), at.z() - made.truth.at({0}).z(), 1e-6);
 }
 
-TEST(Ground, VarianceComponentsFindTheSigmaOfDistances) {
+TEST(Geodetic, VarianceComponentsFindTheSigmaOfDistances) {
   Marked made = marked({.points = 120, .sigma_px = 0.5, .position_sigma_m = 0.02});
   Random random(8);
   for (std::uint32_t i = 0; i < 9; ++i)
     for (std::uint32_t k = 0; k < i; ++k) made.measure(GeodeticKind::kDistance, k, i, 0.03, &random);
-  for (GeodeticObservation& measured : made.block.ground) measured.sigma /= 3;
+  for (GeodeticObservation& measured : made.block.geodetic) measured.sigma /= 3;
   const auto found = estimate_variance_components(made.block, {}, tested(), kRun);
   ASSERT_TRUE(found) << found.error().message;
   const auto group = static_cast<std::size_t>(ObservationGroup::kDistance);
@@ -207,7 +207,7 @@ TEST(Ground, VarianceComponentsFindTheSigmaOfDistances) {
   EXPECT_GT(found->sigma[group], 0);
 }
 
-TEST(Ground, ThreadsDoNotChangeABit) {
+TEST(Geodetic, ThreadsDoNotChangeABit) {
   Marked made = marked({.rows = 6, .columns = 8, .points = 900, .sigma_px = 0.5, .position_sigma_m = 0.05});
   for (std::uint32_t i = 1; i < 7; ++i) made.measure(GeodeticKind::kDistance, 0, i, 0.005);
   collinea::Run threads;
@@ -216,26 +216,26 @@ TEST(Ground, ThreadsDoNotChangeABit) {
              three = examine(made.block, {}, tested(Calibration::kFocalRadial), threads);
   ASSERT_TRUE(one && three);
   EXPECT_EQ(one->final_cost, three->final_cost);
-  EXPECT_EQ(one->ground[2].sigma, three->ground[2].sigma);
+  EXPECT_EQ(one->geodetic[2].sigma, three->geodetic[2].sigma);
 }
 
-TEST(Ground, WhatCannotBeIsRefusedOrLeftOut) {
+TEST(Geodetic, WhatCannotBeIsRefusedOrLeftOut) {
   Marked made = marked({.rows = 2, .columns = 3, .points = 60, .position_sigma_m = 0.05});
   made.measure(GeodeticKind::kDistance, 0, 3, 0.001);
   Block bad = made.block;
-  bad.ground[0].sigma = 0;
+  bad.geodetic[0].sigma = 0;
   EXPECT_EQ(examine(bad, {}, tested(), kRun).error().code, Errc::kBadInput);
   bad = made.block;
-  bad.ground[0].to = bad.ground[0].from;
+  bad.geodetic[0].to = bad.geodetic[0].from;
   EXPECT_EQ(examine(bad, {}, tested(), kRun).error().code, Errc::kBadInput);
   bad = made.block;  // a point that no image shows
   std::erase_if(bad.control_observations, [](const ControlObservation& seen) { return seen.point.value == 3; });
   const auto adjusted = examine(bad, {}, tested(), kRun);
   ASSERT_TRUE(adjusted);
-  EXPECT_TRUE(adjusted->ground.empty());
-  const auto unused = examine(made.block, {.use_ground = false}, tested(), kRun);
+  EXPECT_TRUE(adjusted->geodetic.empty());
+  const auto unused = examine(made.block, {.use_geodetic = false}, tested(), kRun);
   ASSERT_TRUE(unused);
-  EXPECT_TRUE(unused->ground.empty());
+  EXPECT_TRUE(unused->geodetic.empty());
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/raster/photo.h"
+#include "collinea/raster/image_file.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace collinea {
 namespace {
 
 // Smooth, with a different course in every channel.
-Raster<std::uint8_t> picture(int width = 93, int height = 61, int channels = 3) {
+Raster<std::uint8_t> image(int width = 93, int height = 61, int channels = 3) {
   Raster<std::uint8_t> raster(width, height, channels);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
@@ -40,20 +40,20 @@ double mean_difference(const Raster<std::uint8_t>& a, const Raster<std::uint8_t>
 
 Raster<std::uint8_t> grey_of(const Raster<std::uint8_t>& colour) { return with_channels(colour, 1); }
 
-TEST(Photo, JpegComesBackAlmostAsItWas) {
+TEST(ImageFile, JpegComesBackAlmostAsItWas) {
   const TestFolder folder;
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 95));
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(), 95));
   const ColourImage back = read_colour(folder / "a.jpg").value();
   EXPECT_EQ(back.width, 93);
   EXPECT_EQ(back.height, 61);
-  EXPECT_LT(mean_difference(back, picture()), 2.0);
-  EXPECT_LT(mean_difference(read_grey(folder / "a.jpg").value(), grey_of(picture())), 1.0);
+  EXPECT_LT(mean_difference(back, image()), 2.0);
+  EXPECT_LT(mean_difference(read_grey(folder / "a.jpg").value(), grey_of(image())), 1.0);
 }
 
-TEST(Photo, ShrinkingKeepsTheCeilingOfTheSizeAndTheContent) {
+TEST(ImageFile, ShrinkingKeepsTheCeilingOfTheSizeAndTheContent) {
   const TestFolder folder;
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 98));
-  ASSERT_TRUE(write_png(folder / "a.png", picture()));
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(), 98));
+  ASSERT_TRUE(write_png(folder / "a.png", image()));
   for (const int shrink : {2, 4, 8}) {
     const GreyImage jpeg = read_grey(folder / "a.jpg", shrink).value();
     const GreyImage png = read_grey(folder / "a.png", shrink).value();
@@ -64,20 +64,20 @@ TEST(Photo, ShrinkingKeepsTheCeilingOfTheSizeAndTheContent) {
   }
 }
 
-TEST(Photo, PngIsExactInOneThreeAndFourChannels) {
+TEST(ImageFile, PngIsExactInOneThreeAndFourChannels) {
   const TestFolder folder;
   for (const int channels : {1, 3}) {
-    ASSERT_TRUE(write_png(folder / "a.png", picture(50, 40, channels)));
+    ASSERT_TRUE(write_png(folder / "a.png", image(50, 40, channels)));
     EXPECT_EQ((channels == 1 ? read_grey(folder / "a.png") : read_colour(folder / "a.png"))->data,
-              picture(50, 40, channels).data);
+              image(50, 40, channels).data);
   }
-  ASSERT_TRUE(write_png(folder / "alpha.png", picture(50, 40, 4)));
-  EXPECT_EQ(read_colour(folder / "alpha.png")->at(7, 9, 2), picture(50, 40, 4).at(7, 9, 2));
+  ASSERT_TRUE(write_png(folder / "alpha.png", image(50, 40, 4)));
+  EXPECT_EQ(read_colour(folder / "alpha.png")->at(7, 9, 2), image(50, 40, 4).at(7, 9, 2));
 }
 
-TEST(Photo, GreyFilesBecomeColourWithEqualChannels) {
+TEST(ImageFile, GreyFilesBecomeColourWithEqualChannels) {
   const TestFolder folder;
-  ASSERT_TRUE(write_jpeg(folder / "grey.jpg", picture(40, 30, 1), 95));
+  ASSERT_TRUE(write_jpeg(folder / "grey.jpg", image(40, 30, 1), 95));
   const ColourImage colour = read_colour(folder / "grey.jpg").value();
   ASSERT_EQ(colour.channels, 3);
   EXPECT_EQ(colour.at(5, 6, 0), colour.at(5, 6, 2));
@@ -117,28 +117,28 @@ void write_tiff(const std::filesystem::path& path, const Raster<T>& raster, cons
   TIFFClose(tiff);
 }
 
-TEST(Photo, TiffIsExactInStripsAndTiles) {
+TEST(ImageFile, TiffIsExactInStripsAndTiles) {
   const TestFolder folder;
   for (const bool tiled : {false, true})
     for (const std::uint16_t compression : {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE}) {
       const std::uint16_t predictor = compression == COMPRESSION_NONE ? 1 : 2;
-      write_tiff(folder / "c.tif", picture(70, 45), {8, 3, compression, PHOTOMETRIC_RGB, predictor, tiled});
-      EXPECT_EQ(read_colour(folder / "c.tif").value().data, picture(70, 45).data);
-      write_tiff(folder / "g.tif", picture(70, 45, 1), {8, 1, compression, PHOTOMETRIC_MINISBLACK, predictor, tiled});
-      EXPECT_EQ(read_grey(folder / "g.tif").value().data, picture(70, 45, 1).data);
+      write_tiff(folder / "c.tif", image(70, 45), {8, 3, compression, PHOTOMETRIC_RGB, predictor, tiled});
+      EXPECT_EQ(read_colour(folder / "c.tif").value().data, image(70, 45).data);
+      write_tiff(folder / "g.tif", image(70, 45, 1), {8, 1, compression, PHOTOMETRIC_MINISBLACK, predictor, tiled});
+      EXPECT_EQ(read_grey(folder / "g.tif").value().data, image(70, 45, 1).data);
     }
 }
 
-TEST(Photo, InvertedTiffGoesThroughTheConversion) {
+TEST(ImageFile, InvertedTiffGoesThroughTheConversion) {
   const TestFolder folder;
-  write_tiff(folder / "i.tif", picture(70, 45, 1), {8, 1, COMPRESSION_NONE, PHOTOMETRIC_MINISWHITE, 1, false});
+  write_tiff(folder / "i.tif", image(70, 45, 1), {8, 1, COMPRESSION_NONE, PHOTOMETRIC_MINISWHITE, 1, false});
   const GreyImage back = read_grey(folder / "i.tif").value();
   for (const auto& [x, y] : {std::pair(0, 0), std::pair(69, 0), std::pair(3, 44)})
-    EXPECT_EQ(back.at(x, y), 255 - picture(70, 45, 1).at(x, y));
+    EXPECT_EQ(back.at(x, y), 255 - image(70, 45, 1).at(x, y));
 }
 
 // 1000 samples of a ramp 10000 .. 10999: the 0.1 and 99.9 percentiles are its second value and its last.
-TEST(Photo, SixteenBitsAreStretchedBetweenTheirPercentiles) {
+TEST(ImageFile, SixteenBitsAreStretchedBetweenTheirPercentiles) {
   const TestFolder folder;
   Raster<std::uint16_t> ramp(1000, 1);
   for (int x = 0; x < 1000; ++x) ramp.at(x, 0) = std::uint16_t(10000 + x);
@@ -150,7 +150,7 @@ TEST(Photo, SixteenBitsAreStretchedBetweenTheirPercentiles) {
   EXPECT_NEAR(back.at(500, 0), 255.0 * 499 / 998, 0.51);
 }
 
-TEST(Photo, SixteenBitPngIsReadInTheRightByteOrder) {
+TEST(ImageFile, SixteenBitPngIsReadInTheRightByteOrder) {
   const TestFolder folder;
   std::FILE* file = std::fopen((folder / "r.png").c_str(), "wb");
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -170,7 +170,7 @@ TEST(Photo, SixteenBitPngIsReadInTheRightByteOrder) {
 }
 
 // Four inks as Adobe writes them (255 = none): red is magenta and yellow.
-TEST(Photo, PrintersInksBecomeColours) {
+TEST(ImageFile, PrintersInksBecomeColours) {
   const TestFolder folder;
   jpeg_compress_struct info;
   jpeg_error_mgr errors;
@@ -197,11 +197,11 @@ TEST(Photo, PrintersInksBecomeColours) {
   EXPECT_NEAR(read_grey(folder / "inks.jpg")->at(8, 8), 76, 2);
 }
 
-TEST(Photo, TheNameOfTheFileDoesNotMatterItsBytesDo) {
+TEST(ImageFile, TheNameOfTheFileDoesNotMatterItsBytesDo) {
   const TestFolder folder;
-  ASSERT_TRUE(write_png(folder / "really_png.jpg", picture()));
+  ASSERT_TRUE(write_png(folder / "really_png.jpg", image()));
   EXPECT_TRUE(read_colour(folder / "really_png.jpg"));
-  ASSERT_TRUE(write_bytes(folder / "text.jpg", "hello, this is no picture"));
+  ASSERT_TRUE(write_bytes(folder / "text.jpg", "hello, this is no image"));
   EXPECT_EQ(read_colour(folder / "text.jpg").error().code, Errc::kBadFormat);
   EXPECT_EQ(read_image_header(folder / "text.jpg").error().code, Errc::kBadFormat);
   EXPECT_EQ(read_colour(folder / "missing.jpg").error().code, Errc::kNotFound);
@@ -211,9 +211,9 @@ TEST(Photo, TheNameOfTheFileDoesNotMatterItsBytesDo) {
   EXPECT_FALSE(read_colour(folder / "."));
 }
 
-TEST(Photo, ACutJpegIsAnErrorWhereverItIsCut) {
+TEST(ImageFile, ACutJpegIsAnErrorWhereverItIsCut) {
   const TestFolder folder;
-  const std::string whole = encode_jpeg(picture(), 90).value();
+  const std::string whole = encode_jpeg(image(), 90).value();
   for (std::size_t i = 0; i < 50; ++i) {
     ASSERT_TRUE(write_bytes(folder / "cut.jpg", whole.substr(0, i * (whole.size() - 1) / 49)));
     EXPECT_FALSE(read_grey(folder / "cut.jpg")) << i;
@@ -222,10 +222,10 @@ TEST(Photo, ACutJpegIsAnErrorWhereverItIsCut) {
   }
 }
 
-TEST(Photo, ACutPngOrTiffIsAnErrorToo) {
+TEST(ImageFile, ACutPngOrTiffIsAnErrorToo) {
   const TestFolder folder;
-  ASSERT_TRUE(write_png(folder / "a.png", picture()));
-  write_tiff(folder / "a.tif", picture(), {8, 3, COMPRESSION_LZW, PHOTOMETRIC_RGB, 2, true});
+  ASSERT_TRUE(write_png(folder / "a.png", image()));
+  write_tiff(folder / "a.tif", image(), {8, 3, COMPRESSION_LZW, PHOTOMETRIC_RGB, 2, true});
   for (const char* name : {"a.png", "a.tif"}) {
     const std::string whole = read_bytes(folder / name).value();
     for (std::size_t i = 0; i < 30; ++i) {
@@ -236,16 +236,16 @@ TEST(Photo, ACutPngOrTiffIsAnErrorToo) {
   }
 }
 
-TEST(Photo, NoDamageMakesAReaderCrash) {
+TEST(ImageFile, NoDamageMakesAReaderCrash) {
   const TestFolder folder;
   ImageHeader header;
   header.maker = "M";
   header.latitude_deg = 1;
   header.longitude_deg = 2;
   header.pitch_deg = -90;
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90, &header));
-  ASSERT_TRUE(write_png(folder / "a.png", picture()));
-  write_tiff(folder / "a.tif", picture(), {8, 3, COMPRESSION_LZW, PHOTOMETRIC_RGB, 2, true});
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(), 90, &header));
+  ASSERT_TRUE(write_png(folder / "a.png", image()));
+  write_tiff(folder / "a.tif", image(), {8, 3, COMPRESSION_LZW, PHOTOMETRIC_RGB, 2, true});
   Random random(7);
   for (const char* name : {"a.jpg", "a.png", "a.tif"}) {
     const std::string whole = read_bytes(folder / name).value();
@@ -261,7 +261,7 @@ TEST(Photo, NoDamageMakesAReaderCrash) {
   }
 }
 
-TEST(Photo, AnAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
+TEST(ImageFile, AnAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
   EXPECT_FALSE(check_size(60000, 30000, 1000, kTiffPxPerByte));
   EXPECT_FALSE(check_size(4'000'000'000, 4'000'000'000, 1000, kTiffPxPerByte));
   EXPECT_FALSE(check_size(0, 5, 1000, kTiffPxPerByte));
@@ -317,16 +317,16 @@ void expect_refused(const std::filesystem::path& path, const std::string& bytes)
       << header.error().message;
 }
 
-TEST(Photo, AnAbsurdSizeInASmallHeaderIsRefusedByAllReaders) {
+TEST(ImageFile, AnAbsurdSizeInASmallHeaderIsRefusedByAllReaders) {
   const TestFolder folder;
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90));
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(), 90));
   std::string jpeg = read_bytes(folder / "a.jpg").value();
   const std::size_t frame = jpeg.find("\xff\xc0");  // then length, bits, height, width
   ASSERT_NE(frame, std::string::npos);
   jpeg.replace(frame + 5, 4, "\x4e\x20\x9c\x40");
   expect_refused(folder / "b.jpg", jpeg);
 
-  ASSERT_TRUE(write_png(folder / "a.png", picture()));
+  ASSERT_TRUE(write_png(folder / "a.png", image()));
   std::string png = read_bytes(folder / "a.png").value();
   png.replace(16, 8, std::string("\0\0\x9c\x40\0\0\x4e\x20", 8));
   std::uint32_t crc = ~0u;  // of "IHDR" and its content
@@ -348,13 +348,13 @@ TEST(Photo, AnAbsurdSizeInASmallHeaderIsRefusedByAllReaders) {
                                               {279, 100}}));
 }
 
-TEST(Photo, AnAbsurdTileOfASmallTiffIsRefusedBeforeMemoryIsTaken) {
+TEST(ImageFile, AnAbsurdTileOfASmallTiffIsRefusedBeforeMemoryIsTaken) {
   const TestFolder folder;
   ASSERT_TRUE(write_bytes(folder / "a.tif", small_tiff_with_large_tile(30000, 30000)));
-  const auto picture = read_grey(folder / "a.tif");
-  ASSERT_FALSE(picture);
-  EXPECT_NE(picture.error().message.find("30000 x 30000 pixels cannot be in"), std::string::npos)
-      << picture.error().message;
+  const auto image = read_grey(folder / "a.tif");
+  ASSERT_FALSE(image);
+  EXPECT_NE(image.error().message.find("30000 x 30000 pixels cannot be in"), std::string::npos)
+      << image.error().message;
 }
 
 ImageHeader full_header() {
@@ -385,7 +385,7 @@ TEST(ImageHeader, EverythingWrittenIsReadAgain) {
   const TestFolder folder;
   const ImageHeader header = full_header();
   // Wide enough that the sensor is plausible for the pixel pitch.
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(5472, 8, 1), 50, &header));
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(5472, 8, 1), 50, &header));
   const ImageHeader back = read_image_header(folder / "a.jpg").value();
   EXPECT_EQ(back.width_px, 5472);
   EXPECT_EQ(back.height_px, 8);
@@ -417,26 +417,26 @@ TEST(ImageHeader, BelowSeaLevelAndWestSurvive) {
   header.latitude_deg = 31.5;
   header.longitude_deg = -0.25;
   header.height_m = -420.5;
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90, &header));
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(), 90, &header));
   const ImageHeader back = read_image_header(folder / "a.jpg").value();
   EXPECT_NEAR(back.longitude_deg.value(), -0.25, 1e-9);
   EXPECT_NEAR(back.height_m.value(), -420.5, 1e-4);
 }
 
-TEST(ImageHeader, ZeroZeroIsNoPlace) {
+TEST(ImageHeader, ZeroZeroIsNoPosition) {
   const TestFolder folder;
   ImageHeader header;
   header.latitude_deg = 0;
   header.longitude_deg = 0;
   header.height_m = 5;
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90, &header));
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(), 90, &header));
   const ImageHeader back = read_image_header(folder / "a.jpg").value();
   EXPECT_FALSE(back.latitude_deg || back.longitude_deg || back.height_m);
 }
 
 TEST(ImageHeader, WithoutTagsNothingIsInvented) {
   const TestFolder folder;
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90));
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(), 90));
   const ImageHeader back = read_image_header(folder / "a.jpg").value();
   EXPECT_EQ(back.width_px, 93);
   EXPECT_TRUE(back.maker.empty() && back.model.empty() && back.serial.empty() && back.taken.empty());
@@ -447,7 +447,7 @@ TEST(ImageHeader, WithoutTagsNothingIsInvented) {
 TEST(ImageHeader, SeveralThreadsReadAtOnce) {
   const TestFolder folder;
   const ImageHeader header = full_header();
-  ASSERT_TRUE(write_jpeg(folder / "a.jpg", picture(), 90, &header));
+  ASSERT_TRUE(write_jpeg(folder / "a.jpg", image(), 90, &header));
   std::array<int, 4> wrong{};
   {
     std::vector<std::jthread> threads;

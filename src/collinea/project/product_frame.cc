@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/project/places.h"
+#include "collinea/project/product_frame.h"
 
 #include "collinea/block/world_frame.h"
 
 namespace collinea {
 
-Result<Places> places_of(const Project& project, const Block& block) {
+Result<ProductFrame> product_frame_of(const Project& project, const Block& block) {
   COLLINEA_TRY(const auto oriented, project.store.read_outcome<OrientationRecord>());
-  Places places;
-  places.pixel_m = oriented.pixel_size;
+  ProductFrame product_frame;
+  product_frame.pixel_m = oriented.pixel_size;
   int shrink = 1;
   for (const auto& [id, camera] : block.cameras) {
     COLLINEA_TRY(const int of_camera, working_shrink(camera, project.settings.densify));
     shrink = std::max(shrink, of_camera);
   }
-  places.matched_pixel_m = shrink * places.pixel_m;
-  places.metric = oriented.metric;
+  product_frame.matched_pixel_m = shrink * product_frame.pixel_m;
+  product_frame.metric = oriented.metric;
   if (oriented.georeferenced) {
-    COLLINEA_TRY(places.frame, world_frame(*block.georeference));
+    COLLINEA_TRY(product_frame.frame, world_frame(*block.georeference));
   }
-  return places;
+  return product_frame;
 }
 
 }  // namespace collinea
