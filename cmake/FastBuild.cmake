@@ -14,6 +14,7 @@ function(collinea_precompiled_header target header)
   file(CONFIGURE OUTPUT ${target}.cc CONTENT "// Nothing but the precompiled header.\n")
   add_library(${target} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${target}.cc)
   target_link_libraries(${target} PRIVATE collinea_settings Eigen3::Eigen fmt::fmt Threads::Threads ${ARGN})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_precompile_headers(${target} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/${header})
 endfunction()
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The foreign headers that nearly every file reads, read once for all of them. Nothing of our own belongs here: a file
-// still includes what it uses, as the preset dev (which has no precompiled header and no unity build) shows.
+// The foreign headers that nearly every file reads, read once for all of them. Of our own only the list of what is compiled
+// once for all belongs here: a file still includes what it uses, as the preset dev (which has no precompiled header and no
+// unity build) shows.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,3 +30,5 @@
 #include <fmt/format.h>
 #include <Eigen/Dense>
 #include <tl/expected.hpp>
+
+#include "collinea/math/eigen_instances.h"
