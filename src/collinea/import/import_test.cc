@@ -461,10 +461,10 @@ TEST(ImportGeodetic, WhatDoesNotFitIsNamedWithFileAndLine) {
     return imported ? "accepted" : imported.error().message;
   };
   const std::string title = "from,to,distance_m,sigma_m\n";
-  EXPECT_TRUE(message(title + "A,C,1,1\n").ends_with("ground.csv: line 2: there is no point C in the control file"));
-  EXPECT_TRUE(message(title + "A,B,1,0\n").ends_with("ground.csv: line 2: sigma_m must be above 0"));
+  EXPECT_TRUE(message(title + "A,C,1,1\n").ends_with("geodetic.csv: line 2: there is no point C in the control file"));
+  EXPECT_TRUE(message(title + "A,B,1,0\n").ends_with("geodetic.csv: line 2: sigma_m must be above 0"));
   EXPECT_TRUE(message("from,to,setup,direction_deg,sigma_direction_arcsec\nA,B,1,1,1\nB,A,1,1,1\n")
-                  .ends_with("ground.csv: line 3: set-up 1 stands on A and on B"));
+                  .ends_with("geodetic.csv: line 3: set-up 1 stands on A and on B"));
 }
 
 TEST(ImportControl, CheckPointsWithoutControlAreAnError) {

@@ -49,7 +49,7 @@ std::string pixel_size_text(double size, const std::string& unit) {
 
 std::string count_text(std::size_t count) {  // 1,234,567
   std::string digits = std::to_string(count);
-  for (auto at = std::ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), ",");
+  for (auto at = std::ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), 1, ',');
   return digits;
 }
 
