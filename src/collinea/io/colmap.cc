@@ -98,7 +98,8 @@ Result<> take_images(const std::vector<ImageRow>& rows, IdRule image_id, IdRule 
       return fail(Errc::kBadFormat, "image " + row.name + " has no camera");
     image.camera = {camera_id(row.camera)};
     const auto& q = row.cam_from_world.rotation;
-    if (!(q.norm() > 1e-6) || !q.coeffs().allFinite() || !row.cam_from_world.translation.allFinite())
+    if (!(q.norm() > 1e-6) || !std::isfinite(q.norm()) || !q.coeffs().allFinite() ||
+        !row.cam_from_world.translation.allFinite())
       return fail(Errc::kBadFormat, "image " + row.name + " has no sensible pose");
     Rigid3 pose = row.cam_from_world;
     if (std::abs(q.squaredNorm() - 1) > 1e-12) pose.rotation.normalize();
