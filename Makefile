@@ -34,7 +34,7 @@ install: documents
 	@echo "== installed in $(PREFIX): collinea, collinea-demo, their man pages and the completion for bash"
 
 deb: documents
-	@command -v dpkg-shlibdeps > /dev/null || PACKAGES=dpkg-dev tools/setup.sh
+	@PACKAGES="dpkg-dev file" tools/setup.sh
 	@cd build/release && cpack -G DEB > cpack.log || (cat cpack.log; exit 1)
 	@echo "== $$(ls -t build/release/collinea_*.deb | head -1): install it with apt install ./FILE"
 
