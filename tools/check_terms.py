@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finds retired words in the identifiers of the source: one word for one thing, and it is the one of the field. Prints each
 with the word to use; fails when there is any. Names of tests are sentences and are not looked at, nor are comments and texts,
-except for the words of SENTENCES."""
+except for the words of SENTENCES; names of files in docs/theory must be those of files."""
 import pathlib, re, sys
 
 # A part of any identifier (snake_case or CamelCase).
@@ -53,6 +53,15 @@ def retired(module, path):
             yield source.count("\n", 0, match.start()) + 1, token, found
 
 
+def missing_files(top):
+    """(page, name) of sources that a page of the theory names and that are not there."""
+    have = {path.name for folder in ("src", "fuzz", "bench", "tools") for path in (top / folder).rglob("*.*")}
+    for page in sorted((top / "docs" / "theory").glob("*.md")):
+        for name in re.findall(r"`(?:\w+/)*(\w+\.(?:cc|h|py|sh))`", page.read_text()):
+            if name not in have:
+                yield page, name
+
+
 if __name__ == "__main__":
     root = pathlib.Path(__file__).resolve().parent.parent / "src" / "collinea"
     count = 0
@@ -60,5 +69,8 @@ if __name__ == "__main__":
         for line, word, instead in retired(path.relative_to(root).parts[0], path):
             print(f"{path.relative_to(root)}:{line}: {word}: {instead}")
             count += 1
-    print(f"{count} retired words in identifiers")
+    for page, name in missing_files(root.parent.parent):
+        print(f"{page.name}: {name}: there is no such file")
+        count += 1
+    print(f"{count} retired words in identifiers, and names of files that are gone in docs/theory")
     sys.exit(count > 0)

@@ -19,6 +19,7 @@
 #include "collinea/dense/internal/semi_global.h"
 #include "collinea/dense/internal/test_scene.h"
 #include "collinea/math/random.h"
+#include "collinea/math/test_targets.h"
 
 namespace collinea {
 namespace {
@@ -168,18 +169,16 @@ TEST(Stereo, TheNumberOfThreadsDoesNotMatter) {
 
 TEST(Stereo, TheVectorsOfTheProcessorDoNotMatter) {
   const TestPair pair{.at_left = 10, .square = 24, .noise = 3};
-  const std::int64_t all = hwy::SupportedTargets();
   const auto best = pair.matched();
   ASSERT_TRUE(best);
-  for (std::int64_t targets = all; targets; targets &= targets - 1) {
-    hwy::SetSupportedTargetsForTest(targets & -targets);
+  for (const std::int64_t target : testing::processor_targets()) {
+    const testing::OnTarget chosen(target);
     const auto map = pair.matched();
-    hwy::SetSupportedTargetsForTest(0);
     ASSERT_TRUE(map);
     for (const auto& [one, other] : {std::pair{&best->disparity, &map->disparity}, {&best->sigma, &map->sigma}})
       for (std::size_t i = 0; i < one->data.size(); ++i)
         if (!std::isnan(one->data[i]) || !std::isnan(other->data[i])) {
-          ASSERT_EQ(one->data[i], other->data[i]) << targets << ' ' << i;
+          ASSERT_EQ(one->data[i], other->data[i]) << hwy::TargetName(target) << ' ' << i;
         }
   }
 }

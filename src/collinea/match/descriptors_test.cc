@@ -8,6 +8,7 @@
 
 #include "collinea/match/internal/descriptors_kernels.h"
 #include "collinea/math/random.h"
+#include "collinea/math/test_targets.h"
 
 namespace collinea {
 namespace {
@@ -50,29 +51,15 @@ void expect_nearest_two_by_definition(const std::vector<Descriptor>& a, const st
 }
 
 // Every instruction set that this machine has and the library was built for.
-class EveryTarget : public testing::TestWithParam<std::int64_t> {
+class EveryTarget : public ::testing::TestWithParam<std::int64_t> {
  protected:
-  void SetUp() override {
-    hwy::SetSupportedTargetsForTest(GetParam());
-    hwy::GetChosenTarget().DeInit();
-  }
-  void TearDown() override {
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().DeInit();
-  }
+  testing::OnTarget target_{GetParam()};
 };
 
-std::vector<std::int64_t> targets() {
-  std::vector<std::int64_t> list;
-  const std::int64_t supported = hwy::SupportedTargets();
-  for (int bit = 0; bit < 63; ++bit)
-    if (supported >> bit & 1) list.push_back(std::int64_t{1} << bit);
-  return list;
-}
-
-INSTANTIATE_TEST_SUITE_P(Machine, EveryTarget, testing::ValuesIn(targets()), [](const auto& instance) {
-  return std::string(hwy::TargetName(instance.param)) + "_" + std::to_string(instance.index);
-});
+INSTANTIATE_TEST_SUITE_P(Machine, EveryTarget, ::testing::ValuesIn(testing::processor_targets()),
+                         [](const auto& instance) {
+                           return std::string(hwy::TargetName(instance.param)) + "_" + std::to_string(instance.index);
+                         });
 
 TEST_P(EveryTarget, NearestTwoAgreeWithTheDefinitionForAllSizesAroundTheTiles) {
   for (const std::size_t count_a : {0, 1, 2, 3, 4, 5, 61})

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "collinea/math/random.h"
+#include "collinea/math/test_targets.h"
 
 namespace collinea {
 namespace {
@@ -158,20 +159,15 @@ TEST(LeastSquaresMatching, EveryProcessorGivesTheSameBits) {
   const GreyImage reference = image_of(texture, 3);
   const GreyImage other = other_image(texture, {kMiddle + Vector2d(0.3, 0.4), Matrix2d::Identity()}, 1, 0, 3);
   std::vector<Vector2d> positions;
-  const std::int64_t supported = hwy::SupportedTargets();
-  for (int bit = 0; bit < 63; ++bit) {
-    if (!(supported >> bit & 1)) continue;
-    hwy::SetSupportedTargetsForTest(std::int64_t{1} << bit);
-    hwy::GetChosenTarget().DeInit();
+  for (const std::int64_t target : testing::processor_targets()) {
+    const testing::OnTarget chosen(target);
     const auto window = window_of(reference);
     ASSERT_TRUE(window);
     const auto found = found_in(other, *window, {kMiddle, Matrix2d::Identity()});
     ASSERT_TRUE(found);
     positions.push_back(found->placement.position_px);
-    EXPECT_EQ(positions.back(), positions.front()) << "target " << bit;
+    EXPECT_EQ(positions.back(), positions.front()) << hwy::TargetName(target);
   }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
 }
 
 }  // namespace

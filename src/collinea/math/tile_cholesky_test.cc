@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "collinea/math/random.h"
+#include "collinea/math/test_targets.h"
 
 namespace collinea::bundle {
 namespace {
@@ -128,10 +129,8 @@ TEST(TileKernels, EveryInstructionSetAgreesWithPlainLoops) {
     for (double& value : ray.z) value = random.normal();
     for (double& value : ray.residual) value = random.normal();
   }
-  const std::int64_t all = hwy::SupportedTargets();
-  for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {
-    hwy::SetSupportedTargetsForTest(rest & -rest);
-    hwy::GetChosenTarget().Update(rest & -rest);
+  for (const std::int64_t target : testing::processor_targets()) {
+    const testing::OnTarget chosen(target);
     std::vector<double> product = c;
     subtract_product(product.data(), a.data(), b.data(), 3 * kTile);
     double worst = 0;
@@ -141,7 +140,7 @@ TEST(TileKernels, EveryInstructionSetAgreesWithPlainLoops) {
         for (int k = 0; k < 3 * kTile; ++k) expected -= a[k * kTile + i] * b[k * kTile + j];
         worst = std::max(worst, std::abs(product[j * kTile + i] - expected));
       }
-    EXPECT_LT(worst, 1e-12) << hwy::TargetName(rest & -rest);
+    EXPECT_LT(worst, 1e-12) << hwy::TargetName(target);
 
     std::vector<double> blocks(3 * kTileSize, 1.0), diagonal_block(kTileSize, 2.0);
     double right[6] = {}, diagonal[6] = {}, columns[12] = {};
@@ -168,8 +167,6 @@ TEST(TileKernels, EveryInstructionSetAgreesWithPlainLoops) {
     }
     for (int r = 6; r < kTile; ++r) EXPECT_EQ(diagonal_block[r], 2.0);  // nothing beyond the six rows
   }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(all);
 }
 
 }  // namespace

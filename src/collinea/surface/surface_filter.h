@@ -27,7 +27,7 @@ struct TilePart {
 };
 [[nodiscard]] SurfaceTile cropped(const SurfaceTile& tile, const TilePart& part);
 
-/// Smaller patches of cells are specks.
+/// Smaller patches of cells are speckles.
 constexpr int kSmallestPatch = 9;
 
 /// Empties the cells that belong to a patch of fewer than kSmallestPatch cells: a patch is connected (8 neighbours)

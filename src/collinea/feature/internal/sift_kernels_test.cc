@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "collinea/math/random.h"
+#include "collinea/math/test_targets.h"
 
 namespace collinea {
 namespace {
@@ -33,32 +34,18 @@ std::vector<float> smooth_image(std::uint64_t seed) {
 }
 
 // Every instruction set that this machine has and the library was built for.
-class EveryTarget : public testing::TestWithParam<std::int64_t> {
+class EveryTarget : public ::testing::TestWithParam<std::int64_t> {
  protected:
-  void SetUp() override {
-    hwy::SetSupportedTargetsForTest(GetParam());
-    hwy::GetChosenTarget().DeInit();
-  }
-  void TearDown() override {
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().DeInit();
-  }
+  testing::OnTarget target_{GetParam()};
   std::vector<float> pixels = smooth_image(1);
   BlurredImage image{pixels.data(), kWidth, kWidth, kHeight};
   [[nodiscard]] double at(int x, int y) const { return pixels[std::size_t(y * kWidth + x)]; }
 };
 
-std::vector<std::int64_t> targets() {
-  std::vector<std::int64_t> list;
-  const std::int64_t supported = hwy::SupportedTargets();
-  for (int bit = 0; bit < 63; ++bit)
-    if (supported >> bit & 1) list.push_back(std::int64_t{1} << bit);
-  return list;
-}
-
-INSTANTIATE_TEST_SUITE_P(Machine, EveryTarget, testing::ValuesIn(targets()), [](const auto& instance) {
-  return std::string(hwy::TargetName(instance.param)) + "_" + std::to_string(instance.index);
-});
+INSTANTIATE_TEST_SUITE_P(Machine, EveryTarget, ::testing::ValuesIn(testing::processor_targets()),
+                         [](const auto& instance) {
+                           return std::string(hwy::TargetName(instance.param)) + "_" + std::to_string(instance.index);
+                         });
 
 TEST_P(EveryTarget, BothFiltersAreTheWeightedSum) {
   const std::vector<float> taps{0.3f, 0.2f, 0.1f, 0.05f};

@@ -40,7 +40,7 @@ struct Gridding {
 /// All points of a window, in any order.
 using PointsOf = std::function<Result<std::vector<GridPoint>>(const CellWindow& window)>;
 
-/// The measured surface in a window: CellFit for every cell, then specks removed. Without any point in the window and
+/// The measured surface in a window: CellFit for every cell, then speckles removed. Without any point in the window and
 /// its margin: no rasters. Points are asked for in bands of 64 rows and a few more, which are all that is in memory of
 /// them. The result is the same, bit for bit, for every order of the points and for every way to cut the
 /// raster into windows. Errors: those of `points_of`.
