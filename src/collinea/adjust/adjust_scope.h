@@ -27,7 +27,7 @@ struct AdjustScope : Instruments {
   std::optional<std::set<ImageId>> free_images;
   std::set<ImageId> fixed_images;    ///< fixed even if free otherwise
   std::set<CameraId> fixed_cameras;  ///< not calibrated
-  std::set<PointId> fixed_points;    ///< fixed
+  std::set<PointId> fixed_points;    ///< tie points that stay where they are
   /// The cameras as they were before any adjustment: the values of the weak observations below. A camera that is not
   /// named counts as it stands in the block.
   std::map<CameraId, Camera> first_cameras;

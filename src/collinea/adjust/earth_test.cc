@@ -162,7 +162,7 @@ TEST(Earth, RefractionIsTakenOffTheRays) {
   EXPECT_LT(mean_height_error(*wrong), -0.4);
 }
 
-TEST(Earth, RefractionNeedsAPositionOnEarth) {
+TEST(Earth, RefractionNeedsALocationOnEarth) {
   Block block = testing::test_block();
   EXPECT_EQ(correct_refraction(block).error().code, Errc::kBadInput);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <tuple>
 #include <utility>
@@ -15,7 +16,7 @@
 
 namespace collinea::bundle {
 
-/// All kinds of observations. A new kind is its file, its place here, and its table in Problem.
+/// All kinds of observations. A new kind is its file, its place here and in each order below, and its table in Problem.
 using ObservationKinds =
     std::tuple<ImagePoint, GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate, Geodetic, Attitude>;
 
@@ -30,7 +31,13 @@ inline constexpr std::array kInTests = {5, 1, 2, 3, 6, 7, 4};
 inline constexpr std::array kInDatum = {6, 1, 7};
 inline constexpr std::array kOfPoints = {5, 0};
 static_assert(kEvery.size() == std::tuple_size_v<ObservationKinds> && kInNormals.size() + 1 == kEvery.size());
-static_assert(kInSquares.size() == kInNormals.size() && kInTests.size() == kInNormals.size());
+static_assert(std::ranges::is_permutation(kInSquares, kInNormals) && std::ranges::is_permutation(kInTests, kInNormals));
+static_assert(
+    []<std::size_t... i>(std::index_sequence<i...>) {
+      const auto in = [](const auto& order, int kind) { return std::ranges::count(order, kind) == 1; };
+      return ((std::tuple_element_t<i, ObservationKinds>::kIsOfPoint == in(kOfPoints, int(i))) && ...);
+    }(std::make_index_sequence<kEvery.size()>{}),
+    "the kinds that say so are those of points");
 
 /// Calls visit.operator()<Kind>() for each kind.
 template <const auto& order = kInNormals, class Visit>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws of every kind of observation: one that is added to the list is tested without another line here.
+// Laws of every kind of observation. One that is added to the list needs an item in observed_every_way(), or the first
+// test fails.
 #include "collinea/adjust/observation_kinds.h"
 
 #include <gtest/gtest.h>

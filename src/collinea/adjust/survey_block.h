@@ -14,8 +14,8 @@ struct Surveyed {
   AdjustScope scope;
 };
 
-/// What a tape between neighbours, a total station and every other instrument in the first of these points and a level
-/// somewhere say, whose places `exact` has.
+/// What a tape between neighbours, and a total station, every other instrument and a level in the first of these points
+/// measure, with errors; `exact` has the true positions.
 inline void measure_geodetic(const Block& exact, Block& block, const std::vector<ControlId>& ids, double length_m,
                              double angle_rad, Random& random) {
   const auto position = [&](ControlId id) { return exact.control.at(id).position_in_world; };

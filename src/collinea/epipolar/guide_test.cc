@@ -119,7 +119,7 @@ MatchedImages flat(std::size_t count, std::size_t matched, int off, Random& rand
   return p;
 }
 
-TEST(Guide, OfAPlaneIsThePositionWhereTheKeypointIsMapped) {
+TEST(Guide, OfAPlaneIsWhereTheKeypointIsMapped) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Random random(seed);
     const MatchedImages p = flat(600, 60, 0, random);

@@ -67,7 +67,7 @@ struct OrientOptions {
                 "bundle.out, or a table of omega, phi, kappa"}
               .leads_to(PathKind::kFileOrFolder));
     visit(Field{"refine_orientation", &O::refine_orientation, "",
-                "adjust the orientation that was taken; otherwise it is fixed as it is"});
+                "adjust the orientation that was taken; otherwise it stays as it is"});
     visit(Group{"instruments", &O::instruments});
   }
 };

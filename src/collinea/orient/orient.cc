@@ -131,7 +131,7 @@ void take(const Placement& placed, Orientation& result) {
   add(result, placed.findings);
 }
 
-// All observations in a placed block. One without position on Earth has no control that could be worse than stated.
+// All observations in a placed block. One that is not georeferenced has no control that could be worse than stated.
 Result<ControlAdjustment> adjust_placed(Reconstruction& part, const AdjustScope& scope, const Orientation& placed,
                                         const OrientOptions& options, const Run& run) {
   const bool shift_is_unknown = placed.instruments.position_shift != PositionShift::kNone;

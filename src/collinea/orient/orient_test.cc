@@ -363,7 +363,7 @@ TEST(Orient, InTheFreeGaugeImagesStandAsTheyAreLookedAt) {
   }
 }
 
-TEST(Orient, TwoPositionsDoNotFixThePositionAndThisIsStated) {
+TEST(Orient, TwoPositionsDoNotFixTheBlockAndThisIsStated) {
   Matched input = on_the_map(small_block(0.5, 0, 0.3));
   int kept = 0;
   for (auto& [id, image] : input.setup.images)
@@ -454,7 +454,7 @@ double rotation_deg(const Orientation& found, const Block& truth, const Eigen::V
   return mean.dot(axis) * 180 / std::numbers::pi;
 }
 
-TEST(Orient, PositionsWithoutHeightsPositionTheBlockInPlan) {
+TEST(Orient, PositionsWithoutHeightsPlaceTheBlockInPlan) {
   const Matched input = without_heights(0.3);
   const auto found = orient(input);
   ASSERT_TRUE(found) << found.error().message;
@@ -486,7 +486,7 @@ TEST(Orient, PositionsTooVagueToTellTheTiltLeaveItToTheImages) {
   EXPECT_NEAR(rotation_deg(*found, input.truth, Eigen::Vector3d::UnitY()), 0, 9);
 }
 
-TEST(Orient, PositionsThatDoNotTellTheScaleAreNoPosition) {
+TEST(Orient, PositionsThatDoNotTellTheScaleDoNotPlaceTheBlock) {
   const auto found = orient(on_the_map(small_block(0.5, 0, 60)));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->georeferenced);

@@ -121,7 +121,7 @@ TEST(Network, GivesScaleAndLevelToABlockWithout) {
 }
 
 // Stations with coordinates, which no image shows: through what they measured the block has its place.
-TEST(Network, StationsWithCoordinatesPositionTheBlock) {
+TEST(Network, StationsWithCoordinatesPlaceTheBlock) {
   Network made = network(1, 0, false);
   for (std::uint32_t s = 0; s < Network::kStations; ++s) {
     ControlPoint& station = made.block.control.at({Network::kFirst + s});

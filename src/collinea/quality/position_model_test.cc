@@ -165,7 +165,7 @@ TEST(PositionModel, AGivenLeverArmIsUsed) {
   EXPECT_EQ(adjusted->auxiliaries.size(), 4u);  // boresight and time offset
 }
 
-TEST(PositionModel, AShiftOfAllPositionsLeavesThePositionOpen) {
+TEST(PositionModel, AShiftOfAllPositionsLeavesTheBlockMovable) {
   Flight made = flight(0, 0, 0, 1);
   made.scope.use_control = false;
   made.scope.lever_arms.clear();

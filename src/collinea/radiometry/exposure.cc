@@ -26,7 +26,7 @@ ChannelTable directions() {
   return table;
 }
 
-// A position in an image, with what its logarithm depends on besides the place itself.
+// A place as one image shows it: what the logarithm of its colour depends on besides the place itself.
 struct Sighting {
   std::uint32_t image, camera;
   float r2;
@@ -337,7 +337,7 @@ std::array<float, 3> ColourBalance::factor(std::size_t view_index, const View& v
   const float r2 = float(relative_radius2(view.camera, pixel));
   if (directions.width > 0) {
     darker = directions.at((view.centre_in_world - position_in_world).normalized().head<2>());
-    const auto usual = positions.at(position_in_world.head<2>());
+    const auto usual = mean_darkness.at(position_in_world.head<2>());
     for (std::size_t c = 0; c < 3; ++c) darker[c] -= usual[c];
   }
   for (std::size_t c = 0; c < 3; ++c) factor[c] *= std::exp(darker[c] + exposure.falloff[c] * r2);
@@ -372,7 +372,7 @@ Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> positio
     balance.directions.values[channel] = darkness_of_directions(x, unknowns, sightings);
   });
   if (run.stopped()) return fail(Errc::kCancelled, "cancelled");
-  balance.positions = darkness_at(balance.directions, positions, samples, standpoints);
+  balance.mean_darkness = darkness_at(balance.directions, positions, samples, standpoints);
   return balance;
 }
 
@@ -399,7 +399,7 @@ Result<ColourBalance> balance_of(const std::vector<View>& views, std::span<const
   std::vector<Standpoint> standpoints;
   for (const View& view : views) standpoints.push_back({view.camera_id, view.centre_in_world.head<2>()});
   std::vector<Eigen::Vector2d> positions;
-  for (const Eigen::Vector3d& position_index : positions_in_world) positions.push_back(position_index.head<2>());
+  for (const Eigen::Vector3d& position : positions_in_world) positions.push_back(position.head<2>());
   return balance_exposures(positions, samples, standpoints, run);
 }
 

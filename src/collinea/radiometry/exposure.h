@@ -30,7 +30,7 @@ struct ColourBalance {
   /// The mean of `directions` over the images that show a place neither cut off nor black, over x and y of the world.
   /// The colour of a place is that mean of what is seen of it: at the border of the block, which all see from the same
   /// side, it stays what the images show.
-  ChannelTable positions;
+  ChannelTable mean_darkness;
 
   /// By what the channels of an image are multiplied where it shows `position_in_world` at `pixel`.
   [[nodiscard]] std::array<float, 3> factor(std::size_t view_index, const View& view,

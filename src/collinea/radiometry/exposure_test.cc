@@ -86,8 +86,8 @@ TEST(Exposures, LightSentBackToTheSunDoesNotBecomeATrendOfTheGains) {
     EXPECT_NEAR(corrected({x, y}), above, 0.05) << x << " " << y;
   // In the middle of the block the directions have nothing to say on the whole; at its eastern border, seen from the
   // west only, the ground keeps the brightness of that side.
-  EXPECT_NEAR(double(balance.positions.at({0.7, 0.75})[1]), 0, 0.03);
-  EXPECT_NEAR(double(balance.positions.at({1.8, 0.75})[1]), -0.5 * 0.4, 0.06);
+  EXPECT_NEAR(double(balance.mean_darkness.at({0.7, 0.75})[1]), 0, 0.03);
+  EXPECT_NEAR(double(balance.mean_darkness.at({1.8, 0.75})[1]), -0.5 * 0.4, 0.06);
 }
 
 TEST(Exposures, MayBeCancelled) {
@@ -156,7 +156,7 @@ TEST(Exposures, ImagesWithoutCommonPositionsStayAsTheyAre) {
   }
   for (const double x : {-0.8, -0.2, 0.0, 0.5}) {
     EXPECT_EQ(balance.directions.at({x, 0.2}), zeros) << x;
-    EXPECT_EQ(balance.positions.at({x, 0}), zeros) << x;
+    EXPECT_EQ(balance.mean_darkness.at({x, 0}), zeros) << x;
   }
 }
 

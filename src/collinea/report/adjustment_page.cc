@@ -205,8 +205,8 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
   html += "</section>\n";
   std::vector<TestedObservation> surveyed;
   for (const TestedObservation& one : tests.others)
-    if (one.group == ObservationGroup::kControlPlan || one.group == ObservationGroup::kControlHeight ||
-        (one.group >= ObservationGroup::kDistance && one.group < ObservationGroup::kAttitudeLevel))
+    if (const ObservationSource source = traits_of(one.group).source;
+        source == ObservationSource::kControlCoordinates || source == ObservationSource::kGeodetic)
       surveyed.push_back(one);
   if (!surveyed.empty())
     html += fmt::format(

@@ -46,7 +46,7 @@ TestedObservation in_unit(TestedObservation one) {
 
 const char* unit_of(const TestedObservation& one) {
   if (is_angle(one.group)) return "deg";
-  return one.group == ObservationGroup::kTieImages || one.group == ObservationGroup::kControlImages ? "px" : "m";
+  return is_image_point(one.group) ? "px" : "m";
 }
 
 std::string name_of(const TestedObservation& one, const Block& block) {

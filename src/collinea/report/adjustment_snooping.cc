@@ -18,10 +18,6 @@ using json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostRows = 50;
 
-bool in_image(ObservationGroup group) {
-  return group == ObservationGroup::kTieImages || group == ObservationGroup::kControlImages;
-}
-
 std::string name_of(const Rejected& rejected, const Block& block) {
   switch (rejected.group) {
     case ObservationGroup::kTieImages:
@@ -45,12 +41,10 @@ std::string name_of(const Rejected& rejected, const Block& block) {
   }
 }
 
-bool is_attitude(const Rejected& rejected) { return rejected.group >= ObservationGroup::kAttitudeLevel; }
-
 // Angles are told in degrees.
 bool is_angle(const Rejected& rejected) { return collinea::is_angle(rejected.group); }
 const char* unit(const Rejected& rejected) {
-  return in_image(rejected.group) ? "px" : is_angle(rejected) ? "deg" : "m";
+  return is_image_point(rejected.group) ? "px" : is_angle(rejected) ? "deg" : "m";
 }
 double stated_in_unit(const Rejected& rejected, double value) {
   return is_angle(rejected) ? value * 180 / std::numbers::pi : value;
@@ -60,9 +54,10 @@ const char* axis_of(const Rejected& rejected) {
   constexpr const char* kInImage[] = {"column", "row", ""};
   constexpr const char* kOnGround[] = {"east", "north", "height"};
   constexpr const char* kRotation[] = {"about east", "about north", "about the plumb line"};
-  if (is_attitude(rejected)) return kRotation[rejected.axis];
-  if (rejected.group >= ObservationGroup::kDistance) return "measured";
-  return in_image(rejected.group) ? kInImage[rejected.axis] : kOnGround[rejected.axis];
+  const ObservationSource source = traits_of(rejected.group).source;
+  if (source == ObservationSource::kAttitude) return kRotation[rejected.axis];
+  if (source == ObservationSource::kGeodetic) return "measured";
+  return is_image_point(rejected.group) ? kInImage[rejected.axis] : kOnGround[rejected.axis];
 }
 
 }  // namespace
@@ -71,7 +66,7 @@ std::string words_of_rejected(const Rejected& rejected, const Block& block) {
   std::string text = name_of(rejected, block);
   if (rejected.as_pair) return text + " (the only other ray of the point contradicts it; both went)";
   if (!std::isfinite(rejected.w)) return text + " (not seen there)";
-  const int decimals = in_image(rejected.group) ? 1 : is_angle(rejected) ? 4 : 3;
+  const int decimals = is_image_point(rejected.group) ? 1 : is_angle(rejected) ? 4 : 3;
   const bool in_plan = std::isfinite(rejected.gross_error.x()) && std::isfinite(rejected.gross_error.y());
   const double size = stated_in_unit(
       rejected, in_plan ? rejected.gross_error.head<2>().norm() : std::abs(rejected.gross_error[rejected.axis]));
@@ -97,7 +92,7 @@ std::string snooping_section(const AdjustmentReport& report) {
         "<th>&sigma;</th><th>influence</th><th class=\"l\">unit</th><th>redundancy</th></tr></thead><tbody>\n";
     for (std::size_t i = 0; i < std::min(kMostRows, snooped.rejected.size()); ++i) {
       const Rejected& rejected = snooped.rejected[i];
-      const int decimals = in_image(rejected.group) ? 2 : is_angle(rejected) ? 5 : 4;
+      const int decimals = is_image_point(rejected.group) ? 2 : is_angle(rejected) ? 5 : 4;
       html += "<tr>" + text_cell(name_of(rejected, snooped.block)) + text_cell(axis_of(rejected)) +
               cell(rejected.w, 1) + cell(stated_in_unit(rejected, rejected.gross_error[rejected.axis]), decimals) +
               cell(stated_in_unit(rejected, rejected.sigma), decimals) +

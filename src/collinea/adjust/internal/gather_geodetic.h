@@ -31,7 +31,7 @@ void erase_weak_shapes(const Block& block, const std::function<Eigen::Vector3d(C
 /// Points without observations are not there.
 [[nodiscard]] std::map<ControlId, int> geodetic_counts(const Block& block, const std::vector<std::uint32_t>& geodetic);
 
-/// Fills Problem::ground. Points that observations are of get their unknowns among the global parameters, behind all
+/// Fills Problem::geodetic. Points that observations are of get their unknowns among the global parameters, behind all
 /// others. Directions of one set-up have its orientation in common, which begins with what the first of them says;
 /// points of one shape that of their best fit.
 void lay_out_geodetic(const Block& block, const std::vector<std::uint32_t>& geodetic, ProblemAndStart& out);

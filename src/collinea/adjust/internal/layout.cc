@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint32_t kNone = CandidateImages::kNone;
 constexpr int kMostGlobalUnknowns = 10000;  // their normal equations are full: 0.8 GB, held twice
 
-// The position of each free image in the order of elimination. `free_index`: of candidates; -1: not free or no part.
+// The rank of each free image in the order of elimination. `free_index`: of candidates; -1: not free or no part.
 std::vector<int> order_of_free(const Block& block, const Participants& participants, int free,
                                const std::vector<int>& free_index) {
   std::vector<int> order(static_cast<std::size_t>(free));

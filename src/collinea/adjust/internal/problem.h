@@ -23,7 +23,7 @@ inline constexpr std::size_t kRaysWorthThreads = 3000;
 struct Ray {
   double pixel[2];
   double inverse_sigma;
-  std::uint32_t image;   ///< number in Problem::images
+  std::uint32_t image;   ///< index in Problem::images
   std::uint32_t source;  ///< index in Block::observations or Block::control_observations
 };
 
@@ -31,7 +31,7 @@ struct Ray {
 /// unknowns.
 struct ProblemImage {
   ImageId id;
-  int camera;  ///< number in Problem::cameras
+  int camera;  ///< index in Problem::cameras
 };
 
 struct ProblemCamera {
@@ -47,7 +47,7 @@ struct ProblemCamera {
 struct ProblemPoint {
   std::uint32_t id = 0;  ///< of a PointId or a ControlId
   std::uint32_t first_ray, first_free;
-  int control = -1;  ///< number in Problem::control, -1 for tie points
+  int control = -1;  ///< index in Problem::control, -1 for tie points
   bool is_fixed = false;
   int first_retained = -1;  ///< where its three unknowns begin among the global parameters; -1: the point is eliminated
 
@@ -67,9 +67,9 @@ struct AuxiliaryUnknown {
 struct GeodeticLink {
   GeodeticObservation observation;
   std::uint32_t source;      ///< index in Block::geodetic
-  std::uint32_t from, to;    ///< numbers in Problem::points
+  std::uint32_t from, to;    ///< indices in Problem::points
   int auxiliary = -1;        ///< first of its own unknowns in Problem::auxiliaries; -1: none
-  int shape = -1;            ///< number in Problem::shapes
+  int shape = -1;            ///< index in Problem::shapes
   double inverse_sigma = 0;  ///< 0: only compared
 };
 
@@ -107,8 +107,8 @@ struct GivenPosition {
   std::uint32_t image;
   Eigen::Vector3d given, inverse_sigma;
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< exact part of the lever arm
-  int lever_arm = -1, shift = -1, drift = -1;     ///< first of three numbers in Problem::auxiliaries; -1: none
-  int time_offset = -1;                           ///< number in Problem::auxiliaries
+  int lever_arm = -1, shift = -1, drift = -1;     ///< first of three indices in Problem::auxiliaries; -1: none
+  int time_offset = -1;                           ///< index in Problem::auxiliaries
   double time = 0;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 
@@ -138,7 +138,7 @@ struct GivenRotation {
   std::uint32_t image;
   Eigen::Quaterniond cam_from_world;
   Eigen::Vector3d inverse_sigma;
-  int boresight = -1;  ///< first of three numbers in Problem::auxiliaries; -1: none
+  int boresight = -1;  ///< first of three indices in Problem::auxiliaries; -1: none
 };
 
 /// Directions in which the poses of some images must not move together, because nothing observes that motion.

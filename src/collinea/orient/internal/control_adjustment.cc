@@ -43,12 +43,10 @@ void weigh_measurements(Reconstruction& part, ControlAdjustment& result) {
                                        {RemedyCode::kLookForMarks}));
 }
 
-Block with_control_sigmas(Block setup, ControlKind kind, double factor) {
-  for (auto& [id, point] : setup.control)
-    if (point.role == ControlRole::kControl)
-      for (int axis = 0; axis < 3; ++axis)
-        if (kind_of(axis) == kind) point.sigma_m[axis] *= factor;
-  return setup;
+Block with_control_sigmas(const Block& setup, ControlKind kind, double factor) {
+  SigmaFactors factors = as_given();
+  factors[std::size_t(kind == kPlan ? ObservationGroup::kControlPlan : ObservationGroup::kControlHeight)] = factor;
+  return with_sigmas(setup, factors);
 }
 
 // Shifts the positions to where control puts the block, and answers by how much [m].

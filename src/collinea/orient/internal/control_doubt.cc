@@ -14,7 +14,7 @@ namespace {
 constexpr double kSettled = 1.2;  // a few points do not tell their sigma any better
 constexpr double kStep = 5;       // one step does no more: weights must not collapse
 
-// Sums over coordinates of the control points, for their variance components (adjust/variance_components).
+// Sums over coordinates of the control points, for their variance components (see quality/variance_components.h).
 struct Shown {
   double squares = 0, redundancy = 0;  // of residuals in sigmas; what the block and the other points know of them
   int coordinates = 0;

@@ -38,10 +38,9 @@ struct SuspectChoice {
 ///
 /// Only those go together that cannot disturb each other:
 ///  - of each tie point or control point one image point;
-///  - of each image those image points that would be suspect whatever the worse ones in it did to them. A gross error
-///  in
-///    one of n rays of an image shows in another as h / r of itself, where h, of the six unknowns of the image, is 3 /
-///    n on average and three times that in corners: it may explain 10 / n of its w;
+///  - of each image those image points that would be suspect whatever the worse ones in it did to them: a gross error
+///    in one of n rays of an image shows in another as h / r of itself, where h, of the six unknowns of the image, is
+///    3 / n on average and three times that in corners: it may explain 10 / n of its w;
 ///  - of coordinates, geodetic observations and attitudes the worst alone, unless an image point of their control
 ///  points
 ///    is worse, and after it no image point.
